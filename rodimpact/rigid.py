@@ -44,6 +44,13 @@ class RigidCollision(NamedTuple):
         Kinetic energy of both bodies; an immovable body has 0 if at rest, else infinity [J].
     energy_lost : float or array
         Kinetic energy lost, finite also with an immovable body [J].
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> found = ri.rigid.collide(1.0, 2.0, 1.0, 0.0, 1.0)     # equal masses exchange velocities
+    >>> found.velocity_1, found.velocity_2, found.energy_lost
+    (0.0, 2.0, 0.0)
     """
 
     velocity_1: Number
@@ -66,6 +73,13 @@ class StackDrop(NamedTuple):
         Velocities from the bottom ball to the top one, positive upwards [m/s].
     top_height : float or array
         Height the top ball reaches above its collision; 0 if it does not rise [m].
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> found = ri.rigid.stack_drop([1.0, 1e-9], [1.0, 1.0], height=1.0)     # light on heavy
+    >>> round(float(found.top_height), 6)
+    9.0
     """
 
     velocities: Array

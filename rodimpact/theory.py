@@ -46,6 +46,12 @@ class PairCollision(NamedTuple):
         Largest contact force [N].
     vibration_energy : float or array
         Energy that stays behind as vibration [J].
+
+    Examples
+    --------
+    >>> found = saint_venant(1.0, 1.0, 1.0, 2.0, closing_speed=3.0)
+    >>> found.restitution, found.impulse
+    (0.5, 3.0)
     """
 
     restitution: Number

@@ -32,6 +32,13 @@ def warm() -> float:
     -----
     NoCompiler
         If nothing can be compiled.
+
+    Examples
+    --------
+    Up to a minute the first time, seconds afterwards:
+
+    >>> import rodimpact as ri
+    >>> seconds = ri.warm()                                # doctest: +SKIP
     """
     begun = time.perf_counter()
     if reason := kernels.why_not():

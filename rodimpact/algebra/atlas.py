@@ -71,6 +71,17 @@ class Atlas:
         Pieces of the borders, straight from place to place.
     of_line : [line] array of int
         Index of a point of `borders` on each line.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=steel)
+    >>> plane = ri.atlas(ri.System([left, right]),
+    ...                  ("bodies.0.length", 0.3, 0.9), ("bodies.1.length", 1.0, 2.0))
+    >>> len(plane.cells), round(float(plane.restitution(0.6, 1.5)), 12)
+    (1, 0.4)
     """
 
     system: System

@@ -158,6 +158,17 @@ class ClosedForm:
     unsolved : bool
         Whether there are more sides, where the collision is not over after `max_events`, or
         beyond the cap on cells.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=steel)
+    >>> form = ri.closed_form(ri.System([left, right]), ["length"])
+    >>> print(form)
+    e = l1/l2
+    where l1 < l2
     """
 
     _field: Field
@@ -285,7 +296,7 @@ class ClosedForm:
             if len(self.sides) > FEW:
                 lines.append("... see the others in .sides")
         if self.unsolved:
-            lines.append("There are more, which max_events or the cap on cells has left out.")
+            lines.append("There are more cells, left out by max_events or by the cap on cells.")
         return "\n".join(lines)
 
     @property

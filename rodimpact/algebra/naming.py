@@ -81,7 +81,7 @@ class Naming:
             for paths in (asked, self._named)
         )
         problems = [
-            ("symbols", f"{shown(symbol)} names no number that formulas have beside the other "
+            ("symbols", f"{shown(symbol)} names no number of the formula beside the other "
              f"symbols; {suggestion(symbol, known)}")
             for symbol in self.symbols if symbol not in named
         ]

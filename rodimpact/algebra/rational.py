@@ -34,6 +34,16 @@ class Exact:
     time_unit : float
         s. It is 1 where wave speeds are rational or transit times are given; else the time in
         which a wave runs 1 m in the first rod, which may be irrational and is all that is rounded.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=steel)
+    >>> found = ri.exact(ri.System([left, right]))
+    >>> found.velocities_after
+    (Fraction(0, 1), Fraction(2, 5))
     """
 
     restitution: Fraction | None
@@ -157,7 +167,7 @@ def _wave_speeds(row: Row, given: Mapping[str, Fraction]) -> tuple[dict[str, Fra
         path = odd[0] if odd else next(iter(squares))
         message = "has an irrational wave speed"
         if odd:
-            message = "has an irrational wave speed, beside that of the first rod too"
+            message = "has an irrational wave speed, also relative to the first rod"
         remedy = f"give {path}.transit_time and {path}.impedance, or take closed_form()"
         raise InvalidModel([(path, f"{message}; {remedy}")])
     return {p: c for p, c in speeds.items() if c}, 1.0 if absolute else float(first) ** -0.5

@@ -33,11 +33,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", metavar="FILE", required=True,
                         help="the picture: .gif or .mp4")
     parser.add_argument("--field", choices=("velocity", "stress", "strain"), default="velocity",
-                        help="what the colours tell; default velocity")
+                        help="quantity shown in colour; default velocity")
     parser.add_argument("--frames", metavar="N", default="120", help="2 to 10000; default 120")
     parser.add_argument("--fps", metavar="N", default="25", help="frames a second; default 25")
     parser.add_argument("--magnify", metavar="X",
-                        help="magnification of displacements and gaps, instead of one that suits")
+                        help="magnification of displacements and gaps; chosen by default")
     parser.add_argument("--dark", action="store_true", help="light lines on dark paper")
     add_run_options(parser, ("until",))
     parser.add_argument("--force", action="store_true", help="replace an existing file")

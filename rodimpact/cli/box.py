@@ -92,7 +92,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     draw(replays, ratios, values, [directory / name for name in names], arguments)
     largest = max(abs(e - r) for e, r in zip(values, ratios, strict=True))
     law = (f"Length ratios from {ratios[0]:.3g} to 1\n"
-           f"{PAIRS} pairs of rods solved: e is l1/l2 but for {largest:.1e} at most.")
+           f"{PAIRS} pairs of rods solved: e agrees with l1/l2 to {largest:.1e}.")
     parts = [(introduction(material), []),
              *((describe(replay), figures_of(key, suffix))
                for key, replay in zip(keys, replays, strict=True)),
@@ -148,13 +148,14 @@ def introduction(material: Material) -> str:
     trips = 2 / float(material.wave_speed)
     return (
         "The axial collision of elastic rods\n"
-        f"Rods of {material.name}, 1 cm^2 thick, the longest 1 m long; the left one comes at "
-        "v = 1 m/s.\n"
-        f"Waves run along them at {material.wave_speed:.0f} m/s (in metals at 3000 to 6000 m/s, "
-        "not about 1000 m/s): two trips\n"
-        f"along 1 m take {format_si(trips, 's')}, so the collision lasts about {1e3 * trips:.1g} "
+        f"Rods of {material.name}, cross-sectional area 1 cm^2, the longest 1 m long. The left rod "
+        "comes at v = 1 m/s.\n"
+        f"The bar speed is {material.wave_speed:.0f} m/s (3000 to 6000 m/s in metals, not about "
+        "1000 m/s). A wave runs twice\n"
+        f"along 1 m in {format_si(trips, 's')}, so the collision lasts about {1e3 * trips:.1g} "
         "ms.\n\n"
-        f"What is where, from left to right: velocity and stress of each uniform piece.\n{LEGEND}"
+        "Each line shows the velocity and stress of each uniform piece, from left to right.\n"
+        f"{LEGEND}"
     )
 
 
@@ -201,10 +202,10 @@ def results(replay: Replay) -> str:
         remark += f", of the {replay.names[1]} {format_si(2 * float(right.transit_time), 's')}"
     if episode.opening > episode.force_end:
         remark += (
-            f".\nThe textbook lets the rods part as the force ends, {format_si(o.duration, 's')}; "
-            "they touch without force\nuntil the long rod's wave is back and the gap opens, "
-            f"{format_si(episode.opening - episode.start, 's')}")
-    return f"{table}\n{remark}.\nVibration keeps (1 - e^2) m_coll v^2/2."
+            f".\nThe force ends after {format_si(o.duration, 's')}. In the textbook the rods part "
+            "then. In fact they touch\nwithout force until the wave of the long rod is back; the "
+            f"gap opens after {format_si(episode.opening - episode.start, 's')}")
+    return f"{table}\n{remark}.\nThe vibration energy is (1 - e^2) m_coll v^2/2."
 
 
 def draw(

@@ -66,9 +66,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         ("stop", "TIME", "its end"),
         ("shift", "TIME", "fixed, of the prediction; positive is later"),
         ("scale", "X", "its gain, fixed"),
-        ("carried", "LENGTH", "carry what passes the gauge so much farther by the exact waves of "
-         "a round bar, for a gauge put close behind the struck end"),
-        ("radius", "LENGTH", "equivalent radius of that bar, if the case does not call it round"),
+        ("carried", "LENGTH", "shift the computed pulse so much farther, with the exact dispersion "
+         "of a round bar, for a gauge placed close behind the struck end"),
+        ("radius", "LENGTH", "equivalent radius of that bar, if the case gives no diameter"),
     ):
         compared.add_argument(f"--{name}", metavar=metavar, help=what)
     add_record_options(parser)
@@ -82,8 +82,8 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     options = run_options(problems, arguments, case)
     places = gauge_places(problems, arguments.gauge, case)
     if not places:
-        message = f"is missing; {FORM} names a channel and where its gauge is, as [[gauges]] of the"
-        problems.append(("--gauge", f"{message} case do, with a name"))
+        message = f"is missing; {FORM} gives a channel and the place of its gauge, as [[gauges]]"
+        problems.append(("--gauge", f"{message} of the case do, with a name"))
     numbers = given_numbers(problems, arguments, _DIMENSIONS)
     for name in ("rate", "radius"):
         if numbers.get(name, 1.0) <= 0:

@@ -31,6 +31,6 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     assert case is not None  # or there were problems
     page = page_of(case, solved)
     page.save(arguments.output, force=arguments.force)
-    shown = "solves by itself" if page.solution is None else "shows what was solved for it"
+    shown = "solves the collision itself" if page.solution is None else "shows a stored solution"
     text = f"{arguments.output}: {len(page.html.encode()) / 1000:.0f} kB, {shown}"
     return text, DONE if page.solution is None else status_of(page.solution)

@@ -27,7 +27,7 @@ _OPTIONS = {"time": "--time", "time_unit": "--time-unit", "rate": "--rate", "uni
 
 def add_record_options(parser: argparse.ArgumentParser) -> None:
     """How to read the record, and its bridge."""
-    record = parser.add_argument_group("what the record is, where it does not say so itself")
+    record = parser.add_argument_group("form of the record, where the file does not state it")
     for name, metavar, what in (
         ("time", "COLUMN", "the column of times"), ("time-unit", "UNIT", "s, ms, us or ns"),
         ("rate", "FREQUENCY", "samples a second, of a record without times"),

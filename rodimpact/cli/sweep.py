@@ -47,13 +47,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--checkpoint", metavar="DIR",
                         help="keep finished parts here, and go on from those of an earlier run")
     parser.add_argument("--on-error", choices=("record", "raise"), default="record",
-                        help="where a collision does not come to its end: record that and go on "
-                        "(default), or stop the sweep")
+                        help="a collision that does not come to its end is recorded (default), "
+                        "or stops the sweep")
     parser.add_argument("--also", metavar="NAME", action="append", default=[], choices=ALSO,
-                        help="what else is wanted, which takes longer: dissipated, the energy lost "
-                        "in contacts; set, how far yielding contacts have yielded for good, such "
-                        "as the set of a pile; largest_stress in each rod; displacement of each "
-                        "body at the end (--until); accuracy, the stated error; once for each")
+                        help="compute more, which takes longer: dissipated, the energy lost in "
+                        "contacts; set, the overlap that yielding contacts keep, such as the set "
+                        "of a pile; largest_stress in each rod; displacement of each body at the "
+                        "end (--until); accuracy, the stated error; give --also once for each")
     add_run_options(parser, ("until", "max_events", "dt", "rtol", "cells"))
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--csv", action="store_true", help="print a row for each collision")
@@ -142,10 +142,10 @@ def _check_case(problems: Problems, case: Case, drawn: str | None) -> None:
         message = f"a figure has one or two axes, and {wide} numbers vary; leave it out"
         problems.append(("--plot", message))
     elif drawn == "restitution" and contacts != 1:
-        message = f"a figure shows e, which a row with {contacts} contacts has not; name another"
+        message = f"a figure shows e, and a row with {contacts} contacts has no e; name another"
         problems.append(("--plot", f"{message} --quantity, such as velocity_after.0"))
     elif drawn == "restitution" and driven(case.system):
-        message = "a figure shows e, which a row held under gravity or driven has not; name another"
+        message = "a figure shows e, which gravity or a driven end leaves undefined; name another"
         problems.append(("--plot", f"{message} --quantity, such as velocity_after.0"))
 
 

@@ -217,7 +217,7 @@ def _check(system: System, of: Any, wrt: Any, workers: int | None) -> None:
     for i, body in enumerate(system.bodies):
         if isinstance(body, Rod):
             problems += [
-                (f"bodies.{i}.{name}", "jumps; its derivatives are not known, give one number")
+                (f"bodies.{i}.{name}", "jumps, and its derivatives are not known; give one number")
                 for name in ("velocity", "strain") if isinstance(getattr(body, name), Steps)
             ]
     lasting, able = ending(system), unilateral(system)

@@ -31,6 +31,17 @@ class Kink(NamedTuple):
         Where that is: 0 is the left end of the row, and then come the joints of its segments.
     event : str
         What it is; empty where there is no kink.
+
+    Examples
+    --------
+    At equal lengths e = l1/l2 below and e = l2/l1 above:
+
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> rods = [ri.Rod(1.0, area=1e-4, material=steel, velocity=v) for v in (1.0, 0.0)]
+    >>> kink = ri.gradient(ri.System(rods), wrt=["bodies.0.length"]).kinks["bodies.0.length"]
+    >>> round(float(kink.below), 6), round(float(kink.above), 6)
+    (1.0, -1.0)
     """
 
     below: Any
@@ -61,6 +72,16 @@ class Gradient:
         Of the quantity; "" if it has none.
     units : dict of str to str
         Of each derivative, by path.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=steel)
+    >>> slopes = ri.gradient(ri.System([left, right]), wrt=["bodies.0.length"])
+    >>> round(float(slopes["bodies.0.length"]), 9), slopes.units["bodies.0.length"]     # e = l1/l2
+    (1.0, '1/m')
     """
 
     of: str

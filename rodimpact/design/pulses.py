@@ -46,6 +46,18 @@ class PulseDesign:
     bounded : dict of int to str
         ``"smallest"`` or ``"largest"`` for each segment whose area is the smallest or the largest
         that was allowed.
+
+    Examples
+    --------
+    A constant force for 80 us asks for a uniform striker:
+
+    >>> import numpy as np, rodimpact as ri
+    >>> bar = ri.Rod(2.0, area=1e-4, material=ri.materials.steel)
+    >>> force = bar.segments[0].impedance * 10.0 / 2
+    >>> wanted = ri.Signal([force, force], [0.0, 80e-6], unit="N")
+    >>> found = ri.design.striker(wanted, bar, velocity=10.0, duration=80e-6, segments=1)
+    >>> round(found.system.bodies[found.body].segments[0].area * 1e4, 6)
+    1.0
     """
 
     system: System

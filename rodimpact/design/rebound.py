@@ -36,6 +36,18 @@ class RestitutionDesign:
         The members among which it was looked for.
     place : float
         Where among the members the system lies: 2.5 is half way from member 2 to member 3.
+
+    Examples
+    --------
+    How long must rod 1 be for e = 0.5?
+
+    >>> import numpy as np, rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> left = ri.Rod(np.linspace(0.1, 0.9, 9), area=1e-4, material=steel, velocity=1.0)
+    >>> family = ri.System([left, ri.Rod(1.0, area=1e-4, material=steel)])
+    >>> found = ri.design.restitution(0.5, family)
+    >>> round(found.system.bodies[0].length, 6), round(found.reached, 6)
+    (0.5, 0.5)
     """
 
     system: System
@@ -102,7 +114,7 @@ def restitution(wanted: float, family: System) -> RestitutionDesign:
     of_kind("family", family, System, "System([Rod(np.linspace(.1, 1, 50), ...), other])")
     if len(family.shape) != 1 or family.shape[0] < 2:
         raise refusal(
-            "family", "needs one axis of two members or more to look along, such as "
+            "family", "must vary along one axis with two members or more, such as "
             f"Rod(np.linspace(.1, 1, 50), ...), got the shape {family.shape}")
     e = single("wanted", wanted, "", "non-negative")
     members = sweep(family)
@@ -134,8 +146,8 @@ def restitution(wanted: float, family: System) -> RestitutionDesign:
             paths = " and ".join(family.parameters)
             raise refusal(
                 "wanted",
-                f"e = {e:g} is not reached; with {paths} as given e runs from {low:.6g} to "
-                f"{high:.6g}: let them vary further, or let something else vary")
+                f"e = {e:g} is not reached: for these values of {paths}, e lies between {low:.6g} "
+                f"and {high:.6g}. Give a wider range, or vary another number")
     return RestitutionDesign(member(place), e, miss(place) + e, members, float(place))
 
 

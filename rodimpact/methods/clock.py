@@ -101,6 +101,6 @@ def too_long(end: float, longest: float) -> tuple[str, str]:
 def too_short(path: str, transit: float, longest: float) -> tuple[str, str]:
     """Path and sentence for a segment, if no clock holds its transit time beside the longest, s."""
     return path, (
-        f"its transit time {transit:.3g} s is too short beside the longest, {longest:.3g} s: one "
-        "exact clock holds ratios up to about 2e11; leave it out"
+        f"its transit time {transit:.3g} s is too short beside the longest, {longest:.3g} s: the "
+        "clock holds ratios up to about 2e11; leave this segment out"
     )

@@ -44,7 +44,18 @@ def start() -> None:
 
 
 class DamagedCache(UserWarning):
-    """Machine code on disk cannot be read, and is made anew."""
+    """Machine code on disk cannot be read, and is made anew.
+
+    Examples
+    --------
+    A program that shall stop instead:
+
+    >>> import warnings, rodimpact as ri
+    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("error", ri.DamagedCache)
+    ...     outcome = ri.collide(rod, ri.Wall())
+    """
 
 
 class Compiled:

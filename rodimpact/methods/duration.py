@@ -18,7 +18,18 @@ Progress = Callable[[int, int], Any]
 
 
 class LongRun(UserWarning):
-    """Something takes five seconds or more; the message says how long, and what takes less."""
+    """Something takes five seconds or more; the message says how long, and what takes less.
+
+    Examples
+    --------
+    A program that knows its runs are long:
+
+    >>> import warnings, rodimpact as ri
+    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("ignore", ri.LongRun)
+    ...     outcome = ri.collide(rod, ri.Wall())
+    """
 
 
 def warn(sentence: str) -> None:

@@ -27,7 +27,18 @@ LIST_TIME = 5e-8  # a number to and from a list
 
 
 class NoCompiler(UserWarning):
-    """A long run goes in plain Python, because numba is missing or does not start."""
+    """A long run goes in plain Python, because numba is missing or does not start.
+
+    Examples
+    --------
+    A program without numba that shall be silent:
+
+    >>> import warnings, rodimpact as ri
+    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("ignore", ri.NoCompiler)
+    ...     outcome = ri.collide(rod, ri.Wall())
+    """
 
 
 def enabled() -> bool:

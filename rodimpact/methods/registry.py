@@ -81,6 +81,12 @@ class Options:
     See Also
     --------
     rodimpact.solve : Tells more of each.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> ri.Options(until=1e-3, rtol=1e-6).rtol
+    1e-06
     """
 
     until: float | None = None

@@ -326,8 +326,8 @@ def _plain(value: Any) -> Any:
 def squeezed(seconds: float) -> InvalidModel:
     """What to raise where a rigid mass cannot move."""
     message = (
-        f"a rigid mass is squeezed between walls that leave it no room, at {seconds:.6g} s; give a "
-        "contact there a compliant law"
+        f"two walls squeeze a rigid mass at {seconds:.6g} s; give one of its contacts a compliant "
+        "law"
     )
     return InvalidModel([("contacts", message)])
 

@@ -39,6 +39,19 @@ class Episode(NamedTuple):
         When the last force ends, s; nan if it lasts to the end of the run.
     opening : float
         When the gap opens, s; nan if it has not.
+
+    Examples
+    --------
+    The force ends after 2 l1/c, the gap opens after 2 l2/c:
+
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=steel)
+    >>> (episode,) = ri.solve(ri.System([left, right])).contacts[0].episodes
+    >>> c = steel.wave_speed
+    >>> round(episode.force_end * c / 2, 12), round(episode.opening * c / 2, 12)     # m
+    (0.4, 1.0)
     """
 
     start: float
@@ -64,6 +77,17 @@ class ContactTally(NamedTuple):
         When the force first begins and last ends, s; nan if there was none.
     episodes : int
         How often the contact pressed.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=steel)
+    >>> outcome = ri.solve(ri.System([left, right])).outcome
+    >>> tally = outcome.contacts[0]
+    >>> round(tally.impulse / left.mass, 12), tally.episodes     # J = m1 v
+    (1.0, 1)
     """
 
     impulse: float

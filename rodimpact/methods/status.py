@@ -103,7 +103,7 @@ def rounding(error: float, path: str) -> str:
     """What is told of transit times that the clock has changed by so much of themselves."""
     if error <= ROUNDED:
         return ""
-    return f" The transit time of {path} was rounded by {error:.2g} of itself to fit the clock."
+    return f" The clock rounds the transit time of {path}: relative change {error:.2g}."
 
 
 def strain_warning(strain: float) -> str:

@@ -13,7 +13,15 @@ from .profiles import Profile, ProfileLike, in_time
 
 
 class Free(Frozen):
-    """A free end: no force acts on it."""
+    """A free end: no force acts on it.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> rod = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
+    >>> ri.System([rod]).ends
+    (Free(), Free())
+    """
 
     kind: ClassVar[str] = "free"
 

@@ -275,12 +275,12 @@ class Hertz(_Compliant):
                 message = f"must be a Material, or None for a rigid face, got {shown(material)}"
                 problems.append((f"{side}_material", message))
         if left_material is right_material is None:
-            message = "is None as that of the left face; one of two faces must yield"
+            message = "is None, and so is the left one; one of the faces must be elastic"
             problems.append(("right_material", message))
         frozen.raise_noted(problems)
         frozen.family_shape(meeting)
         curvature = 1 / radii[0] + 1 / radii[1]
-        message = "is infinite as that of the left face; two flat faces make no Hertz contact"
+        message = "is infinite, and so is the left one; two flat faces make no Hertz contact"
         demand(curvature > 0, "right_radius", message)
         with np.errstate(all="ignore"):  # what is out of range, the law will refuse
             compliance: Number = sum(1 / (E / (1 - nu**2)) for E, nu in yielding)

@@ -164,7 +164,7 @@ def along_rod(
         return value
     if isinstance(value, Samples):
         if value.step is not None:
-            message = "has no place along a rod, where samples run from end to end; leave it out"
+            message = "is for samples in time; those of a rod run from end to end; leave it out"
             problems.append((f"{path}.step", message))
         if field.sign != "any":
             field.checked(problems, f"{path}.values", value.values)

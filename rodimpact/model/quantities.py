@@ -107,8 +107,8 @@ def _lost(value: Any) -> str:
     """What an array means besides its numbers, with the remedy; empty if nothing."""
     if hasattr(value, "dims"):
         return (
-            "its dimensions are not matched by name here; give what rodimpact.by_dimension makes "
-            "of it and the others"
+            "dimensions are not matched by name here; convert all arrays together by "
+            "rodimpact.by_dimension"
         )
     if hasattr(value, "index") and not callable(value.index):
         return "its index is not matched; give .to_numpy()"

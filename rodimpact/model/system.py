@@ -244,7 +244,7 @@ class System(Frozen):
             if isinstance(end, Absorbing | Pushed | Moved)
         ]
         if problems:
-            why = "; nothing that is lost or driven can be turned round in time"
+            why = "; losses and driven ends cannot be reversed in time"
             raise frozen.InvalidModel([(path, message + why) for path, message in problems])
         bodies = [body.replace(velocity=negative(body.velocity)) for body in self.bodies]
         return self.replace(bodies=bodies)

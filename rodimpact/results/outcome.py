@@ -30,7 +30,19 @@ UNBALANCED = 1e-6
 
 
 class UndefinedRestitution(ValueError):
-    """The collision has no coefficient of restitution; the message says why."""
+    """The collision has no coefficient of restitution; the message says why.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> apart = [ri.Rod(1.0, area=1e-4, material=steel, velocity=v) for v in (0.0, 1.0)]
+    >>> try:
+    ...     ri.collide(*apart).restitution
+    ... except ri.UndefinedRestitution as error:
+    ...     print(error)
+    restitution is undefined: nothing collided; the bodies move apart
+    """
 
 
 @dataclass(frozen=True)
@@ -242,7 +254,7 @@ def no_restitution(
         )
     if driven:
         return (
-            "restitution is undefined: gravity, or what drives an end, changes the velocities "
+            "restitution is undefined: gravity or a driven end changes the velocities "
             "too; read impulse and velocities instead"
         )
     if episodes == 0 and closing <= 0:

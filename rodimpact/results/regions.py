@@ -34,6 +34,16 @@ class Regions:
         Polygon i has the vertices start[i] to start[i + 1].
     x, t, displacement : [vertices]
         m from the left end of the body, s, and m.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=steel)
+    >>> found = ri.regions_of(ri.solve(ri.System([left, right])), stop=1e-5)
+    >>> found.body.tolist(), found.velocity.round(12).tolist()
+    ([0, 0, 1, 1], [1.0, 0.5, 0.0, 0.5])
     """
 
     body: Ints
@@ -76,6 +86,18 @@ def regions_of(
     ValueError
         If there are more regions than `limit`, the interval is empty or outside the solution, or
         the method has no fronts.
+
+    Examples
+    --------
+    Before the first wave comes back there are two regions in each rod:
+
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=steel)
+    >>> found = ri.regions_of(ri.solve(ri.System([left, right])), stop=1e-5)
+    >>> sorted(found.velocity.round(12).tolist())
+    [0.0, 0.5, 0.5, 1.0]
     """
     check_solution(solution)
     fields, first_tick, last_tick = _interval(solution, start, stop)
@@ -115,9 +137,8 @@ def readable_until(solution: Solution, limit: int) -> float:
         stop /= 2
         last_tick = int(fields.to_ticks(stop))
     if not last_tick:
-        raise refusal("solution", f"has more than {limit} regions of constant state from its "
-                         "first instant on, too many for a picture; describe the row in fewer "
-                         "pieces")
+        raise refusal("solution", f"has more than {limit} regions of constant state at the "
+                         "start, too many for a picture; describe the row in fewer pieces")
     return stop
 
 

@@ -50,6 +50,16 @@ class RingDown:
         The rod of that mode.
     frequency : float
         Of that mode, Hz.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> lossy = ri.materials.steel.damped(loss_factor=0.02, frequency=5e3)
+    >>> rods = [ri.Rod(length, area=1e-4, material=lossy, velocity=v)
+    ...         for length, v in ((0.4, 1.0), (1.0, 0.0))]
+    >>> found = ri.solve(ri.System(rods), until=5e-3, cells=50).ring_down()
+    >>> found.body, bool(found.vibration[-1] < found.vibration[0])
+    (1, True)
     """
 
     times: Floats

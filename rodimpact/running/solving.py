@@ -89,8 +89,8 @@ def solve(
     check_function(problems, "progress", progress)
     if system.shape != ():
         message = (
-            f"this is a family of shape {system.shape}, which is for sweep(system); or "
-            "solve a member, solve(system[index]). Values along a rod are Steps(values, at)"
+            f"is a family of shape {system.shape}; solve all by sweep(system), or one by "
+            "solve(system[index]). Values along a rod are Steps(values, at)"
         )
         problems.append(("system", message))
     if problems:

@@ -37,6 +37,14 @@ class Axis(NamedTuple):
     """One dimension of a family: the path of the number that varies along it alone, and its values.
 
     Where there is no such number, the name is ``"axis 0"`` and the values count from 0.
+
+    Examples
+    --------
+    >>> import numpy as np, rodimpact as ri
+    >>> left = ri.Rod(np.array([0.2, 0.4]), area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> (axis,) = ri.sweep(ri.System([left, ri.Wall()])).axes
+    >>> axis.name, axis.values.tolist()
+    ('bodies.0.length', [0.2, 0.4])
     """
 
     name: str

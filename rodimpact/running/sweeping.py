@@ -51,6 +51,17 @@ class SweepError(ValueError):
         The numbers of this member that vary, by path.
     problems : list of (str, str)
         The member, and what is wrong with it.
+
+    Examples
+    --------
+    >>> import numpy as np, rodimpact as ri
+    >>> left = ri.Rod(np.array([0.2, 0.4]), area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> family = ri.System([left, ri.Rod(1.0, area=1e-4, material=ri.materials.steel)])
+    >>> try:
+    ...     ri.sweep(family, max_events=2, on_error="raise")
+    ... except ri.SweepError as error:
+    ...     print(error.index, error.parameters)
+    (0,) {'bodies.0.length': 0.2}
     """
 
     def __init__(self, index: tuple[int, ...], parameters: dict[str, float], reason: str) -> None:

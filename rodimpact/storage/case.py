@@ -42,6 +42,14 @@ class Case:
     gauges : tuple of GaugePlace
         Strain gauges that the page of ``rodimpact explore`` shows, ``run --gauges`` writes and
         ``compare`` lays beside a record.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> case = ri.Case(ri.System([rod, ri.Wall()]), solve={"until": 1e-3})
+    >>> ri.solve(case.system, **case.solve).t_end
+    0.001
     """
 
     system: System

@@ -86,7 +86,8 @@ def sections() -> list[Section]:
         *(_section("[[bodies]]", made_of if body is Rod else {}, body,
                    before=rod if body is Rod else []) for body in BODIES.values()),
         _section("[[bodies.segments]]", made_of, Segment, after=shape),
-        Section("[[contacts]]", "Entry i lies between bodies i and i + 1; none: all touch.",
+        Section("[[contacts]]", "Entry i lies between bodies i and i + 1. Without any, "
+                "all bodies touch.",
                 contact, _toml("[[contacts]]", {"gap": "50 um"})),
         *(_section("[[contacts]]", {}, law, after=_faces() if law is Hertz else [])
           for law in CONTACT_LAWS.values()),

@@ -29,7 +29,18 @@ SYNC_EVERY = 1.0  # s; at most so much work is done again after a crash
 
 
 class DamagedChunks(UserWarning):
-    """Parts of a checkpoint are not what was written, and are run again."""
+    """Parts of a checkpoint are not what was written, and are run again.
+
+    Examples
+    --------
+    A program that shall stop instead:
+
+    >>> import warnings, rodimpact as ri
+    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("error", ri.DamagedChunks)
+    ...     outcome = ri.collide(rod, ri.Wall())
+    """
 
 
 class Checkpoint:

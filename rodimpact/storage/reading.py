@@ -39,7 +39,20 @@ _SPECIAL = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}  # JSON has no 
 
 
 class FileFormatError(ValueError):
-    """A file is not what it should be: foreign, damaged, or of a newer version."""
+    """A file is not what it should be: foreign, damaged, or of a newer version.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, rodimpact as ri
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "run.npz")
+    ...     _ = path.write_text("not a solution")
+    ...     try:
+    ...         ri.load(path)
+    ...     except ri.FileFormatError:
+    ...         print("refused")
+    refused
+    """
 
     def __init__(self, message: str, path: str = "") -> None:
         self.problems = [(path, message)]

@@ -92,7 +92,7 @@ def test_that_a_cap_on_cells_leaves_out_sides_is_told(monkeypatch):
     monkeypatch.setattr("rodimpact.algebra.formula.MOST_SIDES", 1)
     form = ri.closed_form(row([1, 1], [1, 1]))
     assert form.unsolved
-    assert str(form).endswith("There are more, which max_events or the cap on cells has left out.")
+    assert str(form).endswith("cells, left out by max_events or by the cap on cells.")
 
 
 def test_a_bond_has_an_average_impulse_which_has_a_formula():
@@ -193,8 +193,8 @@ def test_random_rows_agree_with_runs_on_fractions(bodies, rows):
 
 @pytest.mark.parametrize(("symbols", "said"), [
     (["lenght"], "'lenght' names no number .*; perhaps 'length' is meant"),
-    (["transit_time", "length"], "'length' names no number that formulas have beside"),
-    (["gap"], "'gap' names no number that"),
+    (["transit_time", "length"], "'length' names no number of the formula beside"),
+    (["gap"], "'gap' names no number of"),
     ([], "must name a number"),
 ])
 def test_mistaken_symbols_are_told(symbols, said):

@@ -98,7 +98,7 @@ def test_what_passes_near_the_end_is_carried_on(capsys):
 
 
 @pytest.mark.parametrize(("options", "said"), [
-    ([], "--gauge: is missing; NAME=BODY:X names a channel and where its gauge is"),
+    ([], "--gauge: is missing; NAME=BODY:X gives a channel and the place"),
     (["--gauge", "fra=1:1"], "--gauge fra: the record has no channel 'fra'; perhaps 'far' is"),
     (["--gauge", "far=1:9"], "--gauge far: must lie in body 1, 0 to 2.0 m, got '9'"),
     (["--gauge", "far=1:1", "--gain", "2"], "--gain: goes with --bridge"),

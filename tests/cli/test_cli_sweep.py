@@ -185,7 +185,7 @@ def test_what_no_figure_can_show_is_refused_before_the_sweep(case, no_sweep, cap
     rod = CASE.rpartition("[[bodies]]")[2]
     case.write_text(CASE + "\n[[bodies]]" + rod)
     assert sweep("--vary", LENGTHS, "--plot", "a.png") == 2
-    assert "a row with 2 contacts has not; name another --quantity" in capsys.readouterr().err
+    assert "a row with 2 contacts has no e; name another --quantity" in capsys.readouterr().err
 
 
 def test_rows_of_several_contacts_are_drawn_by_another_quantity(case, capsys):
@@ -356,7 +356,7 @@ def test_a_case_with_gravity_runs_to_its_end(case, capsys):
     assert "gravity" in out
     assert sweep(*argv, "--on-error", "raise") == 0
     assert sweep(*argv, "--plot", "a.png") == 2
-    assert "--plot: a figure shows e, which a row held under gravity" in capsys.readouterr().err
+    assert "--plot: a figure shows e, which gravity or a driven end" in capsys.readouterr().err
 
 
 def test_the_options_reach_the_sweep(case, monkeypatch):

@@ -58,7 +58,7 @@ def test_the_page_holds_its_case(case, tmp_path, capsys):
     assert export(case) == 0
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert len(text.encode()) < MOST
-    assert "solves by itself" in capsys.readouterr().out
+    assert "solves the collision itself" in capsys.readouterr().out
     data = json.loads(Reader(text).texts["embedded"])
     assert data["design"]["case"]["bodies"][0]["length"] == 0.4
     assert data["scene"] is None
@@ -120,7 +120,7 @@ def test_the_page_shows_what_run_would_print(tmp_path, monkeypatch, capsys):
     path = tmp_path / "lossy.toml"
     path.write_text(ri.write_case(ri.Case(system, {"cells": 30})))
     assert export(path) == 0
-    assert "shows what was solved for it" in capsys.readouterr().out
+    assert "shows a stored solution" in capsys.readouterr().out
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert len(text.encode()) < MOST
     scene = json.loads(unpacked(json.loads(Reader(text).texts["embedded"])["scene"]))

@@ -384,8 +384,8 @@ def masked():
 
 
 LABELLED = [
-    (labelled, "its dimensions are not matched by name here; give what rodimpact.by_dimension"),
-    (data_array, "its dimensions are not matched by name here; give what rodimpact.by_dimension"),
+    (labelled, "dimensions are not matched by name here; convert all arrays together by"),
+    (data_array, "dimensions are not matched by name here; convert all arrays together by"),
     (series, r"its index is not matched; give .to_numpy()"),
     (masked, r"its mask would be lost; give .compressed() or .filled(...)"),
 ]

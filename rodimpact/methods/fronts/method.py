@@ -190,8 +190,8 @@ def cut_short(stopped_by: str, final: str, events: int, end: str) -> str:
         )
     if stopped_by == "clock":
         return (
-            f"Stopped by the clock after {end}: a contact may close later than it can count, if "
-            "ever. Give until= to set another end."
+            f"Stopped by the clock after {end}: the next contact may come later than the clock can "
+            "count, or never. Give until= to set another end."
         )
     return ""
 

@@ -351,8 +351,8 @@ def _refuse_stiff(path: str, cells: Cells) -> None:
     ):
         if size.max() > STIFFEST:
             message = (
-                f"holds cells together {size.max():.2g} times as much as their inertia does, so "
-                "that round-off would drown the motion; take less, or a RigidMass"
+                f"couples cells {size.max():.2g} times as strongly as their inertia, so round-off "
+                "hides the motion; take a smaller value, or a RigidMass"
             )
             raise InvalidModel([(f"{path}.{name}", message)])
 

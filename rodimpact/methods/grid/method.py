@@ -130,8 +130,8 @@ def _mesh_size(
         least = max(FIRST, math.ceil(FEWEST * T[longest] / T[shortest]))
         if least > MOST_CELLS:
             message = (
-                f"its transit time is so short beside the longest, {T[longest]:.3g} s, that this "
-                f"would take {least:.3g} cells of {MOST_CELLS} at most; leave it out"
+                f"its transit time is so short beside the longest, {T[longest]:.3g} s, that the "
+                f"grid needs {least:.3g} cells, more than {MOST_CELLS}; leave this segment out"
             )
             raise InvalidModel([(row.paths[shortest + 1], message)])
         if until:

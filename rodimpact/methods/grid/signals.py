@@ -51,7 +51,7 @@ def hand_over(run: GridRun, until: float | None) -> Run:
         run.row.system, run.stopped_by, proof, format_si(t_end, "s"), f"{events} steps times ends")
     status += f" Time step {format_si(run.step, 's')}, {size} cells."
     if until and not run.steps:
-        status += " The end comes before half a step: none was taken. More cells shorten it."
+        status += " The run ends before half a step, and none was taken. More cells shorten it."
     status += _accuracy(run) + _own_peak(run) + strain_warning(run.largest_strain)
     end = run.steps * STEP_TICKS
     if until and not run.steps:
@@ -71,8 +71,8 @@ def _own_peak(run: GridRun) -> str:
         reasons.append(f"refining changed it by {run.peak_change:.1g}")
     if run.overshoot > large:
         reasons.append(
-            f"beside jumps waves overshoot, and over {RINGING} steps it is less by "
-            f"{run.overshoot:.1g} of itself"
+            f"waves overshoot beside jumps, and the mean over {RINGING} steps is lower by "
+            f"{100 * run.overshoot:.1g} %"
         )
     return f" The peak force is that of this mesh: {'; '.join(reasons)}." if reasons else ""
 
@@ -94,8 +94,8 @@ def _accuracy(run: GridRun) -> str:
         return f" Stated relative error: {worst:.1g}{rough}."
     which = ", ".join(f"{name} to {value:.1g}" for name, value in late.items() if value < math.inf)
     return (
-        f" Not converged to {run.rtol:g}: {which or 'too long a run to divide the step'}; "
-        f"a larger rtol is soon reached, more cells goes on."
+        f" Not converged to {run.rtol:g}: {which or 'too long a run to divide the step'}. Take a "
+        "larger rtol, or give more cells."
     )
 
 

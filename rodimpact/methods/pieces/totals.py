@@ -79,10 +79,10 @@ def told_of(run: Any) -> str:
     told = ""
     if run.rough:
         told += (
-            f" From {format_si(run.first_rough * run.tick, 's')} on, waves break more often than "
-            f"{run.shortest // run.floor} times in the shortest transit; they are followed by "
-            "means over such times there, which keeps momentum."
+            f" From {format_si(run.first_rough * run.tick, 's')} on, waves jump more than "
+            f"{run.shortest // run.floor} times in the shortest transit time. Such waves are "
+            "smoothed, which keeps their momentum."
         )
     if run.rested:
-        told += " Rigid bodies that parted too slowly to matter came to rest against each other."
+        told += " Rigid bodies that parted very slowly were set at rest against each other."
     return told
