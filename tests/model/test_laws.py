@@ -101,7 +101,7 @@ def test_radii_make_a_family():
         ((0.0, 1.0, STEEL, STEEL), "left_radius", "positive number of metres or infinite, got 0.0"),
         ((math.inf, math.inf, STEEL, STEEL), "right_radius", "two flat faces"),
         (([1.0, math.inf], math.inf, STEEL, STEEL), "right_radius[1]", "two flat faces"),
-        ((1.0, 1.0, None, None), "right_material", "one of two faces must yield"),
+        ((1.0, 1.0, None, None), "right_material", "one of the faces must be elastic"),
         ((1.0, 1.0, "steel", None), "left_material", "must be a Material"),
         ((1.0, 1.0, STEEL, ri.materials.oak), "right_material", "'oak' has none"),
         ((1e150, 1e150, ri.Material("m", youngs_modulus=1e149, density=1e149, poisson_ratio=0),
