@@ -14,9 +14,8 @@ cell. ``with look("dark", width=85):`` makes figures dark, or as wide as a colum
 from .atlases import atlas
 from .designs import design
 from .diagram import spacetime
-from .families import sweep
+from .families import restitution, sweep
 from .histories import contact
-from .law import restitution
 from .ledger import energy
 from .moving import animation
 from .page import overview

@@ -13,8 +13,7 @@ from ..design.pulses import PulseDesign
 from ..design.rebound import RestitutionDesign
 from ..model import Rod
 from ..model.arguments import of_kind
-from .curves import Curve
-from .families import sweep
+from .families import Curve, sweep
 from .scales import engineering, place_scale, time_scale
 from .sides import side_of
 from .style import SMALL, axes, colours, dress, legend_above, new_figure, picture, styled

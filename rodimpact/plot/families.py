@@ -1,29 +1,88 @@
-"""A family of collisions: a curve over one axis, a map over two, and theory where there is some."""
+"""A family of collisions: a curve over one axis, a map over two, and theory where there is some.
+
+Results jump: the force duration where one impedance passes the other, velocities where a contact
+more or less happens. A curve is broken where neighbours differ far more than those around them do,
+and contour lines end there. On a map each collision is a cell of one colour, so that nothing is
+smeared. Counts have a colour each and no contour lines.
+"""
 
 from __future__ import annotations
 
 import difflib
 from itertools import groupby
-from typing import Any
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
+from matplotlib.collections import QuadMesh
+from matplotlib.colorbar import Colorbar
+from matplotlib.colors import BoundaryNorm, Colormap, Normalize
+from matplotlib.contour import QuadContourSet
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, StepPatch
+from matplotlib.patheffects import withStroke
+from matplotlib.text import Text
+from matplotlib.ticker import MaxNLocator
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import ArrayLike, NDArray
 
-from ..model.arguments import of_kind
+from ..methods.signals import Floats
+from ..model.arguments import array, of_kind
 from ..model.frozen import refusal
 from ..results.labels import outcome
-from ..results.pair_theory import COLUMNS, pair_theory
+from ..results.pair_theory import COLUMNS, PairTheory, pair_theory
 from ..running.sweep_result import SweepResult
-from ..units import shown
-from .curves import Curve, draw_curve
-from .maps import Map, draw_map
-from .scales import scale_of
-from .sides import Shown, side_of
-from .style import axes, styled
+from ..units import shown as shown_text
+from . import style
+from .sampling import evenly
+from .scales import MINUS, ROUND_OFF, scale_of, signed
+from .sides import Shown, Side, count_ticks, dress_side, side_of
+
+FEW = 40  # points of a curve that are marked
+SMOOTH = 400  # points of a curve of theory, at least
+AROUND = 3  # differences on either side of one whose median is the usual difference there
+LEAP = 8.0  # usual differences that a jump surpasses
+SEEN = 0.02  # of a quantity's range: a smaller jump is not seen
+LINES = 150  # points a side, at most, from which lines are drawn
+PLATEAU = 3  # rows of points on which values equal: no line follows such a plateau
+COLOURS = 24  # counts that have a colour each, at most
+
+Plane: TypeAlias = tuple[Floats, Floats]  # numbers on the axes from which lines are drawn
 
 
-@styled
+@style.picture
+class Curve(NamedTuple):
+    """Artists of a family with one axis; `theory` is the closed form, if there is one."""
+
+    ax: Axes
+    values: Line2D | StepPatch
+    theory: Line2D | None
+
+
+@style.picture
+class Map(NamedTuple):
+    """Artists of a family with two axes; `theory` holds lines of equal times and impedances."""
+
+    ax: Axes
+    cells: QuadMesh
+    contours: QuadContourSet | None
+    labels: list[Text]
+    theory: list[QuadContourSet]
+    colour_bar: Colorbar
+
+
+@style.picture
+class Restitution(NamedTuple):
+    """Artists of restitution against the ratio of lengths."""
+
+    ax: Axes
+    law: Line2D
+    points: Line2D
+    residual: Text
+
+
+@style.styled
 def sweep(
     result: SweepResult, ax: Axes | None = None, quantity: str = "restitution"
 ) -> Curve | Map:
@@ -77,20 +136,20 @@ def sweep(
     theory = None if family is None else family.each(arranged)
     shown = Shown(quantity, values * scale.factor, scale, column.dtype.kind in "iub")
     if len(sides) == 1:
-        return draw_curve(axes(ax, 5.6, 3.6), sides[0], shown, theory)
-    return draw_map(axes(ax, 6.0, 4.6), sides[0], sides[1], shown, theory)
+        return draw_curve(style.axes(ax, 5.6, 3.6), sides[0], shown, theory)
+    return draw_map(style.axes(ax, 6.0, 4.6), sides[0], sides[1], shown, theory)
 
 
 def _column(result: SweepResult, quantity: str) -> NDArray[Any]:
     """Values of a quantity; ValueError if there is none of this name, or no value at all."""
     if not isinstance(quantity, str) or quantity not in result.columns:
         near = [name for name in result.columns if name.startswith(f"{quantity}.")]
-        near = near or difflib.get_close_matches(shown(quantity), result.columns, n=1)
+        near = near or difflib.get_close_matches(shown_text(quantity), result.columns, n=1)
         hint = f"; perhaps {near[0]!r} is meant" if near else ""
         groups = [list(g) for _, g in groupby(result.columns, lambda name: name.partition(".")[0])]
         known = [f"{first} to {others[-1].partition('.')[2]}" if others else first
                  for first, *others in groups]
-        message = f"must be one of {', '.join(known)}, got {shown(quantity)}{hint}"
+        message = f"must be one of {', '.join(known)}, got {shown_text(quantity)}{hint}"
         raise refusal("quantity", f"{message}")
     column: NDArray[Any] = result.columns[quantity]
     if not np.isfinite(column).any():
@@ -116,3 +175,207 @@ def _dimensions(result: SweepResult) -> list[int]:
             f"such as system[{', '.join(['0'] * (len(result.shape) - 2))}]"
         )
     return wide
+
+
+def draw_curve(ax: Axes, side: Side, shown: Shown, theory: PairTheory | None) -> Curve:
+    """Draw values over one axis."""
+    dress_side(ax, "x", side)
+    ink = style.colours().ink
+    law = None if theory is None else _law(ax, side, shown, theory)
+    drawn: Line2D | StepPatch
+    if shown.is_count:
+        drawn = ax.stairs(shown.values, side.edges, baseline=None, color=ink, linewidth=1.4)
+        count_ticks(ax.yaxis, shown)
+    else:
+        x, y = _broken(side.numbers, shown.values)
+        gaps = np.isnan(np.pad(y, 1, constant_values=np.nan))
+        few = side.values.size <= FEW
+        single = np.flatnonzero(~gaps[1:-1] & gaps[:-2] & gaps[2:]).tolist()
+        (drawn,) = ax.plot(
+            x, y, color=ink, linewidth=1.2, linestyle="-" if law is None or not few else "",
+            markevery=1 if few else single or None,
+            **style.COMPUTED | {"marker": "o" if few or single else ""})
+    least = float(np.nanmin(shown.values))
+    low, high = min(0.0, least), max(0.0, float(np.nanmax(shown.values)))
+    room = 0.05 * (high - low) or 1.0
+    ax.set(ylim=(low if least > low + room else low - room, high + room),
+           ylabel=shown.scale.label)
+    style.grid(ax)
+    if law is not None:
+        style.legend_above(ax, [law, drawn])
+    style.dress(ax)
+    return Curve(ax, drawn, law)
+
+
+def _law(ax: Axes, side: Side, shown: Shown, theory: PairTheory) -> Line2D:
+    """Draw the closed form as a wide line, smooth between the values of the family."""
+    known = np.log(side.values) if side.values[0] > 0 else side.values
+    count = side.values.size - 1
+    parts = -(-SMOOTH // count)
+    wanted = np.interp(np.arange(count * parts + 1) / parts, np.arange(count + 1), known)
+    values = theory.along(known, wanted).column(shown.quantity)
+    at = np.exp(wanted) if side.values[0] > 0 else wanted
+    (law,) = ax.plot(*_broken(at * side.scale.factor, values * shown.scale.factor),
+                     color=style.colours().series[1], alpha=0.45, linewidth=5.0,
+                     solid_capstyle="butt", label="closed form")
+    return law
+
+
+def _broken(x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """A curve with NaN inserted where it jumps."""
+    after = np.flatnonzero(jumps(y)) + 1
+    return np.insert(x, after, (x[after - 1] + x[after]) / 2), np.insert(y, after, np.nan)
+
+
+def jumps(values: Floats) -> NDArray[np.bool_]:
+    """Whether each difference along the first axis is a jump: far larger than those around it."""
+    steps = np.abs(np.diff(values, axis=0))
+    outside = [(AROUND, AROUND), *[(0, 0)] * (steps.ndim - 1)]
+    around = sliding_window_view(
+        np.pad(steps, outside, constant_values=np.nan), 2 * AROUND + 1, axis=0).copy()
+    around[..., AROUND] = np.nan_to_num(steps)
+    least = max(SEEN * (np.nanmax(values) - np.nanmin(values)),
+                ROUND_OFF * np.nanmax(np.abs(values)))
+    return np.asarray(steps > np.maximum(LEAP * np.nanmedian(around, axis=-1), least))
+
+
+def draw_map(ax: Axes, across: Side, up: Side, shown: Shown, theory: PairTheory | None) -> Map:
+    """Draw values over two axes, the first one to the right."""
+    palette, norm = _colours(shown)
+    cells = ax.pcolormesh(across.edges, up.edges, np.ma.masked_invalid(shown.values.T),
+                          cmap=palette, norm=norm, shading="flat", rasterized=True, zorder=1)
+    dress_side(ax, "x", across)
+    dress_side(ax, "y", up)
+    i, j = (evenly(side.values.size, LINES) for side in (across, up))
+    plane = across.numbers[i], up.numbers[j]
+    contours, labels = (None, []) if shown.is_count else _contours(
+        ax, plane, shown.values[np.ix_(i, j)], palette, norm)
+    paper, ink, faint, *_ = style.colours()
+    handles: list[Artist] = []
+    lines: list[QuadContourSet] = []
+    for name, dash, excess in _equalities(theory, across.is_log or up.is_log):
+        where_met = np.where(np.isfinite(shown.values), np.round(excess, 12), np.nan)[np.ix_(i, j)]
+        if (where_met < 0).any() and (where_met > 0).any():
+            lines.append(_zero(ax, plane, where_met, dash))
+            handles.append(Line2D([], [], color=ink, linewidth=1.4, linestyle=dash, label=name))
+    if np.isnan(shown.values).any():
+        handles.append(Patch(facecolor=paper, edgecolor=faint, label="no value"))
+    bar = style.colour_bar(ax, cells, shown.scale.label)
+    if shown.is_count:
+        count_ticks(bar.ax.yaxis, shown)
+    style.legend_above(ax, handles)
+    style.dress(ax)
+    return Map(ax, cells, contours, labels, lines, bar)
+
+
+def _colours(shown: Shown) -> tuple[Colormap, Normalize]:
+    """Colours and limits: one colour a count, symmetric about 0 where signs differ."""
+    low, high = float(np.nanmin(shown.values)), float(np.nanmax(shown.values))
+    if shown.words:
+        low, high = 0.0, len(shown.words) - 1.0
+    count = int(high - low) + 1
+    if shown.is_count and count <= COLOURS:
+        return style.RISING.resampled(count), BoundaryNorm(low - 0.5 + np.arange(count + 1), count)
+    largest = max(-low, high)
+    if low < -ROUND_OFF * largest and high > ROUND_OFF * largest:
+        return style.colours().signed, style.centred((low, high))
+    if high - low <= ROUND_OFF * largest:
+        low, high = min(low, 0.0), max(high, 0.0)
+    return style.RISING, Normalize(low, high if high > low else low + 1.0)
+
+
+def _contours(
+    ax: Axes, plane: Plane, values: Floats, palette: Colormap, norm: Normalize
+) -> tuple[QuadContourSet | None, list[Text]]:
+    """Draw lines at round values, each with its value, up to the jumps and not across them."""
+    known = values[np.isfinite(values)]
+    low, high = float(known.min(initial=np.inf)), float(known.max(initial=-np.inf))
+    if high - low <= ROUND_OFF * max(-low, high):
+        return None, []
+    near = 0.002 * (high - low)
+    levels = [
+        x for x in MaxNLocator(8, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
+        if low + 10 * near < x < high - 10 * near
+        and np.sum(np.abs(known - x) < near) < PLATEAU * max(values.shape)
+    ]
+    smooth = np.isfinite(values)
+    for axis in (0, 1):
+        i, j = np.nonzero(jumps(values) if axis == 0 else jumps(values.T).T)
+        smooth[i, j] = smooth[i + 1 - axis, j + axis] = False
+    if not levels or not smooth.any():
+        return None, []
+    lines = ax.contour(
+        *plane, np.ma.array(values, mask=~smooth).T, levels=levels, linestyles="-", linewidths=0.8,
+        colors=[style.ink_on(norm, x, palette) for x in levels], zorder=3)
+    return lines, list(ax.clabel(lines, fmt=lambda x: signed(f"{x:g}"), fontsize=style.SMALL + 1,
+                                 inline_spacing=3))
+
+
+def _equalities(
+    theory: PairTheory | None, is_log: bool
+) -> list[tuple[str, Literal["-", "--"], Floats]]:
+    """Lines that theory knows: name, dashes, and how much the left rod has more than the right."""
+    if theory is None or np.isinf(theory.impedance).any():
+        return []
+
+    def excess(left: Floats, right: Floats) -> Floats:
+        return np.log(left / right) if is_log else (left - right) / np.max(left)
+
+    return [("equal transit times: e = 1", "-", excess(*theory.transit_time)),
+            ("equal impedances", "--", excess(*theory.impedance))]
+
+
+def _zero(ax: Axes, plane: Plane, values: Floats, dash: str) -> QuadContourSet:
+    """Draw where values are 0."""
+    lines = ax.contour(*plane, np.ma.masked_invalid(values.T), levels=[0.0],
+                       colors=style.colours().ink, linewidths=1.4, linestyles=dash, zorder=4)
+    lines.set_path_effects([withStroke(linewidth=2.6, foreground=style.colours().paper)])
+    return lines
+
+
+@style.styled
+def restitution(ratios: ArrayLike, values: ArrayLike, ax: Axes | None = None) -> Restitution:
+    """Draw computed coefficients of restitution against the law e = l1/l2, and note the residual.
+
+    The law holds for two rods of one material and cross-section, the second at rest inside and
+    longer than the first.
+
+    Parameters
+    ----------
+    ratios : array_like
+        Shorter length over longer one, l1/l2.
+    values : array_like, same shape
+        Computed e; NaN, for a collision without one, is left out.
+    ax : Axes, optional
+        By default the Axes of a new figure.
+
+    Returns
+    -------
+    Restitution
+
+    Raises
+    ------
+    ValueError
+        If the shapes differ, or no value is a number.
+    """
+    x, e = array("ratios", ratios, ""), array("values", values, "")
+    if x.shape != e.shape:
+        raise refusal("values", f"must have the shape {x.shape} of ratios, got {e.shape}")
+    known = np.isfinite(x) & np.isfinite(e)
+    if not known.any():
+        raise refusal("values", "needs at least one finite coefficient of restitution, got none")
+    x, e = x[known], e[known]
+    ax = style.axes(ax, 4.2, 4.0)
+    reach = max(1.0, float(x.max()))
+    (law,) = ax.plot([0, reach], [0, reach], color=style.colours().series[1], linewidth=1.2,
+                     label="e = ℓ₁/ℓ₂")
+    (points,) = ax.plot(x, e, linestyle="", color=style.colours().ink, **style.COMPUTED)
+    note = f"largest |e {MINUS} ℓ₁/ℓ₂| = {np.abs(e - x).max():.1e}\nin {e.size} collisions"
+    residual = ax.text(0.98, 0.04, note, transform=ax.transAxes, ha="right", va="bottom",
+                       fontsize=style.SMALL + 1)
+    ax.set(xlim=(0, reach), ylim=(0, max(reach, 1.05 * float(e.max()))), aspect="equal",
+           xlabel="ratio of lengths ℓ₁/ℓ₂", ylabel="coefficient of restitution e")
+    style.grid(ax)
+    ax.legend(loc="upper left", frameon=False, fontsize=style.SMALL + 1)
+    style.dress(ax)
+    return Restitution(ax, law, points, residual)

@@ -6,26 +6,20 @@ the GIF takes 8 times as long, the MP4 4 times.
 
 from __future__ import annotations
 
-import base64
 import contextlib
-import html
-import io
 import os
 import shutil
 import subprocess
 import tempfile
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
 from ..model.frozen import refusal
-from ..storage.writing import file_name, written
-from .style import Colours
+from ..storage.writing import file_name
 
 SHADES = 255  # colours of a GIF, those of its last frame
 ALIKE = 9  # of 255: shades that are no nearer to the paper than this are not taken for it
@@ -52,7 +46,7 @@ def check_film(path: str | os.PathLike[str]) -> str:
     OSError
         If it names an MP4, and there is no ffmpeg to make it.
     """
-    kind = format_of(path, _WRITERS)
+    kind = format_of(path, WRITERS)
     if kind == "mp4" and shutil.which("ffmpeg") is None:
         raise OSError(
             f"cannot write {os.fspath(path)!r}: the program ffmpeg, which makes MP4 files, is not "
@@ -61,86 +55,14 @@ def check_film(path: str | os.PathLike[str]) -> str:
     return kind
 
 
-class Film(ABC):
-    """Frames that become a file, or play in a notebook.
-
-    Attributes
-    ----------
-    times : array
-        s; one for each frame.
-    fps : float
-        Frames a second.
-    title : str
-    colours : Colours
-        Of paper and lines.
-    """
-
-    times: NDArray[np.float64]
-    fps: float
-    title: str
-    colours: Colours
-
-    @abstractmethod
-    def frame(self, number: int) -> NDArray[np.uint8]:
-        """Picture [height, width, 3] of one frame, red, green and blue from 0 to 255."""
-
-    @abstractmethod
-    def clock(self, number: int) -> str:
-        """Time of a frame, in words."""
-
-    def __len__(self) -> int:
-        return len(self.times)
-
-    def frames(self, progress: Progress = None) -> Iterator[Any]:
-        """All frames, one after the other."""
-        for number in range(len(self)):
-            yield self.frame(number)
-            if progress:
-                progress(number + 1, len(self))
-
-    def save(
-        self, path: str | os.PathLike[str], *, force: bool = False, progress: Progress = None
-    ) -> None:
-        """Write a GIF or an MP4, whichever the suffix names.
-
-        A GIF shows each frame for a whole number of hundredths of a second. An MP4 is made by the
-        program ffmpeg.
-
-        Parameters
-        ----------
-        path : path
-        force : bool
-            Replace a file that is there.
-        progress : callable, optional
-            Called with the number of frames drawn and of all, after each.
-
-        Raises
-        ------
-        ValueError
-            For any other suffix.
-        FileExistsError
-            If the file is there and `force` is false.
-        OSError
-            If the file cannot be written, or an MP4 is wanted where there is no ffmpeg.
-        """
-        write = _WRITERS[check_film(path)]
-        with written(path, force=force) as file:
-            write(file, self, progress)
-
-    def _repr_html_(self) -> str:
-        memory = io.BytesIO()
-        _write_gif(memory, self, None)
-        data = base64.b64encode(memory.getvalue()).decode()
-        return f'<img src="data:image/gif;base64,{data}" alt="{html.escape(self.title)}">'
-
-
-def _write_gif(file: BinaryIO, film: Film, progress: Progress) -> None:
+def write_gif(file: BinaryIO, film: Any, progress: Progress) -> None:
+    """Write the frames of an Animation, in the colours of the last one."""
     pictures = _few_colours(film, progress)
     next(pictures).save(file, format="GIF", save_all=True, append_images=pictures, loop=0,
                         duration=10 * max(2, round(100 / film.fps)))
 
 
-def _write_mp4(file: BinaryIO, film: Film, progress: Progress) -> None:
+def _write_mp4(file: BinaryIO, film: Any, progress: Progress) -> None:
     height, width, _ = film.frame(0).shape
     with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile() as errors:
         target = Path(folder) / "film.mp4"
@@ -168,7 +90,7 @@ def _write_mp4(file: BinaryIO, film: Film, progress: Progress) -> None:
         file.write(target.read_bytes())
 
 
-def _few_colours(film: Film, progress: Progress) -> Any:
+def _few_colours(film: Any, progress: Progress) -> Any:
     """Frames with the colours of the last one, in which everything is seen."""
     last = Image.fromarray(film.frame(len(film) - 1))
     palette: Any = last.quantize(SHADES)
@@ -179,4 +101,4 @@ def _few_colours(film: Film, progress: Progress) -> Any:
         yield Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE)
 
 
-_WRITERS = {"gif": _write_gif, "mp4": _write_mp4}
+WRITERS = {"gif": write_gif, "mp4": _write_mp4}

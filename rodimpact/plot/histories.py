@@ -21,28 +21,16 @@ from ..model.frozen import refusal
 from ..model.numbering import contact_names
 from ..results.contacts import ContactHistory
 from ..results.solution import Solution, check_solution
+from . import style
 from .moments import round_trips
 from .sampling import INTERVALS, evenly, fine, telling
 from .scales import engineering, time_scale, written
-from .style import (
-    DASHES,
-    SMALL,
-    broken,
-    colours,
-    dress,
-    extent,
-    legend_above,
-    new_figure,
-    picture,
-    styled,
-    two_axes,
-)
 
 MARKED_UP_TO = 3  # episodes of contact
 NAMED_UP_TO = 12  # contacts in a row
 
 
-@picture
+@style.picture
 class Contact(NamedTuple):
     """Artists of a contact's history: steps of force, lines of gap, marks of what happens when."""
 
@@ -53,7 +41,7 @@ class Contact(NamedTuple):
     marks: list[Annotation]
 
 
-@styled
+@style.styled
 def contact(
     solution: Solution, ax: Sequence[Axes] | None = None, contact: int | Sequence[int] = 0
 ) -> Contact:
@@ -100,8 +88,8 @@ def contact(
             have = f"from 0 to {count - 1}" if count else "given only where there are two bodies"
             raise refusal("contact", f"must be {have}, got {index:g}")
     if ax is None:
-        ax = new_figure(5.6, 4.2).subplots(2, 1, sharex=True).tolist()
-    force_ax, gap_ax = two_axes(ax, "force and gap")
+        ax = style.new_figure(5.6, 4.2).subplots(2, 1, sharex=True).tolist()
+    force_ax, gap_ax = style.two_axes(ax, "force and gap")
     drawn = Forces(solution, [int(index) for index in chosen])
     low = min(float(gap.min()) for *_, gap in drawn.records)
     high = max(float(gap.max()) for *_, gap in drawn.records)
@@ -116,16 +104,16 @@ def contact(
     gaps = [gap_ax.plot(times[at] * time, gap[at] * scale.factor, linewidth=1.5, **_line(i))[0]
             for i, (times, _, gap) in enumerate(drawn.records) for at in [telling(gap)]]
     if overlaps or Joint in laws:
-        gap_ax.axhline(0.0, color=colours().faint, linewidth=0.6, zorder=0)
+        gap_ax.axhline(0.0, color=style.colours().faint, linewidth=0.6, zorder=0)
     gap_ax.set_xlabel(drawn.time.label)
     for each, label in ((force_ax, drawn.scale.label), (gap_ax, scale.label)):
-        each.set_ylabel(broken(label, extent(each)[1]))
-        dress(each)
+        each.set_ylabel(style.broken(label, style.extent(each)[1]))
+        style.dress(each)
         each.set_xlim(0, solution.t_end * time)
         low, high = min(0.0, each.dataLim.y0), max(0.0, each.dataLim.y1)
         each.set_ylim(1.1 * low, 1.3 * high or (1.0 if low == 0 else -0.1 * low))  # room for words
     if len(gaps) > 1:
-        legend_above(force_ax, forces)
+        style.legend_above(force_ax, forces)
     marks = [] if len(gaps) > 1 else _marks(solution, drawn, force_ax, gap_ax)
     return Contact(force_ax, gap_ax, forces, gaps, marks)
 
@@ -166,9 +154,10 @@ class Forces:
         way: Any = {"baseline": 0.0, "orientation": "horizontal" if up else "vertical"}
         drawn = []
         for i, (values, edges) in enumerate(self._steps()):
-            ax.stairs(values, edges, fill=True, alpha=0.15, color=_line(i)["color"], **way)
-            drawn.append(ax.stairs(values, edges, linewidth=1.5, label=self.names[i],
-                                   **_line(i), **way))
+            line = _line(i)
+            drawn.append(ax.stairs(
+                values, edges, fill=True, facecolor=(line["color"], 0.15), edgecolor=line["color"],
+                linestyle=line["linestyle"], linewidth=1.5, label=self.names[i], **way))
         return drawn
 
     def draw_rows(self, ax: Axes) -> None:
@@ -177,20 +166,20 @@ class Forces:
         for i, (values, edges) in enumerate(self._steps()):
             ax.stairs(i + 0.85 * values / largest, edges, baseline=i, fill=True, alpha=0.35,
                       color=_line(i)["color"])
-            ax.axhline(i, color=colours().faint, linewidth=0.6, zorder=0)
+            ax.axhline(i, color=style.colours().faint, linewidth=0.6, zorder=0)
         shown = evenly(len(self.records), NAMED_UP_TO)
         ax.set_yticks(shown, [self.names[i] for i in shown])
         ax.set(xlim=(0, self.end * self.time.factor), ylim=(0, len(self.records)),
                xlabel=self.time.label)
         ax.set_title(f"{self.scale.name}, largest {self.scale.write(self.largest)}", loc="left",
-                     fontsize=SMALL + 1)
-        dress(ax)
+                     fontsize=style.SMALL + 1)
+        style.dress(ax)
 
 
 def _line(i: int) -> dict[str, Any]:
     """Colour and dashes of the i-th of several curves."""
-    series = colours().series
-    return {"color": series[i % len(series)], "linestyle": DASHES[i % len(DASHES)]}
+    series = style.colours().series
+    return {"color": series[i % len(series)], "linestyle": style.DASHES[i % len(style.DASHES)]}
 
 
 def _is_impact(history: ContactHistory) -> bool:
@@ -217,7 +206,7 @@ def _marks(
 ) -> list[Annotation]:
     """Lines at the times when force ends and gap opens, each with its words."""
     episodes, names = drawn.histories[0].episodes, round_trips(solution)
-    marks, (_, ink, faint, *_) = [], colours()
+    marks, (_, ink, faint, *_) = [], style.colours()
     for k, (_, force_end, opening) in enumerate(episodes if len(episodes) <= MARKED_UP_TO else ()):
         for ax, t, what in ((force_ax, force_end, "force ends"), (gap_ax, opening, "gap opens")):
             if not t < np.inf:
@@ -230,5 +219,5 @@ def _marks(
             marks.append(ax.annotate(
                 f"{what} at {name}{drawn.time.write(t)}", (x, 1.0),
                 (-4 if left else 4, -3 - 11 * k), ax.get_xaxis_transform(), "offset points",
-                ha="right" if left else "left", va="top", fontsize=SMALL + 1, color=ink))
+                ha="right" if left else "left", va="top", fontsize=style.SMALL + 1, color=ink))
     return marks

@@ -7,7 +7,12 @@ colour of the paper.
 
 from __future__ import annotations
 
+import base64
+import html
+import io
 import math
+import os
+from collections.abc import Iterator
 from typing import Any, cast
 
 import numpy as np
@@ -18,31 +23,21 @@ from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 from PIL import Image
 
+from ..methods.signals import Floats
 from ..model import Rod
 from ..model.arguments import single
 from ..model.frozen import refusal
 from ..results.solution import Solution, check_waves
+from ..storage import writing
+from . import film, style
 from .bars import THICKNESS_TOLD, Bars
 from .diagram import spacetime
-from .film import Film
 from .histories import Forces
 from .moments import contact_turns, happening
 from .page import headline
 from .placing import Placing, placing
 from .polygons import drawn_until
 from .scales import axis_scales, signed, written
-from .style import (
-    NORMAL,
-    SMALL,
-    broken,
-    check_choice,
-    coloured,
-    colours,
-    dress,
-    legend_above,
-    new_figure,
-    styled,
-)
 
 FIELDS = ("velocity", "stress", "strain")
 MOST_FRAMES, MOST_PER_SECOND = 10_000, 50
@@ -53,27 +48,35 @@ APPROACH, WAY = 0.2, 0.12  # before contact, at most: parts of the frames, and o
 REST = 1.5  # of the last frame, s
 
 
-class Animation(Film):
+class Animation:
     """Frames of a moving picture, drawn when they are asked for; `figure` holds what stands still.
 
-    For the other attributes see `Film`.
+    Attributes
+    ----------
+    times : array
+        s; one for each frame.
+    fps : float
+        Frames a second.
+    title : str
+    colours : Colours
+        Of paper and lines.
     """
 
     def __init__(
-        self, solution: Solution, field: str, times: NDArray[np.float64], fps: float,
+        self, solution: Solution, field: str, times: Floats, fps: float,
         magnification: float | None,
     ) -> None:
         self.fps, self.title = fps, headline(solution)
-        self.field, self.colours = field, colours()
+        self.field, self.colours = field, style.colours()
         start, stop = float(times[0]), float(times[-1])
         plan = placing(solution, start, stop, magnification).with_springs(start, stop)
         before = _approach(plan, times)
         self.times = np.concatenate((before, times, np.full(round(REST * fps), stop)))
         self._turns, self._captions = _captions(solution, start, stop)
         self._time, place = axis_scales(solution, False, stop, plan.row)
-        self.figure = new_figure(8.4, 6.8)
-        self.figure.suptitle(broken(self.title, 72 * self.figure.get_figwidth()),
-                             color=self.colours.ink, fontsize=NORMAL + 1)
+        self.figure = style.new_figure(8.4, 6.8)
+        self.figure.suptitle(style.broken(self.title, 72 * self.figure.get_figwidth()),
+                             color=self.colours.ink, fontsize=style.NORMAL + 1)
         self.figure.set_dpi(DOTS_PER_INCH)
         grid = self.figure.add_gridspec(2, 2, height_ratios=(1.2, 3.6), width_ratios=(3, 1))
         below = self.figure.add_subplot(grid[1, 0])
@@ -93,7 +96,9 @@ class Animation(Film):
         if solution.outcome.unilateral:
             growing.append(self.figure.add_subplot(grid[1, 1], sharey=below))
             _draw_forces(growing[1], solution)
-        self._covers = [_cover(ax) for ax in growing]
+        self._covers = [ax.add_artist(Rectangle(
+            (0.0, 0.0), 1.0, 0.0, transform=ax.get_yaxis_transform(), animated=True, linewidth=0,
+            facecolor=self.colours.paper)) for ax in growing]  # they hide the future
         self._nows: list[Any] = [ax.axhline(start, color=self.colours.ink, linewidth=1.2,
                                             animated=True) for ax in growing]
         self._canvas = cast("Any", FigureCanvasAgg(self.figure))
@@ -101,7 +106,7 @@ class Animation(Film):
         self.figure.set_layout_engine("none")
         self._still = self._canvas.copy_from_bbox(self.figure.bbox)
 
-    def _words(self, ax: Axes, solution: Solution, times: NDArray[np.float64]) -> list[Any]:
+    def _words(self, ax: Axes, solution: Solution, times: Floats) -> list[Any]:
         """Write what the picture shows and how fast; clock and caption, still empty, come back."""
         ax.set_axis_off()
         stop = float(times[-1])
@@ -112,15 +117,16 @@ class Animation(Film):
               if stop < solution.t_end else []),
             THICKNESS_TOLD.replace(", ", ",\n"),
         ]
-        ax.text(0.0, 0.0, "\n".join(words), transform=ax.transAxes, va="bottom", fontsize=SMALL + 1,
-                color=self.colours.faint, linespacing=1.4)
+        ax.text(0.0, 0.0, "\n".join(words), transform=ax.transAxes, va="bottom",
+                fontsize=style.SMALL + 1, color=self.colours.faint, linespacing=1.4)
         how: Any = {"transform": ax.transAxes, "color": self.colours.ink, "animated": True}
-        return [ax.text(0.0, 1.0, "", va="top", fontsize=NORMAL + 4, **how),
-                ax.text(0.0, 0.85, "", va="top", fontsize=NORMAL, **how)]
+        return [ax.text(0.0, 1.0, "", va="top", fontsize=style.NORMAL + 4, **how),
+                ax.text(0.0, 0.85, "", va="top", fontsize=style.NORMAL, **how)]
 
-    @styled
-    def frame(self, number: int) -> NDArray[np.uint8]:  # noqa: D102
-        with coloured(self.colours):
+    @style.styled
+    def frame(self, number: int) -> NDArray[np.uint8]:
+        """Picture [height, width, 3] of one frame, red, green and blue from 0 to 255."""
+        with style.coloured(self.colours):
             return self._drawn(number)
 
     def _drawn(self, number: int) -> NDArray[np.uint8]:
@@ -154,14 +160,60 @@ class Animation(Film):
                   *bars.contacts()]
         return [actor for actor in actors if actor is not None]
 
-    def clock(self, number: int) -> str:  # noqa: D102
+    def clock(self, number: int) -> str:
+        """Time of a frame, in words."""
         end = float(self.times[-1]) * self._time.factor
         decimals = max(0, 2 - math.floor(math.log10(end)))
         now = float(self.times[number]) * self._time.factor
         return signed(f"t = {now:.{decimals}f} {self._time.unit}")
 
+    def __len__(self) -> int:
+        return len(self.times)
 
-@styled
+    def frames(self, progress: film.Progress = None) -> Iterator[NDArray[np.uint8]]:
+        """All frames, one after the other."""
+        for number in range(len(self)):
+            yield self.frame(number)
+            if progress:
+                progress(number + 1, len(self))
+
+    def save(
+        self, path: str | os.PathLike[str], *, force: bool = False, progress: film.Progress = None
+    ) -> None:
+        """Write a GIF or an MP4, whichever the suffix names.
+
+        A GIF shows each frame for a whole number of hundredths of a second. An MP4 is made by the
+        program ffmpeg.
+
+        Parameters
+        ----------
+        path : path
+        force : bool
+            Replace a file that is there.
+        progress : callable, optional
+            Called with the number of frames drawn and of all, after each.
+
+        Raises
+        ------
+        ValueError
+            For any other suffix.
+        FileExistsError
+            If the file is there and `force` is false.
+        OSError
+            If the file cannot be written, or an MP4 is wanted where there is no ffmpeg.
+        """
+        write = film.WRITERS[film.check_film(path)]
+        with writing.written(path, force=force) as file:
+            write(file, self, progress)
+
+    def _repr_html_(self) -> str:
+        memory = io.BytesIO()
+        film.write_gif(memory, self, None)
+        data = base64.b64encode(memory.getvalue()).decode()
+        return f'<img src="data:image/gif;base64,{data}" alt="{html.escape(self.title)}">'
+
+
+@style.styled
 def animation(
     solution: Solution, field: str = "velocity", frames: int = 120, fps: float = 25.0,
     start: float = 0.0, stop: float | None = None, magnification: float | None = None,
@@ -208,7 +260,7 @@ def animation(
     ('t = 317 µs', (680, 840, 3))
     """
     check_waves(solution)
-    check_choice("field", field, FIELDS)
+    style.check_choice("field", field, FIELDS)
     check_frames(frames, fps)
     start = single("start", start, "s")
     stop = drawn_until(solution) if stop is None else single("stop", stop, "s")
@@ -227,7 +279,7 @@ def check_frames(frames: int, fps: float) -> None:
         raise refusal("fps", f"must be 1 to {MOST_PER_SECOND} frames a second, got {fps!r}")
 
 
-def _approach(plan: Placing, times: NDArray[np.float64]) -> NDArray[np.float64]:
+def _approach(plan: Placing, times: Floats) -> Floats:
     """Times before 0 at which bodies come that touch at t = 0, if each has one velocity."""
     solution = plan.solution
     V, gaps = np.array(solution.outcome.velocities_before), solution.system.gaps
@@ -260,19 +312,11 @@ def _draw_forces(ax: Axes, solution: Solution) -> None:
     forces = Forces(solution, able[:CONTACTS])
     drawn = forces.draw(ax, up=True)
     ax.set(xlim=(0, 1.1 * ax.dataLim.xmax or 1.0), ylim=limits, xlabel=forces.scale.label)
-    dress(ax)
+    style.dress(ax)
     ax.tick_params(labelleft=False)
     if len(able) > 1:
         more = f"first {CONTACTS} of {len(able)}" if len(able) > CONTACTS else None
-        legend_above(ax, drawn, more)
-
-
-def _cover(ax: Axes) -> Rectangle:
-    """What hides the future; it is drawn over the Axes, frame by frame."""
-    cover = Rectangle((0.0, 0.0), 1.0, 0.0, transform=ax.get_yaxis_transform(), animated=True,
-                      facecolor=colours().paper, linewidth=0)
-    ax.add_artist(cover)
-    return cover
+        style.legend_above(ax, drawn, more)
 
 
 def _rounded(number: float) -> str:

@@ -15,7 +15,7 @@ from ..results.regions import readable_until, regions_of
 from ..results.solution import Solution
 from .placing import Placing
 from .plane import Plane
-from .sampling import energy_density, is_stepped
+from .sampling import is_stepped
 from .scales import ROUND_OFF, digits
 from .style import SMALL, colours, extent, ink_on
 
@@ -46,7 +46,11 @@ class Polygons:
         if field == "displacement":
             return r.displacement - frame * r.t
         if field == "energy":
-            return energy_density(self.system, r.body, r.segment, r.velocity - frame, r.strain)
+            rods = [getattr(body, "segments", ()) for body in self.system.bodies]
+            parts = [rods[i][j] for i, j in zip(r.body.tolist(), r.segment.tolist(), strict=True)]
+            mass = np.array([float(part.mass / part.length) for part in parts])
+            c = np.array([float(part.wave_speed) for part in parts])
+            return np.asarray(mass * ((r.velocity - frame) ** 2 + (c * r.strain) ** 2) / 2)
         return np.asarray(getattr(r, field))
 
     def bends(self, body: int, x: float) -> Floats:
@@ -149,13 +153,11 @@ def _labels(ax: Axes, polygons: list[Floats], values: Floats, norm: Normalize) -
     count = 3 + max(0, math.ceil(math.log10(float(np.abs(values).max()) / reach or 1.0)))
     written = []
     for polygon, value in zip(polygons, values, strict=True):
-        text = digits(value, reach, count)
-        corners = _points(ax, polygon)
-        half = np.array([0.35 * SMALL * len(text), 0.6 * SMALL]) + 1.0
-        if np.any(np.ptp(corners, axis=0) < 2 * half):
-            continue
-        box = _centre(corners) + np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * half
-        if _inside(box, corners):
+        text, corners = digits(value, reach, count), _points(ax, polygon)
+        across, up = 0.35 * SMALL * len(text) + 1.0, 0.6 * SMALL + 1.0  # half the text and more
+        side, away = np.roll(corners, -1, axis=0) - corners, _centre(corners) - corners
+        room = np.abs(side[:, 0] * away[:, 1] - side[:, 1] * away[:, 0])
+        if (room > np.abs(side[:, 1]) * across + np.abs(side[:, 0]) * up).all():
             x, y = _centre(polygon)
             ground = {"facecolor": colours().signed(norm(value)), "edgecolor": "none", "pad": 1.0}
             written.append(ax.text(x, y, text, ha="center", va="center", zorder=6, fontsize=SMALL,
@@ -174,11 +176,3 @@ def _centre(corners: Floats) -> Floats:
     first, a, b = corners[0], corners[1:-1] - corners[0], corners[2:] - corners[0]
     areas = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
     return np.asarray(first + (areas[:, None] * (a + b)).sum(axis=0) / (3 * areas.sum()))
-
-
-def _inside(points: Floats, corners: Floats) -> bool:
-    """Whether all points lie in a convex polygon."""
-    side = np.roll(corners, -1, axis=0) - corners
-    away = points[:, None] - corners
-    turns = side[:, 0] * away[..., 1] - side[:, 1] * away[..., 0]
-    return bool((turns > 0).all() or (turns < 0).all())

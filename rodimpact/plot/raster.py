@@ -14,7 +14,7 @@ from ..model.frozen import refusal
 from ..results.solution import Solution
 from .placing import Placing
 from .plane import Plane
-from .sampling import averaged, energy_density, mean_areas, modulus, pieces
+from .sampling import averaged, mean_areas, pieces
 from .style import colours
 
 ROWS = 400  # cells one above the other
@@ -57,14 +57,15 @@ class Raster:
         velocity, strain = averaged(self.solution, body, self.times)
         if field in ("velocity", "strain"):
             return velocity if field == "velocity" else strain
-        which = (segment - segment[0])[:, None]
-        system = self.solution.system
-        if field == "stress":
-            return strain * modulus(system, body, which)
-        rod = system.bodies[body]
+        rod, which = self.solution.system.bodies[body], segment - segment[0]
         assert isinstance(rod, Rod)
-        area = mean_areas(rod, edges, which[:, 0])[:, None]
-        return energy_density(system, body, which, velocity - frame, strain, area)
+        materials = [rod.segments[i].material for i in which.tolist()]
+        stress = strain * np.array([[float(m.youngs_modulus)] for m in materials])
+        if field == "stress":
+            return np.asarray(stress)
+        density = np.array([[float(m.density)] for m in materials])
+        area = mean_areas(rod, edges, which)[:, None]
+        return np.asarray(area * (density * (velocity - frame) ** 2 + stress * strain) / 2)
 
     def bends(self, body: int, x: float) -> Floats:  # noqa: ARG002  (as in `Polygons`)
         """Times between which the path of a rod's end is drawn straight."""

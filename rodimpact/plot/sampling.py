@@ -5,13 +5,10 @@ Such a solution has no fronts to draw between; a few hundred pieces show what ca
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..methods.signals import Floats, Ints
-from ..model import Rod, Segment, System
+from ..model import Rod
 from ..results.fields import Profile
 from ..results.solution import Solution
 
@@ -62,27 +59,6 @@ def fine(times: Floats, values: Floats) -> tuple[Floats, Floats]:
     return edges, np.interp((edges[1:] + edges[:-1]) / 2, times, values)
 
 
-def modulus(system: System, body: ArrayLike, segment: ArrayLike) -> Floats:
-    """Young's modulus, Pa, of segments of bodies; the two broadcast."""
-    return _of_segments(system, body, segment, lambda s: float(s.material.youngs_modulus))
-
-
-def energy_density(
-    system: System, body: ArrayLike, segment: ArrayLike, velocity: Floats, strain: Floats,
-    area: Floats | None = None,
-) -> Floats:
-    """Kinetic and strain energy per length, (rho A v^2 + E A eps^2)/2, in J/m; all broadcast.
-
-    The area of a segment is by default its mean.
-    """
-    if area is None:
-        area = _of_segments(
-            system, body, segment, lambda s: float(s.mass / (s.length * s.material.density)))
-    density = _of_segments(system, body, segment, lambda s: float(s.material.density))
-    stiffness = modulus(system, body, segment)
-    return area * (density * velocity**2 + stiffness * strain**2) / 2
-
-
 def mean_areas(rod: Rod, edges: Floats, segment: Ints) -> Floats:
     """Mean areas, m^2, of the pieces of a rod between edges, m, each in a segment of it."""
     starts = np.cumsum([0.0, *(float(s.length) for s in rod.segments)])
@@ -93,16 +69,6 @@ def mean_areas(rod: Rod, edges: Floats, segment: Ints) -> Floats:
             inside = edges[here[0] : here[-1] + 2] - starts[i]
             areas[here] = piece.area_between(inside)
     return areas
-
-
-def _of_segments(
-    system: System, body: ArrayLike, segment: ArrayLike, number: Callable[[Segment], float]
-) -> Floats:
-    """A number of each of these segments."""
-    rods = [b.segments if isinstance(b, Rod) else () for b in system.bodies]
-    first = np.cumsum([0, *map(len, rods)])
-    table = np.array([number(s) for segments in rods for s in segments])
-    return np.asarray(table[first[np.asarray(body)] + segment])
 
 
 def evenly(count: int, most: int) -> Ints:

@@ -22,41 +22,16 @@ from ..model.frozen import refusal
 from ..model.numbering import body_names
 from ..results.gauges import Gauge, check_gauges
 from ..results.solution import Solution, check_waves
+from . import scales, style
 from .bars import THICKNESS_TOLD, Bars, Piece, joined
 from .moments import happening, moments
 from .placing import Placing, placing
 from .sampling import is_stepped
-from .scales import (
-    Scale,
-    closing_speed,
-    digits,
-    engineering,
-    first_rod,
-    multiple,
-    place_label,
-    place_scale,
-    written,
-)
-from .style import (
-    LETTER,
-    SMALL,
-    axes,
-    broken,
-    centred,
-    colour_bar,
-    colours,
-    dress,
-    extent,
-    figure_of,
-    ink_on,
-    picture,
-    styled,
-)
 
 ALIKE = 0.02  # velocities of a stretch that bears one label, in parts of the largest
 
 
-@picture
+@style.picture
 class Snapshots(NamedTuple):
     """Artists of snapshots; `bars` holds a polygon for each uniform piece, row by row.
 
@@ -75,7 +50,7 @@ class Snapshots(NamedTuple):
     colour_bar: Colorbar | None
 
 
-@styled
+@style.styled
 def snapshots(
     solution: Solution, ax: Axes | None = None, times: Sequence[float] | Floats | None = None,
     magnification: float | None = None, gauges: Mapping[str, Gauge] | None = None,
@@ -120,13 +95,13 @@ def snapshots(
     solution.fields.to_ticks(when)  # refuses times outside the solution
     last = float(when.max())
     plan = placing(solution, 0.0, last, magnification).with_springs(0.0, last)
-    place = place_scale(plan.row)
-    ax = axes(ax, 9.6, 0.9 + 0.72 * when.size)
+    place = scales.place_scale(plan.row)
+    ax = style.axes(ax, 9.6, 0.9 + 0.72 * when.size)
 
-    stepped, (_, ink, faint, *_) = is_stepped(solution), colours()
+    stepped, (_, ink, faint, *_) = is_stepped(solution), style.colours()
     drawn = Bars(ax, plan, when, place)
     velocities = np.array([piece.velocity for piece in drawn.pieces])
-    norm = centred(velocities, plan.frame)
+    norm = style.centred(velocities, plan.frame)
     bars, outlines = drawn.rods(velocities, norm), drawn.outlines()
     (walls, _), masses, fronts = drawn.walls(), drawn.masses(), drawn.fronts()
     drawn.ends()
@@ -143,14 +118,14 @@ def snapshots(
     speeds = Speeds.of(plan, float(np.abs(velocities).max()))
     marks = [THICKNESS_TOLD, "thick line: pressing", "square: strain gauge"]
     seen = [any(piece.strain for piece in drawn.pieces), *map(bool, lines)]
-    ax.set_xlabel("\n".join(broken(label, extent(ax)[0]) for label in (
-        place_label(plan, place), speeds.label, ", ".join(compress(marks, seen))) if label))
+    ax.set_xlabel("\n".join(style.broken(label, style.extent(ax)[0]) for label in (
+        scales.place_label(plan, place), speeds.label, ", ".join(compress(marks, seen))) if label))
     bar = None
     if stepped:
-        bar = colour_bar(
+        bar = style.colour_bar(
             ax, bars, speeds.scale.label, plan.frame, location="bottom", fraction=0.03, aspect=50,
-            shrink=0.6, format=lambda value, _: digits(value * speeds.scale.factor, 0.0))
-    figure_of(ax).draw_without_rendering()  # so that it is known how wide the Axes are
+            shrink=0.6, format=lambda value, _: scales.digits(value * speeds.scale.factor, 0.0))
+    style.figure_of(ax).draw_without_rendering()  # so that it is known how wide the Axes are
     labels = _labels(ax, drawn.pieces, norm, speeds)
     labels += _mass_labels(ax, plan, when, place, speeds)
     names = body_names(solution.system.kinds)
@@ -170,37 +145,39 @@ class Speeds(NamedTuple):
 
     rest: float
     closing: float
-    scale: Scale
+    scale: scales.Scale
     largest: float
     rounded: bool
 
     @classmethod
     def of(cls, plan: Placing, largest: float) -> Speeds:
         """Those of a picture, for velocities up to `largest`, m/s."""
-        return cls(plan.frame, closing_speed(plan.solution),
-                   engineering("velocity", largest, "m/s"), largest, is_stepped(plan.solution))
+        scale = scales.engineering("velocity", largest, "m/s")
+        return cls(plan.frame, scales.closing_speed(plan.solution), scale, largest,
+                   is_stepped(plan.solution))
 
     @property
     def label(self) -> str:
         """What is written, in words."""
         if self.closing:
-            return f"closing speed v = {written(self.closing, 'm/s')}"
+            return f"closing speed v = {scales.written(self.closing, 'm/s')}"
         return f"velocities ({self.scale.unit})"
 
     def write(self, velocity: float) -> str:
         """A velocity, m/s."""
         if self.closing:
             part = (velocity - self.rest) / self.closing
-            return multiple(round(part, 2) if self.rounded else part, "v")
+            return scales.multiple(round(part, 2) if self.rounded else part, "v")
         if self.rounded:
             velocity = float(f"{velocity:.2g}") if abs(velocity) > 0.01 * self.largest else 0.0
-        return digits(velocity * self.scale.factor, self.largest * self.scale.factor)
+        return scales.digits(velocity * self.scale.factor, self.largest * self.scale.factor)
 
 
 def _name_rows(ax: Axes, solution: Solution, when: Floats) -> None:
     """To the left of each row its time, to the right what happens then."""
-    dress(ax)
-    time, (rod, length) = engineering("time", solution.t_end, "s"), first_rod(solution)
+    style.dress(ax)
+    time = scales.engineering("time", solution.t_end, "s")
+    rod, length = scales.first_rod(solution)
     values = when * time.factor
     count = next((n for n in range(3, 9) if len({f"{t:.{n}g}" for t in values.tolist()})
                   == np.unique(values).size), 3)
@@ -210,13 +187,14 @@ def _name_rows(ax: Axes, solution: Solution, when: Floats) -> None:
     ax.tick_params(axis="y", length=0)
     ax.spines["left"].set_visible(False)
     for row, t in enumerate(when.tolist()):
-        words = [broken(line, extent(ax)[0] / 3) for line in happening(solution, t).splitlines()]
+        words = [style.broken(line, style.extent(ax)[0] / 3)
+                 for line in happening(solution, t).splitlines()]
         ax.text(1.01, -row, "\n".join(words), transform=ax.get_yaxis_transform(), va="center",
-                fontsize=SMALL + 1)
+                fontsize=style.SMALL + 1)
 
 
 def _mass_labels(
-    ax: Axes, plan: Placing, times: Floats, place: Scale, speeds: Speeds
+    ax: Axes, plan: Placing, times: Floats, place: scales.Scale, speeds: Speeds
 ) -> list[Text]:
     """Velocity of each mass, below it; of every second of neighbours above it."""
     labels = []
@@ -227,7 +205,7 @@ def _mass_labels(
             middle = (plan.end(i, False, times) + plan.end(i, True, times)) / 2 * place.factor
             velocities = plan.solution.velocity(i, 0.0, times).tolist()
             labels += [_write(ax, x, -row + (0.33 if above else -0.33), speeds.write(velocity),
-                              colours().ink, "bottom" if above else "top")
+                              style.colours().ink, "bottom" if above else "top")
                        for row, (x, velocity) in enumerate(zip(middle, velocities, strict=True))]
     return labels
 
@@ -246,19 +224,19 @@ def _labels(ax: Axes, pieces: list[Piece], norm: Any, speeds: Speeds) -> list[Te
         width = _width(ax, text)
         x = (piece.left + piece.right) / 2
         if piece.right - piece.left > width:
-            labels.append(_write(ax, x, float(-piece.row), text, ink_on(norm, piece.velocity),
+            labels.append(_write(ax, x, float(-piece.row), text, style.ink_on(norm, piece.velocity),
                                  "center_baseline"))
         elif not speeds.rounded and (row != piece.row or x - width / 2 > taken):
-            labels.append(_write(ax, x, -piece.row - 0.33, text, colours().ink, "top"))
+            labels.append(_write(ax, x, -piece.row - 0.33, text, style.colours().ink, "top"))
             row, taken = piece.row, x + width / 2
     return labels
 
 
 def _width(ax: Axes, text: str) -> float:
     """Width of a text on the axis of places."""
-    points = float(extent(ax)[0] / np.ptp(ax.get_xlim()))  # of a unit
-    return LETTER * (SMALL + 1) * (len(text) + 0.5) / points
+    points = float(style.extent(ax)[0] / np.ptp(ax.get_xlim()))  # of a unit
+    return style.LETTER * (style.SMALL + 1) * (len(text) + 0.5) / points
 
 
 def _write(ax: Axes, x: float, y: float, text: str, colour: str, va: str) -> Text:
-    return ax.text(x, y, text, color=colour, ha="center", va=va, fontsize=SMALL + 1, zorder=5)
+    return ax.text(x, y, text, color=colour, ha="center", va=va, fontsize=style.SMALL + 1, zorder=5)
