@@ -30,10 +30,10 @@ import numpy as np
 import rodimpact as ri
 from rodimpact.methods import kernels
 from rodimpact.methods.fronts import driver
-from rodimpact.methods.fronts.records import Stop
 from rodimpact.methods.grid.mesh import Mesh, stable_step
 from rodimpact.methods.grid.method import COURANT
 from rodimpact.methods.grid.run import GridRun, Keeper
+from rodimpact.methods.laws import Stop
 from rodimpact.methods.row import Row
 from rodimpact.methods.run import MAX_EVENTS
 

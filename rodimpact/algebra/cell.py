@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..methods.fronts.records import Status
+from ..methods.laws import Status
 from .field import Field
 from .inequalities import factors, reduced
 from .naming import Naming

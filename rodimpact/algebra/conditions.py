@@ -18,8 +18,9 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from ..methods.fronts import finality
-from ..methods.fronts.records import NONE, Status
+from ..methods.fronts.records import NONE
 from ..methods.groups import unilateral
+from ..methods.laws import Status
 from ..model import Wall
 from .numbers import HALF, ZERO, Number
 from .rows import ExactRun

@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 from ..methods.abilities import needs
 from ..methods.fronts import stock
 from ..methods.fronts.driver import Laid, Plan, laid
-from ..methods.fronts.records import Status, Stop
 from ..methods.groups import unilateral
+from ..methods.laws import Status, Stop
 from ..methods.registry import check_system, count
 from ..methods.row import Row
 from ..model import Bonded, Free, Rod, Steps, System, Wall

@@ -11,9 +11,10 @@ from ..methods.compiling import objects
 from ..methods.fronts import events, stock
 from ..methods.fronts.driver import Laid, laid
 from ..methods.fronts.method import track
-from ..methods.fronts.records import BODY, IDLE, Outside, Status
+from ..methods.fronts.records import BODY, IDLE
 from ..methods.fronts.run import FrontRun
 from ..methods.groups import grounds, groups, unilateral
+from ..methods.laws import Beyond, Status
 from ..methods.row import Array, Row
 from ..model import Absorbing, System
 from .dual import Dual
@@ -146,7 +147,7 @@ def begin(run: FrontRun, changes: Array) -> Laid:
     ticks = [Dual(T, T / time.v * time.d) for T, time in zip(run.clock.ticks, times, strict=True)]
     give = [1 / Z for Z in y[n : 2 * n]]
     bodies = objects(plan.bodies, BODY)
-    left, right = (give[i] if bodies[i].outside == Outside.ENDLESS else zero for i in (0, -1))
+    left, right = (give[i] if bodies[i].outside == Beyond.ENDLESS else zero for i in (0, -1))
     gaps = [zero] * (n + 1)
     for k, gap, rate in zip(plan.contacts, run.gaps, y[3 * n :], strict=False):
         gaps[k] = Dual(gap, rate.d / run.clock.tick)
@@ -161,7 +162,7 @@ def begin(run: FrontRun, changes: Array) -> Laid:
     for i in (0, -1):
         it, wall = bodies[i], Dual(0.0)
         if it.last == 0:
-            driven = it.outside != Outside.STEADY
+            driven = it.outside != Beyond.STEADY
             wall = Dual(0.0 if driven else run.line[i].arrived, y[it.profile].d)
         ends.append(wall)
     sent: Any = [[] for _ in waves]

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
-from ..methods.fronts.records import Stop
+from ..methods.laws import Stop
 from ..model import System
 from ..model.frozen import InvalidModel
 from ..results.solution import Solution

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..methods.fronts.records import Stop
+from ..methods.laws import Stop
 from ..results.front_polygons import polygons_of, stretch_of
 from ..units import format_si
 from .motion import (

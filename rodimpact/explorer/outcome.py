@@ -10,8 +10,9 @@ from typing import Any
 
 from ..methods.fronts.layout import round_trip
 from ..methods.fronts.method import status_of
-from ..methods.fronts.records import NONE, Stop
+from ..methods.fronts.records import NONE
 from ..methods.groups import groups_between, velocities_on_ground
+from ..methods.laws import Stop
 from ..methods.status import rounding, strain_warning
 from ..results.outcome import ROUND_OFF, no_restitution
 from ..theory import pair_numbers, pair_restitution

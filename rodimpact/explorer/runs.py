@@ -9,18 +9,8 @@ from typing import Any
 
 from ..methods.compiling import blank
 from ..methods.fronts import events, layout, march
-from ..methods.fronts.records import (
-    BODY,
-    IDLE,
-    LINE,
-    NODE,
-    NONE,
-    PIECE,
-    ROW,
-    RUN,
-    SEGMENT,
-    Stop,
-)
+from ..methods.fronts.records import BODY, IDLE, LINE, NODE, NONE, PIECE, ROW, RUN, SEGMENT
+from ..methods.laws import Stop
 
 ROOM = 256  # rows of the log at first
 FINE = 1.0  # share of the usual room of the clock that is tried first, where it has few bits

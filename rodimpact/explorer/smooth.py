@@ -8,10 +8,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..methods.laws import Law
+from ..methods.laws import Law, Stop
 from ..methods.pieces.accuracy import size_of
 from ..methods.pieces.method import RTOL
-from ..methods.pieces.records import Stop
 from ..methods.pieces.totals import stated, status_of, tally_of, told_of, why_stopped
 from ..methods.scales import smallest
 from ..methods.status import strain_warning

@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 
 from ..methods import scales
 from ..methods.compiling import blank
-from ..methods.laws import Law
+from ..methods.laws import Law, Stop
 from ..methods.pieces import accuracy, layout, march
 from ..methods.pieces.accuracy import Ended
 from ..methods.pieces.layout import Asked, Clock, Given, Known
 from ..methods.pieces.method import RTOL
-from ..methods.pieces.records import NONE, PIECE, TURN, Stop
+from ..methods.pieces.records import NONE, PIECE, TURN
 from ..methods.pieces.series import N
 
 ROOM = 512  # of the log at first

@@ -21,7 +21,7 @@ from ..methods.abilities import (
     SMOOTH_STATES,
     TAPER,
 )
-from ..methods.fronts.records import Outside, Status
+from ..methods.laws import Beyond, Status
 from ..model import Bonded, Material, Rigid, RigidMass, Rod, Segment, System, Wall
 from ..model.frozen import LARGEST, OUT_OF_SCALE, SMALLEST, Field, wanted
 from ..model.laws import Hertz, HuntCrossley, PowerLaw, Spring, SpringDashpot
@@ -253,7 +253,7 @@ def row_of(case: Any, library: Any) -> Any:
             segments.append(segment_of(where, piece, own[name] if name in own else library[name]))
         start, stop = (1, 0) if wall else (begin, len(segments))
         velocity, strain = table.get("velocity", 0.0), table.get("strain", 0.0)
-        still = Outside.STEADY.value
+        still = Beyond.STEADY.value
         rows.append((start, stop, *enter(profiles, velocity, strain), still))
         mass = table.get("mass", 0.0)
         for piece in segments[begin - 1 :]:
@@ -293,13 +293,13 @@ def kind_at(end: str) -> int:
 
 def driven(end: Any, profiles: list[Any]) -> Any:
     """What holds or drives an end of the row, as a body."""
-    outside = Outside.STEADY.value
+    outside = Beyond.STEADY.value
     if end["kind"] in ("absorbing", "incoming"):
-        outside = Outside.ENDLESS.value
+        outside = Beyond.ENDLESS.value
     elif end["kind"] == "force":
-        outside = Outside.PUSHED.value
+        outside = Beyond.PUSHED.value
     elif end["kind"] == "velocity":
-        outside = Outside.MOVED.value
+        outside = Beyond.MOVED.value
     return (1, 0, *enter(profiles, end.get("value", 0.0), 0.0), outside)
 
 

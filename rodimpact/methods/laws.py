@@ -1,4 +1,7 @@
-"""What acts between two neighbours, or on an end, as every method counts it."""
+"""What acts in links and on the ends of a row, and what is said of links and runs, for all methods.
+
+In files and in kernels these are whole numbers; only their order here has a meaning.
+"""
 
 from enum import IntEnum
 
@@ -16,3 +19,43 @@ class Law(IntEnum):
     POWER = 7
     YIELD = 8
     OWN = 9  # a function of the user
+
+
+class Beyond(IntEnum):
+    """What is beyond an end of the row."""
+
+    STEADY = 0  # nothing, or a wall
+    MOVED = 1  # a velocity over time
+    PUSHED = 2  # a force
+    ENDLESS = 3  # a bar, with a wave that comes in
+
+
+class Status(IntEnum):
+    """What a link does."""
+
+    FREE = 0
+    BOND = 1  # it cannot open
+    PUSH = 2  # an end under a given force
+    OPEN = 3  # a gap, or parting; from here on it is a contact
+    TOUCH = 4  # closed, not yet pressed since it closed
+    GRAZE = 5  # closed, pressed before, without force now
+    PRESS = 6  # from here on the state of a contact decides its force
+    PLASTIC = 7
+    REST = 8  # rigid bodies that lie on each other
+
+
+class Stop(IntEnum):
+    """Why a run returns."""
+
+    NONE = 0  # it goes on, or is not laid out
+    LAID = 1  # it has not begun
+    FULL = 2  # no room in the log
+    CHECK = 3  # a proof of finality is due
+    DONE = 4  # the time asked for is reached; from here on it has an end
+    FINAL = 5  # proved, and run on
+    CAP = 6  # more events than the limit
+    CLOCK = 7  # its ticks are over
+    OVERFLOW = 8  # there is no clock: the energy of such velocities and strains is no float
+    LONG = 9  # the time asked for takes more ticks than a clock has
+    SHORT = 10  # a transit time is too few ticks
+    STUCK = 11  # no solution: a mass between closing walls

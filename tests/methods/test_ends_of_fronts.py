@@ -14,7 +14,7 @@ from runs import bits_of, group_of, tracked
 import rodimpact as ri
 from rodimpact.methods import kernels
 from rodimpact.methods.fronts import driver, stock
-from rodimpact.methods.fronts.records import Status
+from rodimpact.methods.laws import Status
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from systems import horizon, random_system

@@ -12,8 +12,9 @@ from systems import horizon, random_system
 import rodimpact as ri
 from rodimpact.methods.compiling import blank
 from rodimpact.methods.fronts import events, finality
-from rodimpact.methods.fronts.records import NODE, ROW, RUN, Status
+from rodimpact.methods.fronts.records import NODE, ROW, RUN
 from rodimpact.methods.groups import groups
+from rodimpact.methods.laws import Status
 
 M = ri.Material("m", youngs_modulus=1.0, density=1.0)
 

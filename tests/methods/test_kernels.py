@@ -19,8 +19,8 @@ import rodimpact as ri
 from rodimpact.methods import kernels, tick_rule
 from rodimpact.methods.compiling import blank
 from rodimpact.methods.fronts import driver, events, finality, layout, march, records, stock
-from rodimpact.methods.fronts.records import Status, Stop
 from rodimpact.methods.fronts.stock import largest_difference
+from rodimpact.methods.laws import Status, Stop
 from rodimpact.methods.pieces import march as pieces
 from rodimpact.methods.tick_rule import SPAN, assign_ticks, recognise
 

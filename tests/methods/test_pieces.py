@@ -8,9 +8,9 @@ import pytest
 from numpy.polynomial import chebyshev, legendre
 
 from rodimpact.methods import compiling, kernels
-from rodimpact.methods.laws import Law
+from rodimpact.methods.laws import Law, Status
 from rodimpact.methods.pieces import laws, lines, series
-from rodimpact.methods.pieces.records import HARD, LINE, LINK, NONE, PIECE, RUN, SMOOTH, Status
+from rodimpact.methods.pieces.records import HARD, LINE, LINK, NONE, PIECE, RUN, SMOOTH
 from rodimpact.methods.pieces.series import POINTS, N
 
 X = np.array(series.X)
@@ -225,10 +225,10 @@ def test_a_break_is_hard_where_what_jumps_is_above_tolerance(jump, slope, bend, 
 # Laws --------------------------------------------------------------------------------------------
 
 LAWS = {
-    "bond": {"law": Law.BOND, "status": Status.FIXED},
+    "bond": {"law": Law.BOND, "status": Status.BOND},
     "spring": {"law": Law.SPRING, "stiffness": 7.0},
     "dashpot": {"law": Law.SPRING, "stiffness": 7.0, "damping": 0.6},
-    "joint": {"law": Law.JOINT, "stiffness": 7.0, "damping": 0.6, "status": Status.FIXED},
+    "joint": {"law": Law.JOINT, "stiffness": 7.0, "damping": 0.6, "status": Status.BOND},
     "Hertz": {"law": Law.POWER, "stiffness": 7.0, "exponent": 1.5},
     "power": {"law": Law.POWER, "stiffness": 7.0, "exponent": 2.3},
     "Hunt-Crossley": {"law": Law.POWER, "stiffness": 7.0, "exponent": 1.5, "damping": 0.6},
@@ -259,9 +259,9 @@ def test_a_force_satisfies_its_law_and_has_these_derivatives(name):
     (Law.RIGID, Status.PRESS, 0.0, -1.0, Status.OPEN),
     (Law.YIELD, Status.PRESS, 0.25, 1.0, Status.PLASTIC),
     (Law.YIELD, Status.PLASTIC, 0.5, -1.0, Status.PRESS),
-    (Law.POWER, Status.PRESS, 0.5, -9.0, Status.SLACK),
-    (Law.POWER, Status.SLACK, 0.5, 9.0, Status.PRESS),
-    (Law.POWER, Status.SLACK, -0.5, -9.0, Status.OPEN),
+    (Law.POWER, Status.PRESS, 0.5, -9.0, Status.GRAZE),
+    (Law.POWER, Status.GRAZE, 0.5, 9.0, Status.PRESS),
+    (Law.POWER, Status.GRAZE, -0.5, -9.0, Status.OPEN),
 ])
 def test_what_ends_a_status(law, status, d, closing, to):
     it = one(LINK, law=law, status=status, stiffness=10.0, exponent=1.0, strength=2.0,

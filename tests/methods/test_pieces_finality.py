@@ -7,10 +7,10 @@ from networks import unit_rod
 
 import rodimpact as ri
 from rodimpact.methods import compiling
-from rodimpact.methods.laws import Law
+from rodimpact.methods.laws import Law, Status
 from rodimpact.methods.pieces import driver, finality
 from rodimpact.methods.pieces.driver import Machine
-from rodimpact.methods.pieces.records import LINK, PART, RUN, Status
+from rodimpact.methods.pieces.records import LINK, PART, RUN
 from rodimpact.methods.pieces.rows import lay_out
 from rodimpact.methods.row import Row
 

@@ -17,15 +17,15 @@ from .. import duration, kernels
 from ..compiling import as_objects, as_records, blank, objects
 from ..duration import Forecast
 from ..family import Stopped, now, table
-from ..laws import Law
+from ..laws import Beyond, Law, Status, Stop
 from ..memory import ask, most_numbers
 from ..row import Row
 from . import events, layout, march, stock
-from .records import BODY, CHANGE, LINE, NODE, NONE, PIECE, ROW, RUN, SEGMENT, Outside, Status, Stop
+from .records import BODY, CHANGE, LINE, NODE, NONE, PIECE, ROW, RUN, SEGMENT
 
-OUTSIDE: dict[type[End], Outside] = {
-    Absorbing: Outside.ENDLESS, Incoming: Outside.ENDLESS, Pushed: Outside.PUSHED,
-    Moved: Outside.MOVED,
+BEYOND: dict[type[End], Beyond] = {
+    Absorbing: Beyond.ENDLESS, Incoming: Beyond.ENDLESS, Pushed: Beyond.PUSHED,
+    Moved: Beyond.MOVED,
 }  # the others do nothing
 STATUS = {
     Law.PUSH_LEFT: Status.PUSH, Law.PUSH_RIGHT: Status.PUSH, Law.BOND: Status.BOND,
@@ -71,7 +71,7 @@ class Plan:
             self.bodies.append(self._enter(first, last, body.velocity, strain))
         for side, end in enumerate(system.ends):
             if not isinstance(end, Free):
-                outside = OUTSIDE.get(type(end), Outside.STEADY)
+                outside = BEYOND.get(type(end), Beyond.STEADY)
                 entry = self._enter(1, 0, getattr(end, "value", 0.0), 0.0, outside)
                 self.bodies.insert(side * len(self.bodies), entry)
         self.contacts = [last for _, last in row.spans[: len(gaps)]]
@@ -83,7 +83,7 @@ class Plan:
         self.segments, self.pieces, self.fronts = n, n + jumps, 2 * (n + jumps) + 2
 
     def _enter(
-        self, first: int, last: int, velocity: Any, strain: Any, outside: Outside = Outside.STEADY
+        self, first: int, last: int, velocity: Any, strain: Any, outside: Beyond = Beyond.STEADY
     ) -> tuple[int, ...]:
         """A BODY, whose profiles are added to the numbers."""
         place, counts = len(self.numbers), []

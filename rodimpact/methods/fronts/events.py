@@ -19,7 +19,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from .records import CHANGE, IDLE, NEVER, NONE, Status, Stop
+from ..laws import Status, Stop
+from .records import CHANGE, IDLE, NEVER, NONE
 
 MOST = 3  # rows that an event may add to the log
 

@@ -10,7 +10,8 @@ from __future__ import annotations
 from typing import Any
 
 from .. import finality_kernel as proof
-from .records import IDLE, NEVER, NONE, Status
+from ..laws import Status
+from .records import IDLE, NEVER, NONE
 
 
 def side(node: Any, k: int, right: bool) -> tuple[int, int]:

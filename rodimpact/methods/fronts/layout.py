@@ -14,7 +14,8 @@ import math
 from typing import Any
 
 from .. import tick_rule as rule
-from .records import NONE, Outside, Status, Stop
+from ..laws import Beyond, Status, Stop
+from .records import NONE
 
 TOLERANCE = 2.0**-48
 """Smallest change of a wave that counts as a front, in units of the velocity scale (the spread of
@@ -70,13 +71,13 @@ def survey(run: Any, body: Any, given: Any, row: int, piece: Any, segment: Any) 
         it = body[side * (len(body) - 1)]
         for j in range(it.velocities if it.last == 0 else 0):
             v = given[row + it.profile + j]
-            if it.outside == Outside.PUSHED:
+            if it.outside == Beyond.PUSHED:
                 pushed = max(pushed, abs(v))
-            elif it.outside == Outside.ENDLESS:
+            elif it.outside == Beyond.ENDLESS:
                 strained = max(strained, 2 * given[row + side * (n - 1)] * abs(v))
             else:
                 low, high = min(low, v), max(high, v)
-            if it.outside == Outside.STEADY:
+            if it.outside == Beyond.STEADY:
                 walls, fixed = walls + 1, fixed + v
     weakest = math.inf
     for s in range(1, n + 1):
@@ -132,7 +133,7 @@ def contacts(node: Any) -> tuple[int, int]:
 
 def jumps_outside(it: Any) -> int:
     """How often what drives an end jumps."""
-    return int(it.velocities - 1) if it.outside != Outside.STEADY else 0
+    return int(it.velocities - 1) if it.outside != Beyond.STEADY else 0
 
 
 def drive_times(body: Any, given: Any, row: int, until: float, spare: float, piece: Any) -> int:
@@ -169,9 +170,9 @@ def drive(
             came = log[r].value
     while more:
         value, x0 = given[row + it.profile + j], x1
-        if it.outside == Outside.PUSHED:
+        if it.outside == Beyond.PUSHED:
             value *= segment[end].mobility
-        elif it.outside == Outside.ENDLESS:
+        elif it.outside == Beyond.ENDLESS:
             value = (4 * side - 2) * given[row + end - 1] * value + came
         else:
             value -= run.frame
@@ -214,7 +215,7 @@ def momentum_varies(body: Any, line: Any, joined: bool) -> bool:
     So it is for what radiates, and for what walls or fixed ends of different velocity hold.
     """
     left, right = body[0], body[len(body) - 1]
-    endless = left.outside == Outside.ENDLESS or right.outside == Outside.ENDLESS
+    endless = left.outside == Beyond.ENDLESS or right.outside == Beyond.ENDLESS
     held = joined and left.last == 0 and right.last == 0
     return bool(endless or (held and line[0].arrived != line[len(line) - 1].arrived))
 
@@ -303,7 +304,7 @@ def lay_out(
     for side in range(2):
         one, l = body[side * (len(body) - 1)], side * (2 * n + 3)
         line[l].arrived = 0.0
-        if one.last == 0 and one.outside == Outside.STEADY:
+        if one.last == 0 and one.outside == Beyond.STEADY:
             line[l].arrived = given[row + one.profile] - it.frame
     count, bonded = contacts(node)
     it.target = -1
@@ -316,9 +317,9 @@ def lay_out(
     place = len(piece) - it.late
     for side in range(2):
         one = body[side * (len(body) - 1)]
-        if one.outside == Outside.ENDLESS:
+        if one.outside == Beyond.ENDLESS:
             segment[side * (n + 1)].mobility = segment[1 + side * (n - 1)].mobility
-        if one.outside != Outside.STEADY:
+        if one.outside != Beyond.STEADY:
             drive(it, one, side, given, row, place, piece, segment, log)
             place += jumps_outside(one)
     it.started, it.stop = it.rows, Stop.LAID.value

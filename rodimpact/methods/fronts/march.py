@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..laws import Stop
 from . import events, finality, layout, stock
-from .records import CHANGE, IDLE, NEVER, NONE, Stop
+from .records import CHANGE, IDLE, NEVER, NONE
 
 
 def follow(

@@ -16,6 +16,7 @@ from .. import abilities as physics
 from ..duration import Forecast, Progress
 from ..family import STOPPED_BY, FamilyRun
 from ..groups import body_velocities, groups
+from ..laws import Status, Stop
 from ..row import Array, Row
 from ..run import MAX_EVENTS, MEASURES, VELOCITY, ContactTally, Run, Totals
 from ..status import (
@@ -29,7 +30,7 @@ from ..status import (
 )
 from . import driver
 from .driver import Plan
-from .records import NONE, Status, Stop
+from .records import NONE
 from .run import FrontRun
 from .signals import signals_of
 

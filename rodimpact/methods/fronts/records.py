@@ -1,4 +1,4 @@
-"""The records that the kernels of this method work on, and the statuses that they name.
+"""The records that the kernels of this method work on, one kind each.
 
 Node k joins the segments k and k + 1; line 2s carries what travels to the right through segment s,
 line 2s + 1 what travels to the left. The segments 0 and n + 1 stand for what lies outside: nothing,
@@ -9,49 +9,9 @@ mobility.
 
 from __future__ import annotations
 
-from enum import IntEnum
-
 import numpy as np
 
 from ..tick_rule import SPAN
-
-
-class Status(IntEnum):
-    """What a node does; from OPEN on it is a contact."""
-
-    FREE = 0
-    BOND = 1
-    PUSH = 2  # an end under a given force
-    OPEN = 3  # a gap, or parting
-    TOUCH = 4  # closed, not yet pressed since it closed
-    GRAZE = 5  # closed, pressed before, without force now
-    PRESS = 6
-
-
-class Stop(IntEnum):
-    """Why a run returns; from DONE on it has an end."""
-
-    NONE = 0  # it is not laid out
-    LAID = 1  # it has not begun
-    FULL = 2  # no room in the log
-    CHECK = 3  # a proof of finality is due
-    DONE = 4  # the time asked for is reached
-    FINAL = 5  # proved, and run on
-    CAP = 6  # more events than the limit
-    CLOCK = 7  # its ticks are over
-    OVERFLOW = 8  # there is no clock: the energy of such velocities and strains is no float
-    LONG = 9  # the time asked for takes more ticks than a clock has
-    SHORT = 10  # a transit time is too few ticks
-
-
-class Outside(IntEnum):
-    """What is beyond an end of the row."""
-
-    STEADY = 0  # nothing, or a wall
-    MOVED = 1  # a velocity over time
-    PUSHED = 2  # a force
-    ENDLESS = 3  # a bar, with a wave that comes in
-
 
 NEVER = 1 << 62  # the clock ends here
 IDLE = (1 << 63) - 1  # tick of a node at which nothing is due

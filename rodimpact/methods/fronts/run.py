@@ -9,8 +9,9 @@ from ...model.frozen import InvalidModel
 from ..abilities import driven
 from ..clock import Clock, clock_of, too_long, too_short
 from ..compiling import as_objects, as_records
+from ..laws import Stop
 from .driver import Members
-from .records import NONE, ROW, Stop
+from .records import NONE, ROW
 
 REASONS = {Stop.FINAL: "final", Stop.CAP: "max_events", Stop.CLOCK: "clock", Stop.DONE: "until"}
 

@@ -9,9 +9,10 @@ import numpy as np
 
 from ...model import Absorbing, Bonded, Fixed, Free, Wall
 from ..clock import Clock
+from ..laws import Status
 from ..run import INWARD, ContactSignal, Episode, Outside, Signals, Waves
 from ..signals import Pieces, each_once
-from .records import CHANGE, Status
+from .records import CHANGE
 from .run import FrontRun
 
 

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from .records import NONE, Status
+from ..laws import Status
+from .records import NONE
 
 
 def take(run: Any, segment: Any, line: Any, log: Any) -> None:

@@ -27,11 +27,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..laws import Law
+from ..laws import Beyond, Law
 from . import contact_kernel as contacts
 from . import elimination_kernel as elimination
 from . import radial_kernel as radial
-from .records import FAR, NONE, End
+from .records import FAR, NONE
 
 
 def follow(grid: Any, track: Any, until: int) -> bool:
@@ -162,7 +162,7 @@ def kick_implicit(
         for side in range(2):
             n = end[side].node
             if a <= n <= b:
-                if end[side].kind == End.MOVED:
+                if end[side].kind == Beyond.MOVED:
                     x[n] = end[side].given - v[n]
                 else:
                     x[n] += outer_force(end[side], side, v[n])
@@ -174,11 +174,11 @@ def kick_implicit(
 def outer_force(at: Any, side: int, v: float) -> float:
     """Force to the right on the node at one end of the row; that of an endless bar at this v."""
     F: float = 0.0
-    if at.kind == End.PUSHED:
+    if at.kind == Beyond.PUSHED:
         F = at.given
         if side == 1:
             F = -F
-    elif at.kind == End.ENDLESS:
+    elif at.kind == Beyond.ENDLESS:
         F = at.impedance * (at.rest + at.given - v)
     return F
 
@@ -187,9 +187,9 @@ def move_ends(v: Any, mobility: Any, end: Any) -> None:
     """Let what is outside act on the ends of explicit pieces."""
     for side in range(2):
         at, n = end[side], end[side].node
-        if at.kind == End.MOVED:
+        if at.kind == Beyond.MOVED:
             v[n] = at.given
-        elif at.kind != End.FREE and mobility[n] > 0:
+        elif at.kind != Beyond.STEADY and mobility[n] > 0:
             v[n] += mobility[n] * outer_force(at, side, at.old)
 
 

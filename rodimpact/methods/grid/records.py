@@ -9,20 +9,9 @@ b h, s h and q/h for a radial strain q.
 
 from __future__ import annotations
 
-from enum import IntEnum
 from typing import Any, NamedTuple
 
 import numpy as np
-
-
-class End(IntEnum):
-    """What acts on an end of the row."""
-
-    FREE = 0
-    PUSHED = 1
-    MOVED = 2
-    ENDLESS = 3
-
 
 NONE = -1
 FAR = (1 << 40) - 1  # n & FAR tells the compiler that n >= 0, so that its loops run in vectors

@@ -10,16 +10,18 @@ import numpy as np
 from ...model.frozen import InvalidModel
 from ...model.profiles import averages
 from .. import compiling
+from ..laws import Beyond
 from ..row import Array, Row, whole
 from . import elimination_kernel as elimination
 from . import records
 from .mesh import Mesh
-from .records import NONE, End, Grid
+from .records import NONE, Grid
 
 LEAST = 2.0**-800  # stiffness, where time is counted in steps
 TOLERANCE = 2.0**-40  # of the velocities, below which contacts graze: round-off of many steps
 GAP_RESOLUTION = 1.0  # of what bodies cover in a step: dispersed waves open smaller gaps
-KINDS = {"none": End.FREE, "force": End.PUSHED, "velocity": End.MOVED, "absorbing": End.ENDLESS}
+KINDS = {"none": Beyond.STEADY, "force": Beyond.PUSHED, "velocity": Beyond.MOVED,
+         "absorbing": Beyond.ENDLESS}
 
 
 def grid_of(mesh: Mesh, step: float) -> Grid:

@@ -9,10 +9,11 @@ import numpy as np
 
 from .. import compiling, kernels
 from ..duration import Forecast
+from ..laws import Stop
 from ..memory import ask
 from . import march
 from .accuracy import Ended
-from .records import NEVER, PIECE, TURN, Stop
+from .records import NEVER, PIECE, TURN
 from .rows import Layout
 from .series import N
 

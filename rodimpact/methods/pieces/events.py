@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..laws import Law
+from ..laws import Law, Status
 from . import lines, series
-from .records import NONE, SMOOTH, Status, Touch
+from .records import NONE, SMOOTH
 from .series import N, X
 
 SWEEPS = 1000  # of impacts that happen together
@@ -117,10 +117,10 @@ def settle(run: Any, turn: Any, it: Any, i: int, tick: int, closing: float) -> N
         if it.first == NONE:
             it.first = tick
         new = turn[run.turns]
-        new.tick, new.link, new.touch = tick, i, Touch.PRESSING.value
+        new.tick, new.link, new.touch = tick, i, Status.PRESS.value
         new.impulse, new.closing = it.force[0], 0.5 * (it.closing[0] + closing)
         run.turns += 1
-        it.touch = Touch.PRESSING.value
+        it.touch = Status.PRESS.value
 
 
 def record(
@@ -136,14 +136,14 @@ def record(
         it.rate = it.closing[N] - it.mobility * it.force[N]
         before = it.closing[N - 1] - it.mobility * it.force[N - 1]
         it.bend = 2 * (it.rate - before) / (h * (X[N] - X[N - 1]))
-        touch = Touch.APART.value if it.status == Status.OPEN else Touch.GRAZING.value
+        touch = Status.OPEN.value if it.status == Status.OPEN else Status.GRAZE.value
         if acts_or_pushes(it):
             count(it, at.rate, h)
             top = series.largest(it.force)
             if ticks > run.window and top > NEAR * it.peak:  # shorter is where breaks nearly meet
                 it.peak = max(it.peak, series.maximum(it.force, at.series, it.peak))
             if it.status >= Status.PRESS and presses(run, it, top):
-                touch = Touch.PRESSING.value
+                touch = Status.PRESS.value
                 it.pressed += ticks
         if it.law >= Law.RIGID and touch != it.touch:
             change(run, turn, it, at.first + q, at.now, touch)
@@ -163,7 +163,7 @@ def presses(run: Any, it: Any, top: float) -> bool:
 
 def acts_or_pushes(it: Any) -> bool:
     """Whether there may be a force in a link."""
-    return bool(it.status != Status.OPEN and it.status != Status.SLACK)
+    return bool(it.status != Status.OPEN and it.status != Status.GRAZE)
 
 
 def count(it: Any, power: Any, h: float) -> None:
@@ -177,14 +177,14 @@ def count(it: Any, power: Any, h: float) -> None:
 
 def change(run: Any, turn: Any, it: Any, i: int, tick: int, touch: int) -> None:
     """Log that a contact is touched, presses or is left."""
-    if touch == Touch.PRESSING:
+    if touch == Status.PRESS:
         if it.first == NONE:
             it.first = tick
         it.episodes += it.opened
         it.opened = 0
-    elif it.touch == Touch.PRESSING:
+    elif it.touch == Status.PRESS:
         it.last = tick
-    if touch == Touch.APART:
+    if touch == Status.OPEN:
         it.opened = 1
         it.apart = tick
     it.touch = touch

@@ -12,12 +12,12 @@ from .. import kernels
 from ..compiling import as_objects
 from ..family import STOPPED_BY, FamilyRun, Stopped
 from ..groups import groups, movable, velocities_in_group
-from ..laws import Law
+from ..laws import Law, Stop
 from ..row import Row
 from . import driver, march
 from .accuracy import COARSER, SHOWN, Ended, apart, compare, left_open
 from .method import tolerance_of, vibration_of
-from .records import PIECE, TURN, Stop
+from .records import PIECE, TURN
 from .rows import Layout, is_even, lay_out, own_laws
 
 TOGETHER = 1024  # members of one chunk

@@ -9,9 +9,9 @@ import math
 from typing import Any
 
 from .. import finality_kernel as proof
-from ..laws import Law
+from ..laws import Law, Status, Stop
 from . import lines
-from .records import NEVER, NONE, Part, Status, Stop
+from .records import NEVER, NONE, Part
 from .series import WEIGHTS, N, X
 
 WALL, ENDLESS = 0, 1  # `index` of what holds a group

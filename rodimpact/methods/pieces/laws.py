@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..laws import Law
-from .records import Status
+from ..laws import Law, Status
 
 ROUNDS, ENOUGH = 20, 1e-14  # to find a force that depends on the rate it makes; relative
 
@@ -70,10 +69,10 @@ def force(it: Any, d: float, closing: float) -> tuple[float, float, float]:
 
 def guards(it: Any) -> int:
     """How many numbers keep the status of a link."""
-    if it.status == Status.FIXED:
+    if it.status == Status.BOND:
         return 0
     damped = it.law == Law.OWN or (it.law == Law.POWER and it.damping > 0)
-    if it.status == Status.SLACK or (it.status == Status.PRESS and (it.law == Law.YIELD or damped)):
+    if it.status == Status.GRAZE or (it.status == Status.PRESS and (it.law == Law.YIELD or damped)):
         return 2
     return 1
 
@@ -101,18 +100,18 @@ def guard(
         drive = (it.stiffness * d / it.damping + closing) / scale
     else:
         drive = 1 + it.damping * closing
-    if it.status == Status.SLACK and which == 1:
+    if it.status == Status.GRAZE and which == 1:
         return -drive, Status.PRESS.value
     if it.law == Law.YIELD and which == 1:
         return 1 - F / it.strength, Status.PLASTIC.value
     if it.status == Status.PRESS and (which == 1 or dashpot):
-        return drive, Status.SLACK.value
+        return drive, Status.GRAZE.value
     return d / length, Status.OPEN.value
 
 
 def smooths(it: Any, order: int) -> int:
     """Order of the break in a force that a break in the velocity beside the link makes."""
-    if it.status == Status.OPEN or it.status == Status.SLACK:
+    if it.status == Status.OPEN or it.status == Status.GRAZE:
         return int(it.order)
     if it.law <= Law.PUSH_RIGHT or it.law == Law.RIGID or it.damping > 0:
         return min(it.order, order)

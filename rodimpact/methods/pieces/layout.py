@@ -12,9 +12,9 @@ import numpy as np
 
 from .. import tick_rule as rule
 from ..compiling import blank
-from ..laws import Law
+from ..laws import Law, Status
 from . import finality
-from .records import LINE, LINK, MASS, NEVER, NODE, NONE, PART, PIECE, RUN, SMOOTH, Part, Status
+from .records import LINE, LINK, MASS, NEVER, NODE, NONE, PART, PIECE, RUN, SMOOTH, Part
 from .series import POINTS, N
 
 FLOORS = 128  # in the shortest transit
@@ -288,7 +288,8 @@ def set_law(it: Any, given: Given, i: int) -> None:
     """Set the law of link i, its numbers and its status."""
     it.force_line = it.overlap_line = it.closing_line = it.left_group = it.right_group = NONE
     it.first = it.last = it.apart = NONE
-    it.order, it.opened, it.law, it.status = SMOOTH, 1, given.laws[i], Status.FIXED.value
+    it.order, it.opened, it.law = SMOOTH, 1, given.laws[i]
+    it.status, it.touch = Status.BOND.value, Status.OPEN.value
     it.stiffness, it.exponent = given.stiffness[i], given.exponent[i]
     it.strength, it.overlap = given.strength[i], -given.gap[i]
     if it.law == Law.IMPACT:  # what touches is struck by the first look at it

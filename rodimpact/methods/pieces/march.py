@@ -10,8 +10,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from ..laws import Status, Stop
 from . import events, finality, laws, lines, nodes, series
-from .records import HARD, NONE, Status, Stop
+from .records import HARD, NONE
 from .series import N
 
 FLIPS = 1000  # changes of status at one instant: beyond, none of them lasts, and none matters

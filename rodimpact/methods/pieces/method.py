@@ -19,13 +19,13 @@ from .. import abilities as physics
 from ..clock import clock_of
 from ..duration import Forecast, Progress
 from ..groups import groups
-from ..laws import Law
+from ..laws import Law, Stop
 from ..row import Row, squeezed
 from ..run import MEASURES, ContactTally, GroupTotals, Run, Signals, largest_error
 from ..status import acting_and_held, last_contact, rounding, strain_warning
 from .accuracy import COARSER, COARSEST, apart, compare, left_open
 from .driver import Machine
-from .records import Part, Stop
+from .records import Part
 from .rows import Layout, lay_out
 from .signals import signals_of
 from .totals import (

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..laws import Law
+from ..laws import Law, Status
 from . import laws, series
-from .records import NONE, Status
+from .records import NONE
 from .series import POINTS, STAGES, START, N, X
 
 ITERATIONS = 30
@@ -25,7 +25,7 @@ SOON = 1e-3  # of the way to the next point: where what starts at 0 is seen to r
 
 def acts(it: Any) -> bool:
     """Whether a link has a force that depends on the state."""
-    if it.status == Status.FIXED:
+    if it.status == Status.BOND:
         return bool(it.law == Law.BOND or it.law == Law.JOINT)
     return bool(it.status >= Status.PRESS)
 
@@ -274,7 +274,7 @@ def follow(link: Any, mass: Any, at: Any, h: float) -> None:
         set_forces(link, mass, at)
     for q in range(at.links):
         it = link[at.first + q]
-        if it.status == Status.OPEN or it.status == Status.SLACK:
+        if it.status == Status.OPEN or it.status == Status.GRAZE:
             set_rate(link, mass, at, 2 * q)
             for j in range(N):
                 it.overlaps[j + 1] += defect(link, mass, at, 2 * q, h, j)

@@ -1,4 +1,4 @@
-"""The records that the kernels of this method work on, and the statuses that they name.
+"""The records that the kernels of this method work on.
 
 Conventions. Compression is positive: F > 0 presses two neighbours apart, `overlap` > 0 is their
 overlap (below 0: the gap), `closing` the rate at which a link would close without its own force,
@@ -13,35 +13,6 @@ from enum import IntEnum
 import numpy as np
 
 from .series import POINTS
-
-
-class Status(IntEnum):
-    """What a link does; from PRESS on its own state decides its force."""
-
-    FIXED = 0  # cannot open
-    OPEN = 1
-    SLACK = 2  # a dashpot has let go while there is overlap left
-    PRESS = 3
-    PLASTIC = 4
-    REST = 5  # rigid bodies that lie on each other
-
-
-class Touch(IntEnum):
-    """What a contact is said to do."""
-
-    APART = 0
-    GRAZING = 1  # touching without force
-    PRESSING = 2
-
-
-class Stop(IntEnum):
-    """Why a run returns."""
-
-    NONE = 0  # it goes on
-    DONE = 1  # the target is reached
-    FULL = 2  # no room in the log
-    CAP = 3  # the cap on steps
-    STUCK = 4  # no solution: a mass between closing walls
 
 
 class Part(IntEnum):

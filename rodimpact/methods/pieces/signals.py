@@ -10,10 +10,10 @@ from numpy.polynomial.chebyshev import chebder
 from ...model import Joint, Wall, Yielding
 from ..clock import Clock
 from ..groups import fill_bonds
+from ..laws import Status
 from ..row import Row
 from ..run import ContactSignal, Episode, Outside, Signals, Waves
 from ..signals import Pieces, difference
-from .records import Touch
 
 NOTHING = Pieces([0], [0.0])
 
@@ -133,11 +133,11 @@ def _episodes(turns: Any, tick: float) -> tuple[Episode, ...]:
     start = force_end = np.nan
     for when, touch in zip(turns["tick"].tolist(), turns["touch"].tolist(), strict=True):
         t = float(when) * tick
-        if touch == Touch.PRESSING:
+        if touch == Status.PRESS:
             start, force_end = (t if np.isnan(start) else start), np.nan
         elif not np.isnan(start):
             force_end = t if np.isnan(force_end) else force_end
-            if touch == Touch.APART:
+            if touch == Status.OPEN:
                 found.append(Episode(start, force_end, t))
                 start = np.nan
     if not np.isnan(start):

@@ -6,10 +6,9 @@ import math
 from typing import Any
 
 from ...units import format_si
-from ..laws import Law
+from ..laws import Law, Status, Stop
 from ..run import ContactTally
 from ..status import ending, last_contact, proof_sentence
-from .records import Status, Stop, Touch
 
 MORE = 10.0  # times rtol, from which it is said that it was not reached
 
@@ -19,7 +18,7 @@ def tally_of(it: Any, tick: float, now: int) -> ContactTally:
     if it.law < Law.RIGID:  # it never opens
         return ContactTally(it.impulse, it.peak, 0.0, math.nan, math.nan, 0)
     sudden, met = it.law == Law.IMPACT, it.first >= 0
-    last = now if it.touch == Touch.PRESSING and not sudden else it.last
+    last = now if it.touch == Status.PRESS and not sudden else it.last
     return ContactTally(
         it.impulse, math.nan if sudden else it.peak, it.pressed * tick,
         it.first * tick if met else math.nan, last * tick if met else math.nan, it.episodes)
@@ -31,8 +30,8 @@ def ends_of_contacts(link: Any, tick: float) -> list[Any]:
     for it in link:
         if it.law >= Law.RIGID and it.episodes > 0:
             struck = it.law == Law.IMPACT and it.status == Status.OPEN
-            pressing = it.touch == Touch.PRESSING and not struck
-            apart = it.apart if it.touch == Touch.APART or struck else -1
+            pressing = it.touch == Status.PRESS and not struck
+            apart = it.apart if it.touch == Status.OPEN or struck else -1
             ends.append((math.nan if pressing else it.last * tick,
                          apart * tick if apart >= 0 else math.nan))
     return ends
