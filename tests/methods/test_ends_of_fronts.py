@@ -278,7 +278,7 @@ def test_driven_rows_are_never_final():
         assert not solution.final
         assert solution.outcome.driven
         assert "while an end is driven" in solution.status
-        assert "gravity, or what drives" in solution.outcome.why_no_restitution()
+        assert "gravity or a driven end" in solution.outcome.why_no_restitution()
         with pytest.raises(ri.InvalidModel, match="until: must be given"):
             ri.solve(system)
 

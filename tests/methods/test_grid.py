@@ -448,7 +448,7 @@ def test_rtol_tells_how_still_the_outcome_stands(monkeypatch):
     monkeypatch.setattr(finite_difference, "FINEST", 40)
     s = solved(row, rtol=1e-9)
     assert "Not converged to 1e-09: velocity to " in s.status
-    assert "more cells goes on" in s.status
+    assert "give more cells" in s.status
 
 
 @pytest.mark.parametrize("rods", [((0.5, 0.786, 0.674), (0.1875, 1.176, -0.255)),

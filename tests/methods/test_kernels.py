@@ -147,7 +147,7 @@ def test_kernel_files_stand_alone(module):
         for node in ast.walk(ast.parse(Path(module.__file__).read_text()))
         if isinstance(node, ast.Import | ast.ImportFrom) for name in node.names
     }
-    known = "__future__|math|typing|records|events|finality|layout|stock|tick_rule"
+    known = "__future__|math|typing|laws|records|events|finality|layout|stock|tick_rule"
     assert {name for name in imported if not re.match(known, name)} <= {"numpy"}
 
 
