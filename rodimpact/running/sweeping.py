@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, replace
 from numbers import Integral
@@ -30,7 +30,7 @@ from ..model import Rod, System
 from ..model.frozen import InvalidModel, Problems, number
 from ..results.outcome import effective_restitution
 from ..results.solution import Solution
-from ..storage.checkpoint import Checkpoint
+from ..storage.checkpoint import Checkpoint, InMemory
 from ..storage.writing import PathLike
 from ..units import shown
 from . import sweep_result as table
@@ -120,7 +120,7 @@ def sweep(
         clock: go on, with its `status` and what is known of it, or raise.
     checkpoint : path, optional
         Directory that keeps finished chunks, strains included, so that a sweep that was interrupted
-        goes on where it was. The arrays of the result then stay on disk until they are looked at.
+        goes on where it was.
 
     Returns
     -------
@@ -138,7 +138,7 @@ def sweep(
     Warns
     -----
     DamagedChunks
-        If the checkpoint has parts that are not what was written; they are run again.
+        If the checkpoint has files that are not what was written; their members are run again.
     LongRun
         As soon as it is known that the sweep takes more than five seconds, with what takes less.
 
@@ -208,25 +208,21 @@ def sweep(
     together = 0 if _alone(options, readings) else METHODS[options.method].together(Row(system))
     units = _Units(system.shape, min(TOGETHER, together) if together else 1)
     of = table.arrays_of(system, readings)
-    keep: Any = _InMemory(of, units)
+    keep = InMemory(of, units)
     if checkpoint is not None:
         described = {
             "format": "rodimpact sweep", "rodimpact": __version__, "system": system.digest,
             "shape": list(system.shape), **asdict(options), **readings.to_dict(),
         }
-        shapes = {name: (np.dtype(kind), (*system.shape, *beyond))
-                  for name, (kind, beyond) in of.items()}
-        keep = Checkpoint(checkpoint, described, shapes, units)
+        keep = Checkpoint(checkpoint, described, of, units)
     with contextlib.closing(keep), pool_of(executor, workers) as pool:
         jobs = _jobs(pool, system, options, readings, units, keep.done, together)
         news = _News(units, keep.done, pool.workers, together, progress)
         _collect(jobs, keep, units, news, on_error == "raise")
     if jobs.end < units.size:
         _raise_for(int(jobs.end), system, options)
-    columns = keep.columns()
-    shaped = {
-        name: columns[name].reshape((*system.shape, *beyond)) for name, (_, beyond) in of.items()
-    }
+    shaped = {name: column.reshape((*system.shape, *column.shape[1:]))
+              for name, column in keep.columns.items()}
     strain = shaped.pop("strain", None)
     return table.SweepResult(system, options, shaped, readings, strain)
 
@@ -249,9 +245,9 @@ def _jobs(
     return Jobs(pool, submit, units.spans(~done), units.unit, largest)
 
 
-def _collect(jobs: Jobs, keep: Any, units: _Units, news: _News, raises: bool) -> None:
+def _collect(jobs: Jobs, keep: InMemory, units: _Units, news: _News, raises: bool) -> None:
     """Put what jobs bring where it is kept, until all is there or, if it `raises`, one is bad."""
-    known = keep.columns()["status"].reshape(-1)
+    known = keep.columns["status"]
     kept = [(start, stop, {"status": known[start:stop]}) for start, stop in units.spans(keep.done)]
     with contextlib.closing(jobs.results()) as results:
         for parts in itertools.chain([kept], results):
@@ -262,27 +258,6 @@ def _collect(jobs: Jobs, keep: Any, units: _Units, news: _News, raises: bool) ->
                     jobs.end = min(jobs.end, start + _first_bad(part["status"]))
             if parts is not kept:
                 news.tell(sum(stop - start for start, stop, _ in parts))
-
-
-class _InMemory:
-    """Columns of results in memory, as a `Checkpoint` has them on disk."""
-
-    def __init__(self, of: Mapping[str, Any], units: _Units) -> None:
-        self.done = np.zeros(len(units), dtype=bool)
-        self._columns = {name: np.empty((units.size, *beyond), kind)
-                         for name, (kind, beyond) in of.items()}
-
-    def put(self, start: int, stop: int, part: table.Columns) -> None:
-        """Take the results of some members."""
-        for name, values in part.items():
-            self._columns[name][start:stop] = values
-
-    def columns(self) -> table.Columns:
-        """All columns."""
-        return self._columns
-
-    def close(self) -> None:
-        """Nothing is open."""
 
 
 class _News:

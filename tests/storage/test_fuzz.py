@@ -127,42 +127,39 @@ def test_a_damaged_file_is_refused_or_is_what_was_saved(tmp_path, originals, see
     assert all(message.startswith(str(path)) for message in refusals)
 
 
-def spoil_directory(rng, folder):
+def spoil_directory(rng, folder, other):
     """Damage a checkpoint in one place or a few."""
     for _ in range(rng.integers(1, 4)):
-        paths = sorted(path for path in folder.iterdir() if path.is_file())
-        one, other = rng.choice(len(paths), 2)
-        path, kind = paths[one], rng.integers(6)
+        paths = sorted(path for path in folder.iterdir() if path.is_file()) or [folder / "new.npz"]
+        one, two = (paths[i] for i in rng.choice(len(paths), 2))
+        kind = rng.integers(6)
         if kind == 0:
-            path.unlink()
-        elif kind == 1:
-            both = path.read_bytes(), paths[other].read_bytes()
-            path.write_bytes(both[1])
-            paths[other].write_bytes(both[0])
-        elif kind == 2 and path.suffix == ".npy":
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                try:
-                    array = alter(rng, np.load(path))
-                except Exception:  # it is damaged already
-                    continue
-            np.save(path, array)
+            one.unlink(missing_ok=True)
+        elif kind == 1 and one != two:
+            spare = folder / ".rodimpact-spare"
+            one.replace(spare), two.replace(one), spare.replace(two)
+        elif kind == 2:
+            shutil.copy(other, one)
         elif kind == 3:
             (folder / f".rodimpact-{rng.integers(1 << 60):016x}").write_bytes(rng.bytes(9))
-        else:
-            path.write_bytes(spoil(rng, path.read_bytes() or b"x"))
+        elif one.exists():
+            one.write_bytes(spoil(rng, one.read_bytes() or b"x"))
 
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_damaged_checkpoint_is_refused_or_comes_to_the_same_end(tmp_path, monkeypatch, seed):
     monkeypatch.setattr("rodimpact.methods.fronts.method.MOST_MEMBERS", 4)
-    monkeypatch.setattr("rodimpact.storage.checkpoint.os.fsync", lambda file: None)
+    monkeypatch.setattr("rodimpact.storage.writing.os.fsync", lambda file: None)
+    for name in ("EVERY", "SHARE"):  # a file a chunk
+        monkeypatch.setattr(f"rodimpact.storage.checkpoint.{name}", 0.0)
     rng, whole, folder = np.random.default_rng(seed), tmp_path / "whole", tmp_path / "damaged"
     result = ri.sweep(family(), checkpoint=whole)
+    ri.sweep(family(), checkpoint=tmp_path / "other", max_events=1)
+    other = next((tmp_path / "other").iterdir())
     refusals, gone_on = [], 0
     for _ in range(DAMAGES):
         shutil.copytree(whole, folder)
-        spoil_directory(rng, folder)
+        spoil_directory(rng, folder, other)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ri.DamagedChunks)
             try:
