@@ -40,7 +40,6 @@ from rodimpact.methods.run import MAX_EVENTS
 CASE = Path(__file__).parent / "cases" / "unequal-rods.toml"
 STEEL = ri.materials.steel
 UNIT_MATERIAL = ri.Material("one", youngs_modulus=1.0, density=1.0)
-SIDE, DAMPED = 100, (20, 10)  # of maps of real rods
 RUN, LONG = 500_000, 1e6  # events, s
 LAST = Path(__file__).parent / "performance.json"  # ratios of the last version to the leapfrog
 SLOWER = 1.25  # times the last ratio is told of
@@ -62,14 +61,13 @@ def fresh(code: str) -> float:
     return float(done.stdout)
 
 
-def processor_time(code: str, empty_cache: bool) -> float:
-    """Processor time of a new process, s, without machine code on disk or with all of it."""
+def processor_time() -> float:
+    """Processor time of a new process that compiles everything, s."""
     with tempfile.TemporaryDirectory() as folder:
         place = {**os.environ, "NUMBA_CACHE_DIR": folder}
-        for job in [code] if empty_cache else [WARM, code]:
-            before = resource.getrusage(resource.RUSAGE_CHILDREN)
-            subprocess.run([sys.executable, "-c", job], capture_output=True, check=True, env=place)
-            after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run([sys.executable, "-c", WARM], capture_output=True, check=True, env=place)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
@@ -151,28 +149,14 @@ def compiled_godunov(per_unit: int = 100) -> Callable[[], float]:
     return restitution
 
 
-def leapfrog_of_map(members: int = 20) -> float:
-    """Time of one leapfrog for a random member of `map_of_pairs`, s; impedances cost the same."""
-    lengths = np.random.default_rng(1).uniform(0.05, 1.0, members)
-    return statistics.median(median(lambda x=x: leapfrog(400, (float(x), 1.0)), 1) for x in lengths)
-
-
 # Kernels ----------------------------------------------------------------------------------------
 
 
-def per_event(
-    T: Sequence[float], Z: Sequence[float], v: Sequence[float], gap: float = 0.0,
-    walls: bool = False,
-) -> float:
-    """Median time of an event in a run of half a million of uniform rods, s.
-
-    Rods are free, or between walls at rest; T, Z and v are those of each.
-    """
+def per_event(T: Sequence[float], Z: Sequence[float], v: Sequence[float]) -> float:
+    """Median time of an event in a run of half a million of uniform rods that touch, s."""
     bodies: list[ri.Body] = [ri.Rod(t, area=z, material=UNIT_MATERIAL, velocity=w)
                              for t, z, w in zip(T, Z, v, strict=True)]
-    if walls:
-        bodies = [ri.Wall(), *bodies, ri.Wall()]
-    plan = driver.Plan(Row(ri.System(bodies, gaps=[gap] * (len(bodies) - 1))))
+    plan = driver.Plan(Row(ri.System(bodies)))
     spans = []
     for _ in range(5):
         begin = time.perf_counter()
@@ -186,11 +170,6 @@ def per_event(
 def free_pair() -> float:
     """Two free rods of incommensurate transit times that meet once and go on vibrating."""
     return per_event([math.sqrt(2), 3.0], [1.0, 2.0], [0.5, -0.5])
-
-
-def between_walls() -> float:
-    """Two rods between two walls, meeting again and again."""
-    return per_event([3.0, 7.0], [1.0, 2.0], [0.5, -0.7], 4.0, True)
 
 
 def long_row(n: int) -> float:
@@ -232,19 +211,6 @@ x, t = np.linspace(0, 1, 1000)[:, None], np.linspace(0, solution.t_end, 1000)
 solution.velocity(1, x, t)
 print(median(lambda: solution.velocity(1, x, t), 21))
 """
-MAP = """
-import numpy as np
-import rodimpact as ri
-steel = ri.materials.steel
-shorter = ri.Rod(np.linspace(0.05, 1.5, 200)[:, None], area=1e-4, material=steel, velocity=1.0)
-ri.sweep(ri.System([shorter, ri.Rod(1.0, area=np.geomspace(1e-5, 1e-3, 200), material=steel)]))
-"""
-DAMP = """
-import rodimpact as ri
-steel = ri.materials.steel.damped(1e-2, 5e3)
-ri.solve(ri.System([ri.Rod(x, area=1e-4, material=steel, velocity=v)
-                    for x, v in ((0.4, 1.0), (1.0, 0.0))]))
-"""
 WARM = "import rodimpact as ri; ri.warm()"
 MEMORY = """
 import resource, sys
@@ -266,12 +232,12 @@ print(peak() - before)
 """
 
 
-def map_of_pairs(shape: tuple[int, int] = (1000, 1000)) -> tuple[float, float]:
+def map_of_pairs() -> tuple[float, float]:
     """Time of a map over lengths and impedances, s, and its largest error of e."""
     system = ri.System([
-        ri.Rod(np.linspace(0.05, 1.0, shape[0])[:, None], area=1.0, material=UNIT_MATERIAL,
+        ri.Rod(np.linspace(0.05, 1.0, 1000)[:, None], area=1.0, material=UNIT_MATERIAL,
                velocity=1.0),
-        ri.Rod(1.0, area=np.geomspace(0.1, 10.0, shape[1]), material=UNIT_MATERIAL),
+        ri.Rod(1.0, area=np.geomspace(0.1, 10.0, 1000), material=UNIT_MATERIAL),
     ])
     result = ri.sweep(system)
     first, second = (body.segments[0] for body in system.bodies)
@@ -281,72 +247,13 @@ def map_of_pairs(shape: tuple[int, int] = (1000, 1000)) -> tuple[float, float]:
     return median(lambda: ri.sweep(system), 5), float(np.abs(result.restitution - exact).max())
 
 
-def stepped_pairs(count: int = 100_000) -> float:
-    """Time of a family of pairs of rods with a step each, of random lengths and areas, s."""
-    rng = np.random.default_rng(0)
-
-    def stepped(velocity: float) -> ri.Rod:
-        pieces = [ri.Segment(rng.uniform(0.1, 1.0, count), rng.uniform(0.5, 2.0, count),
-                             UNIT_MATERIAL) for _ in range(2)]
-        return ri.Rod(segments=pieces, velocity=velocity)
-
-    system = ri.System([stepped(1.0), stepped(0.0)])
-    assert ri.sweep(system).final.all()
-    return median(lambda: ri.sweep(system), 5)
-
-
-def striking(body: ri.Rod | ri.RigidMass, law: Any) -> ri.System:
-    """What strikes a steel rod of 1 m and 1 cm^2, through a contact law."""
-    return ri.System([body, ri.Rod(1.0, area=1e-4, material=STEEL)], contacts=[law])
-
-
-def striker(length: Any = 0.4, velocity: Any = 1.0, material: Any = STEEL) -> ri.Rod:
-    """A rod of 1 cm^2."""
-    return ri.Rod(length, area=1e-4, material=material, velocity=velocity)
-
-
-def space_time_diagram() -> float:
-    """A collision drawn as a space-time diagram, s."""
-    solution = ri.solve(striking(striker(), ri.Rigid()))
-    return median(lambda: ri.plot.spacetime(solution))
-
-
 def hertz_pair() -> float:
     """Time of a pair of rods with rounded ends by `solve`, once its machine code is there, s."""
-    system = striking(striker(), ri.Hertz(1e10))
+    rods = [ri.Rod(length, area=1e-4, material=STEEL, velocity=v)
+            for length, v in ((0.4, 1.0), (1.0, 0.0))]
+    system = ri.System(rods, contacts=[ri.Hertz(1e10)])
     ri.solve(system)
     return median(lambda: ri.solve(system).outcome)
-
-
-def of_families(*systems: ri.System) -> float:
-    """Time of sweeps, s; a member of each was solved before."""
-    for system in systems:
-        ri.sweep(system[tuple(slice(0, 1) for _ in system.shape)])
-    return median(lambda: [ri.sweep(system, on_error="raise") for system in systems], 1)
-
-
-def hertz_pairs() -> float:
-    """Time of a map over stiffness and velocity, s."""
-    speed = np.geomspace(0.1, 10.0, SIDE)
-    return of_families(
-        striking(striker(velocity=speed), ri.Hertz(np.geomspace(1e8, 1e12, SIDE)[:, None]))
-    )
-
-
-def masses_on_a_rod() -> float:
-    """Time of maps over mass and stiffness of a spring, one row of them without, s."""
-    rod = striker(1.0)
-    mass = ri.RigidMass(rod.mass * np.geomspace(0.1, 10.0, SIDE), velocity=1.0)
-    springs = ri.Spring(np.geomspace(1e7, 1e10, SIDE - 1)[:, None])
-    return of_families(striking(mass, ri.Rigid()), striking(mass, springs))
-
-
-def damped_pairs() -> float:
-    """Time of a map over loss factor at 5 kHz and length, s."""
-    steel = STEEL.damped(np.geomspace(1e-3, 3e-2, DAMPED[0])[:, None], 5e3)
-    length = np.linspace(0.2, 1.0, DAMPED[1])
-    other = ri.Rod(1.0, area=1e-4, material=steel)
-    return of_families(ri.System([striker(length, material=steel), other]))
 
 
 def row_between_walls(law: Any) -> float:
@@ -364,14 +271,12 @@ def row_between_walls(law: Any) -> float:
     return min(spans)
 
 
-def cell_on_grid(
-    material: ri.Material, theory: str | None = None, rods: int = 2, steps: int = 20_000
-) -> float:
-    """Time of a cell and step of one or two rods with 800 cells on a grid, in cache, s."""
-    cells = 800 // rods
+def cell_on_grid(material: ri.Material, theory: str | None = None) -> float:
+    """Time of a cell and step of two rods with 800 cells on a grid, in cache, s."""
+    cells, steps = 400, 20_000
     row = [ri.Rod(1.0, diameter=0.012, material=material, velocity=v, lateral_inertia=theory)
-           for v in (1.0, 0.0)[:rods]]
-    mesh = Mesh(Row(ri.System(row)), [cells] * rods)
+           for v in (1.0, 0.0)]
+    mesh = Mesh(Row(ri.System(row)), [cells] * 2)
     step = COURANT * stable_step(row[0].segments[0], cells)
     run = GridRun(mesh, step, Keeper(4), 8 * steps)
     spans = []
@@ -379,49 +284,31 @@ def cell_on_grid(
         begin = time.perf_counter()
         run.advance(run.steps + steps)
         spans.append(time.perf_counter() - begin)
-    assert run.grid.link["episodes"].tolist() == [1] * (rods - 1)
+    assert run.grid.link["episodes"].tolist() == [1]
     return statistics.median(spans[1:]) / steps / 800
 
 
 def measure() -> dict[str, float]:
     """Every figure but the yardstick's, s."""
-    rows = {n: long_row(n) for n in (30, 100, 300, 1000)}
-    growth = rows[1000] / rows[30] / (math.log2(1000) / math.log2(30))
     seconds, error = map_of_pairs()
     print(f"largest error of e in a map of a million pairs: {error:.1e}")
-    figures = {
+    return {
         "collide() of two rods, interpreted, fresh": fresh(COLLIDE),
         "a compiled collision of two rods, proof included": family_of_pairs(),
         "an event of a long free pair": free_pair(),
-        "an event of two rods between walls": between_walls(),
-        **{f"an event of a row of {n} rods": value for n, value in rows.items()},
-        "a map of 100 x 100 lengths and impedances, two threads": map_of_pairs((100, 100))[0],
-        "a map of 1000 x 1000 of them": seconds,
-        "100 000 pairs of stepped rods, two threads": stepped_pairs(),
+        **{f"an event of a row of {n} rods": long_row(n) for n in (30, 1000)},
+        "a map of 1000 x 1000 lengths and impedances, two threads": seconds,
         "solve() of a Hertz pair": hertz_pair(),
-        f"{SIDE**2} Hertz pairs, two threads": hertz_pairs(),
-        f"{SIDE**2} masses on a rod, two threads": masses_on_a_rod(),
-        f"{math.prod(DAMPED)} damped pairs, two threads": damped_pairs(),
-        "a map of 200 x 200, empty cache, processor time": processor_time(MAP, True),
-        "the same, warm cache": processor_time(MAP, False),
-        "a damped pair, empty cache, processor time": processor_time(DAMP, True),
-        "warm(), empty cache, processor time": processor_time(WARM, True),
+        "warm(), empty cache, processor time": processor_time(),
         **{f"five rods between walls, 100 transits, {name}": row_between_walls(law)
-           for name, law in (("rigid contacts", ri.Rigid()), ("springs", ri.Spring(10.0)),
-                             ("Hertz", ri.Hertz(10.0)))},
-        "a cell and step of a rod on a grid": cell_on_grid(STEEL, rods=1),
+           for name, law in (("rigid contacts", ri.Rigid()), ("Hertz", ri.Hertz(10.0)))},
         "a cell and step of two rods and their contact": cell_on_grid(STEEL),
         "a cell and step on a grid, damped": cell_on_grid(STEEL.damped(1e-3, 1e4)),
-        **{f"a cell and step on a grid, {theory}": cell_on_grid(STEEL, theory)
-           for theory in ("rayleigh-love", "mindlin-herrmann")},
-        "a space-time diagram of two rods": space_time_diagram(),
+        "a cell and step on a grid, mindlin-herrmann": cell_on_grid(STEEL, "mindlin-herrmann"),
         "velocity on 1000 x 1000 points, compiled": fresh("import numba\n" + FIELD),
-        "velocity on 1000 x 1000 points, not compiled, fresh": fresh(FIELD),
         "rodimpact --version": command("--version"),
         f"rodimpact run {CASE.name}": command("run", str(CASE)),
     }
-    print(f"time of an event from 30 to 1000 rods, over that of log n: {growth:.2f}")
-    return figures
 
 
 def shown(seconds: float) -> str:
@@ -442,7 +329,6 @@ def main() -> None:
     other = (godunov_before + median(second, 101)) / 2
     print(f"NumPy leapfrog, 400 cells per unit length: {shown(yardstick)}")
     print(f"compiled Godunov, 100 cells per unit length: {shown(other)}")
-    print(f"the map by leapfrogs would take {1e6 * leapfrog_of_map():.3g} s\n")
     last = json.loads(LAST.read_text()) if LAST.exists() else {}
     ratios = {name: float(f"{value / yardstick:.3g}") for name, value in figures.items()}
     print(f"{'figure':56} {'median':>8} {'leapfrogs':>10} {'before':>10} {'Godunovs':>10}")
