@@ -49,17 +49,6 @@ def test_a_bad_sample_is_named():
     assert "positive number of seconds" in found["step"]
 
 
-def test_samples_are_seen_by_equality_and_digest():
-    one, other = ri.Samples([0.0, 1.0]), ri.Samples([0.0, 2.0])
-    assert one != other
-    assert one.digest != other.digest
-    assert one == ri.Samples([0, 1])
-    assert one != ri.Samples([0, 1], step=1.0)
-    first, second = (ri.System([rod(length=[1.0, 2.0], velocity=v)]) for v in (one, other))
-    assert first != second
-    assert first.digest != second.digest
-
-
 def test_samples_are_one_thing_and_no_family():
     row = ri.System([rod(velocity=ri.Samples([0.0, 1.0, 2.0]), strain=np.zeros(5)), ri.Wall()])
     assert row.shape == (5,)

@@ -233,17 +233,6 @@ def test_a_loaded_solution_can_be_continued(tmp_path):
     assert loaded.system_at(t) == solution.system_at(t)
 
 
-def test_save_asks_before_replacing(tmp_path):
-    solution = ri.solve(ri.System([SHORT, LONG]))
-    path = tmp_path / "run.npz"
-    path.write_text("mine")
-    with pytest.raises(FileExistsError, match="give force=True to"):
-        solution.save(path)
-    assert path.read_text() == "mine"
-    solution.save(path, force=True)
-    assert load(path).outcome == solution.outcome
-
-
 def test_the_file_opens_with_numpy_and_json_alone(tmp_path):
     solution = ri.solve(ri.System([SHORT, ri.Wall()]))
     solution.save(tmp_path / "run.npz")
@@ -337,31 +326,3 @@ def test_foreign_archives(tmp_path, arrays):
 def test_what_a_newer_version_saved(saved, change):
     edit(saved, {**change, "rodimpact": "9.8.7"})
     refused(saved, rf"saved by rodimpact 9\.8\.7; this is rodimpact {ri.__version__}.*newer")
-
-
-@pytest.mark.parametrize(
-    ("name", "change"),
-    [
-        ("f8", lambda _: None),
-        ("f8", lambda a: a.astype(np.float32)),
-        ("i8", lambda a: a.astype(float)),
-        ("i8", lambda a: np.append(a, 0)),
-    ],
-)
-def test_arrays_that_do_not_fit(saved, name, change):
-    edit(saved, **{name: change(read(saved)[1][name])})
-    refused(saved, "do not fit together")
-
-
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"run": {"class": "System", "system": {"bodies": []}}},
-        {"run": {"class": "Magic"}},
-        {"run": {"class": "Episode", "start": 0.0, "force_end": 0.0, "opening": 0.0}},
-    ],
-    ids=str,
-)
-def test_a_document_that_does_not_fit(saved, change):
-    edit(saved, change)
-    refused(saved, "do not fit together")

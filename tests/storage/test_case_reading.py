@@ -164,57 +164,6 @@ def test_masses_gravity_laws_ends_and_steps_of_time():
     assert parse_case(write_case(case)) == case
 
 
-def test_tapers_lateral_inertia_damping_and_a_grid_in_space():
-    case = parse_case("""
-        schema = 1
-        [materials.rubber]
-        youngs_modulus = "5 MPa"
-        density = 1100
-        poisson_ratio = 0.49
-        loss_factor = "10 %"
-        loss_frequency = "1 kHz"
-        [[bodies]]
-        kind = "rod"
-        length = 0.4
-        area = {samples = ["1 cm^2", 2e-4, "4 cm^2"]}
-        material = "steel"
-        polar_moment = "circular"
-        [[bodies]]
-        kind = "rod"
-        length = 0.5
-        area = {values = ["1 cm^2", "3 cm^2"], at = ["20 cm"]}
-        material = "rubber"
-        [[bodies]]
-        kind = "rod"
-        [[bodies.segments]]
-        length = 0.1
-        area = {samples = [1e-4, 2e-4]}
-        material = "rubber"
-        [[bodies.segments]]
-        length = 0.2
-        area = "2 cm^2"
-        material = "steel"
-        polar_moment = "0.5 cm^4"
-        lateral_inertia = "mindlin-herrmann"
-        [solve]
-        method = "finite-difference"
-        cells = 400
-        snapshots = 20
-    """)
-    rubber = ri.Material("rubber", youngs_modulus=5e6, density=1100, poisson_ratio=0.49)
-    rubber = rubber.damped(0.1, 1e3)
-    assert case.system == ri.System([
-        ri.Rod(0.4, area=ri.Samples([1e-4, 2e-4, 4e-4]), material=STEEL, polar_moment="circular",
-               lateral_inertia="rayleigh-love"),
-        ri.Rod(0.5, area=ri.Steps([1e-4, 3e-4], [0.2]), material=rubber),
-        ri.Rod(segments=[ri.Segment(0.1, ri.Samples([1e-4, 2e-4]), rubber),
-                         ri.Segment(0.2, 2e-4, STEEL, polar_moment=0.5e-8,
-                                    lateral_inertia="mindlin-herrmann")]),
-    ])
-    assert case.solve == {"method": "finite-difference", "cells": 400, "snapshots": 20}
-    assert parse_case(write_case(case)) == dataclasses.replace(case, path="case")
-
-
 @pytest.mark.parametrize(("written", "end"), [
     ('"fixed"', ri.Fixed()), ('"absorbing"', ri.Absorbing()), ('"free"', ri.Free()),
     ('"force"\nvalue = "-2 kN"', ri.Pushed(-2000)), ('"velocity"\nvalue = 3', ri.Moved(3)),

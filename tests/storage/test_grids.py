@@ -6,7 +6,6 @@ import math
 import numpy as np
 import pytest
 from case_texts import (
-    A_GUM,
     A_MASS,
     A_ROD,
     A_WALL,
@@ -16,7 +15,6 @@ from case_texts import (
     LEFT,
     STEEL,
     problems,
-    with_area,
 )
 from hypothesis import given
 from hypothesis import strategies as st
@@ -210,21 +208,6 @@ def test_numbers_may_be_left_to_the_grid():
     assert list(said) == ["contacts.0.law", "ends.left.kind"]
 
 
-@pytest.mark.parametrize(
-    ("path", "said"),
-    [
-        ("contacts.0.stiffness", "use one of contacts.0.gap, contacts.0.restitution"),
-        ("ends.right.value.samples.0", "is no number that can vary; use one of ends.right.value."),
-        ("ends.left.value", "perhaps 'ends.left.value"),
-        ("bodies.1.length", "use one of bodies.1.mass, bodies.1.velocity"),
-    ],
-)
-def test_what_cannot_vary_of_masses_laws_and_ends(path, said):
-    found = problems(ALL_KINDS, {path: "1,2"})
-    assert list(found) == [path]
-    assert said in found[path]
-
-
 def test_a_diameter_varies_the_area():
     case = parse_case(RICH, vary={"bodies.1.diameter": "1 cm:2 cm:3"})
     areas = [s.bodies[1].segments[0].area for s in (case.system[i] for i in range(3))]
@@ -355,23 +338,6 @@ def test_a_long_choice_names_every_object():
     assert "..." not in said
 
 
-@pytest.mark.parametrize(("path", "changed"), [
-    ("materials.steel.density", (0, 1)), ("bodies.1.material.density", (1,)),
-    ("materials.steel.wave_speed", (0, 1)), ("bodies.1.material.wave_speed", (1,)),
-])
-def test_materials_vary_by_name_and_by_body(path, changed):
-    """Those of the library, too, without a table of the file."""
-    text = HEAD + A_ROD + A_ROD
-    before = parse_case(text).system
-    after = parse_case(text, vary={path: "5000,6000"}).system[1]
-    for i in range(2):
-        was, now = (row.bodies[i].segments[0].material for row in (before, after))
-        if i in changed:
-            assert getattr(now, path.rpartition(".")[2]) == pytest.approx(6000)
-        else:
-            assert now == was
-
-
 def test_a_grid_that_changes_nothing_is_a_mistake():
     lead = "[materials.lead]\nyoungs_modulus = '16 GPa'\ndensity = 11340\n"
     found = problems(HEAD + lead + A_ROD, {"materials.lead.density": "1,2"})
@@ -425,24 +391,6 @@ def test_all_mistakes_at_once_with_those_of_the_grids():
         "materials.x", "bodies.0.length", "bodies.0.area", "bodies.0.colour", "bodies.1.kind",
         "contacts.0.gap[0,0,0,0,0,0]",
     }
-
-
-def test_numbers_of_tapers_and_damping_may_vary():
-    text = (HEAD + with_area("{values = [1, 2], at = [0.1]}").replace("steel", "x") + A_GUM
-            + "loss_factor = 1\nloss_frequency = 1\npoisson_ratio = 0\n")
-    grids = {"bodies.0.area.values.1": "3,4", "bodies.0.area.at.0": "0.2,0.3",
-             "materials.x.loss_frequency": "1 kHz,2", "bodies.0.polar_moment": "5,6"}
-    case = parse_case(text, vary=grids)
-    assert case.system.shape == (2, 2, 2, 2)
-    member = case.system[1, 0, 1, 0].bodies[0]
-    gum = ri.Material("x", youngs_modulus=1, density=1, poisson_ratio=0).damped(1, 2)
-    assert member == ri.Rod(0.4, area=ri.Steps([1, 4], [0.2]), material=gum, polar_moment=5,
-                            lateral_inertia="rayleigh-love")
-    found = problems(HEAD + with_area("{samples = [1, 2]}"), vary={"bodies.0.area": "1,2"})
-    assert "is no number that can vary" in found["bodies.0.area"]
-    case = parse_case(HEAD + A_ROD + "polar_moment = 'circular'",
-                      vary={"bodies.0.polar_moment": "1,2"})
-    assert case.system.shape == (2,)
 
 
 @given(
