@@ -53,13 +53,6 @@ def test_a_solution_shows_its_overview_and_its_table():
     assert "coefficient of restitution e              0.4" in table(html)
 
 
-def test_a_solution_that_lasts_no_time_shows_its_table():
-    solution = ri.solve(ri.System([rod(0.4, 1.0), rod()]), until=0.0)
-    html = solution._repr_html_()
-    assert picture(html) is None
-    assert "run to" in table(html)
-
-
 @pytest.mark.parametrize("name", FAMILIES)
 def test_a_family_shows_a_picture_where_one_can_be_drawn_and_its_table(name):
     system, expected = FAMILIES[name]

@@ -140,14 +140,6 @@ def test_colour_of_each_region_is_the_field_in_its_middle(solved):
             assert values[i] == pytest.approx(float(expected), abs=1e-9)
 
 
-def test_fronts_of_one_wave_speed_are_parallel(solved):
-    picture = plot.spacetime(solved["unequal"], axes())
-    sides = np.concatenate([np.diff(path, axis=0, append=path[:1]) for path in corners(picture)])
-    fronts = sides[(np.abs(sides) > 1e-9).all(axis=1)]
-    assert np.abs(fronts[:, 0] / fronts[:, 1]) * 1e6 == pytest.approx([C] * len(fronts))
-    assert len(fronts) >= 10
-
-
 def test_a_crowd_has_lines_at_its_strongest_fronts_alone():
     head = ri.Rod(segments=[ri.Segment(0.1 + 0.03 * (7 * i % 5), 1e-4 * (1 + 3 * i % 4), STEEL)
                             for i in range(5)])
@@ -174,14 +166,6 @@ def test_a_crowd_has_lines_at_its_strongest_fronts_alone():
         sum(float(p.velocity @ np.diff(p.edges)) for p in profiles), rel=1e-3)
 
 
-def test_key_stages_fill_a_wide_slide(solved):
-    figure = plot.snapshots(solved["unequal"], times=moments(solved["unequal"], 6)).ax.figure
-    assert 1.6 < figure.get_figwidth() / figure.get_figheight() < 1.9
-    label = figure.axes[0].get_xlabel()
-    assert "thick: compressed, thin: stretched" in label
-    assert "thick line: pressing" in label
-
-
 def test_contact_presses_then_touches_then_opens(solved):
     picture = plot.spacetime(solved["unequal"], axes())
     (pressing,), (touching,) = picture.pressing.get_segments(), picture.touching.get_segments()
@@ -194,12 +178,6 @@ def test_contact_presses_then_touches_then_opens(solved):
     (apart,) = picture.apart.get_segments()
     assert apart[:, 0] == pytest.approx([0.4, 0.4])
     assert apart[[0, -1], 1] == pytest.approx([5 * transit, 7 * transit])
-
-
-def test_receding_rods_have_no_contact_to_draw(solved):
-    picture = plot.spacetime(solved["receding"], axes())
-    assert picture.pressing.get_segments() == picture.touching.get_segments() == []
-    assert len(picture.apart.get_segments()) == 1
 
 
 def test_axes_carry_units_and_the_magnification(solved):
@@ -233,15 +211,6 @@ def test_a_drifting_row_is_drawn_in_a_moving_frame(solved):
         assert a == pytest.approx(b, abs=1e-6)
 
 
-def test_without_magnification_places_are_those_of_the_solution(solved):
-    solution = solved["moving wall"]
-    picture = plot.spacetime(solution, axes(), coordinates="lab", magnification=1.0)
-    assert picture.ax.get_xlabel() == "place x (m), true to scale"
-    for path, (body, x) in zip(picture.ends.get_segments(),
-                               [(1, 0.0), (1, 0.4), (2, 0.0), (2, 0.6)], strict=True):
-        assert path[:, 0] == pytest.approx(solution.position(body, x, path[:, 1] / 1e3), abs=1e-12)
-
-
 def test_walls_are_hatched_and_move_as_they_do(solved):
     (wall,) = plot.spacetime(solved["wall"], axes()).walls
     assert wall.get_hatch()
@@ -266,14 +235,6 @@ def test_dimensionless_diagram_has_the_textbook_numbers(solved):
         assert values.max() == pytest.approx({"velocity": 1.0, "strain": 0.5}[field])
 
 
-def test_interval_of_time(solved):
-    picture = plot.spacetime(solved["unequal"], axes(), start=1e-4, stop=2e-4)
-    assert picture.ax.get_ylim() == pytest.approx((100, 200))
-    times = np.concatenate(corners(picture))[:, 1]
-    assert (times.min(), times.max()) == pytest.approx((100, 200))
-    assert picture.pressing.get_segments()[0][:, 1] == pytest.approx([100, 0.8 / C * 1e6])
-
-
 def test_region_labels_are_the_values_on_the_colour_bar(solved):
     texts = {t.get_text() for t in plot.spacetime(solved["wall"]).labels}
     assert texts == {"1", "0", MINUS + "1"}
@@ -291,12 +252,6 @@ def test_region_labels_are_the_values_on_the_colour_bar(solved):
 def test_wrong_arguments_are_named(solved, wrong, named):
     with pytest.raises(ValueError, match=named):
         plot.spacetime(solved["unequal"], axes(), **wrong)
-
-
-@pytest.mark.parametrize("name", ["receding", "single", "at rest"])
-def test_dimensionless_needs_a_closing_speed(solved, name):
-    with pytest.raises(ValueError, match="dimensionless=False"):
-        plot.spacetime(solved[name], axes(), dimensionless=True)
 
 
 def ticks(axis, minor=False):
@@ -371,13 +326,6 @@ def test_moments_are_few_and_inside_the_solution(solved, name):
     assert np.all(np.diff(times) > 0)
 
 
-def test_every_happening_at_the_contact_is_told(solved):
-    texts = {t.get_text() for t in plot.snapshots(solved["unequal"], ax=axes()).ax.texts}
-    assert {"force begins", "force ends", "gap opens"} <= texts
-    texts = {t.get_text() for t in plot.snapshots(solved["cradle"], ax=axes()).ax.texts}
-    assert "force ends at contact 1-2\nforce begins at contact 3-4" in texts
-
-
 def test_pieces_bear_their_velocity_in_parts_of_the_closing_speed(solved):
     half_way = 0.5 / C
     picture = plot.snapshots(solved["identical"], times=[0.0, half_way, 3 / C])
@@ -399,14 +347,6 @@ def test_compressed_pieces_are_shorter_and_thicker_and_fronts_point_their_way(so
     assert pressed.height > free.height
     assert boxes[0].width == pytest.approx(1.0)
     assert [line.get_marker() for line in picture.fronts] == ["<", ">"]
-
-
-def test_gap_between_bars_is_magnified(solved):
-    solution = solved["identical"]
-    picture = plot.snapshots(solution, times=[solution.t_end], magnification=100.0)
-    left, right = (path.get_extents() for path in picture.bars.get_paths())
-    gap = float(solution.contacts[0].gap(solution.t_end))
-    assert right.x0 - left.x1 == pytest.approx(100.0 * gap)
 
 
 def test_snapshots_refuse_wrong_times(solved):
@@ -435,19 +375,6 @@ def test_force_and_gap_are_exact_steps_and_lines(solved):
     assert drawn.gap_ax.get_xlabel() == "time t (µs)"
 
 
-def test_end_of_force_and_opening_are_marked(solved):
-    texts = [mark.get_text() for mark in plot.contact(solved["unequal"]).marks]
-    assert texts == ["force ends at 2 ℓ₁/c = 158 µs", "gap opens at 2 ℓ₂/c = 396 µs"]
-    assert plot.contact(solved["receding"]).marks == []
-
-
-def test_several_contacts_share_axes_with_a_legend(solved):
-    drawn = plot.contact(solved["cradle"], contact=range(4))
-    assert len(drawn.forces) == len(drawn.gaps) == 4
-    names = [text.get_text() for text in drawn.force_ax.get_legend().get_texts()]
-    assert names == [f"contact {i}-{i + 1}" for i in range(1, 5)]
-
-
 def test_contact_refuses_what_is_not_there(solved):
     with pytest.raises(ValueError, match="from 0 to 3, got 4"):
         plot.contact(solved["cradle"], contact=4)
@@ -456,12 +383,6 @@ def test_contact_refuses_what_is_not_there(solved):
     for ax in (axes(), [axes()]):
         with pytest.raises(ValueError, match="ax: needs a pair of Axes"):
             plot.contact(solved["unequal"], ax=ax)
-
-
-def test_contact_is_drawn_on_the_axes_given(solved):
-    pair = Figure().subplots(2, 1)
-    drawn = plot.contact(solved["unequal"], ax=pair)
-    assert (drawn.force_ax, drawn.gap_ax) == tuple(pair)
 
 
 def band_tops(drawn):
@@ -488,23 +409,6 @@ def test_energy_bands_add_up_to_what_there_was(solved, name):
         "energy (mJ)" if name == "unequal" else "energy in a frame moving at 100 m/s (mJ)")
 
 
-def test_energy_has_its_corners_where_waves_meet(solved):
-    strain = band_tops(plot.energy(solved["unequal"], axes()))[1]
-    transit = 0.4 / C * 1e6
-    times = np.array(sorted(strain))
-    for corner in (1, 2, 2.5, 3.5, 4.5):
-        assert np.abs(times - corner * transit).min() < 1e-6
-
-
-def test_work_of_moving_walls_bounds_the_energy(solved):
-    drawn = plot.energy(solved["moving wall"], axes())
-    top = band_tops(drawn)[2]
-    assert drawn.work is not None
-    for t, supplied in zip(*drawn.work.get_data(), strict=True):
-        assert top[t] == pytest.approx(supplied)
-    assert drawn.work.get_label() in [t.get_text() for t in drawn.ax.get_legend().get_texts()]
-
-
 def test_gauge_record_is_in_microstrain_and_microseconds(solved):
     record = solved["unequal"].gauge(1, 0.5)
     drawn = plot.gauge(record, axes())
@@ -515,12 +419,6 @@ def test_gauge_record_is_in_microstrain_and_microseconds(solved):
     assert total == pytest.approx(data.values)
     assert drawn.ax.get_ylabel() == "strain (microstrain)"
     assert drawn.ax.get_xlabel() == "time t (µs)"
-
-
-def test_gauge_record_of_a_faint_wave_stays_readable(solved):
-    drawn = plot.gauge(solved["tiny"].gauge(1, 0.5), axes())
-    assert drawn.ax.get_ylabel() == "strain (10⁻¹⁵)"
-    assert np.abs(drawn.strain.get_data().values).max() == pytest.approx(0.5e-9 / C * 1e15)
 
 
 def test_restitution_notes_the_residual():
@@ -542,13 +440,6 @@ def test_a_solution_without_duration_has_a_snapshot_but_no_history():
             draw(solution)
     with pytest.raises(ValueError, match="until > 0"):
         plot.gauge(solution.gauge(0, 0.1))
-
-
-def test_small_rows_are_measured_in_millimetres():
-    solution = ri.solve(ri.System([rod(0.02, 1.0), rod(0.05)]))
-    picture = plot.spacetime(solution, axes())
-    assert picture.ax.get_xlabel().startswith("material coordinate x (mm), ")
-    assert picture.pressing.get_segments()[0][0, 0] == pytest.approx(20.0)
 
 
 # Page, files, manners ---------------------------------------------------------------------------

@@ -51,16 +51,6 @@ def test_the_band_is_scaled_with_the_prediction():
             plot.comparison(PULSE, PULSE, band=band)
 
 
-def test_names_are_no_formulas():
-    odd = PULSE.replace(name="$x_{$")
-    figure = plot.comparison(odd, odd).ax.figure
-    figure.draw_without_rendering()
-    solution = rods()
-    picture = plot.spacetime(solution, gauges={"$x_{$": solution.gauge(1, 0.5)})
-    picture.ax.figure.draw_without_rendering()
-    assert "$x_{$" in [text.get_text() for text in picture.ax.texts]
-
-
 def test_axes_are_a_pair_and_long_records_are_thinned():
     pair = Figure().subplots(2, 1)
     long = PULSE.resampled(1e-9)
@@ -92,15 +82,6 @@ def test_stations_move_with_their_rod(solution, across):
     assert place == pytest.approx(wanted, abs=1e-12)
     assert (time[0], time[-1]) == pytest.approx((0.0, 400.0))
     assert {"incident", "struck end"} <= {text.get_text() for text in picture.ax.texts}
-
-
-def test_stations_are_on_the_page():
-    solution = rods()
-    page = plot.overview(solution, {"bar": solution.gauge(1, 0.5)})
-    assert sum("bar" in [text.get_text() for text in ax.texts] for ax in page.axes) == 2
-    for gauges in ([solution.gauge(1, 0.5)], {"bar": (1, 0.5)}):
-        with pytest.raises(ri.InvalidModel, match="gauges: must be records by name"):
-            plot.spacetime(solution, gauges=gauges)
 
 
 def test_a_reduction_shows_stress_with_its_band_over_strain():

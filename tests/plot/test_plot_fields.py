@@ -12,7 +12,6 @@ import rodimpact as ri
 from rodimpact import plot
 
 STEEL = ri.materials.steel
-C = STEEL.wave_speed
 
 
 def rod(length=1.0, velocity=0.0, area=1e-4, material=STEEL, **kwargs):
@@ -88,14 +87,6 @@ def test_energy_per_length_sums_up_to_that_of_the_ledger(solved, name):
         assert summed * factor == pytest.approx(total, rel=1e-6)
 
 
-def test_colours_of_energy_begin_with_that_of_rest(solved):
-    picture = plot.spacetime(solved["unequal"], axes(), "energy")
-    norm, values = picture.regions.norm, picture.regions.get_array()
-    assert norm(0.0) == 0.5
-    assert norm(values.max()) == 1.0
-    assert picture.colour_bar.ax.get_ylim() == pytest.approx((0.0, values.max()))
-
-
 def test_dimensionless_energy_of_the_coming_rod_is_a_half(solved):
     values = plot.spacetime(solved["unequal"], axes(), "energy", True).regions.get_array()
     assert values.max() == pytest.approx(0.5)
@@ -131,14 +122,6 @@ def test_the_frame_of_displacement_and_energy_is_named(solved):
         assert "in a frame moving at 100 m/s" in label
         label = plot.spacetime(solved["unequal"], axes(), field).colour_bar.ax.get_ylabel()
         assert "frame" not in label
-
-
-def test_dimensionless_displacement(solved):
-    picture = plot.spacetime(solved["unequal"], axes(), "displacement", dimensionless=True)
-    assert "u c/(v₀ ℓ₁)" in picture.colour_bar.ax.get_ylabel()
-    values = np.asarray(picture.regions.get_array())
-    exact = solved["unequal"].displacement(0, 0.0, 0.4 / C) * C / 0.4
-    assert np.abs(values - float(exact)).min() < 1e-9
 
 
 def test_the_same_fronts_lie_over_displacements(solved):
@@ -190,16 +173,6 @@ def test_time_across_is_the_same_picture_on_its_side(solved, name):
     assert across.ax.get_xlabel() == up.ax.get_ylabel()
     assert across.ax.get_ylabel().split() == up.ax.get_xlabel().split()
     assert across.ax.get_xlim() == pytest.approx(up.ax.get_ylim())
-
-
-def test_cells_with_time_across(stepwise):
-    up, across = (plot.spacetime(stepwise, axes(), "strain", across=a) for a in (False, True))
-    assert np.asarray(across.regions.get_coordinates())[..., ::-1] == pytest.approx(
-        np.asarray(up.regions.get_coordinates()))
-    for a, b in zip(up.masses, across.masses, strict=True):
-        assert b.get_xy()[:, ::-1] == pytest.approx(a.get_xy())
-    heads = [line.get_marker() for line in across.ax.lines if line.get_label().startswith("driven")]
-    assert heads == ["^"]
 
 
 @every_row

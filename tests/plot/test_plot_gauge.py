@@ -55,13 +55,6 @@ def test_incident_and_reflected_pulse_of_a_struck_bar():
         "strain", "wave running right", "wave running left", "incident", "reflected"]
 
 
-def test_the_striker_may_come_from_the_right():
-    solution = ri.solve(ri.System([rod(), rod(0.2, -10.0)]), 6e-4)
-    windows = spans(draw(solution.gauge(0, 0.6)))
-    assert windows["incident"] == pytest.approx((0.4e6 / C, 0.8e6 / C, -1))
-    assert windows["reflected"] == pytest.approx((1.6e6 / C, 2.0e6 / C, 1))
-
-
 def test_transmitted_pulse_beyond_a_specimen():
     bars = [rod(0.2, 10.0), rod(), rod(0.02, area=2e-5), rod()]
     solution = ri.solve(ri.System(bars), 5e-4)
@@ -84,15 +77,6 @@ def test_on_a_time_step_the_windows_are_the_same():
     assert windows["transmitted"][:2] == pytest.approx((1.5e6 / C, 1.9e6 / C), abs=1.0)
 
 
-def test_windows_end_with_the_record():
-    solution = ri.solve(ri.System([rod(0.5, 10.0), rod()]), 3.2e-4)
-    windows = spans(draw(solution.gauge(1, 0.5)))
-    assert windows["incident"] == pytest.approx((0.5e6 / C, 1.5e6 / C, -1))
-    assert windows["reflected"] == pytest.approx((1.5e6 / C, 320, 1))
-    early = ri.solve(ri.System([rod(0.5, 10.0), rod()]), 1.5e-4)
-    assert list(draw(early.gauge(1, 0.5)).windows) == ["incident"]
-
-
 @pytest.mark.parametrize("system", [
     ri.System([rod(strain=ri.Steps([1e-4, 0.0], at=[0.5])), rod()]),  # the bar vibrates
     ri.System([rod(velocity=-1.0), rod()]),                           # nothing collides
@@ -106,11 +90,3 @@ def test_where_there_is_no_pulse_nothing_is_shaded(system):
 def test_a_gauge_at_a_free_end_has_windows_too():
     solution = ri.solve(ri.System([rod(0.2, 10.0), rod()]), 6e-4)
     assert spans(draw(solution.gauge(1, 1.0)))["incident"][0] == pytest.approx(1e6 / C)
-
-
-def test_microseconds_as_long_as_they_are_in_proportion():
-    solution = ri.solve(ri.System([rod(0.2, 10.0), rod()]), 4e-3)
-    assert draw(solution.gauge(1, 0.4)).ax.get_xlabel() == "time t (µs)"
-    assert draw(solution.gauge(1, 0.4)).ax.get_xlim()[1] == pytest.approx(4000)
-    slow = ri.solve(ri.System([rod(0.2, 10.0), rod()]), 0.06)
-    assert draw(slow.gauge(1, 0.4)).ax.get_xlabel() == "time t (ms)"
