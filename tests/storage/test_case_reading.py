@@ -331,7 +331,7 @@ def test_a_case_is_frozen():
         (HEAD + A_ROD.replace("steel", "oak") + A_WALL + LAW + "'hertz'\nleft_radius = 1",
          "contacts.0.left_material", "needs a poisson_ratio for Hertz contact, 'oak' has none"),
         (HEAD + A_MASS + A_MASS + A_ROD + LAW + "'hertz'\nleft_radius = 1\n" + CONTACT,
-         "contacts.0.right_material", "one of two faces must yield"),
+         "contacts.0.right_material", "one of the faces must be elastic"),
         # ends
         (HEAD + A_ROD + "ends = 3", "bodies.0.ends", "unknown key"),
         (HEAD + A_ROD + "[ends]\nleft = 'fixed'", "ends.left", "must be a table, got 'fixed'"),
