@@ -30,7 +30,6 @@ EXAMPLE = "ri.BarGauge(bridge.strain(volts), distance=0.5)"
 QUIET = 16  # samples before the pulse, the fewest that tell baseline and noise
 ITERATIONS = 60  # of the least squares of two gauges; more would fit the noise
 DAMPING = 1e-3  # of a wave that the gauges do not see
-ENDED = 0.15  # of the plateau: an incident pulse below that has passed
 
 
 class BarGauge(Declared):
@@ -314,9 +313,8 @@ def clean_until(side: Side, leaving: bool) -> float:
     around = 2 * float(side.rod.length) / side.speed
     arrival = side.foot + (-travel if leaving else travel)
     if not leaving:
-        level = side.front.plateau * ENDED
-        split = int((side.foot + 2 * travel - side.start) / side.dt)
-        if np.abs(side.strains[0][split - 5 : split]).mean() > level:
+        passed = side.front.start + side.front.width + side.front.rise / 2
+        if passed > side.foot + 2 * travel:
             raise ValueError(
                 "the reflected wave reaches the gauge before the incident one has passed; "
                 "give a second gauge of this bar, or a shorter striker"

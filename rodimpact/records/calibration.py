@@ -25,6 +25,7 @@ from .bars import Compression, Side
 from .signal import Signal
 
 SLACK = 0.1  # of a travel time: how far the wave speed that was given may be off
+FAINT = 0.15  # of a pulse: what is above it counts
 PASSES = 3  # of finding a wave speed, on which the dispersion that finds it depends a little
 
 
@@ -203,7 +204,7 @@ def _timed(
     for _ in range(PASSES):
         travel = path / side.speed
         lag = predicted(side)
-        there = np.flatnonzero(np.abs(lag) > measuring.ENDED * np.abs(lag).max())
+        there = np.flatnonzero(np.abs(lag) > FAINT * np.abs(lag).max())
         low, high = seen.times[there[0]], seen.times[there[-1]]
         low, high = low - SLACK * travel, high + SLACK * travel
         if high > seen.times[-1]:
@@ -233,7 +234,7 @@ def _reflected(side: Side) -> float:
     """Strain that comes back from the joint over the incident one, by least squares."""
     sent = measuring.carrier(side, 2 * side.distances[0])(_passing(side))
     rest = side.strains[0] - _passing(side)
-    where = np.abs(sent) > measuring.ENDED * np.abs(sent).max()
+    where = np.abs(sent) > FAINT * np.abs(sent).max()
     return float(sent[where] @ rest[where] / (sent[where] @ sent[where]))
 
 

@@ -136,18 +136,22 @@ def test_two_gauges_tell_waves_apart_that_overlap(long_shot, apart):
 
 
 def test_one_dimensional_bars_by_the_solver():
-    """Another way: the collision of striker, bar, specimen and bar by characteristics."""
+    """Another way: striker, bar, specimen and another bar by characteristics."""
     steel = ri.Material("steel", youngs_modulus=2e11, density=8000)
-    striker, bar = ri.Rod(0.2, area=1e-4, material=steel, velocity=12.0), ri.Rod(
-        1.2, area=1e-4, material=steel)
+    light = ri.Material("light", youngs_modulus=7e10, density=2800)
+    striker, bar, other = (
+        ri.Rod(0.2, area=1e-4, material=steel, velocity=12.0),
+        ri.Rod(1.2, area=1e-4, material=steel), ri.Rod(1.1, area=1.5e-4, material=light))
     law = ri.Yielding(stiffness=4e8, yield_force=15e3, hardening=2e7)
-    run = ri.solve(ri.System([striker, bar, bar], contacts=[ri.Rigid(), law]), until=7e-4)
+    run = ri.solve(ri.System([striker, bar, other], contacts=[ri.Rigid(), law]), until=7e-4)
     taken = [ri.BarGauge(run.gauge(body, x).signal(1e-7).extended(before=5e-5), d)
              for body, x, d in ((1, 0.6, 0.6), (2, 0.5, 0.5))]
-    found = ri.reduce(*taken, bar, ri.Specimen(5e-3, area=5e-5))
+    found = ri.reduce(*taken, (bar, other), ri.Specimen(5e-3, area=5e-5))
     force = run.contacts[1].force(found.times)
-    assert np.abs(found.output_force - force).max() < 3e-3 * force.max()  # at jumps, by a sample
-    assert np.abs(found.input_force - force).max() < 5e-3 * force.max()
+    for read in (found.output_force, found.input_force):
+        off = np.sort(np.abs(read - force)) / force.max()
+        assert off[-1] < 5e-3  # at a jump, between two samples
+        assert off[-10] < 1e-3
     shrunk = (run.displacement(1, 1.2, found.times) - run.displacement(2, 0.0, found.times)) / 5e-3
     loading = found.loading
     assert np.abs(found.strain - shrunk)[loading].max() < 2e-3 * shrunk.max()
@@ -263,6 +267,9 @@ def test_mistakes_are_named(shot):
         with pytest.raises(ri.InvalidModel) as caught:
             ri.reduce(*arguments)
         assert path in dict(caught.value.problems)
+    for near in (0.0, 0.05):  # the reflected wave is back while the incident one passes
+        with pytest.raises(ValueError, match="second gauge"):
+            ri.reduce(first.replace(distance=near), second, BAR, SPECIMEN)
     with pytest.raises(ri.InvalidModel) as caught:
         ri.BarGauge(ri.Signal([0.0, 1.0], [0.0, 1.0], unit="V"), distance=-1.0)
     assert set(dict(caught.value.problems)) == {"signal", "distance"}
