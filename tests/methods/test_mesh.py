@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from networks import UNIT, unit_rod
 
 import rodimpact as ri
-from rodimpact.methods.grid.mesh import Interface, Mesh
+from rodimpact.methods.grid.mesh import Mesh
 from rodimpact.methods.grid.method import _mesh_size
 from rodimpact.methods.laws import Law
 from rodimpact.methods.row import Row
@@ -26,7 +26,7 @@ def test_two_rods_are_two_pieces():
     assert (mesh.starts, mesh.stops) == ([0, 3], [2, 7])
     assert mesh.touching == {1: (2, 3)}
     assert mesh.ends == [0, 7]
-    assert mesh.interfaces == {}
+    assert mesh.bonds == {}
     assert mesh.mass.tolist() == [0.25, 0.5, 0.25, 0.375, 0.75, 0.75, 0.75, 0.375]
     assert mesh.stiffness.tolist() == [0, 8, 8, 0, 12, 12, 12, 12, 0]
     assert not np.any(mesh.held)
@@ -42,24 +42,20 @@ def test_bonded_bodies_share_a_node_and_walls_have_one():
     assert mesh.mass[3] == 3.0 + 0.5
     assert mesh.mass[[0, 6]].tolist() == [0.0, 0.0]
     assert np.flatnonzero(mesh.held).tolist() == [0, 6]
-    assert list(mesh.interfaces) == [1, 2]
-    assert mesh.interfaces[1] == Interface(node=3, mass=0.25, side=0, cell=3, link=-1, end=-1)
+    assert mesh.bonds == {1: (3, 3), 2: (3, 4)}
 
 
-def test_what_stands_at_bonds():
-    """The outermost part is looked at: half a cell of rod, or masses with what pushes them."""
+def test_bonds_are_read_on_the_side_of_a_rod():
     laws = [ri.Rigid(), ri.Bonded()]
     mesh = mesh_of([unit_rod(), ri.RigidMass(3.0), unit_rod()], [2, 2], laws)
-    assert mesh.interfaces == {2: Interface(3, 3.0, 0, -1, 1, -1)}
-    mesh = mesh_of([ri.RigidMass(3.0), unit_rod()], [2], [ri.Bonded()],
-                   ends=(ri.Pushed(1.0), ri.Free()))
-    assert mesh.interfaces == {1: Interface(0, 3.0, 0, -1, -1, 0)}
+    assert mesh.bonds == {2: (3, 4)}
+    mesh = mesh_of([unit_rod(), ri.RigidMass(3.0), unit_rod()], [2, 2], laws[::-1])
+    assert mesh.bonds == {1: (2, 2)}
     mesh = mesh_of([unit_rod()], [2], ends=(ri.Fixed(), ri.Moved(1.0)))
-    assert mesh.interfaces == {0: Interface(0, 0.25, 1, 1, -1, -1),
-                               1: Interface(2, 0.25, 0, 2, -1, -1)}
+    assert mesh.bonds == {0: (0, 1), 1: (2, 2)}
     assert np.flatnonzero(mesh.held).tolist() == [0, 2]
     mesh = mesh_of([unit_rod()], [2], ends=(ri.Absorbing(), ri.Pushed(1.0)))
-    assert mesh.interfaces == {}
+    assert mesh.bonds == {}
     assert not np.any(mesh.held)
 
 
@@ -108,7 +104,7 @@ def test_every_row(seed, driven):
         between[a + 1 : b + 1] = False
     assert not np.any(mesh.stiffness[between])
     bonds = {i for i in plan.contact_link if i >= 0 and plan.laws[i] == Law.BOND}
-    assert bonds <= set(mesh.interfaces)
+    assert bonds <= set(mesh.bonds)
     image = Mesh(Row(system.mirrored()), counts[::-1])
     assert image.mass[::-1] == pytest.approx(mesh.mass, rel=1e-12)
     assert np.array_equal(image.held[::-1], mesh.held)

@@ -20,27 +20,11 @@ from ...model.frozen import InvalidModel
 from ...model.lateral_inertia import INERTIA, MINDLIN_HERRMANN, radial_moduli
 from ..laws import Law
 from ..row import Array, Row
-from .records import NONE
 
 STEP_TICKS = 1 << 36
 """Ticks of a time step: times between two states are looked up in these."""
 STIFFEST = 2.0**32  # times the inertia of a cell, beyond which round-off drowns its motion
 MODAL_CELLS, MODES = 200, 8  # of a rod whose lowest modes are asked for
-
-
-class Interface(NamedTuple):
-    """What stands at a node on one side of a bond, whose force Newton's law tells.
-
-    side : 0 left, 1 right of the bond; mass : kg, of masses and half of the cell beside them
-    cell, link, end : that pulls at it, link that pushes it, or end of the row; NONE without
-    """
-
-    node: int
-    mass: float
-    side: int
-    cell: int = NONE
-    link: int = NONE
-    end: int = NONE
 
 
 class Cells(NamedTuple):
@@ -172,8 +156,8 @@ class Mesh:
         By link of a law: the nodes on its left and on its right.
     ends : list of int
         Node on which the outside acts, left and right.
-    interfaces : dict of int to Interface
-        By bonded link whose force is asked for.
+    bonds : dict of int to (int, int)
+        By bonded link whose force is asked for: its node, and the cell of a rod beside it.
 
     Raises
     ------
@@ -216,39 +200,26 @@ class Mesh:
         driven = {link: end for link, end, (kind, _) in zip(
             (0, last), self.ends, row.outside, strict=True) if kind == "velocity"}
         self.held[list(driven.values())] = 1
-        self.interfaces = {i: self._interface(i) for i in sorted({*row.contact_link, *driven})
-                           if i >= 0 and row.laws[i] == Law.BOND}
+        self.bonds = {i: self._bond(i) for i in sorted({*row.contact_link, *driven})
+                      if i >= 0 and row.laws[i] == Law.BOND}
 
-    def _interface(self, link: int) -> Interface:
-        side, beside = int(link == 0), self.row.beside
-        mass, i = 0.0, link
-        while beside[i][side][0] == "mass":
-            m = beside[i][side][1]
-            node, mass = self.node_of_mass[m], mass + self.row.masses[m]
-            i += 1 if side else -1
-            law = self.row.laws[i]
-            if law >= Law.JOINT:
-                return Interface(node, mass, side, link=i)
-            if law in (Law.PUSH_LEFT, Law.PUSH_RIGHT):
-                pushed = self.row.outside[side][0] == "force"
-                return Interface(node, mass, side, end=side if pushed else NONE)
-        s = beside[i][side][1]
-        node = self.first[s] if side else self.last[s]
-        cell = node + side
-        return Interface(node, mass + self.cell_mass[cell] / 2, side, cell)
+    def _bond(self, link: int) -> tuple[int, int]:
+        """Node of a bond and the cell beside it: one of its sides is a rod, or it is one body."""
+        left, right = self.row.beside[link]
+        if left[0] == "segment":
+            return self.last[left[1]], self.last[left[1]]
+        return self.first[right[1]], self.first[right[1]] + 1
 
     @property
     def watched(self) -> list[int]:
         """Nodes whose velocities are asked for at the end of each step."""
-        found = [*self.ends, *self.node_of_mass]
-        for at in self.interfaces.values():
-            found += [at.node] if at.cell == NONE else [at.cell - 1, at.cell]
-        return list(dict.fromkeys(found))
+        beside = (node for cell in self.pulled for node in (cell - 1, cell))
+        return list(dict.fromkeys([*self.ends, *self.node_of_mass, *beside]))
 
     @property
     def pulled(self) -> list[int]:
         """Cells whose forces are."""
-        return [at.cell for at in self.interfaces.values() if at.cell != NONE]
+        return [cell for _, cell in self.bonds.values()]
 
     @cached_property
     def swells(self) -> bool:

@@ -108,4 +108,4 @@ class Track(NamedTuple):
     radial_rate: Any  # [state, cell]
 
 
-PER_STEP, PER_STATE = Track._fields[:4], Track._fields[4:]
+PER_STATE = Track._fields[4:]

@@ -17,7 +17,7 @@ from ..row import Array, squeezed
 from . import grid_kernel, scheme, start
 from .measures import largest_force
 from .mesh import MESH, STEP_TICKS, GridMotion, Mesh, RadialMotion
-from .records import NONE, PER_STATE, SIGNAL, Track
+from .records import PER_STATE, SIGNAL, Track
 
 RINGING = 8  # steps in which waves beside a jump swing about their mean
 ROUND = 0.25  # s between two looks at the clock
@@ -252,21 +252,15 @@ class GridRun:
         return self.velocity(self.mesh.node_of_mass[mass])
 
     def bond(self, link: int) -> Array:
-        """Mean force in a bonded link in each step, N: Newton's law for what stands beside it."""
-        mesh, at = self.mesh, self.mesh.interfaces[link]
-        v, pulled = self.velocity(at.node), np.zeros(self.steps)
-        if at.cell != NONE:
-            sign = 1 - 2 * at.side
-            stretch = sign * (v - self.velocity(at.node - sign))
-            viscous, bound = mesh.viscous[at.cell], scheme.bound_of(mesh, self.step)[at.cell]
-            force = self.track.pull[:, mesh.pulled.index(at.cell)]
-            pulled = force + viscous * stretch[:-1] + bound * np.diff(stretch)
-        if at.link != NONE:
-            pulled = pulled - self._entered(list(mesh.touching).index(at.link), "force")
-        if at.end != NONE:
-            pulled = pulled - self.track.given[:, at.end]
-        gained = at.mass / self.step * np.diff(v)
-        return np.asarray(gained - pulled if at.side else -pulled - gained)
+        """Mean force in a bonded link in each step, N: Newton's law for the half cell beside it."""
+        mesh, (node, cell) = self.mesh, self.mesh.bonds[link]
+        sign, v = (1 if cell == node else -1), self.velocity(node)
+        stretch = sign * (v - self.velocity(node - sign))
+        bound = scheme.bound_of(mesh, self.step)[cell] * np.diff(stretch)
+        force = self.track.pull[:, mesh.pulled.index(cell)]
+        pulled = force + mesh.viscous[cell] * stretch[:-1] + bound
+        gained = mesh.cell_mass[cell] / 2 / self.step * np.diff(v)
+        return np.asarray(-pulled - gained if cell == node else gained - pulled)
 
     def outer(self, side: int) -> tuple[Array, Array]:
         """Force of what is outside the left or right end on the row, and its velocity, by steps.
