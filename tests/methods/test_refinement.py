@@ -103,15 +103,12 @@ def means(force, edges):
     return np.diff(np.polyval(np.polyint(force), edges)) / np.diff(edges)
 
 
-@pytest.mark.parametrize("cut", [1.0, 0.3])
-def test_peaks_behind_averages(cut):
-    edges = np.unique(np.concatenate((np.arange(101.0), np.arange(100) + cut)))
+def test_peaks_behind_averages():
+    edges = np.arange(101.0)
     top = [-1 / 1600, 2 * 50.3 / 1600, 1 - 50.3**2 / 1600]
-    smooth = means(top, edges)
-    assert largest_force(edges, smooth) == pytest.approx(1.0, abs=1e-12)
-    assert largest_force(np.arange(4), np.zeros(3)) == 0.0
+    assert largest_force(means(top, edges)) == pytest.approx(1.0, abs=1e-12)
+    assert largest_force(np.zeros(3)) == 0.0
     jump = means([1e-4, -0.02, 1.0], edges)
-    for force, ends in ((jump, edges), (jump[::-1], 100 - edges[::-1])):
-        padded = np.concatenate(([0.0, 0.0], force))
-        after = np.concatenate((ends[0] - [2.0, 1.0], ends))
-        assert largest_force(after, padded) == pytest.approx(1.0, abs=1e-12)
+    for force in (jump, jump[::-1]):
+        padded = np.concatenate(([0.0, 0.0], force, [0.0, 0.0]))
+        assert largest_force(padded) == pytest.approx(1.0, abs=1e-12)

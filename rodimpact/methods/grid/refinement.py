@@ -157,10 +157,10 @@ def measures_of(run: GridRun) -> dict[str, Array]:
         if k in row.opening:
             lasting = (row.laws[link] != Law.IMPACT) * force
             impulses.append(impulse)
-            peaks.append(largest_force(run.times, lasting))
-            durations.append(sum(
-                (run.times[-1] if math.isnan(end) else end) - begin
-                for begin, end in pressed_spans(run.times, lasting, gap)))
+            peaks.append(largest_force(lasting))
+            durations.append(run.step * sum(
+                (run.steps if math.isnan(end) else end) - begin
+                for begin, end in pressed_spans(lasting, gap)))
         elif run.stopped_by == "until":
             passed = np.cumsum(force * run.step)
             impulses += [*passed[-1:], np.abs(passed).max(initial=0.0)]

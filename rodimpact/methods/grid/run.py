@@ -299,13 +299,13 @@ class GridRun:
         Beside a jump waves on a grid overshoot by a share that no finer mesh makes less; averages
         over a few steps do not.
         """
-        peaks, less, times = [0.0], [0.0], self.times
+        peaks, less = [0.0], [0.0]
         for contact, link in self.row.opening.items():
             if self.row.laws[link] == Law.RIGID:
                 force = self.contact(contact)[0]
                 passed = np.concatenate((np.zeros(RINGING), np.cumsum(force)))
                 means = (passed[RINGING:] - passed[:-RINGING]) / RINGING
-                peaks.append(largest_force(times, force))
+                peaks.append(largest_force(force))
                 less.append(peaks[-1] - float(means.max(initial=0.0)))
         return max(less) / (max(peaks) or 1.0)
 

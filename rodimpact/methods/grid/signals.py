@@ -24,14 +24,14 @@ class Contact(NamedTuple):
     """What passed at a contact: means over steps, and what is between them.
 
     force [steps] N; gap [steps + 1] m; path [steps] m by which the bodies approach under the force:
-    beside the change of the gap what a grid loses as it shuts; spans in which it pressed, s, and
-    episodes, none of a contact that cannot open.
+    beside the change of the gap what a grid loses as it shuts; spans [n, 2] in which it pressed, s,
+    and episodes, none of a contact that cannot open.
     """
 
     force: Floats
     gap: Floats
     path: Floats
-    spans: list[tuple[float, float]]
+    spans: Floats
     episodes: tuple[Episode, ...]
 
 
@@ -111,13 +111,15 @@ def _contacts(run: GridRun, pushed: Floats) -> list[Contact]:
 
     found = []
     for k, force in enumerate(fill_bonds(row.system, known, spent, pushed)):
-        contact = Contact(force, np.zeros(run.steps + 1), still, [], ())
+        contact = Contact(force, np.zeros(run.steps + 1), still, np.zeros((0, 2)), ())
         if k in row.by_law:
             contact = contact._replace(gap=run.contact(k)[1], path=run.path(k))
         if k in row.opening:
-            spans = pressed_spans(run.times, force, contact.gap)
-            episodes = episodes_of_steps(run.times, force, contact.gap, run.resolved, spans)
-            contact = contact._replace(spans=spans, episodes=episodes)
+            spans = pressed_spans(force, contact.gap)
+            episodes = episodes_of_steps(force, contact.gap, run.resolved, spans)
+            contact = contact._replace(
+                spans=run.step * np.array(spans).reshape(-1, 2),
+                episodes=tuple(Episode(*(run.step * x for x in steps)) for steps in episodes))
         found.append(contact)
     return found
 
@@ -129,13 +131,13 @@ def _tally(run: GridRun, k: int, contact: Contact) -> ContactTally:
         return ContactTally(float(force.sum() * run.step), float(np.max(force, initial=0.0)), 0.0,
                             math.nan, math.nan, 0)
     link, sudden = run.grid.link[run.place(k)], getattr(law, "restitution", None) is not None
-    begins, ends = np.array(contact.spans).reshape(-1, 2).T
+    begins, ends = contact.spans.T
     ends = np.nan_to_num(ends, nan=run.times[-1])
     if sudden:  # an impact takes no time, though it takes a step here
         ends = np.where(ends - begins <= run.step * (1 + 1e-9), begins, ends)
     return ContactTally(
         impulse=float(link["impulse"]) * run.step, duration=float((ends - begins).sum()),
-        peak_force=math.nan if sudden else largest_force(run.times, force),
+        peak_force=math.nan if sudden else largest_force(force),
         first=float(begins[0]) if len(begins) else math.nan,
         last=float(ends[-1]) if len(ends) else math.nan, episodes=int(link["episodes"]),
     )
