@@ -39,6 +39,20 @@ class Fitted(NamedTuple):
         In that unit.
     low, high : float
         Bounds; infinite where there are none.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> bar = ri.Rod(1.0, area=1e-4, material=steel)
+    >>> row = ri.System([ri.Rod(0.2, area=1e-4, material=steel, velocity=10.0), bar])
+    >>> record = ri.solve(row, until=2e-4).gauge(1, 0.4).signal(1e-6)
+    >>> guess = ri.System([ri.Rod(0.2, area=1e-4, material=steel, velocity=5.0), bar])
+    >>> found = ri.fit(guess, ri.Measured(record, (1, 0.4), shift=0.0, gain=1.0),
+    ...                {"bodies.0.velocity": (1.0, 20.0)}, until=2e-4, starts=1)
+    >>> number = found.fitted[0]
+    >>> number.name, number.unit, round(number.value, 6)
+    ('bodies.0.velocity', 'm/s', 10.0)
     """
 
     name: str
@@ -60,6 +74,19 @@ class Descent(NamedTuple):
         Numbers by name.
     complete : bool
         Whether it came to a minimum, and was not stopped on its way.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> bar = ri.Rod(1.0, area=1e-4, material=steel)
+    >>> row = ri.System([ri.Rod(0.2, area=1e-4, material=steel, velocity=10.0), bar])
+    >>> record = ri.solve(row, until=2e-4).gauge(1, 0.4).signal(1e-6)
+    >>> guess = ri.System([ri.Rod(0.2, area=1e-4, material=steel, velocity=5.0), bar])
+    >>> found = ri.fit(guess, ri.Measured(record, (1, 0.4), shift=0.0, gain=1.0),
+    ...                {"bodies.0.velocity": (1.0, 20.0)}, until=2e-4, starts=1)
+    >>> found.descents[0].complete, round(found.descents[0].values["bodies.0.velocity"], 6)
+    (True, 10.0)
     """
 
     misfit: float
@@ -90,6 +117,21 @@ class Fit:
         Where the searches ended, the best first.
     notes : tuple of str
         What is not determined, lies at a bound, or depends on where the search began.
+
+    Examples
+    --------
+    The record is a computed one, so the fit finds the velocity of its striker:
+
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> bar = ri.Rod(1.0, area=1e-4, material=steel)
+    >>> row = ri.System([ri.Rod(0.2, area=1e-4, material=steel, velocity=10.0), bar])
+    >>> record = ri.solve(row, until=2e-4).gauge(1, 0.4).signal(1e-6)
+    >>> guess = ri.System([ri.Rod(0.2, area=1e-4, material=steel, velocity=5.0), bar])
+    >>> found = ri.fit(guess, ri.Measured(record, (1, 0.4), shift=0.0, gain=1.0),
+    ...                {"bodies.0.velocity": (1.0, 20.0)}, until=2e-4, starts=1)
+    >>> round(found.system.bodies[0].velocity, 6), found.misfits[0] < 1e-6
+    (10.0, True)
     """
 
     system: System

@@ -51,6 +51,17 @@ def atlas(found: Atlas, ax: Axes | None = None) -> AtlasPicture:
     Returns
     -------
     AtlasPicture
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> left = ri.Rod(1.0, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> right = ri.Rod(2.0, area=1e-4, material=ri.materials.steel)
+    >>> plane = ri.atlas(ri.System([left, right]),
+    ...                  ("bodies.0.length", 0.5, 1.5), ("bodies.1.length", 1.6, 3.0))
+    >>> picture = ri.plot.atlas(plane)
+    >>> [float(x) for x in picture.ax.get_xlim()]
+    [0.5, 1.5]
     """
     of_kind("found", found, Atlas, "rodimpact.atlas(...)")
     ax = axes(ax, 5.6, 4.2)

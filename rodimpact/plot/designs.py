@@ -49,6 +49,16 @@ def design(found: PulseDesign | RestitutionDesign, ax: Axes | None = None) -> De
     Returns
     -------
     Design
+
+    Examples
+    --------
+    >>> import numpy as np, rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> left = ri.Rod(np.linspace(0.1, 0.9, 9), area=1e-4, material=steel, velocity=1.0)
+    >>> family = ri.System([left, ri.Rod(1.0, area=1e-4, material=steel)])
+    >>> picture = ri.plot.design(ri.design.restitution(0.5, family))
+    >>> type(picture).__name__
+    'Design'
     """
     if isinstance(found, RestitutionDesign):
         return _restitution(found, ax)

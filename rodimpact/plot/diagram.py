@@ -112,6 +112,16 @@ def spacetime(
         For gauges that are none, an unknown field or coordinates, an empty interval, more than
         100 000 regions, a magnification that is not positive or given for coordinates of the
         bodies, or a dimensionless picture of a row in which nothing approaches.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    >>> solution = ri.solve(ri.System([left, ri.Rod(1.0, area=1e-4, material=steel)]))
+    >>> picture = ri.plot.spacetime(solution, field="stress")
+    >>> len(picture.regions.get_paths()) == len(ri.regions_of(solution).body)
+    True
     """
     check_waves(solution)
     check_choice("field", field, FIELDS)

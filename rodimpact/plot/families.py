@@ -357,6 +357,13 @@ def restitution(ratios: ArrayLike, values: ArrayLike, ax: Axes | None = None) ->
     ------
     ValueError
         If the shapes differ, or no value is a number.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> picture = ri.plot.restitution([0.2, 0.5], [0.2, 0.5])
+    >>> picture.points.get_ydata().tolist()
+    [0.2, 0.5]
     """
     x, e = array("ratios", ratios, ""), array("values", values, "")
     if x.shape != e.shape:

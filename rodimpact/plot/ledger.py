@@ -71,6 +71,16 @@ def energy(solution: Solution, ax: Axes | None = None) -> Energy:
     ------
     ValueError
         If the solution lasts no time.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    >>> solution = ri.solve(ri.System([left, ri.Rod(1.0, area=1e-4, material=steel)]))
+    >>> picture = ri.plot.energy(solution)
+    >>> picture.ax.get_xlabel()
+    'time t (µs)'
     """
     check_solution(solution)
     ax = axes(ax, 5.6, 3.2)

@@ -49,6 +49,15 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
     ------
     ValueError
         If the solution lasts no time, or `gauges` are no gauges by name.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    >>> solution = ri.solve(ri.System([left, ri.Rod(1.0, area=1e-4, material=steel)]))
+    >>> len(ri.plot.overview(solution).axes) > 3
+    True
     """
     check_solution(solution)
     time_scale(solution.t_end)  # refuses what lasts no time

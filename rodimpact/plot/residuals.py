@@ -147,6 +147,20 @@ def fit(found: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Compar
     ------
     ValueError
         If there is no such record, or the `ax` is no pair.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> bar = ri.Rod(1.0, area=1e-4, material=steel)
+    >>> row = ri.System([ri.Rod(0.2, area=1e-4, material=steel, velocity=10.0), bar])
+    >>> record = ri.solve(row, until=2e-4).gauge(1, 0.4).signal(1e-6)
+    >>> guess = ri.System([ri.Rod(0.2, area=1e-4, material=steel, velocity=5.0), bar])
+    >>> found = ri.fit(guess, ri.Measured(record, (1, 0.4), shift=0.0, gain=1.0),
+    ...                {"bodies.0.velocity": (1.0, 20.0)}, until=2e-4, starts=1)
+    >>> picture = ri.plot.fit(found)
+    >>> type(picture).__name__
+    'Comparison'
     """
     of_kind("found", found, Fit, "fit(system, measured, vary, until)")
     if type(record) is not int or not 0 <= record < len(found.measured):

@@ -49,6 +49,21 @@ def reduction(found: Reduction, ax: Sequence[Axes] | None = None) -> Reduced:
     ------
     ValueError
         If `ax` is no pair.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)     # c = 5000 m/s
+    >>> bar = ri.Rod(1.5, area=1e-4, material=metal)
+    >>> striker = ri.Rod(0.3, area=1e-4, material=metal, velocity=10.0)
+    >>> row = ri.System([striker, bar, bar], contacts=[ri.Rigid(), ri.Spring(2e8)])
+    >>> shot = ri.solve(row, until=6e-4)
+    >>> gauges = [ri.BarGauge(shot.gauge(body, 0.75).signal(1e-6), distance=0.75)
+    ...           for body in (1, 2)]
+    >>> found = ri.reduce(*gauges, bar, ri.Specimen(5e-3, area=5e-5))
+    >>> picture = ri.plot.reduction(found)
+    >>> picture is not None
+    True
     """
     of_kind("found", found, Reduction, "ri.reduce(input_gauge, output_gauge, bar, specimen)")
     if ax is None:

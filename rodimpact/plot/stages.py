@@ -87,6 +87,16 @@ def snapshots(
     ------
     ValueError
         For a time outside the solution, no times, or a magnification that is not positive.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    >>> solution = ri.solve(ri.System([left, ri.Rod(1.0, area=1e-4, material=steel)]))
+    >>> picture = ri.plot.snapshots(solution, times=[0.0, 1e-4])
+    >>> bool(picture.ax.figure.get_figwidth() > 0)
+    True
     """
     check_waves(solution)
     when = moments(solution) if times is None else array("times", times, "s").ravel()

@@ -51,6 +51,20 @@ class Calibration:
         Standard deviation over the plateau of the pulse.
     bending : (float or None, float or None)
         Largest bending strain over the plateau, where gauges lie on both sides.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)     # c = 5000 m/s
+    >>> bar = ri.Rod(1.5, area=1e-4, material=metal)
+    >>> striker = ri.Rod(0.3, area=1e-4, material=metal, velocity=10.0)
+    >>> shot = ri.solve(ri.System([striker, bar, bar]), until=1.5e-3)
+    >>> gauges = [ri.BarGauge(shot.gauge(body, 0.75).signal(1e-6), distance=0.75)
+    ...           for body in (1, 2)]
+    >>> found = ri.calibrate(*gauges, bar)
+    >>> (piece,) = found.bars[0].segments
+    >>> round(piece.material.wave_speed, -2), round(abs(found.reflected), 2)
+    (5000.0, 0.0)
     """
 
     bars: tuple[Rod, Rod]
@@ -127,6 +141,21 @@ def calibrate(
     Notes
     -----
     The incident strain is V/(2 c0); of a force F the joint hands 2 Z2/(Z1 + Z2) on.
+
+    Examples
+    --------
+    In a computed shot the gauges are right, so both gains are 1:
+
+    >>> import rodimpact as ri
+    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)     # c = 5000 m/s
+    >>> bar = ri.Rod(1.5, area=1e-4, material=metal)
+    >>> striker = ri.Rod(0.3, area=1e-4, material=metal, velocity=10.0)
+    >>> shot = ri.solve(ri.System([striker, bar, bar]), until=1.5e-3)
+    >>> gauges = [ri.BarGauge(shot.gauge(body, 0.75).signal(1e-6), distance=0.75)
+    ...           for body in (1, 2)]
+    >>> found = ri.calibrate(*gauges, bar, striker_speed=10.0)
+    >>> [round(gain, 2) for gain in found.gains]
+    [1.0, 1.0]
     """
     first, second = measuring.sides_of(
         _one("input_gauges", input_gauges), _one("output_gauges", output_gauges), bars, compression)

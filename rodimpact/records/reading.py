@@ -59,7 +59,20 @@ _NUMBERS = {".": re.compile(_NUMBER.format(r"\.\d*", r"\.\d+")),
 
 
 class ClippedSignal(UserWarning):
-    """A channel stays at its largest value for long, as one does that left the recorder's range."""
+    """A channel stays at its largest value for long, as one does that left the recorder's range.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, warnings, rodimpact as ri
+    >>> rows = [f"{i}e-6,{min(i % 50, 20)}" for i in range(200)]
+    >>> with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings(record=True) as told:
+    ...     warnings.simplefilter("always")
+    ...     path = pathlib.Path(folder, "shot.csv")
+    ...     _ = path.write_text(chr(10).join(["t [s],bar [V]", *rows]))
+    ...     record = ri.read_signals(path)
+    >>> [each.category.__name__ for each in told]
+    ['ClippedSignal']
+    """
 
 
 class _Form(NamedTuple):

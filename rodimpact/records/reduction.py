@@ -130,6 +130,23 @@ class Reduction:
     specimen : Specimen
     disperses : bool
         Whether the waves were carried by the exact first mode.
+
+    Examples
+    --------
+    The specimen of this computed shot is a spring, so its modulus is k L0/A0 = 20 GPa:
+
+    >>> import rodimpact as ri
+    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)     # c = 5000 m/s
+    >>> bar = ri.Rod(1.5, area=1e-4, material=metal)
+    >>> striker = ri.Rod(0.3, area=1e-4, material=metal, velocity=10.0)
+    >>> row = ri.System([striker, bar, bar], contacts=[ri.Rigid(), ri.Spring(2e8)])
+    >>> shot = ri.solve(row, until=6e-4)
+    >>> gauges = [ri.BarGauge(shot.gauge(body, 0.75).signal(1e-6), distance=0.75)
+    ...           for body in (1, 2)]
+    >>> found = ri.reduce(*gauges, bar, ri.Specimen(5e-3, area=5e-5))
+    >>> middle = abs(found.stress - found.stress.max() / 2).argmin()
+    >>> round(found.stress[middle] / found.strain[middle] / 1e9)
+    20
     """
 
     times: Floats
@@ -456,6 +473,21 @@ class Shots(NamedTuple):
         Standard deviation of the stress from shot to shot, Pa.
     shots : int
         How many.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)     # c = 5000 m/s
+    >>> bar = ri.Rod(1.5, area=1e-4, material=metal)
+    >>> striker = ri.Rod(0.3, area=1e-4, material=metal, velocity=10.0)
+    >>> row = ri.System([striker, bar, bar], contacts=[ri.Rigid(), ri.Spring(2e8)])
+    >>> shot = ri.solve(row, until=6e-4)
+    >>> gauges = [ri.BarGauge(shot.gauge(body, 0.75).signal(1e-6), distance=0.75)
+    ...           for body in (1, 2)]
+    >>> found = ri.reduce(*gauges, bar, ri.Specimen(5e-3, area=5e-5))
+    >>> mean = ri.mean_of_shots([found, found], points=11)
+    >>> len(mean.strain), bool(mean.strain[-1] == found.strain.max())
+    (11, True)
     """
 
     strain: Floats
@@ -479,6 +511,21 @@ def mean_of_shots(shots: Sequence[Reduction], points: int = 201) -> Shots:
     ------
     InvalidModel
         If there are fewer than two shots.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> metal = ri.Material("metal", youngs_modulus=2e11, density=8000)     # c = 5000 m/s
+    >>> bar = ri.Rod(1.5, area=1e-4, material=metal)
+    >>> striker = ri.Rod(0.3, area=1e-4, material=metal, velocity=10.0)
+    >>> row = ri.System([striker, bar, bar], contacts=[ri.Rigid(), ri.Spring(2e8)])
+    >>> shot = ri.solve(row, until=6e-4)
+    >>> gauges = [ri.BarGauge(shot.gauge(body, 0.75).signal(1e-6), distance=0.75)
+    ...           for body in (1, 2)]
+    >>> found = ri.reduce(*gauges, bar, ri.Specimen(5e-3, area=5e-5))
+    >>> mean = ri.mean_of_shots([found, found])
+    >>> mean.shots, float(mean.scatter.max())
+    (2, 0.0)
     """
     if len(shots) < 2 or not all(isinstance(each, Reduction) for each in shots):
         raise refusal("shots", f"must be two or more of what ri.reduce returns, got {shown(shots)}")

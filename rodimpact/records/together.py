@@ -77,6 +77,14 @@ def signals_to_xarray(signals: Mapping[str, Signal]) -> Any:
     ------
     InvalidModel
         If there is no signal, or times differ.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> force = ri.Signal([0.0, 2.0, 0.0], dt=0.5, unit="N")
+    >>> data = ri.signals_to_xarray({"force": force})
+    >>> data["force"].attrs["units"], data["time"].values.tolist()
+    ('N', [0.0, 0.5, 1.0])
     """
     _times_of(signals)
     xarray = optional("xarray", "xarray")
@@ -100,6 +108,14 @@ def signals_from_xarray(data: Any) -> dict[str, Signal]:
     ------
     ValueError
         If that is no Dataset, or as `Signal.from_xarray` does.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> force = ri.Signal([0.0, 2.0, 0.0], dt=0.5, unit="N")
+    >>> back = ri.signals_from_xarray(ri.signals_to_xarray({"force": force}))
+    >>> back["force"].values.tolist(), back["force"].unit
+    ([0.0, 2.0, 0.0], 'N')
     """
     if not hasattr(data, "data_vars"):
         raise refusal("data", f"must be an xarray Dataset, got {shown(data)}")
