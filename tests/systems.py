@@ -66,3 +66,32 @@ def random_system(
 def horizon(system, transits=40.0):
     """Time of some transits of the longest rod."""
     return transits * max(b.transit_time for b in system.bodies if isinstance(b, ri.Rod))
+
+
+def random_drive(rng, scale, time):
+    """A number, or steps at sixteenths of a time."""
+    if rng.random() < 0.3:
+        return float(scale * rng.uniform(-1, 1))
+    at = np.sort(rng.choice(np.arange(1, 64), size=rng.integers(1, 5), replace=False)) / 16 * time
+    return ri.Steps((scale * rng.uniform(-1, 1, len(at) + 1)).tolist(), at.tolist())
+
+
+def random_end(rng, body, time, driven):
+    if isinstance(body, ri.Wall):
+        return ri.Free()
+    kinds = [ri.Free, ri.Fixed, ri.Absorbing, ri.Absorbing]
+    drives = [ri.Pushed, ri.Moved, ri.Incoming] * 2
+    kind = (kinds + drives * driven)[rng.integers(4 + 6 * driven)]
+    if kind is ri.Pushed:
+        return ri.Pushed(random_drive(rng, float(body.segments[0].impedance), time))
+    if kind is ri.Incoming:
+        return ri.Incoming(random_drive(rng, 0.5 / body.segments[0].wave_speed, time))
+    return ri.Moved(random_drive(rng, 0.5, time)) if kind is ri.Moved else kind()
+
+
+def with_ends(seed, driven=True, bodies=4, **switches):
+    """A random row with random ends."""
+    system = random_system(seed, bodies=bodies, **switches)
+    rng = np.random.default_rng([seed, 1])
+    ends = [random_end(rng, system.bodies[i], horizon(system, 1), driven) for i in (0, -1)]
+    return ri.System(system.bodies, system.gaps, system.contacts, ends=ends)

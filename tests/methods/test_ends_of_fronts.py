@@ -1,8 +1,6 @@
 """Absorbing and driven ends, carried by the fronts themselves."""
 
-import sys
 from fractions import Fraction
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,14 +8,12 @@ from exhaustive import few_of
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from runs import bits_of, group_of, tracked
+from systems import horizon, random_end, random_system, with_ends
 
 import rodimpact as ri
 from rodimpact.methods import kernels
 from rodimpact.methods.fronts import driver, stock
 from rodimpact.methods.laws import Status
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-from systems import horizon, random_system
 
 M = ri.Material("m", youngs_modulus=1.0, density=1.0)
 STEP = 1 / 16
@@ -27,35 +23,6 @@ seeds = st.integers(0, 10**6)
 
 def rod(length=1.0, velocity=0.0, area=1.0, strain=0.0):
     return ri.Rod(length, area=area, material=M, velocity=velocity, strain=strain)
-
-
-def random_drive(rng, scale, time):
-    """A number, or steps at sixteenths of a time."""
-    if rng.random() < 0.3:
-        return float(scale * rng.uniform(-1, 1))
-    at = np.sort(rng.choice(np.arange(1, 64), size=rng.integers(1, 5), replace=False)) / 16 * time
-    return ri.Steps((scale * rng.uniform(-1, 1, len(at) + 1)).tolist(), at.tolist())
-
-
-def random_end(rng, body, time, driven):
-    if isinstance(body, ri.Wall):
-        return ri.Free()
-    kinds = [ri.Free, ri.Fixed, ri.Absorbing, ri.Absorbing]
-    drives = [ri.Pushed, ri.Moved, ri.Incoming] * 2
-    kind = (kinds + drives * driven)[rng.integers(4 + 6 * driven)]
-    if kind is ri.Pushed:
-        return ri.Pushed(random_drive(rng, float(body.segments[0].impedance), time))
-    if kind is ri.Incoming:
-        return ri.Incoming(random_drive(rng, 0.5 / body.segments[0].wave_speed, time))
-    return ri.Moved(random_drive(rng, 0.5, time)) if kind is ri.Moved else kind()
-
-
-def with_ends(seed, driven=True, **switches):
-    """A random row with random ends."""
-    system = random_system(seed, bodies=4, **switches)
-    rng = np.random.default_rng([seed, 1])
-    ends = [random_end(rng, system.bodies[i], horizon(system, 1), driven) for i in (0, -1)]
-    return ri.System(system.bodies, system.gaps, system.contacts, ends=ends)
 
 
 def commensurate(seed):
@@ -195,39 +162,7 @@ def test_momentum_and_energy_balance(seed):
                 assert there == pytest.approx(v, abs=1e-10)
 
 
-@given(seeds)
-def test_mirror_is_exact(seed):
-    system = with_ends(seed, unit=1 / 16)
-    until = horizon(system, 6.0)
-    solution, image = (ri.solve(s, until, "fronts", max_events=CAP)
-                       for s in (system, system.mirrored()))
-    assume(solution.stopped_by == "until")
-    assert image.stopped_by == "until"
-    lines, images = solution.fields.signals, image.fields.signals
-    last = len(lines) + 1
-    for i in range(2, len(lines)):
-        assert lines[i].ticks.tolist() == images[last - i].ticks.tolist()
-        assert lines[i].values.tolist() == (-images[last - i].values).tolist()
-    assert solution.outcome.drive_work == pytest.approx(image.outcome.drive_work, rel=1e-12)
-
-
 # Finality ----------------------------------------------------------------------------------------
-
-
-@given(seeds)
-def test_nothing_touches_after_the_proof(seed):
-    system = with_ends(seed, driven=False)
-    assume(any(isinstance(law, ri.Rigid) for law in system.contacts))
-    solution = ri.solve(system, method="fronts", max_events=CAP)
-    assume(solution.final)
-    far = 20 * solution.t_proved + horizon(system, 20)
-    longer = ri.solve(system, far, "fronts", max_events=10 * CAP)
-    just_after = solution.t_proved * (1 + 1e-9)
-    for contact in longer.contacts:
-        if isinstance(contact.law, ri.Rigid):
-            assert all(episode.start <= just_after for episode in contact.episodes)
-            times, force, _ = contact.breakpoints()
-            assert (force[times > just_after] == force[-1]).all()
 
 
 @given(seeds, st.booleans())
@@ -335,19 +270,6 @@ def test_jumps_that_fall_into_one_tick_are_one():
 
 
 # States, files, families -------------------------------------------------------------------------
-
-
-@given(seeds, st.floats(0.05, 0.95))
-def test_a_state_can_be_continued(seed, part):
-    system = with_ends(seed, driven=False)
-    until = horizon(system, 8)
-    whole = ri.solve(system, until, "fronts", max_events=CAP)
-    assume(whole.stopped_by == "until")
-    t = part * until
-    rest = ri.solve(whole.system_at(t), until - t, "fronts", max_events=2 * CAP)
-    for body in range(len(system.bodies)):
-        there = float(rest.mean_velocity(body, rest.t_end))
-        assert there == pytest.approx(float(whole.mean_velocity(body, until)), abs=1e-10)
 
 
 # Kernels -----------------------------------------------------------------------------------------
