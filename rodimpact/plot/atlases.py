@@ -19,7 +19,7 @@ from ..results.labels import parameter
 from .scales import Scale, engineering, scale_of
 from .style import RISING, axes, colour_bar, colours, dress, legend_above, picture, styled
 
-MESH = 240  # places a side at which the formulas are evaluated for colours
+MESH = 160  # places a side at which the formulas are evaluated for colours
 NAMED, SHORT = 3, 64  # regions whose formulas stand in the picture, and characters of them
 WHOLE = 1e-9  # of e: as good as 1
 DERIVED = {"transit_time": ("transit time", "s"), "impedance": ("impedance", "kg/s")}

@@ -22,7 +22,7 @@ from .sampling import is_stepped
 from .scales import ROUND_OFF, engineering, listed, time_scale, written
 from .style import INK, SMALL, axes, dress, legend_above, picture, styled
 
-SAMPLES = 201  # energies bend like parabolas where a force acts
+SAMPLES = 41  # energies bend like parabolas where a force acts
 STATES_SUMMED = 60_000  # of segments at all samples together
 FEWEST = 31
 TURNS = 6  # of contacts that are sampled too

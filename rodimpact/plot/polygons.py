@@ -159,9 +159,8 @@ def _labels(ax: Axes, polygons: list[Floats], values: Floats, norm: Normalize) -
         room = np.abs(side[:, 0] * away[:, 1] - side[:, 1] * away[:, 0])
         if (room > np.abs(side[:, 1]) * across + np.abs(side[:, 0]) * up).all():
             x, y = _centre(polygon)
-            ground = {"facecolor": colours().signed(norm(value)), "edgecolor": "none", "pad": 1.0}
             written.append(ax.text(x, y, text, ha="center", va="center", zorder=6, fontsize=SMALL,
-                                   color=ink_on(norm, value), bbox=ground))
+                                   color=ink_on(norm, value)))
     return written
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import re
 from typing import Any
 
 from matplotlib import rc_context
@@ -11,7 +12,7 @@ from matplotlib import rc_context
 from ..storage.writing import write_bytes
 from .film import format_of
 from .moving import Animation
-from .style import figure_of
+from .style import FONT, figure_of
 
 DOTS_PER_INCH = 200
 FORMATS: dict[str, dict[str, Any]] = {
@@ -60,8 +61,13 @@ def save(picture: Any, path: str | os.PathLike[str], force: bool = False) -> Non
     about = FORMATS[kind]
     if kind == "svg":  # what a screen reader says of the picture
         labels = [(ax.get_ylabel(), ax.get_xlabel()) for ax in figure.axes[:1]]
-        about = {**about, "Title": " over ".join(
-            label.partition("\n")[0] for pair in labels for label in pair if label)}
+        words = " over ".join(label for pair in labels for label in pair if label)
+        about = {**about, "Title": " ".join((figure.get_suptitle() or words).split())}
     with rc_context({"svg.hashsalt": "rodimpact", "svg.fonttype": "none", "pdf.fonttype": 42}):
         figure.savefig(memory, format=kind, dpi=DOTS_PER_INCH, metadata=about)
-    write_bytes(path, memory.getvalue(), force=force)
+    data = memory.getvalue()
+    if kind == "svg":  # hundredths of a point are enough, and a font that is named once
+        family = f"; font-family: '{FONT}'(?=[;\"])".encode()
+        data = re.sub(rb"(?<=\.\d\d)\d+(?=[^<>]*>)|(?<=\n) +| (?=\n)|" + family, b"", data)
+        data = data.replace(b"<svg ", f"<svg font-family=\"'{FONT}', sans-serif\" ".encode(), 1)
+    write_bytes(path, data, force=force)

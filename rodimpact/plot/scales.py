@@ -93,8 +93,12 @@ def _power(found: re.Match[str]) -> str:
 
 
 def digits(value: float, largest: float, count: int = 3) -> str:
-    """Write a number to some digits; round-off beside the largest number shown is 0."""
-    return signed(f"{value:.{count}g}" if abs(value) > ROUND_OFF * largest else "0")
+    """Write a number to some digits; round-off beside the largest number shown is 0.
+
+    Round-off does not decide which way a half is rounded.
+    """
+    seen = abs(value) > ROUND_OFF * largest
+    return signed(f"{value * (1 + ROUND_OFF):.{count}g}" if seen else "0")
 
 
 def signed(text: str) -> str:

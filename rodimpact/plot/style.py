@@ -42,14 +42,13 @@ LETTER = 0.57  # mean width of a letter, in heights of the font
 HANDLE = 6  # letters that the mark before a name in a legend takes
 COMPUTED: dict[str, Any] = {"marker": "o", "markersize": 3.5, "markerfacecolor": "none",
                             "markeredgewidth": 0.8, "label": "computed"}
-SMOOTH = 101  # colours, to the eye as smooth as 256; an odd number has one in the middle
 
-RISING = LinearSegmentedColormap.from_list(
-    "rising", ["#16256e", "#53659f", "#a0a0a0", "#d6c05f", "#ffe94a"], SMOOTH)
+RISING = LinearSegmentedColormap.from_list(  # in 100 steps: to the eye as smooth as 256
+    "rising", ["#16256e", "#53659f", "#a0a0a0", "#d6c05f", "#ffe94a"], 100)
 ON_LIGHT = LinearSegmentedColormap.from_list(
-    "signed on light", ["#16256e", "#7084c4", "#f4f4f1", "#eec654", "#c48600"], SMOOTH)
+    "signed on light", ["#16256e", "#7084c4", "#f4f4f1", "#eec654", "#c48600"])
 ON_DARK = LinearSegmentedColormap.from_list(
-    "signed on dark", ["#9db7ff", "#4e62a0", "#262b33", "#967a30", "#ffe94a"], SMOOTH)
+    "signed on dark", ["#9db7ff", "#4e62a0", "#262b33", "#967a30", "#ffe94a"])
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -282,8 +281,6 @@ def colour_bar(
                              **{"fraction": 0.06, "pad": 0.02, "aspect": 30, **how})
     dress(bar.ax)
     bar.outline.set_visible(False)
-    if bar.solids is not None:
-        bar.solids.set(rasterized=False, edgecolor="face")
     used: Any = np.ma.masked_invalid(np.ma.asarray(drawn.get_array()))
     if rest is not None and (used != rest).any():
         limits = min(rest, float(used.min())), max(rest, float(used.max()))
