@@ -6,10 +6,6 @@ import time
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-import numpy as np
-
-from ..model.frozen import Number
-from .row import Array
 from .signals import Floats, Ints
 
 STOPPED_BY = ("final", "max_events", "clock", "refused", "until")
@@ -47,12 +43,3 @@ class FamilyRun(NamedTuple):
     final: Floats
     stopped_by: Ints
     further: Mapping[str, Floats] = {}
-
-
-def table(columns: Sequence[Number], shape: tuple[int, ...]) -> Array:
-    """Numbers of a family of some shape, with a row for each member in C order."""
-    given = np.empty((int(np.prod(shape)), len(columns)))
-    for place, column in enumerate(columns):
-        given[:, place] = column if isinstance(column, float) else np.broadcast_to(
-            column, shape).ravel()
-    return given

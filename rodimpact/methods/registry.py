@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..model import System
 from ..model.arguments import array
-from ..model.frozen import InvalidModel, Problems, number
+from ..model.frozen import Field, InvalidModel, Problems
 from ..units import shown
 from . import abilities
 from .family import READ, FamilyRun
@@ -48,6 +48,8 @@ METHODS = {
 
 MOST_COUNTED = 10**15
 METHOD_NAMES = ("auto", *METHODS)
+NUMBERS = {name: Field(unit, sign, default=None, single=True) for name, unit, sign in (
+    ("until", "s", "non-negative"), ("dt", "s", "positive"), ("rtol", "", "positive"))}
 OWN = ("dt", "rtol", "cells", "snapshots")
 """Options that not every method takes."""
 
@@ -99,11 +101,8 @@ class Options:
 
     def __post_init__(self) -> None:
         problems: Problems = []
-        for name, unit, sign in (
-            ("until", "s", "non-negative"), ("dt", "s", "positive"), ("rtol", "", "positive"),
-        ):
-            if getattr(self, name) is not None:
-                self._set(name, _single(problems, name, getattr(self, name), unit, sign))
+        for name, field in NUMBERS.items():
+            self._set(name, field.checked(problems, name, getattr(self, name)))
         for name in ("dt", "cells"):
             if getattr(self, name) is not None and self.rtol is not None:
                 problems.append((name, "fixes the step, rtol chooses it; give one of them"))
@@ -227,13 +226,6 @@ def check_function(problems: Problems, name: str, value: Any) -> None:
     """Note what cannot be called, if it is given."""
     if value is not None and not callable(value):
         problems.append((name, f"must be a function, got {shown(value)}"))
-
-
-def _single(problems: Problems, name: str, value: Any, unit: str, sign: str) -> Any:
-    single = number(problems, name, value, unit, sign)
-    if not isinstance(single, float):
-        problems.append((name, f"must be a single number, got {shown(value)}"))
-    return single
 
 
 def _snapshots(problems: Problems, value: Any, until: float | None) -> int | tuple[float, ...]:

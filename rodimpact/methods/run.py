@@ -193,15 +193,12 @@ class GroupTotals(NamedTuple):
     """What a run comes to, as its kernel adds it up.
 
     Velocities of the groups of bonded bodies, before and after, [group] m/s, 0 where nothing of a
-    group can move; what is left of vibration in each body, of motion and of strain, [body] J; and
-    of each contact that can open the peak force, N, and the force duration, s.
+    group can move; and what is left of vibration in each body, of motion and of strain, [body] J.
     """
 
     before: Floats
     after: Floats
     vibration: Floats
-    peak: Floats
-    pressed: Floats
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -13,11 +13,6 @@ LARGE_STRAIN = 0.01  # from which the linear theory is doubtful
 ROUNDED = 2.0**-36  # relative change of a transit time that is told
 
 
-def end_sentence(system: System, stopped_by: str, final: str, end: str, cap: str) -> str:
-    """Why a run ended, with what its proof says, if it has one."""
-    return ending(stopped_by, final, end, cap, *acting_and_held(system))
-
-
 def acting_and_held(system: System) -> tuple[str, bool]:
     """What drives a row, "" where nothing does, and whether walls hold it in."""
     ends = ((0, 0), (len(system.bodies) - 1, -1))

@@ -16,7 +16,7 @@ from ...model.frozen import Number
 from .. import duration, kernels
 from ..compiling import as_objects, as_records, blank, objects
 from ..duration import Forecast
-from ..family import Stopped, now, table
+from ..family import Stopped, now
 from ..laws import Beyond, Law, Status, Stop
 from ..memory import ask, most_numbers
 from ..row import Row
@@ -309,7 +309,7 @@ def _expected(run: Any) -> int:
 
 
 def solve_many(
-    plan: Plan, shape: tuple[int, ...], until: float | None, max_events: int,
+    plan: Plan, until: float | None, max_events: int,
     stop: Callable[[], bool] = lambda: False, more: int = 0, reads: bool = False,
 ) -> dict[str, Any]:
     """Run every member of a family to `until`, or to its proof of finality.
@@ -319,8 +319,6 @@ def solve_many(
     Parameters
     ----------
     plan : Plan
-    shape : tuple of int
-        Of the family.
     until : float or None
         Time to be reached, s.
     max_events : int
@@ -344,7 +342,7 @@ def solve_many(
     TooLong
         If a member takes too much memory.
     """
-    given, first, size = table(plan.numbers, shape), 0, FIRST_BLOCK
+    given, first, size = np.column_stack(list(map(plan.row.of, plan.numbers))), 0, FIRST_BLOCK
     members: Members | None = None
     parts: list[dict[str, Any]] = []
     plain, measured = ROOM * ROW_TIME, False  # s of a member in plain Python

@@ -310,7 +310,7 @@ def solve_family(
     """Totals of every member, and what is wanted of `READ`; arguments as of `solve_many`."""
     plan, system, shape = Plan(row), row.system, row.system.shape
     reads = not {"displacement", "largest_stress"}.isdisjoint(also)
-    run = driver.solve_many(plan, shape, until, max_events, stop, more, reads)
+    run = driver.solve_many(plan, until, max_events, stop, more, reads)
     final, refused = run["final"] & (not physics.driven(system)), run["stop"] >= Stop.OVERFLOW
     unknown = np.where(refused, math.nan, 0.0)
     stocks = ([x.reshape(shape) for x in run[name].T] for name in ("before", "after"))

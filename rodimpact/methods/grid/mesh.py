@@ -100,10 +100,10 @@ class GridMotion(NamedTuple):
     def stretches(self, step: float) -> Array:
         """By how much cells are longer [state, cell], m."""
         force = self.force
-        if self.radial is not None:
-            force = force - self.radial.coupling * self.radial.strain * step
-        longer: Array = force / np.where(self.stiffness > 0, self.stiffness, np.inf)
-        return longer
+        with np.errstate(under="ignore"):  # ahead of the waves strains are next to nothing
+            if self.radial is not None:
+                force = force - self.radial.coupling * self.radial.strain * step
+            return np.asarray(force / np.where(self.stiffness > 0, self.stiffness, np.inf))
 
     def energies(
         self, nodes: slice, mass: Array, place: int, v: Array, step: float

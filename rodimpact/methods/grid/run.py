@@ -283,14 +283,9 @@ class GridRun:
     @property
     def largest_strain(self) -> float:
         """Largest strain of the states that were kept."""
-        inside = self.mesh.stiffness > 0
-        yielding = self.mesh.stiffness[inside] * self.mesh.width[inside]
-        force = self.track.force
-        if self.mesh.swells:
-            with np.errstate(under="ignore"):  # ahead of the waves strains are next to nothing
-                force = force - self.mesh.cells.coupling * self.track.radial * self.step
-        largest = np.maximum(force.max(axis=0), -force.min(axis=0))[inside]
-        return float((largest / yielding).max())
+        longer = self.motion().stretches(self.step)
+        most = np.maximum(longer.max(axis=0), -longer.min(axis=0))
+        return float((most / self.mesh.width).max())
 
     @cached_property
     def overshoot(self) -> float:

@@ -11,7 +11,7 @@ from ...units import format_si
 from ..groups import fill_bonds
 from ..run import INWARD, ContactSignal, ContactTally, Episode, Outside, Run, Signals
 from ..signals import Floats, Pieces
-from ..status import end_sentence, last_contact, proof_sentence, strain_warning
+from ..status import acting_and_held, ending, last_contact, proof_sentence, strain_warning
 from .measures import episodes_of_steps, largest_force, pressed_spans
 from .mesh import STEP_TICKS
 from .refinement import ROUGH
@@ -47,8 +47,8 @@ def hand_over(run: GridRun, until: float | None) -> Run:
         t_final = last_contact(ends, t_end, 2 * run.clock.longest * run.clock.tick)
     proof = proof_sentence(any(run.grid.link["episodes"]), t_final) if final else ""
     events = run.steps * len(run.row.laws)
-    status = end_sentence(
-        run.row.system, run.stopped_by, proof, format_si(t_end, "s"), f"{events} steps times ends")
+    status = ending(run.stopped_by, proof, format_si(t_end, "s"), f"{events} steps times ends",
+                    *acting_and_held(run.row.system))
     status += f" Time step {format_si(run.step, 's')}, {size} cells."
     if until and not run.steps:
         status += " The run ends before half a step, and none was taken. More cells shorten it."

@@ -152,9 +152,7 @@ def _groups(row: Row, r: dict[str, Any]) -> GroupTotals:
     tick = float(r["run"][0]["tick"])
     fallen = frame + float(row.gravity) * float(r["run"][0]["surveyed"]) * tick
     return GroupTotals(
-        part["initial"][heads] + frame, part["mean"][heads] + fallen, np.array(vibration),
-        r["link"]["peak"], r["link"]["pressed"] * tick,
-    )
+        part["initial"][heads] + frame, part["mean"][heads] + fallen, np.array(vibration))
 
 
 def vibration_of(row: Row, part: Any) -> list[Any]:
