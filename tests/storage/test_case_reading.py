@@ -96,56 +96,25 @@ def test_masses_gravity_laws_ends_and_steps_of_time():
     case = parse_case("""
         schema = 1
         gravity = "-9.81 m/s^2"
-        [[bodies]]
-        kind = "mass"
-        mass = "500 g"
-        velocity = "2 m/s"
-        [[bodies]]
-        kind = "mass"
-        mass = 2
-        [[bodies]]
-        kind = "rod"
-        length = 0.4
-        area = 1e-4
-        material = "steel"
-        velocity = {samples = [0, "1 m/s", 2.0]}
-        strain = {samples = ["0.1 %", 0]}
-        [[bodies]]
-        kind = "rod"
-        length = 0.4
-        area = 1e-4
-        material = "steel"
-        [[bodies]]
-        kind = "mass"
-        mass = "1 t"
-        [[bodies]]
-        kind = "rod"
-        length = 0.4
-        area = 1e-4
-        material = "steel"
-        [[contacts]]
-        restitution = "80 %"
-        [[contacts]]
-        law = "spring-dashpot"
-        stiffness = "3 kN/mm"
-        damping = "4 N s/m"
-        gap = "1 mm"
-        [[contacts]]
-        law = "hertz"
-        stiffness = "12 GN/m^1.5"
-        [[contacts]]
-        law = "hunt-crossley"
-        stiffness = 1e9
-        damping = "0.2 s/m"
-        [[contacts]]
-        law = "spring"
-        stiffness = 1e6
-        [ends.left]
-        kind = "force"
-        value = {values = ["1 kN", 0], at = ["1 ms"]}
-        [ends.right]
-        kind = "velocity"
-        value = {samples = [0, "1 cm/s"], step = "10 us"}
+        bodies = [
+            {kind = "mass", mass = "500 g", velocity = "2 m/s"},
+            {kind = "mass", mass = 2},
+            {kind = "rod", length = 0.4, area = 1e-4, material = "steel", \
+             velocity = {samples = [0, "1 m/s", 2.0]}, strain = {samples = ["0.1 %", 0]}},
+            {kind = "rod", length = 0.4, area = 1e-4, material = "steel"},
+            {kind = "mass", mass = "1 t"},
+            {kind = "rod", length = 0.4, area = 1e-4, material = "steel"},
+        ]
+        contacts = [
+            {restitution = "80 %"},
+            {law = "spring-dashpot", stiffness = "3 kN/mm", damping = "4 N s/m", gap = "1 mm"},
+            {law = "hertz", stiffness = "12 GN/m^1.5"},
+            {law = "hunt-crossley", stiffness = 1e9, damping = "0.2 s/m"},
+            {law = "spring", stiffness = 1e6},
+        ]
+        [ends]
+        left = {kind = "force", value = {values = ["1 kN", 0], at = ["1 ms"]}}
+        right = {kind = "velocity", value = {samples = [0, "1 cm/s"], step = "10 us"}}
         [solve]
         dt = "0.1 us"
         method = "auto"
@@ -387,59 +356,22 @@ def test_all_mistakes_at_once_each_with_its_path():
         schema = 1
         foo = 1
         gravity = "down"
-        [materials.rubber]
-        youngs_modulus = "5 kg"
-        density = 0
-        [[bodies]]
-        kind = "rod"
-        length = -1
-        area = 0
-        material = "stel"
-        velocity = {values = [1, "x"], at = [0.1]}
-        strain = {values = [1, 2]}
-        [[bodies]]
-        kind = "wall"
-        velocity = inf
-        size = 3
-        [[bodies]]
-        kind = "rod"
-        [[bodies.segments]]
-        length = "x"
-        area = -1
-        material = "rubber"
-        [[bodies.segments]]
-        material = "steel"
-        [[bodies]]
-        kind = "blob"
-        [[bodies]]
-        kind = "mass"
-        mass = 0
-        [[contacts]]
-        gap = -1
-        [[contacts]]
-        gap = "y"
-        law = 7
-        stiffness = 3
-        [[contacts]]
-        law = "hertz"
-        left_radius = "x"
-        right_material = "y"
-        [[contacts]]
-        restitution = 0.5
-        [[contacts]]
-        [ends.left]
-        kind = "force"
-        value = "hard"
-        [ends.right]
-        kind = "velocity"
-        [solve]
-        until = "never"
-        method = "magic"
-        max_events = -1
-        dt = 0
-        rtol = 0
-        [output]
-        plot = 1
+        materials.rubber = {youngs_modulus = "5 kg", density = 0}
+        bodies = [
+            {kind = "rod", length = -1, area = 0, material = "stel", \
+             velocity = {values = [1, "x"], at = [0.1]}, strain = {values = [1, 2]}},
+            {kind = "wall", velocity = inf, size = 3},
+            {kind = "rod", segments = [{length = "x", area = -1, material = "rubber"}, \
+                                       {material = "steel"}]},
+            {kind = "blob"},
+            {kind = "mass", mass = 0},
+        ]
+        contacts = [{gap = -1}, {gap = "y", law = 7, stiffness = 3},
+                    {law = "hertz", left_radius = "x", right_material = "y"},
+                    {restitution = 0.5}, {}]
+        ends = {left = {kind = "force", value = "hard"}, right = {kind = "velocity"}}
+        solve = {until = "never", method = "magic", max_events = -1, dt = 0, rtol = 0}
+        output = {plot = 1}
     """)
     assert set(found) == {
         "foo", "gravity", "materials.rubber.youngs_modulus", "materials.rubber.density",

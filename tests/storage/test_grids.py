@@ -94,50 +94,23 @@ def test_any_number_may_vary_given_in_the_file_or_not(path, grid, read, contacts
 
 ALL_KINDS = """
 schema = 1
-[materials.ball]
-youngs_modulus = "100 GPa"
-density = 5000
-poisson_ratio = 0.3
-[[bodies]]
-kind = "mass"
-mass = 1
-[[bodies]]
-kind = "mass"
-mass = 2
-velocity = 3
-[[bodies]]
-kind = "rod"
-length = 0.4
-area = 1e-4
-material = "steel"
-[[bodies]]
-kind = "mass"
-mass = 5
-[[bodies]]
-kind = "rod"
-length = 0.4
-area = 1e-4
-material = "steel"
-[[contacts]]
-restitution = 0.5
-[[contacts]]
-law = "hunt-crossley"
-stiffness = 1e9
-damping = 0.1
-[[contacts]]
-law = "spring-dashpot"
-stiffness = 1e6
-damping = 10
-[[contacts]]
-law = "hertz"
-left_radius = 0.05
-left_material = "ball"
-[ends.left]
-kind = "force"
-value = {values = [1, 0], at = [1e-3]}
-[ends.right]
-kind = "velocity"
-value = {samples = [0, 1], step = 1e-3}
+materials.ball = {youngs_modulus = "100 GPa", density = 5000, poisson_ratio = 0.3}
+bodies = [
+    {kind = "mass", mass = 1},
+    {kind = "mass", mass = 2, velocity = 3},
+    {kind = "rod", length = 0.4, area = 1e-4, material = "steel"},
+    {kind = "mass", mass = 5},
+    {kind = "rod", length = 0.4, area = 1e-4, material = "steel"},
+]
+contacts = [
+    {restitution = 0.5},
+    {law = "hunt-crossley", stiffness = 1e9, damping = 0.1},
+    {law = "spring-dashpot", stiffness = 1e6, damping = 10},
+    {law = "hertz", left_radius = 0.05, left_material = "ball"},
+]
+[ends]
+left = {kind = "force", value = {values = [1, 0], at = [1e-3]}}
+right = {kind = "velocity", value = {samples = [0, 1], step = 1e-3}}
 """
 
 
