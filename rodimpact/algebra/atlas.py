@@ -19,16 +19,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..methods.duration import Forecast, Progress, warn
-from ..methods.registry import check_function
 from ..model import System
-from ..model.frozen import InvalidModel, Problems, listed, number, raise_noted
+from ..model.frozen import InvalidModel, listed, number, raise_noted
 from ..units import shown
 from .cell import ABOVE, Cell, Check, Floats
 from .conditions import spells_and_conditions
 from .field import Field
 from .formula import FEW, LINE
 from .naming import Naming
-from .rows import check_cap
+from .rows import check_arguments
 
 LATTICE = 32  # places a side where cells are looked for
 FINE = 1 << 12  # steps a side to which these are rounded, so that fractions are short
@@ -210,11 +209,7 @@ def atlas(
     >>> len(plane.contacts), round(float(plane.restitution(1.25, 2e-4)), 12)
     (2, 0.866666666667)
     """
-    check_cap("most_cells", most_cells)
-    check_cap("max_events", max_events)
-    problems: Problems = []
-    check_function(problems, "progress", progress)
-    raise_noted(problems)
+    check_arguments(progress, most_cells=most_cells, max_events=max_events)
     axes = [_axis("x", x), _axis("y", y)]
     naming = Naming(system, [path for path, *_ in axes])
     names = [_name(naming, axis, path) for axis, (path, *_) in zip("xy", axes, strict=True)]
@@ -231,8 +226,7 @@ def _axis(name: str, given: Any) -> tuple[str, float, float]:
         path, problems = given[0], list[tuple[str, str]]()
         sign = SIGNS.get(path.rpartition(".")[2], "positive")  # near 0 there are cells without end
         low, high = (number(problems, f"{name}, {path}", end, "", sign) for end in given[1:])
-        if problems:
-            raise InvalidModel(problems)
+        raise_noted(problems)
         if isinstance(low, float) and isinstance(high, float) and low < high:
             return path, low, high
     message = 'must be a path, its lowest and its highest value, such as ("bodies.0.length"'

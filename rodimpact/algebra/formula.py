@@ -18,9 +18,8 @@ from typing import Any
 import numpy as np
 
 from ..methods.duration import Progress
-from ..methods.registry import check_function
 from ..model import System
-from ..model.frozen import InvalidModel, Problems, nearest, raise_noted
+from ..model.frozen import InvalidModel, nearest
 from .cell import ABOVE, Cell
 from .conditions import conditions
 from .field import Field
@@ -28,7 +27,7 @@ from .inequalities import reduced
 from .naming import Naming
 from .quotients import Quotient
 from .rational import Exact, fractions_of
-from .rows import check_cap, check_final
+from .rows import check_arguments, check_final
 
 SHORT = 1 << 24  # denominator of directions, so that fractions are short
 HAIR = Fraction(1, 1 << 120)  # how far from the numbers of the system runs are made, of themselves
@@ -129,10 +128,7 @@ def closed_form(
     """
     if isinstance(symbols, str):
         symbols = [symbols]
-    check_cap("max_events", max_events)
-    problems: Problems = []
-    check_function(problems, "progress", progress)
-    raise_noted(problems)
+    check_arguments(progress, max_events=max_events)
     field = Field(Naming(system, symbols), progress)
     sides, unsolved = sides_of(field, max_events)
     groups: dict[Any, list[Cell]] = {}

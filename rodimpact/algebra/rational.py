@@ -10,11 +10,11 @@ from typing import Any
 
 from ..methods.row import Row
 from ..model import System
-from ..model.frozen import InvalidModel, Problems
+from ..model.frozen import InvalidModel, Problems, raise_noted
 from ..model.paths import places_of, suggestion
 from ..units import shown
 from .numbers import Number
-from .rows import MOST_EVENTS, check, check_cap, check_final, each, read, run, written
+from .rows import MOST_EVENTS, check, check_arguments, check_final, each, read, run, written
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def exact(
     Fraction(2, 5)
     """
     check(system)
-    check_cap("max_events", max_events)
+    check_arguments(max_events=max_events)
     row, places = Row(system), places_of(system)
     given = {place: value for path, value in fractions_of(values).items()
              for place in places.get(path, [path])}
@@ -134,8 +134,7 @@ def fractions_of(values: Any) -> dict[str, Fraction]:
             given[path] = written(value) if isinstance(value, float) else Fraction(value)
         except (ValueError, TypeError, ZeroDivisionError, OverflowError):
             problems.append((path, f'must be a number or a text such as "1/3", got {shown(value)}'))
-    if problems:
-        raise InvalidModel(problems)
+    raise_noted(problems)
     return given
 
 

@@ -13,14 +13,15 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from ..methods.abilities import needs
+from ..methods.duration import Progress
 from ..methods.fronts import stock
 from ..methods.fronts.driver import Laid, Plan, laid
 from ..methods.groups import unilateral
 from ..methods.laws import Status, Stop
-from ..methods.registry import check_system, count
+from ..methods.registry import check_function, check_system, count
 from ..methods.row import Row
 from ..model import Bonded, Free, Rod, Steps, System, Wall
-from ..model.frozen import InvalidModel, Problems
+from ..model.frozen import InvalidModel, Problems, raise_noted
 from .numbers import ZERO, Number
 
 MOST_EVENTS = 5_000
@@ -71,12 +72,13 @@ def written(x: float) -> Fraction:
     return Fraction(repr(x))
 
 
-def check_cap(name: str, value: Any) -> None:
-    """Raise InvalidModel unless the argument is a whole number above 0."""
+def check_arguments(progress: Progress | None = None, **caps: Any) -> None:
+    """Raise InvalidModel unless caps are whole numbers above 0 and `progress` can be called."""
     problems: Problems = []
-    count(problems, name, value)
-    if problems:
-        raise InvalidModel(problems)
+    for name, value in caps.items():
+        count(problems, name, value)
+    check_function(problems, "progress", progress)
+    raise_noted(problems)
 
 
 def check_final(done: ExactRun, max_events: int) -> None:
@@ -106,8 +108,7 @@ def check(system: System) -> None:
         if isinstance(law, Bonded) and Wall in map(type, system.bodies[k : k + 2]):
             message = "formulas and fractions know no rod bonded to a wall"
             problems.append((f"contacts.{k}", f"{message}; let it touch, or solve()"))
-    if problems:
-        raise InvalidModel(problems)
+    raise_noted(problems)
 
 
 def read(row: Row, take: Callable[[str, float], Number | None], speed: Callable[[Any, str], Number]
@@ -154,19 +155,11 @@ def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:
     nodes = plan.contacts
     shortest = min(float(T) for T in numbers.transit)
     rate = Fraction(2) ** (TICKS.bit_length() - math.frexp(shortest)[1])
-    transit, gaps = [T * rate for T in numbers.transit], [ZERO] * (n + 1)
-    for k, gap in zip(nodes, numbers.gap, strict=True):
-        gaps[k] = gap * rate
-    walls = [v if isinstance(body, Wall) else ZERO
-             for body, v in zip(row.system.bodies, numbers.velocity, strict=True)]
-    waves: list[list[tuple[Any, Any]]] = [[] for _ in range(2 * n + 2)]
-    for (first, last), v in zip(row.spans, numbers.velocity, strict=True):
-        for l in range(2 * first, 2 * last + 2):
-            waves[l].append((-transit[l // 2 - 1], v))
-    state = laid(
-        [0, *transit, 0], [ZERO, *(1 / Z for Z in numbers.impedance), ZERO],
-        plan.kinds, gaps, (walls[0], walls[-1]), waves,
-    )
+    # transit times are lengths here: waves run 1 m in 1 s
+    given = [*[1] * n, *numbers.impedance, *numbers.transit, *numbers.gap]
+    for v in numbers.velocity:
+        given += [v, ZERO]  # of a strain
+    state = laid(plan, given, [T * rate for T in numbers.transit], 1 / rate, ZERO)
     final = state.go(-1, max_events, ZERO) == Stop.FINAL
     stock.final(*state[:5])
     before, after = (

@@ -9,10 +9,11 @@ import math
 import re
 import sys
 from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import TypeVar
 
 from ..methods.memory import LargeFile
-from ..model.frozen import InvalidModel, Problems
+from ..model.frozen import InvalidModel, Problems, raise_noted
 from ..storage.reading import FileFormatError
 from ..storage.writing import check_target
 from ..units import parse
@@ -21,12 +22,18 @@ from . import DONE, FAULT, complain
 Made = TypeVar("Made")
 
 
-def attempt(problems: Problems, make: Callable[..., Made], *given: object) -> Made | None:
-    """What `make` makes of what was given; None, and its mistakes noted, if it refuses."""
+def attempt(
+    problems: Problems, make: Callable[..., Made], *given: object,
+    options: Mapping[str, str] = MappingProxyType({}), **more: object,
+) -> Made | None:
+    """What `make` makes of what was given; None, and its mistakes noted, if it refuses.
+
+    `options` names the options that gave its arguments.
+    """
     try:
-        return make(*given)
-    except InvalidModel as error:
-        problems += error.problems
+        return make(*given, **more)
+    except (InvalidModel, FileFormatError, LargeFile) as error:
+        problems += named(error, options)
         return None
 
 
@@ -54,7 +61,9 @@ def whole_number(problems: Problems, option: str, text: str) -> int:
     return 0
 
 
-def check_outputs(problems: Problems, files: Mapping[str, str | None], force: bool) -> None:
+def check_outputs(
+    problems: Problems, files: Mapping[str, str | None], force: bool, figure: str = ""
+) -> None:
     """Refuse, before any work, files that must not or cannot be written.
 
     Parameters
@@ -63,6 +72,8 @@ def check_outputs(problems: Problems, files: Mapping[str, str | None], force: bo
         An existing file without `force`, and a file for two outputs, are added here.
     files : mapping of option to path or None
     force : bool
+    figure : str
+        Option of a figure, which must be in a format that can be written.
 
     Raises
     ------
@@ -71,6 +82,11 @@ def check_outputs(problems: Problems, files: Mapping[str, str | None], force: bo
     OSError
         If there are none, but a file cannot be written.
     """
+    if files.get(figure) is not None:
+        from ..plot.film import format_of
+        from ..plot.saving import FORMATS
+
+        attempt(problems, format_of, files[figure], FORMATS, options={"path": figure})
     unwritable = None
     option_of: dict[object, str] = {}
     for option, path in files.items():
@@ -83,31 +99,25 @@ def check_outputs(problems: Problems, files: Mapping[str, str | None], force: bo
             problems.append((option, str(error)))
         except OSError as error:
             unwritable = unwritable or error
-    if problems:
-        raise InvalidModel(problems)
+    raise_noted(problems)
     if unwritable:
         raise unwritable
 
 
-def check_format(problems: Problems, option: str, path: str) -> None:
-    """Refuse a figure in a format that cannot be written."""
-    from ..plot.film import format_of
-    from ..plot.saving import FORMATS
-
-    try:
-        format_of(path, FORMATS)
-    except InvalidModel as error:
-        problems += named(error, {"path": option})
-
-
-def write(option: str, path: str, make: Callable[[str], object]) -> int:
-    """Let `make` write an output; the exit status, of a fault if there is nothing to write."""
-    try:
-        make(path)
-    except ValueError as error:
-        return complain(f"{option}: {error}", FAULT)
-    note(f"wrote {path}")
-    return DONE
+def write(
+    files: Mapping[str, str | None], writers: Mapping[str, Callable[..., object]], force: bool
+) -> int:
+    """Write the outputs that are asked for; the exit status, of a fault if one holds nothing."""
+    status = DONE
+    for option, make in writers.items():
+        if (path := files[option]) is None:
+            continue
+        try:
+            make(path, force=force)
+            note(f"wrote {path}")
+        except ValueError as error:
+            status = complain(f"{option}: {error}", FAULT)
+    return status
 
 
 def note(text: str) -> None:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ..materials import TABLE
 from ..model import Material, Rod, System, Wall
-from ..model.frozen import InvalidModel, Problems
+from ..model.frozen import Problems, raise_noted
 from ..results.pair_theory import pair_theory
 from ..results.solution import Solution
 from ..running.solving import collide, solve
@@ -80,8 +80,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
             name for name in (*names, PAGE) if (directory / name).exists()]):
         message = f"{directory} holds {', '.join(there)} already"
         problems.append(("--output", f"{message}; give --force to replace them, or name another"))
-    if problems:
-        raise InvalidModel(problems)
+    raise_noted(problems)
     directory.mkdir(parents=True, exist_ok=True)
 
     material = TABLE[arguments.material]

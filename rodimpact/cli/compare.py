@@ -10,7 +10,6 @@ the run stopped before what was asked.
 from __future__ import annotations
 
 import argparse
-import json
 from functools import partial
 from typing import NamedTuple
 
@@ -23,9 +22,9 @@ from ..records.signal import Signal
 from ..results.regions import nothing_to_draw
 from ..results.solution import Solution
 from ..storage.casefile import read_case
-from ..storage.tables import SCHEMA_VERSION, align
+from ..storage.tables import align, as_json
 from ..units import format_si
-from .asking import attempt, check_format, check_outputs, named, write
+from .asking import attempt, check_outputs, named, write
 from .gauge_places import FORM, add_gauge_option, gauge_places
 from .progress import progress_bar, solved, status_of
 from .record_options import (
@@ -93,9 +92,8 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     bridge = bridge_of(problems, arguments, numbers)
     signals = read_record(problems, arguments, numbers)
     check_channels(problems, places, signals)
-    if arguments.save is not None:
-        check_format(problems, "--save", arguments.save)
-    check_outputs(problems, {"--save": arguments.save}, arguments.force)
+    files = {"--save": arguments.save}
+    check_outputs(problems, files, arguments.force, figure="--save")
     assert case is not None  # or there were problems
 
     measured = {name: _prepared(name, signals[name], bridge, numbers) for name in places}
@@ -113,10 +111,8 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
                 laid[name] = _laid(measured[name], _predicted(solution, place, numbers), numbers)
             except ValueError as error:
                 raise InvalidModel([(f"--gauge {name}", str(error))]) from None
-    status = status_of(solution)
-    if arguments.save is not None:
-        draw = partial(_draw, laid, force=arguments.force)
-        status = write("--save", arguments.save, draw) or status
+    wrote = write(files, {"--save": partial(_draw, laid)}, arguments.force)
+    status = wrote or status_of(solution)
     return (_json(laid) if arguments.json else _table(laid)), status
 
 
@@ -197,7 +193,7 @@ def _json(laid: dict[str, Laid]) -> str:
                zip(("measured", "predicted"), each.pulses, strict=True)},
         } for name, each in laid.items()
     }
-    return json.dumps({"schema_version": SCHEMA_VERSION, "channels": channels}, indent=2)
+    return as_json(channels=channels)
 
 
 def _draw(laid: dict[str, Laid], path: str, force: bool) -> None:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
-import json
 import platform
 import time
 from importlib import metadata
@@ -20,7 +19,7 @@ from ..methods.fronts import march
 from ..methods.fronts.method import track
 from ..methods.row import Row
 from ..model import Rod, System, Wall
-from ..storage.tables import SCHEMA_VERSION, align
+from ..storage.tables import align, as_json
 from ..warming import warm
 from . import DONE, UNVERIFIED
 from .asking import note
@@ -46,10 +45,8 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     status = UNVERIFIED if agrees is False else DONE
     seconds = warm() if arguments.warm and agrees else None
     if arguments.json:
-        findings = {
-            "versions": versions, "cache_directory": cache, "agrees": agrees, "status": verdict,
-            "seconds_to_compile_all": seconds}
-        return json.dumps({"schema_version": SCHEMA_VERSION, **findings}, indent=2), status
+        return as_json(versions=versions, cache_directory=cache, agrees=agrees, status=verdict,
+                       seconds_to_compile_all=seconds), status
     rows = [
         *([name, version or "missing"] for name, version in versions.items()),
         ["cache of compiled code", cache or "none"],

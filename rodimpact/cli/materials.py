@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import json
 
 from ..materials import SOURCES, TABLE
-from ..storage.tables import SCHEMA_VERSION, align
+from ..storage.tables import align, as_json
 from ..units import format_si
 from . import DONE
 
@@ -23,7 +22,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
             {**material.to_dict(), "wave_speed": material.wave_speed, "source": SOURCES[name]}
             for name, material in TABLE.items()
         ]
-        return json.dumps({"schema_version": SCHEMA_VERSION, "materials": entries}, indent=2), DONE
+        return as_json(materials=entries), DONE
     rows = [["material", "Young's modulus", "density", "bar speed", "Poisson ratio"]]
     for name, m in TABLE.items():
         nu = "-" if m.poisson_ratio is None else f"{m.poisson_ratio:g}"

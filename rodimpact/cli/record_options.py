@@ -7,13 +7,11 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from ..methods.memory import LargeFile
-from ..model.frozen import InvalidModel, Problems, nearest
+from ..model.frozen import Problems, nearest
 from ..records.bridge import ALONG, Bridge
 from ..records.reading import read_signals
 from ..records.signal import Signal
-from ..storage.reading import FileFormatError
-from .asking import named, quantity
+from .asking import attempt, quantity
 from .options import flag
 from .progress import progress_bar
 
@@ -75,11 +73,8 @@ def bridge_of(
     problems += [(flag(name), "is missing; --bridge needs it") for name in missing]
     if missing or not all(map(math.isfinite, given.values())):
         return None
-    try:
-        return Bridge(arguments.bridge, **given)
-    except InvalidModel as error:
-        problems += [(flag(field), text) for field, text in error.problems]
-        return None
+    options = {name: flag(name) for name in _BRIDGE}
+    return attempt(problems, Bridge, arguments.bridge, **given, options=options)
 
 
 def read_record(
@@ -95,13 +90,11 @@ def read_record(
     units: Any = for_all[0] if for_all else by_channel or None
     try:
         with progress_bar("characters") as bar:
-            return read_signals(
-                arguments.record, time=arguments.time, time_unit=arguments.time_unit,
-                rate=numbers.get("rate"), units=units, decimal=arguments.decimal,
-                progress=bar,
-            )
+            return attempt(
+                problems, read_signals, arguments.record, time=arguments.time,
+                time_unit=arguments.time_unit, rate=numbers.get("rate"), units=units,
+                decimal=arguments.decimal, progress=bar, options=_OPTIONS,
+            ) or {}
     except OSError as error:
         problems.append((arguments.record, f"cannot be read: {error.strerror or error}"))
-    except (InvalidModel, FileFormatError, LargeFile) as error:
-        problems += named(error, _OPTIONS)
-    return {}
+        return {}

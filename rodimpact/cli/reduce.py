@@ -11,7 +11,6 @@ The specimen is where the two meet.
 from __future__ import annotations
 
 import argparse
-import json
 from functools import partial
 from typing import Any
 
@@ -21,8 +20,8 @@ from ..records.bridge import Bridge
 from ..records.reduction import Reduction, Specimen, reduce
 from ..records.signal import Signal
 from ..storage.casefile import read_case
-from ..storage.tables import SCHEMA_VERSION
-from .asking import attempt, check_format, check_outputs, named, write
+from ..storage.tables import as_json
+from .asking import attempt, check_outputs, named, write
 from .gauge_places import FORM, Places, add_gauge_option, gauge_places
 from .options import flag
 from .record_options import (
@@ -79,9 +78,8 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
         ("--bridge", f"is missing; the channel {name!r} is in {signals[name].unit}, no strain")
         for name in places if bridge is None and name in signals and signals[name].unit
     ]
-    if arguments.save is not None:
-        check_format(problems, "--save", arguments.save)
-    check_outputs(problems, {"--csv": arguments.csv, "--save": arguments.save}, arguments.force)
+    files = {"--csv": arguments.csv, "--save": arguments.save}
+    check_outputs(problems, files, arguments.force, figure="--save")
     assert case is not None  # or there were problems
     bars: Any = case.system.bodies[first : first + 2]
     gauges = _gauges(places, signals, bridge, first, float(bars[0].length))
@@ -95,11 +93,8 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
         raise InvalidModel(named(error, options)) from None
     except ValueError as error:
         raise InvalidModel([("--gauge", str(error))]) from None
-    status = 0
-    if arguments.csv is not None:
-        status = write("--csv", arguments.csv, partial(found.to_csv, force=arguments.force))
-    if arguments.save is not None:
-        status = write("--save", arguments.save, partial(_draw, found, arguments.force)) or status
+    writers: dict[str, Any] = {"--csv": found.to_csv, "--save": partial(_draw, found)}
+    status = write(files, writers, arguments.force)
     return (_json(found) if arguments.json else str(found)), status
 
 
@@ -109,11 +104,8 @@ def _specimen(problems: Problems, numbers: dict[str, float], incompressible: boo
     if "length" not in given:
         problems.append(("--length", "is missing; give the length of the specimen"))
         return None
-    try:
-        return Specimen(**given, incompressible=incompressible)
-    except InvalidModel as error:
-        problems += [(flag(field), text) for field, text in error.problems]
-        return None
+    options = {name: flag(name) for name in _SPECIMEN}
+    return attempt(problems, Specimen, **given, incompressible=incompressible, options=options)
 
 
 def _gauges(
@@ -133,13 +125,10 @@ def _gauges(
 def _json(found: Reduction) -> str:
     """All columns as JSON, in SI units."""
     columns = {name: signal.values.tolist() for name, signal in found.signals.items()}
-    return json.dumps({
-        "schema_version": SCHEMA_VERSION, "shifts": found.shifts,
-        "time": found.times.tolist(), **columns,
-    }, indent=2)
+    return as_json(shifts=found.shifts, time=found.times.tolist(), **columns)
 
 
-def _draw(found: Reduction, force: bool, path: str) -> None:
+def _draw(found: Reduction, path: str, force: bool) -> None:
     from .. import plot
 
     plot.save(plot.reduction(found).ax, path, force=force)

@@ -6,12 +6,11 @@ rodimpact rigid --m1 2 --v1 0.5 --m2 10 --v2 0.2 -e 1
 from __future__ import annotations
 
 import argparse
-import json
 import math
 
 from .. import rigid
-from ..model.frozen import InvalidModel, Problems
-from ..storage.tables import SCHEMA_VERSION, align, clean, finite
+from ..model.frozen import InvalidModel, Problems, raise_noted
+from ..storage.tables import align, as_json, clean, finite
 from ..units import format_si
 from . import DONE
 from .asking import named, quantity
@@ -45,8 +44,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     )
     v1, v2 = (quantity(problems, f"--{n}", given[n], "velocity") for n in ("v1", "v2"))
     e = quantity(problems, "-e", given["restitution"], "dimensionless")
-    if problems:
-        raise InvalidModel(problems)
+    raise_noted(problems)
     try:
         collision = rigid.collide(
             m1, v1, m2, v2, e, allow_energy_release=arguments.energy_release
@@ -61,7 +59,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     if arguments.json:
         inputs = {"m1": m1, "v1": v1, "m2": m2, "v2": v2, "restitution": e}
         numbers = {name: finite(value) for name, value in {**inputs, **after}.items()}
-        return json.dumps({"schema_version": SCHEMA_VERSION, **numbers}, indent=2), DONE
+        return as_json(**numbers), DONE
 
     def velocity(v: float) -> str:
         return f"{clean(v, max(abs(v1), abs(v2))):.6g} m/s"

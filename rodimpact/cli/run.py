@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable
 from functools import partial
 
 from ..model.frozen import Problems
@@ -18,7 +17,7 @@ from ..results.solution import Solution
 from ..storage.casefile import read_case
 from ..storage.report import solution_dict, solution_table
 from ..storage.tables import misnamed
-from .asking import attempt, check_format, check_outputs, write
+from .asking import attempt, check_outputs, write
 from .gauge_places import FORM, Places, add_gauge_option, gauge_places
 from .options import as_options
 from .progress import solved, status_of
@@ -51,26 +50,20 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
         message = f"goes with --gauge {FORM}, one for each column, or [[gauges]] of the case"
         problems.append(("--gauges", message))
     names = ("save", "plot", "gauges")
-    files = {name: (f"--{name}", getattr(arguments, name)) for name in names}  # where given: path
-    for name, path in (case.output if case else {}).items():
-        if files[name][1] is None:
-            files[name] = f"output.{name}", path
-    if files["plot"][1] is not None:
-        check_format(problems, *files["plot"])
-    elif arguments.gauge and arguments.gauges is None:
+    own = case.output if case else {}
+    where = {name: f"output.{name}" if getattr(arguments, name) is None and name in own
+             else f"--{name}" for name in names}
+    files = {where[name]: getattr(arguments, name) or own.get(name) for name in names}
+    if files[where["plot"]] is None and arguments.gauge and arguments.gauges is None:
         problems.append(("--gauge", "goes with --gauges or --plot, which show its record"))
-    check_outputs(problems, dict(files.values()), arguments.force)
+    check_outputs(problems, files, arguments.force, figure=where["plot"])
     assert case is not None  # or there were problems
     solution = solved(case.system, **options)
-    status = status_of(solution)
-    writers: dict[str, Callable[..., None]] = {
-        "save": solution.save, "plot": partial(_draw, solution, places),
-        "gauges": partial(_record, solution, places),
-    }
-    for name, (where, path) in files.items():
-        if path is not None:
-            wrote = write(where, path, partial(writers[name], force=arguments.force))
-            status = status or wrote  # that a run stopped early also tells why there is no file
+    wrote = write(files, {
+        where["save"]: solution.save, where["plot"]: partial(_draw, solution, places),
+        where["gauges"]: partial(_record, solution, places),
+    }, arguments.force)
+    status = status_of(solution) or wrote  # a run that stopped early also tells why a file lacks
     if arguments.json:
         told = solution_dict(solution)
         return as_options(json.dumps(told, indent=2, allow_nan=False)), status

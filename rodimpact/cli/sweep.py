@@ -26,8 +26,8 @@ from ..running.sweep_result import Readings, SweepResult, arrays_of
 from ..running.sweeping import SweepError, sweep
 from ..storage.casefile import Case, read_case
 from ..storage.reading import FileFormatError
-from . import DONE, INCOMPLETE
-from .asking import attempt, check_format, check_outputs, note, whole_number, write
+from . import INCOMPLETE
+from .asking import attempt, check_outputs, note, whole_number, write
 from .options import as_options
 from .progress import a_second, progress_bar
 from .run_options import add_run_options, run_options
@@ -81,19 +81,14 @@ def run(arguments: argparse.Namespace) -> tuple[str | Iterable[str], int]:
     if "displacement" in arguments.also and options.get("until") is None:
         message = "displacement is that at the end of the run; give the end, --until"
         problems.append(("--also", message))
-    if arguments.plot is not None:
-        check_format(problems, "--plot", arguments.plot)
     files = {"--save": arguments.save, "--plot": arguments.plot}
-    check_outputs(problems, files, arguments.force)
+    check_outputs(problems, files, arguments.force, figure="--plot")
     assert case is not None  # or there were problems
 
     result = _sweep(case, {**options, **how})
-    status = INCOMPLETE if result.incomplete.any() else DONE
     draw = partial(_draw, result, arguments.quantity)
-    for option, make in (("--save", result.save), ("--plot", draw)):
-        if (path := files[option]) is not None:
-            wrote = write(option, path, partial(make, force=arguments.force))
-            status = status or wrote
+    wrote = write(files, {"--save": result.save, "--plot": draw}, arguments.force)
+    status = INCOMPLETE if result.incomplete.any() else wrote
     text: str | Iterable[str]
     if arguments.csv:
         text = result.csv_lines()

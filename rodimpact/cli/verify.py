@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import argparse
-import json
 
-from ..storage.tables import SCHEMA_VERSION, align, finite
+from ..storage.tables import align, as_json, finite
 from . import DONE, UNVERIFIED, selfcheck
 
 
@@ -21,14 +20,11 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     status = UNVERIFIED if failed else DONE
     if arguments.json:
         rows = [
-            {
-                "name": check.name, "expected": finite(check.expected), "got": finite(check.got),
-                "bound": check.bound, "residual": finite(check.residual), "passed": check.passed,
-            }
+            {name: finite(entry) if isinstance(entry, float) else entry for name, entry in {
+                **check._asdict(), "residual": check.residual, "passed": check.passed}.items()}
             for check in checks
         ]
-        whole = {"schema_version": SCHEMA_VERSION, "passed": not failed, "checks": rows}
-        return json.dumps(whole, indent=2), status
+        return as_json(passed=not failed, checks=rows), status
     table = [["check", "expected", "found", "residual", "bound", ""]]
     table += [
         [c.name, f"{c.expected:.9g}", f"{c.got:.9g}", f"{c.residual:.1e}", f"{c.bound:.0e}",

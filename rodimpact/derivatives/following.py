@@ -7,14 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from ..methods.compiling import objects
 from ..methods.fronts import events, stock
 from ..methods.fronts.driver import Laid, laid
 from ..methods.fronts.method import track
-from ..methods.fronts.records import BODY, IDLE
+from ..methods.fronts.records import IDLE
 from ..methods.fronts.run import FrontRun
 from ..methods.groups import grounds, groups, unilateral
-from ..methods.laws import Beyond, Status
+from ..methods.laws import Status
 from ..methods.row import Array, Row
 from ..model import Absorbing, System
 from .dual import Dual
@@ -140,37 +139,12 @@ class Followed:
 
 def begin(run: FrontRun, changes: Array) -> Laid:
     """The run at t = 0, of numbers with derivatives: floats in a single direction."""
-    plan, n, zero = run.plan, run.plan.segments, Dual(0.0)
+    plan, n, a = run.plan, run.plan.segments, run.clock
     rates: Any = changes[:, 0].tolist() if changes.shape[1] == 1 else changes
     y: Any = list(map(Dual, plan.numbers, rates))
-    times = [Dual(1.0), *(L / c for c, L in zip(y[:n], y[2 * n : 3 * n], strict=True)), Dual(1.0)]
-    ticks = [Dual(T, T / time.v * time.d) for T, time in zip(run.clock.ticks, times, strict=True)]
-    give = [1 / Z for Z in y[n : 2 * n]]
-    bodies = objects(plan.bodies, BODY)
-    left, right = (give[i] if bodies[i].outside == Beyond.ENDLESS else zero for i in (0, -1))
-    gaps = [zero] * (n + 1)
-    for k, gap, rate in zip(plan.contacts, run.gaps, y[3 * n :], strict=False):
-        gaps[k] = Dual(gap, rate.d / run.clock.tick)
-    waves = [zero] * (2 * n + 4)
-    for it in bodies:
-        v = it.profile
-        for s in range(it.first, it.last + 1):
-            stretching = y[s - 1] * y[v + 1]
-            waves[2 * s : 2 * s + 2] = y[v] - stretching, y[v] + stretching
-    waves[0], waves[-1] = waves[2], waves[-3]  # an endless bar sends what left the row last
-    ends = []
-    for i in (0, -1):
-        it, wall = bodies[i], Dual(0.0)
-        if it.last == 0:
-            driven = it.outside != Beyond.STEADY
-            wall = Dual(0.0 if driven else run.line[i].arrived, y[it.profile].d)
-        ends.append(wall)
-    sent: Any = [[] for _ in waves]
-    for front in run.log[: run.run.started]:
-        tick, l, wave = int(front["tick"]), int(front["line"]), float(front["value"])
-        first = Dual(tick, -ticks[l // 2].d)
-        sent[l].append((first, Dual(wave, waves[l].d)))
-    return laid(ticks, [left, *give, right], plan.kinds, gaps, (ends[0], ends[1]), sent)
+    times = [L / c for c, L in zip(y[:n], y[2 * n : 3 * n], strict=True)]
+    ticks = [Dual(T, T / time.v * time.d) for T, time in zip(a.ticks[1:-1], times, strict=True)]
+    return laid(plan, y, ticks, a.tick, a.frame)
 
 
 def ending(system: System) -> set[int]:

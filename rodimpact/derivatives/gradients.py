@@ -1,7 +1,7 @@
 """gradient(): how what a collision adds up to changes with the numbers of its system.
 
-A collision is followed on numbers with derivatives; where it meets a tie its neighbours are too, on
-both sides. Large families are differenced on either side, and extrapolated to steps of no length.
+A collision is followed on numbers with derivatives. Where it meets a tie, and in large families, it
+is differenced on either side, and extrapolated to steps of no length.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from ..methods.registry import Options, count
 from ..methods.row import Array, Row, largest
 from ..methods.run import MAX_EVENTS
 from ..model import Rod, Steps, System
-from ..model.frozen import InvalidModel, Problems
+from ..model.frozen import Problems, raise_noted
 from ..model.paths import numbers_of, places_of, suggestion, with_numbers
 from ..results.labels import outcome, parameter
 from ..results.outcome import UndefinedRestitution
@@ -33,7 +33,6 @@ STRAIGHT = ("gap", "velocity", "strain")
 FIELDS = ("length", "area", "diameter", "youngs_modulus", "density", "wave_speed", *STRAIGHT)
 FEW = 64  # members that are followed one by one
 STEPS = 2.0 ** -np.arange(10.0, 19.0)  # of differences, relative
-APART = 2.0**-20  # of its size: how far the neighbours of a number are on both sides
 AGREE = 1e-6  # relative difference of the derivatives on both sides that is none
 CONTINUOUS = 1e-9  # relative difference of values that is none
 
@@ -45,9 +44,9 @@ def gradient(
     """Exact derivatives of what a collision adds up to, for what the method "fronts" can solve.
 
     The derivatives follow the events of the collision, to round-off. Where two events meet that a
-    number moves apart, both sides are followed a millionth away, and derivatives are carried over
-    from there, to eight digits or so. Families of more than 64 members are differenced, to eight
-    digits or more; members at which the differences on both sides do not agree are followed.
+    number moves apart, the quantity is differenced on both sides, to eight digits or more. So are
+    families of more than 64 members; members whose differences on both sides do not agree are
+    followed.
 
     Parameters
     ----------
@@ -112,7 +111,7 @@ def gradient(
         table[:2] = sides[:, :2].mean(axis=1)
         followed &= ~np.all(smooth, axis=0)
     for at in map(tuple, np.argwhere(followed)):
-        table[:, :, *at] = _follow(_numbers(system[at], wrt), of, max_events)
+        table[:, :, *at] = _follow(_numbers(system[at], wrt), of, max_events, totals)
     return _gradient(system, of, tuple(wrt), value, table)
 
 
@@ -144,25 +143,10 @@ class _Number(NamedTuple):
         """Derivatives below and above, and by how much what is differenced jumps: [3, *shape]."""
         sign = np.reshape([-1.0, 1.0], (2, *[1] * len(self.system.shape)))
         steps = np.multiply.outer(STEPS, sign) * self.size
-        able = (self.field != "gap") | (self.x + steps >= 0)
+        able = (self.field != "gap") | (self.x + steps >= 0)  # there is one side of no gap
         y = np.where(able, totals(self.changed(np.where(able, steps, 0.0)).system), math.nan)
         below, above = _limit(y)
         return np.array([*_limit(np.diff(y, axis=0) / np.diff(steps, axis=0)), above - below])
-
-    def beside(self, value: float, of: str, max_events: int, h: float) -> tuple[float, float]:
-        """Derivative on the side of x + h, and what is differenced there; followed at x + h."""
-        if self.field == "gap" and self.x + h < 0:
-            return math.nan, math.nan
-        there = self.changed(h)
-        one = Followed(there.system, there.changes()[:, None], max_events)
-        if not one.final or one.event[0] != SMOOTH:
-            return math.nan, math.nan
-        found = one.quantity(of)
-        slope = float(np.ravel(found.d)[0] / self.size)
-        limit = found.v - h * slope
-        if abs(limit - value) > CONTINUOUS * (abs(limit) + abs(value) + abs(h * slope) / APART):
-            return slope, limit
-        return 2 * (found.v - value) / h - slope, value  # of a parabola through both
 
     def agree(self, value: Any, below: Any, above: Any, jump: Any) -> Any:
         """Whether derivatives on both sides are the same, and the value does not jump."""
@@ -194,7 +178,9 @@ def _limit(y: Array) -> Array:
     return np.asarray(np.take_along_axis(y, best, axis=0)[0])
 
 
-def _follow(numbers: Sequence[_Number], of: str, max_events: int) -> Array:
+def _follow(
+    numbers: Sequence[_Number], of: str, max_events: int, totals: Callable[[System], Array]
+) -> Array:
     """Columns of one member: [6, path]."""
     changes = np.transpose([x.changes() for x in numbers])
     one, columns = Followed(numbers[0].system, changes, max_events), []
@@ -203,9 +189,8 @@ def _follow(numbers: Sequence[_Number], of: str, max_events: int) -> Array:
         below = above = (found.d + np.zeros(len(numbers)))[p] / x.size
         jump, event = 0.0, one.event[p]
         if event != SMOOTH:
-            (below, low), (above, high) = (
-                x.beside(found.v, of, max_events, h) for h in (-APART * x.size, APART * x.size))
-            jump = high - low
+            below, above, jump = x.differences(totals)
+            jump *= abs(jump) > CONTINUOUS * abs(found.v)
             event *= not x.agree(found.v, below, above, jump)
         columns.append([below, above, jump, event, one.when[p], one.node[p]])
     return np.transpose(columns)
@@ -241,8 +226,7 @@ def _check(system: System, of: Any, wrt: Any, workers: int | None) -> None:
         elif path.rpartition(".")[2] not in FIELDS:
             message = f"{path} is for other methods; derivatives are known for {', '.join(FIELDS)}"
             problems.append(("wrt", message))
-    if problems:
-        raise InvalidModel(problems)
+    raise_noted(problems)
 
 
 def _refuse(system: System, of: str, max_events: int) -> None:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from ..methods.signals import Floats, Ints, Pieces, Side, quadrature
 from ..model.arguments import array, demand
-from ..model.frozen import InvalidModel, Problems, number
+from ..model.frozen import InvalidModel, Problems, number, raise_noted
 from ..records.signal import Signal
 from ..storage.tables import heading, misnamed, write_table
 from ..units import shown
@@ -220,8 +220,7 @@ def gauges_to_csv(
         step = _interval(interval, end)
     except InvalidModel as error:
         problems += error.problems
-    if problems:
-        raise InvalidModel(problems)
+    raise_noted(problems)
     rows = _rows(end, step)
     blocks = (step * np.arange(start, min(start + TOGETHER, rows))
               for start in range(0, rows, TOGETHER))

@@ -7,8 +7,8 @@ from numpy.typing import ArrayLike
 from ..methods.duration import Progress, warn
 from ..methods.registry import Options, check_function
 from ..methods.run import MAX_EVENTS
-from ..model import Body, ContactLaw, InvalidModel, System
-from ..model.frozen import Problems
+from ..model import Body, ContactLaw, System
+from ..model.frozen import Problems, raise_noted
 from ..results.outcome import Outcome, outcome_of
 from ..results.solution import Solution
 
@@ -93,8 +93,7 @@ def solve(
             "solve(system[index]). Values along a rod are Steps(values, at)"
         )
         problems.append(("system", message))
-    if problems:
-        raise InvalidModel(problems)
+    raise_noted(problems)
     return Solution(options.run(chosen, system, progress=progress, announce=warn))
 
 

@@ -27,7 +27,7 @@ from ..methods.registry import METHODS, Options, check_function, count
 from ..methods.row import Row
 from ..methods.run import MAX_EVENTS
 from ..model import Rod, System
-from ..model.frozen import InvalidModel, Problems, number
+from ..model.frozen import InvalidModel, Problems, number, raise_noted
 from ..results.outcome import effective_restitution
 from ..results.solution import Solution
 from ..storage.checkpoint import Checkpoint, InMemory
@@ -203,8 +203,7 @@ def sweep(
             problems.append(("system", message))
     except InvalidModel as error:
         problems += error.problems
-    if problems:
-        raise InvalidModel(problems)
+    raise_noted(problems)
     together = 0 if _alone(options, readings) else METHODS[options.method].together(Row(system))
     units = _Units(system.shape, min(TOGETHER, together) if together else 1)
     of = table.arrays_of(system, readings)

@@ -20,6 +20,11 @@ ENERGIES = {
     "numerical": "lost to the grid", "radiated": "gone through absorbing ends",
 }
 """What tables, figures and the page call the entries of an energy ledger."""
+BALANCE = (
+    "kinetic_before", "kinetic_after", "contact_energy", "contact_energy_before", "dissipated",
+    "damped", "numerical", "radiated", "wall_work", "drive_work", "gravity_work",
+    "momentum_residual", "energy_residual",
+)
 
 
 def outcome_table(outcome: Any) -> str:
@@ -291,19 +296,7 @@ def _outcome(o: Any) -> dict[str, Any]:
         ],
         "restitution": None if reason else finite(o.restitution),
         "restitution_undefined": reason or None,
-        "kinetic_before": finite(o.kinetic_before),
-        "kinetic_after": finite(o.kinetic_after),
-        "contact_energy": finite(o.contact_energy),
-        "contact_energy_before": finite(o.contact_energy_before),
-        "dissipated": finite(o.dissipated),
-        "damped": finite(o.damped),
-        "numerical": finite(o.numerical),
-        "radiated": finite(o.radiated),
-        "wall_work": finite(o.wall_work),
-        "drive_work": finite(o.drive_work),
-        "gravity_work": finite(o.gravity_work),
-        "momentum_residual": finite(o.momentum_residual),
-        "energy_residual": finite(o.energy_residual),
+        **{name: finite(getattr(o, name)) for name in BALANCE},
         "final": o.final,
         "status": o.status,
     }

@@ -7,6 +7,7 @@ round-off is left.
 from __future__ import annotations
 
 import html
+import json
 import math
 import re
 from collections.abc import Iterable, Sequence
@@ -113,6 +114,11 @@ def write_table(
 def joules(value: float, scale: float) -> str:
     """An energy for a table."""
     return format_si(clean(value, scale), "J")
+
+
+def as_json(**entries: Any) -> str:
+    """A JSON document for programs."""
+    return json.dumps({"schema_version": SCHEMA_VERSION, **entries}, indent=2)
 
 
 def finite(value: float) -> float | None:

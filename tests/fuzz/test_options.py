@@ -20,6 +20,8 @@ OPTIONS = {
     "export": ["-o", "--force"],
     "animate": ["-o", "--field", "--frames", "--fps", "--magnify", "--dark", "--force"],
     "box": ["--ratio", "-o", "--force"],
+    "reduce": ["--gauge", "--json", "--save", "--length", "--diameter", "--youngs-modulus",
+               "--align-within", "--time-unit", "--rate", "--unit", "--force"],
     "explore": ["--no-browser"], "formula": ["--symbols", "--latex"], "help": [],
 }
 SLOW = ("animate", "box", "export", "explore")
@@ -42,6 +44,7 @@ LIKELY = {
     "--until": "0.1 ms", "--max-events": "500", "--dt": "1 us", "--frames": "2", "--save": "x.npz",
     "--plot": "x.png", "-o": "x.html", "--gauges": "g.csv", "--gauge": "a=0:0.1", "--m1": "1",
     "--vary": "bodies.0.velocity=1,2,3", "--workers": "1", "--checkpoint": "checkpoint",
+    "--length": "5 mm", "--diameter": "5 mm",
     "--m2": "2", "--v1": "1", "--v2": "0", "-e": "0.5", "--method": "fronts",
     "--symbols": "length,area",
 }
@@ -53,7 +56,7 @@ def command_line(rng):
     words = [] if command in ("rigid", "materials", "box") else ["case.toml"]
     if command == "help":
         words = [one_of(rng, ["case", "units", "x"])]
-    words += ["record.csv"] * (command == "compare")
+    words += ["record.csv"] * (command in ("compare", "reduce"))
     good = rng.random()
     for option in OPTIONS[command]:
         if rng.random() < 0.4 or option in ALWAYS:

@@ -228,41 +228,32 @@ class Laid(NamedTuple):
 
 
 def laid(
-    ticks: Sequence[Any], mobility: Sequence[Any], kinds: Sequence[int], gaps: Sequence[Any],
-    outside: tuple[Any, Any],
-    waves: Sequence[Sequence[tuple[Any, Any]]],
+    plan: Plan, numbers: Sequence[Any], ticks: Sequence[Any], tick: Any, frame: Any = 0.0
 ) -> Laid:
     """Set a collision to t = 0, of whatever kind of number times and amplitudes are.
 
     Parameters
     ----------
-    ticks, mobility : [n + 2]
-        Transit times, and 1/Z by segment; outside 0, but for the 1/Z of an endless bar.
-    kinds, gaps : [n + 1]
-        By node: its status while there is no gap, and the gap.
-    outside : pair
-        Waves of the walls.
-    waves : [2 n + 2] or [2 n + 4] lists of (tick, value)
-        By line: when fronts left, the first one transit before t = 0, and the values behind them;
-        that of line 1 is empty.
+    plan : Plan
+        Of a collision in which velocities and strains do not jump.
+    numbers : sequence
+        In place of those of the plan.
+    ticks : [segment]
+        Transit times.
+    tick, frame
+        What a tick lasts, s, and the velocity from which velocities are counted.
     """
-    nodes = len(kinds)
-    (run,), segment, node, line = (blank(count, record) for count, record in (
-        (1, RUN), (nodes + 1, SEGMENT), (nodes, NODE), (2 * nodes + 2, LINE)))
-    sent = [(t, l, wave) for l, fronts in enumerate(waves) for t, wave in fronts]
-    log = blank(len(sent) + ROOM, ROW)
-    for front, (tick, l, value) in zip(log, sent, strict=False):
-        front.tick, front.line, front.value = tick, l, value
-    for it, T, Y in zip(segment, ticks, mobility, strict=True):
-        it.transit, it.mobility = T, Y
-    for at, kind, gap in zip(node, kinds, gaps, strict=True):
-        at.kind, at.gap = kind, gap
-    line[0].arrived, line[-1].arrived = outside
-    run.started = len(sent)
-    made = Laid(run, segment, node, line, log, [0] * events.size_of_tree(nodes))
-    events.begin(run, segment, node, line, log, made.tree)
+    made = Members(plan, 1, None, 0, fast=False)
+    (run,), body, piece, segment, n = made.run, made.body, made.piece, made.segment, plan.segments
+    node, line, log, tree = made.node, made.line, made.log, made.tree
+    run.tick, run.frame = tick, frame
+    layout.cut(body, numbers, 0, piece, segment)
+    for s, T in enumerate(ticks, 1):
+        segment[s].transit, segment[s].mobility = T, 1 / numbers[n + s - 1]
+    layout.lay_out(run, body, numbers, piece, segment, node, line, log)
+    events.begin(run, segment, node, line, log, tree)
     stock.initial(run, segment, node, line, log)
-    return made
+    return Laid(run, segment, node, line, log, tree)
 
 
 def solve_one(
