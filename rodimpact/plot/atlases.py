@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from textwrap import wrap
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,8 +17,8 @@ from ..algebra.atlas import Atlas
 from ..model import System
 from ..model.arguments import of_kind
 from ..results.labels import parameter
+from . import style
 from .scales import Scale, engineering, scale_of
-from .style import RISING, axes, colour_bar, colours, dress, legend_above, picture, styled
 
 MESH = 160  # places a side at which the formulas are evaluated for colours
 NAMED, SHORT = 3, 64  # regions whose formulas stand in the picture, and characters of them
@@ -25,7 +26,7 @@ WHOLE = 1e-9  # of e: as good as 1
 DERIVED = {"transit_time": ("transit time", "s"), "impedance": ("impedance", "kg/s")}
 
 
-@picture
+@style.picture
 class AtlasPicture(NamedTuple):
     """Artists of an atlas: colours of e, and borders by what changes there."""
 
@@ -35,7 +36,7 @@ class AtlasPicture(NamedTuple):
     colour_bar: Colorbar
 
 
-@styled
+@style.styled
 def atlas(found: Atlas, ax: Axes | None = None) -> AtlasPicture:
     """Draw the regions of a plane: e inside by formula, and what changes at their borders.
 
@@ -64,15 +65,15 @@ def atlas(found: Atlas, ax: Axes | None = None) -> AtlasPicture:
     [0.5, 1.5]
     """
     of_kind("found", found, Atlas, "rodimpact.atlas(...)")
-    ax = axes(ax, 5.6, 4.2)
+    ax = style.axes(ax, 5.6, 4.2)
     scales = [_scale(found.system, *axis) for axis in (found.x, found.y)]
     edges = [np.linspace(low, high, MESH + 1) for _, low, high in (found.x, found.y)]
     middles = np.meshgrid(*((edge[1:] + edge[:-1]) / 2 for edge in edges))
     e = found.restitution(*middles)
-    paper, ink, faint, *_ = colours()
+    paper, ink, faint, *_ = style.colours()
     x, y = (edge * scale.factor for edge, scale in zip(edges, scales, strict=True))
     low = float(np.nanmin(e)) if np.isfinite(e).any() else 0.0
-    cells = ax.pcolormesh(x, y, np.ma.masked_invalid(e), cmap=RISING, rasterized=True,
+    cells = ax.pcolormesh(x, y, np.ma.masked_invalid(e), cmap=style.RISING, rasterized=True,
                           norm=Normalize(low, max(1.0, low + 1e-3)), zorder=1)
     lines = found.lines * [scale.factor for scale in scales]
     drawn = []
@@ -83,7 +84,7 @@ def atlas(found: Atlas, ax: Axes | None = None) -> AtlasPicture:
     ):
         here = lines[_kinds(found)[found.of_line] == kind]
         if len(here):
-            colour = ink if kind < 2 else colours().series[4]
+            colour = ink if kind < 2 else style.colours().series[4]
             drawn.append(LineCollection(here, colors=colour, label=what, zorder=3 + kind, **how))
             ax.add_collection(drawn[-1])
     handles: list[Any] = list(drawn)
@@ -92,24 +93,25 @@ def atlas(found: Atlas, ax: Axes | None = None) -> AtlasPicture:
     with suppress(ImportError):  # formulas need sympy
         _name_largest(ax, found, scales)
     ax.set(xlim=x[[0, -1]], ylim=y[[0, -1]], xlabel=scales[0].label, ylabel=scales[1].label)
-    bar = colour_bar(ax, cells, "coefficient of restitution e")
-    legend_above(ax, handles)
-    dress(ax)
+    bar = style.colour_bar(ax, cells, "coefficient of restitution e")
+    style.legend_above(ax, handles)
+    style.dress(ax)
     return AtlasPicture(ax, cells, drawn, bar)
 
 
 def _name_largest(ax: Axes, found: Atlas, scales: list[Scale]) -> None:
     """Number the largest regions, and write their formulas below."""
-    paper, ink, *_ = colours()
-    lines = []
+    paper, ink, *_ = style.colours()
+    lines, letters = [], int(0.95 * style.extent(ax)[0] / (style.LETTER * style.SMALL))
     for number, region in enumerate(found.largest(NAMED), 1):
         x, y = (v * scale.factor for v, scale in zip(region.place, scales, strict=True))
         ax.text(x, y, str(number), ha="center", va="center", color=ink, zorder=6,
                 bbox={"boxstyle": "circle", "facecolor": paper, "edgecolor": "none"})
         text = region.formula
         text = text if len(text) <= SHORT else text[:SHORT].rsplit(" ", 1)[0] + " ..."
-        lines.append(f"{number}: {text}")
-    ax.text(0, -0.17, "\n".join(lines), transform=ax.transAxes, va="top", fontsize="small")
+        lines += wrap(f"{number}: {text}", letters)
+    ax.annotate("\n".join(lines), (0, 0), (0, -34), "axes fraction", "offset points", va="top",
+                fontsize=style.SMALL)
 
 
 def _scale(system: System, path: str, low: float, high: float) -> Scale:

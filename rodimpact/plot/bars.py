@@ -81,7 +81,7 @@ class Bars:
         self.pieces: list[Piece] = []
         for row, i, rod, profile in states:
             x, t = profile.edges, times[row]
-            places = self.plan.place(i, x, t, self.plan.moved(i, x, t)) * self.place.factor
+            places = self.plan.point(i, x, t) * self.place.factor
             segment = profile.segment - profile.segment[0]
             areas = mean_areas(rod, x, segment)
             thick = THICKNESS * np.maximum(THINNEST, np.sqrt(areas / widest))
@@ -191,8 +191,7 @@ class Bars:
         drawn: list[Line2D] = []
         rows = -np.arange(self.times.size) - THICKNESS / 2
         for name, record in records.items():
-            moved = self.plan.moved(record.body, record.x, self.times)
-            places = self.plan.place(record.body, record.x, self.times, moved) * self.place.factor
+            places = self.plan.point(record.body, record.x, self.times) * self.place.factor
             drawn += self.ax.plot(places, rows, linestyle="", marker="s", markersize=4.5, zorder=5,
                                   color=self.colours.series[4], label=name)
             self.ax.annotate(name, (places[0], rows[0]), (0, -4), textcoords="offset points",

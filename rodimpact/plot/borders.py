@@ -19,8 +19,7 @@ from ..results.contacts import ContactHistory
 from ..results.gauges import Gauge
 from .placing import Placing
 from .plane import Plane
-from .polygons import Polygons
-from .raster import Raster
+from .polygons import Polygons, Raster
 from .sampling import evenly, is_stepped
 from .scales import ROUND_OFF
 from .style import SMALL, colours
@@ -159,9 +158,7 @@ class Borders:
             start, stop = self.plane.span
             inside = record.times[(record.times > start) & (record.times < stop)]
             times = np.concatenate(([start], inside[evenly(inside.size, POINTS)], [stop]))
-            moved = self.plan.moved(record.body, record.x, times)
-            track = self.plane.points(
-                self.plan.place(record.body, record.x, times, moved), times)
+            track = self.plane.points(self.plan.point(record.body, record.x, times), times)
             paths += self.ax.plot(*track.T, color=self.colours.ink, linewidth=1.0, linestyle="-.",
                                   zorder=5, path_effects=casing, label=name)
             self.ax.annotate(name, track[0], textcoords="offset points", va="bottom", zorder=6,

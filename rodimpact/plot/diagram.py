@@ -22,8 +22,7 @@ from ..results.solution import Solution, check_waves
 from .borders import Borders, Cut, apart_style, open_style
 from .placing import placing
 from .plane import Plane
-from .polygons import Polygons
-from .raster import Raster
+from .polygons import Polygons, Raster
 from .sampling import is_stepped
 from .scales import FIELDS, Scale, axis_scales, field_scale, written
 from .style import axes, centred, check_choice, colour_bar, legend_above, picture, styled

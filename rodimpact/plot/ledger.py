@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
@@ -120,19 +121,14 @@ def energy(solution: Solution, ax: Axes | None = None) -> Energy:
 
 
 def _times(solution: Solution) -> Floats:
-    """Instants at which waves meet or are reflected, unless too many, and others between."""
-    clock = solution.fields.clock
-    count = min(SAMPLES, max(FEWEST, STATES_SUMMED // len(clock.ticks)))
-    if is_stepped(solution):
-        known = np.union1d(contact_turns(solution)[:TURNS], [0.0, solution.t_end])
-        return np.union1d(np.union1d(known, (known[1:] + known[:-1]) / 2),
-                          np.linspace(0.0, solution.t_end, count))
+    """Even instants, and those at which waves meet or are reflected, unless they are too many."""
+    count = min(SAMPLES, max(FEWEST, STATES_SUMMED // len(solution.fields.clock.ticks)))
+    known: Floats = np.array(contact_turns(solution)[:TURNS])
+    if not is_stepped(solution):
+        with suppress(ValueError):  # too many regions
+            known = np.unique(regions_of(solution, limit=CORNERS_UP_TO).t)
     even = np.linspace(0.0, solution.t_end, count)
-    try:
-        corners = np.unique(regions_of(solution, limit=CORNERS_UP_TO).t)
-    except ValueError:
-        return even
-    return np.union1d(even, np.minimum(corners, solution.t_end))
+    return np.union1d(even, np.minimum(known, solution.t_end))
 
 
 def _seen_from(

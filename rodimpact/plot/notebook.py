@@ -27,35 +27,16 @@ def html_of(result: Solution | SweepResult | PulseDesign | RestitutionDesign | F
     if isinstance(result, PulseDesign | RestitutionDesign):
         return _image(design(result), "wanted and reached") + as_html(str(result))
     if isinstance(result, Fit):
-        return _fit(result)
-    return _solution(result) if isinstance(result, Solution) else _sweep(result)
-
-
-def _fit(found: Fit) -> str:
-    """Figures of all records, and table of a fit."""
-    pictures = [_image(fit(found, record=i), f"{m.title}, measured and predicted")
-                for i, m in enumerate(found.measured)]
-    return "".join(pictures) + as_html(str(found))
-
-
-def _solution(solution: Solution) -> str:
-    """Overview and table of a solution."""
-    try:
-        picture = _image(overview(solution), headline(solution))
-    except ValueError:  # it lasts no time
-        picture = ""
-    return picture + as_html(solution_table(solution))
-
-
-def _sweep(result: SweepResult) -> str:
-    """Curve or map, and table of a family."""
-    varied = [(*axis, _unit(result, axis.name)) for axis in result.axes]
+        pictures = [_image(fit(result, record=i), f"{m.title}, measured and predicted")
+                    for i, m in enumerate(result.measured)]
+        return "".join(pictures) + as_html(str(result))
+    if isinstance(result, Solution):
+        lasts = result.t_end > 0  # otherwise there is nothing to draw
+        picture = _image(overview(result), headline(result)) if lasts else ""
+        return picture + as_html(solution_table(result))
+    varied = [(*axis, parameter(result.system, axis.name).unit.removeprefix("1"))
+              for axis in result.axes]
     return _family(result) + as_html(sweep_table(result, varied, MORE))
-
-
-def _unit(result: SweepResult, path: str) -> str:
-    """Unit of what varies, as tables write it."""
-    return parameter(result.system, path).unit.removeprefix("1")
 
 
 def _family(result: SweepResult) -> str:

@@ -93,10 +93,17 @@ class Placing:
         before = np.minimum(t, 0.0) * self.solution.outcome.velocities_before[body]
         return np.asarray(self.solution.displacement(body, x, np.maximum(t, 0.0)) + before)
 
+    def point(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
+        """Place X of points of a body, x m from its left end, at t."""
+        return self.place(body, x, t, self.moved(body, x, t))
+
     def end(self, body: int, right: bool, t: ArrayLike) -> Floats:
         """Place X of the left or right end of a body at t."""
-        x = self.width(body) if right else 0.0
-        return self.place(body, x, t, self.moved(body, x, t))
+        return self.point(body, self.width(body) if right else 0.0, t)
+
+    def middle(self, body: int, t: ArrayLike) -> Floats:
+        """Place X half-way between the ends of a body at t."""
+        return (self.end(body, False, t) + self.end(body, True, t)) / 2
 
     def between(self, contact: int, t: ArrayLike) -> Floats:
         """Place X of a contact at t: half-way between the faces."""
@@ -112,7 +119,7 @@ class Placing:
         mass = density * mean_areas(rod, edges, segment) * np.diff(edges)
         x, t = np.broadcast_arrays((edges[:-1, None] + edges[1:, None]) / 2, t)
         part: Floats = mass / mass.sum()
-        return part @ self.place(body, x, t, self.moved(body, x, t))
+        return part @ self.point(body, x, t)
 
     def spring(self, contact: int) -> float:
         """Length of the spring at a contact before it is pressed, m; 0 without one."""

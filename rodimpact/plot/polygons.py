@@ -1,4 +1,7 @@
-"""Exact polygons of constant state in space and time, with their values written into them."""
+"""What is coloured in a space-time diagram: polygons of constant state, exact, with their values.
+
+A solution that changes smoothly has flat cells instead.
+"""
 
 from __future__ import annotations
 
@@ -6,16 +9,18 @@ import math
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection, PolyCollection, TriMesh
+from matplotlib.collections import LineCollection, PolyCollection, QuadMesh, TriMesh
 from matplotlib.colors import Normalize
 from matplotlib.text import Text
 
 from ..methods.signals import Floats, Ints
+from ..model import Rod
+from ..model.frozen import refusal
 from ..results.regions import readable_until, regions_of
 from ..results.solution import Solution
 from .placing import Placing
 from .plane import Plane
-from .sampling import is_stepped
+from .sampling import averaged, is_stepped, mean_areas, pieces
 from .scales import ROUND_OFF, digits
 from .style import SMALL, colours, extent, ink_on
 
@@ -25,6 +30,7 @@ ALONG = 0.65  # length of a front that bears a word, in heights of its letters f
 CLEAR = 2.4  # least distance of a front with a word from the number in its region, in heights
 NAMED = 16  # fronts, at most, in a picture that says what they are
 REGIONS = 20_000  # more cannot be read
+ROWS = 400  # cells one above the other
 
 
 class Polygons:
@@ -66,7 +72,7 @@ class Polygons:
             here = self._body == i
             places[here] = plan.place(int(i), r.x[here], r.t[here], r.displacement[here])
         corners, self._across = plane.points(places, r.t), plane.across
-        self._corners, self._norm = corners, norm
+        self._corners, self._norm, self._moving = corners, norm, plan.magnification > 0
         if numbers.size == len(r):
             self._drawn: PolyCollection | TriMesh = PolyCollection(
                 np.split(corners, r.start[1:-1]), array=numbers, cmap=colours().signed, norm=norm,
@@ -97,7 +103,8 @@ class Polygons:
         polygons = np.split(self._corners, self.regions.start[1:-1])
         if seen.sum() <= NAMED:
             self._name(ax, sides[seen & ~steps], owners[seen & ~steps], polygons)
-        return _labels(ax, polygons, np.asarray(self._drawn.get_array()), self._norm)
+        numbers = np.asarray(self._drawn.get_array())
+        return _labels(ax, polygons, numbers, self._norm, self._moving)
 
     def _fronts(self) -> tuple[Ints, Ints]:
         """[n, 2] ends of the sides that two regions share, and these regions, the earlier first."""
@@ -133,6 +140,78 @@ class Polygons:
                     color=ink_on(self._norm, float(numbers[after])))
 
 
+class Raster:
+    """Averages over cells of a solution, in an interval of time, s.
+
+    Raises
+    ------
+    ValueError
+        If the interval is empty or outside the solution.
+    """
+
+    def __init__(self, solution: Solution, start: float, stop: float | None) -> None:
+        stop = solution.t_end if stop is None else stop
+        ticks = int(np.diff(solution.fields.to_ticks([start, stop]))[0])
+        if ticks <= 0:
+            raise refusal("stop", f"must be later than start = {start!r} s, got {stop!r}")
+        self.solution = solution
+        self.times = np.linspace(start, stop, min(ROWS, ticks) + 1)
+        self._rods = [i for i, b in enumerate(solution.system.bodies) if isinstance(b, Rod)]
+
+    def values(self, field: str, frame: float) -> Floats:
+        """Values of a field in each cell [times, places], SI; nan between rods.
+
+        Displacements, in a frame, are those in the middle; the energy is that of the mean motion.
+        """
+        between = np.full((1, self.times.size - 1), np.nan)
+        columns = [part for i in self._rods for part in (self._of_rod(i, field, frame), between)]
+        return np.concatenate(columns[:-1]).T
+
+    def _of_rod(self, body: int, field: str, frame: float) -> Floats:
+        """Values [places, times] in a rod."""
+        edges, segment = pieces(self.solution, body)
+        if field == "displacement":
+            middle, t = (edges[:-1] + edges[1:]) / 2, (self.times[:-1] + self.times[1:]) / 2
+            x, t = np.broadcast_arrays(middle[:, None], t)
+            return self.solution.displacement(body, x, t) - frame * t
+        velocity, strain = averaged(self.solution, body, self.times)
+        if field in ("velocity", "strain"):
+            return velocity if field == "velocity" else strain
+        rod, which = self.solution.system.bodies[body], segment - segment[0]
+        assert isinstance(rod, Rod)
+        materials = [rod.segments[i].material for i in which.tolist()]
+        stress = strain * np.array([[float(m.youngs_modulus)] for m in materials])
+        if field == "stress":
+            return np.asarray(stress)
+        density = np.array([[float(m.density)] for m in materials])
+        area = mean_areas(rod, edges, which)[:, None]
+        return np.asarray(area * (density * (velocity - frame) ** 2 + stress * strain) / 2)
+
+    def bends(self, body: int, x: float) -> Floats:  # noqa: ARG002  (as in `Polygons`)
+        """Times between which the path of a rod's end is drawn straight."""
+        return self.times
+
+    def draw(
+        self, ax: Axes, plan: Placing, plane: Plane, numbers: Floats, norm: Normalize
+    ) -> QuadMesh:
+        """Draw the cells with these numbers, as pixels in vector files too."""
+        places = []
+        for body in self._rods:
+            edges, _ = pieces(self.solution, body)
+            x, t = np.broadcast_arrays(edges, self.times[:, None])
+            places.append(plan.place(body, x, t, self.solution.displacement(body, x, t)))
+        across = np.concatenate(places, axis=1)
+        when = np.broadcast_to(self.times[:, None], across.shape)
+        return ax.pcolormesh(
+            *np.moveaxis(plane.points(across, when), -1, 0), np.ma.masked_invalid(numbers),
+            cmap=colours().signed, norm=norm, zorder=2, shading="flat", rasterized=True,
+            antialiased=False, edgecolors="none", linewidth=0)
+
+    def finish(self, ax: Axes) -> list[Text]:  # noqa: ARG002  (as in `Polygons`)
+        """Cells bear no numbers."""
+        return []
+
+
 def drawn_until(solution: Solution) -> float:
     """Latest of the times t_end, t_end/2, t_end/4, ..., s, up to which the regions can be read."""
     return solution.t_end if is_stepped(solution) else readable_until(solution, REGIONS)
@@ -147,8 +226,10 @@ def _fans(start: Ints) -> Ints:
     return np.column_stack((first, second, second + 1))
 
 
-def _labels(ax: Axes, polygons: list[Floats], values: Floats, norm: Normalize) -> list[Text]:
-    """Write each value where its polygon has room for it."""
+def _labels(
+    ax: Axes, polygons: list[Floats], values: Floats, norm: Normalize, boxed: bool
+) -> list[Text]:
+    """Write each value where its polygon has room for it; boxed, over paths that cross it."""
     reach = float(np.ptp(norm.inverse(np.array([0.0, 1.0])))) / 2
     count = 3 + max(0, math.ceil(math.log10(float(np.abs(values).max()) / reach or 1.0)))
     written = []
@@ -159,8 +240,9 @@ def _labels(ax: Axes, polygons: list[Floats], values: Floats, norm: Normalize) -
         room = np.abs(side[:, 0] * away[:, 1] - side[:, 1] * away[:, 0])
         if (room > np.abs(side[:, 1]) * across + np.abs(side[:, 0]) * up).all():
             x, y = _centre(polygon)
+            ground = {"facecolor": colours().signed(norm(value)), "edgecolor": "none", "pad": 1.0}
             written.append(ax.text(x, y, text, ha="center", va="center", zorder=6, fontsize=SMALL,
-                                   color=ink_on(norm, value)))
+                                   color=ink_on(norm, value), bbox=ground if boxed else None))
     return written
 
 

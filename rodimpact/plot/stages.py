@@ -140,10 +140,10 @@ def snapshots(
     labels += _mass_labels(ax, plan, when, place, speeds)
     names = body_names(solution.system.kinds)
     for i, body in enumerate(solution.system.bodies):
-        middle = (plan.end(i, False, when[0]) + plan.end(i, True, when[0])) / 2 * place.factor
         wide = plan.width(i) * place.factor > _width(ax, names[i])
         if wide and isinstance(body, Rod):
-            _write(ax, float(middle), 0.5, names[i], ink, "bottom")
+            middle = float(plan.middle(i, when[0])) * place.factor
+            _write(ax, middle, 0.5, names[i], ink, "bottom")
     return Snapshots(ax, when, bars, labels, fronts, walls, masses, outlines, bar)
 
 
@@ -212,7 +212,7 @@ def _mass_labels(
     for i, body in enumerate(plan.solution.system.bodies):
         above = not (above and isinstance(body, RigidMass))
         if isinstance(body, RigidMass):
-            middle = (plan.end(i, False, times) + plan.end(i, True, times)) / 2 * place.factor
+            middle = plan.middle(i, times) * place.factor
             velocities = plan.solution.velocity(i, 0.0, times).tolist()
             labels += [_write(ax, x, -row + (0.33 if above else -0.33), speeds.write(velocity),
                               style.colours().ink, "bottom" if above else "top")

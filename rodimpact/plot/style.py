@@ -43,8 +43,8 @@ HANDLE = 6  # letters that the mark before a name in a legend takes
 COMPUTED: dict[str, Any] = {"marker": "o", "markersize": 3.5, "markerfacecolor": "none",
                             "markeredgewidth": 0.8, "label": "computed"}
 
-RISING = LinearSegmentedColormap.from_list(  # in 100 steps: to the eye as smooth as 256
-    "rising", ["#16256e", "#53659f", "#a0a0a0", "#d6c05f", "#ffe94a"], 100)
+RISING = LinearSegmentedColormap.from_list(  # in 101 steps: to the eye as smooth as 256
+    "rising", ["#16256e", "#53659f", "#a0a0a0", "#d6c05f", "#ffe94a"], 101)
 ON_LIGHT = LinearSegmentedColormap.from_list(
     "signed on light", ["#16256e", "#7084c4", "#f4f4f1", "#eec654", "#c48600"])
 ON_DARK = LinearSegmentedColormap.from_list(
