@@ -15,7 +15,8 @@ from typing import Any, NamedTuple
 from ..methods.abilities import needs
 from ..methods.duration import Progress
 from ..methods.fronts import stock
-from ..methods.fronts.driver import Laid, Plan, laid
+from ..methods.fronts.driver import Laid, laid
+from ..methods.fronts.plan import plan_of
 from ..methods.groups import unilateral
 from ..methods.laws import Status, Stop
 from ..methods.registry import check_function, check_system, count
@@ -151,7 +152,7 @@ def _given(take: Callable[[str, float], Number | None], path: str, value: float)
 
 def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:
     """Follow every front until the collision is proved to be over, or to the cap on events."""
-    plan, n = Plan(row), len(numbers.transit)
+    plan, n = plan_of(row), len(numbers.transit)
     nodes = plan.contacts
     shortest = min(float(T) for T in numbers.transit)
     rate = Fraction(2) ** (TICKS.bit_length() - math.frexp(shortest)[1])

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..methods.fronts.driver import Plan
+from ..methods.fronts.plan import plan_of
 from ..methods.groups import unilateral
 from ..methods.registry import Options, count
 from ..methods.row import Array, Row, largest
@@ -131,7 +131,7 @@ class _Number(NamedTuple):
 
     def changes(self) -> Array:
         """How the numbers of a row change with this one, per change by its size."""
-        y, there = (np.array(Plan(Row(number.system)).numbers)
+        y, there = (np.array(plan_of(Row(number.system)).numbers)
                     for number in (self, self.changed(self.size)))
         if self.field in STRAIGHT:
             return np.asarray(self.size * (there != y))

@@ -12,7 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
+from ..methods.fronts.plan import plan_of
 from ..methods.laws import Stop
+from ..methods.walk import walk
 from ..model import System
 from ..model.frozen import InvalidModel
 from ..results.solution import Solution
@@ -27,8 +29,7 @@ from .presets import presets
 from .runs import run_of, space_of
 from .scene import scene
 from .smooth import refused
-from .smooth_runs import given_of
-from .tables import RULES, contacts_in, is_smooth, lacking, row_of
+from .tables import RULES, asked_of, is_smooth, lacking, system_of
 
 FRAME = "width: 100%; height: 58rem; border: 0"
 
@@ -44,16 +45,6 @@ class Page:
         The page.
     solution : Solution or None
         Solved by Python where the page cannot solve the collision by itself: the page shows it.
-
-    Examples
-    --------
-    >>> import rodimpact as ri
-    >>> steel = ri.materials.steel
-    >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
-    >>> right = ri.Rod(1.0, area=1e-4, material=steel)
-    >>> page = ri.explore(ri.System([left, right]))
-    >>> page.html.startswith("<!DOCTYPE html>"), page.solution
-    (True, None)
     """
 
     def __init__(self, html: str, solution: Solution | None) -> None:
@@ -151,9 +142,9 @@ def page_solves(tables: dict[str, Any]) -> bool:
     """Whether the page solves a case by itself, to its end, and has something to show then."""
     if lacking(tables)[1]:
         return False
-    row = row_of(tables, LIBRARY)
+    row, asked = walk(system_of(tables, LIBRARY)), asked_of(tables)
     if is_smooth(tables):
-        return refused(row, given_of(row, contacts_in(tables))) is None
-    run = run_of(row, True, space_of(row))
+        return refused(row, asked) is None
+    run = run_of(asked, True, space_of(plan_of(row)))
     return run["run"].stop in (Stop.DONE, Stop.FINAL) and end_of_picture(
-        rods_of(row, run), run["run"].now) > 0
+        rods_of(run), run["run"].now) > 0

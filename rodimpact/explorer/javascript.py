@@ -49,11 +49,13 @@ MATH = {
 NUMPY = {  # of single numbers
     "where": "py.where", "minimum": "py.min", "maximum": "py.max", "floor": "Math.floor",
     "abs": "Math.abs", "exp": "Math.exp", "expm1": "Math.expm1", "arctanh": "Math.atanh",
-    "rint": "py.round",
+    "rint": "py.round", "spacing": "py.spacing", "isfinite": "Number.isFinite",
 }
-KINDS = {"float": "number", "str": "string", "dict": "object", "list": "array"}
+KINDS = {"float": "number", "str": "string", "dict": "object", "list": "array",
+         "Steps": "object"}
 METHODS = {
     "append": "{}.push({})", "extend": "py.extend({},{})", "get": "py.get({},{})",
+    "pop": "{}.pop()",
     "items": "Object.entries({})", "upper": "{}.toUpperCase()", "update": "Object.assign({},{})",
 }
 TAKEN = ("do", "if", "in", "of", "py", "at")  # short names that mean something else
@@ -113,7 +115,7 @@ class Program:
             self._waiting.append(function)
         return self._name(function, function.__name__, function.__module__)
 
-    def table(self, table: list[Any] | np.dtype[Any], name: str, module: str) -> str:
+    def table(self, table: Any, name: str, module: str) -> str:
         """Name of a list that a module holds, or of an empty record, which is written too."""
         new, name = id(table) not in self._names, self._name(table, name, module)
         held: Any = table
@@ -132,21 +134,20 @@ class Program:
 
 
 def fields_of(functions: Iterable[Any]) -> set[str]:
-    """Fields of all named tuples and records of the modules of functions, and of what they use."""
+    """Fields of all records and classes of the modules of functions, and of what these hold."""
     modules: set[str] = set()
     waiting = [function.__module__ for function in functions]
     while waiting:
         name = waiting.pop()
         if name not in modules:
             modules.add(name)
-            waiting += [value.__module__ if isinstance(value, FunctionType | EnumType)
-                        else value.__name__
+            waiting += [value.__name__ if isinstance(value, ModuleType) else value.__module__
                         for value in vars(sys.modules[name]).values()
-                        if isinstance(value, FunctionType | EnumType | ModuleType)
-                        and _is_ours(value)]
+                        if isinstance(value, FunctionType | type | ModuleType) and _is_ours(value)]
     values = [value for name in modules for value in vars(sys.modules[name]).values()]
     return {field for value in values for field in (
-        value.names or () if isinstance(value, np.dtype) else getattr(value, "_fields", ()))}
+        value.names or () if isinstance(value, np.dtype)
+        else getattr(value, "__annotations__", ()) if isinstance(value, type) else ())}
 
 
 def _is_ours(thing: Any) -> bool:
@@ -345,7 +346,7 @@ class _Translator(ast.NodeVisitor):
     def held(self, node: ast.Name | ast.Attribute, name: str) -> str:
         """A constant or a table that a module holds under this name."""
         value = self.known(node)
-        if isinstance(value, list | np.dtype):
+        if isinstance(value, list | dict | np.dtype):
             return self.program.table(value, name, self.function.__module__)
         if isinstance(value, int | float | str):
             return self.literal(node, value)

@@ -10,8 +10,8 @@ from bisect import bisect_right
 from typing import Any
 
 from ..methods.fronts.records import CHANGE
+from ..methods.groups import groups
 from ..results.front_polygons import at, count_of, wave_of
-from .outcome import groups_of
 from .runs import advance, begun
 
 MOST_REGIONS = 3000  # that are drawn
@@ -20,7 +20,7 @@ PARTS = 6  # lines that a parabola is drawn with, at least
 POINTS = 240  # of a curve of energy, about
 
 
-def rods_of(row: Any, run: Any) -> Any:
+def rods_of(run: Any) -> Any:
     """The bodies with their waves, as `polygons_of` has them; walls have no pieces."""
     ticks: list[list[int]] = [[] for _ in run["line"]]
     values: list[list[float]] = [[] for _ in run["line"]]
@@ -29,12 +29,15 @@ def rods_of(row: Any, run: Any) -> Any:
         if front.line != CHANGE:
             ticks[front.line].append(front.tick)
             values[front.line].append(front.value)
+    row = run["plan"].row
     return [{"body": i, "pieces": [
-        {**row["segments"][s - 1], "ticks": run["segment"][s].transit,
-         "rightward": wave_of(ticks[2 * s], values[2 * s]),
+        {"length": row.segments[s - 1].length, "wave_speed": row.segments[s - 1].wave_speed,
+         "area": row.segments[s - 1].area, "mass": row.segments[s - 1].mass,
+         "youngs_modulus": row.segments[s - 1].material.youngs_modulus,
+         "ticks": run["segment"][s].transit, "rightward": wave_of(ticks[2 * s], values[2 * s]),
          "leftward": wave_of(ticks[2 * s + 1], values[2 * s + 1])}
-        for s in range(body["first"], body["last"] + 1)
-    ]} for i, body in enumerate(row["bodies"])]
+        for s in range(first, last + 1)
+    ]} for i, (first, last) in enumerate(row.spans)]
 
 
 def end_of_picture(rods: Any, stop: int) -> int:
@@ -44,36 +47,35 @@ def end_of_picture(rods: Any, stop: int) -> int:
     return stop
 
 
-def contact_curves(row: Any, run: Any, stop: int) -> list[Any]:
-    """Times, s, at which a contact changes, force from then on, N, and gap, m, of each contact.
+def contact_curves(run: Any, stop: int) -> list[Any]:
+    """Force, N, and gap, m, of each contact, at the times at which the contact changes.
 
     The kernel runs again, event by event, to `stop`.
     """
-    again, tick = begun(row, True, run["run"].until), run["run"].tick
-    curves: list[Any] = [{"t": [], "force": [], "gap": []} for _ in row["nodes"]]
+    again, tick = begun(run), run["run"].tick
+    contacts, laws = run["plan"].contacts, run["plan"].row.system.contacts
+    curves: list[Any] = [
+        {"force": ([], []), "gap": ([], []) if law.opens else None} for law in laws]
     now = 0
     while now < stop:
         now = min(again["tree"][1], stop)
         advance(again, now)
-        for i, k in enumerate(row["nodes"]):
+        for i, k in enumerate(contacts):
             at = again["node"][k]
             if at.since == now or now in (0, stop):
-                gap = at.gap + at.rate * (now - at.since)
-                curves[i]["t"].append(now * tick)
-                curves[i]["force"].append(at.force)
-                curves[i]["gap"].append(0.0 if row["bonded"][i] else max(gap, 0.0) * tick)
+                curves[i]["force"][0].append(now * tick)
+                curves[i]["force"][1].append(at.force)
+                if laws[i].opens:
+                    gap = at.gap + at.rate * (now - at.since)
+                    curves[i]["gap"][0].append(now * tick)
+                    curves[i]["gap"][1].append(max(gap, 0.0) * tick)
     return curves
 
 
-def gauge_curve(pieces: Any, tick: float, x: float, stop: int) -> Any:
-    """Times, s, and strain from then on, at a place of a rod, m from its left end."""
-    s, left = 0, 0.0
-    while s < len(pieces) - 1 and left + pieces[s]["length"] <= x:
-        left += pieces[s]["length"]
-        s += 1
-    piece, T = pieces[s], pieces[s]["ticks"]
-    a, b = piece["rightward"], piece["leftward"]
-    offset = max(0, min(T, round((x - left) / piece["length"] * T)))
+def gauge_curve(piece: Any, tick: float, x: float, stop: int) -> Any:
+    """Times, s, and strains from then on, at a place of a segment, m from its left end."""
+    a, b, T = piece["rightward"], piece["leftward"], piece["ticks"]
+    offset = max(0, min(T, round(x / piece["length"] * T)))
     arrivals = [sent + offset for sent in a["tick"]]
     arrivals.extend([0, *[sent + T - offset for sent in b["tick"]]])
     times, strains, before = [], [], -1
@@ -85,10 +87,10 @@ def gauge_curve(pieces: Any, tick: float, x: float, stop: int) -> Any:
             before = arrival
     times.append(stop * tick)
     strains.append(strains[-1])
-    return {"t": times, "strain": strains}
+    return times, strains
 
 
-def energy_curves(row: Any, rods: Any, tiling: Any) -> Any:
+def energy_curves(system: Any, rods: Any, tiling: Any) -> Any:
     """Energy by kind over time, J, from the widths of the polygons.
 
     Between the times of all corners the widths are linear, so momentum, kinetic and strain energy
@@ -96,7 +98,7 @@ def energy_curves(row: Any, rods: Any, tiling: Any) -> Any:
     """
     knots = times_of(tiling["t"])
     moving, strained = [0.0 for _ in knots], [0.0 for _ in knots]
-    momenta = [[0.0 for _ in knots] for _ in row["bodies"]]
+    momenta = [[0.0 for _ in knots] for _ in system.bodies]
     for i, body in enumerate(tiling["body"]):
         piece = rods[body]["pieces"][tiling["segment"][i]]
         first, end = tiling["start"][i], tiling["start"][i + 1]
@@ -111,24 +113,32 @@ def energy_curves(row: Any, rods: Any, tiling: Any) -> Any:
             strained[k] += piece["area"] * tiling["stress"][i] * tiling["strain"][i] / 2 * width
             momenta[body][k] += per_length * v * width
     parts = max(PARTS, POINTS // len(knots)) if len(knots) <= MOST_TIMES else 1
-    found: Any = {"t": [], "whole": [], "vibration": [], "strain": [], "total": []}
+    found: Any = {"t": [], "moving as a whole": [], "vibration": [], "strain": [], "total": []}
     for k in range(len(knots)):
         for part in range(parts if k < len(knots) - 1 else 1):
-            share, after, whole = part / parts, min(k + 1, len(knots) - 1), 0.0
-            for group in groups_of(row):
-                mass, momentum = 0.0, 0.0
-                for i in group:
-                    mass += row["bodies"][i]["mass"]
-                    momentum += momenta[i][k] + (momenta[i][after] - momenta[i][k]) * share
-                whole += momentum * momentum / (2 * mass) if mass > 0 else 0.0
+            share, after = part / parts, min(k + 1, len(knots) - 1)
+            whole = energy_as_a_whole(system, [
+                p[k] + (p[after] - p[k]) * share for p in momenta])
             kinetic = moving[k] + (moving[after] - moving[k]) * share
             strain = strained[k] + (strained[after] - strained[k]) * share
             found["t"].append(knots[k] + (knots[after] - knots[k]) * share)
-            found["whole"].append(whole)
+            found["moving as a whole"].append(whole)
             found["vibration"].append(kinetic - whole)
             found["strain"].append(strain)
             found["total"].append(kinetic + strain)
     return found
+
+
+def energy_as_a_whole(system: Any, momenta: list[float]) -> float:
+    """Energy of the motion of the centres of mass, J, from the momenta of the bodies."""
+    whole = 0.0
+    for group in groups(system):
+        mass, momentum = 0.0, 0.0
+        for i in group:
+            mass += system.bodies[i].mass
+            momentum += momenta[i]
+        whole += momentum * momentum / (2 * mass) if mass > 0 else 0.0
+    return whole
 
 
 def times_of(corners: list[float]) -> list[float]:

@@ -9,9 +9,9 @@ from typing import Any
 
 from ..methods.laws import Law
 from ..methods.pieces import lines, reading
-from .outcome import groups_of
+from .motion import energy_as_a_whole
+from .tiling import ROWS, across_of, add_cells, no_cells
 
-CELLS, ROWS = 2000, 50  # in all, about, and one above the other
 SAMPLES = 400  # of a curve
 INSIDE = 8  # points of a curve in one piece
 FINEST = 5e-5  # of the run, between two of them
@@ -25,43 +25,25 @@ def waves_of(run: Any) -> list[Any]:
     return reading.waves_of(pieces, len(run["line"]))
 
 
-def grids_of(row: Any, run: Any, frame: float, waves: list[Any]) -> Any:
-    """Grids of equal height with cells of about equal width, as `tiling.grids`."""
-    tick, total = run["clock"].tick, 0.0
-    for piece in row["segments"]:
-        total += piece["length"]
-    found: Any = {"start": [0], "body": [], "across": [], "x": [], "t": [], "displacement": [],
-                  "velocity": [], "strain": [], "stress": []}
-    for i, body in enumerate(row["bodies"]):
+def grids_of(run: Any, waves: list[Any]) -> Any:
+    """Grids of equal height, as of `tiling`."""
+    row, tick, frame, found = run["row"], run["clock"].tick, run["given"].frame, no_cells()
+    for i, body in enumerate(row.system.bodies):
         left, moved = 0.0, 0.0
-        for s in range(body["first"] - 1, body["last"]):
-            T, piece = run["clock"].transits[s], row["segments"][s]
-            a, b, L = waves[2 * s], waves[2 * s + 1], piece["length"]
-            across = max(1, round(CELLS / ROWS * L / total))
-            begun = reading.passed_by(a, 0)
-            before: list[float] = []
-            for j in range(ROWS + 1):
-                now = run["now"] * j / ROWS
-                here: list[float] = []
-                for k in range(across + 1):
-                    p, q = now - T * k / across, now - T + T * k / across
-                    u = (reading.passed_by(a, p) - begun + reading.passed_by(b, q)) / 2
-                    here.append((u + frame * now) * tick + moved)
-                    found["x"].append(left + L * k / across)
-                    found["t"].append(now * tick)
-                for k in range(across if j > 0 else 0):
-                    strain = (here[k + 1] - here[k] + before[k + 1] - before[k]) / 2 * across / L
-                    rise = here[k] + here[k + 1] - before[k] - before[k + 1]
-                    found["velocity"].append(rise / 2 / (run["now"] * tick / ROWS))
-                    found["strain"].append(strain)
-                    found["stress"].append(strain * piece["youngs_modulus"])
-                found["displacement"].extend(here)
-                before = here
-            found["body"].append(i)
-            found["across"].append(across)
-            found["start"].append(len(found["x"]))
-            left += L
-            moved += body["strain"] * L
+        for j, piece in enumerate(body.segments):
+            s = row.spans[i][0] - 1 + j
+            T, a, b = run["clock"].transits[s], waves[2 * s], waves[2 * s + 1]
+            begun, across = reading.passed_by(a, 0), across_of(row.system, piece)
+            rows: list[list[float]] = []
+            for k in range(ROWS + 1):
+                now = run["now"] * k / ROWS
+                rows.append([
+                    ((reading.passed_by(a, now - T * m / across) - begun
+                      + reading.passed_by(b, now - T + T * m / across)) / 2
+                     + frame * now) * tick + moved for m in range(across + 1)])
+            add_cells(found, i, piece, left, run["now"] * tick, rows)
+            left += piece.length
+            moved += body.strain * piece.length
     return found
 
 
@@ -83,34 +65,31 @@ def line_curve(run: Any, wave: Any, factor: float) -> Any:
     if len(found) > 2 * SAMPLES:
         even = [now * k / SAMPLES for k in range(SAMPLES + 1)]
         found = [(at, reading.value_at(wave, at)) for at in even]
-    return {"t": [at * tick for at, _ in found], "y": [value * factor for _, value in found]}
+    return [at * tick for at, _ in found], [value * factor for _, value in found]
 
 
-def path_of(run: Any, frame: float, wave: Any) -> Any:
+def path_of(run: Any, wave: Any) -> Any:
     """Times, s, and displacement of a mass, m."""
-    tick, even = run["clock"].tick, [run["now"] * k / SAMPLES for k in range(SAMPLES + 1)]
+    tick, frame = run["clock"].tick, run["given"].frame
+    even = [run["now"] * k / SAMPLES for k in range(SAMPLES + 1)]
     return {"t": [at * tick for at in even],
             "displacement": [(reading.passed_by(wave, at) + frame * at) * tick for at in even]}
 
 
-def gauge_curve(row: Any, run: Any, waves: list[Any], body: Any, x: float) -> Any:
-    """Times, s, and strain at a place of a rod, m from its left end."""
-    s, left = body["first"] - 1, 0.0
-    while s < body["last"] - 1 and left + row["segments"][s]["length"] <= x:
-        left += row["segments"][s]["length"]
-        s += 1
-    piece, T, tick = row["segments"][s], run["clock"].transits[s], run["clock"].tick
-    after, a, b = (x - left) / piece["length"] * T, waves[2 * s], waves[2 * s + 1]
+def gauge_curve(run: Any, waves: list[Any], s: int, x: float) -> Any:
+    """Times, s, and strains at a place of segment s, m from its left end."""
+    piece, T, tick = run["row"].segments[s], run["clock"].transits[s], run["clock"].tick
+    after, a, b = x / piece.length * T, waves[2 * s], waves[2 * s + 1]
     even = [run["now"] * k / SAMPLES for k in range(SAMPLES + 1)]
-    return {"t": [at * tick for at in even], "strain": [
+    return [at * tick for at in even], [
         (reading.value_at(b, at - T + after) - reading.value_at(a, at - after))
-        * (0.5 / piece["wave_speed"]) for at in even]}
+        * (0.5 / piece.wave_speed) for at in even]
 
 
-def strain_energy(row: Any, run: Any, waves: list[Any], now: float) -> float:
+def strain_energy(run: Any, waves: list[Any], now: float) -> float:
     """Strain energy of all rods at a tick, J: from states at even places between jumps."""
     total = 0.0
-    for s, piece in enumerate(row["segments"]):
+    for s, piece in enumerate(run["row"].segments):
         a, b, T = waves[2 * s], waves[2 * s + 1], run["clock"].transits[s]
         edges = [0.0, *[now - tick for tick in jumps_between(a, now - T, now)]]
         edges.extend([tick - now + T for tick in jumps_between(b, now - T, now)])
@@ -122,7 +101,7 @@ def strain_energy(row: Any, run: Any, waves: list[Any], now: float) -> float:
                 after = edges[i] + wide * (k + 0.5) / count
                 square += (reading.value_at(b, now - T + after)
                            - reading.value_at(a, now - after)) ** 2
-            total += piece["mass"] * wide / T * square / count / 8
+            total += piece.mass * wide / T * square / count / 8
     return total
 
 
@@ -133,43 +112,38 @@ def jumps_between(wave: Any, start: float, stop: float) -> list[float]:
     return found if len(found) < POINTS else []
 
 
-def energy_curves(row: Any, known: Any, run: Any, waves: list[Any]) -> Any:
+def energy_curves(run: Any, waves: list[Any]) -> Any:
     """Energy by kind over time, J."""
-    found: Any = {"t": [], "whole": [], "vibration": [], "strain": [], "contact": [], "total": []}
-    given, tick, link = known["given"], run["clock"].tick, run["ended"].link
+    row, given, link, soft = run["row"], run["given"], run["ended"].link, "in compliant contacts"
+    found: Any = {"t": [], "moving as a whole": [], "vibration": [], "strain": [], "total": []}
+    springs = [i for i in row.contact_link if link[i].law >= Law.SPRING]
+    if len(springs) > 0:
+        found[soft] = []
     for j in range(MOMENTS + 1):
-        now = run["now"] * j / MOMENTS
-        inside, whole, contact = 0.0, 0.0, 0.0
-        speeds, m = [], 0
-        for body in row["bodies"]:
-            momentum = body["mass"] * given.frame
-            for s in range(body["first"] - 1, body["last"]):
+        now, inside, contact = run["now"] * j / MOMENTS, 0.0, 0.0
+        momenta = []
+        for i, body in enumerate(row.system.bodies):
+            momentum, m = body.mass * given.frame, row.mass_of[i]
+            for s in range(row.spans[i][0] - 1, row.spans[i][1]):
                 mean, square = means_of(run, waves, s, now)
                 momentum += given.weight[s] * mean
                 inside += given.weight[s] * (square + given.frame * (mean + given.frame / 2))
-            if body["kind"] == "mass":
+            if m >= 0:
                 v = reading.value_at(waves[run["mass"][m].line], now)
-                momentum += body["mass"] * v
-                inside += body["mass"] * (v + given.frame) ** 2 / 2
-                m += 1
-            speeds.append(momentum)
-        for group in groups_of(row):
-            momentum, mass = 0.0, 0.0
-            for i in group:
-                momentum += speeds[i]
-                mass += row["bodies"][i]["mass"]
-            whole += momentum**2 / (2 * mass) if mass > 0 else 0.0
-        for i in known["links"]:
-            if link[i].law >= Law.SPRING:
-                d = max(0.0, reading.value_at(waves[link[i].overlap_line], now))
-                power = link[i].exponent + 1
-                contact += link[i].stiffness * d**power / power
-        strain = strain_energy(row, run, waves, now)
-        found["t"].append(now * tick)
-        found["whole"].append(whole)
+                momentum += body.mass * v
+                inside += body.mass * (v + given.frame) ** 2 / 2
+            momenta.append(momentum)
+        for i in springs:
+            d, power = max(0.0, reading.value_at(waves[link[i].overlap_line], now)), 1.0
+            power += link[i].exponent
+            contact += link[i].stiffness * d**power / power
+        whole, strain = energy_as_a_whole(row.system, momenta), strain_energy(run, waves, now)
+        found["t"].append(now * run["clock"].tick)
+        found["moving as a whole"].append(whole)
         found["vibration"].append(max(0.0, inside - whole - strain))
         found["strain"].append(strain)
-        found["contact"].append(contact)
+        if len(springs) > 0:
+            found[soft].append(contact)
         found["total"].append(inside + contact)
     return found
 

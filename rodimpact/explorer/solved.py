@@ -14,7 +14,7 @@ from .fronts import known_of
 from .outcome import changed, restitutions
 from .picture import picture, ratio_of
 from .smooth import smooth_known, smooth_restitution
-from .tables import contacts_in, is_smooth, row_of
+from .tables import asked_of, contacts_in, is_smooth, system_of
 
 LEAST, MOST = -2.0, 4.0  # log10 of kappa, on the curve of e over the roundness of the ends
 RATIOS, FEW = 80, 20  # of the lengths, on the curve of e: of fronts and of characteristics
@@ -28,11 +28,11 @@ def scene_of(case: Any, gauges: Any, library: Any) -> Any:
     dict
         As `picture` makes it; or one with a ``problem``, path and sentence.
     """
-    row = row_of(case, library)
+    system, asked = system_of(case, library), asked_of(case)
     if is_smooth(case):
-        known = smooth_known(row, contacts_in(case), gauges)
+        known = smooth_known(system, asked, gauges)
     else:
-        known = known_of(row, gauges)
+        known = known_of(system, asked, gauges)
     if "problem" in known:
         return known
     ratio = ratio_of(known)
@@ -40,7 +40,7 @@ def scene_of(case: Any, gauges: Any, library: Any) -> Any:
         known["curve"] = {"ratios": [], "values": [], "source": ""}  # solved when sliders rest
     elif ratio is not None:
         known["curve"] = curve_of(case, library, ratio)
-    return {**picture(known), "roundness": begin_roundness(case, row)}
+    return {**picture(known), "roundness": begin_roundness(case, system)}
 
 
 def e_over(case: Any, library: Any, path: list[Any], values: list[float]) -> list[Any]:
@@ -66,30 +66,30 @@ def curve_of(case: Any, library: Any, ratio: float) -> Any:
     return {"ratios": ratios, "values": values, "source": f"solved at {count} ratios"}
 
 
-def unit_stiffness(case: Any, row: Any) -> float:
+def unit_stiffness(system: Any) -> float:
     """Stiffness k of rounded ends, N/m^1.5, for which kappa = k (V T)^(1/2) T/Z is 1.
 
     V is the closing speed, T the longer transit time and Z the impedance of that rod, so that
     T/Z = L/(E A). It is 0 for all but two uniform rods with rigid or round ends.
     """
-    contacts = contacts_in(case)
-    if len(row["bodies"]) != 2 or len(row["segments"]) != 2 or len(contacts) != 1:
+    bodies, segments = system.bodies, [s for body in system.bodies for s in body.segments]
+    if len(bodies) != 2 or len(segments) != 2 or any(body.kind != "rod" for body in bodies):
         return 0.0
-    if any(body["kind"] != "rod" or isinstance(body["velocity"], dict) for body in row["bodies"]):
+    if any(not isinstance(body.velocity, float) for body in bodies):
         return 0.0
-    closing = row["bodies"][0]["velocity"] - row["bodies"][1]["velocity"]
-    if contacts[0].get("law", "rigid") not in ("rigid", "hertz") or closing <= 0:
+    closing = bodies[0].velocity - bodies[1].velocity
+    if system.contacts[0].law not in ("rigid", "hertz") or closing <= 0:
         return 0.0
-    left, right = row["segments"]
-    rod = left if left["transit_time"] > right["transit_time"] else right
-    T: float = rod["transit_time"]
-    k: float = rod["impedance"] / (T * math.sqrt(closing * T))
+    left, right = segments
+    rod = left if left.transit_time > right.transit_time else right
+    T: float = rod.transit_time
+    k: float = rod.impedance / (T * math.sqrt(closing * T))
     return k
 
 
-def begin_roundness(case: Any, row: Any) -> Any:
+def begin_roundness(case: Any, system: Any) -> Any:
     """Where a pair is on the curve of `roundness_of`, log10 of its kappa; None for other rows."""
-    unit = unit_stiffness(case, row)
+    unit = unit_stiffness(system)
     if unit == 0:
         return None
     k = contacts_in(case)[0].get("stiffness")
@@ -103,7 +103,7 @@ def roundness_of(case: Any, library: Any) -> Any:
     Ends that are nearly flat, of large kappa, let waves decide: e is that of rigid ends. Between
     round ends the force changes little in a transit, and the rods rebound like rigid balls.
     """
-    unit = unit_stiffness(case, row_of(case, library))
+    unit = unit_stiffness(system_of(case, library))
     logs = [LEAST + (MOST - LEAST) * i / (FEW - 1) for i in range(FEW)]
     contact, values = contacts_in(case)[0], []
     for log in logs:

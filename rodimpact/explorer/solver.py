@@ -10,12 +10,13 @@ from __future__ import annotations
 import functools
 
 from ..methods.compiling import blank
+from ..model.profiles import extremes
 from ..units import format_factor, format_si
 from .javascript import javascript
 from .outcome import changed
 from .reason import spells_of, value_at
 from .solved import curve_of, e_over, roundness_of, scene_of
-from .tables import lacking, mistakes
+from .tables import lacking, mistakes, steps
 from .texts import contacts_of, name_of, numbers_of, written
 
 CONSTANTS = {
@@ -27,7 +28,10 @@ FUNCTIONS = (
     lacking, mistakes, scene_of, e_over, curve_of, roundness_of, changed, contacts_of, name_of,
     numbers_of, spells_of, value_at,
 )
-KNOWN = {format_si: "inSi", written: "inSi", format_factor: "plainNumber", blank: "py.blank"}
+KNOWN = {
+    format_si: "inSi", written: "inSi", format_factor: "plainNumber", blank: "py.blank",
+    extremes: "py.alone", steps: "py.same",
+}
 """What the page writes in its own way."""
 
 

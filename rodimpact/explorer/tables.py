@@ -1,13 +1,13 @@
-"""From the tables of a case to a row, in Python that the page has as JavaScript.
+"""From the tables of a case to a system, in Python that the page has as JavaScript.
 
-The numbers are those of `Plan`. Mistakes are told in the words of the model: `RULES` are its
-fields. What the page cannot solve is named.
+Mistakes are told in the words of the model: `RULES` are its fields. What the page cannot solve is
+named.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..methods.abilities import (
     COMPLIANCE,
@@ -21,10 +21,10 @@ from ..methods.abilities import (
     SMOOTH_STATES,
     TAPER,
 )
-from ..methods.laws import Beyond, Status
 from ..model import Bonded, Material, Rigid, RigidMass, Rod, Segment, System, Wall
 from ..model.frozen import LARGEST, OUT_OF_SCALE, SMALLEST, Field, wanted
 from ..model.laws import Hertz, HuntCrossley, PowerLaw, Spring, SpringDashpot
+from ..model.profiles import Steps
 
 LAWS = (Rigid, Bonded, Spring, SpringDashpot, Hertz, HuntCrossley, PowerLaw)
 RULES: dict[str, dict[str, tuple[str, str]]] = {
@@ -214,115 +214,119 @@ def check(found: list[Any], path: str, table: Any, rules: Any) -> None:
                 found.append((f"{path}.{key}", f"{wrong}, got {given}"))
 
 
-def row_of(case: Any, library: Any) -> Any:
-    """A case without mistakes, that fronts can carry, as tables and the kernels' numbers.
-
-    Returns
-    -------
-    dict
-        ``segments`` from left to right; ``bodies``, each with its ``first`` and ``last`` segment,
-        (1, 0) for a wall; ``gaps``; ``bonded`` by contact; ``ends``; ``given``, ``kinds``,
-        ``rows`` (of `BODY`) and ``nodes`` for the kernels; ``max_events``; and ``until``, s,
-        negative where none is asked for.
-    """
-    tables, count = case["bodies"], len(case["bodies"])
-    contacts = contacts_in(case)
-    own, ends = case.get("materials", {}), case.get("ends", {})
-    asked = case.get("solve", {})
-    both = [ends.get(side, {"kind": "free"}) for side in ("left", "right")]
-    segments: list[Any] = []
-    bodies: list[Any] = []
-    bonded = [contact.get("law", "rigid") == "bonded" for contact in contacts]
-    kinds: list[int] = []
-    rows: list[Any] = []
-    profiles: list[Any] = []
-    for i, table in enumerate(tables):
-        wall = table["kind"] == "wall"
-        if i == 0 and not wall:
-            kinds.append(kind_at(both[0]["kind"]))
-            if both[0]["kind"] != "free":
-                rows.append(driven(both[0], profiles))
-        elif i > 0:
-            kinds.append(Status.BOND.value if bonded[i - 1] else Status.TOUCH.value)
-        begin = len(segments) + 1
-        for j, piece in enumerate(pieces_of(table)):
-            if j > 0:
-                kinds.append(Status.BOND.value)
-            where = f"bodies.{i}.segments.{j}" if len(pieces_of(table)) > 1 else f"bodies.{i}"
-            name = piece["material"]
-            segments.append(segment_of(where, piece, own[name] if name in own else library[name]))
-        start, stop = (1, 0) if wall else (begin, len(segments))
-        velocity, strain = table.get("velocity", 0.0), table.get("strain", 0.0)
-        still = Beyond.STEADY.value
-        rows.append((start, stop, *enter(profiles, velocity, strain), still))
-        mass = table.get("mass", 0.0)
-        for piece in segments[begin - 1 :]:
-            mass += piece["mass"]
-        bodies.append({
-            "kind": table["kind"], "first": start, "last": stop, "mass": mass, "velocity": velocity,
-            "strain": strain,
-        })
-    if tables[-1]["kind"] != "wall":
-        kinds.append(kind_at(both[1]["kind"]))
-        if both[1]["kind"] != "free":
-            rows.append(driven(both[1], profiles))
-    gaps = [contact.get("gap", 0.0) for contact in contacts]
-    given = [
-        *[piece["wave_speed"] for piece in segments], *[piece["impedance"] for piece in segments],
-        *[piece["length"] for piece in segments], *gaps, *profiles,
-    ]
-    before = len(given) - len(profiles)
-    return {
-        "segments": segments, "bodies": bodies, "gaps": gaps, "bonded": bonded,
-        "ends": [end["kind"] for end in both], "values": [end.get("value", 0.0) for end in both],
-        "given": given, "kinds": kinds,
-        "rows": [(first, last, before + place, velocities, strains, outside)
-                 for first, last, place, velocities, strains, outside in rows],
-        "nodes": [body["last"] for body in bodies[: count - 1]],
-        "until": asked.get("until", -1.0),
-        "max_events": min(asked.get("max_events", MOST_EVENTS), MOST_EVENTS),
-    }
+# A case as a system -------------------------------------------------------------------------------
 
 
-def kind_at(end: str) -> int:
-    """What the node at an end of the row is."""
-    if end == "free":
-        return Status.FREE.value
-    return Status.PUSH.value if end == "force" else Status.BOND.value
+class Stuff(NamedTuple):
+    """A material."""
+
+    name: str
+    density: float
+    youngs_modulus: float
 
 
-def driven(end: Any, profiles: list[Any]) -> Any:
-    """What holds or drives an end of the row, as a body."""
-    outside = Beyond.STEADY.value
-    if end["kind"] in ("absorbing", "incoming"):
-        outside = Beyond.ENDLESS.value
-    elif end["kind"] == "force":
-        outside = Beyond.PUSHED.value
-    elif end["kind"] == "velocity":
-        outside = Beyond.MOVED.value
-    return (1, 0, *enter(profiles, end.get("value", 0.0), 0.0), outside)
+class Piece(NamedTuple):
+    """A segment, with what follows from its numbers."""
+
+    length: float
+    area: float
+    material: Stuff
+    wave_speed: float
+    impedance: float
+    transit_time: float
+    mass: float
 
 
-def enter(profiles: list[Any], velocity: Any, strain: Any) -> Any:
-    """Add the profiles of a body to the numbers; return where, and how many values they have."""
-    place, counts = len(profiles), []
-    for profile in (velocity, strain):
-        values, at = [profile], []
-        if isinstance(profile, dict):
-            values, at = profile["values"], profile["at"]
-        profiles.extend(values)
-        profiles.extend(at)
-        counts.append(len(values))
-    return (place, counts[0], counts[1])
+class Body(NamedTuple):
+    """A body; one that is no rod has no segments, and a wall no mass."""
+
+    kind: str
+    segments: Any
+    mass: float
+    velocity: Any
+    strain: Any
 
 
-def segment_of(path: str, piece: Any, material: Any) -> Any:
-    """A segment with all that follows from what is given."""
-    length, area, density = piece["length"], piece["area"], material["density"]
-    speed = math.sqrt(material["youngs_modulus"] / density)
-    impedance, time = density * area * speed, length / speed
-    return {
-        "path": path, "length": length, "area": area, "material": piece["material"],
-        "density": density, "youngs_modulus": material["youngs_modulus"], "wave_speed": speed,
-        "impedance": impedance, "transit_time": time, "mass": impedance * time,
-    }
+class Contact(NamedTuple):
+    """A contact law."""
+
+    law: str
+    opens: bool
+    restitution: Any
+    stiffness: float
+    exponent: float
+    damping: float
+
+
+class End(NamedTuple):
+    """An end of the row."""
+
+    kind: str
+    value: Any
+
+
+class Row(NamedTuple):
+    """A system, by the names of `model.System`."""
+
+    bodies: Any
+    gaps: Any
+    contacts: Any
+    gravity: float
+    ends: Any
+
+
+class Asked(NamedTuple):
+    """What a case asks of a run: its end, s, negative where there is none; the cap on events."""
+
+    until: float
+    max_events: int
+
+
+def system_of(case: Any, library: Any) -> Row:
+    """A case without mistakes that the page can solve, as a system."""
+    contacts, ends = contacts_in(case), case.get("ends", {})
+    materials = {**library, **case.get("materials", {})}
+    return Row(
+        [body_of(body, materials) for body in case["bodies"]],
+        [contact.get("gap", 0.0) for contact in contacts],
+        [law_of(contact) for contact in contacts], 0.0,
+        [End(end["kind"], profile_of(end.get("value", 0.0))) for end in (
+            ends.get("left", {"kind": "free"}), ends.get("right", {"kind": "free"}))])
+
+
+def asked_of(case: Any) -> Asked:
+    """What a case asks of a run."""
+    solve = case.get("solve", {})
+    return Asked(solve.get("until", -1.0), min(solve.get("max_events", MOST_EVENTS), MOST_EVENTS))
+
+
+def body_of(table: Any, materials: Any) -> Body:
+    """A body from its table."""
+    segments, mass = [], table.get("mass", 0.0)
+    for piece in pieces_of(table):
+        material, length = materials[piece["material"]], piece["length"]
+        stuff = Stuff(piece["material"], material["density"], material["youngs_modulus"])
+        speed = math.sqrt(stuff.youngs_modulus / stuff.density)
+        Z, T = stuff.density * piece["area"] * speed, length / speed
+        segments.append(Piece(length, piece["area"], stuff, speed, Z, T, Z * T))
+        mass += Z * T
+    return Body(table["kind"], segments, mass, profile_of(table.get("velocity", 0.0)),
+                profile_of(table.get("strain", 0.0)))
+
+
+def law_of(contact: Any) -> Contact:
+    """A contact law from its table."""
+    law = contact.get("law", "rigid")
+    exponent = 1.0 if law in ("spring", "spring-dashpot") else contact.get("exponent", 1.5)
+    return Contact(law, law != "bonded", contact.get("restitution"), contact.get("stiffness", 0.0),
+                   exponent, contact.get("damping", 0.0))
+
+
+def profile_of(value: Any) -> Any:
+    """A number, or steps from their table."""
+    return steps(value) if isinstance(value, dict) else value
+
+
+def steps(table: Any) -> Any:
+    """Steps from their table; the page has this under another name, as its tables are objects."""
+    return Steps(table["values"], table["at"])

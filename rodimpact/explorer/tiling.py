@@ -1,7 +1,11 @@
 """Grids of points over place and time, for solutions that have no fronts.
 
 One grid a segment. Between its points displacement is linear, so the cells cut at time t are the
-rods at time t; each has the mean state that its corners' displacements imply.
+rods at time t; each has the mean state that its corners' displacements imply. Grids are a table of
+lists: the ``body`` of each, its cells ``across``, and where in ``x`` (m), ``t`` (s) and
+``displacement`` (m) of the points it has its ``start``; ``velocity`` (m/s), ``strain`` and
+``stress`` (Pa) of the cells. Row after row, upwards in time. The page has all but `grids` as
+JavaScript.
 """
 
 from __future__ import annotations
@@ -10,48 +14,67 @@ from typing import Any
 
 import numpy as np
 
-from ..model import Rod
 from ..results.solution import Solution
 
 CELLS, ROWS = 2000, 50  # in all, about, and one above the other
 
 
-def grids(solution: Solution) -> dict[str, list[Any]]:
-    """Grids of equal height, with cells of about equal width, of any solution.
+def no_cells() -> Any:
+    """A grid to begin with."""
+    return {"start": [0], "body": [], "across": [], "x": [], "t": [], "displacement": [],
+            "velocity": [], "strain": [], "stress": []}
+
+
+def across_of(system: Any, piece: Any) -> int:
+    """How many cells a segment has beside each other: cells are of about equal width."""
+    total: float = 0.0
+    length: float = piece.length
+    for body in system.bodies:
+        for one in body.segments if body.kind == "rod" else []:
+            total += one.length
+    return max(1, round(CELLS / ROWS * length / total))
+
+
+def add_cells(found: Any, body: int, piece: Any, left: float, end: float, rows: Any) -> None:
+    """Add the grid of a segment of a body.
 
     Parameters
     ----------
-    solution : Solution
-
-    Returns
-    -------
-    dict of str to list
-        For each grid its ``body``, its cells ``across``, and where in ``x`` (m), ``t`` (s) and
-        ``displacement`` (m) of the points it has its ``start``; ``velocity`` (m/s), ``strain`` and
-        ``stress`` (Pa) of the cells. Row after row, upwards in time.
+    found : dict
+    body : int
+    piece : Segment
+    left : float
+        Where its left end is in the body, m.
+    end : float
+        Last time, s.
+    rows : list of list of float
+        Displacements, m, at even places, at even times from 0 on.
     """
-    rods = [(i, b) for i, b in enumerate(solution.system.bodies) if isinstance(b, Rod)]
-    total = sum(float(rod.length) for _, rod in rods)
-    times = np.linspace(0.0, solution.t_end, ROWS + 1)
-    names = ("body", "across", "x", "t", "displacement", "velocity", "strain", "stress")
-    found: dict[str, list[Any]] = {"start": [0], **{name: [] for name in names}}
-    for body, rod in rods:
-        edges = solution.fields.edges(body)
-        for segment, piece in enumerate(rod.segments):
-            L = float(piece.length)
-            across = max(1, round(CELLS / ROWS * L / total))
-            x, t = np.broadcast_arrays(
-                np.linspace(edges[segment], edges[segment + 1], across + 1), times[:, None]
-            )
-            u = solution.displacement(body, x, t)
-            rise, stretch = np.diff(u, axis=0), np.diff(u, axis=1)
-            strain = (stretch[1:] + stretch[:-1]) / 2 * across / L
-            velocity = (rise[:, 1:] + rise[:, :-1]) / 2 / times[1]
-            columns = (
-                [body], [across], x, t, u, velocity, strain,
-                strain * float(piece.material.youngs_modulus),
-            )
-            for name, values in zip(names, columns, strict=True):
-                found[name] += np.ravel(values).tolist()
-            found["start"].append(len(found["x"]))
+    L, across, step = piece.length, len(rows[0]) - 1, end / (len(rows) - 1)
+    for j, here in enumerate(rows):
+        found["x"].extend([left + L * k / across for k in range(across + 1)])
+        found["t"].extend([end * j / (len(rows) - 1) for _ in here])
+        found["displacement"].extend(here)
+        before = rows[max(0, j - 1)]
+        for k in range(across if j > 0 else 0):
+            strain = (here[k + 1] - here[k] + before[k + 1] - before[k]) / 2 * across / L
+            rise = here[k] + here[k + 1] - before[k] - before[k + 1]
+            found["velocity"].append(rise / 2 / step)
+            found["strain"].append(strain)
+            found["stress"].append(strain * piece.material.youngs_modulus)
+    found["body"].append(body)
+    found["across"].append(across)
+    found["start"].append(len(found["x"]))
+
+
+def grids(solution: Solution) -> Any:
+    """Grids of equal height of any solution."""
+    system, found = solution.system, no_cells()
+    times = np.linspace(0.0, solution.t_end, ROWS + 1)[:, None]
+    for i, body in enumerate(system.bodies):
+        for s, piece in enumerate(getattr(body, "segments", ())):
+            edges = solution.fields.edges(i)
+            x = np.linspace(edges[s], edges[s + 1], across_of(system, piece) + 1)
+            rows = solution.displacement(i, x, times).tolist()
+            add_cells(found, i, piece, float(edges[s]), solution.t_end, rows)
     return found

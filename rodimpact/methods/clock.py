@@ -81,12 +81,23 @@ def clock_of(row: Row, ticks: Sequence[int], tick: float, **known: Any) -> Clock
     for name in ("wave_speed", "impedance", "length"):
         if name not in known:
             known[name] = [0.0, *(float(getattr(piece, name)) for piece in row.segments), 0.0]
-    errors = [abs(T * tick / float(piece.transit_time) - 1)
-              for T, piece in zip(ticks, row.segments, strict=True)]
-    worst = max(range(len(errors)), key=errors.__getitem__, default=-1)
+    error, worst = most_rounded(row, ticks, tick)
     known = {"frame": float(row.frame), "gravity": float(row.gravity),
-             "transit_error": max(errors, default=0.0), "worst": row.paths[worst + 1], **known}
+             "transit_error": error, "worst": worst, **known}
     return Clock(system=row.system, spans=row.spans, ticks=[0, *ticks, 0], tick=tick, **known)
+
+
+def most_rounded(row: Any, ticks: Any, tick: float) -> tuple[float, str]:
+    """Largest relative change of a transit time on the clock, and its path.
+
+    The page has this as JavaScript.
+    """
+    error, worst = 0.0, row.paths[1 if len(row.segments) > 0 else 0]
+    for s, piece in enumerate(row.segments):
+        off = abs(ticks[s] * tick / piece.transit_time - 1)
+        if off > error:
+            error, worst = float(off), row.paths[s + 1]
+    return error, worst
 
 
 def too_long(end: float, longest: float) -> tuple[str, str]:

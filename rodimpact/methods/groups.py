@@ -1,47 +1,45 @@
-"""Bodies that are bonded or joined together: which they are, and what their common velocity is."""
+"""Bodies that are bonded or joined together: which they are, and what their common velocity is.
+
+The page has `body_velocities` and what it calls as JavaScript.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from ..model import Bonded, Fixed, RigidMass, System, Wall
+from ..model import Bonded, RigidMass, System, Wall
 
 
-def groups(system: System) -> list[list[int]]:
+def groups(system: Any) -> list[list[int]]:
     """Bodies that are bonded or joined together, from left to right."""
-    return groups_between([law.opens for law in system.contacts])
-
-
-def groups_between(opens: list[bool]) -> list[list[int]]:
-    """The groups, from whether each contact can open; the page has this as JavaScript."""
     found = [[0]]
-    for i, able in enumerate(opens):
-        if able:
+    for i, law in enumerate(system.contacts):
+        if law.opens:
             found.append([])
         found[-1].append(i + 1)
     return found
 
 
-def unilateral(system: System) -> list[int]:
+def unilateral(system: Any) -> list[int]:
     """Contacts that can open."""
     return [k for k, law in enumerate(system.contacts) if law.opens]
 
 
-def grounds(system: System, group: list[int]) -> list[Any]:
+def grounds(system: Any, group: list[int]) -> list[Any]:
     """Velocities of the walls and fixed ends that hold a group, from left to right."""
     held: list[Any] = []
-    for at, here in ((0, group[0] == 0), (-1, group[-1] == len(system.bodies) - 1)):
-        if here and isinstance(body := system.bodies[at], Wall):
-            held.append(body.velocity)
-        elif here and isinstance(system.ends[at], Fixed):
+    for side, i in ((0, 0), (1, len(system.bodies) - 1)):
+        if group[side * (len(group) - 1)] == i and system.bodies[i].kind == "wall":
+            held.append(system.bodies[i].velocity)
+        elif group[side * (len(group) - 1)] == i and system.ends[side].kind == "fixed":
             held.append(0.0)
     return held
 
 
-def velocities_in_group(system: System, group: list[int], inside: list[int], own: Any) -> list[Any]:
+def velocities_in_group(system: Any, group: list[int], inside: list[int], own: Any) -> list[Any]:
     """Velocities of bodies bonded together: that of the ground that holds them, or their own.
 
     Between two grounds of different velocity a group has its own: there is none about which it
@@ -56,13 +54,7 @@ def velocities_in_group(system: System, group: list[int], inside: list[int], own
     own : float or array
         Momentum over mass of those inside, m/s.
     """
-    return velocities_on_ground(grounds(system, group), group, inside, own)
-
-
-def velocities_on_ground(
-    ground: list[Any], group: list[int], inside: list[int], own: Any
-) -> list[Any]:
-    """As `velocities_in_group`, from the `grounds`; the page has this as JavaScript."""
+    ground = grounds(system, group)
     if len(ground) == 0:
         return [own for _ in group]
     shared, moving = ground[0], inside if len(inside) > 0 else group
@@ -87,28 +79,26 @@ def movable(system: System) -> list[int]:
     return [i for i in range(count) if i not in held]
 
 
-def body_velocities(
-    system: System, first: Sequence[int], frame: Any, *stocks: Sequence[Any]
-) -> list[list[Any]]:
-    """Velocities of the bodies at some times, m/s: of their group, or of its wall.
+def without_walls(system: Any, group: list[int]) -> list[int]:
+    """The bodies of a group that are no walls."""
+    return [i for i in group if system.bodies[i].kind != "wall"]
 
-    Parameters
-    ----------
-    system : System
-    first : sequence of int
-        First segment of each body.
-    frame : float or array
-    *stocks : sequence of float or array
-        Velocities by segment, in the frame, at each of the times; for a family, one array of its
-        shape a segment.
-    """
-    velocities: list[list[Any]] = [[] for _ in stocks]
+
+def body_velocities(system: Any, own: list[Any]) -> list[Any]:
+    """Velocities of the bodies, m/s: `own` of their group, or that of its wall."""
+    found: list[Any] = []
+    for g, group in enumerate(groups(system)):
+        found.extend(velocities_in_group(system, group, without_walls(system, group), own[g]))
+    return found
+
+
+def heads(system: Any, spans: Any) -> list[int]:
+    """A segment of each group of bonded rods, from the first and last one of each body."""
+    found = []
     for group in groups(system):
-        inside = [i for i in group if not isinstance(system.bodies[i], Wall)]
-        s = first[(inside or group)[0]]
-        for found, stock in zip(velocities, stocks, strict=True):
-            found += velocities_in_group(system, group, inside, stock[s] + frame)
-    return velocities
+        inside = without_walls(system, group)
+        found.append(spans[inside[0] if len(inside) > 0 else group[0]][0])
+    return found
 
 
 def fill_bonds(

@@ -4,22 +4,29 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
-from ..model import System, Wall
+from ..model import System
 from ..units import format_si
 from .abilities import driven
 
 LARGE_STRAIN = 0.01  # from which the linear theory is doubtful
+DRIVEN = "an end is driven"
 ROUNDED = 2.0**-36  # relative change of a transit time that is told
 
 
 def acting_and_held(system: System) -> tuple[str, bool]:
     """What drives a row, "" where nothing does, and whether walls hold it in."""
-    ends = ((0, 0), (len(system.bodies) - 1, -1))
-    walls = [system.contacts[k] for i, k in ends if isinstance(system.bodies[i], Wall)]
-    held = len(walls) == 2 or not all(law.opens for law in walls)
-    acting = "gravity acts" if system.gravity else "an end is driven"
-    return acting if driven(system) else "", held
+    acting = "gravity acts" if system.gravity else DRIVEN
+    return acting if driven(system) else "", is_held(system)
+
+
+def is_held(system: Any) -> bool:
+    """Whether walls hold a row in: one at both ends, or one that is joined to it."""
+    last = len(system.bodies) - 1
+    walls = [system.contacts[k].opens for i, k in ((0, 0), (last, last - 1))
+             if system.bodies[i].kind == "wall"]
+    return len(walls) == 2 or not all(opens for opens in walls)
 
 
 def ending(stopped_by: str, final: str, end: str, cap: str, acting: str, held: bool) -> str:

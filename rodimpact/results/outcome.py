@@ -287,14 +287,13 @@ def effective_restitution(
     before, after : pair
         Velocities of the left and of the right centre of mass, m/s.
     """
-    closing = np.asarray(before[0] - before[1])
-    defined = np.asarray(final) & (np.asarray(episodes) > 0) & (closing > 0)
-    parting = np.asarray(after[1] - after[0])
+    closing, parting = before[0] - before[1], after[1] - after[0]
+    e = parting / np.where(closing > 0, closing, 1.0)
     largest = np.maximum(np.abs(after[0]), np.abs(after[1]))
-    e = np.full(np.broadcast_shapes(parting.shape, defined.shape), math.nan)
-    np.divide(parting, closing, out=e, where=defined)
-    stays = (e <= ROUND_OFF) | (parting <= 2 * np.spacing(largest))
-    return np.where(defined & stays, 0.0, e)
+    e = np.where(e > ROUND_OFF, np.where(parting > 2 * np.spacing(largest), e, 0.0), 0.0)
+    for defined in (final, episodes > 0, closing > 0):
+        e = np.where(defined, e, math.nan)
+    return e
 
 
 def outcome_of(run: Run, totals: Totals) -> Outcome:

@@ -15,17 +15,19 @@ from systems import random_system
 import rodimpact as ri
 from rodimpact.explorer.design import LIBRARY, tables_of, with_gauges
 from rodimpact.explorer.javascript import Untranslatable, javascript
-from rodimpact.explorer.outcome import outcome_of, transit_error_of
+from rodimpact.explorer.outcome import outcome_of
 from rodimpact.explorer.page_files import read
 from rodimpact.explorer.presets import presets
 from rodimpact.explorer.runs import run_of, space_of
 from rodimpact.explorer.solved import scene_of
 from rodimpact.explorer.solver import CONSTANTS, KNOWN
-from rodimpact.explorer.tables import RULES, row_of
+from rodimpact.explorer.tables import RULES, asked_of, system_of
 from rodimpact.methods import compiling, tick_rule
+from rodimpact.methods.fronts.plan import plan_of
 from rodimpact.methods.pieces import driver, finality, layout, march
 from rodimpact.methods.pieces.rows import lay_out
 from rodimpact.methods.row import Row
+from rodimpact.methods.walk import walk
 from rodimpact.storage.casefile import case_from
 
 FEW, MOST = 5000, 20_000
@@ -248,19 +250,18 @@ def rows(seeds):
     return found
 
 
-SOLVES = (row_of, space_of, run_of, outcome_of, transit_error_of)
+SOLVES = (system_of, asked_of, walk, plan_of, space_of, run_of, outcome_of)
 
 
 def solved_by_the_page(cases):
     """Outcomes, events, and errors of transit times."""
     script = f"""{read("python.js")}\n{read("numbers.js")}\n{javascript(SOLVES, CONSTANTS, KNOWN)}
     const answer = ({{ cases, library }}) => cases.map((tables) => {{
-      const row = row_of(tables, library);
-      const run = run_of(row, false, space_of(row));
-      const [error] = transit_error_of(row, run);
-      const grain = 1 / Math.max(...run.segment.map((s) => s.transit));
-      const scale = run.run.scale;
-      return {{ ...outcome_of(row, run), events: run.run.events, rounded: error + grain, scale }};
+      const plan = plan_of(walk(system_of(tables, library)));
+      const run = run_of(asked_of(tables), false, space_of(plan));
+      const outcome = outcome_of(run);
+      const rounded = outcome.errors.velocity / (run.run.events * run.run.scale || 1);
+      return {{ ...outcome, events: run.run.events, rounded }};
     }});"""
     return run(script, {"cases": cases, "library": LIBRARY})
 
@@ -275,7 +276,7 @@ def test_the_page_solves_rows_as_solve_does(block):
             continue
         outcome = ri.solve(case_from(case).system, max_events=MOST).outcome
         assert page["final"] == outcome.final
-        worst = 2 * page["rounded"] * page["events"] * page["scale"]
+        worst = 2 * page["errors"]["velocity"]
         if page["events"] < FEW and page["rounded"] < 2.0**-42:
             few += 1
             closing = max(outcome.velocities_before) - min(outcome.velocities_before)

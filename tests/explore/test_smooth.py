@@ -16,7 +16,7 @@ from rodimpact.explorer.page_files import read
 from rodimpact.explorer.smooth import smooth_known
 from rodimpact.explorer.solved import roundness_of, scene_of
 from rodimpact.explorer.solver import CONSTANTS, KNOWN
-from rodimpact.explorer.tables import RULES, lacking, mistakes, row_of
+from rodimpact.explorer.tables import RULES, asked_of, lacking, mistakes, system_of
 
 STEEL, ALUMINIUM = ri.materials.steel, ri.materials.aluminium
 
@@ -60,12 +60,12 @@ def tables_of(case):
 
 def known_by_the_page(cases, gauges=()):
     """What the page knows of cases."""
-    functions = (row_of, lacking, mistakes, smooth_known)
+    functions = (system_of, asked_of, lacking, mistakes, smooth_known)
     text = javascript(functions, CONSTANTS, KNOWN)
     script = f"""{read("python.js")}\n{read("numbers.js")}\n{text}
     const answer = ({{ cases, gauges, library, rules }}) => cases.map((tables) => {{
       if (lacking(tables)[0] || mistakes(tables, gauges, library, rules).length) return null;
-      return smooth_known(row_of(tables, library), tables.contacts, gauges);
+      return smooth_known(system_of(tables, library), asked_of(tables), gauges);
     }});"""
     given = {"cases": [*map(tables_of, cases)], "gauges": list(gauges), "library": LIBRARY,
              "rules": RULES}

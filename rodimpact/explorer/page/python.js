@@ -37,6 +37,9 @@ const py = {
   pow10: (exponent) => Number(`1e${exponent}`),
   min: (a, b) => (b < a ? b : a),
   where: (test, a, b) => (test ? a : b),
+  spacing: (x) => 2 ** (py.frexp(x)[1] - 53),
+  alone: (x) => [x, x],
+  same: (x) => x,
   max: (a, b) => (b > a ? b : a),
   int(x) {
     const whole = Math.trunc(x);

@@ -11,26 +11,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...model import Absorbing, End, Free, Incoming, Moved, Pushed, Rod, Steps
-from ...model.frozen import Number
 from .. import duration, kernels
 from ..compiling import as_objects, as_records, blank, objects
 from ..duration import Forecast
 from ..family import Stopped, now
-from ..laws import Beyond, Law, Status, Stop
+from ..laws import Stop
 from ..memory import ask, most_numbers
-from ..row import Row
 from . import events, layout, march, stock
+from .plan import Plan
 from .records import BODY, CHANGE, LINE, NODE, NONE, PIECE, ROW, RUN, SEGMENT
 
-BEYOND: dict[type[End], Beyond] = {
-    Absorbing: Beyond.ENDLESS, Incoming: Beyond.ENDLESS, Pushed: Beyond.PUSHED,
-    Moved: Beyond.MOVED,
-}  # the others do nothing
-STATUS = {
-    Law.PUSH_LEFT: Status.PUSH, Law.PUSH_RIGHT: Status.PUSH, Law.BOND: Status.BOND,
-    Law.RIGID: Status.TOUCH,
-}
 ROOM = 128  # rows of the log at first, beside those at t = 0
 ROW_NUMBERS, LIST_NUMBERS = 18, 60  # that a row of the log takes with what results make of it
 EVENT_TIMES = 2e-5, 2e-6  # s, about what an event takes in plain Python, and compiled
@@ -38,60 +28,6 @@ ROW_TIME = 1e-5  # s, about what plain Python takes for a row of the log
 PAIR_TIME = 4e-7  # s, about what plain Python takes to compare two durations
 FIRST_BLOCK, LAST_BLOCK = 32, 2048  # members of a block
 PATIENCE = 0.1  # s; about how long a block runs before `stop` is asked again
-
-
-class Plan:
-    """What all members of a family share.
-
-    Attributes
-    ----------
-    row : Row
-    bodies : list of tuple
-        Of each a BODY.
-    kinds : list of int
-        Of each node.
-    numbers : list of float or array
-        In which members differ, see `layout`.
-    contacts : list of int
-        Node of each contact.
-    segments, pieces, fronts : int
-        How many segments, durations and fronts at t = 0 a member has.
-    """
-
-    def __init__(self, row: Row) -> None:
-        self.row, system = row, row.system
-        n, pieces, gaps = len(row.segments), row.segments, system.gaps
-        self.numbers: list[Number] = [
-            *(p.wave_speed for p in pieces), *(p.impedance for p in pieces),
-            *(p.length for p in pieces), *gaps,
-        ]
-        self.bodies: list[tuple[int, ...]] = []
-        for body, (first, last) in zip(system.bodies, row.spans, strict=True):
-            strain = body.strain if isinstance(body, Rod) else 0.0
-            self.bodies.append(self._enter(first, last, body.velocity, strain))
-        for side, end in enumerate(system.ends):
-            if not isinstance(end, Free):
-                outside = BEYOND.get(type(end), Beyond.STEADY)
-                entry = self._enter(1, 0, getattr(end, "value", 0.0), 0.0, outside)
-                self.bodies.insert(side * len(self.bodies), entry)
-        self.contacts = [last for _, last in row.spans[: len(gaps)]]
-        self.kinds = [STATUS[law].value for law in row.laws]
-        for side, (kind, _) in enumerate(row.outside):
-            if kind == "none":
-                self.kinds[-side] = Status.FREE.value
-        jumps = sum(velocities + strains - 2 for *_, velocities, strains, _ in self.bodies)
-        self.segments, self.pieces, self.fronts = n, n + jumps, 2 * (n + jumps) + 2
-
-    def _enter(
-        self, first: int, last: int, velocity: Any, strain: Any, outside: Beyond = Beyond.STEADY
-    ) -> tuple[int, ...]:
-        """A BODY, whose profiles are added to the numbers."""
-        place, counts = len(self.numbers), []
-        for profile in (velocity, strain):
-            values = [*profile.values] if isinstance(profile, Steps) else [profile]
-            self.numbers += [*values, *(profile.at if isinstance(profile, Steps) else ())]
-            counts.append(len(values))
-        return first, last, place, *counts, outside.value
 
 
 class Members:

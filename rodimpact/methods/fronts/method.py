@@ -15,7 +15,7 @@ from ...units import format_si
 from .. import abilities as physics
 from ..duration import Forecast, Progress
 from ..family import STOPPED_BY, FamilyRun
-from ..groups import body_velocities, groups
+from ..groups import body_velocities, groups, heads
 from ..laws import Status, Stop
 from ..row import Array, Row
 from ..run import MAX_EVENTS, MEASURES, VELOCITY, ContactTally, Run, Totals
@@ -29,7 +29,7 @@ from ..status import (
     strain_warning,
 )
 from . import driver
-from .driver import Plan
+from .plan import plan_of
 from .records import NONE
 from .run import FrontRun
 from .signals import signals_of
@@ -60,7 +60,7 @@ def track(
     forecast: Forecast | None = None,
 ) -> FrontRun:
     """Follow every front of a collision."""
-    return FrontRun(driver.solve_one(Plan(row), until, max_events, forecast))
+    return FrontRun(driver.solve_one(plan_of(row), until, max_events, forecast))
 
 # What a run came to -------------------------------------------------------------------------------
 
@@ -222,29 +222,29 @@ def pressing(node: Sequence[Any], contacts: Sequence[int], names: Sequence[str])
 
 def tallies_of(run: FrontRun) -> tuple[ContactTally, ...]:
     """Totals of every contact in SI units."""
-    tick = run.clock.tick
-    return tuple(
-        ContactTally(
-            impulse=at.impulse * tick, peak_force=at.peak, duration=at.pressed * tick,
-            first=at.first * tick if at.first != NONE else math.nan,
-            last=at.last * tick if at.last != NONE else math.nan, episodes=at.episodes,
-        )
-        for at in (run.node[k] for k in run.plan.contacts)
-    )
+    return tuple(tally_of(run.node[k], run.clock.tick) for k in run.plan.contacts)
+
+
+def tally_of(at: Any, tick: float) -> ContactTally:
+    """Totals of the contact at a node, in SI units; the page has this as JavaScript."""
+    return ContactTally(
+        at.impulse * tick, at.peak, at.pressed * tick,
+        at.first * tick if at.first != NONE else math.nan,
+        at.last * tick if at.last != NONE else math.nan, at.episodes)
 
 
 def totals_of(run: FrontRun, tallies: Sequence[ContactTally]) -> Totals:
     """Read the totals off a finished run."""
     a, scale = run.clock, run.run.scale
-    system, count, first = a.system, len(a.spans), [span[0] for span in a.spans]
+    system, count, first = a.system, len(a.spans), heads(a.system, a.spans)
     masses = [a.mass(i) for i in range(count)]
     velocity, momentum, vibration = (
         [[getattr(s, name) for s in run.segment] for name in names] for names in (
             ("initial", "velocity"), ("initial_momentum", "momentum"),
             ("initial_vibration", "vibration")))
     before, after = (
-        [float(v) for v in velocities]
-        for velocities in body_velocities(system, first, a.frame, *velocity)
+        [float(v) for v in body_velocities(system, [stock[s] + a.frame for s in first])]
+        for stock in velocity
     )
     vibration_before, vibration_after = (
         [math.fsum(stock[s : e + 1]) * a.tick for s, e in a.spans] for stock in vibration
@@ -299,7 +299,7 @@ def totals_of(run: FrontRun, tallies: Sequence[ContactTally]) -> Totals:
 
 def together(row: Row) -> int:
     """How many members to run in one call."""
-    n, numbers = len(row.segments), len(Plan(row).numbers)
+    n, numbers = len(row.segments), len(plan_of(row).numbers)
     return int(max(1, min(MOST_MEMBERS, MOST_BYTES // (8 * (numbers + 6 * (n + 2))))))
 
 
@@ -308,15 +308,15 @@ def solve_family(
     more: int = 0, also: Sequence[str] = (),
 ) -> FamilyRun:
     """Totals of every member, and what is wanted of `READ`; arguments as of `solve_many`."""
-    plan, system, shape = Plan(row), row.system, row.system.shape
+    plan, system, shape = plan_of(row), row.system, row.system.shape
     reads = not {"displacement", "largest_stress"}.isdisjoint(also)
     run = driver.solve_many(plan, until, max_events, stop, more, reads)
     final, refused = run["final"] & (not physics.driven(system)), run["stop"] >= Stop.OVERFLOW
     unknown = np.where(refused, math.nan, 0.0)
     stocks = ([x.reshape(shape) for x in run[name].T] for name in ("before", "after"))
     before, after = (
-        [unknown + np.broadcast_to(v, shape).ravel() for v in velocities]
-        for velocities in body_velocities(system, [first for first, _ in row.spans], 0.0, *stocks)
+        [unknown + np.broadcast_to(v, shape).ravel() for v in body_velocities(system, own)]
+        for own in ([stock[s] for s in heads(system, row.spans)] for stock in stocks)
     )
     contacts = {"episodes": [run["episodes"][:, k] for k in plan.contacts]}
     for name in ("impulse", "peak_force", "duration"):

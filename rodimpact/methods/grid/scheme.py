@@ -12,6 +12,7 @@ from ...model.profiles import averages
 from .. import compiling
 from ..laws import Beyond
 from ..row import Array, Row, whole
+from ..walk import wave_of_strain
 from . import elimination_kernel as elimination
 from . import records
 from .mesh import Mesh
@@ -171,7 +172,7 @@ def driven(mesh: Mesh, step: float, side: int, steps: int) -> Array:
     if kind == "none":
         return np.zeros(steps)
     pushes = pushed(step, value, steps)
-    return pushes if kind == "force" else mesh.row.wave_of_strain(side) * pushes
+    return pushes if kind == "force" else wave_of_strain(mesh.row, side) * pushes
 
 
 def pushed(step: float, value: Any, steps: int) -> Array:

@@ -11,6 +11,7 @@ import numpy as np
 from ...model import Rod, Samples, Steps
 from ..compiling import as_family
 from ..row import Row
+from ..walk import wave_of_strain
 from . import layout, waves
 from .layout import Clock, Given, Known
 from .records import HARD, NONE, PIECE
@@ -136,7 +137,7 @@ class Waves:
         elif kind == "absorbing":
             wave = self._lines[2 * (len(row.segments) - 1) + 1 if side else 0]
             start = wave["coefficient"][:, -1].sum(axis=1)  # at the end of its last piece
-            factor = row.wave_of_strain(side)
+            factor = wave_of_strain(row, side)
         if varies(value):
             self._driven(side, value, float(factor), start)
         elif falls:

@@ -24,6 +24,9 @@ from .records import LINE, LINK, MASS, NODE, PART, RUN
 
 RECORDS = {"run": RUN, "node": NODE, "link": LINK, "mass": MASS, "line": LINE, "part": PART}
 
+BY_MEMBER = ("stiffness", "exponent", "damping", "strength", "gap", "masses", "mass_velocity",
+             "transit", "impedance", "weight")
+
 
 @dataclass(frozen=True, kw_only=True)
 class Layout:
@@ -108,20 +111,9 @@ def lay_out(
 
 def given_of(row: Row, until: float | None) -> Given:
     """The numbers of a row, each for every member."""
-    of, by_segment = row.of, row.segments
-    reference = reference_time(row, until)
-    return Given(
-        first=row.first, spans=[(first - 1, last) for first, last in row.spans],
-        laws=[law.value for law in row.laws], stiffness=[*map(of, row.stiffness)],
-        exponent=[*map(of, row.exponent)], damping=[*map(of, row.damping)],
-        strength=[*map(of, row.strength)], gap=[*map(of, row.gap)],
-        masses=[*map(of, row.masses)], mass_velocity=[*map(of, row.mass_velocity)],
-        transit=[of(s.transit_time) for s in by_segment],
-        impedance=[of(s.impedance) for s in by_segment], weight=[of(s.mass) for s in by_segment],
-        outside=[kind for kind, _ in row.outside],
-        joined=not all(law.opens for law in row.system.contacts),
-        reference=reference, frame=of(row.frame), scale=velocity_scale(row, reference),
-    )
+    of, reference = row.of, reference_time(row, until)
+    given = layout.given_of(row, reference, of(row.frame), velocity_scale(row, reference))
+    return given._replace(**{name: [*map(of, getattr(given, name))] for name in BY_MEMBER})
 
 
 def reference_time(row: Row, until: float | None) -> Any:

@@ -1,0 +1,86 @@
+"""What all members of a family share, as the kernels take it; the page has this as JavaScript."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from ...model import Steps
+from ..laws import Beyond, Law, Status
+
+BEYOND = {
+    "fixed": Beyond.STEADY.value, "absorbing": Beyond.ENDLESS.value,
+    "incoming": Beyond.ENDLESS.value, "force": Beyond.PUSHED.value,
+    "velocity": Beyond.MOVED.value,
+}
+STATUS = {
+    Law.PUSH_LEFT: Status.PUSH.value, Law.PUSH_RIGHT: Status.PUSH.value,
+    Law.BOND: Status.BOND.value, Law.RIGID: Status.TOUCH.value,
+}
+
+
+class Plan(NamedTuple):
+    """What all members of a family share.
+
+    Attributes
+    ----------
+    row : Row
+    bodies : list of tuple
+        Of each a BODY.
+    kinds : list of int
+        Of each node.
+    numbers : list of float or array
+        In which members differ, see `layout`.
+    contacts : list of int
+        Node of each contact.
+    segments, pieces, fronts : int
+        How many segments, durations and fronts at t = 0 a member has.
+    """
+
+    row: Any
+    bodies: list[Any]
+    kinds: list[int]
+    numbers: list[Any]
+    contacts: list[int]
+    segments: int
+    pieces: int
+    fronts: int
+
+
+def plan_of(row: Any) -> Plan:
+    """The plan of a row that fronts can carry."""
+    system, segments = row.system, row.segments
+    numbers = [
+        *[s.wave_speed for s in segments], *[s.impedance for s in segments],
+        *[s.length for s in segments], *system.gaps,
+    ]
+    bodies: list[Any] = []
+    for body, span in zip(system.bodies, row.spans, strict=True):
+        strain = body.strain if body.kind == "rod" else 0.0
+        bodies.append(enter(numbers, span, (body.velocity, strain), Beyond.STEADY.value))
+    kinds = [STATUS[law] for law in row.laws]
+    for side, end in enumerate(system.ends):
+        if row.outside[side][0] == "none":
+            kinds[side * (len(kinds) - 1)] = Status.FREE.value
+        if end.kind != "free":
+            value = end.value if end.kind in ("force", "velocity", "incoming") else 0.0
+            entry = enter(numbers, (1, 0), (value, 0.0), BEYOND[end.kind])
+            bodies = [*bodies, entry] if side == 1 else [entry, *bodies]
+    n, pieces = len(segments), len(segments)
+    for _, _, _, velocities, strains, _ in bodies:
+        pieces += velocities + strains - 2  # where they jump
+    contacts = [last for _, last in row.spans[: len(system.gaps)]]
+    return Plan(row, bodies, kinds, numbers, contacts, n, pieces, 2 * pieces + 2)
+
+
+def enter(numbers: list[Any], span: Any, profiles: Any, outside: int) -> Any:
+    """A BODY, whose profiles of velocity and strain are added to the numbers."""
+    place, counts = len(numbers), []
+    for profile in profiles:
+        if isinstance(profile, Steps):
+            numbers.extend(profile.values)
+            numbers.extend(profile.at)
+            counts.append(len(profile.values))
+        else:
+            numbers.append(profile)
+            counts.append(1)
+    return (span[0], span[1], place, counts[0], counts[1], outside)

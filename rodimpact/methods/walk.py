@@ -1,0 +1,217 @@
+"""The one walk through a system: what stands in the row, as flat lists, and its scales.
+
+The page has this as JavaScript, where a system is a table of tables with the same names.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..model.profiles import extremes
+from .laws import Law as Kind
+from .scales import largest, smallest
+
+ENDS = {
+    "free": "none", "fixed": "velocity", "velocity": "velocity", "force": "force",
+    "absorbing": "absorbing", "incoming": "absorbing",
+}
+"""What is outside the ends of a row, by their kind."""
+
+
+class Walk(NamedTuple):
+    """What stands in a row, as the attributes of `row.Row`."""
+
+    system: Any
+    segments: list[Any]
+    paths: list[str]
+    spans: list[tuple[int, int]]
+    first: list[int]
+    masses: list[Any]
+    mass_velocity: list[Any]
+    mass_of: list[int]
+    laws: list[Any]
+    stiffness: list[Any]
+    exponent: list[Any]
+    damping: list[Any]
+    strength: list[Any]
+    gap: list[Any]
+    contact_link: list[int]
+    outside: list[tuple[str, Any]]
+
+
+def walk(system: Any) -> Walk:
+    """Walk through a system from left to right."""
+    bodies, last = system.bodies, len(system.bodies) - 1
+    row = Walk(system, [], [""], [], [0], [], [], [], [], [], [], [], [], [], [],
+               [("none", 0.0), ("none", 0.0)])
+    for i, body in enumerate(bodies):
+        rigid = body.kind != "rod"
+        if i > 0 and rigid and bodies[i - 1].kind != "rod" and is_bonded(system, i - 1):
+            row.contact_link.append(-1)
+            merge(row, body)
+            row.spans.append((1, 0))
+            continue
+        if i > 0:
+            row.contact_link.append(len(row.laws))
+            add_contact(row, system.contacts[i - 1], system.gaps[i - 1])
+        elif body.kind != "wall":
+            add_end(row, 0, system.ends[0])
+        row.mass_of.append(len(row.masses) if body.kind == "mass" else -1)
+        row.spans.append((1, 0) if rigid else (
+            len(row.segments) + 1, len(row.segments) + len(body.segments)))
+        if body.kind == "rod":
+            add_rod(row, f"bodies.{i}", body)
+        elif body.kind == "mass":
+            row.masses.append(body.mass)
+            row.mass_velocity.append(body.velocity)
+        else:
+            row.outside[0 if i == 0 else 1] = ("velocity", body.velocity)
+    if bodies[last].kind != "wall":
+        add_end(row, 1, system.ends[1])
+    row.first.append(len(row.masses))
+    for i, body in enumerate(bodies):
+        if row.mass_of[i] < 0 and body.kind == "mass":  # bonded to a wall
+            rods = any(stop > 0 for _, stop in row.spans[:i])
+            row.mass_of[i] = len(row.masses) + (1 if rods else 0)
+    return row
+
+
+def is_bonded(system: Any, contact: int) -> bool:
+    """Whether the two bodies of a contact are one."""
+    bonded: bool = system.contacts[contact].law == "bonded"
+    return bonded
+
+
+def add_rod(row: Walk, path: str, rod: Any) -> None:
+    """Add the segments of a rod, bonded to each other."""
+    for j, segment in enumerate(rod.segments):
+        if j > 0:
+            add(row, Kind.BOND, 0.0, 0.0, 0.0, 1.0, 0.0)
+        row.segments.append(segment)
+        row.paths.append(f"{path}.segments.{j}" if len(rod.segments) > 1 else path)
+        row.first.append(len(row.masses))
+
+
+def add(
+    row: Walk, law: Any, damping: Any, gap: Any, stiffness: Any, exponent: Any, strength: Any
+) -> None:
+    """Add a link."""
+    row.laws.append(law)
+    row.damping.append(damping)
+    row.gap.append(gap)
+    row.stiffness.append(stiffness)
+    row.exponent.append(exponent)
+    row.strength.append(strength)
+
+
+def add_contact(row: Walk, law: Any, gap: Any) -> None:
+    """Add the link of a contact."""
+    if law.law == "bonded":
+        add(row, Kind.BOND, 0.0, 0.0, 0.0, 1.0, 0.0)
+    elif law.law == "rigid" and law.restitution is None:
+        add(row, Kind.RIGID, 0.0, gap, 0.0, 1.0, 0.0)
+    elif law.law == "rigid":
+        add(row, Kind.IMPACT, law.restitution, gap, 0.0, 1.0, 0.0)
+    elif law.law == "joint":
+        add(row, Kind.JOINT, law.damping, law.stretch, law.stiffness, 1.0, 0.0)
+    elif law.law == "yielding":
+        add(row, Kind.YIELD, law.hardening / law.stiffness, gap, law.stiffness, 1.0,
+            law.yield_force)
+    elif law.law == "own":
+        add(row, Kind.OWN, 1.0, gap, 0.0, 1.0, 0.0)  # whatever it is, it may depend on the rate
+    else:
+        kind = Kind.SPRING if law.law in ("spring", "spring-dashpot") else Kind.POWER
+        damping = law.damping if law.law in ("spring-dashpot", "hunt-crossley") else 0.0
+        add(row, kind, damping, gap, law.stiffness, law.exponent, 0.0)
+
+
+def add_end(row: Walk, side: int, end: Any) -> None:
+    """Add the link at an end of the row."""
+    kind, value = ENDS[end.kind], 0.0
+    if end.kind in ("velocity", "force", "incoming"):
+        value = end.value
+    row.outside[side] = (kind, value)
+    push = Kind.PUSH_RIGHT if side > 0 else Kind.PUSH_LEFT
+    add(row, push if kind in ("none", "force") else Kind.BOND, 0.0, 0.0, 0.0, 1.0, 0.0)
+
+
+def merge(row: Walk, body: Any) -> None:
+    """Join a rigid body to the one before it: two masses, or a mass and a wall."""
+    at = row.mass_of[-1]
+    if body.kind == "wall":
+        row.outside[1] = ("velocity", body.velocity)
+        row.masses.pop()
+        row.mass_velocity.pop()
+        for i in range(len(row.mass_of)):
+            row.mass_of[i] = -1 if row.mass_of[i] == len(row.masses) else row.mass_of[i]
+        row.mass_of.append(-1)
+    elif at < 0:  # the wall it is bonded to
+        row.mass_of.append(-1)
+    else:
+        M, more = row.masses[at], body.mass
+        momentum = M * row.mass_velocity[at] + more * body.velocity
+        row.masses[at], row.mass_velocity[at] = M + more, momentum / (M + more)
+        row.mass_of.append(at)
+
+
+# Scales -------------------------------------------------------------------------------------------
+
+
+def velocities_of(row: Any) -> list[Any]:
+    """Velocities of all that moves at t = 0 or is moved, m/s."""
+    found = [*row.mass_velocity]
+    for body in row.system.bodies:
+        if body.kind != "mass":
+            found.extend(extremes(body.velocity))
+    for kind, value in row.outside:
+        if kind == "velocity":
+            found.extend(extremes(value))
+    return found
+
+
+def frame_of(row: Any) -> Any:
+    """Velocity of the frame, m/s: that of the walls, else the middle of all velocities."""
+    walls = [body.velocity for body in row.system.bodies if body.kind == "wall"]
+    if len(walls) == 0:
+        velocities = velocities_of(row)
+        return smallest(velocities) / 2 + largest(velocities) / 2
+    total = 0.0
+    for v in walls:
+        total = total + v
+    return total / len(walls)
+
+
+def wave_of_strain(row: Any, side: int) -> Any:
+    """The wave that comes in through an end is this, m/s, times its strain."""
+    return (4 * side - 2) * row.segments[side * (len(row.segments) - 1)].wave_speed
+
+
+def least_impedance(row: Any) -> Any:
+    """Smallest impedance, kg/s."""
+    return smallest([
+        s.material.density * s.wave_speed * extremes(s.area)[0] for s in row.segments])
+
+
+def scale_of(row: Any) -> Any:
+    """Scale of velocities of a row with rods, m/s: what is given, and what forces make of it."""
+    strained, pushed, velocities = [0.0], [0.0], velocities_of(row)
+    for body, (start, stop) in zip(row.system.bodies, row.spans, strict=True):
+        if body.kind == "rod":
+            c = largest([s.wave_speed for s in row.segments[start - 1 : stop]])
+            strained.extend([c * abs(e) for e in extremes(body.strain)])
+    for side, (kind, value) in enumerate(row.outside):
+        if kind == "force":
+            pushed.extend([abs(F) for F in extremes(value)])
+        elif kind == "absorbing":
+            strained.extend([abs(e * wave_of_strain(row, side)) for e in extremes(value)])
+    for i in row.contact_link:
+        if i >= 0 and row.laws[i] == Kind.JOINT:
+            pushed.append(abs(row.stiffness[i] * row.gap[i]))
+        elif i >= 0 and row.laws[i] >= Kind.SPRING:  # it may be given with an overlap
+            overlap = np.maximum(0.0 - row.gap[i], 0.0)
+            pushed.append(row.stiffness[i] * overlap ** row.exponent[i])
+    fall = abs(row.system.gravity) * largest([s.transit_time for s in row.segments])
+    spread = largest(velocities) - smallest(velocities)
+    return spread + largest(strained) + largest(pushed) / least_impedance(row) + fall
