@@ -63,13 +63,8 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     if arguments.output.lower().endswith((".html", ".htm")):
         message = f"must end in .gif or .mp4, got {arguments.output!r}"
         problems.append(("--output", f"{message}; a page that plays is made by rodimpact export"))
-    for check, given in (
-        (check_film, (arguments.output,)), (check_frames, (shown["frames"], shown["fps"])),
-    ):
-        try:
-            check(*given)
-        except InvalidModel as error:
-            problems += [told for told in named(error, _OPTIONS) if told[0] not in dict(problems)]
+    attempt(problems, check_film, arguments.output, options=_OPTIONS)
+    attempt(problems, check_frames, shown["frames"], shown["fps"], options=_OPTIONS)
     check_outputs(problems, {"--output": arguments.output}, arguments.force)
     assert case is not None  # or there were problems
 

@@ -33,7 +33,8 @@ def attempt(
     try:
         return make(*given, **more)
     except (InvalidModel, FileFormatError, LargeFile) as error:
-        problems += named(error, options)
+        known = dict(problems)  # what cannot be read cannot be right
+        problems += [told for told in named(error, options) if told[0] not in known]
         return None
 
 

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from ..methods.registry import METHOD_NAMES, Options
-from ..model.frozen import InvalidModel, Problems
+from ..model.frozen import Problems
 from ..storage.casefile import Case
-from .asking import quantity, whole_number
+from .asking import attempt, quantity, whole_number
 from .options import flag
 
 
@@ -56,16 +56,9 @@ def run_options(
         and not (name == "rtol" and given.keys() & {"dt", "cells"})
     }
     options = {**own, **given}
-    known = {path for path, _ in problems}
-    try:
-        checked = Options(**options)
-        if case:
-            checked.method_for(case.system)
-    except InvalidModel as error:
-        for name, message in error.problems:
-            path = f"solve.{name}" if name in own.keys() - given.keys() else flag(name)
-            if name not in NUMBERS:
-                path = name
-            if path not in known:
-                problems.append((path, message))
+    from_case = own.keys() - given.keys()
+    paths = {name: f"solve.{name}" if name in from_case else flag(name) for name in NUMBERS}
+    checked = attempt(problems, Options, **options, options=paths)
+    if checked and case:
+        attempt(problems, checked.method_for, case.system, options=paths)
     return options

@@ -29,7 +29,7 @@ LEAST = 1e-8  # of velocities and times: a smaller derivative is round-off
 
 
 class Followed:
-    """A collision whose numbers have derivatives; the front kernel runs on `Dual` as on floats.
+    """A collision that ends; the front kernel runs on numbers with derivatives as on floats.
 
     Parameters
     ----------
@@ -45,15 +45,13 @@ class Followed:
     when : [direction]
         Its time, s; where there is none that of the proof that the collision is over.
     node : [direction]
-    final : bool
-        Whether there is such a proof; the collision is not followed otherwise.
     """
 
     def __init__(self, system: System, changes: Array, max_events: int) -> None:
         self._row = Row(system)
         run, directions = track(self._row, max_events=max_events), changes.shape[1]
         self._tick, self._frame, self._nodes = run.clock.tick, run.clock.frame, run.plan.contacts
-        end, self.final = run.finality_time, run.finality_time >= 0
+        end = run.finality_time
         self.event, self.node = np.full(directions, SMOOTH), np.full(directions, -1)
         self.when, self._least = np.full(directions, end * self._tick), LEAST * run.run.scale
         self._state = state = begin(run, changes)
@@ -104,10 +102,7 @@ class Followed:
 
     def _note(self, event: int, t: int, k: int, apart: Any, least: float) -> None:
         """Note a tie at node k in the directions in which what is equal comes apart."""
-        over = abs(apart) > least
-        if over is False:  # a single direction is a float
-            return
-        new = over & (self.event == SMOOTH)
+        new = (abs(apart) > least) & (self.event == SMOOTH)
         self.event[new], self.when[new], self.node[new] = event, t * self._tick, k
 
     def _before(self, k: int, t: int) -> tuple[int, list[Any], Any]:
@@ -138,10 +133,9 @@ class Followed:
 
 
 def begin(run: FrontRun, changes: Array) -> Laid:
-    """The run at t = 0, of numbers with derivatives: floats in a single direction."""
+    """The run at t = 0, of numbers with derivatives."""
     plan, n, a = run.plan, run.plan.segments, run.clock
-    rates: Any = changes[:, 0].tolist() if changes.shape[1] == 1 else changes
-    y: Any = list(map(Dual, plan.numbers, rates))
+    y: Any = list(map(Dual, plan.numbers, changes))
     times = [L / c for c, L in zip(y[:n], y[2 * n : 3 * n], strict=True)]
     ticks = [Dual(T, T / time.v * time.d) for T, time in zip(a.ticks[1:-1], times, strict=True)]
     return laid(plan, y, ticks, a.tick, a.frame)
