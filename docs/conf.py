@@ -61,7 +61,7 @@ html_copy_source = False
 html_theme_options = {
     "show_prev_next": True, "navigation_with_keys": False, "secondary_sidebar_items": ["page-toc"],
     "navbar_end": ["theme-switcher"], "navbar_persistent": ["search-button"], "show_toc_level": 2,
-    "header_links_before_dropdown": 8,
+    "header_links_before_dropdown": 6,
 }
 html_sidebars = {"[!a]*": []}  # names have one of all names, other pages none
 

@@ -8,8 +8,12 @@ import inspect
 import io
 import pkgutil
 import re
+import shlex
+import tomllib
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from matplotlib.text import Text
 
@@ -116,3 +120,44 @@ def test_figures_of_the_theory_are_drawn_by_their_functions():
         labels = [text.get_text() for text in draw().figure.findobj(Text)]
         words = [label for label in labels if label.isalpha() and label.isascii()]
         assert all(word in texts[draw.__name__] for word in words), draw.__name__
+
+
+def blocks(kind):
+    """Blocks of the manual that are shown and not run when it is built."""
+    return [
+        pytest.param(text, id=f"{page.stem} {i}") for page in sorted((ROOT / "docs").glob("*.md"))
+        for i, text in enumerate(
+            re.findall(rf"^```{kind}\n(.*?)^```", page.read_text("utf-8"), re.S | re.M))
+    ]
+
+
+@pytest.mark.parametrize("block", blocks("sh"))
+def test_commands_of_the_manual_take_their_options(block, monkeypatch):
+    from rodimpact.cli import main
+
+    for line in block.replace("\\\n", " ").splitlines():
+        program, *arguments = shlex.split(line.partition(">")[0], comments=True) or [""]
+        if program == "rodimpact":
+            command = importlib.import_module(f"rodimpact.cli.{arguments[0]}")
+            monkeypatch.setattr(command, "run", lambda given: ("", 0))
+            assert main(arguments) == 0
+
+
+@pytest.mark.parametrize("block", blocks("python"))
+def test_python_of_the_manual_runs(block, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    rods = [rodimpact.Rod(np.array([0.2, 0.4]), area=1e-4, material=rodimpact.materials.steel,
+                          velocity=1.0), rodimpact.Wall()]
+    family = rodimpact.System(rods)
+    Path("case.toml").write_text(rodimpact.write_case(family[0]), "utf-8")
+    bar = SimpleNamespace(n=0, update=lambda n: None)
+    exec(block, {"ri": rodimpact, "np": np, "family": family,
+                 "tqdm": lambda total: contextlib.nullcontext(bar)})
+
+
+@pytest.mark.parametrize("block", blocks("toml"))
+def test_case_files_of_the_manual_are_read(block):
+    if block.startswith("schema"):
+        assert rodimpact.parse_case(block).system.bodies
+    else:
+        assert tomllib.loads(block)
