@@ -79,8 +79,8 @@ def parse(text: str | float | int, dimension: str) -> float:
         A decimal number with a unit ("200 GPa"), or a bare number, taken to be in SI units
         already.
     dimension : str
-        What the quantity must be: a key of `UNITS`, such as "length" or "pressure", or a compound
-        unit that stands there under none, such as "N/m^p", and is then the only one.
+        A key of `UNITS`, such as "length" or "pressure"; or a compound unit that is not in `UNITS`,
+        such as "N/m^p". Then no other unit is allowed.
 
     Returns
     -------

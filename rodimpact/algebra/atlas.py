@@ -50,7 +50,7 @@ class Region(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Atlas:
-    """The plane of two numbers of a case, in regions with a formula each.
+    """The plane of two numbers of a case, divided into regions with one formula each.
 
     Attributes
     ----------
@@ -58,12 +58,11 @@ class Atlas:
     x, y : (str, float, float)
         Path, lowest and highest value.
     cells : list of Cell
-        They do not overlap, but where they have the same formula.
+        They overlap only where they have the same formula.
     region : [cell] list of int
     borders : [point, 2] array
         Places where the formula changes, on the lines of a lattice; exact to round-off. Where
-        inequalities vanish to a high order, so that floats do not tell them, it is solved on
-        fractions in between.
+        floats cannot tell the sign of an inequality, fractions are used.
     between : [point, 2] array of int
         The regions there, -1 for what is unresolved.
     lines : [line, 2, 2] array

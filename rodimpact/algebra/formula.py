@@ -84,9 +84,9 @@ def closed_form(
 ) -> ClosedForm:
     """Solve a collision in symbols.
 
-    Where the system lies on borders between cells, the formula is that of the cell into which its
-    chosen numbers lead as they grow, the later ones by the larger shares: twice those of the first
-    for the last. The other formulas that meet there are the `sides`.
+    A system may lie on the border of several cells. Then the formula belongs to the cell that is
+    reached if the chosen numbers grow, each by a larger share than the one before it; the last
+    grows twice as fast as the first. The formulas of the other cells are the `sides`.
 
     Parameters
     ----------
@@ -101,8 +101,8 @@ def closed_form(
     max_events : int
         Cap on the events of a run.
     progress : function, optional
-        Called while it takes long, here or when conditions are asked for or printed, with the
-        polynomials that are done, and how many there are.
+        Called during long work with the number of polynomials that are done, and of all. The work
+        may be here, or later when conditions are computed or printed.
 
     Raises
     ------
@@ -152,8 +152,8 @@ class ClosedForm:
     sides : tuple of ClosedForm
         Formulas of the other cells, if the numbers of the system lie on a border between them.
     unsolved : bool
-        Whether there are more sides, where the collision is not over after `max_events`, or
-        beyond the cap on cells.
+        Whether there are more sides: cells in which the collision is not over after `max_events`,
+        or cells beyond the cap.
 
     Examples
     --------

@@ -32,8 +32,8 @@ class Exact:
     contact_times : tuple of tuple of (Fraction, Fraction)
         At each contact, when its force began and ended, in units of `time_unit`.
     time_unit : float
-        s. It is 1 where wave speeds are rational or transit times are given; else the time in
-        which a wave runs 1 m in the first rod, which may be irrational and is all that is rounded.
+        s. It is 1 if wave speeds are rational or transit times are given. Otherwise it is the time
+        in which a wave runs 1 m in the first rod. Only this number may be rounded.
 
     Examples
     --------

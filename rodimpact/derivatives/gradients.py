@@ -41,12 +41,12 @@ def gradient(
     system: System, of: str = "restitution", wrt: Sequence[str] = (), *,
     max_events: int = MAX_EVENTS, workers: int | None = None,
 ) -> Gradient:
-    """Exact derivatives of what a collision adds up to, for what the method "fronts" can solve.
+    """Exact derivatives of results of a collision, for systems that the method "fronts" can solve.
 
-    The derivatives follow the events of the collision, to round-off. Where two events meet that a
-    number moves apart, the quantity is differenced on both sides, to eight digits or more. So are
-    families of more than 64 members; members whose differences on both sides do not agree are
-    followed.
+    The derivatives follow the events of the collision and are exact to round-off. If two events
+    happen at one time, finite differences are taken on both sides, right to eight digits or more.
+    Families of more than 64 members use finite differences as well. Members where the differences
+    on both sides disagree are followed one by one.
 
     Parameters
     ----------

@@ -14,23 +14,23 @@ from ..units import format_si, shown
 
 
 class Kink(NamedTuple):
-    """Where a derivative differs on both sides, or is known on one side only.
+    """A place where a derivative differs on both sides, or is known on one side only.
 
-    Each a number, or for a family an array of its shape.
+    Each attribute is a number, or an array of the shape of a family.
 
     Attributes
     ----------
     below, above : float
-        Derivatives on the side of smaller and of larger numbers; nan where there is nothing, as
-        below a gap of 0.
+        Derivatives on the side of smaller and of larger numbers; nan on a side that does not exist,
+        such as below a gap of 0.
     jump : float
-        By how much the quantity itself is larger above.
+        The quantity above minus the quantity below.
     time : float
-        Of the first event that comes otherwise on one of the sides, s; nan where there is no kink.
+        Time of the first event that differs between the sides, s; nan without a kink.
     node : int
-        Where that is: 0 is the left end of the row, and then come the joints of its segments.
+        Place of this event: 0 is the left end of the row, then come the joints of its segments.
     event : str
-        What it is; empty where there is no kink.
+        What happens there; empty without a kink.
 
     Examples
     --------
@@ -54,7 +54,7 @@ class Kink(NamedTuple):
 
 @dataclass(frozen=True)
 class Gradient:
-    """Derivatives of what a collision adds up to; as an array, [..., path].
+    """Derivatives of a result of a collision; as an array, [..., path].
 
     Attributes
     ----------

@@ -173,7 +173,7 @@ def striker(
         Of the striker at most, from 1 to 50. Where fewer meet the pulse better, it has fewer; so
         more segments never meet it worse. Ten take about two seconds, forty a minute.
     area_ratio : (float, float)
-        Smallest and largest area of a segment over that of the bar. By default diameters go from a
+        Smallest and largest area of a segment over that of the bar. By default diameters are from a
         third to one and a half times that of the bar, which a lathe can make.
     material : Material, optional
         Of the striker; by default that of the bar.

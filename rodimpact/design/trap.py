@@ -29,30 +29,30 @@ ROUND_OFF = 1e-9  # of times and displacements
 def momentum_trap(
     system: System, *, until: float, after: float = 0.0, material: Material | None = None
 ) -> PulseDesign:
-    """Find the rod behind a row that takes what arrives at its right end after the first pulse.
+    """Find the rod behind a row that takes the waves that arrive there after the first pulse.
 
     Parameters
     ----------
     system : System
-        The row without the trap; a rod with a free right end is the last of it.
+        The row without the trap. Its last body is a rod with a free right end.
     until : float
-        To when it is to take what arrives, s: before the first wave arrives that it is to leave.
+        The trap takes all waves that arrive up to this time, s.
     after : float
-        When the first pulse has gone from the right end, s; 0 for a trap that takes it, too.
+        Time at which the first pulse has left the right end, s; 0 for a trap that takes it, too.
     material : Material, optional
         Of the trap; by default that of the bar. Its area makes the impedance equal.
 
     Returns
     -------
     PulseDesign
-        `wanted` and `reached` are the wave that runs back from the right end into the bar, N, which
-        is to be 0 from `after` on; `misfit` is what it is then, over the largest that arrives.
+        `wanted` and `reached` are the wave that runs back from the right end into the bar, N. From
+        `after` on it should be 0; `misfit` is its size then, over the largest wave that arrives.
 
     Raises
     ------
     InvalidModel or ValueError
-        If an argument is not what it should be, the right end has been beyond its place at `after`
-        before, so that it would have hit the trap, or nothing that pushes arrives in that time.
+        If an argument is wrong; if the right end would have hit the trap before `after`; or if no
+        pushing wave arrives between `after` and `until`.
 
     Examples
     --------

@@ -63,17 +63,17 @@ class Options:
     until : float, optional
         Time to run to, s; by default until it is proved that the collision is over.
     method : str
-        Its name, or ``"auto"``.
+        Name of the method, or ``"auto"``.
     max_events : int
         Cap on arrivals of waves at ends.
     dt : float, optional
         Time step of a grid, s.
     rtol : float, optional
-        By how much the outcome may be wrong, relative; not for fronts.
+        Relative error of the outcome that is accepted; not for fronts.
     cells : int, optional
-        Of a grid, in the segment with the longest transit.
+        Cells of a grid in the segment with the longest transit time.
     snapshots : int or array_like, optional
-        How many states of a grid to keep, or at which times, s.
+        Number of states of a grid to keep, or the times at which to keep them, s.
 
     Raises
     ------

@@ -134,14 +134,14 @@ class Moved(_Driven):
 class Incoming(_Driven, Absorbing):
     """The rod goes on for ever, and a wave comes in from there, such as a measured pulse.
 
-    It adds to what the initial state of the rod has there. What comes to the end leaves, as from an
-    absorbing end.
+    The wave is added to the initial state of the rod. Waves that reach the end leave the rod, as at
+    an absorbing end.
 
     Parameters
     ----------
     value : float, array, Steps, Samples or function
-        Strain of the incoming wave at the end over time, s, as a gauge there would show it if
-        nothing came back: negative for a pulse that compresses, at both ends. `Steps` take times
+        Strain of the incoming wave alone, at the end, over time in s: negative for a pulse that
+        compresses, at both ends. `Steps` take times
         for `at`, `Samples` need their `step`; a function of time is sampled.
     duration : float, optional
         s, for a function only: it is sampled at 4097 times from 0 to this, and its last value holds

@@ -349,9 +349,9 @@ class PowerLaw(_Compliant):
 class Yielding(_Compliant):
     """A spring that yields: specimens, pulse shapers and soft ends.
 
-    F = k d up to the yield force, then F rises by `hardening` times d. What unloads follows the
-    first stiffness, and what loads again follows it back up to the peak force so far. The faces
-    have moved for good then: d, and the gap of the contact, count from where they are.
+    F = k d up to the yield force. Beyond it the slope of F over d is `hardening`. Unloading and
+    loading again follow the stiffness k, up to the peak force so far. The yielding is permanent: d
+    and the gap of the contact count from the new place of the faces.
 
     Parameters
     ----------

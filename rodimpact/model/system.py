@@ -221,7 +221,7 @@ class System(Frozen):
         Raises
         ------
         InvalidModel
-            If something is lost on the way or comes from outside, so that no film runs backwards:
+            If the motion has losses or is driven, so it cannot be reversed in time:
             damping, a restitution below 1, absorbing or driven ends.
         """
         problems: Problems = []

@@ -25,12 +25,12 @@ TOGETHER = 4096  # rows that are made at a time
 
 @dataclass(frozen=True)
 class Gauge:
-    """Record of a strain gauge, with an entry for each jump, or state of a grid, at least.
+    """Record of a strain gauge.
 
-    Strain and velocity are constant between jumps of fronts. Where waves change smoothly, straight
-    lines from entry to entry follow each wave to 5e-5 of its range, and jumps are among the
-    entries. Entries of a grid are those of its times. `strain_at` and `signal` know the strain at
-    all times, on a grid by a straight line to the next entry.
+    With the method "fronts" there is an entry for each jump, and strain and velocity are constant
+    in between. Where waves change smoothly, straight lines between entries have an error of 5e-5 of
+    the range of each wave at most, and all jumps are entries. A grid has an entry for each state
+    that it keeps. `strain_at` and `signal` give the strain at all times.
 
     Attributes
     ----------

@@ -56,8 +56,8 @@ class Outcome:
     masses : tuple of float
         kg, with the transit times in use; infinite for a wall.
     velocities_before, velocities_after : tuple of float
-        Of the centres of mass, m/s; rods bonded to a wall have the wall's, about which they swing,
-        those between two walls of different velocity their own.
+        Of the centres of mass, m/s. A rod that is bonded to a wall has the velocity of the wall. A
+        rod between two walls of different velocities has its own velocity.
     kinetic_before, kinetic_after : float
         Energy of the motion of the centres of mass, J.
     vibration_before, vibration_after : tuple of float
@@ -69,12 +69,12 @@ class Outcome:
     wall_work : float
         Work done by moving walls, J.
     momentum_residual, energy_residual : float
-        What is missing in the balance of the waves left at the end, relative to the total absolute
-        momentum and to the energy that took part.
+        Momentum and energy that are missing in the balance at the end, over the sum of absolute
+        momenta and over the energy that took part.
     final : bool
         Whether it is proved that no contact can happen again.
     status : str
-        Why the run ended, and what to do if that is not enough.
+        Why the run ended, and the remedy if it ended too early.
     contact_energy : float
         Stored in compliant contacts and joints at the end, J.
     contact_energy_before : float

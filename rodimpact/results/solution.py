@@ -51,12 +51,12 @@ class Solution:
     final : bool
         Whether it is proved that no contact can happen again.
     t_final : float
-        When the last contact ended, s: its gap opened, or its force ended where bodies rest against
-        each other from then on. 0 if nothing collides, inf if a contact presses for ever, nan
-        without proof that no contact follows, and where `until` comes before the gap opens.
+        When the last contact ended, s: its gap opened, or its force ended and the bodies rest
+        against each other. 0 if nothing collides, inf if a contact presses for ever. nan without
+        proof that no contact follows, and if `until` comes before the gap opens.
     t_proved : float
-        When the run proved that no contact can follow, s; nan without proof. With `until` that is
-        asked at the end only.
+        When the run proved that no contact can follow, s; nan without proof. With `until` the
+        proof is tried at the end only.
     stopped_by : str
         ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``.
     status : str
@@ -66,17 +66,16 @@ class Solution:
     until : float or None
         The end that was asked for, s.
     transit_error : float
-        Largest relative change of a transit time by its rounding to the clock; `accuracy` has what
-        becomes of it in the outcome.
+        Largest relative change of a transit time by its rounding to the clock. `accuracy` includes
+        its effect on the outcome.
     events : int
         Fronts: arrivals at ends. Characteristics: steps of contacts and ends. A grid: its time
         steps times contacts and ends.
     accuracy : dict of str to float
-        Stated error of each measure of the outcome, relative to its largest value, of velocities
-        to their scale. Empty where the method is exact, or cells or the step were given. On a grid
-        those of the duration, which depends on faint forces, and of the peak force, which
-        overshoots beside jumps, may exceed rtol (inf where a finer grid always finds a larger
-        force).
+        Stated relative error of velocities, impulses, peak forces, durations and times. Empty
+        where the method is exact, or where cells or the step were given. On a grid two of them may
+        exceed rtol: the duration, which depends on weak forces, and the peak force, which
+        overshoots beside jumps. inf means that a finer grid always finds a larger force.
     fields : Fields
     method : str
 
@@ -361,14 +360,14 @@ class Solution:
         Gaps, velocities and strains are those just after t, and the stretch of joints; the gap of a
         compliant contact that is pressed is minus its overlap. The clock starts anew. Along a rod
         the state is exact where it is constant between jumps. Where it changes smoothly it becomes
-        `Samples`: 1025 to 65 537 values, with straight lines between them that follow the waves to
-        1e-10 of the largest one if so many are enough. There a jump becomes a straight line over
-        two samples, which keeps momentum and stretch. On a grid the state is constant in each cell.
+        `Samples`: 1025 to 65 537 values with straight lines between them. The aim is an error of
+        1e-10 of the largest wave. There a jump becomes a straight line over two samples, which
+        keeps momentum and stretch. On a grid the state is constant in each cell.
 
         Raises
         ------
         ValueError
-            Where an end is driven by a function of time: a system cannot begin like that.
+            If an end is driven by a function of time; the new system would begin within it.
         """
         tick = int(self.fields.to_ticks(single("t", t, "s", "")))
         for side, end in zip(("left", "right"), self.system.ends, strict=True):

@@ -28,35 +28,36 @@ def solve(
     system : System
         A single collision, of shape ().
     until : float, optional
-        Time to run to, s. By default the run goes on until it is proved that no contact can happen
-        again, and one round trip of the longest rod more.
+        End of the run, s. By default the run ends one round trip of the longest rod after the proof
+        that no contact can happen again.
     method : str
         ``"fronts"``: exact wave-front tracking. ``"characteristics"``: waves are polynomial pieces
         in time, and there is no time step; has rigid masses, compliant contacts, joints, gravity,
         smooth initial states and drives. ``"finite-difference"``: a staggered grid; has damping,
         tapered rods and lateral inertia as well. ``"auto"`` takes the first that can do the job.
     max_events : int
-        Cap on the work, after which the run gives up; `Solution.status` then says so. Fronts count
-        arrivals at ends, characteristics the steps of contacts and ends, a grid its time steps
-        times contacts and ends where `until` is not given.
+        Cap on the work. If it is reached, `Solution.status` says so. "fronts" counts arrivals at
+        ends, "characteristics" the steps of contacts and ends. "finite-difference" counts time
+        steps times contacts and ends, if `until` is not given.
     dt : float, optional
-        Time step of "finite-difference", s; less where `until` is no multiple of it. By default it
-        is chosen, and divided until the outcome stands still.
+        Time step of "finite-difference", s. It is shortened if `until` is no multiple of it. By
+        default it is chosen, and divided until the outcome no longer changes.
     rtol : float, optional
         Relative accuracy: 1e-8 by default for "characteristics", 1e-3 for "finite-difference", of
-        velocities and impulses. "fronts" is exact but for round-off and takes none, so that "auto"
-        takes "characteristics" where this is given. `Solution.accuracy` has what was reached.
+        velocities and impulses. "fronts" is exact to round-off and takes no rtol, so "auto" chooses
+        "characteristics" if it is given. `Solution.accuracy` states the errors that were reached.
     cells : int, optional
-        Of the segment with the longest transit, for "finite-difference"; each other one gets as
-        many as its waves cross in whole steps. By default doubled until the outcome stands still.
+        For "finite-difference": cells of the segment with the longest transit time. The cells of
+        each other segment follow from the time step. By default the number is doubled until the
+        outcome no longer changes.
     snapshots : int or array_like, optional
-        For "finite-difference": how many states to keep at most, at equal distances, or the times
-        at which to keep them, s. Between them fields change evenly, and energies are those of the
-        nearest one. By default all steps, as far as they fit into 64 MB. `dt`, `cells` and
-        `snapshots` do not choose that method: where "auto" takes another one they are refused.
+        For "finite-difference": the largest number of states to keep, at equal intervals, or the
+        times at which to keep them, s. Fields are interpolated between states; energies are those
+        of the nearest state. By default all steps are kept, up to 64 MB. `dt`, `cells` and
+        `snapshots` do not choose the method: if "auto" takes another one, they are refused.
     progress : function, optional
-        Called during long runs with the steps, or the events of "fronts", that are done, and about
-        how many there will be; "characteristics" does not call it. A bar of tqdm takes
+        Called during long runs with the number of steps (events of "fronts") that are done, and an
+        estimate of all. "characteristics" does not call it. A bar of tqdm takes
         ``lambda done, of: bar.update(done - bar.n)``.
 
     Returns
@@ -72,7 +73,7 @@ def solve(
     Warns
     -----
     LongRun
-        Before a run takes five seconds, with what takes less.
+        If a run will take five seconds or more; the message says how to shorten it.
 
     Examples
     --------

@@ -116,11 +116,11 @@ def sweep(
     progress : callable, optional
         Called with the number of collisions done and of all, twice a second or more often.
     on_error : "record" or "raise"
-        What to do about a member that cannot be solved, or is stopped by the cap on events or the
-        clock: go on, with its `status` and what is known of it, or raise.
+        For a member that cannot be solved, or that the cap on events or the clock stops:
+        "record" keeps its `status` and the known results and goes on, "raise" raises.
     checkpoint : path, optional
-        Directory that keeps finished chunks, strains included, so that a sweep that was interrupted
-        goes on where it was.
+        Directory for finished chunks, strains included. A sweep that was interrupted continues
+        from there.
 
     Returns
     -------
@@ -140,12 +140,12 @@ def sweep(
     DamagedChunks
         If the checkpoint has files that are not what was written; their members are run again.
     LongRun
-        As soon as it is known that the sweep takes more than five seconds, with what takes less.
+        If the sweep will take more than five seconds; the message says how to shorten it.
 
     Notes
     -----
-    An executor gets jobs of some two seconds, as many as it has workers and as many again. An
-    interrupt cancels those that wait; what runs ends within seconds, or with its present member.
+    An executor gets jobs of about two seconds, at most two for each worker at a time. An interrupt
+    cancels jobs that wait. Jobs that run end within seconds, or with their present member.
     Processes, dask, and MPI, started by ``mpiexec -n 65 python -m mpi4py.futures program.py``::
 
         with ProcessPoolExecutor() as pool:  # under if __name__ == "__main__":

@@ -24,8 +24,8 @@ def by_dimension(*arrays: Any) -> tuple[Floats, ...]:
     Returns
     -------
     tuple of array
-        As many as were given, in SI units. They broadcast: there is an axis for each name, in the
-        order in which the names come, of length 1 in arrays that do not have it.
+        One for each argument, in SI units. They broadcast: each dimension is an axis, in the order
+        of first appearance. The axis has length 1 in arrays without this dimension.
 
     Raises
     ------
