@@ -25,13 +25,13 @@ from ..storage.casefile import read_case
 from ..storage.tables import align, as_json
 from ..units import format_si
 from .asking import attempt, check_outputs, named, write
-from .gauge_places import FORM, add_gauge_option, gauge_places
+from .gauge_places import FORM, gauge_places
 from .progress import progress_bar, solved, status_of
 from .record_options import (
     RECORD,
+    add_case_and_record,
     add_record_options,
     bridge_of,
-    check_channels,
     given_numbers,
     read_record,
 )
@@ -53,12 +53,7 @@ class Laid(NamedTuple):
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """A case, a record and how to read it, what to compare, what to write, how far to go."""
-    parser.add_argument("case", metavar="CASE.toml", help="the case file")
-    parser.add_argument("record", metavar="RECORD.csv", help="the record, as text")
-    add_gauge_option(parser, "a channel of the record and its place")
-    parser.add_argument("--json", action="store_true", help="print JSON")
-    parser.add_argument("--save", metavar="FILE", help="draw it: .png, .svg or .pdf")
-    parser.add_argument("--force", action="store_true", help="replace an existing file")
+    add_case_and_record(parser)
     compared = parser.add_argument_group("what is compared")
     for name, metavar, what in (
         ("start", "TIME", "of the part of the record; by default all"),
@@ -84,14 +79,12 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
         message = f"is missing; {FORM} gives a channel and the place of its gauge, as [[gauges]]"
         problems.append(("--gauge", f"{message} of the case do, with a name"))
     numbers = given_numbers(problems, arguments, _DIMENSIONS)
-    for name in ("rate", "radius"):
-        if numbers.get(name, 1.0) <= 0:
-            problems.append((f"--{name}", f"must be positive, got {numbers[name]!r}"))
+    if numbers.get("radius", 1.0) <= 0:
+        problems.append(("--radius", f"must be positive, got {numbers['radius']!r}"))
     if "radius" in numbers and "carried" not in numbers:
         problems.append(("--radius", "goes with --carried"))
     bridge = bridge_of(problems, arguments, numbers)
-    signals = read_record(problems, arguments, numbers)
-    check_channels(problems, places, signals)
+    signals = read_record(problems, arguments, numbers, places)
     files = {"--save": arguments.save}
     check_outputs(problems, files, arguments.force, figure="--save")
     assert case is not None  # or there were problems

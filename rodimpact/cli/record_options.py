@@ -12,6 +12,7 @@ from ..records.bridge import ALONG, Bridge
 from ..records.reading import read_signals
 from ..records.signal import Signal
 from .asking import attempt, quantity
+from .gauge_places import add_gauge_option
 from .options import flag
 from .progress import progress_bar
 
@@ -21,6 +22,16 @@ RECORD = {"rate": "frequency", **_BRIDGE}
 """Dimensions of the numbers among these options."""
 _OPTIONS = {"time": "--time", "time_unit": "--time-unit", "rate": "--rate", "units": "--unit",
             "decimal": "--decimal", "kind": "--bridge"}
+
+
+def add_case_and_record(parser: argparse.ArgumentParser) -> None:
+    """The case, the record, where its gauges are, and what becomes of it."""
+    parser.add_argument("case", metavar="CASE.toml", help="the case file")
+    parser.add_argument("record", metavar="RECORD.csv", help="the record, as text")
+    add_gauge_option(parser, "a channel of the record and its place")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument("--save", metavar="FILE", help="draw it: .png, .svg or .pdf")
+    parser.add_argument("--force", action="store_true", help="replace existing files")
 
 
 def add_record_options(parser: argparse.ArgumentParser) -> None:
@@ -51,16 +62,6 @@ def given_numbers(
     }
 
 
-def check_channels(
-    problems: Problems, wanted: Iterable[str], signals: Mapping[str, Signal]
-) -> None:
-    """Note the gauges for which the record, if it was read, has no channel."""
-    for name in wanted if signals else ():
-        if name not in signals:
-            message = f"the record has no channel {name!r}; {nearest(name, signals)}"
-            problems.append((f"--gauge {name}", message))
-
-
 def bridge_of(
     problems: Problems, arguments: argparse.Namespace, numbers: dict[str, float]
 ) -> Bridge | None:
@@ -78,9 +79,10 @@ def bridge_of(
 
 
 def read_record(
-    problems: Problems, arguments: argparse.Namespace, numbers: dict[str, float]
+    problems: Problems, arguments: argparse.Namespace, numbers: dict[str, float],
+    wanted: Iterable[str],
 ) -> dict[str, Signal]:
-    """Channels of the record; none, and why, if it cannot be read."""
+    """Channels of the record; none, and why, if it cannot be read, or lacks one that is wanted."""
     by_channel = dict(text.rsplit("=", 1) for text in arguments.unit if "=" in text)
     for_all = [text for text in arguments.unit if "=" not in text]
     if for_all and len(arguments.unit) > 1:
@@ -90,7 +92,7 @@ def read_record(
     units: Any = for_all[0] if for_all else by_channel or None
     try:
         with progress_bar("characters") as bar:
-            return attempt(
+            signals = attempt(
                 problems, read_signals, arguments.record, time=arguments.time,
                 time_unit=arguments.time_unit, rate=numbers.get("rate"), units=units,
                 decimal=arguments.decimal, progress=bar, options=_OPTIONS,
@@ -98,3 +100,8 @@ def read_record(
     except OSError as error:
         problems.append((arguments.record, f"cannot be read: {error.strerror or error}"))
         return {}
+    problems += [
+        (f"--gauge {name}", f"the record has no channel {name!r}; {nearest(name, signals)}")
+        for name in wanted if signals and name not in signals
+    ]
+    return signals

@@ -22,13 +22,13 @@ from ..records.signal import Signal
 from ..storage.casefile import read_case
 from ..storage.tables import as_json
 from .asking import attempt, check_outputs, named, write
-from .gauge_places import FORM, Places, add_gauge_option, gauge_places
+from .gauge_places import FORM, Places, gauge_places
 from .options import flag
 from .record_options import (
     RECORD,
+    add_case_and_record,
     add_record_options,
     bridge_of,
-    check_channels,
     given_numbers,
     read_record,
 )
@@ -38,13 +38,8 @@ _SPECIMEN = {"length": "length", "diameter": "length", "area": "area", "youngs_m
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The bars, the record, the specimen, and what to write."""
-    parser.add_argument("case", metavar="CASE.toml", help="the case file with the bars")
-    parser.add_argument("record", metavar="RECORD.csv", help="the record, as text")
-    add_gauge_option(parser, "a channel of the record and its place")
-    parser.add_argument("--json", action="store_true", help="print JSON")
+    add_case_and_record(parser)
     parser.add_argument("--csv", metavar="FILE", help="write all columns over time")
-    parser.add_argument("--save", metavar="FILE", help="draw it: .png, .svg or .pdf")
-    parser.add_argument("--force", action="store_true", help="replace existing files")
     specimen = parser.add_argument_group("the specimen")
     specimen.add_argument("--length", metavar="LENGTH", help="before the shot")
     specimen.add_argument("--diameter", metavar="LENGTH", help="of a round one, or")
@@ -72,8 +67,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     if {body - first for body, _ in places.values()} != {0, 1}:
         message = f"give {FORM} for one gauge or two on each of two neighbouring rods"
         problems.append(("--gauge", message))
-    signals = read_record(problems, arguments, numbers)
-    check_channels(problems, places, signals)
+    signals = read_record(problems, arguments, numbers, places)
     problems += [
         ("--bridge", f"is missing; the channel {name!r} is in {signals[name].unit}, no strain")
         for name in places if bridge is None and name in signals and signals[name].unit

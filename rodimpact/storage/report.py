@@ -6,6 +6,7 @@ JSON gives every digit, and null where there is no such number.
 from __future__ import annotations
 
 import math
+from dataclasses import fields
 from typing import Any
 
 from ..model.numbering import body_names, contact_names
@@ -20,11 +21,6 @@ ENERGIES = {
     "numerical": "lost to the grid", "radiated": "gone through absorbing ends",
 }
 """What tables, figures and the page call the entries of an energy ledger."""
-BALANCE = (
-    "kinetic_before", "kinetic_after", "contact_energy", "contact_energy_before", "dissipated",
-    "damped", "numerical", "radiated", "wall_work", "drive_work", "gravity_work",
-    "momentum_residual", "energy_residual",
-)
 
 
 def outcome_table(outcome: Any) -> str:
@@ -296,7 +292,7 @@ def _outcome(o: Any) -> dict[str, Any]:
         ],
         "restitution": None if reason else finite(o.restitution),
         "restitution_undefined": reason or None,
-        **{name: finite(getattr(o, name)) for name in BALANCE},
+        **{of.name: finite(getattr(o, of.name)) for of in fields(o) if of.type == "float"},
         "final": o.final,
         "status": o.status,
     }
