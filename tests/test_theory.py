@@ -145,13 +145,6 @@ def test_equal_up_to_round_off_is_equal():
         assert theory.saint_venant_force(2.0, Z, 1.0, 0.3, 2.0) == 0.0
 
 
-def test_duration_jumps_where_the_short_rod_becomes_the_stiffer_one():
-    soft, stiff = (theory.saint_venant(Z, 1.0, 1.0, 2.0) for Z in (1 - 1e-12, 1 + 1e-12))
-    assert (soft.duration, soft.opening) == (2.0, 2.0)
-    assert (stiff.duration, stiff.opening) == (4.0, 4.0)
-    assert soft.restitution == pytest.approx(stiff.restitution, abs=1e-11)
-
-
 @pytest.mark.parametrize("function", [theory.saint_venant, theory.rod_on_wall])
 def test_floats_for_numbers_and_arrays_for_arrays(function):
     scalars = [1, 2, 3, 4, 5][: 5 if function is theory.saint_venant else 3]
@@ -160,18 +153,6 @@ def test_floats_for_numbers_and_arrays_for_arrays(function):
     assert {value.shape for value in shaped} == {(2, 3)}
     assert type(theory.saint_venant_force(0, 1, 1, 1, 1)) is float
     assert theory.saint_venant_force(np.zeros((2, 1)), 1, 1, 1, np.ones(3)).shape == (2, 3)
-
-
-def test_no_floating_point_error():
-    Z = np.array([1e-12, 1.0, 3.0, 1e12])
-    T = np.array([[1e-9], [1.0], [3.0], [1e9]])
-    t = np.array([-1e9, -1.0, 0.0, 1.9])
-    with np.errstate(all="raise"):
-        pair = theory.saint_venant(Z, T, 1.0, 1.0)
-        force = theory.saint_venant_force(t[:, np.newaxis, np.newaxis], Z, T, 1.0, 1.0)
-        theory.rod_on_wall(Z, T, 1e-3)
-    assert all(np.isfinite(entry).all() for entry in pair)
-    assert np.isfinite(force).all()
 
 
 @pytest.mark.parametrize("bad", [0.0, -2.0, math.nan, math.inf])

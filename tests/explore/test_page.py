@@ -455,26 +455,6 @@ def test_the_picture_is_displaced_and_its_dashed_lines_have_the_slopes_of_the_ve
     }""")
 
 
-def drawn(page):
-    """The picture as SVG."""
-    with page.expect_download() as download:
-        page.click("#save-svg")
-    return Path(download.value.path()).read_text(encoding="utf-8")
-
-
-def test_the_contact_is_seen_in_the_stress_view_and_compression_is_said(visit):
-    page = visit()
-    wait_for_e(page, "0.4")
-    page.check("input[value=stress]")
-    sync_api.expect(page.locator("#least")).to_contain_text("MPa, compressed")
-    text = drawn(page)
-    assert text.count('stroke-width="3.5"') == 1
-    for words in ("<title>Rod 1 comes with 1", "displacements × 2000", "centres of mass", ">Rod 2<",  # noqa: RUF001
-                  ">2l₁/c<", "compressed"):
-        assert words in text
-    assert page.evaluate("shown.theme.wrong") not in text  # the line at the time that is shown
-
-
 @pytest.mark.parametrize(("width", "key"), [(1440, "unequal"), (390, "chain")])
 def test_a_print_is_one_page_on_white_without_controls(visit, width, key):
     page = visit(viewport={"width": width, "height": 800}, color_scheme="dark")

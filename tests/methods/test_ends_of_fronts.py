@@ -126,19 +126,6 @@ def test_a_steady_force_makes_staircases(side, area):
     assert solution.axial_force(0, near, t) == pytest.approx(-0.7, rel=1e-13)
 
 
-def test_a_driven_velocity_is_a_moving_wall_that_holds():
-    walled = ri.System([ri.Wall(0.4), rod(1.0), rod(0.75, -0.2, 2.0)],
-                       contacts=[ri.Bonded(), ri.Rigid()])
-    moved = ri.System(walled.bodies[1:], ends=(ri.Moved(0.4), ri.Free()))
-    a, b = ri.solve(walled, until=20.0), ri.solve(moved, until=20.0)
-    for one, other in zip(a.fields.signals[2:], b.fields.signals[2:], strict=True):
-        assert one.ticks.tolist() == other.ticks.tolist()
-        assert one.values + a.fields.clock.frame == pytest.approx(
-            other.values + b.fields.clock.frame, abs=1e-13)
-    assert b.outcome.drive_work == pytest.approx(a.outcome.wall_work, rel=1e-13)
-    assert b.outcome.contacts[0].impulse == pytest.approx(a.outcome.contacts[1].impulse, rel=1e-13)
-
-
 # Balances ----------------------------------------------------------------------------------------
 
 
@@ -258,15 +245,6 @@ def test_times_beyond_the_longest_transit_change_no_transit():
     assert f0 == 0.0
     assert t1 * run.clock.tick == pytest.approx(0.1 * np.pi, rel=1e-14)
     assert 3 * t2 == 70 * first  # the last jump is never reached
-
-
-def test_jumps_that_fall_into_one_tick_are_one():
-    at = [1e-18, 2e-18, 1.0]
-    velocity = ri.Moved(ri.Steps([5.0, 6.0, 1.0, 2.0], at))
-    run = tracked(ri.System([rod()], ends=(ri.Free(), velocity)), 50.0)
-    ticks, waves = zip(*from_outside(run, 5), strict=True)
-    assert [wave + run.clock.frame for wave in waves] == [1.0, 2.0]
-    assert ticks == (0, run.clock.ticks[1])
 
 
 # States, files, families -------------------------------------------------------------------------

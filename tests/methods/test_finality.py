@@ -218,19 +218,6 @@ def test_work_tallies_are_the_energy_handed_over():
         assert energy[1] - energy[0] == pytest.approx(gained - lost, abs=1e-12)
 
 
-def test_waves_that_coincide_after_a_gap_closed_leave_no_sliver():
-    """All times are simple fractions; the gap closes at a seventh of a transit."""
-    fast = ri.Material("fast", youngs_modulus=4.0, density=1.0)
-    row = ri.System(
-        [ri.Wall(-1.0), ri.Rod(6.0, area=1.0, material=M),
-         ri.Rod(8.0, area=1.0, material=fast, velocity=-3.0),
-         ri.Rod(4.0, area=0.5, material=fast, velocity=-2.0)],
-        [0.0, 3.0, 3.0], [ri.Bonded(), ri.Rigid(), ri.Rigid()],
-    )
-    solution = ri.solve(row, until=30 + 1 / 7)
-    assert solution.outcome.contacts[2].peak_force == pytest.approx(46 / 27, rel=1e-12)
-
-
 def test_a_vibrating_rod_alone_is_final_at_once():
     vibrating = ri.Rod(1.0, area=1.0, material=M, velocity=ri.Steps([1.0, -1.0], [0.5]))
     solution = ri.solve(ri.System([vibrating]))

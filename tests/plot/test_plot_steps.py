@@ -14,7 +14,6 @@ from matplotlib.figure import Figure
 import rodimpact as ri
 from rodimpact import plot
 from rodimpact.plot.moments import moments
-from rodimpact.plot.sampling import INTERVALS
 
 STEEL = ri.materials.steel
 
@@ -123,24 +122,6 @@ def test_masses_are_strips_of_the_width_that_the_label_names(solved):
     ends = picture.ends.get_segments()
     assert ends[4][:, 0] == pytest.approx(right[::-1, 0])  # the rod bonded to its right side
     assert plot.spacetime(solved["hopkinson"], axes()).masses == []
-
-
-@pytest.mark.parametrize("name", few_of(["hertz", "pushed"], ["pushed"]))
-def test_springs_keep_magnified_faces_apart(solved, name):
-    solution = solved[name]
-    assert min(contact.gap(np.linspace(0, solution.t_end, 99)).min()
-               for contact in solution.contacts) < 0
-    picture = plot.spacetime(solution, axes(), coordinates="lab")
-    assert "springs drawn long" in " ".join(picture.ax.get_xlabel().split())
-    assert "spring, pressed" in legend(picture.ax)
-    paths = picture.ends.get_segments()
-    for right, left in zip(paths[1:-1:2], paths[2::2], strict=True):
-        assert np.all(left[:, 0] - right[:, 0] > 0)
-    stages = plot.snapshots(solution, axes())
-    places = [path.get_extents() for path in stages.bars.get_paths()]
-    for a, b in itertools.pairwise(places):
-        assert a.y0 > b.y1 or b.x0 > a.x1 - 1e-9
-    assert "springs drawn long" in " ".join(stages.ax.get_xlabel().split())
 
 
 def test_borders_are_told_in_the_legend(solved):
@@ -272,16 +253,6 @@ def test_the_force_of_an_impact_is_named_a_mean(solved):
     assert "mean over" in label
     assert "ns" in label
     assert "mean" not in plot.contact(solved["masses"]).force_ax.get_ylabel()
-
-
-def test_long_records_are_drawn_with_few_points(solved):
-    solution = ri.solve(ROWS["hopkinson"][0], 7e-4)
-    drawn = plot.contact(solution)
-    values = drawn.forces[0].get_data().values
-    assert values.size <= 2 * INTERVALS + 2
-    assert values.max() * 1e3 == pytest.approx(solution.contacts[0].peak_force, rel=1e-3)
-    record = plot.gauge(solution.gauge(1, 0.5), axes())
-    assert record.strain.get_data().values.size <= 2 * INTERVALS + 2
 
 
 # Energy -----------------------------------------------------------------------------------------

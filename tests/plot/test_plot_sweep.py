@@ -8,7 +8,6 @@ import pytest
 from exhaustive import few_of
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.patches import StepPatch
 
 import rodimpact as ri
 from rodimpact import plot
@@ -173,20 +172,6 @@ def test_collisions_without_a_value_leave_a_gap():
     assert x.min() > 0
 
 
-def test_counts_are_steps_half_way_between():
-    areas = np.linspace(1.1, 2.6, 6)
-    result = ri.sweep(ri.System([rod(1.0, 1.0, area=1.0, material=UNIT), ri.Rod(segments=[
-        ri.Segment(2.0, areas, UNIT), ri.Segment(20.0, 10.0, UNIT)])]))
-    picture = plot.sweep(result, axes(), "episodes.0")
-    assert isinstance(picture.values, StepPatch)
-    values, edges, _ = picture.values.get_data()
-    assert values.tolist() == result.episodes.tolist()
-    assert set(values) == {1, 2}
-    assert edges == pytest.approx(np.linspace(1.1 - 0.15, 2.6 + 0.15, 7))
-    assert picture.ax.get_ylabel() == "episodes of contact"
-    assert all(float(tick).is_integer() for tick in picture.ax.get_yticks())
-
-
 def test_words_instead_of_codes(swept):
     picture = plot.sweep(swept["lengths"], axes(), "status")
     assert [t.get_text() for t in picture.ax.get_yticklabels()] == [
@@ -234,18 +219,6 @@ def test_a_map_has_a_cell_for_each_collision(swept):
     assert picture.ax.get_ylabel() == "area of rod 2 (mm²)"
     assert picture.colour_bar.ax.get_ylabel() == "coefficient of restitution e"
     assert picture.cells.get_rasterized()
-
-
-def test_borders_of_cells_do_not_pass_zero(swept):
-    picture = plot.sweep(swept["speeds"], axes())
-    corners = np.asarray(picture.cells.get_coordinates())
-    assert corners[0, :, 0] == pytest.approx(np.linspace(0.4375, 1.5625, 10))
-    assert corners[:, 0, 1] == pytest.approx(np.linspace(-1.25, 2.25, 8))
-    gaps = ri.sweep(ri.System([rod(column([0.1, 0.3, 0.5]), 1.0), rod()],
-                              gaps=[np.linspace(0, 1e-3, 5)]))
-    corners = np.asarray(plot.sweep(gaps, axes()).cells.get_coordinates())
-    assert corners[0, :, 0] == pytest.approx([0, 0.2, 0.4, 0.6])
-    assert corners[:, 0, 1] == pytest.approx([0, 0.125, 0.375, 0.625, 0.875, 1.125])
 
 
 def test_lines_of_equal_times_and_impedances(swept):
