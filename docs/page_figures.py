@@ -8,7 +8,6 @@ from __future__ import annotations
 import ast
 import contextlib
 import io
-import os
 import re
 import tempfile
 from collections.abc import Iterator
@@ -18,14 +17,19 @@ from typing import Any
 import rodimpact as ri
 
 HERE = Path(__file__).parent
-PAGES = ("student", "teacher", "researcher")
+PAGES = ("student", "teacher", "researcher", "experimenter")
 CELL = re.compile(
     r"^```\{code-cell\}\n(?P<options>(?::[^\n]*\n)*)(?P<code>.*?)^```\n"
     r"(?:\n!\[[^\]]*\]\(figures/(?P<figure>\w+)\.svg\))?", re.MULTILINE | re.DOTALL)
 
 
 def figures_of(page: str) -> Iterator[tuple[str, Any]]:
-    """Name of each committed figure of a page, and the picture that its cell shows."""
+    """Name of each committed figure of a page, and the picture that its cell shows.
+
+    Cells find the records of validation, and write, in the folder in which this runs.
+    """
+    if not Path("validation").exists():
+        Path("validation").symlink_to(HERE.parent / "validation")
     names: dict[str, Any] = {}
     for cell in CELL.finditer((HERE / f"{page}.md").read_text(encoding="utf-8")):
         if "%" in cell["code"].split(maxsplit=1)[0]:  # commands of a notebook or a shell
@@ -40,7 +44,6 @@ def figures_of(page: str) -> Iterator[tuple[str, Any]]:
 
 def main() -> None:
     """Draw every figure; what cells write lies in a folder that goes."""
-    os.environ["RODIMPACT_ROOT"] = str(HERE.parent)
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
         for name, picture in (figure for page in PAGES for figure in figures_of(page)):
             path = HERE / "figures" / f"{name}.svg"

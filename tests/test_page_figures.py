@@ -32,7 +32,7 @@ def parts(file):
 
 
 @pytest.mark.parametrize("page", [
-    page if page != "researcher" else pytest.param(page, marks=pytest.mark.exhaustive)
+    page if page in ("student", "teacher") else pytest.param(page, marks=pytest.mark.exhaustive)
     for page in page_figures.PAGES])
 def test_committed_figures_are_those_of_their_cells(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
