@@ -172,24 +172,20 @@ def results(replay: Replay) -> str:
     known = pair_theory(system)
     assert known is not None
     theory = known.collision()
-    e = o.restitution
     episode = replay.solution.contacts[0].episodes[0]
-
-    def energy(value: float) -> str:
-        return format_si(clean(value, o.kinetic_before), "J")
-
-    after = (f"{clean(v, 1.0):.6g} m/s" for v in o.velocities_after)
+    compared = (
+        ("contact force lasts", "s", o.duration, theory.duration),
+        ("gap opens after", "s", episode.opening - episode.start, theory.opening),
+        ("contact force", "N", o.peak_force, theory.peak_force),
+        ("energy left in vibration", "J", sum(o.vibration_after), theory.vibration_energy),
+    )
     table = align([
         ["", "found", "theory"],
-        ["coefficient of restitution e", f"{e:.9g}", f"{float(theory.restitution):.9g}"],
-        ["contact force lasts", format_si(o.duration, "s"), format_si(float(theory.duration), "s")],
-        ["gap opens after", format_si(episode.opening - episode.start, "s"),
-         format_si(float(theory.opening), "s")],
-        ["contact force", format_si(o.peak_force, "N"), format_si(float(theory.peak_force), "N")],
-        ["energy left in vibration", energy(sum(o.vibration_after)),
-         energy(float(theory.vibration_energy))],
-        *([f"velocity of the {name} afterwards", v, ""]
-          for name, v in zip(replay.names, after, strict=True)),
+        ["coefficient of restitution e", f"{o.restitution:.9g}", f"{theory.restitution:.9g}"],
+        *([name, *(format_si(clean(float(x), o.kinetic_before if unit == "J" else 0.0), unit)
+                   for x in numbers)] for name, unit, *numbers in compared),
+        *([f"velocity of the {name} afterwards", f"{clean(v, 1.0):.6g} m/s", ""]
+          for name, v in zip(replay.names, o.velocities_after, strict=True)),
         ["momentum balance, relative error", f"{abs(o.momentum_residual):.2g}", "0"],
         ["energy balance, relative error", f"{abs(o.energy_residual):.2g}", "0"],
     ])

@@ -136,12 +136,11 @@ def _check_case(problems: Problems, case: Case, drawn: str | None) -> None:
     if drawn is not None and case.varied and not 1 <= wide <= 2:
         message = f"a figure has one or two axes, and {wide} numbers vary; leave it out"
         problems.append(("--plot", message))
-    elif drawn == "restitution" and contacts != 1:
-        message = f"a figure shows e, and a row with {contacts} contacts has no e; name another"
-        problems.append(("--plot", f"{message} --quantity, such as velocity_after.0"))
-    elif drawn == "restitution" and driven(case.system):
-        message = "a figure shows e, which gravity or a driven end leaves undefined; name another"
-        problems.append(("--plot", f"{message} --quantity, such as velocity_after.0"))
+    elif drawn == "restitution" and (contacts != 1 or driven(case.system)):
+        why = ("which gravity or a driven end leaves undefined" if contacts == 1
+               else f"and a row with {contacts} contacts has no e")
+        remedy = "name another --quantity, such as velocity_after.0"
+        problems.append(("--plot", f"a figure shows e, {why}; {remedy}"))
 
 
 def _sweep(case: Case, options: dict[str, Any]) -> SweepResult:
