@@ -1,4 +1,4 @@
-"""A split Hopkinson bar: striker, incident bar, a spring for the specimen, transmitted bar.
+"""Pulses in Hopkinson bars: striker, incident bar, a spring for the specimen, transmitted bar.
 
 A striker of length L hits a bar of the same impedance Z at speed v: it stops dead, and a pulse of
 force F = Z v/2 and length 2 L/c runs off. Between two equal bars a spring of stiffness k transmits
