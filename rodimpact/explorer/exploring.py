@@ -45,6 +45,16 @@ class Page:
         The page.
     solution : Solution or None
         Solved by Python where the page cannot solve the collision by itself: the page shows it.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=steel)
+    >>> page = ri.explore(ri.System([left, right]))
+    >>> page.html.startswith("<!DOCTYPE html>"), page.solution
+    (True, None)
     """
 
     def __init__(self, html: str, solution: Solution | None) -> None:
