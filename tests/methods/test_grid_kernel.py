@@ -15,7 +15,7 @@ from rodimpact.methods.grid import contact_kernel as contacts
 from rodimpact.methods.grid import elimination_kernel as elimination
 from rodimpact.methods.grid.mesh import Mesh
 from rodimpact.methods.grid.method import _mesh_size
-from rodimpact.methods.grid.proof import finality_time, side_of
+from rodimpact.methods.grid.proof import finality_time, present, side_of
 from rodimpact.methods.grid.records import IMPLICIT, LINK, NODE, PER_STATE
 from rodimpact.methods.grid.run import GridRun, Keeper
 from rodimpact.methods.laws import Law
@@ -331,10 +331,10 @@ def test_an_end_is_where_the_proof_says_and_stays_within_its_bound(seed):
         solution = solution_of(run_row(turned, 400 * STEP))
         body = turned.bodies.index(rod) if not mirrored else len(row) - 1 - row.index(rod)
         run.advance(0)
-        V, _, _, d, bound = side_of(run, node, right_end)
+        V, _, _, d, bound = side_of(run, node, right_end, present(run))
         for end_ in (1, 7, 50, 51, 400):
             run.advance(end_)
-            now, _, _, then, limit = side_of(run, node, right_end)
+            now, _, _, then, limit = side_of(run, node, right_end, present(run))
             t = end_ * STEP
             moved = float(solution.displacement(body, x, t) - solution.displacement(body, x, 0.0))
             expected = (V + run.row.frame) * t + then - d

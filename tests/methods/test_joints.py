@@ -10,7 +10,7 @@ from scipy.linalg import expm
 import rodimpact as ri
 from rodimpact.methods.grid.mesh import Mesh
 from rodimpact.methods.grid.method import _mesh_size
-from rodimpact.methods.grid.proof import side_of
+from rodimpact.methods.grid.proof import present, side_of
 from rodimpact.methods.grid.run import GridRun, Keeper
 from rodimpact.methods.row import Row
 
@@ -93,7 +93,7 @@ def sides_of(system, steps):
     run = GridRun(Mesh(row, counts), step, Keeper(None), steps[-1])
     for j in steps:
         run.advance(j)
-        side = side_of(run, int(run.grid.link["left"][-1]), True)
+        side = side_of(run, int(run.grid.link["left"][-1]), True, present(run))
         found.append((side.mean + row.frame, side.deviation, side.bound))
     return found
 

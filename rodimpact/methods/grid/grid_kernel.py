@@ -90,24 +90,27 @@ def follow(grid: Any, track: Any, until: int) -> bool:
 
 def keep(grid: Any, track: Any) -> None:
     """Enter the state as it is at the end of a step."""
-    run, v, force, stiffness = grid.run[0], grid.velocity, grid.force, grid.stiffness
+    run, v, force, stiffness, lost = (
+        grid.run[0], grid.velocity, grid.force, grid.stiffness, grid.lost)
+    kept_velocity, kept_force, kept_place = track.velocity, track.force, track.place
     n, p, total = len(v), len(grid.piece), 0.0
-    nodes, cells, pieces = run.kept * n, run.kept * (n + 1), run.kept * p
+    nodes, cells, pieces = (
+        run.kept * n & FAR, run.kept * (n + 1) & FAR, run.kept * p & FAR)
     for i in range(n):
-        track.velocity[nodes + i] = v[i]
-    track.force[cells] = track.force[cells + n] = 0.0
+        kept_velocity[nodes + i] = v[i]
+    kept_force[cells] = kept_force[cells + n] = 0.0
     for i in range(1, n):
-        track.force[cells + i] = force[i] + stiffness[i] * (v[i] - v[i - 1]) / 2
+        kept_force[cells + i] = force[i] + stiffness[i] * (v[i] - v[i - 1]) / 2
     if run.swells > 0:
         for i in range(n + 1):
             q, rate = grid.strain[i], grid.rate[i]
-            track.force[cells + i] += grid.coupling[i] * rate / 2
+            kept_force[cells + i] += grid.coupling[i] * rate / 2
             track.radial[cells + i] = q + rate / 2
             track.radial_rate[cells + i] = rate
     for i in range(p):
-        track.place[pieces + i] = grid.piece[i].place
+        kept_place[pieces + i] = grid.piece[i].place
     for i in range(n + 1):
-        total += grid.lost[i]
+        total += lost[i]
     track.lost[run.kept] = total
 
 

@@ -239,7 +239,7 @@ class Mesh:
         """Whether each node is of such a piece."""
         return np.repeat(self.implicit, np.diff([*self.starts, len(self.mass)]))
 
-    @property
+    @cached_property
     def groups(self) -> list[tuple[int, int]]:
         """First and last node of all that hangs together: pieces, with the joints between them."""
         joined = {left for i, (left, _) in self.touching.items() if self.row.laws[i] == Law.JOINT}

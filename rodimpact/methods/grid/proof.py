@@ -14,6 +14,8 @@ import numpy as np
 
 from .. import abilities, finality_kernel
 from ..laws import Law
+from ..row import Array
+from .mesh import GridMotion
 from .run import GridRun
 
 
@@ -31,13 +33,13 @@ def finality_time(run: GridRun) -> float:
     """Time until it may be proved that nothing meets again, s: 0 if it is, inf if not as it is."""
     if abilities.driven(run.row.system):
         return math.inf
-    wait, tol = 0.0, float(run.grid.run["tolerance"][0])
+    wait, tol, now = 0.0, float(run.grid.run["tolerance"][0]), present(run)
     for place, (link, (left, right)) in enumerate(run.mesh.touching.items()):
         if run.row.laws[link] != Law.JOINT:
             gap = float(run.grid.link["gap"][place]) * run.step
             if gap < 0:
                 return math.inf
-            one, other = side_of(run, left, True), side_of(run, right, False)
+            one, other = side_of(run, left, True, now), side_of(run, right, False, now)
             reach = one.bound + other.bound
             wait = max(wait, finality_kernel.separation_time(
                 other.mean - one.mean, other.low - one.high,
@@ -45,12 +47,20 @@ def finality_time(run: GridRun) -> float:
     return wait
 
 
-def side_of(run: GridRun, node: int, right_end: bool) -> Side:
+def present(run: GridRun) -> tuple[GridMotion, Array]:
+    """The last state, and by how much cells are longer in it, m."""
+    motion = run.motion(slice(-1, None))
+    return motion, motion.stretches(run.step)[0]
+
+
+def side_of(
+    run: GridRun, node: int, right_end: bool, now: tuple[GridMotion, Array]
+) -> Side:
     """What the proof asks of a group that has this node at its right or left end.
 
     The end is half a step ahead of the cells, by no more than the velocity that the energy gives.
     """
-    mesh, motion, h = run.mesh, run.motion(slice(-1, None)), run.step
+    mesh, (motion, longer), h = run.mesh, now, run.step
     a, b = next((a, b) for a, b in mesh.groups if a <= node <= b)
     nodes, far = slice(a, b + 1), a if right_end else b
     m, v = mesh.mass[nodes], motion.velocity[0, nodes]
@@ -66,7 +76,7 @@ def side_of(run: GridRun, node: int, right_end: bool) -> Side:
     beyond = np.cumsum(m[:-1]) / m.sum()
     g = np.ones(b - a) if mesh.held[far] or Z else beyond if right_end else 1 - beyond
     energy = sum(motion.energies(nodes, m, 0, v - mean, h))
-    stretch, slack = motion.stretches(h)[0, a + 1 : b + 1], np.zeros(b - a)
+    stretch, slack = longer[a + 1 : b + 1].copy(), np.zeros(b - a)
     stiff = mesh.cells.relaxed[a + 1 : b + 1]
     slack[stiff > 0] = 1 / stiff[stiff > 0]
     loose = 0.0

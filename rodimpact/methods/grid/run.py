@@ -52,7 +52,7 @@ class Keeper:
             return np.unique(np.append(both[both <= end].astype(int), end))
         while end // self.stride + 2 > max(self.most, 3):
             self.stride *= 2
-        return np.unique([*range(0, end, self.stride), end])
+        return np.append(np.arange(0, end, self.stride), end)
 
 
 class GridRun:
@@ -64,8 +64,6 @@ class GridRun:
     clock : Clock
         Its tick is the step's `STEP_TICKS`-th part.
     grid : Grid
-    track : Track
-        [step, ...] and [state, ...] arrays of what was entered.
     proved : int
         Step at whose end the collision was proved final, -1 as long as it is not.
     stopped_by : str
@@ -89,11 +87,17 @@ class GridRun:
     ) -> None:
         self.mesh, self.step, self.row, self.keep = mesh, step, mesh.row, keep
         self.clock, self.estimates = clock_on(mesh, step), dict[str, float]()
-        self._ask(4 * self.round_trip if room is None else room)
+        self.room = self.kept = 0
+        self._ask(room or 4 * self.round_trip)
         keep.when(step, self.room)  # sets the distance of states, so that few are kept in vain
         self.grid = scheme.grid_of(mesh, step)
         self._overlaps = start.begin(mesh, step, self.grid)
-        self.track = self._blank(0, 0)
+        self._all = self._blank()
+
+    @property
+    def track(self) -> Track:
+        """What was entered of the steps taken and of the states kept."""
+        return self._rows(slice(0, self.steps), slice(0, self.kept))
 
     @property
     def steps(self) -> int:
@@ -127,9 +131,10 @@ class GridRun:
         what = f"a run of {steps:.4g} steps of {self.step:.3g} s with {states:.4g} states"
         ask(record + fields, field, what, remedy)
 
-    def _blank(self, steps: int, states: int) -> Track:
+    def _blank(self) -> Track:
         """Room for what the kernel enters."""
-        grid, n = self.grid, len(self.mesh.mass)
+        grid, n, steps = self.grid, len(self.mesh.mass), self.room
+        states = int(self.keep.count(self.mesh, steps))
         swollen = states, (n + 1) * self.mesh.swells
         return Track(
             np.empty((steps, len(grid.link)), SIGNAL), np.empty((steps, 2)),
@@ -138,6 +143,19 @@ class GridRun:
             np.empty((states, n + 1)), np.empty((states, len(grid.piece))), np.empty(swollen),
             np.empty(swollen),
         )
+
+    def _rows(self, steps: slice, states: slice) -> Track:
+        """Some of what there is room for."""
+        return Track(*(x[states if name in PER_STATE else steps]
+                       for name, x in self._all._asdict().items()))
+
+    def _drop(self, left: Array) -> None:
+        """Drop states that are not among those left."""
+        first = int(np.argmin(left))
+        for name in PER_STATE:
+            x = getattr(self._all, name)
+            x[first : left.sum()] = x[first : len(left)][left[first:]]
+        self.kept = int(left.sum())
 
     def advance(
         self, end: int, tell: Callable[[int], None] | None = None, ahead: float = 0.0
@@ -152,20 +170,20 @@ class GridRun:
             self._overlaps = []
         if end > self.room:
             self._ask(max(end, 2 * self.room))
+            old, self._all = self.track, self._blank()
+            for room, x in zip(self._all, old, strict=True):
+                room[: len(x)] = x
         when, first = self.keep.when(self.step, end), self.steps
         left = np.isin(self.track.when, when)
         if not left.all():
-            self.track = self.track._replace(
-                **{name: getattr(self.track, name)[left] for name in PER_STATE})
-        new = np.setdiff1d(when, self.track.when)
-        window = self._blank(end - first, len(new))
+            self._drop(left)
+        new = when[when > max(self.track.when, default=-1)]
+        window = self._rows(slice(first, end), slice(self.kept, self.kept + len(new)))
         window.when[:] = new
         for side in (0, 1):
             window.given[:, side] = scheme.driven(self.mesh, self.step, side, end)[first:]
         self._take(window, end, tell, ahead)
-        self.track = Track(*(
-            np.concatenate(both) if len(both[0]) else both[1]
-            for both in zip(self.track, window, strict=True)))
+        self.kept += len(new)
 
     def _take(
         self, window: Track, end: int, tell: Callable[[int], None] | None, ahead: float

@@ -105,6 +105,8 @@ def eliminated(
 
 def _nodes(mesh: Mesh, implicit: Array, mass: Array, bound: Array) -> Array:
     """Nodes of implicit pieces; enters in the pieces what their middle takes."""
+    if not len(implicit):
+        return np.zeros(len(mass), records.NODE)
     pieces, nodes = eliminated(mesh, implicit, mass, bound)
     implicit[:] = compiling.as_records(pieces, records.IMPLICIT)
     found: Array = compiling.as_records(nodes, records.NODE)

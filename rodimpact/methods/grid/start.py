@@ -102,6 +102,8 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
             force[left] += at["stiffness"] * at["gap"]
             force[right] -= at["stiffness"] * at["gap"]
     found: Array = grid.mobility * force / 2
+    if not len(grid.implicit):
+        return found
     pieces, nodes = (compiling.as_objects(x) for x in (grid.implicit, grid.node))
     answer = scheme.answered(pieces, nodes, np.where(mesh.held == 1, 0.0, force / 2))
     return np.where(mesh.hidden, answer, found)
