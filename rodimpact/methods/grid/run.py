@@ -64,6 +64,8 @@ class GridRun:
     clock : Clock
         Its tick is the step's `STEP_TICKS`-th part.
     grid : Grid
+    track : Track
+        What was entered of the steps taken, and of the states kept.
     proved : int
         Step at whose end the collision was proved final, -1 as long as it is not.
     stopped_by : str
@@ -93,11 +95,7 @@ class GridRun:
         self.grid = scheme.grid_of(mesh, step)
         self._overlaps = start.begin(mesh, step, self.grid)
         self._all = self._blank()
-
-    @property
-    def track(self) -> Track:
-        """What was entered of the steps taken and of the states kept."""
-        return self._rows(slice(0, self.steps), slice(0, self.kept))
+        self.track = self._rows(slice(0), slice(0))
 
     @property
     def steps(self) -> int:
@@ -156,6 +154,7 @@ class GridRun:
             x = getattr(self._all, name)
             x[first : left.sum()] = x[first : len(left)][left[first:]]
         self.kept = int(left.sum())
+        self.track = self._rows(slice(self.steps), slice(self.kept))
 
     def advance(
         self, end: int, tell: Callable[[int], None] | None = None, ahead: float = 0.0
@@ -173,17 +172,19 @@ class GridRun:
             old, self._all = self.track, self._blank()
             for room, x in zip(self._all, old, strict=True):
                 room[: len(x)] = x
+            self.track = self._rows(slice(self.steps), slice(self.kept))
         when, first = self.keep.when(self.step, end), self.steps
         left = np.isin(self.track.when, when)
         if not left.all():
             self._drop(left)
-        new = when[when > max(self.track.when, default=-1)]
+        new = when[left.sum() :]  # both increase, and all states left are among them
         window = self._rows(slice(first, end), slice(self.kept, self.kept + len(new)))
         window.when[:] = new
         for side in (0, 1):
             window.given[:, side] = scheme.driven(self.mesh, self.step, side, end)[first:]
         self._take(window, end, tell, ahead)
         self.kept += len(new)
+        self.track = self._rows(slice(self.steps), slice(self.kept))
 
     def _take(
         self, window: Track, end: int, tell: Callable[[int], None] | None, ahead: float
