@@ -6,6 +6,7 @@ A solution that changes smoothly has flat cells instead.
 from __future__ import annotations
 
 import math
+from itertools import compress
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -103,19 +104,27 @@ class Polygons:
         polygons = np.split(self._corners, self.regions.start[1:-1])
         if seen.sum() <= NAMED:
             self._name(ax, sides[seen & ~steps], owners[seen & ~steps], polygons)
+        corners, first = _points(ax, self._corners), self.regions.start[:-1]
+        size = np.maximum.reduceat(corners, first) - np.minimum.reduceat(corners, first)
+        roomy = np.asarray((size > SMALL).all(axis=1))
         numbers = np.asarray(self._drawn.get_array())
-        return _labels(ax, polygons, numbers, self._norm, self._moving)
+        return _labels(ax, list(compress(polygons, roomy)), numbers[roomy], self._norm,
+                       self._moving)
 
     def _fronts(self) -> tuple[Ints, Ints]:
         """[n, 2] ends of the sides that two regions share, and these regions, the earlier first."""
         r, after = self.regions, np.arange(1, self.regions.x.size + 1)
         after[r.start[1:] - 1] = r.start[:-1]
         places = np.column_stack((self._body, r.x, r.t))
-        corner = np.unique(places, axis=0, return_inverse=True)[1].ravel()
+        order = np.lexsort(places.T)
+        corner = np.empty(order.size, dtype=np.int64)  # its number; that of a shared one is equal
+        corner[order[1:]] = np.cumsum((np.diff(places[order], axis=0) != 0).any(axis=1))
+        corner[order[0]] = 0
         ends = np.sort(np.column_stack((corner, corner[after])), axis=1)
         order = np.lexsort(ends.T)
         first = np.flatnonzero((np.diff(ends[order], axis=0) == 0).all(axis=1))
-        sides = np.column_stack((order[first], order[first + 1]))
+        sides = np.sort(np.column_stack((order[first], order[first + 1])), axis=1)
+        sides = sides[sides[:, 0].argsort()]  # in the order of the regions
         middle = np.add.reduceat(r.t, r.start[:-1]) / np.diff(r.start)
         owners = np.repeat(np.arange(len(r)), np.diff(r.start))[sides]
         earlier = np.argsort(middle[owners], axis=1, kind="stable")
@@ -230,8 +239,9 @@ def _labels(
     ax: Axes, polygons: list[Floats], values: Floats, norm: Normalize, boxed: bool
 ) -> list[Text]:
     """Write each value where its polygon has room for it; boxed, over paths that cross it."""
-    reach = float(np.ptp(norm.inverse(np.array([0.0, 1.0])))) / 2
-    count = 3 + max(0, math.ceil(math.log10(float(np.abs(values).max()) / reach or 1.0)))
+    low, high = norm.inverse(np.array([0.0, 1.0])).tolist()
+    reach = (high - low) / 2
+    count = 3 + max(0, math.ceil(math.log10(max(-low, high) / reach)))
     written = []
     for polygon, value in zip(polygons, values, strict=True):
         text, corners = digits(value, reach, count), _points(ax, polygon)
