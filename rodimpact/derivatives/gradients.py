@@ -124,15 +124,14 @@ class _Number(NamedTuple):
     x: Any
     size: Any  # by which its changes are measured
 
-    def changed(self, by: Any) -> _Number:
-        """The same number of the system in which it is larger."""
-        there = with_numbers(self.system, dict.fromkeys(self.places, self.x + by))
-        return self._replace(system=there, x=self.x + by)
+    def changed(self, by: Any) -> System:
+        """The system in which it is larger."""
+        return with_numbers(self.system, dict.fromkeys(self.places, self.x + by))
 
     def changes(self) -> Array:
         """How the numbers of a row change with this one, per change by its size."""
-        y, there = (np.array(plan_of(Row(number.system)).numbers)
-                    for number in (self, self.changed(self.size)))
+        y, there = (np.array(plan_of(Row(system)).numbers)
+                    for system in (self.system, self.changed(self.size)))
         if self.field in STRAIGHT:
             return np.asarray(self.size * (there != y))
         with np.errstate(all="ignore"):  # of what is 0 and does not change
@@ -144,7 +143,7 @@ class _Number(NamedTuple):
         sign = np.reshape([-1.0, 1.0], (2, *[1] * len(self.system.shape)))
         steps = np.multiply.outer(STEPS, sign) * self.size
         able = (self.field != "gap") | (self.x + steps >= 0)  # there is one side of no gap
-        y = np.where(able, totals(self.changed(np.where(able, steps, 0.0)).system), math.nan)
+        y = np.where(able, totals(self.changed(np.where(able, steps, 0.0))), math.nan)
         below, above = _limit(y)
         return np.array([*_limit(np.diff(y, axis=0) / np.diff(steps, axis=0)), above - below])
 
