@@ -15,6 +15,7 @@ from case_texts import UNEQUAL_RODS as CASE
 
 import rodimpact as ri
 from rodimpact.cli import COMMANDS, main
+from rodimpact.cli.doctor import version_of
 from rodimpact.cli.selfcheck import Check, checks
 from rodimpact.methods import kernels
 
@@ -668,3 +669,15 @@ def test_options_replace_what_they_exclude_in_the_case(tmp_path, monkeypatch, ca
     assert "Stated relative error: " in found["outcome"]["status"]
     assert main(["run", "lossy.toml", "--cells", "10", "--json"]) == 0
     assert "14 cells" in json.loads(capsys.readouterr().out)["outcome"]["status"]
+
+
+def test_doctor_reports_what_fails(monkeypatch, capsys):
+    def fails():
+        raise OSError("no room")
+
+    monkeypatch.setattr(kernels, "enabled", lambda: True)
+    monkeypatch.setattr(kernels, "why_not", lambda: "")
+    monkeypatch.setattr("rodimpact.cli.doctor.solve_a_row", fails)
+    assert main(["doctor"]) == 4
+    assert "fails: OSError: no room" in capsys.readouterr().out
+    assert version_of("no-such-package-anywhere") is None

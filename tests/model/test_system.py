@@ -511,6 +511,8 @@ def test_a_word_and_a_diameter_are_enough_for_lateral_inertia(word):
 
 
 @pytest.mark.parametrize(("given", "path", "said"), [
+    ({"lateral_inertia": "mindlin-herrmann", "polar_moment": None}, "lateral_inertia",
+     "needs the diameter of a round rod, or a polar_moment; give one of them"),
     ({"lateral_inertia": "mindlin"}, "lateral_inertia", "perhaps 'mindlin-herrmann' is meant"),
     ({"lateral_inertia": None}, "polar_moment", 'give lateral_inertia="rayleigh-love" too, or'),
     ({"lateral_inertia": None, "area": None, "diameter": 0.02}, "polar_moment",

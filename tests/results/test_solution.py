@@ -333,3 +333,11 @@ def test_the_effect_of_rounded_transits_is_stated(short, ratio):
     assert wrong <= s.accuracy["time"] < 1e-6
     assert "Stated relative error: " in s.status
     assert ri.solve(ri.System([rod(0.4, 1.0), rod(1.0)])).accuracy == {}
+
+
+def test_regions_of_an_interval(unequal):
+    regions = regions_of(unequal, 1e-5, 3e-5)
+    assert (regions.t.min(), regions.t.max()) == pytest.approx((1e-5, 3e-5))
+    for name, wrong in (("limit", {"limit": 3}), ("stop", {"start": 1e-5, "stop": 1e-5})):
+        with pytest.raises(ValueError, match=name):
+            regions_of(unequal, **wrong)

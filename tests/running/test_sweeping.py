@@ -645,3 +645,26 @@ def test_what_was_asked_for_is_in_tables_and_files(tmp_path):
 def test_what_is_asked_for_is_checked(given, sentence):
     with pytest.raises(ri.InvalidModel, match=f"also: .*{sentence}"):
         ri.sweep(small_map(), also=given)
+
+
+def test_where_no_thread_can_start(monkeypatch, small_chunks):
+    system = small_map()
+    threaded = ri.sweep(system)
+
+    def refuses(thread):
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr("threading.Thread.start", refuses)
+    assert same(ri.sweep(system), threaded)
+
+
+def test_several_contacts_have_columns_of_their_own():
+    rods = [ri.Rod(0.2, area=1e-4, material=STEEL, velocity=v) for v in ([1.0, 2.0], 0.0, 0.0)]
+    result = ri.sweep(ri.System(rods))
+    np.testing.assert_allclose(result.velocities_after[2], [1.0, 2.0], rtol=1e-14)
+    with pytest.raises(ValueError, match=r"result\.contacts"):
+        _ = result.impulse
+    one = result.contacts[0]
+    pair = ri.sweep(ri.System(rods[:2]))
+    assert (pair.duration.tolist(), pair.peak_force.tolist()) == (
+        one.duration.tolist(), one.peak_force.tolist())

@@ -271,6 +271,8 @@ def test_a_case_is_frozen():
          "is missing; give a frequency, in SI units or as text with one of Hz, kHz, MHz"),
         (HEAD + A_ROD + A_GUM + "loss_factor=1\nloss_frequency=1\nviscosity=0",
          "materials.x.viscosity", "either viscosity or loss_factor and loss_frequency, not both"),
+        (HEAD + A_ROD + A_GUM + "loss_frequency=1", "materials.x.loss_factor",
+         "is missing; give a number"),
         (HEAD + A_ROD + "[[materials]]\nx = 3", "materials", "must be a table, got [{'x': 3}]"),
         # contacts
         (HEAD + A_ROD + A_WALL + "[[contacts]]\ngap = -1", "contacts.0.gap", "non-negative"),

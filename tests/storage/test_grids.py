@@ -377,3 +377,13 @@ def test_no_grid_escapes_as_another_error(path, grid):
         assert error.problems  # noqa: PT017  (some grids are right)
     else:
         assert case.system.shape == (len(case.varied[0].values),)
+
+
+@pytest.mark.parametrize(("path", "changed"), [
+    ("materials.steel.wave_speed", 2), ("bodies.1.material.wave_speed", 1),
+])
+def test_materials_of_the_library_vary_by_name_and_by_body(path, changed):
+    after = parse_case(HEAD + A_ROD + A_ROD, vary={path: "5000,6000"}).system[1]
+    speeds = [body.segments[0].wave_speed for body in after.bodies]
+    assert speeds[-changed:] == pytest.approx([6000] * changed)
+    assert speeds[:-changed] == [STEEL.wave_speed] * (2 - changed)

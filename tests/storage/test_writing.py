@@ -143,3 +143,11 @@ def test_a_document_that_no_reader_would_take_is_not_written(tmp_path, monkeypat
     with pytest.raises(OSError, match="too many numbers"):
         solution.save(tmp_path / "a.npz")
     assert os.listdir(tmp_path) == []
+
+
+def test_a_directory_that_was_deleted_is_told(tmp_path, monkeypatch):
+    (tmp_path / "gone").mkdir()
+    monkeypatch.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    with pytest.raises(FileNotFoundError, match="'a': the current directory was deleted"):
+        write_bytes("a", b"")
