@@ -527,7 +527,8 @@ def mean_of_shots(shots: Sequence[Reduction], points: int = 201) -> Shots:
     >>> mean.shots, float(mean.scatter.max())
     (2, 0.0)
     """
-    if len(shots) < 2 or not all(isinstance(each, Reduction) for each in shots):
+    given = isinstance(shots, Sequence) and len(shots) > 1
+    if not given or not all(isinstance(each, Reduction) for each in shots):
         raise refusal("shots", f"must be two or more of what ri.reduce returns, got {shown(shots)}")
     strain = np.linspace(0, min(float(each.strain.max()) for each in shots), points)
     columns: list[Any] = []

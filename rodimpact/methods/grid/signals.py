@@ -117,9 +117,10 @@ def _contacts(run: GridRun, pushed: Floats) -> list[Contact]:
         if k in row.opening:
             spans = pressed_spans(force, contact.gap)
             episodes = episodes_of_steps(force, contact.gap, run.resolved, spans)
+            times = (run.step * np.array(episodes).reshape(-1, 3)).tolist()
             contact = contact._replace(
                 spans=run.step * np.array(spans).reshape(-1, 2),
-                episodes=tuple(Episode(*(run.step * x for x in steps)) for steps in episodes))
+                episodes=tuple(Episode(*steps) for steps in times))
         found.append(contact)
     return found
 
