@@ -46,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> tuple[str, int]:
     """Check everything, solve, draw, and tell what was made."""
     from .. import plot
-    from ..plot.film import check_film
+    from ..plot.files import check_film
     from ..plot.moving import check_frames
 
     problems: Problems = []

@@ -84,8 +84,7 @@ def check_outputs(
         If there are none, but a file cannot be written.
     """
     if files.get(figure) is not None:
-        from ..plot.film import format_of
-        from ..plot.saving import FORMATS
+        from ..plot.files import FORMATS, format_of
 
         attempt(problems, format_of, files[figure], FORMATS, options={"path": figure})
     unwritable = None

@@ -15,12 +15,12 @@ from .atlases import atlas
 from .designs import design
 from .diagram import spacetime
 from .families import restitution, sweep
+from .files import save
 from .histories import contact
 from .ledger import energy
 from .moving import animation
 from .page import overview
 from .residuals import comparison, fit
-from .saving import save
 from .specimen import reduction
 from .stages import snapshots
 from .strains import gauge

@@ -29,7 +29,7 @@ from ..model.arguments import single
 from ..model.frozen import refusal
 from ..results.solution import Solution, check_waves
 from ..storage import writing
-from . import film, style
+from . import files, style
 from .bars import THICKNESS_TOLD, Bars
 from .diagram import spacetime
 from .histories import Forces
@@ -170,7 +170,7 @@ class Animation:
     def __len__(self) -> int:
         return len(self.times)
 
-    def frames(self, progress: film.Progress = None) -> Iterator[NDArray[np.uint8]]:
+    def frames(self, progress: files.Progress = None) -> Iterator[NDArray[np.uint8]]:
         """All frames, one after the other."""
         for number in range(len(self)):
             yield self.frame(number)
@@ -178,7 +178,7 @@ class Animation:
                 progress(number + 1, len(self))
 
     def save(
-        self, path: str | os.PathLike[str], *, force: bool = False, progress: film.Progress = None
+        self, path: str | os.PathLike[str], *, force: bool = False, progress: files.Progress = None
     ) -> None:
         """Write a GIF or an MP4, whichever the suffix names.
 
@@ -202,13 +202,13 @@ class Animation:
         OSError
             If the file cannot be written, or an MP4 is wanted where there is no ffmpeg.
         """
-        write = film.WRITERS[film.check_film(path)]
+        write = files.WRITERS[files.check_film(path)]
         with writing.written(path, force=force) as file:
             write(file, self, progress)
 
     def _repr_html_(self) -> str:
         memory = io.BytesIO()
-        film.write_gif(memory, self, None)
+        files.write_gif(memory, self, None)
         data = base64.b64encode(memory.getvalue()).decode()
         return f'<img src="data:image/gif;base64,{data}" alt="{html.escape(self.title)}">'
 
