@@ -50,6 +50,7 @@ from .model.laws import PowerLaw as PowerLaw
 from .model.laws import Rigid as Rigid
 from .model.laws import Spring as Spring
 from .model.laws import SpringDashpot as SpringDashpot
+from .model.laws import Tabulated as Tabulated
 from .model.laws import Yielding as Yielding
 from .model.profiles import Samples as Samples
 from .model.profiles import Steps as Steps

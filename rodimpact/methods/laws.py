@@ -5,6 +5,8 @@ In files and in kernels these are whole numbers; only their order here has a mea
 
 from enum import IntEnum
 
+KNOTS = 18  # of the table of what yields: forces from which on it hardens otherwise, then inf
+
 
 class Law(IntEnum):
     """What acts in a link."""

@@ -51,6 +51,8 @@ class Row:
     laws, stiffness, exponent, damping, strength, gap : list
         By link; where it yields `damping` is the hardening, as a share of the stiffness; the gap of
         a joint is its stretch.
+    table : list of list of (float, float)
+        By link: forces from which on what yields has another hardening, and these.
     contact_link : list of int
         Link of each contact, -1 where it joins rigid bodies for good.
     outside : list of (str, value)
@@ -72,6 +74,7 @@ class Row:
     damping: list[Any]
     strength: list[Any]
     gap: list[Any]
+    table: list[Any]
     contact_link: list[int]
     outside: list[tuple[str, Any]]
 

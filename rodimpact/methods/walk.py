@@ -18,6 +18,7 @@ ENDS = {
     "absorbing": "absorbing", "incoming": "absorbing",
 }
 """What is outside the ends of a row, by their kind."""
+SOON = 1e-6  # of the first force of a table: from here on it is followed
 
 
 class Walk(NamedTuple):
@@ -37,6 +38,7 @@ class Walk(NamedTuple):
     damping: list[Any]
     strength: list[Any]
     gap: list[Any]
+    table: list[Any]
     contact_link: list[int]
     outside: list[tuple[str, Any]]
 
@@ -44,7 +46,7 @@ class Walk(NamedTuple):
 def walk(system: Any) -> Walk:
     """Walk through a system from left to right."""
     bodies, last = system.bodies, len(system.bodies) - 1
-    row = Walk(system, [], [""], [], [0], [], [], [], [], [], [], [], [], [], [],
+    row = Walk(system, [], [""], [], [0], [], [], [], [], [], [], [], [], [], [], [],
                [("none", 0.0), ("none", 0.0)])
     for i, body in enumerate(bodies):
         rigid = body.kind != "rod"
@@ -104,6 +106,7 @@ def add(
     row.stiffness.append(stiffness)
     row.exponent.append(exponent)
     row.strength.append(strength)
+    row.table.append([])
 
 
 def add_contact(row: Walk, law: Any, gap: Any) -> None:
@@ -119,6 +122,11 @@ def add_contact(row: Walk, law: Any, gap: Any) -> None:
     elif law.law == "yielding":
         add(row, Kind.YIELD, law.hardening / law.stiffness, gap, law.stiffness, 1.0,
             law.yield_force)
+    elif law.law == "tabulated":
+        k, slopes, force = law.stiffness, law.slopes, law.force
+        add(row, Kind.YIELD, slopes[0] / k, gap, k, 1.0, SOON * force[0])
+        row.table[len(row.table) - 1] = [
+            (force[j], slopes[j + 1] / k) for j in range(len(slopes) - 1)]
     elif law.law == "own":
         add(row, Kind.OWN, 1.0, gap, 0.0, 1.0, 0.0)  # whatever it is, it may depend on the rate
     else:

@@ -3,12 +3,12 @@
 from .bodies import Body, Material, RigidMass, Rod, Segment, Wall
 from .ends import Absorbing, End, Fixed, Free, Incoming, Moved, Pushed
 from .frozen import InvalidModel
-from .laws import Bonded, ContactLaw, Joint, Law, Rigid, Yielding
+from .laws import Bonded, ContactLaw, Joint, Law, Plastic, Rigid, Tabulated, Yielding
 from .profiles import Samples, Steps
 from .system import SIDES, System
 
 __all__ = [
     "SIDES", "Absorbing", "Body", "Bonded", "ContactLaw", "End", "Fixed", "Free", "Incoming",
-    "InvalidModel", "Joint", "Law", "Material", "Moved", "Pushed", "Rigid", "RigidMass", "Rod",
-    "Samples", "Segment", "Steps", "System", "Wall", "Yielding",
+    "InvalidModel", "Joint", "Law", "Material", "Moved", "Plastic", "Pushed", "Rigid", "RigidMass",
+    "Rod", "Samples", "Segment", "Steps", "System", "Tabulated", "Wall", "Yielding",
 ]

@@ -7,7 +7,9 @@ array, which makes a family; SI units.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import reduce
+from itertools import pairwise
 from typing import Any, ClassVar, Self, TypeAlias
 
 import numpy as np
@@ -21,6 +23,8 @@ from .frozen import Declared, Field, Number, Numeric, NumericOrNone, Problems, q
 
 FACE = Field("m", "positive or infinite", default=np.inf)
 """The radius of a face, infinite for a flat one."""
+MOST = 16  # points of a table
+ROUND_OFF = 1e-12  # relative, of slopes
 
 
 class _Law(Declared):
@@ -48,6 +52,12 @@ class _Compliant(_Law):
         message = "must not be too large for a finite energy, got {0!r}"
         demand(energy < np.inf, "indentation", message, d)
         return energy[()]
+
+
+class Plastic(_Compliant):
+    """A spring that yields: its faces move for good, and d counts from where they are then."""
+
+    exponent = 1.0
 
 
 class Rigid(_Law):
@@ -346,7 +356,7 @@ class PowerLaw(_Compliant):
     exponent: Numeric = quantity("", "[1, inf)")
 
 
-class Yielding(_Compliant):
+class Yielding(Plastic):
     """A spring that yields: specimens, pulse shapers and soft ends.
 
     F = k d up to the yield force. Beyond it the slope of F over d is `hardening`. Unloading and
@@ -380,7 +390,6 @@ class Yielding(_Compliant):
     """
 
     law: ClassVar[str] = "yielding"
-    exponent = 1.0
     stiffness: Numeric = quantity("N/m", "positive")
     yield_force: Numeric = quantity("N", "positive")
     hardening: Numeric = quantity("N/m", "non-negative", default=0.0)
@@ -390,6 +399,100 @@ class Yielding(_Compliant):
             k, less = self.stiffness, np.less(self.hardening, self.stiffness)
             message = "must be less than the stiffness {0!r}, got {1!r}"
             frozen.require(problems, less, "hardening", message, k, self.hardening)
+
+
+class Tabulated(Plastic):
+    """A specimen or contact by table: force over compression on loading, a stiffness on unloading.
+
+    On loading F follows straight lines from 0 through the points of the table, and beyond the last
+    point the last of these lines. What unloads follows the unloading stiffness, and what loads
+    again follows it back up to the peak force so far, from where it goes on along the table. The
+    faces have moved for good then, as those of `Yielding` do, which is a table of one point.
+
+    Parameters
+    ----------
+    compression : sequence of numbers
+        By how much the faces have come nearer on loading, m, increasing; at most 16 points.
+    force : sequence of numbers
+        At each compression, N, increasing.
+    unloading : float or array, optional
+        Stiffness on unloading, N/m, at least that of the steepest line of the table; by default
+        just that.
+
+    Raises
+    ------
+    InvalidModel
+        If the points are not as many forces as compressions, do not increase, or a line is steeper
+        than the unloading.
+
+    Examples
+    --------
+    A foam: stiff at first, then a long plateau, then stiff again when its cells are closed.
+
+    >>> import rodimpact as ri
+    >>> foam = ri.Tabulated([1e-4, 1e-3, 1.2e-3], [1e3, 1.2e3, 6e3], unloading=5e7)
+    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=3.0)
+    >>> outcome = ri.solve(ri.System([rod, ri.Wall()], contacts=[foam])).outcome
+    >>> 1.2e3 < outcome.peak_force < 6e3, outcome.dissipated > 0
+    (True, True)
+    """
+
+    law: ClassVar[str] = "tabulated"
+    compression: Sequence[Any]
+    force: Sequence[Any]
+    unloading: NumericOrNone = quantity("N/m", "positive", default=None)
+
+    def _check(self, problems: Problems) -> None:
+        for name, unit in (("compression", "m"), ("force", "N")):
+            items: Any = getattr(self, name)
+            if not isinstance(items, list | tuple | np.ndarray) or not 1 <= len(items) <= MOST + 1:
+                message = f"must be a list of 1 to {MOST} numbers, got {shown(items)}"
+                problems.append((name, message))
+                items = ()
+            self._set(**{name: tuple(frozen.number(problems, f"{name}.{i}", v, unit, "positive")
+                                     for i, v in enumerate(items))})
+        if not problems and len(self.force) != len(self.compression):
+            message = f"must be as many as compressions, {len(self.compression)}"
+            problems.append(("force", f"{message}, got {len(self.force)}"))
+        if problems:
+            return
+        frozen.family_shape(self._numbers())
+        for name in ("compression", "force"):
+            for i, (low, high) in enumerate(pairwise(getattr(self, name)), 1):
+                message = "must lie above {0!r}, got {1!r}"
+                frozen.require(problems, np.greater(high, low), f"{name}.{i}", message, low, high)
+        if not problems and self.unloading is not None:
+            steepest, k = reduce(np.maximum, self.slopes), np.asarray(self.unloading)
+            message = "must be at least that of the steepest line, {0!r}, got {1!r}"
+            enough = k >= steepest * (1 - ROUND_OFF)
+            frozen.require(problems, enough, "unloading", message, steepest, self.unloading)
+
+    @property
+    def slopes(self) -> list[Number]:
+        """Stiffness on loading, N/m, along the line before each point."""
+        points = [(0.0, 0.0), *zip(self.compression, self.force, strict=True)]
+        return [(F - f) / (x - d) for (d, f), (x, F) in pairwise(points)]
+
+    @property
+    def stiffness(self) -> Number:
+        """That of the unloading, N/m."""
+        return reduce(np.maximum, self.slopes) if self.unloading is None else self.unloading
+
+    def hardened(self, force: Any) -> Tabulated:
+        """The law after a peak force, N, for compressions from where the faces are then."""
+        k, last = self.stiffness, self.slopes[-1]
+        reached: Any
+        points = list(zip(self.compression, self.force, strict=True))
+        if force >= self.force[-1]:  # the last line goes on
+            reached = self.compression[-1] + (force - self.force[-1]) / last
+            points.append((reached + force / last, 2 * force))
+        else:
+            reached = np.interp(force, (0.0, *self.force), (0.0, *self.compression))
+        if force <= 0 or force >= k * reached * (1 - ROUND_OFF):  # nothing has yielded
+            return self
+        rest = [(x - reached + force / k, F) for x, F in points if force < F]
+        compression, forces = zip((force / k, force), *rest, strict=True)
+        return Tabulated(compression, forces, k)
 
 
 class Law(_Law):
@@ -464,10 +567,11 @@ class Law(_Law):
 
 ContactLaw: TypeAlias = (
     Rigid | Bonded | Joint | Spring | SpringDashpot | Hertz | HuntCrossley | PowerLaw | Yielding
-    | Law
+    | Tabulated | Law
 )
 CONTACT_LAWS: dict[str, type[ContactLaw]] = {
     law.law: law for law in (
-        Rigid, Bonded, Joint, Spring, SpringDashpot, Hertz, HuntCrossley, PowerLaw, Yielding)
+        Rigid, Bonded, Joint, Spring, SpringDashpot, Hertz, HuntCrossley, PowerLaw, Yielding,
+        Tabulated)
 }
 RIGID = Rigid()

@@ -23,6 +23,8 @@ from .system import System
 SPEED, MODULUS = "wave_speed", "youngs_modulus"
 STAND_INS = {SPEED: MODULUS, "area": "diameter"}
 """Fields that stand for others."""
+TABLES = {"compression": "m", "force": "N"}
+"""Units of the points of a tabulated law."""
 FIELDS = {
     **Material.fields, **Segment.fields, **Rod.fields, **RigidMass.fields, SPEED: Field("m/s"),
     "gravity": System.fields["gravity"], "gap": System.fields["gaps"], "step": Field("s"),
@@ -77,8 +79,8 @@ def unit_at(system: System, place: str) -> str:
     """SI unit of the number at a place."""
     owner, _, field = place.rpartition(".")
     if owner.startswith("contacts") and field != "gap":
-        law = system.contacts[int(owner.removeprefix("contacts."))]
-        return law.fields[field].unit
+        _, i, *table = owner.split(".")
+        return TABLES[table[0]] if table else system.contacts[int(i)].fields[field].unit
     return FIELDS.get(field, Field()).unit
 
 

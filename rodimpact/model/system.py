@@ -22,7 +22,7 @@ from .bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from .ends import ENDS, FREE, Absorbing, End, Fixed, Free, Incoming, Moved, Pushed
 from .frozen import Frozen, Number, Problems, plain, quantity
 from .lateral_inertia import RAYLEIGH_LOVE
-from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Law, Rigid, Yielding
+from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Law, Plastic, Rigid
 from .profiles import flipped, negative, profile_from
 
 SIDES = ("left", "right")
@@ -233,7 +233,7 @@ class System(Frozen):
         for i, law in enumerate(self.contacts):
             if np.any(getattr(law, "damping", 0.0)):
                 problems.append((f"contacts.{i}.damping", "must be 0"))
-            if isinstance(law, Yielding):
+            if isinstance(law, Plastic):
                 problems.append((f"contacts.{i}", "must not yield"))
             e = law.restitution if isinstance(law, Rigid) else None
             if e is not None and np.any(np.asarray(e) < 1):

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..methods.run import ContactSignal, ContactTally
 from ..methods.signals import Floats, Pieces, Side, each_once, product
-from ..model import ContactLaw, Joint, Rigid, Yielding
+from ..model import ContactLaw, Joint, Plastic, Rigid, Tabulated, Yielding
 from .fields import Fields, check_side
 
 
@@ -75,10 +75,13 @@ class ContactHistory:
         law = self.law
         if isinstance(law, Joint):
             return law.replace(stretch=float(self.gap(t)))
-        if not isinstance(law, Yielding):
+        if not isinstance(law, Plastic):
             return law
         earlier = self._gap.values[self._gap.ticks <= self._fields.to_ticks(t)]
         deepest = -min(float(np.min(earlier, initial=0.0)), float(self.gap(t)))
+        if isinstance(law, Tabulated):
+            return law.hardened(law.stiffness * deepest)
+        assert isinstance(law, Yielding)
         return law.replace(yield_force=max(law.yield_force, law.stiffness * deepest))
 
     def breakpoints(self) -> tuple[Floats, Floats, Floats]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..methods.run import largest_error
-from ..model import Rod, Yielding
+from ..model import Plastic, Rod
 from ..results.solution import Solution
 from . import sweep_result as table
 
@@ -29,7 +29,7 @@ def row_of(solution: Solution, readings: table.Readings) -> dict[str, Any]:
         row["dissipated"] = o.dissipated
     if "set" in also:
         row |= {f"set.{k}": _set(solution, k)
-                for k, law in enumerate(system.contacts) if isinstance(law, Yielding)}
+                for k, law in enumerate(system.contacts) if isinstance(law, Plastic)}
     if "displacement" in also:
         row |= {f"displacement.{i}": _moved(solution, i) for i in range(len(system.bodies))}
     if "largest_stress" in also:

@@ -17,7 +17,7 @@ import numpy as np
 from ..methods.family import STOPPED_BY
 from ..methods.groups import unilateral
 from ..methods.registry import Options
-from ..model import Rod, System, Yielding
+from ..model import Plastic, Rod, System
 from ..model.frozen import InvalidModel, refusal
 from ..results import notebook
 from ..results.labels import outcome, parameter
@@ -414,7 +414,7 @@ def arrays_of(system: System, readings: Readings) -> dict[str, tuple[Any, tuple[
 def further_columns(system: System, also: Sequence[str]) -> list[str]:
     """Columns of what was asked for of `ALSO`."""
     owners = {
-        "set": [k for k, law in enumerate(system.contacts) if isinstance(law, Yielding)],
+        "set": [k for k, law in enumerate(system.contacts) if isinstance(law, Plastic)],
         "largest_stress": [i for i, body in enumerate(system.bodies) if isinstance(body, Rod)],
         "displacement": range(len(system.bodies)),
     }

@@ -15,7 +15,7 @@ from ..model.bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from ..model.ends import ENDS, FREE, End
 from ..model.frozen import Field, InvalidModel, Number, defaults_of
 from ..model.lateral_inertia import RAYLEIGH_LOVE, THEORIES
-from ..model.laws import CONTACT_LAWS, FACE, ContactLaw, Hertz, Spring
+from ..model.laws import CONTACT_LAWS, FACE, ContactLaw, Hertz, Spring, Tabulated
 from ..model.paths import FIELDS, SPEED, suggestion
 from ..units import shown
 from .case import SCHEMA, Case, GaugePlace
@@ -191,6 +191,9 @@ def _read_law(table: Table, pair: tuple[Body | None, ...], known: Materials) -> 
         law = table.make(Hertz.from_radii, **faces)
     else:
         numbers = table.entries(CONTACT_LAWS[name])
+        if name == Tabulated.law:
+            numbers |= {key: table.numbers(key, dimension) or ()
+                        for key, dimension in (("compression", "length"), ("force", "force"))}
         law = table.make(CONTACT_LAWS[name], **numbers)
         if numbers.get("restitution") is not None and None in pair:  # is it right here?
             law = None

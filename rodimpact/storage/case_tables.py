@@ -121,6 +121,10 @@ class Table:
         inner.close()
         return profile or 1.0
 
+    def numbers(self, key: str, dimension: str) -> Any:
+        """A list of numbers, each of which may vary; None for anything else."""
+        return self._numbers(key, dimension, self._variable)
+
     def _numbers(self, key: str, dimension: str, read: Callable[..., Any], least: str = "") -> Any:
         """A list of numbers, each as it is read; None for anything else."""
         if not self.has(key):

@@ -190,6 +190,7 @@ RECORDED = {
     "spring": ri.System(RODS, contacts=[ri.Spring(1e8)]),
     "hertz": ri.System(RODS, contacts=[ri.Hertz(1e10)]),
     "yielding": ri.System(RODS, contacts=[ri.Yielding(1e8, yield_force=800.0)]),
+    "tabulated": ri.System(RODS, contacts=[ri.Tabulated([1e-5, 2e-5], [800.0, 1200.0], 1e8)]),
     "mass on a rod": ri.System([MASSES[0], RODS[1]]),
     "joint": ri.System([*MASSES[:2], RODS[1]], contacts=[ri.Joint(1e8), ri.Rigid()]),
     "impacts": ri.System([*MASSES, ri.Wall()], gaps=[0.0, 1e-3, 2e-3],

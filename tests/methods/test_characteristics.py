@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 from systems import horizon, random_system
 
 import rodimpact as ri
+from rodimpact.methods import kernels
 
 seeds = st.integers(0, 10**6)
 METHOD = "characteristics"
@@ -240,6 +241,49 @@ def test_restitution_of_masses_that_yield(method, hardening):
     after = s.system_at(2.9)
     assert after.contacts[0].yield_force == pytest.approx(largest, rel=1e-4)
     assert after.contacts[0].hardening == hardening
+
+
+@pytest.mark.parametrize("speed", [0.2, 1.0, 1.6, 2.0])
+@pytest.mark.parametrize(
+    "method", few_of(["characteristics", "finite-difference"], ["characteristics"]))
+def test_restitution_of_masses_through_a_table(method, speed):
+    """The area below the table is the energy; what unloads gives back F^2/(2 k)."""
+    x, F, k = np.array([0.0, 0.1, 0.6, 0.7]), np.array([0.0, 0.5, 0.8, 2.5]), 20.0
+    m = 0.5 * 0.8 / 1.3
+    area = np.concatenate(([0.0], np.cumsum(np.diff(x) * (F[1:] + F[:-1]) / 2)))
+    energy = m * speed**2 / 2
+    i = min(int(np.searchsorted(area, energy)), 3) - 1  # the line on which it ends
+    slope = (F[i + 1] - F[i]) / (x[i + 1] - x[i])
+    largest = math.sqrt(F[i] ** 2 + 2 * slope * (energy - area[i]))
+    law = ri.Tabulated(x[1:], F[1:], unloading=k)
+    system = ri.System(
+        [ri.RigidMass(0.5, velocity=speed), ri.RigidMass(0.8), unit_rod()], [0.01, 100.0],
+        [law, ri.Rigid()])
+    s = ri.solve(system, 6.0, method, rtol=1e-6)
+    v = s.outcome.velocities_after
+    assert v[1] - v[0] == pytest.approx(math.sqrt(largest**2 / k / m), abs=2e-5)
+    assert s.contacts[0].peak_force == pytest.approx(largest, rel=1e-3)
+    assert s.outcome.dissipated == pytest.approx(energy - largest**2 / (2 * k), abs=1e-5)
+    assert np.abs(s.energy(np.linspace(0, 6, 40)).residual).max() < 1e-8
+    hardened = s.system_at(5.9).contacts[0]
+    assert hardened.force[0] == pytest.approx(largest, rel=1e-3)
+
+
+@pytest.mark.parametrize("compiling", few_of([False, True], [False]))
+@pytest.mark.parametrize("method", ["characteristics", "finite-difference"])
+def test_what_yields_is_a_table_of_two_points(method, compiling):
+    yields = ri.Yielding(10.0, 0.5, 2.0)
+    table = ri.Tabulated([0.05, 1.05], [0.5, 2.5])
+    found = []
+    with kernels.forced(compiling):
+        for law in (yields, table):
+            rods = [unit_rod(1.0).replace(velocity=1.0), unit_rod(2.0)]
+            system = ri.System(rods, contacts=[law])
+            cells = 100 if method == "finite-difference" else None
+            found.append(ri.solve(system, 12.0, method, cells=cells).outcome)
+    assert found[0].peak_force > 0.55
+    assert found[1].peak_force == pytest.approx(found[0].peak_force, rel=1e-5)
+    np.testing.assert_allclose(found[1].velocities_after, found[0].velocities_after, rtol=1e-5)
 
 
 @pytest.mark.parametrize("mirrored", [False, True])

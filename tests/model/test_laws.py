@@ -19,6 +19,7 @@ LAWS = [
     ri.SpringDashpot(stiffness=1e6, damping=20.0), ri.Hertz(stiffness=1e9),
     ri.HuntCrossley(stiffness=1e9, damping=0.1), ri.PowerLaw(stiffness=1e9, exponent=2.0),
     ri.Yielding(stiffness=1e9, yield_force=1e3, hardening=1e7),
+    ri.Tabulated([1e-4, 1e-3, 1.2e-3], [1e3, 1.2e3, 6e3], unloading=5e7),
 ]
 
 
@@ -39,7 +40,7 @@ def test_a_law_survives_its_description(law):
 def test_names():
     assert list(CONTACT_LAWS) == [
         "rigid", "bonded", "joint", "spring", "spring-dashpot", "hertz", "hunt-crossley",
-        "power", "yielding",
+        "power", "yielding", "tabulated",
     ]
     assert len(set(LAWS)) == len(LAWS)
 
@@ -223,3 +224,47 @@ def test_a_case_file_and_a_family_name_what_yields():
         assert swept.restitution[i] == outcome.restitution
         assert swept.columns["peak_force.0"][i] == outcome.contacts[0].peak_force
     assert swept.restitution[0] < swept.restitution[1]
+
+
+def test_a_table_has_points_that_rise():
+    law = ri.Tabulated([1e-4, 3e-4], [1e3, 5e3])
+    assert law.stiffness == max(law.slopes) == pytest.approx(2e7)
+    assert list(problems(lambda: ri.Tabulated([], [1.0]))) == ["compression"]
+    assert list(problems(lambda: ri.Tabulated(1e-4, 1e3))) == ["compression", "force"]
+    assert list(problems(lambda: ri.Tabulated([1.0] * 40, [1.0]))) == ["compression"]
+    assert list(problems(lambda: ri.Tabulated([1.0, 2.0], [1.0]))) == ["force"]
+    assert list(problems(lambda: ri.Tabulated([1.0, -1.0], [1.0, 2.0]))) == ["compression.1"]
+    found = problems(lambda: ri.Tabulated([1.0, 1.0], [2.0, 1.0]))
+    assert found == {"compression.1": "must lie above 1.0, got 1.0",
+                     "force.1": "must lie above 2.0, got 1.0"}
+    found = problems(lambda: ri.Tabulated([1.0, 2.0], [1.0, 3.0], unloading=1.9))
+    assert found == {"unloading": "must be at least that of the steepest line, 2.0, got 1.9"}
+
+
+def test_a_table_that_has_yielded_goes_on_where_it_was():
+    law = ri.Tabulated([1.0, 2.0, 3.0], [1.0, 1.5, 3.5], unloading=4.0)
+    assert law.hardened(0.0) == law
+    later = law.hardened(1.25)  # at a compression of 1.5
+    np.testing.assert_allclose(later.compression, [1.25 / 4, 1.25 / 4 + 0.5, 1.25 / 4 + 1.5])
+    assert later.force == (1.25, 1.5, 3.5)
+    assert later.hardened(1.0) == later
+    beyond = law.hardened(5.5)
+    np.testing.assert_allclose(beyond.slopes, [4.0, 2.0])
+
+
+def test_a_case_file_and_a_family_name_a_table():
+    law = ri.Tabulated([1e-5, [1e-4, 2e-4]], [1e3, 2e3], unloading=2e8)
+    rods = [ri.Rod(1.0, area=1e-4, material=STEEL, velocity=1.0),
+            ri.Rod(2.0, area=1e-4, material=STEEL)]
+    family = ri.System(rods, contacts=[law])
+    assert ri.parse_case(ri.write_case(family[1])).system == family[1]
+    text = ri.write_case(family[0]).replace("[1e-05, 0.0001]", '["10 um", "0.1 mm"]')
+    assert "10 um" in text
+    assert ri.parse_case(text).system == family[0]
+    with pytest.raises(ValueError, match=r"contacts\.0\.force\.1"):
+        ri.parse_case(text.replace("2000.0]", '"2 mm"]'))
+    swept = ri.sweep(family, also=["set"])
+    for i in range(2):
+        solution = ri.solve(family[i])
+        assert swept.peak_force[i] == solution.outcome.contacts[0].peak_force > 1e3
+        assert swept.sets[0][i] > 0

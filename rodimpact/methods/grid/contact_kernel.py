@@ -144,34 +144,52 @@ def solve_law(
     return max(F, 0 * F), x, slope
 
 
-def past_yield(
-    k: float, hardening: float, strength: float, x0: float, c: float, y: float
-) -> tuple[float, float, float]:
+def past_yield(at: Any, x0: float, c: float, y: float) -> tuple[float, float, float]:
     """What `solve_law` returns, if the contact comes past x = strength/k; else x1 is x0.
 
-    From there the force grows by `hardening` k, so that the mean force times the path is quadratic
-    in x1, which is without what of it moves the faces for good.
+    From there the force grows along straight lines, so that the mean force times the path is
+    quadratic in x1 on each, which is without what of it moves the faces for good.
     """
-    most = strength / k
-    path, F, slope = most - x0, (strength + k * x0) / 2, k / 2
-    if x0 < 0:
-        share = most / path
-        F, slope = strength * share / 2, slope * share * (2 - share)
-    if path - c + y * F >= 0:
+    k, force = at.stiffness, at.strength
+    most = force / k
+    way = most - x0
+    energy = force * most / 2 if x0 < 0 else (force + k * x0) / 2 * way
+    if way * (way - c) + y * energy >= 0:
         return 0.0, x0, 0.0
-    soft = hardening * k / 2
-    a, b = 1 + y * soft, (c - y * (strength - 2 * soft * path)) / 2
-    rest = y * path * (strength - F - soft * path)
-    root = math.sqrt(max(b * b + a * rest, 0.0))
-    w = (b + root) / a if b >= 0 else rest / (root - b)
-    if w <= path:  # round-off: it comes to that point, not past it
+    w, soft, knot = way, at.damping * k / 2, at.knot
+    while True:  # over the lines of the table
+        a, b = 1 + y * soft, (c - y * (force - 2 * soft * way)) / 2
+        rest = y * (energy - way * (force - soft * way))
+        root = math.sqrt(max(b * b - a * rest, 0.0))
+        w = (b + root) / a if b >= 0 else rest / (b - root)
+        if soft * (w - way) * 2 <= at.knots[knot] - force:
+            break
+        part = (at.knots[knot] - force) / (2 * soft)
+        energy += part * (force + at.knots[knot]) / 2
+        way, force = way + part, at.knots[knot]
+        soft = at.shares[knot] * k / 2
+        knot += 1
+    if w <= most - x0:  # round-off: it comes to that point, not past it
         return 0.0, x0, 0.0
-    elastic, plastic = path / w, (w - path) / w
-    F = elastic * F + plastic * (strength + soft * (w - path))
-    slope = elastic * (elastic * slope + plastic * 2 * soft) + plastic * plastic * soft
+    end = force + 2 * soft * (w - way)
+    F = (energy + (w - way) * (force + end) / 2) / w
+    slope = max((end - F) / w, 0.0)
     if y * slope > 1:
         F = (c - w) / y
     return F, x0 + w, slope
+
+
+def harden(at: Any) -> None:
+    """Enter the strength of what has come past its yield point, along the lines of its table."""
+    further = at.place - at.strength / at.stiffness
+    while True:
+        grown = at.strength + at.damping * at.stiffness * further
+        if grown <= at.knots[at.knot]:
+            at.strength = grown
+            return
+        further -= (at.knots[at.knot] - at.strength) / (at.damping * at.stiffness)
+        at.strength, at.damping = at.knots[at.knot], at.shares[at.knot]
+        at.knot += 1
 
 
 def solve_joint(
@@ -189,7 +207,7 @@ def solve_link(at: Any, c: float) -> tuple[float, float, float]:
     if at.law == Law.JOINT:
         return solve_joint(k, rate, x0, c, y)
     if at.law == Law.YIELD:
-        F, x, slope = past_yield(k, rate, at.strength, x0, c, y)
+        F, x, slope = past_yield(at, x0, c, y)
         if x > at.strength / k:
             return F, x, slope
         rate = 0.0
@@ -209,7 +227,7 @@ def indent(at: Any) -> float:
     k, p, x = at.stiffness, at.exponent, at.place
     rest: float = -x
     if at.law == Law.YIELD and x > at.strength / k:
-        at.strength += at.damping * (k * x - at.strength)
+        harden(at)
         rest = -at.strength / k
     if at.damping > 0 or at.law == Law.YIELD:
         energy = stored(at.law, k, p, at.gap) - stored(at.law, k, p, rest)

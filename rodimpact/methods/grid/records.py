@@ -13,6 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..laws import KNOTS
+
 NONE = -1
 FAR = (1 << 40) - 1  # n & FAR tells the compiler that n >= 0, so that its loops run in vectors
 
@@ -36,6 +38,8 @@ LINK = np.dtype([  # a contact or joint
     ("law", "i8"), ("stiffness", "f8"), ("exponent", "f8"),
     ("damping", "f8"),  # of YIELD the hardening, as a share of the stiffness
     ("strength", "f8"),  # force at which it yields now
+    ("knot", "i8"),  # the next of these forces, from which on YIELD has another hardening
+    ("knots", "f8", (KNOTS,)), ("shares", "f8", (KNOTS,)),
     ("left", "i8"), ("right", "i8"),  # nodes
     ("left_implicit", "i8"), ("right_implicit", "i8"),  # pieces, NONE if explicit
     ("last", "i8"),  # of those that feel each other, at the first of them; else NONE

@@ -22,7 +22,7 @@ DOUBT = 3  # times what changes tell: where they cancel, errors are larger
 FAINT = 5 / 3  # times that for a duration: a faint force may be missed on all levels alike
 PART = 0.1  # of a step, to which times are known at best
 ROUGH = (PEAK_FORCE, DURATION)  # told, and not waited for: they hang on few steps
-GENTLE = laws.Spring | laws.Hertz | laws.HuntCrossley | laws.PowerLaw | laws.Yielding
+GENTLE = laws.Spring | laws.Hertz | laws.HuntCrossley | laws.PowerLaw | laws.Plastic
 
 
 Levels = list[tuple[float, dict[str, Array]]]

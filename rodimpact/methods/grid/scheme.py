@@ -10,7 +10,7 @@ import numpy as np
 from ...model.frozen import InvalidModel
 from ...model.profiles import averages
 from .. import compiling
-from ..laws import Beyond
+from ..laws import KNOTS, Beyond
 from ..row import Array, Row, whole
 from ..walk import wave_of_strain
 from . import elimination_kernel as elimination
@@ -145,11 +145,15 @@ def _links(mesh: Mesh, h: float, mobility: Array, node: Array) -> Array:
     gap = np.array(row.gap, float)[chosen] / h
     columns = {name: np.array(getattr(row, name))[chosen]
                for name in ("exponent", "damping", "strength")}
+    knots, shares = np.full((len(chosen), KNOTS), math.inf), np.zeros((len(chosen), KNOTS))
+    for i, k in enumerate(chosen):
+        for j, (force, hardening) in enumerate(row.table[k]):
+            knots[i, j], shares[i, j] = force, hardening
     return filled(
         records.LINK, len(chosen), law=np.array(row.laws)[chosen],
         stiffness=stiffness_in_steps(row, h)[chosen], left=left, right=right,
         left_implicit=order[:-1], right_implicit=order[1:], last=last, own=to_left + to_right,
-        shared=shared, gap=gap, open=1, shut=gap == 0, **columns,
+        shared=shared, gap=gap, knots=knots, shares=shares, open=1, shut=gap == 0, **columns,
     )
 
 

@@ -26,6 +26,9 @@ def happen(
         it.overlap = 0.0
     if old == Status.PLASTIC:
         it.strength = it.stiffness * it.overlap
+        if status == Status.PLASTIC:
+            it.hardening = it.shares[it.knot]
+            it.knot += 1
     if old == Status.OPEN:
         if it.law == Law.RIGID or (it.law == Law.SPRING and it.damping > 0):
             it.order = 0

@@ -71,6 +71,8 @@ def guards(it: Any) -> int:
     """How many numbers keep the status of a link."""
     if it.status == Status.BOND:
         return 0
+    if it.status == Status.PLASTIC and it.knots[it.knot] < math.inf:
+        return 2
     damped = it.law == Law.OWN or (it.law == Law.POWER and it.damping > 0)
     if it.status == Status.GRAZE or (it.status == Status.PRESS and (it.law == Law.YIELD or damped)):
         return 2
@@ -83,12 +85,15 @@ def guard(
     """What must not fall below 0 for the status to last, without dimension, and the next status.
 
     A dashpot lets go while there is still overlap: SLACK, until that is gone or it presses again.
-    What yields goes on as elastic, with a new strength, once it no longer closes.
+    What yields goes on as elastic, with a new strength, once it no longer closes; at a knot of its
+    table it goes on with another hardening.
     """
     if it.status == Status.OPEN:
         return -d / length, Status.PRESS.value
     if it.status == Status.REST:
         return F / it.strength, Status.OPEN.value
+    if it.status == Status.PLASTIC and which == 1:
+        return 1 - F / it.knots[it.knot], Status.PLASTIC.value
     if it.status == Status.PLASTIC:
         return (closing - it.mobility * F) / scale, Status.PRESS.value
     if it.status == Status.PRESS and it.law == Law.RIGID:

@@ -6,13 +6,14 @@ a family: so nothing here is decided by a number but through `np.where`.
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from .. import tick_rule as rule
 from ..compiling import blank
-from ..laws import Law, Status
+from ..laws import KNOTS, Law, Status
 from . import finality
 from .records import LINE, LINK, MASS, NEVER, NODE, NONE, PART, PIECE, RUN, SMOOTH, Part
 from .series import POINTS, N
@@ -34,7 +35,7 @@ class Given(NamedTuple):
         By body, its first segment and the one behind its last.
     laws : list of Law
         By link.
-    stiffness, exponent, damping, strength, gap : list
+    stiffness, exponent, damping, strength, gap, table : list
         By link; `damping` of an impact is its coefficient of restitution, and of what yields the
         hardening as a share of the stiffness; the gap of a joint is its stretch.
     masses, mass_velocity : list
@@ -57,6 +58,7 @@ class Given(NamedTuple):
     damping: Any
     strength: Any
     gap: Any
+    table: Any
     masses: Any
     mass_velocity: Any
     transit: Any
@@ -112,8 +114,8 @@ def given_of(row: Any, reference: Any, frame: Any, scale: Any) -> Given:
     return Given(
         row.first, [(first - 1, last) for first, last in row.spans],
         [int(law) for law in row.laws], row.stiffness, row.exponent, row.damping, row.strength,
-        row.gap, row.masses, row.mass_velocity, [s.transit_time for s in row.segments],
-        [s.impedance for s in row.segments], [s.mass for s in row.segments],
+        row.gap, row.table, row.masses, row.mass_velocity,
+        [s.transit_time for s in row.segments], [s.impedance for s in row.segments], [s.mass for s in row.segments],
         [kind for kind, _ in row.outside],
         not all(law.opens for law in row.system.contacts), reference, frame, scale)
 
@@ -307,7 +309,9 @@ def set_law(it: Any, given: Given, i: int) -> None:
         it.restitution, it.status = given.damping[i], Status.OPEN.value
         return
     if it.law == Law.YIELD:
-        it.hardening = given.damping[i]
+        it.hardening, it.knots = given.damping[i], [math.inf for _ in range(KNOTS)]
+        for j, entry in enumerate(given.table[i]):
+            it.knots[j], it.shares[j] = entry[0], entry[1]
     else:
         it.damping = given.damping[i]
     if it.law == Law.OWN:

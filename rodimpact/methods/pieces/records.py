@@ -12,6 +12,7 @@ from enum import IntEnum
 
 import numpy as np
 
+from ..laws import KNOTS
 from .series import POINTS
 
 
@@ -52,6 +53,8 @@ LINK = np.dtype([
     ("function", "i8"), ("near", "f8"), ("near_rate", "f8"),  # of a law of the user: m, m/s
     ("stiffness", "f8"), ("exponent", "f8"), ("damping", "f8"), ("strength", "f8"),
     ("restitution", "f8"), ("hardening", "f8"), ("mobility", "f8"),
+    ("knot", "i8"),  # the next of these forces, from which on what yields has another hardening
+    ("knots", "f8", (KNOTS,)), ("shares", "f8", (KNOTS,)),
     ("overlap", "f8"), ("rate", "f8"), ("bend", "f8"),  # and derivatives, as the last piece ended
     ("ease", "f8"),  # velocity that a force makes in about the shortest transit
     ("rate_after", "f8"),  # of an impact: closing that it leaves

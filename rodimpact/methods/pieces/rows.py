@@ -113,7 +113,9 @@ def given_of(row: Row, until: float | None) -> Given:
     """The numbers of a row, each for every member."""
     of, reference = row.of, reference_time(row, until)
     given = layout.given_of(row, reference, of(row.frame), velocity_scale(row, reference))
-    return given._replace(**{name: [*map(of, getattr(given, name))] for name in BY_MEMBER})
+    table = [[(of(force), of(share)) for force, share in entries] for entries in given.table]
+    by_member = {name: [*map(of, getattr(given, name))] for name in BY_MEMBER}
+    return given._replace(table=table, **by_member)
 
 
 def reference_time(row: Row, until: float | None) -> Any:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.polynomial.chebyshev import chebder
 
-from ...model import Joint, Wall, Yielding
+from ...model import Joint, Plastic, Wall
 from ..clock import Clock
 from ..groups import fill_bonds
 from ..laws import Status
@@ -87,7 +87,7 @@ def _contact(
     if it["overlap_line"] < 0:
         return ContactSignal(force, NOTHING, NOTHING, ())
     gap = lines[it["overlap_line"]].times(-1.0)
-    if isinstance(law, Yielding):
+    if isinstance(law, Plastic):
         closing = lines[it["closing_line"]]
     else:
         closing = _rate(gap, -1.0 / clock.tick)
