@@ -277,13 +277,13 @@ def test_what_yields_is_a_table_of_two_points(method, compiling):
     found = []
     with kernels.forced(compiling):
         for law in (yields, table):
-            rods = [unit_rod(1.0).replace(velocity=1.0), unit_rod(2.0)]
+            rods = [unit_rod(1.0).replace(velocity=2.0), unit_rod(2.0)]
             system = ri.System(rods, contacts=[law])
             cells = 100 if method == "finite-difference" else None
             found.append(ri.solve(system, 12.0, method, cells=cells).outcome)
     assert found[0].peak_force > 0.55
     assert found[1].peak_force == pytest.approx(found[0].peak_force, rel=1e-5)
-    np.testing.assert_allclose(found[1].velocities_after, found[0].velocities_after, rtol=1e-5)
+    np.testing.assert_allclose(found[1].velocities_after, found[0].velocities_after, rtol=1e-4)
 
 
 @pytest.mark.parametrize("mirrored", [False, True])

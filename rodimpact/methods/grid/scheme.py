@@ -10,7 +10,7 @@ import numpy as np
 from ...model.frozen import InvalidModel
 from ...model.profiles import averages
 from .. import compiling
-from ..laws import KNOTS, Beyond
+from ..laws import KNOTS, UNREACHED, Beyond
 from ..row import Array, Row, whole
 from ..walk import wave_of_strain
 from . import elimination_kernel as elimination
@@ -145,7 +145,7 @@ def _links(mesh: Mesh, h: float, mobility: Array, node: Array) -> Array:
     gap = np.array(row.gap, float)[chosen] / h
     columns = {name: np.array(getattr(row, name))[chosen]
                for name in ("exponent", "damping", "strength")}
-    knots, shares = np.full((len(chosen), KNOTS), math.inf), np.zeros((len(chosen), KNOTS))
+    knots, shares = np.full((len(chosen), KNOTS), UNREACHED), np.zeros((len(chosen), KNOTS))
     for i, k in enumerate(chosen):
         for j, (force, hardening) in enumerate(row.table[k]):
             knots[i, j], shares[i, j] = force, hardening

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..laws import Law, Status
+from ..laws import UNREACHED, Law, Status
 
 ROUNDS, ENOUGH = 20, 1e-14  # to find a force that depends on the rate it makes; relative
 
@@ -71,7 +71,7 @@ def guards(it: Any) -> int:
     """How many numbers keep the status of a link."""
     if it.status == Status.BOND:
         return 0
-    if it.status == Status.PLASTIC and it.knots[it.knot] < math.inf:
+    if it.status == Status.PLASTIC and it.knots[it.knot] < UNREACHED:
         return 2
     damped = it.law == Law.OWN or (it.law == Law.POWER and it.damping > 0)
     if it.status == Status.GRAZE or (it.status == Status.PRESS and (it.law == Law.YIELD or damped)):

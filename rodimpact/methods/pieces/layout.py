@@ -6,14 +6,13 @@ a family: so nothing here is decided by a number but through `np.where`.
 
 from __future__ import annotations
 
-import math
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from .. import tick_rule as rule
 from ..compiling import blank
-from ..laws import KNOTS, Law, Status
+from ..laws import KNOTS, UNREACHED, Law, Status
 from . import finality
 from .records import LINE, LINK, MASS, NEVER, NODE, NONE, PART, PIECE, RUN, SMOOTH, Part
 from .series import POINTS, N
@@ -309,7 +308,7 @@ def set_law(it: Any, given: Given, i: int) -> None:
         it.restitution, it.status = given.damping[i], Status.OPEN.value
         return
     if it.law == Law.YIELD:
-        it.hardening, it.knots = given.damping[i], [math.inf for _ in range(KNOTS)]
+        it.hardening, it.knots = given.damping[i], [UNREACHED for _ in range(KNOTS)]
         for j, entry in enumerate(given.table[i]):
             it.knots[j], it.shares[j] = entry[0], entry[1]
     else:
