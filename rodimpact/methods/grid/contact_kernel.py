@@ -153,9 +153,12 @@ def past_yield(at: Any, x0: float, c: float, y: float) -> tuple[float, float, fl
     k, force = at.stiffness, at.strength
     most = force / k
     way = most - x0
-    energy = force * most / 2 if x0 < 0 else (force + k * x0) / 2 * way
-    if way * (way - c) + y * energy >= 0:
+    mean = (force + k * x0) / 2
+    if x0 < 0:
+        mean = force * (most / way) / 2
+    if way - c + y * mean >= 0:
         return 0.0, x0, 0.0
+    energy = mean * way
     w, soft, knot = way, at.damping * k / 2, at.knot
     while True:  # over the lines of the table
         a, b = 1 + y * soft, (c - y * (force - 2 * soft * way)) / 2
