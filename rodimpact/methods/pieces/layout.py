@@ -114,7 +114,8 @@ def given_of(row: Any, reference: Any, frame: Any, scale: Any) -> Given:
         row.first, [(first - 1, last) for first, last in row.spans],
         [int(law) for law in row.laws], row.stiffness, row.exponent, row.damping, row.strength,
         row.gap, row.table, row.masses, row.mass_velocity,
-        [s.transit_time for s in row.segments], [s.impedance for s in row.segments], [s.mass for s in row.segments],
+        [s.transit_time for s in row.segments], [s.impedance for s in row.segments],
+        [s.mass for s in row.segments],
         [kind for kind, _ in row.outside],
         not all(law.opens for law in row.system.contacts), reference, frame, scale)
 
