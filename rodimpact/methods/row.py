@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from ..model import InvalidModel, System, Wall
+from ..model import InvalidModel, System, Tabulated, Wall
 from ..model.profiles import extremes
 from .laws import Law
 from .scales import largest as largest
@@ -81,6 +81,9 @@ class Row:
     def __init__(self, system: System) -> None:
         vars(self).update(walk(system)._asdict())
         self.spans, self.gravity = tuple(self.spans), system.gravity
+        for k, law in enumerate(system.contacts):
+            if isinstance(law, Tabulated):
+                self.table[self.contact_link[k]] = law.table
 
     def outside_name(self, side: int) -> str:
         """What acts on the left or right end, as an `Outside` names it."""

@@ -18,7 +18,6 @@ ENDS = {
     "absorbing": "absorbing", "incoming": "absorbing",
 }
 """What is outside the ends of a row, by their kind."""
-SOON = 1e-6  # of the first force of a table: from here on it is followed
 
 
 class Walk(NamedTuple):
@@ -119,14 +118,9 @@ def add_contact(row: Walk, law: Any, gap: Any) -> None:
         add(row, Kind.IMPACT, law.restitution, gap, 0.0, 1.0, 0.0)
     elif law.law == "joint":
         add(row, Kind.JOINT, law.damping, law.stretch, law.stiffness, 1.0, 0.0)
-    elif law.law == "yielding":
+    elif law.law in ("yielding", "tabulated"):
         add(row, Kind.YIELD, law.hardening / law.stiffness, gap, law.stiffness, 1.0,
             law.yield_force)
-    elif law.law == "tabulated":
-        k, slopes, force = law.stiffness, law.slopes, law.force
-        add(row, Kind.YIELD, slopes[0] / k, gap, k, 1.0, SOON * force[0])
-        row.table[len(row.table) - 1] = [
-            (force[j], slopes[j + 1] / k) for j in range(len(slopes) - 1)]
     elif law.law == "own":
         add(row, Kind.OWN, 1.0, gap, 0.0, 1.0, 0.0)  # whatever it is, it may depend on the rate
     else:

@@ -25,6 +25,7 @@ FACE = Field("m", "positive or infinite", default=np.inf)
 """The radius of a face, infinite for a flat one."""
 MOST = 16  # points of a table
 ROUND_OFF = 1e-12  # relative, of slopes
+SOON = 1e-6  # of the first force of a table
 
 
 class _Law(Declared):
@@ -477,6 +478,23 @@ class Tabulated(Plastic):
     def stiffness(self) -> Number:
         """That of the unloading, N/m."""
         return reduce(np.maximum, self.slopes) if self.unloading is None else self.unloading
+
+    @property
+    def yield_force(self) -> Number:
+        """Force from which on the table is followed, N: almost from the first."""
+        first: Number = self.force[0]
+        return SOON * first
+
+    @property
+    def hardening(self) -> Number:
+        """Stiffness along the first line, N/m."""
+        return self.slopes[0]
+
+    @property
+    def table(self) -> list[tuple[Number, Number]]:
+        """Forces at which lines begin, N, and stiffnesses along them as shares of the unloading."""
+        return [(F, slope / self.stiffness)
+                for F, slope in zip(self.force, self.slopes[1:], strict=False)]
 
     def hardened(self, force: Any) -> Tabulated:
         """The law after a peak force, N, for compressions from where the faces are then."""
