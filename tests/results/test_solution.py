@@ -341,3 +341,10 @@ def test_regions_of_an_interval(unequal):
     for name, wrong in (("limit", {"limit": 3}), ("stop", {"start": 1e-5, "stop": 1e-5})):
         with pytest.raises(ValueError, match=name):
             regions_of(unequal, **wrong)
+
+
+def test_families_and_what_is_no_system_are_refused():
+    with pytest.raises(ri.InvalidModel, match=r"a family of shape \(2,\).*sweep"):
+        ri.solve(ri.System([rod(np.array([0.1, 0.2]), 1.0), rod(1.0)]))
+    with pytest.raises(ri.InvalidModel, match="system"):
+        ri.solve([rod(1.0)])
