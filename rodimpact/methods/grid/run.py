@@ -174,7 +174,7 @@ class GridRun:
                 room[: len(x)] = x
             self.track = self._rows(slice(self.steps), slice(self.kept))
         when, first = self.keep.when(self.step, end), self.steps
-        left = np.isin(self.track.when, when)
+        left = np.isin(self.track.when, when, assume_unique=True)
         if not left.all():
             self._drop(left)
         new = when[left.sum() :]  # both increase, and all states left are among them
