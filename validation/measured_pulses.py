@@ -18,9 +18,9 @@ which the release wave runs twice: Mindlin and Herrmann's theory near the struck
 Repeated shots differ by 1 to 3 %. `python -m validation.measured_pulses` prints this table with the
 processor time of each fit.
 
-With its wave speed free as well, titanium has 4726 +- 23 m/s by the exact mode in the bar alone,
-4810 +- 19 m/s with Mindlin and Herrmann's theory near the struck end, 4992 +- 15 m/s with that
-theory all the way, and 4529 +- 21 m/s with Rayleigh and Love's. The laboratory calibrated 4866 m/s;
+With its wave speed free as well, titanium has 4726 +- 24 m/s by the exact mode in the bar alone,
+4810 +- 20 m/s with Mindlin and Herrmann's theory near the struck end, 4992 +- 17 m/s with that
+theory all the way, and 4529 +- 26 m/s with Rayleigh and Love's. The laboratory calibrated 4866 m/s;
 E and rho give 4975 m/s. So the theory decides, and not the noise, whose part the standard errors
 are: `Fit.against` prints by how much a number moves. With 4866 m/s given the striker is
 124.0 +- 0.3 mm long, with 4975 m/s 126.7 +- 0.3 mm; it had 127.

@@ -17,7 +17,7 @@ from ..model.bodies import BODIES, Material, Rod, Segment
 from ..model.ends import ENDS
 from ..model.frozen import REQUIRED, Field, defaults_of
 from ..model.lateral_inertia import THEORIES
-from ..model.laws import CONTACT_LAWS, FACE, Hertz
+from ..model.laws import CONTACT_LAWS, FACE, Hertz, Tabulated
 from ..units import si_unit
 from .case import SCHEMA
 from .case_reading import DAMPING, OPTIONS
@@ -32,6 +32,7 @@ TYPICAL = {
 SIGNS = {"any": "any number", "positive": "> 0", "non-negative": ">= 0",
          "positive or infinite": '> 0, or "inf"'}
 WORD = "name of a material"
+POINTS = {"compression": ["0.1 mm", "1 mm"], "force": ["1 kN", "1.2 kN"]}  # of a table
 
 
 class Entry(NamedTuple):
@@ -76,6 +77,8 @@ def sections() -> list[Section]:
            Entry("segments", "", "[[bodies.segments]]", "in place of all above")]
     contact = [_number("gap", System.fields["gaps"]),
                Entry("law", "", _either(CONTACT_LAWS), "rigid")]
+    table = [Entry(key, unit, "a list of increasing positive numbers", "required")
+             for key, unit in (("compression", "m"), ("force", "N"))]
     files = [Entry(key, "", "name of a file", "none") for key in ("plot", "save")]
     gauge = [Entry("body", "", "number of a rod, from 0", "required"),
              Entry("fraction", "1", "[0, 1]", "required"),
@@ -89,8 +92,9 @@ def sections() -> list[Section]:
         Section("[[contacts]]", "Entry i lies between bodies i and i + 1. Without any, "
                 "all bodies touch.",
                 contact, _toml("[[contacts]]", {"gap": "50 um"})),
-        *(_section("[[contacts]]", {}, law, after=_faces() if law is Hertz else [])
-          for law in CONTACT_LAWS.values()),
+        *(_section("[[contacts]]", POINTS if law is Tabulated else {}, law,
+                   before=table if law is Tabulated else [],
+                   after=_faces() if law is Hertz else []) for law in CONTACT_LAWS.values()),
         *(_section("[ends.right]", {}, end) for end in ENDS.values()),
         Section("[solve]", "How to solve it; `rodimpact run --help` says what these mean.",
                 _options(), _toml("[solve]", {"until": "2 ms"}), Options.__name__),
