@@ -27,7 +27,7 @@ from .tables import asked_of, system_of
 QUICK = 1e-6  # tolerance of curves and maps
 
 
-def smooth_known(system: Any, asked: Any, gauges: Any) -> Any:
+def smooth_known(system: Any, asked: Any, gauges: Any, tolerance: float = RTOL) -> Any:
     """What `picture` shows of a system with compliant contacts or rigid masses.
 
     Parameters
@@ -36,6 +36,8 @@ def smooth_known(system: Any, asked: Any, gauges: Any) -> Any:
     asked : Asked
     gauges : list of dict
         Each with its ``body`` and ``fraction`` of the length.
+    tolerance : float
+        Of pieces of waves.
 
     Returns
     -------
@@ -46,7 +48,7 @@ def smooth_known(system: Any, asked: Any, gauges: Any) -> Any:
     problem = refused(row, asked)
     if problem is not None:
         return {"problem": problem}
-    run = solved(row, asked)
+    run = solved(row, asked, tolerance)
     if run is None:
         return {"problem": ("bodies", TOO_FAR_APART)}
     if run["ended"].run.stop == Stop.STUCK:
@@ -146,7 +148,7 @@ def smooth_sentence(run: Any) -> str:
         "round_trip": 2 * longest_of(run["given"], run["clock"], 0) * tick,
         "acting": DRIVEN if has_driven_end(row.system) else "", "held": is_held(row.system),
     })
-    return sentence + stated(size_of(run["errors"][:3]), RTOL) + told_of(it) + (
+    return sentence + stated(size_of(run["errors"][:3]), run["goal"]) + told_of(it) + (
         strain_warning(fastest))
 
 
@@ -157,5 +159,5 @@ def smooth_restitution(case: Any, library: Any) -> Any:
     run = None if stiff else run_of(row, asked, QUICK, False, None)
     if run is None or run["ended"].run.stop == Stop.STUCK:
         return None
-    outcome = smooth_outcome({**run, "errors": [0.0 for _ in range(5)]})
+    outcome = smooth_outcome({**run, "errors": [0.0 for _ in range(5)], "goal": QUICK})
     return outcome["restitution"] if outcome["why"] == "" else None

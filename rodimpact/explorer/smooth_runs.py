@@ -13,7 +13,6 @@ from ..methods.laws import Stop
 from ..methods.pieces import accuracy, layout, march
 from ..methods.pieces.accuracy import Ended
 from ..methods.pieces.layout import Asked, Clock, Known
-from ..methods.pieces.method import RTOL
 from ..methods.pieces.records import NONE, PIECE, TURN
 from ..methods.pieces.series import N
 from ..methods.scales import largest
@@ -97,9 +96,9 @@ def run_of(row: Any, asked: Any, tolerance: float, keep: bool, earlier: Any) -> 
             "now": now, "until": asked.until}
 
 
-def solved(row: Any, asked: Any) -> Any:
+def solved(row: Any, asked: Any, tolerance: float) -> Any:
     """A run with the stated ``errors`` of the `MEASURES`; None as of `run_of`."""
-    fine, coarser = run_of(row, asked, RTOL, True, None), accuracy.COARSER * RTOL
+    fine, coarser = run_of(row, asked, tolerance, True, None), accuracy.COARSER * tolerance
     errors = [0.0 for _ in range(5)]
     if fine is None or fine["ended"].run.stop == Stop.STUCK:
         return fine
@@ -110,4 +109,4 @@ def solved(row: Any, asked: Any) -> Any:
     left = accuracy.left_open(fine["ended"].run, 0.0)
     for T in fine["clock"].transits:  # which are rounded to whole ticks
         left = max(left, 1 / T)
-    return {**fine, "errors": [error + left for error in errors]}
+    return {**fine, "errors": [error + left for error in errors], "goal": tolerance}

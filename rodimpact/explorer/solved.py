@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..methods.pieces.method import RTOL
 from .fronts import known_of
 from .outcome import changed, restitutions
 from .picture import picture, ratio_of
@@ -20,8 +21,10 @@ LEAST, MOST = -2.0, 4.0  # log10 of kappa, on the curve of e over the roundness 
 RATIOS, FEW = 80, 20  # of the lengths, on the curve of e: of fronts and of characteristics
 
 
-def scene_of(case: Any, gauges: Any, library: Any) -> Any:
+def scene_of(case: Any, gauges: Any, library: Any, tolerance: float = RTOL) -> Any:
     """All that the page shows of a case without mistakes that it can solve.
+
+    Waves between compliant contacts are pieces of this tolerance; the errors say what it does.
 
     Returns
     -------
@@ -30,7 +33,7 @@ def scene_of(case: Any, gauges: Any, library: Any) -> Any:
     """
     system, asked = system_of(case, library), asked_of(case)
     if is_smooth(case):
-        known = smooth_known(system, asked, gauges)
+        known = smooth_known(system, asked, gauges, tolerance)
     else:
         known = known_of(system, asked, gauges)
     if "problem" in known:
@@ -93,7 +96,7 @@ def begin_roundness(case: Any, system: Any) -> Any:
     if unit == 0:
         return None
     k = contacts_in(case)[0].get("stiffness")
-    return {"ratios": [], "values": [], "source": "",
+    return {"ratios": [], "values": [], "source": "", "unit": unit,
             "here": None if k is None else math.log10(k / unit)}
 
 

@@ -38,7 +38,7 @@ function redraw() {
   shown.due = true;
   requestAnimationFrame(() => {
     try {
-      if (shown.asked) receive(sceneOf(design));
+      if (shown.asked) receive(sceneOf(design, shown.draft));
       if (shown.scene) draw();
     } finally {
       shown.due = false;
@@ -46,8 +46,8 @@ function redraw() {
   });
 }
 
-function askScene() {
-  shown.asked = true;
+function askScene(draft = false) {
+  Object.assign(shown, { asked: true, draft });
   redraw();
 }
 
@@ -169,7 +169,7 @@ function changed(rebuild) {
   past.keep(design, rebuild);
   if (rebuild) controls.build(design);
   showPreset();
-  askScene();
+  askScene(!rebuild);
   keepAddress();
 }
 
@@ -254,6 +254,7 @@ function connect() {
   byId("question").addEventListener("input", keepAddress);
   connectDiagram();
   connectMap();
+  connectRoundness();
   connectFilm();
   connectLesson();
   new ResizeObserver(() => {

@@ -1,7 +1,7 @@
 "use strict";
 // A map of e over two numbers of the design, computed by the page; a click takes the numbers there.
 
-const CELLS = { fronts: 200, characteristics: 40 }; // each way
+const CELLS = 100; // each way
 const SOON = 200; // ms between two drawings of a map that is not ready
 const REST = 300; // ms without a change before the map is computed anew
 const chart = { cells: 0, xs: null, ys: null, values: [], timer: 0, turn: 0, frame: null };
@@ -68,7 +68,7 @@ function showMap() {
 
 async function computeMap(numbers, turn) {
   const [x, y] = ["map-x", "map-y"].map((id) => numbers[byId(id).value]);
-  chart.cells = CELLS[shown.scene.method];
+  chart.cells = CELLS;
   const [xs, ys] = [valuesAbout(x), valuesAbout(y)];
   Object.assign(chart, { x, y, xs, ys, values: [] });
   const began = performance.now();

@@ -41,6 +41,23 @@ function drawCurves(scene, theme) {
   drawCurve("roundness", roundness && {
     ...roundness, title: "e over the roundness of the ends", name: "log₁₀ κ, κ = k (V T)^½ T/Z: 2 is nearly flat",
     said: roundness.here === null ? "rigid ends: κ is infinite" : `here κ = ${plainNumber(10 ** roundness.here, 3)}` }, scene, theme);
+  const slider = byId("ends");
+  if (!roundness) return;
+  if (document.activeElement !== slider) slider.value = roundness.here ?? slider.max;
+  slider.setAttribute("aria-valuetext", roundness.here === null ? "rigid" : `kappa ${plainNumber(10 ** roundness.here, 3)}`);
+}
+
+/** Let a slider round the ends, which then meet by Hertz's law; at its right end they are rigid. */
+function connectRoundness() {
+  byId("ends").addEventListener("input", ({ target }) => {
+    const [{ gap = 0, law } = {}] = listOf(design.case.contacts);
+    const stiffness = Number((shown.scene.roundness.unit * 10 ** target.valueAsNumber).toPrecision(3));
+    const rigid = target.value === target.max;
+    const before = law || "rigid";
+    design.case.contacts = [rigid ? { gap, law: "rigid" } : { gap, law: "hertz", stiffness }];
+    if (!rigid && before === "hertz") enter("contacts.0.stiffness", toShown(stiffness, FIELDS.hertz.power));
+    else if (before !== design.case.contacts[0].law) changed(true);
+  });
 }
 
 /** e over one number, and the collision shown. */

@@ -11,18 +11,21 @@ function problemsOf({ case: tables, gauges }) {
 /** Whether Python has solved this design, which the page cannot solve. */
 const isStored = (asked) => start.scene !== null && JSON.stringify(asked) === JSON.stringify(start.design);
 
+const AT_ONCE = 20; // cells of a map between two looks at the clock
 const QUIET = 150; // ms after which sliders rest
+const DRAFT = 1e-4; // tolerance while a slider moves; the errors that are shown are those of it
 const AWAKE = 30; // ms of work between two looks at what the user does
 let resting = 0;
 const kept = {}; // curves that take long, as they were last
 
-/** Solve the curves that take long once the sliders rest; until then those before are shown. */
-function solveAtRest(scene) {
-  clearTimeout(resting);
+/** Solve what takes long once the sliders rest; until then curves before are shown, and a draft. */
+function solveAtRest(scene, draft) {
   const late = ["curve", "roundness"].filter((key) => scene[key] && !scene[key].values.length);
   for (const key of late) scene[key] = { ...scene[key], ...kept[key] };
   const solve = { curve: () => fronts.curve_of(design.case, start.materials, scene.ratio), roundness: () => fronts.roundness_of(design.case, start.materials) };
-  if (late.length) resting = setTimeout(() => {
+  if (late.length || draft) resting = setTimeout(() => {
+    if (draft) receive(sceneOf(design));
+    clearTimeout(resting);
     for (const key of late) {
       kept[key] = solve[key]();
       Object.assign(shown.scene[key], kept[key]);
@@ -31,14 +34,15 @@ function solveAtRest(scene) {
   }, QUIET);
 }
 
-/** The scene of a design as `data`, or its `problems`. */
-function sceneOf(asked) {
+/** The scene of a design as `data`, or its `problems`; a draft of compliant contacts is quicker. */
+function sceneOf(asked, draft = false) {
+  clearTimeout(resting);
   if (isStored(asked)) return { data: structuredClone(start.scene) };
   try {
     const problems = problemsOf(asked);
     if (problems.length) return { problems };
-    const { problem, ...data } = fronts.scene_of(asked.case, listOf(asked.gauges), start.materials);
-    if (!problem) solveAtRest(data);
+    const { problem, ...data } = fronts.scene_of(asked.case, listOf(asked.gauges), start.materials, ...(draft ? [DRAFT] : []));
+    if (!problem) solveAtRest(data, draft && data.method === "characteristics");
     return problem ? { problems: [{ path: problem[0], message: problem[1] }] } : { data };
   } catch (error) {
     return { problems: [{ path: "", message: `The design cannot be read: ${error.message}` }] };
@@ -48,12 +52,16 @@ function sceneOf(asked) {
 /** e over two numbers of a design, row by row; the page stays awake. */
 async function* mapOf(design, [xPath, xs], [yPath, ys]) {
   let rested = performance.now();
-  for (let j = 0; j < ys.length; j += 1) {
-    const tables = fronts.changed(design.case, yPath, ys[j]);
-    yield fronts.e_over(tables, start.materials, xPath, xs);
-    if (performance.now() - rested < AWAKE) continue;
-    await new Promise((resolve) => { setTimeout(resolve); });
-    rested = performance.now();
+  for (const y of ys) {
+    const tables = fronts.changed(design.case, yPath, y);
+    const row = [];
+    while (row.length < xs.length) {
+      row.push(...fronts.e_over(tables, start.materials, xPath, xs.slice(row.length, row.length + AT_ONCE)));
+      if (performance.now() - rested < AWAKE) continue;
+      await new Promise((resolve) => { setTimeout(resolve); });
+      rested = performance.now();
+    }
+    yield row;
   }
 }
 
