@@ -13,7 +13,7 @@ const isStored = (asked) => start.scene !== null && JSON.stringify(asked) === JS
 
 const AT_ONCE = 20; // cells of a map between two looks at the clock
 const QUIET = 150; // ms after which sliders rest
-const DRAFT = 1e-4; // tolerance while a slider moves; the errors that are shown are those of it
+const DRAFT = [1e-5, 1e-4]; // tolerances while a slider moves, of pairs and of chains; their errors are shown
 const AWAKE = 30; // ms of work between two looks at what the user does
 let resting = 0;
 const kept = {}; // curves that take long, as they were last
@@ -41,7 +41,7 @@ function sceneOf(asked, draft = false) {
   try {
     const problems = problemsOf(asked);
     if (problems.length) return { problems };
-    const { problem, ...data } = fronts.scene_of(asked.case, listOf(asked.gauges), start.materials, ...(draft ? [DRAFT] : []));
+    const { problem, ...data } = fronts.scene_of(asked.case, listOf(asked.gauges), start.materials, ...(draft ? [DRAFT[asked.case.bodies.length > 3 ? 1 : 0]] : []));
     if (!problem) solveAtRest(data, draft && data.method === "characteristics");
     return problem ? { problems: [{ path: problem[0], message: problem[1] }] } : { data };
   } catch (error) {
