@@ -77,7 +77,8 @@ const micro = (text) => text.replace(/ us\b/g, " µs");
 
 function showNumbers(scene) {
   const { restitution: e } = scene;
-  byId("restitution").value = minus(e.text);
+  const [said, error] = minus(e.text).split(" ± ");
+  byId("restitution").replaceChildren(said, ...(error ? [make("small", {}, ` ± ${error}`)] : []));
   document.querySelector(".restitution").hidden = e.value === null;
   byId("guess-first").hidden = e.value === null;
   if (e.value === null) hideResult(false);
