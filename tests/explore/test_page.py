@@ -437,6 +437,7 @@ def test_the_picture_is_displaced_and_its_dashed_lines_have_the_slopes_of_the_ve
     wait_for_e(page, "0.4")
     assert page.is_checked("#displaced")
     page.locator("#time").fill("500")
+    page.wait_for_function("() => !shown.due")  # it is drawn
     slopes = page.evaluate("""() => shown.scene.centres.map(({ t, y }) => [[0, 1], [-2, -1]]
         .map(([i, j]) => (y.at(j) - y.at(i)) / (t.at(j) - t.at(i)))
         .map((slope) => slope / shown.scene.row.magnification))""")
