@@ -33,7 +33,8 @@ EXAMPLES = [
     ri.RigidMass(1.0), ri.Wall(),
     ri.Rod(0.4, area=1e-4, material=STEEL), ri.System([ri.Rod(0.4, area=1e-4, material=STEEL)]),
     ri.Rigid(0.5), ri.Joint(1.0), ri.Spring(1.0), ri.SpringDashpot(1.0, 0.0), ri.Hertz(1.0),
-    ri.HuntCrossley(1.0, 0.0), ri.PowerLaw(1.0, 1.5), ri.Yielding(1e9, 1.0), ri.Pushed(1.0),
+    ri.HuntCrossley(1.0, 0.0), ri.PowerLaw(1.0, 1.5), ri.Yielding(1e9, 1.0),
+    ri.Tabulated([1.0], [1.0]), ri.Pushed(1.0),
     ri.Moved(1.0), ri.Incoming(0.0), ri.Samples([0.0, 1.0], step=1.0),
 ]
 SINGLE = [
