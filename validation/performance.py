@@ -30,6 +30,7 @@ import numpy as np
 import rodimpact as ri
 from rodimpact.methods import kernels
 from rodimpact.methods.fronts import driver
+from rodimpact.methods.fronts.plan import plan_of
 from rodimpact.methods.grid.mesh import Mesh, stable_step
 from rodimpact.methods.grid.method import COURANT
 from rodimpact.methods.grid.run import GridRun, Keeper
@@ -156,7 +157,7 @@ def per_event(T: Sequence[float], Z: Sequence[float], v: Sequence[float]) -> flo
     """Median time of an event in a run of half a million of uniform rods that touch, s."""
     bodies: list[ri.Body] = [ri.Rod(t, area=z, material=UNIT_MATERIAL, velocity=w)
                              for t, z, w in zip(T, Z, v, strict=True)]
-    plan = driver.Plan(Row(ri.System(bodies)))
+    plan = plan_of(Row(ri.System(bodies)))
     spans = []
     for _ in range(5):
         begin = time.perf_counter()
@@ -186,7 +187,7 @@ def family_of_pairs(pairs: int = 20_000) -> float:
         ri.Rod(rng.uniform(0.1, 1.0, pairs), area=np.exp(rng.uniform(0.0, math.log(3.0), pairs)),
                material=UNIT_MATERIAL, velocity=v) for v in (0.5, -0.5)
     ]
-    plan = driver.Plan(Row(ri.System(rods)))
+    plan = plan_of(Row(ri.System(rods)))
     with kernels.forced(True):
         return median(lambda: driver.solve_many(plan, (pairs,), None, MAX_EVENTS)) / pairs
 
