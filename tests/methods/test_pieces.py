@@ -259,6 +259,7 @@ def test_a_force_satisfies_its_law_and_has_these_derivatives(name):
     (Law.RIGID, Status.PRESS, 0.0, -1.0, Status.OPEN),
     (Law.YIELD, Status.PRESS, 0.25, 1.0, Status.PLASTIC),
     (Law.YIELD, Status.PLASTIC, 0.5, -1.0, Status.PRESS),
+    (Law.YIELD, Status.PLASTIC, 1.0, 5.0, Status.PLASTIC),  # at a knot of its table
     (Law.POWER, Status.PRESS, 0.5, -9.0, Status.GRAZE),
     (Law.POWER, Status.GRAZE, 0.5, 9.0, Status.PRESS),
     (Law.POWER, Status.GRAZE, -0.5, -9.0, Status.OPEN),
@@ -266,6 +267,7 @@ def test_a_force_satisfies_its_law_and_has_these_derivatives(name):
 def test_what_ends_a_status(law, status, d, closing, to):
     it = one(LINK, law=law, status=status, stiffness=10.0, exponent=1.0, strength=2.0,
              mobility=0.1, damping=0.5 if law == Law.POWER else 0.0)
+    it.knots[0] = 9.0
     F = laws.force(it, d, closing)[0] if status in (Status.PRESS, Status.PLASTIC) else 0.0
     ended = [after for g, after in (laws.guard(it, i, d, closing, F, 1.0, 1.0)
                                     for i in range(laws.guards(it))) if g < 0]
