@@ -88,7 +88,7 @@ STEEL = Shot(
     ((-50e-6, 260e-6), (360e-6, 540e-6), (300e-6, 540e-6)), (0.18, 0.22),
 )
 SHOTS = {"titanium": TITANIUM, "mini aluminium": ALUMINIUM, "steel 945": STEEL}
-PER_RADIUS = 4  # cells, where waves run in a theory
+PER_RADIUS = 3.8  # cells, where waves run in a theory
 FROM_E = 4975.0  # m/s: wave speed of titanium by E and rho
 MH, RL = "mindlin-herrmann", "rayleigh-love"
 MODELS: dict[str, dict[str, Any]] = {
