@@ -35,7 +35,7 @@ def test_standard_errors_are_the_scatter_of_fits_of_noisy_pulses(correlation):
     clean = pulse.resampled(times=np.arange(5e-5, 2e-4, STEP))
     fade = np.exp(-STEP / correlation) if correlation else 0.0
     values, errors = [], []
-    for _ in range(100):
+    for _ in range(50):
         white = random.standard_normal(len(clean) + 500) * np.sqrt(1 - fade**2)
         noise = 0.02 * np.abs(clean.values).max() * lfilter([1.0], [1.0, -fade], white)[500:]
         measured = ri.Measured(clean.replace(values=clean.values + noise), NEAR, **carried)
