@@ -89,10 +89,10 @@ def ring_down_table(found: Any) -> str:
         ["vibration when the collision is over", format_si(first, "J", 4)],
         ["vibration at the end", format_si(clean(last, first + found.rigid), "J", 4)],
         ["energy of the rigid motion", format_si(found.rigid, "J", 4)],
-        ["energy of vibration falls to 1/e in", spell(found.decay_time)],
-        [f"that of the mode that lasts longest, {format_si(found.frequency, 'Hz', 4)}, in",
+        ["time from then to the end", spell(float(found.times[-1] - found.times[0]))],
+        ["vibration falls to 1/e in, by its last third", spell(found.decay_time)],
+        [f"the mode that decays most slowly, {format_si(found.frequency, 'Hz', 4)}, falls to 1/e in",
          spell(found.modal_decay_time)],
-        ["read off the last third of", spell(float(found.times[-1] - found.times[0]))],
         ["momentum changed by, relative", _residual(found.momentum_change)],
     ])
 
