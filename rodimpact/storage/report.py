@@ -91,7 +91,7 @@ def ring_down_table(found: Any) -> str:
         ["energy of the rigid motion", format_si(found.rigid, "J", 4)],
         ["time from then to the end", spell(float(found.times[-1] - found.times[0]))],
         ["vibration falls to 1/e in, by its last third", spell(found.decay_time)],
-        [f"the mode that decays most slowly, {format_si(found.frequency, 'Hz', 4)}, falls to 1/e in",
+        [f"the slowest to decay, {format_si(found.frequency, 'Hz', 4)}, falls to 1/e in",
          spell(found.modal_decay_time)],
         ["momentum changed by, relative", _residual(found.momentum_change)],
     ])
