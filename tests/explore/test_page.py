@@ -394,6 +394,12 @@ def test_a_guess_comes_before_e(visit):
         sync_api.expect(page.locator("#reason")).to_contain_text(words)
     assert page.evaluate("shown.playing && now() < 0.2 * shown.scene.end")
     assert page.locator("#restitution").is_visible()
+    field(page, LENGTH).fill("700")  # of another e nothing was said
+    wait_for_e(page, "0.7")
+    assert verdict.inner_text() == ""
+    page.click("#guess-first")
+    page.select_option("#preset", "wall")
+    sync_api.expect(asked).not_to_contain_text("rod 2")
     page.select_option("#preset", "chain")
     sync_api.expect(page.locator("#theory")).to_contain_text("this row has 4")
     assert not page.locator("#restitution").is_visible()

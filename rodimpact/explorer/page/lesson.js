@@ -139,9 +139,16 @@ function hideResult(on) {
   play(false);
   zoomAll();
   setShare(0);
-  byId("asked").textContent = `${beginning(shown.scene)} How fast do they part, as a share of the speed at which they meet? e =`;
+  askOrJudge(shown.scene);
   byId("guessed").value = "";
   byId("guessed").focus();
+}
+
+/** Let the question tell of the collision that is shown, and a verdict go with the e it judged. */
+function askOrJudge(scene) {
+  const question = "How fast do they part, as a share of the speed at which they meet? e =";
+  if (shown.guessing) write(byId("asked"), `${beginning(scene)} ${question}`);
+  else if (shown.judged !== scene.restitution.text) write(byId("verdict"), "");
 }
 
 /** Compare the guess with e, and let the film run; the reason is shown again. */
@@ -151,6 +158,7 @@ function reveal() {
   if (!Number.isFinite(guess)) return;
   hideResult(false);
   const off = Math.abs(guess - value);
+  shown.judged = text;
   byId("verdict").textContent = `You said ${guess}; e is ${minus(text)}: ${off < 0.005 ? "right!" : `off by ${plainNumber(off, 2)}.`}`;
   play(true);
 }

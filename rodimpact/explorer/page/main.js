@@ -82,6 +82,7 @@ function showNumbers(scene) {
   document.querySelector(".restitution").hidden = e.value === null;
   byId("guess-first").hidden = e.value === null;
   if (e.value === null) hideResult(false);
+  askOrJudge(scene);
   const beside = e.closed_form === null ? "" : `Closed form (${e.source}): ${e.closed_text}`;
   const off = e.difference === undefined ? "" : `; difference ${minus(e.difference)}`;
   byId("theory").textContent = (e.why ? `${e.why}. ` : "") + beside + off;

@@ -78,7 +78,8 @@ function drawCurve(id, curve, { restitution }, theme) {
     else points.push([frame.across(ratio), frame.up(values[i])]);
   });
   for (const stroke of strokes) if (stroke.length) pen.line(stroke, theme.series[0], 2);
-  if (restitution.value !== null && here !== null && here >= from && here <= right) {
+  const beyond = 0.01 * (right - from);  // a slider at its end may be a rounding outside
+  if (restitution.value !== null && here !== null && here >= from - beyond && here <= right + beyond) {
     pen.disc(frame.across(here), frame.up(restitution.value), 0.42 * theme.size, theme.wrong);
   }
   drawFrame(pen, frame, theme.size, theme, { x: [from, right, "", name], y: [0, 1.08 * most, "", "e"] });
