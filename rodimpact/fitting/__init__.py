@@ -1,1 +1,1 @@
-"""Fits of systems to measured records: what is unknown, and how well it is known then."""
+"""Fits of systems to measured records: best parameters and their uncertainty."""

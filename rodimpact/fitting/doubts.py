@@ -1,4 +1,4 @@
-"""What a fit does not tell, in sentences: what is open, lies at a bound, or hangs on the start."""
+"""Notes on a fit: parameters that are not determined, at a bound, or dependent on the start."""
 
 from __future__ import annotations
 
@@ -20,34 +20,34 @@ APART = 0.3  # standard errors by which searches may end apart
 def doubts(
     fitted: Sequence[Fitted], relative: Floats, descents: Sequence[Descent]
 ) -> Iterator[str]:
-    """Sentences about numbers; `relative` is their covariance over the ranges that they have."""
+    """Notes on the parameters; `relative` is their covariance divided by the ranges of their bounds."""
     errors = np.sqrt(np.diag(relative))
     open_ones = errors > LOOSE
     for f, is_open in zip(fitted, open_ones, strict=True):
         if is_open:
             yield (f"{f.name} is not determined: its standard error is as large as its range. "
-                   "Fix it, or add a record that depends on it.")
+                   "Fix this parameter, or add a record that depends on it.")
         if not f.high - f.low < np.inf:
             continue
         for end, remedy in ((f.low, "lower"), (f.high, "raise")):
             if abs(f.value - end) <= AT_BOUND * (f.high - f.low):
-                yield (f"{f.name} is at its bound, {format_si(end, f.unit)}, and its standard "
-                       f"error means little: {remedy} the bound, or fix the number.")
+                yield (f"{f.name} is at its bound, {format_si(end, f.unit)}, so its standard "
+                       f"error is not reliable: {remedy} the bound, or fix the parameter.")
     correlation = correlation_of(relative)
     for i, j in np.argwhere(np.triu(np.abs(correlation) > ALIKE, 1)):
         if not (open_ones[i] or open_ones[j]):
-            yield (f"{fitted[i].name} and {fitted[j].name} are hardly told apart: their errors "
-                   f"are correlated by {correlation[i, j]:.3f}. Fix one of them.")
+            yield (f"{fitted[i].name} and {fitted[j].name} are hardly distinguishable: the "
+                   f"correlation of their errors is {correlation[i, j]:.3f}. Fix one of them.")
     best, *others = descents
     if not best.complete:
-        yield "The best search was stopped before it came to a minimum."
+        yield "The best search was stopped before it reached a minimum. Try more starts."
     worse = [d.misfit for d in others if d.misfit > (1 + SAME) * best.misfit + NONE]
     if worse:
         yield (f"{len(worse)} of {len(descents)} searches ended at larger misfits, "
-               f"{100 * min(worse):.3g} % and more: there are several minima. More starts, or "
-               "narrower bounds, show whether this is the best one.")
+               f"{100 * min(worse):.3g} % and more: there are several minima. Use more starts or "
+               "narrower bounds to test whether this minimum is the best.")
     for f in fitted:
         same = [d.values[f.name] for d in descents if d.misfit <= (1 + SAME) * best.misfit]
         if np.ptp(same) > APART * f.standard_error:
             ends = f"{format_si(min(same), f.unit)} to {format_si(max(same), f.unit)}"
-            yield f"Searches with the same misfit ended at other values of {f.name}: {ends}."
+            yield f"Searches with the same misfit ended at different values of {f.name}: {ends}."

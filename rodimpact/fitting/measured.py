@@ -1,4 +1,4 @@
-"""A record, and how what is computed becomes comparable with it."""
+"""A measured record, and the steps from the computed strain to a prediction of the record."""
 
 from __future__ import annotations
 
@@ -18,37 +18,37 @@ from ..units import shown
 
 @dataclass(frozen=True)
 class Measured:
-    """A record, and where and how it was measured.
+    """A record, its gauge, and its measuring chain.
 
     Parameters
     ----------
     signal : Signal
-        Cut by `Signal.window` to what is to be explained.
+        The record, cut by `Signal.window` to the part that is fitted.
     gauge : (int, float)
-        Body, and place in m from its left end, where strain is computed.
+        Index of the body, and distance from its left end, m, where the strain is computed.
     distance : float, optional
-        From there to the gauge of the record, m, negative where the pulse runs to the left: exact
-        waves carry it so far, as `Signal.propagated` does.
+        Distance from that place to the gauge of the record, m, negative if the pulse runs to the
+        left. The strain is propagated over it by the exact first mode, as in `Signal.propagated`.
     radius : float, optional
-        Of the round rod in which they do, m, unless it is given by its diameter.
+        Radius of the round rod for this propagation, m; by default half the diameter of the rod.
     shift : float or (float, float), optional
-        By which the computed signal comes later, s: fixed, or between bounds; by default free.
+        Delay of the computed signal, s: a fixed value, or bounds; by default free.
     gain : float or (float, float), optional
-        By which strain is multiplied to be the signal: fixed, or between bounds; by default free.
+        Factor from strain to signal: a fixed value, or bounds; by default free.
     blur : float or (float, float)
-        Standard deviation of the bell by which the measuring chain averages over time, s: fixed, or
-        between bounds. It is 0.1325/f for a low-pass of f Hz, and 0.289 L/c for a gauge of length L
-        at the wave speed c.
+        Standard deviation of the Gaussian by which the measuring chain averages over time, s: a
+        fixed value, or bounds. It is 0.1325/f for a low-pass filter of f Hz, and 0.289 L/c for a
+        gauge of length L at the wave speed c.
     seen : function, optional
         Any other effect of gauge and amplifier on the computed signal, such as
         ``lambda strain: strain.low_pass(100e3, "first-order")``.
     level : float, optional
-        What misfits are relative to, in the unit of the signal; by default its plateau.
+        Value by which misfits are divided, in the unit of the signal; by default its plateau.
 
     Raises
     ------
     ValueError
-        If an argument is not what it should be.
+        If an argument is invalid.
 
     Examples
     --------
@@ -96,16 +96,16 @@ class Measured:
 
     @cached_property
     def size(self) -> float:
-        """What misfits are relative to, in the unit of the signal."""
+        """Value by which misfits are divided, in the unit of the signal."""
         return self.level or plateau(self.signal.values)
 
     @property
     def title(self) -> str:
-        """What a table calls it."""
+        """Name of the record in tables."""
         return self.signal.name or f"gauge {self.gauge[0]}, {self.gauge[1]:g} m"
 
     def shifts(self, until: float, system: System) -> tuple[float, float]:
-        """All shifts, s, by which a collision to `until` overlaps the record."""
+        """Smallest and largest shift, s, with which a collision to `until` overlaps the record."""
         longer = self._lasting(system)
         return overlaps((self.signal.start, self.signal.end), (-longer, until + longer))
 
@@ -118,7 +118,7 @@ class Measured:
         return abs(self.distance) / float(rod.segments[0].wave_speed)
 
     def carried(self, strain: Signal, system: System) -> Signal:
-        """What is compared with the record, but for shift, gain and blur."""
+        """The prediction before shift, gain and blur are applied."""
         if self.distance:
             lasting, rod = self._lasting(system), system.bodies[self.gauge[0]]
             assert isinstance(rod, Rod)

@@ -1,7 +1,8 @@
-"""How far predictions are from records, and how that changes with what is fitted.
+"""Differences between predictions and records, and their derivatives.
 
-A point holds the share of the way between its bounds for each parameter of the system, then shift,
-gain and blur of the records. Only other shares need another solution: what is of records follows.
+A point holds the scaled value of each parameter of the system, 0 at its lower and 1 at its upper
+bound (called its share), then shift, gain and blur of the records. Only a change of shares needs a
+new solution; shift, gain and blur are applied to the computed signals.
 """
 
 from __future__ import annotations
@@ -32,14 +33,14 @@ TOO_FAR = 4.0  # times the right step, beyond which the quotient is taken anew
 
 
 class Curve(NamedTuple):
-    """A computed signal as a smooth function of time; beyond its ends it keeps its value."""
+    """A computed signal as a smooth function of time, constant beyond its ends."""
 
     spline: Any
     ends: tuple[float, float]
 
     @classmethod
     def through(cls, signal: Signal, blur: float) -> Curve:
-        """The curve through all samples, each the mean of a bell of this standard deviation, s."""
+        """The curve through all samples after a Gaussian average of this standard deviation, s."""
         from scipy.interpolate import CubicSpline
 
         values = filters.blurred(signal.values, signal.dt, blur) if blur else signal.values
@@ -59,19 +60,19 @@ class Curve(NamedTuple):
 def computed(
     system: System, options: Options, gauges: Sequence[tuple[int, float]], interval: float
 ) -> list[Signal]:
-    """Strains at the gauges; InvalidModel if the run does not come to its end."""
+    """Strains at the gauges; InvalidModel if the run stops before `until`."""
     solution = Solution(options.run(options.method, system))
     if solution.stopped_by != "until":
         raise InvalidModel([("until", f"is not reached: {solution.status}")])
     try:
         return [solution.gauge(*gauge).signal(interval) for gauge in gauges]
     except ValueError as error:
-        message = f"the gauge leaves its rod between the bounds: {error}"
+        message = f"the bounds put the gauge outside its rod: {error}; narrow the bounds"
         raise InvalidModel([("vary", message)]) from None
 
 
 class Objective:
-    """Differences of predictions and records over the levels of these, and their derivatives."""
+    """Differences of predictions and records divided by the record levels, and their derivatives."""
 
     def __init__(
         self, system: System, measured: Sequence[Measured], parameters: Sequence[Parameter],
@@ -98,7 +99,7 @@ class Objective:
         self.units = [p.unit for p in parameters] + [n.unit for n in of_records]
 
     def numbers(self, point: Floats) -> Floats:
-        """A point in SI units: numbers of the system in place of shares."""
+        """A point in SI units: parameter values instead of shares."""
         values = point.copy()
         for i, p in enumerate(self.parameters):
             values[i] = p.value(float(point[i]))
@@ -112,12 +113,12 @@ class Objective:
         return slopes
 
     def system_at(self, point: Floats) -> System:
-        """The system with other numbers; of the point its shares are enough."""
+        """The system with the parameter values of a point; the shares of the point are enough."""
         values = [p.value(s) for p, s in zip(self.parameters, point.tolist(), strict=False)]
         return changed(self.system, self.parameters, values)
 
     def signals(self, points: Iterable[Floats]) -> list[list[Signal]]:
-        """Predictions for the shares of several points, of each record before gain and the rest."""
+        """Predictions of each record for the shares of several points, before shift, gain and blur."""
         systems = [self.system_at(shares) for shares in points]
         found = []
         for system, strains in zip(systems, self.map(self.run, systems), strict=True):
@@ -133,9 +134,9 @@ class Objective:
         return list(map(Curve.through, signals, blurs))
 
     def started(self, shares: Floats, signals: Sequence[Signal]) -> tuple[float, Floats]:
-        """Sum of squares, and the point, where shifts and gains suit these shares best.
+        """Least sum of squares over shifts and gains at these shares, and its point.
 
-        The shift that several records have in common is that which one of them has for itself.
+        A shift that several records have in common starts from the best shift of one of them.
         """
         point = np.concatenate((shares, self.middle))
         curves = self.blurred(signals, point)
@@ -154,7 +155,7 @@ class Objective:
         return min(ends, key=lambda end: end[0])
 
     def _set_gains(self, point: Floats, curves: Sequence[Curve]) -> None:
-        """Enter the gains that suit the shifts of a point best."""
+        """Set the gains of a point to the best ones for its shifts."""
         cross, power = np.zeros_like(point), np.zeros_like(point)
         for m, c, (shift, gain, _) in zip(self.measured, curves, self.places, strict=True):
             model, record = c.at(m.signal.times - point[shift]) / m.size, m.signal.values / m.size
@@ -181,10 +182,10 @@ class Objective:
         ])
 
     def derivatives(self, point: Floats) -> Floats:
-        """Of the residuals with respect to every number of the point, shape (sample, number).
+        """Derivatives of the residuals with respect to each number of the point, shape (sample, number).
 
-        With respect to shares and blurs they are central differences, over steps at which the
-        signals change by about `CHANGE`.
+        The derivatives with respect to shares and blurs are central differences. Their steps change
+        the signals by about `CHANGE`.
         """
         shares, wider, narrower = point[: len(self.parameters)], point.copy(), point.copy()
         blurs = self.places[:, KINDS.index("blur")]

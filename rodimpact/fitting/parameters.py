@@ -1,4 +1,4 @@
-"""What a fit may change: numbers of a system between bounds, by the paths of a case file."""
+"""Parameters of a fit: numbers of a system with bounds, named by the paths of a case file."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Parameter(NamedTuple):
 def parameters_of(
     problems: Problems, system: System, vary: Mapping[str, Any]
 ) -> list[Parameter]:
-    """The numbers of the system to vary, each with its bounds; mistakes are noted in `problems`."""
+    """The parameters to vary, each with its bounds; errors are added to `problems`."""
     known, numbers, taken = places_of(system), numbers_of(system), dict[str, str]()
     found = []
     for path, bounds in vary.items():
@@ -84,7 +84,7 @@ def parameters_of(
 def ends_of(
     problems: Problems, path: str, bounds: Any, unit: str
 ) -> tuple[float, float] | None:
-    """Bounds of what is varied; None, and a problem, if they are none."""
+    """Bounds of a parameter; None, and an entry in `problems`, if they are invalid."""
     try:
         ends = floats(bounds, unit)
     except ValueError as error:
@@ -98,11 +98,11 @@ def ends_of(
 
 
 def changed(system: System, parameters: Sequence[Parameter], values: Sequence[float]) -> System:
-    """The system with these numbers; InvalidModel, which names them, if there is none."""
+    """The system with these values; InvalidModel, which names the values, if they are invalid."""
     each = zip(parameters, values, strict=True)
     try:
         return with_numbers(system, {place: v for p, v in each for place in p.places})
     except InvalidModel as error:
         which = ", ".join(f"{p.path} = {v:.6g}" for p, v in zip(parameters, values, strict=True))
-        message = f"between the bounds lie systems that are none ({which}): {error}"
+        message = f"the bounds allow an invalid system ({which}): {error}"
         raise InvalidModel([("vary", f"{message}; narrow the bounds")]) from None

@@ -1,4 +1,4 @@
-"""What a fit found, how well it is known, and what it does not tell."""
+"""Result of a fit: best values, their standard errors, and notes."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from ..units import format_si
 from .measured import Measured
 
 MODEL_ERROR = (
-    "The standard errors come from what the records leave unexplained. Model error is not in them: "
-    "of numbers taken as known, of laws and theory, and of the calibration. Fit another law or "
-    "theory to the same records, and fit.against(other) tells by how much the numbers move."
+    "The standard errors follow from the residuals. They do not include model error: errors of the "
+    "fixed parameters, the contact law, the theory and the calibration. Fit another law or theory "
+    "to the same records; fit.against(other) then states how much each fitted number changes."
 )
 TABLE = "number,unit,value,standard error,low,high"
 
@@ -33,11 +33,10 @@ class Fitted(NamedTuple):
     Attributes
     ----------
     name : str
-        Its path; of records ``records.0.shift``, or the name in `vary` that ties several.
-    unit : str
-    value, standard_error : float
-        In that unit.
-    low, high : float
+        Path of the number, such as ``records.0.shift``, or its name in `vary` if it ties several
+        records.
+    unit : str value, standard_error : float Best value and its standard error, in `unit`. low, high
+    : float
         Bounds; infinite where there are none.
 
     Examples
@@ -69,11 +68,11 @@ class Descent(NamedTuple):
     Attributes
     ----------
     misfit : float
-        Root of the mean square of all records over their levels.
+        Root mean square of the residuals of all records, each divided by its level.
     values : dict of str to float
         Numbers by name.
     complete : bool
-        Whether it came to a minimum, and was not stopped on its way.
+        Whether the search reached a minimum; otherwise it was stopped before.
 
     Examples
     --------
@@ -96,12 +95,12 @@ class Descent(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """What a fit found.
+    """Result of `fit`.
 
     Attributes
     ----------
     system : System
-        With the best numbers.
+        The system with the best values.
     measured : tuple of Measured
     fitted : tuple of Fitted
         Every number with its standard error.
@@ -110,13 +109,13 @@ class Fit:
     predicted : tuple of Signal
         At the times of each record, in its unit.
     bands : tuple of array
-        Standard errors of what is predicted, as the numbers fitted are uncertain.
+        Standard errors of the predictions that follow from the covariance.
     misfits : tuple of float
-        Root of the mean square over the level of each record.
+        Root mean square of the residual of each record, divided by its level.
     descents : tuple of Descent
         Where the searches ended, the best first.
     notes : tuple of str
-        What is not determined, lies at a bound, or depends on where the search began.
+        Numbers that are not determined, lie at a bound, or depend on the start of the search.
 
     Examples
     --------
@@ -160,7 +159,7 @@ class Fit:
         return correlation_of(self.covariance)
 
     def against(self, other: Fit) -> Fit:
-        """Return this fit with a note on how far each number moves under another law or theory.
+        """Return this fit with a note on the change of each number under another law or theory.
 
         Parameters
         ----------
@@ -175,7 +174,7 @@ class Fit:
         Raises
         ------
         InvalidModel
-            If `other` is no fit, or has no number of this one.
+            If `other` is not a Fit, or has no number in common with this fit.
         """
         of_kind("other", other, Fit, "fit(system, measured, vary, until)")
         theirs = {(f.name, f.unit): f.value for f in other.fitted}
@@ -184,12 +183,12 @@ class Fit:
             if (f.name, f.unit) in theirs:
                 moved = theirs[f.name, f.unit] - f.value
                 often = f", {abs(moved) / f.standard_error:.1f} standard errors"
-                notes.append(f"With the other law or theory {f.name} moves by "
+                notes.append(f"With the other law or theory {f.name} changes by "
                              f"{format_si(moved, f.unit, 3)}{often if f.standard_error else ''}.")
         if not notes:
-            raise refusal("other", "has no number in common with this fit; vary the same ones")
+            raise refusal("other", "has no number in common with this fit; vary the same numbers")
         misfits = ", ".join(f"{100 * misfit:.3g} %" for misfit in other.misfits)
-        return replace(self, notes=(*self.notes, *notes, f"Its misfit is {misfits}."))
+        return replace(self, notes=(*self.notes, *notes, f"The misfit of the other fit is {misfits}."))
 
     def to_csv(self, path: PathLike, *, force: bool = False) -> None:
         """Write a row for each number: its value, standard error and bounds, in its unit.
@@ -197,7 +196,7 @@ class Fit:
         Raises
         ------
         FileExistsError
-            If the file is there and `force` is false.
+            If the file exists and `force` is false.
         """
         rows = [",".join([f.name, f.unit or "1", *map(repr, f[2:])]) for f in self.fitted]
         write_text(path, "\n".join([TABLE, *rows, ""]), force=force)

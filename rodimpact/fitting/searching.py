@@ -1,7 +1,7 @@
-"""fit(): the numbers of a system with which it explains measured records best.
+"""fit(): the parameters of a system that reproduce measured records best.
 
-A coarse sweep over all that the bounds allow finds several places to start from; from each of them
-least squares descend. Where they end should be one place.
+A coarse sweep between the bounds finds several starting points. A least-squares search descends
+from each of them. If all searches end at the same point, the minimum is unique.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ USUAL_STEPS = 8  # of a descent
 
 
 class End(NamedTuple):
-    """Where a descent ended, and whether that is a minimum."""
+    """End of a descent, and whether it is a minimum."""
 
     misfit: float
     point: Floats
@@ -54,30 +54,30 @@ def fit(
     Parameters
     ----------
     system : System
-        A single one; its own numbers are tried first.
+        A single system, not a family; its own values are tried first.
     measured : Measured or sequence of Measured
         Records, with their gauges.
     vary : dict of str to (float, float)
-        What is unknown: paths of numbers as in a case file, each with bounds, in SI units.
-        ``materials.NAME.field`` is that of all bodies of a material, and ``wave_speed`` stands for
-        its Young's modulus. Between bounds above 0 that are tenfold or more apart, steps are
-        ratios. ``records.0.shift``, ``records.0.gain`` and ``records.0.blur`` are numbers of the
-        first record; ``records.*.gain`` is one gain of all records, ``records.[01].gain`` of the
-        first two. Shift and gain may have the bounds None, which leave them free.
+        The unknown numbers: their paths as in a case file, each with bounds in SI units.
+        ``materials.NAME.field`` is common to all bodies of a material; ``wave_speed`` varies its
+        Young's modulus. Steps are ratios if the bounds are positive and differ by a factor of 10 or
+        more. ``records.0.shift``, ``records.0.gain`` and ``records.0.blur`` are numbers of the
+        first record. ``records.*.gain`` is one gain for all records, ``records.[01].gain`` one for
+        the first two. With the bounds None, shift and gain are free.
     until : float
         Time to which each collision runs, s.
     method, dt, rtol, cells
-        Of each collision, as for `solve`. On a grid, where none of the last three is given, a cell
-        is crossed in one interval: predictions vary smoothly only while cells stay as they are.
+        Of each collision, as for `solve`. If `dt`, `rtol` and `cells` are not given, a wave crosses
+        a cell of a grid in one `interval`. Thus the number of cells is fixed, and predictions vary
+        smoothly with the parameters.
     interval : float, optional
-        Between samples of computed signals, s; by default the shortest of the records.
+        Time step of the computed signals, s; by default the shortest time step of the records.
     starts : int
-        From how many places of a coarse sweep least squares begin.
+        Number of points of the coarse sweep from which a least-squares search begins.
     executor : concurrent.futures.Executor, optional
-        Who solves the collisions of a sweep and of a derivative; by default one after the other.
+        Solves the collisions of a sweep and of a derivative; by default they are solved one by one.
     progress : function, optional
-        Called while it takes long with the collisions that are done, and about how many there will
-        be.
+        Called during a long fit with the number of collisions solved so far and the expected total.
 
     Returns
     -------
@@ -86,21 +86,21 @@ def fit(
     Raises
     ------
     InvalidModel
-        If an argument is not what it should be, with its path.
+        If an argument is invalid; the error names its path.
 
     Warns
     -----
     LongRun
-        As soon as it is known that the fit takes more than five seconds, with what takes less.
+        If the fit is expected to take more than five seconds; the warning names faster choices.
 
     Notes
     -----
-    Derivatives are central differences. Standard errors do not take residuals for independent: they
+    Derivatives are central differences. Residuals are not assumed independent: standard errors
     follow from the autocovariance of the residuals of each record, `rodimpact.fitting.uncertainty`.
 
     Examples
     --------
-    How long was the striker, and how fast? The record is a computed one:
+    Length and velocity of the striker follow from a record, here a computed one:
 
     >>> import rodimpact as ri
     >>> steel = ri.materials.steel
@@ -122,7 +122,7 @@ def fit(
     options = Options(until, method, dt=dt, rtol=rtol, cells=cells)
     options = replace(options, method=options.method_for(system))
     if system.shape:
-        message = f"must be a single one, got a family of shape {system.shape}; fit system[index]"
+        message = f"must be one system, got a family of shape {system.shape}; fit system[index]"
         problems.append(("system", message))
     shortest = min(float(np.diff(m.signal.times).min()) for m in records)
     step: Any = number(problems, "interval", shortest if interval is None else interval, "s",
@@ -130,7 +130,7 @@ def fit(
     begins = count(problems, "starts", starts)
     check_function(problems, "progress", progress)
     if options.until is None:
-        problems.append(("until", "is missing; give the seconds in which all pulses pass"))
+        problems.append(("until", "is missing; give a time, s, by which all pulses have passed the gauges"))
     readings_of(problems, system, [m.gauge for m in records], np.zeros(1))
     if not isinstance(vary, Mapping) or not vary:
         message = "must name numbers with their bounds, such as {'bodies.0.length': (0.1, 0.2)}"

@@ -1,4 +1,4 @@
-"""Shift, gain and blur of records: each for itself, or in common where a fit ties them by name."""
+"""Shift, gain and blur of records: separate numbers, or numbers common to several records."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ KINDS = "shift", "gain", "blur"
 
 
 class RecordNumber(NamedTuple):
-    """A number of one record, or of several in common: bounds, infinite where it is free."""
+    """A number of one record, or common to several records; infinite bounds leave it free."""
 
     name: str
     kind: str
@@ -31,9 +31,9 @@ def record_numbers(
     problems: Problems, system: System, measured: Sequence[Measured], vary: Mapping[str, Any],
     until: float,
 ) -> list[RecordNumber]:
-    """Shift, gain and blur of every record, once each; mistakes are noted in `problems`.
+    """Shift, gain and blur of every record, once each; errors are added to `problems`.
 
-    A name in `vary` may hold ``*`` and ``[01]`` as names of files do: what it fits is one number.
+    A name in `vary` may hold the wildcards ``*`` and ``[01]``: all matching numbers become one.
     """
     paths = {f"{HEAD}{k}.{kind}": (k, kind) for kind in KINDS for k in range(len(measured))}
     free = dict(paths)
@@ -43,13 +43,13 @@ def record_numbers(
         kinds = {paths[path][1] for path in tied}
         units = {_unit(measured[k], kind) for k, kind in map(paths.__getitem__, tied)}
         if len(kinds) != 1:
-            problems.append((f"vary.{name}", "is no number of a record; name one such as "
-                             f"{HEAD}0.shift, or tie all by {HEAD}*.gain or {HEAD}*.blur"))
+            problems.append((f"vary.{name}", "is not a number of a record; give a name such as "
+                             f"{HEAD}0.shift, or {HEAD}*.gain for one gain of all records"))
         elif len(units) != 1:
             both = " and ".join(sorted(unit or "1" for unit in units))
-            problems.append((f"vary.{name}", f"ties records in {both}; bring them to one unit"))
+            problems.append((f"vary.{name}", f"ties records in {both}; convert them to one unit"))
         elif not free.keys() >= {*tied}:
-            problems.append((f"vary.{name}", "names a number that another name has, too; leave "
+            problems.append((f"vary.{name}", "names a number that another name includes, too; leave "
                              "one of them out"))
         else:
             records = tuple(free.pop(path)[0] for path in tied)

@@ -1,9 +1,10 @@
-"""How well a fit knows its numbers, from residuals that are not independent of each other.
+"""Covariance of the fitted numbers from residuals that are correlated in time.
 
 Least squares with the derivatives J = Q R turn noise of the covariance matrix G into a covariance
-of the numbers, R^-1 (Q' G Q) R^-1'. G is measured: in each record noise is taken as stationary. Its
-autocovariance is that of the residuals, up to where this first vanishes, and what the fit has taken
-from it, as it explains part of the noise: residuals have the covariance M G M, M = 1 - Q Q'.
+of the numbers, R^-1 (Q' G Q) R^-1'. G is estimated from the residuals; in each record the noise is
+assumed to be stationary. The fit explains part of the noise: residuals have the covariance M G M, M
+= 1 - Q Q'. The autocovariance of the noise is therefore that of the residuals, up to its first
+zero, plus the part that the fit has removed.
 """
 
 from __future__ import annotations
@@ -25,8 +26,8 @@ def covariance(jacobian: Floats, residuals: Floats, lengths: Sequence[int]) -> F
     Parameters
     ----------
     jacobian : [sample, number] array
-        Derivatives of the residuals; for a change of a number by 1, all its range. What is less
-        well known than that gets a standard error of 1.
+        Derivatives of the residuals with respect to the numbers, scaled so that the range of each
+        number is 1. The standard error of a number is at most 1.
     residuals : [sample] array
     lengths : sequence of int
         Samples of each record.
@@ -47,14 +48,14 @@ def covariance(jacobian: Floats, residuals: Floats, lengths: Sequence[int]) -> F
 
 
 def autocovariance(residuals: Floats) -> Floats:
-    """Mean products of residuals of one record, by how many samples they are apart."""
+    """Mean products of two residuals of one record, by the number of samples between them."""
     n = len(residuals)
     products: Floats = np.fft.irfft(np.abs(np.fft.rfft(residuals, 2 * n)) ** 2)[:n] / n
     return products
 
 
 def power_of(correlation: Floats) -> Floats:
-    """Spectrum of noise with this autocovariance, up to where it vanishes; nowhere below 0."""
+    """Spectrum of noise with this autocovariance up to its first zero; negative values are set to 0."""
     n = len(correlation)
     kept = correlation[: int(np.argmax(correlation <= 0)) or n]
     both_ways = np.zeros(2 * n)

@@ -1,11 +1,11 @@
-"""Bars that measure: from strains at gauges to the two waves of a bar at its specimen face.
+"""The two waves of a bar at its specimen face, from the strains at its gauges.
 
-A gauge at the distance d from the face records e(t) = i(t + d/c) + r(t - d/c): i runs towards the
-face, r away from it, both as they are at the face, each frequency f at its own phase velocity
-c(f). Strains are positive in compression here. One gauge tells the two waves apart only while
-they pass it one after the other. Two gauges do so from rest on: `separated` finds the two waves,
-zero before the pulse arrives, that leave the least of both records. Waves that fit a whole number
-of times between the gauges, f = n c/(2 D), are seen by neither; they are damped there.
+A gauge at the distance d from the face records e(t) = i(t + d/c) + r(t - d/c). The wave i runs
+towards the face, the wave r away from it; i and r are the strains at the face. Each frequency f
+runs at its own phase velocity c(f). Strains are positive in compression here. One gauge separates
+the two waves only if they pass it one after the other. Two gauges at the distance D separate them
+from rest on: `separated` solves for both waves by least squares; the waves are zero before the
+pulse arrives. Two gauges do not determine the frequencies f = n c/(2 D); these are damped.
 """
 
 from __future__ import annotations
@@ -38,19 +38,20 @@ class BarGauge(Declared):
     Parameters
     ----------
     signal : Signal
-        Strain, or volts with a `gain`; samples at equal steps, with rest before the pulse.
+        Record of strain, or of volts if a `gain` is given. The time steps are equal, and the bar is
+        at rest before the pulse.
     distance : float
         From the gauge to the face of the bar at the specimen, m.
     opposite : Signal, optional
-        Of the gauge on the other side of the bar, at the same times. The mean of both is free of
-        bending.
+        Record of the gauge on the opposite side of the bar, at the same times. Bending drops out of
+        the mean of both records.
     gain : float
         Strain for each unit of the signal.
 
     Raises
     ------
     InvalidModel
-        Naming every argument that is not what it should be.
+        If an argument is invalid; the error names every invalid argument.
 
     Examples
     --------
@@ -71,7 +72,7 @@ class BarGauge(Declared):
             if not isinstance(signal, Signal):
                 problems.append((name, f"must be a Signal, got {shown(signal)}"))
             elif signal.unit and type(self.gain) is float and self.gain == 1:
-                message = f"must be strain, got {signal.unit}; give bridge.strain(volts), or gain"
+                message = f"must be strain, got {signal.unit}; give bridge.strain(volts), or a gain"
                 problems.append((name, message))
             else:
                 try:
@@ -81,18 +82,18 @@ class BarGauge(Declared):
         if type(self.gain) is float and self.gain == 0:
             problems.append(("gain", "must not be 0"))
         if not problems and len({(s.unit, s.times.tobytes()) for s in given.values()}) > 1:
-            message = "must have the unit and the times of signal"
-            problems.append(("opposite", f"{message}; take it resampled(times=signal.times)"))
+            message = "must have the same unit and times as signal"
+            problems.append(("opposite", f"{message}; give opposite.resampled(times=signal.times)"))
 
     @property
     def strain(self) -> Signal:
-        """Mean strain of the section, positive as the signal is."""
+        """Mean strain of the cross-section, with the sign of the signal."""
         signal = self.signal if self.opposite is None else (self.signal + self.opposite) / 2
         return signal.replace(values=self.gain * signal.values, unit="")
 
     @property
     def bending(self) -> Signal | None:
-        """Half of the difference of both sides, in strain; None with a gauge on one side only."""
+        """Bending strain: half the difference of both sides; None if only one side has a gauge."""
         if self.opposite is None:
             return None
         half = (self.signal - self.opposite) / 2
@@ -100,10 +101,10 @@ class BarGauge(Declared):
 
 
 class Side(NamedTuple):
-    """One bar with its gauges: compressive strains at equal steps from the same instant on.
+    """One bar with its gauges: compressive strains at equal time steps, all from the same instant.
 
-    `quiet` samples of rest come before the pulse; `front` is the pulse that runs towards the
-    specimen in the input bar and away from it in the output bar, as the first gauge sees it.
+    `quiet` is the number of samples before the pulse. `front` is the first pulse at the first
+    gauge: it runs towards the specimen in the input bar, away from it in the output bar.
     """
 
     rod: Rod
@@ -116,39 +117,39 @@ class Side(NamedTuple):
 
     @property
     def speed(self) -> float:
-        """Pace of long waves, m/s."""
+        """Bar speed c0, m/s."""
         return float(self.rod.segments[0].wave_speed)
 
     @property
     def stiffness(self) -> float:
-        """E A, N."""
+        """Young's modulus times cross-sectional area, E A, N."""
         segment = self.rod.segments[0]
         return float(segment.material.youngs_modulus) * float(np.asarray(segment.area))
 
     @property
     def disperses(self) -> bool:
-        """Whether enough is known of the bar for the exact first mode."""
+        """Whether the exact first mode is used: the bar is round and has a Poisson ratio."""
         segment = self.rod.segments[0]
         return segment.solid_round and segment.material.poisson_ratio is not None
 
     @property
     def cut_off(self) -> float:
-        """Frequency up to which the bar carries waves as it is known to, Hz."""
+        """Cut-off frequency of the first mode, Hz; infinite without dispersion."""
         return waves.Bar.of(self.rod).cut_off if self.disperses else math.inf
 
     @property
     def settling(self) -> float:
-        """For how long what the bar does not carry rings about a jump, s."""
+        """Duration of the ringing about a jump that the cut-off causes, s."""
         return max(self.dt, 2 / self.cut_off)
 
     @property
     def foot(self) -> float:
-        """When the pulse begins at the first gauge, s; a tenth of it has come a rise later."""
+        """Begin of the pulse at the first gauge, s: one rise time before a tenth of the plateau."""
         return self.front.start - self.front.rise
 
     @property
     def times(self) -> Floats:
-        """When the samples were taken, s."""
+        """Times of the samples, s."""
         times: Floats = self.start + self.dt * np.arange(len(self.strains[0]), dtype=float)
         return times
 
@@ -156,13 +157,13 @@ class Side(NamedTuple):
 def sides_of(
     input_gauges: Any, output_gauges: Any, bars: Any, compression: Any
 ) -> tuple[Side, Side]:
-    """Both bars with what their gauges recorded."""
+    """Both bars with the records of their gauges."""
     if not isinstance(compression, str) or compression not in ("negative", "positive"):
         message = f'must be "negative" or "positive", got {shown(compression)}'
         raise refusal("compression", message)
     pair = bars if isinstance(bars, tuple | list) else (bars, bars)
     if len(pair) != 2 or not all(map(_is_bar, pair)):
-        message = "must be a uniform Rod, two of them, or what ri.calibrate found"
+        message = "must be a uniform Rod, two uniform Rods, or a Calibration"
         raise refusal("bars", f"{message}, got {shown(bars)}")
     sign = 1.0 if compression == "positive" else -1.0
     return (_side_of("input_gauges", input_gauges, pair[0], sign),
@@ -181,7 +182,7 @@ def _side_of(name: str, given: Any, rod: Rod, sign: float) -> Side:
     if not 1 <= len(gauges) <= 2:
         raise refusal(name, f"must be one gauge or two, got {len(gauges)}")
     if len(gauges) == 2 and gauges[0].distance == gauges[1].distance:
-        raise refusal(name, "must be two gauges at different distances from the specimen")
+        raise refusal(name, f"both distances are {gauges[0].distance:g} m; give different ones")
     for gauge in gauges:
         if gauge.distance >= float(rod.length):
             message = f"a gauge is {gauge.distance:g} m from the specimen"
@@ -190,7 +191,7 @@ def _side_of(name: str, given: Any, rod: Rod, sign: float) -> Side:
     dt = strains[0].dt
     start, end = max(s.start for s in strains), min(s.end for s in strains)
     if end - start < 2 * QUIET * dt:
-        raise refusal(name, "the gauges were not recorded at the same time")
+        raise refusal(name, "the records of the gauges do not overlap in time")
     times = start + dt * np.arange(int((end - start) / dt * (1 + 1e-12)) + 1)
     values = [sign * np.asarray(strain.at(np.minimum(times, end))) for strain in strains]
     fronts = [_front_of(name, times, each, sign) for each in values]
@@ -199,7 +200,7 @@ def _side_of(name: str, given: Any, rod: Rod, sign: float) -> Side:
     quiet = int((front.start - 1.5 * front.rise - start) / dt)
     if quiet < QUIET:
         message = f"the record begins {front.start - start:.3g} s before the pulse"
-        raise refusal(name, f"{message}; {QUIET} samples of rest are needed to find the baseline")
+        raise refusal(name, f"{message}; {QUIET} samples before it are needed for the baseline")
     return Side(
         rod, tuple(gauges[i].distance for i in order),
         tuple(values[i] - values[i][:quiet].mean() for i in order), start, dt, quiet, front)
@@ -213,8 +214,8 @@ def _front_of(name: str, times: Floats, strain: Floats, sign: float) -> Pulse:
     first = int(np.argmax(np.abs(smooth) > 0.4 * largest))
     if largest == 0 or smooth[first] < 0:
         way = "negative" if sign > 0 else "positive"
-        message = "must begin with a compression, but holds no pulse" if largest == 0 else (
-            f'must begin with a compression; give compression="{way}" if it does')
+        message = "must begin with a compression, but the strain is constant" if largest == 0 else (
+            f'must begin with a compression; give compression="{way}" if the signs differ')
         raise refusal(name, message)
     below = np.flatnonzero(smooth[first:] <= 0)
     past = first + int(below[0]) + 1 if below.size else len(values)
@@ -226,10 +227,10 @@ def _front_of(name: str, times: Floats, strain: Floats, sign: float) -> Pulse:
 
 
 def carrier(side: Side, distance: float) -> Callable[[Floats], Floats]:
-    """What takes a strain, at rest before, to where it is after a distance, m, of the bar.
+    """Function that returns the strain, at rest before, after a distance, m, along the bar.
 
-    With the Poisson ratio of a round bar each vibration runs at its own velocity, and those above
-    the cut-off of the first mode are taken out.
+    In a round bar with a Poisson ratio each frequency runs at its own phase velocity, and
+    frequencies above the cut-off of the first mode are removed.
     """
     from scipy import fft
 
@@ -251,9 +252,9 @@ def carrier(side: Side, distance: float) -> Callable[[Floats], Floats]:
 
 
 def at_face(side: Side, leaving: bool) -> tuple[Floats, Floats]:
-    """Waves towards the specimen and away from it, at the face, over the times of the records.
+    """Waves at the face, towards the specimen and away from it, at the times of the records.
 
-    The pulse of a `leaving` side comes from the specimen, that of the other from the striker.
+    If `leaving`, the pulse of this side comes from the specimen; otherwise from the striker.
     """
     if len(side.strains) == 2:
         return separated(side, leaving)
@@ -267,7 +268,7 @@ def at_face(side: Side, leaving: bool) -> tuple[Floats, Floats]:
 
 
 def separated(side: Side, leaving: bool) -> tuple[Floats, Floats]:
-    """The two waves at the face, from two gauges and from rest on, by damped least squares."""
+    """The two waves at the face from the records of two gauges, by damped least squares."""
     from scipy.sparse.linalg import LinearOperator, lsqr
 
     count = len(side.strains[0])
@@ -300,10 +301,10 @@ def separated(side: Side, leaving: bool) -> tuple[Floats, Floats]:
 
 
 def clean_until(side: Side, leaving: bool) -> float:
-    """Time at the face up to which the records tell the two waves apart, s.
+    """Time at the face up to which the records separate the two waves, s.
 
-    Then the record ends, or, with one gauge, the wave from the far end of the bar has come back to
-    it. ValueError if the reflected wave meets the incident one in a single gauge.
+    At this time the record ends or, with one gauge, the wave from the far end of the bar is back at
+    the gauge. ValueError if the incident and the reflected wave overlap at a single gauge.
     """
     longest = max(side.distances) / side.speed
     end = float(side.times[-1]) - longest - side.settling
@@ -316,7 +317,7 @@ def clean_until(side: Side, leaving: bool) -> float:
         passed = side.front.start + side.front.width + side.front.rise / 2
         if passed > side.foot + 2 * travel:
             raise ValueError(
-                "the reflected wave reaches the gauge before the incident one has passed; "
-                "give a second gauge of this bar, or a shorter striker"
+                "the reflected wave reaches the gauge before the incident wave has passed; "
+                "give a second gauge on this bar, or use a shorter striker"
             )
     return min(end, arrival + around - 2 * travel)

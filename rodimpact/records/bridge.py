@@ -1,4 +1,4 @@
-"""Wheatstone bridges: from the volts of an amplifier to the strain of a bar."""
+"""Wheatstone bridges: the strain of a bar from the output voltage of the amplifier."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ class Bridge(Declared):
     Parameters
     ----------
     kind : str
-        ``"quarter"``: one gauge along the bar. ``"half"``: two, on opposite sides and in opposite
-        arms, so that bending drops out; or, with a `poisson_ratio`, one along and one across.
-        ``"full"``: two along and two across.
+        ``"quarter"``: one gauge along the bar. ``"half"``: two gauges along the bar, on opposite
+        sides and in opposite arms, so that bending drops out; with a `poisson_ratio`, one gauge
+        along and one across. ``"full"``: two gauges along and two across.
     gauge_factor : float
         Of the gauges.
     excitation : float
@@ -32,19 +32,19 @@ class Bridge(Declared):
     gain : float
         Of the amplifier; negative if it inverts.
     poisson_ratio : float, optional
-        Of the bar, if gauges lie across it.
+        Of the bar; needed if gauges lie across it.
 
     Raises
     ------
     InvalidModel
-        Naming every argument that is not what it should be.
+        If an argument is invalid; the error names every invalid argument.
 
     Notes
     -----
-    ``strain = 4 V/(n gauge_factor excitation gain)``, with n the strain of the arms together over
-    that along the bar: 1 for a quarter bridge, 2 or 1 + nu for a half, 2 (1 + nu) for a full one.
-    The bend of a quarter bridge's characteristic, half a gauge factor times the strain (0.2 % at
-    2000 microstrain), is left out.
+    ``strain = 4 V/(n gauge_factor excitation gain)``, with n the sum of the strains of all arms
+    divided by the strain along the bar: 1 for a quarter bridge, 2 or 1 + nu for a half bridge, 2 (1
+    + nu) for a full bridge. The nonlinearity of a quarter bridge is neglected: its relative error
+    is half the gauge factor times the strain, 0.2 % at 2000 microstrain.
 
     Examples
     --------
@@ -68,15 +68,15 @@ class Bridge(Declared):
             message = f"must be one of {', '.join(map(repr, ALONG))}, got {shown(self.kind)}"
             problems.append(("kind", message))
         elif self.kind == "full" and self.poisson_ratio is None:
-            message = "is missing; two gauges of a full bridge lie across the bar"
+            message = "is missing; a full bridge needs it, two gauges lie across the bar"
             problems.append(("poisson_ratio", message))
         elif self.kind == "quarter" and self.poisson_ratio is not None:
-            message = "belongs to gauges across the bar, which a quarter bridge has not"
+            message = "is for gauges across the bar, and a quarter bridge has none"
             problems.append(("poisson_ratio", f"{message}; leave it out"))
 
     @property
     def strain_per_volt(self) -> float:
-        """Strain along the bar for each volt behind the amplifier, 1/V."""
+        """Strain along the bar per volt at the output of the amplifier, 1/V."""
         nu, n = self.poisson_ratio, float(ALONG[self.kind])
         if nu is not None:
             n = 1 + nu if self.kind == "half" else n * (1 + nu)

@@ -1,9 +1,9 @@
-"""What a shot with the bars together tells: wave speeds, gains, match, bending and noise.
+"""Calibration by a shot without a specimen: wave speeds, gains, reflection, bending, noise.
 
 The pulse of the striker runs through both bars and back from the far end of the output bar. The
 time from the first passage of the output gauge to the second gives c0 of that bar; the time from
-the input gauge to the output gauge then gives c0 of the input bar. A striker of the same bar at
-the speed V makes the strain V/(2 c0).
+the input gauge to the output gauge then gives c0 of the input bar. A striker of the same material
+and cross-section with the speed V causes the strain V/(2 c0).
 """
 
 from __future__ import annotations
@@ -31,26 +31,26 @@ PASSES = 3  # of finding a wave speed, on which the dispersion that finds it dep
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """Both bars as a shot without a specimen shows them; made by `calibrate`.
+    """Properties of both bars from a shot without a specimen; made by `calibrate`.
 
     Attributes
     ----------
     bars : (Rod, Rod)
-        Input and output bar with the wave speeds that were found; the density is kept.
+        Input and output bar with the measured wave speeds; the densities are unchanged.
     gains : (float, float)
-        By which strains of the input and of the output gauges are multiplied.
+        Factors of the strains of the input gauge and of the output gauge.
     speed_errors : (float, float)
-        Standard errors of the wave speeds by the noise, m/s.
+        Standard errors of the wave speeds due to noise, m/s.
     gain_errors : (float, float)
         Standard errors of the gains.
     reflected : float
-        Strain that comes back from the joint over the incident strain; (Z2 - Z1)/(Z2 + Z1) of
-        the bars is `expected`.
+        Strain reflected at the joint divided by the incident strain. `expected` is its value from
+        the impedances, (Z2 - Z1)/(Z2 + Z1).
     expected : float
     noise : (float, float)
-        Standard deviation over the plateau of the pulse.
+        Standard deviation of the noise divided by the plateau of the pulse.
     bending : (float or None, float or None)
-        Largest bending strain over the plateau, where gauges lie on both sides.
+        Largest bending strain divided by the plateau; None without gauges on both sides.
 
     Examples
     --------
@@ -77,12 +77,12 @@ class Calibration:
     bending: tuple[float | None, float | None]
 
     def applied(self, sides: tuple[Side, Side]) -> tuple[Side, Side]:
-        """Sides of a shot with the gains."""
+        """Sides of a shot with the gains applied."""
         first, second = (_scaled(side, gain) for side, gain in zip(sides, self.gains, strict=True))
         return first, second
 
     def off_by_one_error(self, sides: tuple[Side, Side]) -> Iterator[tuple[Side, Side]]:
-        """Sides, one after the other off by a standard error of a gain or of a wave speed."""
+        """Sides in which one gain or one wave speed is changed by its standard error."""
         for i in range(2):
             changed = [
                 _scaled(sides[i], 1 + self.gain_errors[i] / self.gains[i]),
@@ -93,20 +93,20 @@ class Calibration:
                 yield (side, sides[1]) if i == 0 else (sides[0], side)
 
     def __str__(self) -> str:
-        """A column for each bar, and the match of the two."""
+        """Table with a column for each bar, then the reflection at the joint."""
         speeds = [float(rod.segments[0].wave_speed) for rod in self.bars]
         cells: list[list[str]] = [
             ["wave speed", *(f"{c:.1f} +- {e:.1f} m/s" for c, e in
                              zip(speeds, self.speed_errors, strict=True))],
             ["gain", *(f"{g:.4f} +- {e:.4f}" for g, e in
                        zip(self.gains, self.gain_errors, strict=True))],
-            ["noise over plateau", *(f"{100 * n:.2f} %" for n in self.noise)],
-            ["bending over plateau", *("-" if b is None else f"{100 * b:.1f} %"
+            ["noise/plateau", *(f"{100 * n:.2f} %" for n in self.noise)],
+            ["bending/plateau", *("-" if b is None else f"{100 * b:.1f} %"
                                        for b in self.bending)],
         ]
         return align([["", "input bar", "output bar"], *cells]) + (
-            f"\nreflected at the joint {100 * self.reflected:.2f} % of the incident strain; "
-            f"the impedances make {100 * self.expected:.2f} %")
+            f"\nreflected at the joint: {100 * self.reflected:.2f} % of the incident strain; "
+            f"expected from the impedances: {100 * self.expected:.2f} %")
 
 
 def calibrate(
@@ -120,27 +120,28 @@ def calibrate(
     input_gauges, output_gauges : BarGauge
         As in `reduce`.
     bars : Rod or (Rod, Rod)
-        Input and output bar, with their true lengths; the wave speeds may be off by a tenth.
+        Input and output bar, with their true lengths; errors of the wave speeds up to 10 % are
+        corrected.
     striker_speed : float, optional
-        V of a striker with the impedance of the input bar, m/s. Without it the input gauge is
-        taken to be right, and the output gauge is compared with it.
+        V of a striker with the impedance of the input bar, m/s. By default the gain of the input
+        gauge is 1, and the output gauge is compared with the input gauge.
     compression : str
         Sign of a strain that compresses in the records.
 
     Returns
     -------
     Calibration
-        To be given to `reduce` in place of the bars.
+        Pass it to `reduce` in place of the bars.
 
     Raises
     ------
     InvalidModel
-        If an argument is not what it should be, or the record ends before the pulse has come back
-        from the far end of the output bar.
+        If an argument is invalid, or the record ends before the pulse returns from the far end of
+        the output bar.
 
     Notes
     -----
-    The incident strain is V/(2 c0); of a force F the joint hands 2 Z2/(Z1 + Z2) on.
+    The incident strain is V/(2 c0). The joint transmits the fraction 2 Z2/(Z1 + Z2) of a force.
 
     Examples
     --------
@@ -191,7 +192,7 @@ def with_speed(rod: Rod, speed: float) -> Rod:
 def _one(name: str, gauge: Any) -> Any:
     """A single gauge, which a calibration wants."""
     if isinstance(gauge, tuple | list):
-        raise refusal(name, f"must be one BarGauge, got {len(gauge)}; calibrate each by itself")
+        raise refusal(name, f"must be one BarGauge, got {len(gauge)}; calibrate each gauge alone")
     return gauge
 
 
@@ -237,14 +238,14 @@ def _timed(
         low, high = seen.times[there[0]], seen.times[there[-1]]
         low, high = low - SLACK * travel, high + SLACK * travel
         if high > seen.times[-1]:
-            message = f"the record ends at {seen.times[-1]:.4g} s, before the pulse has come back"
+            message = f"the record ends at {seen.times[-1]:.4g} s, before the pulse returns"
             raise refusal("output_gauges", f"{message} from the far end; record up to {high:.4g} s")
         model = Signal(lag, seen.times)
         found = Signal(seen.strains[0], seen.times).window(low, high).misfit(
             model, shift=(-SLACK * travel, SLACK * travel))
         if found.at_limit:
-            message = "the pulse does not come when the bar would bring it"
-            raise refusal("bars", f"{message}; check wave speed, length and distances")
+            message = f"the travel time is more than {100 * SLACK:g} % off the expected one"
+            raise refusal("bars", f"{message}; correct wave speed, length or distances")
         side = side._replace(rod=with_speed(side.rod, path / (travel + found.shift)))
     slopes = np.diff(lag)[there[0] : there[-1]] / seen.dt
     noise = float(seen.strains[0][: seen.quiet].std())

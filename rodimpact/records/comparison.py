@@ -1,4 +1,4 @@
-"""When a pulse comes and how long it lasts, and how far two signals are apart."""
+"""Timing of a pulse, and misfit between two signals."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ class Pulse(NamedTuple):
     Attributes
     ----------
     start : float
-        When it passes a tenth of the plateau, s.
+        Time at which the pulse exceeds a tenth of the plateau, s.
     width : float
-        At half of the plateau, s.
+        Duration above half of the plateau, s.
     rise : float
-        From 10 % to 90 % of the plateau, s.
+        Time from 10 % to 90 % of the plateau, s.
     plateau : float
-        Median of its samples above 0.7 of the largest, in the unit of the signal, with its sign.
+        Median of the samples above 0.7 of the largest, with its sign, in the unit of the signal.
 
     Examples
     --------
@@ -47,19 +47,19 @@ class Pulse(NamedTuple):
 
 
 class Misfit(NamedTuple):
-    """How far a prediction is from a record.
+    """Misfit between a prediction and a record.
 
     Attributes
     ----------
     rms : float
-        Root of the mean square of the difference over the plateau of the record.
+        Root mean square of the difference, divided by the plateau of the record.
     shift : float
-        By which the prediction came later, s.
+        Delay that was added to the prediction, s.
     scale : float
-        By which it was multiplied.
+        Factor by which the prediction was multiplied.
     at_limit : tuple of str
-        ``"shift"`` and ``"scale"``, if they lie at a limit: one that was given, or for a free shift
-        that from which on the two signals overlap no more.
+        ``"shift"`` and ``"scale"``, if they lie at a bound. A free shift is bounded too: the two
+        signals must overlap.
 
     Examples
     --------
@@ -77,7 +77,7 @@ class Misfit(NamedTuple):
 
 
 def pulse_of(times: Floats, values: Floats) -> Pulse:
-    """Timing of the pulse that holds the largest sample; ValueError if it is not whole."""
+    """Timing of the pulse with the largest sample; ValueError if the record cuts the pulse off."""
     top = int(np.abs(values).argmax())
     sign = 1.0 if values[top] >= 0 else -1.0
     v = sign * values
@@ -87,8 +87,8 @@ def pulse_of(times: Floats, values: Floats) -> Pulse:
     up, down = _crossing(times, v, first, last, level * 0.5)
     if not np.isfinite([start, up, down]).all():
         raise ValueError(
-            "the pulse is not whole in this record: before it the signal must be below a tenth of "
-            "its plateau, after it below half; take a longer window, or subtract the baseline"
+            "the record cuts the pulse off: before the pulse the signal must be below a tenth of "
+            "its plateau, after it below half; use a longer window, or subtract the baseline"
         )
     high = int(np.argmax(v[first:] >= 0.9 * level)) + first
     reach = times[high]
@@ -98,7 +98,7 @@ def pulse_of(times: Floats, values: Floats) -> Pulse:
 
 
 def plateau(values: Floats) -> float:
-    """Median of the samples above 0.7 of the largest, without its sign; ValueError if all are 0."""
+    """Absolute median of the samples above 0.7 of the largest; ValueError if all samples are 0."""
     height = values if values.max() >= -values.min() else -values
     largest = height.max()
     if largest <= 0:
@@ -107,7 +107,7 @@ def plateau(values: Floats) -> float:
 
 
 def gain_unit(measured: str, predicted: str) -> str:
-    """Unit of what takes a prediction in one unit to a record in another; "" if they are alike.
+    """Unit of the factor from the prediction to the record; "" if both have the same unit.
 
     Examples
     --------
@@ -120,7 +120,7 @@ def gain_unit(measured: str, predicted: str) -> str:
 
 
 def overlaps(record: tuple[float, float], model: tuple[float, float]) -> tuple[float, float]:
-    """Shifts of a model between which its times overlap those of a record: first and last, s."""
+    """Smallest and largest shift of a model with which its times overlap those of a record, s."""
     return record[0] - model[1], record[1] - model[0]
 
 
@@ -128,7 +128,7 @@ def misfit_of(
     record: Record, model: Record, shift: tuple[float, float] | None,
     scale: tuple[float, float] | None,
 ) -> Misfit:
-    """Smallest root of the mean square over the plateau of the record, within bounds."""
+    """Misfit with the best shift and scale within their bounds."""
     times, values = record
     level = plateau(values)
 

@@ -1,6 +1,6 @@
-"""What gauges, amplifiers and bars do to a pulse: linear filters of samples at equal steps.
+"""Effects of gauges, amplifiers and bars on a pulse: linear filters at equal time steps.
 
-Before the record and after it, its first and its last value hold on.
+Before the record its first value holds, after the record its last value.
 """
 
 from __future__ import annotations
@@ -19,25 +19,25 @@ SHORT = 1e-6  # of a step: what a mean over less would tell is lost in round-off
 
 
 def gaussian(values: Floats, dt: float, frequency: float) -> Floats:
-    """Weights of a bell around each instant, whose spectrum falls to 1/sqrt(2) at a frequency."""
+    """Gaussian filter whose gain falls to 1/sqrt(2) at a frequency, Hz."""
     tail = math.ceil(min(1 / dt / frequency, MOST))  # 7.5 standard deviations
     half = math.log(2) / 2
     return _through(values, dt, lambda f: np.exp(-half * (f / frequency) ** 2), tail)
 
 
 def blurred(values: Floats, dt: float, deviation: float) -> Floats:
-    """The same, by the standard deviation of the bell, s."""
+    """Gaussian filter of this standard deviation, s."""
     return gaussian(values, dt, math.sqrt(math.log(2)) / (2 * math.pi * deviation))
 
 
 def first_order(values: Floats, dt: float, frequency: float) -> Floats:
-    """Answer of an amplifier 1/(1 + s/w), exact for straight lines between samples."""
+    """Response of an amplifier 1/(1 + s/w), exact for straight lines between samples."""
     w = 2 * math.pi * frequency
     return _answer([w], [1.0, w], values, dt)
 
 
 def second_order(values: Floats, dt: float, frequency: float) -> Floats:
-    """Answer of a Butterworth amplifier, exact for straight lines between samples."""
+    """Response of a Butterworth amplifier, exact for straight lines between samples."""
     w = 2 * math.pi * frequency
     return _answer([w * w], [1.0, math.sqrt(2) * w, w * w], values, dt)
 
@@ -48,7 +48,7 @@ LOW_PASS: dict[str, Callable[[Floats, float, float], Floats]] = {
 
 
 def averaged(values: Floats, times: Floats, duration: float) -> Floats:
-    """Means over a duration about each instant, exact for straight lines; any steps."""
+    """Means over a duration centred at each sample, exact for straight lines; steps may differ."""
     if duration < SHORT * np.diff(times).min():
         return values
     slopes = np.diff(values) / np.diff(times)
@@ -69,7 +69,7 @@ def averaged(values: Floats, times: Floats, duration: float) -> Floats:
 
 
 def dispersed(values: Floats, dt: float, distance: float, bar: Any) -> Floats:
-    """The pulse after a distance in m along a `waves.Bar`, at the pace of long waves."""
+    """The pulse after a distance, m, along a `waves.Bar`, less the travel time of long waves."""
     tail = math.ceil(min(3 * abs(distance) / bar.wave_speed / dt, MOST))
 
     def transfer(f: Floats) -> Any:
@@ -89,8 +89,8 @@ def _through(values: Floats, dt: float, transfer: Callable[[Floats], Any], tail:
 
     margin = tail + len(values) // 4 + 64
     if len(values) + 3 * margin > MOST:
-        message = f"{dt!r} spreads the pulse over {tail} samples, too many beside {MOST}"
-        raise refusal("dt", f"{message}; take a longer dt by resampled(dt), or a shorter distance")
+        message = f"{dt!r} spreads the pulse over {tail} samples; {MOST} are allowed"
+        raise refusal("dt", f"{message}; use resampled(dt) with a longer dt, or a shorter distance")
     count = fft.next_fast_len(len(values) + 3 * margin, real=True)
     back = np.arange(1, count - len(values) - 2 * margin + 1)
     weight = (1 + np.cos(np.pi * back / (len(back) + 1))) / 2

@@ -1,4 +1,4 @@
-"""What LabVIEW and Tektronix scopes write before or beside a table, as heads of its columns.
+"""Entries of LabVIEW and of Tektronix scopes before or beside a table, as column heads.
 
 LabVIEW measurement files (.lvm) name units and steps of time in lines of their own, and may leave
 out the column of times. Scopes of Tektronix write such lines before the table, or in three columns
@@ -16,7 +16,7 @@ MOST_ENTRIES = 100  # lines
 
 
 def as_table(text: str) -> tuple[str, str]:
-    """The text of a table without what stands beside it, and a line of heads; "" where unknown."""
+    """The text of the table alone, and a line of heads; "" if the heads are unknown."""
     lines = text.split("\n", MOST_ENTRIES)[:MOST_ENTRIES]
     mark = "," if "," in lines[0] else "\t"
     entries = {}
@@ -37,13 +37,13 @@ def _labview(
     columns = entries.get("x_columns", ["One"])[0].casefold()
     if columns not in ("one", "no"):
         raise FileFormatError(f"has a column of times for each channel (X_Columns {columns}); "
-                              "write it with one for all (X_Columns One)")
+                              "save it with one column for all (X_Columns One)")
     if columns == "no":
         try:
             start, step = (float(entries[key][0].replace(",", ".")) for key in ("x0", "delta_x"))
         except (KeyError, IndexError, ValueError):
             raise FileFormatError("has no times (X_Columns No), and no numbers X0 and Delta_X; "
-                                  "write it with a column of times (X_Columns One)") from None
+                                  "save it with a column of times (X_Columns One)") from None
         sign = entries.get("decimal_separator", ["."])[0]
         lines = text.split("\n")
         for i in range(number + 1, len(lines)):

@@ -1,7 +1,7 @@
-"""Tables as laboratories write them, read as signals.
+"""Signals from the text tables of laboratory instruments.
 
-Delimiter, decimal sign, encoding and the lines before the numbers are found in the file where it
-leaves no choice; what it leaves open is asked for, never guessed.
+Delimiter, decimal sign, encoding and heads are taken from the file if they are unambiguous there.
+Otherwise an error asks for them; nothing is guessed.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from ..units import one_line, shown
 from .instruments import as_table
 from .signal import EVEN, Signal
 
-NO_TEXT = "is no text (it holds the character NUL); export it as text, in UTF-8"
+NO_TEXT = "is not text (it contains the character NUL); export it as text, in UTF-8"
 SURE = 3  # rows of numbers that begin a table
 GAP = 1.5  # steps from which on samples are missing
 HELD = 8  # samples in a row at the largest value, and
@@ -59,7 +59,7 @@ _NUMBERS = {".": re.compile(_NUMBER.format(r"\.\d*", r"\.\d+")),
 
 
 class ClippedSignal(UserWarning):
-    """A channel stays at its largest value for long, as one does that left the recorder's range.
+    """A channel stays at its largest value for long: the recorder may have clipped it.
 
     Examples
     --------
@@ -115,57 +115,55 @@ def read_signals(
 ) -> dict[str, Signal]:
     r"""Read the channels of a table of text.
 
-    Columns may be parted by tabs, semicolons, commas or blanks, decimals by points or commas. Where
-    commas part columns, too, numbers with a decimal comma stand in quotes: ``0,"1,5"``. The text
-    may be UTF-8, UTF-16 with its mark, or Latin-1; any lines may come before the numbers. A unit
-    stands in the head, ``incident [mV]``, ``incident (mV)``, ``incident_mV`` or ``incident / mV``,
-    or in a line of its own below; volts, seconds and so on are made of it. Files of LabVIEW (.lvm)
-    and Tektronix name units and steps of time in lines of their own. What other instruments write
-    before, such as an interval or a unit far from its column, is not heeded: it is to be given.
+    Columns are separated by tabs, semicolons, commas or blanks. The decimal sign is a point or a
+    comma; if commas separate columns, numbers with a decimal comma must be in quotes: ``0,"1,5"``.
+    The text is UTF-8, UTF-16 with a byte order mark, or Latin-1. Any lines may precede the numbers.
+    A unit is part of the head, ``incident [mV]``, ``incident (mV)``, ``incident_mV`` or ``incident
+    / mV``, or is in a separate line below; the values are converted to SI units. In files of
+    LabVIEW (.lvm) and Tektronix, separate lines with units and time steps are read, too. Other
+    lines before the table are ignored: give a time step or a unit from there as an argument.
 
     Parameters
     ----------
     path : str or path
     time : str, optional
-        Head of the column of times, if it is not called ``time`` or ``t``; without heads it is the
-        first.
+        Head of the column of times; by default ``time`` or ``t``. Without heads the times are the
+        first column.
     time_unit : str, optional
-        ``"s"``, ``"ms"``, ``"us"`` or ``"ns"``, if the head does not say it.
+        ``"s"``, ``"ms"``, ``"us"`` or ``"ns"``; needed if the head has no unit.
     rate : float, optional
-        Samples a second, Hz, of a table without times; it begins at t = 0.
+        Sampling rate, Hz, of a table without times; its first sample is at t = 0.
     units : str or mapping, optional
-        Units of all channels, or of channels by name, in place of what the head says; a channel
-        for which neither says anything is a pure number.
+        Unit of all channels, or a unit for each channel name. These units replace those of the
+        heads. A channel without any unit is dimensionless.
     decimal : str, optional
-        ``"."`` or ``","``, where the file leaves it open: 0,1 may be two numbers, and 1,234, if all
-        are like that, thousands.
+        ``"."`` or ``","``; needed if the file is ambiguous: 0,1 may be two numbers, and 1,234 may
+        be a number of thousands.
     progress : callable, optional
-        Called with the number of characters that are read, and of all.
+        Called with the number of characters read so far and of all characters.
 
     Returns
     -------
     dict
-        A `Signal` for each channel, by name, in the order of the columns; without heads they are
-        ``"1"``, ``"2"`` and so on.
+        A `Signal` for each channel, by name, in the order of the columns; without heads the names
+        are ``"1"``, ``"2"`` and so on.
 
     Warns
     -----
     ClippedSignal
-        If a channel stays at its largest value, and at no other, for long.
+        If a channel stays for long at its largest value, and at no other value.
     LongRun
-        If it takes long.
+        If reading takes long.
 
     Raises
     ------
     FileFormatError
-        If the file is no such table: with the line and the column of what cannot be read, of a
-        value that is not a number, of a time that does not increase, or of a gap.
+        If the file is not such a table. The error names line and column of a cell that is not a
+        number, of a time that does not increase, or of missing samples.
     ValueError
-        If an argument is not what it should be.
-    OSError
-        If the file cannot be read at all.
+        If an argument is invalid. OSError If the file cannot be read at all.
     MemoryError
-        If four times its size are more than half of what this machine has of memory.
+        If four times the size of the file exceeds half of the memory of the machine.
 
     Examples
     --------
@@ -179,7 +177,7 @@ def read_signals(
     """
     for name, word in (("time", time), ("time_unit", time_unit)):
         if word is not None and not isinstance(word, str):
-            raise refusal(name, f"must be a word, got {shown(word)}")
+            raise refusal(name, f"must be a text, got {shown(word)}")
     if decimal is not None and (not isinstance(decimal, str) or decimal not in (".", ",")):
         raise refusal("decimal", f'must be "." or ",", got {shown(decimal)}')
     if rate is not None:
@@ -284,7 +282,7 @@ class _Table:
                 cells = cells[: self.count]
             if len(cells) != self.count:
                 raise FileFormatError(
-                    f"line {i}: has {len(cells)} columns, the lines before it {self.count}; "
+                    f"line {i}: has {len(cells)} columns, the lines above have {self.count}; "
                     "complete or remove it"
                 )
             row = []
@@ -313,9 +311,9 @@ class _Table:
                     odd = odd or (cell if sign in cell else "")
         if odd:
             raise FileFormatError(
-                f"has numbers such as {shown(odd)}, which may be with decimals or in thousands; "
-                f'give decimal="{sign}" if with decimals, or write them without signs between '
-                "thousands"
+                f'has numbers such as {shown(odd)}: "{sign}" may be a decimal sign or separate '
+                f'thousands; give decimal="{sign}" if a decimal sign, otherwise write the '
+                "numbers without it"
             )
 
     def _line(self, row: int) -> int:
@@ -330,7 +328,7 @@ class _Table:
         named = [j for j, name in enumerate(self.names) if TIMES.fullmatch(name)]
         if rate is not None:
             if named:
-                remedy = "leave rate out" if self.count > 1 else "it has no other"
+                remedy = "leave rate out" if self.count > 1 else "add a column of values"
                 raise FileFormatError(
                     f"has a column of times, {shown(self.names[named[0]])}; {remedy}"
                 )
@@ -341,7 +339,7 @@ class _Table:
             times = self._times(clock, time_unit)
             channels = [j for j in range(self.count) if j != clock]
         if self.rows < 2:
-            raise FileFormatError("has one line of numbers; a signal has two samples or more")
+            raise FileFormatError("has one line of numbers; a signal needs two samples or more")
         wanted = self._wanted_units(units, [self.names[j] for j in channels])
         signals = {}
         for j in channels:
@@ -359,7 +357,7 @@ class _Table:
     def _clock(self, time: str | None, named: list[int]) -> int:
         """Which column has the times."""
         if self.count < 2:
-            raise FileFormatError("has one column; give rate, the samples a second in Hz")
+            raise FileFormatError("has one column and no times; give rate, the sampling rate in Hz")
         if time is not None:
             if time not in self.names:
                 message = f"has no column {shown(time)}; {nearest(time, self.names)}"
@@ -368,13 +366,13 @@ class _Table:
         if len(named) > 1:
             raise FileFormatError(
                 f"has several columns of times, {', '.join(shown(self.names[j]) for j in named)}; "
-                "say by time= which is that of the channels you want"
+                "give the head of one of them as time="
             )
         if named or not self.headed:
             return named[0] if named else 0
         raise FileFormatError(
             f"has no column called time (its columns are {', '.join(map(shown, self.names[:8]))}); "
-            "name it by time=, or give rate=, the samples a second in Hz"
+            "give its head as time=, or give rate=, the sampling rate in Hz"
         )
 
     @property
@@ -388,7 +386,7 @@ class _Table:
         unit = unit or self.units[column]
         if not unit:
             raise FileFormatError(
-                f"column {name}: names no unit of time; give time_unit=, one of 's', 'ms', 'us', "
+                f"column {name}: has no unit of time; give time_unit=, one of 's', 'ms', 'us', "
                 "'ns'"
             )
         try:
@@ -397,15 +395,15 @@ class _Table:
             raise FileFormatError(f"column {name}: {error}; give time_unit=") from None
         if si != "s":
             raise FileFormatError(
-                f"column {name}: must be times, but {shown(unit)} is no unit of time; name the "
-                "column of times by time=, or give time_unit="
+                f"column {name}: must be times, but {shown(unit)} is no unit of time; give "
+                "the head of the column of times as time=, or give time_unit="
             )
         steps = np.diff(times)
         if (steps <= 0).any():
             i = int((steps <= 0).argmax())
             raise FileFormatError(
                 f"line {self._line(i + 1)}, column {name}: times must increase, got "
-                f"{times[i + 1]:.9g} s after {times[i]:.9g} s; if they are written with too few "
+                f"{times[i + 1]:.9g} s after {times[i]:.9g} s; if the times have too few "
                 "digits, remove the column and give rate"
             )
         usual = float(np.median(steps)) if steps.size else 0.0
@@ -413,8 +411,8 @@ class _Table:
         if odd.any() and odd.mean() < 0.1 and (wide := steps > GAP * usual).any():
             i = int(wide.argmax())
             raise FileFormatError(
-                f"line {self._line(i + 1)}, column {name}: samples are missing, {steps[i]:.6g} s "
-                f"lie between it and the line before, {usual:.6g} s between others; cut the "
+                f"line {self._line(i + 1)}, column {name}: samples are missing, the time step "
+                f"is {steps[i]:.6g} s here and {usual:.6g} s elsewhere; cut the "
                 "record there, or fill in the samples"
             )
         return times  # type: ignore[no-any-return]
@@ -426,7 +424,7 @@ class _Table:
         if isinstance(units, str):
             return dict.fromkeys(channels, units)
         if not isinstance(units, Mapping):
-            message = f"must be a unit, or units by channel, got {shown(units)}"
+            message = f"must be a unit, or a unit for each channel name, got {shown(units)}"
             raise refusal("units", f"{message}")
         for name in units:
             if name not in channels:
@@ -448,7 +446,7 @@ class _Table:
             name = shown(self.names[column])
             warnings.warn(
                 f"column {name} stays at {values[starts[i]]:.6g} for {lengths[i]} samples from "
-                f"line {self._line(int(starts[i]))} on: the recorder may have cut it off there",
+                f"line {self._line(int(starts[i]))} on: the recorder may have clipped it",
                 ClippedSignal, stacklevel=4,
             )
 
@@ -477,7 +475,8 @@ def _text(file: BinaryIO) -> str:
         text = data.decode(encoding).replace("\N{MINUS SIGN}", "-")
     except UnicodeDecodeError:
         if encoding != "utf-8":
-            raise FileFormatError(f"is not the text in {encoding} that its mark says") from None
+            message = f"is not text in {encoding}, as its byte order mark states; save it in UTF-8"
+            raise FileFormatError(message) from None
         text = data.decode("latin-1")
     if "\0" in text:
         raise FileFormatError(NO_TEXT)
@@ -510,7 +509,7 @@ def _form_of(lines: list[str], text: str, decimal: str | None) -> tuple[_Form, i
         form = several[0]
     else:
         raise FileFormatError(
-            f"line {start + 1}: {shown(line)} may be two numbers or one with a decimal comma; "
+            f"line {start + 1}: {shown(line)} may be two numbers or a decimal comma; "
             'give decimal="." or decimal=","'
         )
     count = form.numbers(line)
@@ -523,25 +522,25 @@ def _why_none(lines: list[str], forms: list[_Form]) -> str:
     last = min(len(lines), MOST_HEAD)
     i = next((i for i in range(last // 2, last) if lines[i].strip()), -1)
     if i < 0:
-        return "; export it as text, with a row a sample"
+        return "; export it as text, with one row for each sample"
     form = max(forms, key=lambda form: sum(map(form.is_number, form.cells(lines[i]))))
     if count := form.numbers(lines[i]):  # then a line below it keeps it from being the first row
         below = (j for j in range(i + 1, min(len(lines), i + 2 * SURE)) if lines[j].strip())
         other = next(j for j in below if form.numbers(lines[j]) != count)
         if found := form.numbers(lines[other]):
-            return (f": line {i + 1} has {count} numbers and line {other + 1} has {found}; give "
-                    "each line a number a column")
+            return (f": line {i + 1} has {count} numbers and line {other + 1} has {found}; "
+                    "every line needs a number for each column")
         i = other
     cells = form.cells(lines[i])
     if not any(form.is_number(c) or _DATE.fullmatch(c) or _PARTED.fullmatch(c) for c in cells):
-        return (" in columns parted by tabs, semicolons, commas or blanks; export it as text, with "
-                "a row a sample")
+        return (" in columns separated by tabs, semicolons, commas or blanks; export it as text, "
+                "with one row for each sample")
     odd = next(cell for cell in cells if not form.is_number(cell))
-    remedy = "below their heads, columns must be of numbers"
+    remedy = "write only numbers below the heads"
     if _DATE.fullmatch(odd):
         remedy = "write times in seconds, or remove them and give rate"
     elif _PARTED.fullmatch(odd):
-        remedy = "write numbers without signs between thousands"
+        remedy = "write numbers without separators of thousands"
     return f": line {i + 1} has {shown(odd) if odd else 'an empty cell'}; {remedy}"
 
 
@@ -570,13 +569,13 @@ def _heads(lines: list[str], form: _Form, count: int) -> tuple[list[str], list[s
             given = len(form.cells(texts[i]))
             if given > 1:
                 raise FileFormatError(
-                    f"line {i}: has {given} heads for {count} columns of numbers; give each one")
+                    f"line {i}: has {given} heads for {count} columns of numbers; name each column")
         return [str(j + 1) for j in range(count)], [""] * count
     if count > 1 and form.is_number(rows[-1][0]):
         row = form.delimiter.join(rows[-1])
         odd = next((cell for cell in rows[-1] if not form.is_number(cell)), row)
         raise FileFormatError(
-            f"begins with a line that has {shown(odd)} beside numbers; complete or remove it")
+            f"begins with a line that mixes {shown(odd)} and numbers; complete or remove it")
     below: list[str] = []
     units = [_spelt(cell.strip("[]() ")) for cell in rows[-1]]
     if len(rows) > 1 and all(known_units.conversion(unit) is not None for unit in units):

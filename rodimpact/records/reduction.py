@@ -1,4 +1,4 @@
-"""What a specimen between two bars did: stress, strain and their band from the strains of a shot.
+"""Stress and strain of a specimen between two bars, with error bands, from the bar strains.
 
 With the strains of the waves at the two faces, compression positive (incident i, reflected r,
 transmitted t)::
@@ -6,10 +6,10 @@ transmitted t)::
     F1 = E1 A1 (i + r)   F2 = E2 A2 t      v1 = c1 (i - r)   v2 = c2 t
     strain rate (v1 - v2)/L0               stress F2/A0 (one wave), F1/A0 (two), their mean (three)
 
-H. Kolsky, Proceedings of the Physical Society B 62 (1949) 676; W. Chen and B. Song, Split
-Hopkinson (Kolsky) Bar (Springer, 2011). All steps but the last are linear. So the band is what the
-noise of the records, drawn again, and the errors of a calibration make of the curve when they go
-through the same steps.
+H. Kolsky, Proceedings of the Physical Society B 62 (1949) 676; W. Chen and B. Song, Split Hopkinson
+(Kolsky) Bar (Springer, 2011). All steps except the last are linear. The error band therefore
+follows from two contributions: noise drawn at random from the records, and the errors of a
+calibration. Both go through the same linear steps as the curve.
 """
 
 from __future__ import annotations
@@ -54,14 +54,14 @@ class Specimen(Declared):
     area, diameter : float
         A0, m^2, or the diameter of a round specimen, m: one of the two.
     youngs_modulus : float, optional
-        Of its elastic start, which `reduce` can align the waves to, Pa.
+        Of the initial elastic part, Pa; `reduce` can align the waves with it.
     incompressible : bool
-        Whether it keeps its volume, so that true stress and strain can be told.
+        Whether the volume of the specimen is constant; true stress and strain need this.
 
     Raises
     ------
     InvalidModel
-        Naming every argument that is not what it should be.
+        If an argument is invalid; the error names every invalid argument.
 
     Examples
     --------
@@ -94,7 +94,7 @@ class Specimen(Declared):
 
 
 class Curve(NamedTuple):
-    """What is linear in the strains of the gauges, as `Reduction` has it; shape (n,) each."""
+    """Columns of `Reduction` that are linear in the gauge strains; shape (n,) each."""
 
     strain: Floats
     strain_rate: Floats
@@ -106,30 +106,32 @@ class Curve(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Reduction:
-    """What the specimen of a shot did, compression positive; made by `reduce`.
+    """Stress and strain of a specimen over time, compression positive; made by `reduce`.
 
     Attributes
     ----------
     times : array, shape (n,)
-        At the faces of the specimen, on the clock of the records, s.
+        Times at the faces of the specimen, with the zero of the records, s.
     strain, strain_rate : array, shape (n,)
-        Nominal: change of length over `Specimen.length`, 1 and 1/s.
+        Nominal: decrease of length divided by `Specimen.length`, 1 and 1/s.
     stress, two_wave_stress, three_wave_stress : array, shape (n,)
-        Nominal, by the force of the output bar, of the input bar, and their mean, Pa.
+        Nominal, from the force of the output bar, the force of the input bar, and the mean of both,
+        Pa.
     input_force, output_force : array, shape (n,)
         On the two faces, N.
     input_velocity, output_velocity : array, shape (n,)
         Of the two faces, m/s.
     stress_band, strain_band : array, shape (n,)
-        Of 95 %: by noise, by the errors of a calibration, and by what the bars cannot carry.
+        Half widths of the 95 % bands: noise, errors of a calibration, and the frequencies that the
+        bars cannot carry.
     one_sample : array, shape (n,)
-        By how much `stress` at the same strain changes, at most, if the transmitted wave is taken
-        one sample earlier or later, Pa.
+        Largest change of `stress` at the same strain if the transmitted wave is shifted by one
+        sample, Pa.
     shifts : (float, float)
-        By which the reflected and the transmitted wave were taken earlier to align them, s.
+        Times by which the reflected and the transmitted wave were moved earlier to align them, s.
     specimen : Specimen
     disperses : bool
-        Whether the waves were carried by the exact first mode.
+        Whether the waves were propagated with the exact first mode.
 
     Examples
     --------
@@ -168,12 +170,12 @@ class Reduction:
 
     @property
     def stress(self) -> Floats:
-        """Nominal stress by the transmitted wave alone, Pa, shape (n,)."""
+        """Nominal stress from the transmitted wave alone, Pa, shape (n,)."""
         return self.output_force / self.specimen.section
 
     @property
     def two_wave_stress(self) -> Floats:
-        """Nominal stress by the incident and the reflected wave, Pa, shape (n,)."""
+        """Nominal stress from the incident and the reflected wave, Pa, shape (n,)."""
         return self.input_force / self.specimen.section
 
     @property
@@ -191,7 +193,7 @@ class Reduction:
 
     @property
     def energy(self) -> Floats:
-        """What the specimen has taken up, the integral of F1 v1 - F2 v2, J, shape (n,)."""
+        """Energy absorbed by the specimen, the integral of F1 v1 - F2 v2, J, shape (n,)."""
         power = self.input_force * self.input_velocity - self.output_force * self.output_velocity
         return _integral(power, self.times)
 
@@ -209,7 +211,7 @@ class Reduction:
 
     def _keeps_volume(self) -> None:
         if not self.specimen.incompressible:
-            message = "true stress and strain need the section; it is known where the volume stays"
+            message = "true stress and strain need a constant volume"
             raise refusal("specimen", f"{message}: give Specimen(..., incompressible=True)")
 
     @property
@@ -238,10 +240,10 @@ class Reduction:
         return slice(0, int(self.strain.argmax()) + 1)
 
     def __str__(self) -> str:
-        """Table over strain, and what it rests on."""
+        """Table of stress at several strains, then alignment and energy."""
         up = self.loading
         strain = np.maximum.accumulate(self.strain[up])
-        rows = [["strain", "strain rate", "stress", "+-", "one sample", "F1 - F2 over mean"]]
+        rows = [["strain", "strain rate", "stress", "+-", "one sample", "(F1 - F2)/mean"]]
         for at in (*(e for e in SHOWN if e < strain[-1]), strain[-1]):
             i = int(np.searchsorted(strain, at))
             rows.append([
@@ -249,12 +251,12 @@ class Reduction:
                 *(format_si(column[i], "Pa", 4 - 2 * (k > 0))
                   for k, column in enumerate((self.stress, self.stress_band, self.one_sample))),
                 f"{100 * self.equilibrium[i]:.1f} %"])
-        way = "by the exact first mode" if self.disperses else "without dispersion"
+        way = "with the exact first mode" if self.disperses else "without dispersion"
         reflected, transmitted = (f"{1e6 * shift:.3g} us" for shift in self.shifts)
         return align(rows) + (
-            f"\nstress by the transmitted wave; waves carried {way}; reflected wave taken "
-            f"{reflected} earlier, transmitted {transmitted}\n"
-            f"energy taken up {format_si(self.energy[up][-1], 'J', 3)}; the waves are told apart "
+            f"\nstress from the transmitted wave; waves propagated {way}; reflected wave moved "
+            f"{reflected} earlier, transmitted wave {transmitted}\n"
+            f"energy absorbed: {format_si(self.energy[up][-1], 'J', 3)}; the waves are separated "
             f"until {1e6 * (self.times[-1] - self.times[0]):.4g} us after they arrive")
 
 
@@ -268,19 +270,19 @@ def reduce(
     Parameters
     ----------
     input_gauges, output_gauges : BarGauge or two of them
-        Of the bar that the striker hits, and of the other one. Two gauges of a bar tell waves
-        apart that overlap in each.
+        Gauges of the input bar, which the striker hits, and of the output bar. Two gauges on a bar
+        separate waves that overlap at each gauge.
     bars : Rod, (Rod, Rod) or Calibration
-        Input and output bar, or one rod if they are alike: round, with a Poisson ratio, their
-        waves disperse as in the exact first mode. Of their lengths it is known when waves come
-        back from the far ends.
+        Input and output bar, or one rod if both are alike. In a round bar with a Poisson ratio,
+        waves disperse as in the exact first mode. The lengths give the times at which waves return
+        from the far ends.
     specimen : Specimen
     compression : str
         Sign of a strain that compresses in the records: ``"negative"`` or ``"positive"``.
     align_within : float
-        By how much the reflected and the transmitted wave may be shifted each, s, so that the
-        forces on both faces are alike, and the start is as stiff as the specimen's
-        `youngs_modulus`, if that is given. 0: distances and wave speeds alone align them.
+        Largest shift of the reflected and of the transmitted wave, s. The shifts make the forces on
+        both faces equal and, if the specimen has a `youngs_modulus`, the initial slope equal to it.
+        0: only distances and wave speeds align the waves.
 
     Returns
     -------
@@ -289,14 +291,13 @@ def reduce(
     Raises
     ------
     InvalidModel
-        If an argument is not what it should be, or a record does not begin with rest and a
-        compression.
+        If an argument is invalid, or a record does not begin with rest and then a compression.
     ValueError
-        If incident and reflected wave overlap in a single gauge.
+        If the incident and the reflected wave overlap at the only gauge of the bar.
 
     Examples
     --------
-    All of the incident wave, 1e-3, goes on: the force is E A 1e-3, and nothing is compressed.
+    The incident strain, 1e-3, is transmitted fully: the force is E A 1e-3, the specimen strain 0.
 
     >>> import rodimpact as ri
     >>> shape = 1e-3 * np.clip(np.minimum(np.arange(400) - 100, 250 - np.arange(400)) / 10, 0, 1)
@@ -325,7 +326,7 @@ def reduce(
 
 @dataclass(frozen=True)
 class _Shot:
-    """Both bars of a shot, the times for which the faces are known, and how it is aligned."""
+    """Both bars of a shot, the times at which both faces are known, and the alignment."""
 
     sides: tuple[Side, Side]
     specimen: Specimen
@@ -340,8 +341,8 @@ class _Shot:
         end = min(measuring.clean_until(first, False), measuring.clean_until(second, True))
         count = int((end - start) / first.dt)
         if count < measuring.QUIET:
-            message = f"the wave reaches the specimen at {start:.6g} s, and from {end:.6g} s on the"
-            raise refusal("input_gauges", f"{message} records do not tell the waves apart; take "
+            message = f"the wave reaches the specimen at {start:.6g} s, but from {end:.6g} s on the"
+            raise refusal("input_gauges", f"{message} records do not separate the waves; use "
                           "longer records or bars, and check the distances")
         return cls(sides, specimen, start + first.dt * np.arange(count, dtype=float))
 
@@ -466,7 +467,7 @@ class Shots(NamedTuple):
     Attributes
     ----------
     strain : array, shape (n,)
-        From 0 to the smallest of the largest strains.
+        From 0 to the largest strain that all shots reach.
     stress, strain_rate : array, shape (n,)
         Means, Pa and 1/s.
     scatter : array, shape (n,)
@@ -505,7 +506,7 @@ def mean_of_shots(shots: Sequence[Reduction], points: int = 201) -> Shots:
     shots : sequence of Reduction
         Two or more.
     points : int
-        Of the common strains.
+        Number of common strains.
 
     Raises
     ------
@@ -529,7 +530,7 @@ def mean_of_shots(shots: Sequence[Reduction], points: int = 201) -> Shots:
     """
     given = isinstance(shots, Sequence) and len(shots) > 1
     if not given or not all(isinstance(each, Reduction) for each in shots):
-        raise refusal("shots", f"must be two or more of what ri.reduce returns, got {shown(shots)}")
+        raise refusal("shots", f"must be two or more Reductions from ri.reduce, got {shown(shots)}")
     strain = np.linspace(0, min(float(each.strain.max()) for each in shots), points)
     columns: list[Any] = []
     for each in shots:

@@ -5,7 +5,7 @@
 >>> (2 * ramp).shifted(1.0).at(1.0)
 0.0
 
-Between samples it runs straight. Every method returns another signal; none is ever changed.
+Between samples a signal is linear. Signals are immutable: every method returns another signal.
 """
 
 from __future__ import annotations
@@ -39,15 +39,16 @@ class Signal(Frozen):
     values : array, shape (n,)
         Two samples or more, in `unit`.
     times : array, shape (n,), optional
-        When they were taken, increasing, s; or else give `dt`.
+        Times of the samples, increasing, s; or give `dt` instead.
     dt : float, optional
         Time between two samples, s.
     start : float
         Time of the first sample, s, where `dt` is given.
     unit : str
-        Of the SI: ``"V"``, ``"N"``, ``"m/s"``; ``""`` for strain and other pure numbers.
+        SI unit of the values: ``"V"``, ``"N"``, ``"m/s"``; ``""`` for strain and other
+        dimensionless numbers.
     name : str
-        Of the channel.
+        Name of the channel.
 
     Attributes
     ----------
@@ -58,8 +59,8 @@ class Signal(Frozen):
     Raises
     ------
     InvalidModel
-        Naming every argument that is not what it should be: a time that does not increase, a
-        sample that is not finite, a unit that is not of the SI.
+        If times do not increase, a sample is not finite, the unit is not an SI unit, or another
+        argument is invalid. The error names every invalid argument.
 
     Examples
     --------
@@ -81,10 +82,10 @@ class Signal(Frozen):
         problems: Problems = []
         for field, word in (("unit", unit), ("name", name)):
             if not isinstance(word, str) or not word.isprintable():
-                problems.append((field, f"must be a word, got {shown(word)}"))
+                problems.append((field, f"must be a text, got {shown(word)}"))
         if not problems and (si := units.conversion(unit)) and si.factor != 1:
-            message = f"must be of the SI, got {unit!r}; give the values in {si.unit or 'units'}"
-            problems.append(("unit", f"{message}, that is times {float(si.factor):g}"))
+            message = f"must be an SI unit, got {unit!r}; give the values in {si.unit or 'units'}"
+            problems.append(("unit", f"{message}, multiplied by {float(si.factor):g}"))
         v = _samples(problems, "values", values, "" if problems else unit)
         if times is not None and dt is not None:
             problems.append(("dt", "give either times or dt, not both"))
@@ -99,7 +100,7 @@ class Signal(Frozen):
         if not problems:
             t = _samples(problems, "times", times, "s")
         if not problems and t.shape != v.shape:
-            problems.append(("times", f"must be as many as values, got {t.size} for {v.size}"))
+            problems.append(("times", f"must be as many as values, got {t.size} for {v.size} values"))
         if not problems and (back := np.flatnonzero(np.diff(t) <= 0)).size:
             i = int(back[0])
             message = f"must increase, got {float(t[i + 1])!r} after {float(t[i])!r}"
@@ -134,7 +135,7 @@ class Signal(Frozen):
             i = int(off.argmax())
             raise ValueError(
                 f"{self._title}: the samples are not at equal steps (sample {i} is at "
-                f"{float(self.times[i])!r} s); make them so by resampled(dt)"
+                f"{float(self.times[i])!r} s); use resampled(dt)"
             )
         return step
 
@@ -157,13 +158,13 @@ class Signal(Frozen):
     def resampled(self, dt: float | None = None, *, times: ArrayLike | None = None) -> Signal:
         """Return the signal at steps of `dt`, s, from its start on, or at the given times.
 
-        Straight lines are read where the new samples lie. Before steps become longer, `low_pass`
-        takes out what they cannot show.
+        The new samples are interpolated linearly. Before you increase the time step, remove the
+        frequencies above half of the new sampling rate with `low_pass`.
 
         Raises
         ------
         ValueError
-            If times lie outside of the record, or not just one of the two is given.
+            If a time lies outside the record, or if both or neither of `dt` and `times` are given.
         """
         if (dt is None) == (times is None):
             raise refusal("dt", "give either dt or times")
@@ -172,7 +173,7 @@ class Signal(Frozen):
             count = (self.end - self.start) / step * (1 + 1e-12)
             if not 1 <= count < filters.MOST:
                 message = f"{step} makes {count + 1:.3g} samples of {self._title}"
-                raise refusal("dt", f"{message}; take one that makes 2 to {filters.MOST}")
+                raise refusal("dt", f"{message}; give a dt that makes 2 to {filters.MOST}")
             times = self.start + step * np.arange(int(count) + 1)
         return self.replace(values=self.at(times), times=times)
 
@@ -181,15 +182,15 @@ class Signal(Frozen):
         return self.replace(times=self.times + single("delay", delay, "s"))
 
     def window(self, start: float, end: float) -> Signal:
-        """Return the samples from start to end, s; ValueError if these are not two or more."""
+        """Return the samples from start to end, s; ValueError if there are fewer than two."""
         inside = self._within(start, end)
         return self.replace(values=self.values[inside], times=self.times[inside])
 
     def extended(self, before: float = 0.0, after: float = 0.0) -> Signal:
-        """Return the signal with its first value for some time before it, and its last after it, s.
+        """Return the signal longer by these times, s: first value before it, last value after it.
 
-        A record that begins just before its pulse would lose what `low_pass` and `propagated`
-        spread out.
+        Extend a record that begins just before its pulse: `low_pass` and `propagated` widen the
+        pulse beyond the record.
 
         Raises
         ------
@@ -211,7 +212,7 @@ class Signal(Frozen):
         return self.replace(values=np.pad(self.values, (ahead, behind), "edge"), times=times)
 
     def baseline(self, start: float, end: float) -> Signal:
-        """Return the signal less its mean from start to end, s."""
+        """Return the signal minus its mean from start to end, s."""
         return self - float(self.values[self._within(start, end)].mean())
 
     def _within(self, start: float, end: float) -> Any:
@@ -219,7 +220,7 @@ class Signal(Frozen):
         low, high = single("start", start, "s"), single("end", end, "s")
         inside = (self.times >= low) & (self.times <= high)
         if inside.sum() < 2:
-            message = f"from {low!r} to {high!r} s there are fewer than two samples"
+            message = f"fewer than two samples lie from {low!r} to {high!r} s"
             raise refusal(
                 "start, end", f"{message}; the {self._title} runs from {self.start!r} to "
                 f"{self.end!r} s"
@@ -230,23 +231,22 @@ class Signal(Frozen):
         self, frequency: float,
         kind: Literal["gaussian", "first-order", "second-order"] = "gaussian",
     ) -> Signal:
-        """Return the signal without what is faster than a frequency.
+        """Return the signal without its frequencies above a limit.
 
         Parameters
         ----------
         frequency : float
-            At which a vibration keeps 1/sqrt(2) of its amplitude, Hz; below half of the sampling
-            rate.
+            Frequency at which the gain is 1/sqrt(2), Hz; below half of the sampling rate.
         kind : str
-            ``"gaussian"`` delays nothing, as suits data; ``"first-order"`` and ``"second-order"``
-            (Butterworth) are amplifiers, which answer to what has been. Before the record and
-            after it, its first and its last value are taken to hold; a record that begins with its
-            pulse is best `extended` before.
+            ``"gaussian"`` has no delay and suits data. ``"first-order"`` and ``"second-order"``
+            (Butterworth) are amplifiers: their output depends on the past only. Before the record
+            its first value holds, after it the last value. If a record begins with its pulse, use
+            `extended` before.
 
         Raises
         ------
         ValueError
-            If the samples are not at equal steps, or an argument is not what it should be.
+            If the samples are not at equal steps, or an argument is invalid.
 
         Examples
         --------
@@ -268,33 +268,33 @@ class Signal(Frozen):
     def propagated(
         self, distance: float, bar: Any, *, radius: float | None = None
     ) -> Signal:
-        """Return the pulse as it will be farther along a round bar, by its exact first mode.
+        """Return the pulse at another place of a round bar, by the exact first mode.
 
-        Each vibration of the record runs at its own phase velocity; those above the cut-off of the
-        first mode, `waves.CUT_OFF`, are taken out, forwards and back alike. Samples bear the times
-        at which long waves would bring them.
+        Each frequency of the record runs at its own phase velocity. Frequencies above the cut-off
+        of the first mode, `waves.CUT_OFF`, are removed, in both directions. The travel time of long
+        waves is left out of the sample times.
 
         Parameters
         ----------
         distance : float
-            m; negative to go back to where the pulse came from.
+            m; negative towards the origin of the pulse.
         bar : waves.Bar, Rod or Segment
-            A rod is asked for what `waves.Bar.of` wants.
+            A rod must fulfil the conditions of `waves.Bar.of`.
         radius : float, optional
             Equivalent radius of a rod that is not round, m.
 
         Raises
         ------
         InvalidModel
-            If the rod is not uniform, not said to be round, or without Poisson's ratio.
+            If the rod is not uniform, is not declared round, or has no Poisson ratio.
         ValueError
-            If the samples are not at equal steps, or the distance is out of proportion to them.
+            If the samples are not at equal steps, or the distance is too long for their time step.
 
         Notes
         -----
         A. Tyas and A. J. Watson, An investigation of frequency domain dispersion correction of
-        pressure bar signals, International Journal of Impact Engineering 25 (2001) 87. What the
-        section does not have in common (amplitudes that differ over it) is not corrected.
+        pressure bar signals, International Journal of Impact Engineering 25 (2001) 87. Differences
+        of the amplitude over the cross-section are not corrected.
         """
         from .. import waves
 
@@ -311,25 +311,25 @@ class Signal(Frozen):
         self, *, gauge_length: float = 0.0, wave_speed: float | None = None,
         bandwidth: float | None = None, order: int = 1, scale: float = 1.0, offset: float = 0.0,
     ) -> Signal:
-        """Return what a gauge and its amplifier make of a computed signal.
+        """Return a computed signal as a gauge and its amplifier would record it.
 
         Parameters
         ----------
         gauge_length : float
-            Over which the gauge averages, m.
+            Length over which the gauge averages, m.
         wave_speed : float, optional
-            At which the pulse passes it, m/s; needed with a gauge length.
+            Speed at which the pulse passes the gauge, m/s; needed with a gauge length.
         bandwidth : float, optional
-            Frequency at which the amplifier keeps 1/sqrt(2) of the amplitude, Hz.
+            Frequency at which the gain of the amplifier is 1/sqrt(2), Hz.
         order : int
-            Of the amplifier: 1, or 2 (Butterworth).
+            Order of the amplifier: 1, or 2 (Butterworth).
         scale, offset : float
-            ``scale * signal + offset`` is recorded; the offset is in `unit`.
+            The record is ``scale * signal + offset``; the offset is in `unit`.
 
         Raises
         ------
         ValueError
-            If an argument is not what it should be.
+            If an argument is invalid.
         """
         signal, length = self, single("gauge_length", gauge_length, "m", "non-negative")
         if length:
@@ -345,13 +345,13 @@ class Signal(Frozen):
         return signal * single("scale", scale, "") + single("offset", offset, self.unit)
 
     def pulse(self) -> Pulse:
-        """Timing of the pulse that holds the largest sample; cut others away by `window`.
+        """Timing of the pulse with the largest sample; cut other pulses off with `window`.
 
         Raises
         ------
         ValueError
-            If the signal is 0 everywhere, or does not fall below half and a tenth of its plateau
-            before and after.
+            If the signal is 0 everywhere, is not below a tenth of its plateau before the pulse, or
+            not below half of it after the pulse.
 
         Examples
         --------
@@ -368,30 +368,30 @@ class Signal(Frozen):
     def misfit(
         self, other: Signal, *, shift: Bounds | None = None, scale: Bounds | None = None
     ) -> Misfit:
-        """How far another signal, at best, is from this one.
+        """Misfit of another signal to this one, with the best shift and scale.
 
         Parameters
         ----------
         other : Signal
-            The prediction. Beyond its ends it is taken to keep its first and its last value.
+            The prediction. Before it its first value holds, after it its last value.
         shift : float or (float, float), optional
-            By which it comes later, s: fixed, or between bounds; by default what suits best, of
-            all by which the two signals overlap.
+            Delay of the prediction, s: a fixed value, or bounds. By default the delay with the
+            smallest misfit at which the two signals overlap.
         scale : float or (float, float), optional
-            By which it is multiplied: fixed, or between bounds; by default what suits best, which
-            takes volts to strain as well.
+            Factor of the prediction: a fixed value, or bounds. By default the factor with the
+            smallest misfit; it may convert units, such as volts to strain.
 
         Returns
         -------
         Misfit
-            With the root of the mean square over the plateau of this signal, which is the median of
-            its samples above 0.7 of the largest.
+            Its `rms` is the root mean square divided by the plateau of this signal. The plateau is
+            the median of the samples above 0.7 of the largest.
 
         Raises
         ------
         ValueError
-            If a scale is given and the units differ, this signal is 0 everywhere, or bounds are
-            not two numbers, the smaller first.
+            If a scale is given and the units differ, if this signal is 0 everywhere, or if bounds
+            are not two increasing numbers.
 
         Examples
         --------
@@ -402,7 +402,7 @@ class Signal(Frozen):
         """
         of_kind("other", other, Signal, "solution.gauge(1, 0.5).signal(1e-7)")
         if scale is not None:
-            self._same_unit(other, "compared but by a free scale")
+            self._same_unit(other, "compared with a fixed scale; leave scale out")
         pair = (self.times, self.values), (other.times, other.values)
         return misfit_of(*pair, bounds_of("shift", shift, "s"), bounds_of("scale", scale, ""))
 
@@ -410,7 +410,7 @@ class Signal(Frozen):
         if self.unit != other.unit:
             mine, theirs = self.unit or "pure numbers", other.unit or "pure numbers"
             raise ValueError(
-                f"{self._title} is in {mine} and {other._title} in {theirs}: they cannot be {done}"
+                f"{self._title} is in {mine} and {other._title} in {theirs}; they cannot be {done}"
             )
 
     def _operand(self, other: Any, done: str) -> Any:
@@ -420,8 +420,8 @@ class Signal(Frozen):
         self._same_unit(other, done)
         if not np.array_equal(self.times, other.times):
             raise ValueError(
-                f"{self._title} and {other._title} have other times; take one "
-                f".resampled(times=...) with the times of the other before they are {done}"
+                f"{self._title} and {other._title} have different times; use "
+                f".resampled(times=...) with the times of one before they are {done}"
             )
         return other.values
 
@@ -448,14 +448,13 @@ class Signal(Frozen):
         return -self + number
 
     def to_csv(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
-        """Write times and values, with their units in the head.
+        """Write a table of times and values with units in the heads.
 
         Raises
         ------
         FileExistsError
-            If the file is there and `force` is false.
-        InvalidModel
-            If the name of the signal would break the table.
+            If the file exists and `force` is false. InvalidModel If the name of the signal cannot
+            be a head of the table.
         """
         heads = heading("time", "s"), heading(self.name or "signal", self.unit)
         write_table(path, heads, [(self.times, self.values)], force=force)
@@ -469,12 +468,12 @@ class Signal(Frozen):
 
     @classmethod
     def from_xarray(cls, data: Any) -> Signal:
-        """Make a signal of a DataArray over time; both have an attribute ``units``.
+        """Make a signal from a DataArray over time; values and times have an attribute ``units``.
 
         Raises
         ------
         ValueError
-            If it has other dimensions than one, or its units are missing or unknown.
+            If the DataArray does not have one dimension, or units are missing or unknown.
         """
         if len(getattr(data, "dims", ())) != 1:
             raise refusal("data", f"must be a DataArray of one dimension, got {shown(data)}")
@@ -499,7 +498,7 @@ def _samples(problems: Problems, path: str, given: Any, unit: str) -> Array:
         problems.append((path, str(error)))
         return np.zeros(2)
     if samples.ndim != 1 or samples.size < 2:
-        problems.append((path, f"must be a list of two numbers or more, got {shown(given)}"))
+        problems.append((path, f"must be a list of two or more numbers, got {shown(given)}"))
     elif not (good := np.isfinite(samples)).all():
         i = int((~good).argmax())
         problems.append((f"{path}.{i}", f"must be a finite number, got {float(samples[i])!r}"))

@@ -29,23 +29,23 @@ from .signal import Signal
 
 
 def write_signals(path: PathLike, signals: Mapping[str, Signal], *, force: bool = False) -> None:
-    """Write signals as one table: a column of times, then one a signal, with units in the heads.
+    """Write signals as one table: times, then a column for each signal, with units in the heads.
 
     Parameters
     ----------
     path : str or path
-        Of a CSV file, which `read_signals` reads to the same signals.
+        Path of the CSV file; `read_signals` reads the same signals from it.
     signals : mapping of str to Signal
-        By names of the columns, as `read_signals` hands them back; all with the same times.
+        Signals by column name, as `read_signals` returns them; all with the same times.
     force : bool
         Whether to replace an existing file.
 
     Raises
     ------
     InvalidModel
-        If there is no signal, times differ, or a name would break the table.
+        If there is no signal, times differ, or a name cannot be a head of the table.
     FileExistsError
-        If the file is there and `force` is false.
+        If the file exists and `force` is false.
 
     Examples
     --------
@@ -71,7 +71,7 @@ def signals_to_xarray(signals: Mapping[str, Signal]) -> Any:
     Parameters
     ----------
     signals : mapping of str to Signal
-        By names of the variables; all with the same times.
+        Signals by variable name; all with the same times.
 
     Raises
     ------
@@ -92,22 +92,22 @@ def signals_to_xarray(signals: Mapping[str, Signal]) -> Any:
 
 
 def signals_from_xarray(data: Any) -> dict[str, Signal]:
-    """Make a signal of each variable of a Dataset; all and their times have ``units``.
+    """Make a signal from each variable of a Dataset; variables and times have ``units``.
 
     Parameters
     ----------
     data : Dataset
-        Of variables over one dimension, the time.
+        Variables over one dimension, the time.
 
     Returns
     -------
     dict of str to Signal
-        In SI units, by the names of the variables.
+        Signals in SI units, by variable name.
 
     Raises
     ------
     ValueError
-        If that is no Dataset, or as `Signal.from_xarray` does.
+        If `data` is not a Dataset, and in the cases of `Signal.from_xarray`.
 
     Examples
     --------
@@ -135,7 +135,7 @@ def _times_of(signals: Any) -> Floats:
     times: Floats = signals[first].times
     for name in others:
         if not np.array_equal(signals[name].times, times):
-            message = f"{shown(name)} has other times than {shown(first)}"
-            remedy = "take it .resampled(times=...) with the times of the other"
+            message = f"{shown(name)} and {shown(first)} have different times"
+            remedy = "use .resampled(times=...) with the times of one of them"
             raise InvalidModel([("signals", f"{message}; {remedy}")])
     return times
