@@ -1,4 +1,4 @@
-"""What a record is and how it becomes strain, where it does not say so itself."""
+"""Options for the form of a record, and for its conversion to strain."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ _OPTIONS = {"time": "--time", "time_unit": "--time-unit", "rate": "--rate", "uni
 
 
 def add_case_and_record(parser: argparse.ArgumentParser) -> None:
-    """The case, the record, where its gauges are, and what becomes of it."""
+    """The case, the record, the places of its gauges, and the output."""
     parser.add_argument("case", metavar="CASE.toml", help="the case file")
-    parser.add_argument("record", metavar="RECORD.csv", help="the record, as text")
-    add_gauge_option(parser, "a channel of the record and its place")
+    parser.add_argument("record", metavar="RECORD.csv", help="the record, a text table")
+    add_gauge_option(parser, "a channel of the record and the place of its gauge")
     parser.add_argument("--json", action="store_true", help="print JSON")
-    parser.add_argument("--save", metavar="FILE", help="draw it: .png, .svg or .pdf")
+    parser.add_argument("--save", metavar="FILE", help="draw the result: .png, .svg or .pdf")
     parser.add_argument("--force", action="store_true", help="replace existing files")
 
 
@@ -39,13 +39,13 @@ def add_record_options(parser: argparse.ArgumentParser) -> None:
     record = parser.add_argument_group("form of the record, where the file does not state it")
     for name, metavar, what in (
         ("time", "COLUMN", "the column of times"), ("time-unit", "UNIT", "s, ms, us or ns"),
-        ("rate", "FREQUENCY", "samples a second, of a record without times"),
-        ("decimal", "SIGN", "point or comma: . or ,"),
+        ("rate", "FREQUENCY", "sampling rate of a record without times"),
+        ("decimal", "SIGN", "decimal sign: . or ,"),
     ):
         record.add_argument(f"--{name}", metavar=metavar, help=what)
     record.add_argument("--unit", metavar="[CHANNEL=]UNIT", action="append", default=[],
-                        help="of all channels, or of one")
-    bridge = parser.add_argument_group("strain of a bridge, from volts")
+                        help="unit of all channels, or of one")
+    bridge = parser.add_argument_group("strain from the volts of a bridge")
     bridge.add_argument("--bridge", choices=tuple(ALONG))
     for name in _BRIDGE:
         bridge.add_argument(flag(name), metavar="X")
@@ -68,7 +68,7 @@ def bridge_of(
     """The bridge, if one is named."""
     given = {name: numbers[name] for name in _BRIDGE if name in numbers}
     if arguments.bridge is None:
-        problems += [(flag(name), "goes with --bridge") for name in given]
+        problems += [(flag(name), "needs --bridge, the kind of the bridge") for name in given]
         return None
     missing = [name for name in ("gauge_factor", "excitation") if name not in given]
     problems += [(flag(name), "is missing; --bridge needs it") for name in missing]
@@ -82,11 +82,11 @@ def read_record(
     problems: Problems, arguments: argparse.Namespace, numbers: dict[str, float],
     wanted: Iterable[str],
 ) -> dict[str, Signal]:
-    """Channels of the record; none, and why, if it cannot be read, or lacks one that is wanted."""
+    """Channels of the record; none, and an entry in `problems`, if one cannot be read."""
     by_channel = dict(text.rsplit("=", 1) for text in arguments.unit if "=" in text)
     for_all = [text for text in arguments.unit if "=" not in text]
     if for_all and len(arguments.unit) > 1:
-        problems.append(("--unit", "give one for all channels, or one CHANNEL=UNIT for each"))
+        problems.append(("--unit", "give one unit for all channels, or CHANNEL=UNIT for each"))
     if problems:
         return {}
     units: Any = for_all[0] if for_all else by_channel or None

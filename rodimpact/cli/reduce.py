@@ -3,9 +3,9 @@
 rodimpact reduce CASE.toml RECORD.csv --gauge incident=0:0.381 --gauge transmitted=1:0.381
     --length 3.2mm --diameter 6.34mm
 
-The case holds the bars, each a rod with its length, and may be the one that planned the shot. A
-gauge bears the name of its channel, and lies on one of two neighbouring rods, one or two on each.
-The specimen is where the two meet.
+The case file contains the two bars as neighbouring rods with their lengths; the case that planned
+the shot can be used. The specimen is between the two rods. Each rod has one or two gauges. The name
+of a gauge is the name of its channel in the record.
 """
 
 from __future__ import annotations
@@ -41,17 +41,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_case_and_record(parser)
     parser.add_argument("--csv", metavar="FILE", help="write all columns over time")
     specimen = parser.add_argument_group("the specimen")
-    specimen.add_argument("--length", metavar="LENGTH", help="before the shot")
-    specimen.add_argument("--diameter", metavar="LENGTH", help="of a round one, or")
-    specimen.add_argument("--area", metavar="AREA", help="its section")
-    specimen.add_argument("--youngs-modulus", metavar="PRESSURE", help="of its elastic start")
+    specimen.add_argument("--length", metavar="LENGTH", help="length before the shot")
+    specimen.add_argument("--diameter", metavar="LENGTH", help="diameter, if round; or give")
+    specimen.add_argument("--area", metavar="AREA", help="cross-sectional area")
+    specimen.add_argument("--youngs-modulus", metavar="PRESSURE", help="of its elastic part")
     specimen.add_argument("--incompressible", action="store_true",
-                          help="it keeps its volume: tell true stress and strain, too")
+                          help="its volume is constant: add true stress and strain")
     waves = parser.add_argument_group("the waves")
     waves.add_argument("--compression", choices=("negative", "positive"), default="negative",
-                       help="sign of a compression in the record; negative by default")
+                       help="sign of compressive strains in the record; default: negative")
     waves.add_argument("--align-within", metavar="TIME",
-                       help="shift reflected and transmitted wave by so much at most")
+                       help="largest shift of the reflected and the transmitted wave")
     add_record_options(parser)
 
 
@@ -69,7 +69,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
         problems.append(("--gauge", message))
     signals = read_record(problems, arguments, numbers, places)
     problems += [
-        ("--bridge", f"is missing; the channel {name!r} is in {signals[name].unit}, no strain")
+        ("--bridge", f"is missing; the channel {name!r} is in {signals[name].unit}, not strain")
         for name in places if bridge is None and name in signals and signals[name].unit
     ]
     files = {"--csv": arguments.csv, "--save": arguments.save}
@@ -93,7 +93,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
 
 
 def _specimen(problems: Problems, numbers: dict[str, float], incompressible: bool) -> Any:
-    """The specimen; None, and why, if what is given makes none."""
+    """The specimen; None, and an entry in `problems`, if its options are invalid."""
     given: dict[str, Any] = {name: numbers[name] for name in _SPECIMEN if name in numbers}
     if "length" not in given:
         problems.append(("--length", "is missing; give the length of the specimen"))

@@ -20,7 +20,7 @@ APART = 0.3  # standard errors by which searches may end apart
 def doubts(
     fitted: Sequence[Fitted], relative: Floats, descents: Sequence[Descent]
 ) -> Iterator[str]:
-    """Notes on the parameters; `relative` is their covariance divided by the ranges of their bounds."""
+    """Notes on the parameters; `relative` is their covariance relative to their ranges."""
     errors = np.sqrt(np.diag(relative))
     open_ones = errors > LOOSE
     for f, is_open in zip(fitted, open_ones, strict=True):
@@ -31,8 +31,8 @@ def doubts(
             continue
         for end, remedy in ((f.low, "lower"), (f.high, "raise")):
             if abs(f.value - end) <= AT_BOUND * (f.high - f.low):
-                yield (f"{f.name} is at its bound, {format_si(end, f.unit)}, so its standard "
-                       f"error is not reliable: {remedy} the bound, or fix the parameter.")
+                yield (f"{f.name} is at its bound, {format_si(end, f.unit)}, so its "
+                       f"standard error is not reliable: {remedy} the bound, or fix the parameter.")
     correlation = correlation_of(relative)
     for i, j in np.argwhere(np.triu(np.abs(correlation) > ALIKE, 1)):
         if not (open_ones[i] or open_ones[j]):
@@ -40,7 +40,7 @@ def doubts(
                    f"correlation of their errors is {correlation[i, j]:.3f}. Fix one of them.")
     best, *others = descents
     if not best.complete:
-        yield "The best search was stopped before it reached a minimum. Try more starts."
+        yield "The best search was stopped before it reached a minimum."
     worse = [d.misfit for d in others if d.misfit > (1 + SAME) * best.misfit + NONE]
     if worse:
         yield (f"{len(worse)} of {len(descents)} searches ended at larger misfits, "

@@ -67,12 +67,12 @@ def computed(
     try:
         return [solution.gauge(*gauge).signal(interval) for gauge in gauges]
     except ValueError as error:
-        message = f"the bounds put the gauge outside its rod: {error}; narrow the bounds"
+        message = f"the bounds put a gauge outside its rod ({error}); narrow the bounds"
         raise InvalidModel([("vary", message)]) from None
 
 
 class Objective:
-    """Differences of predictions and records divided by the record levels, and their derivatives."""
+    """Differences of predictions and records over the record levels, and their derivatives."""
 
     def __init__(
         self, system: System, measured: Sequence[Measured], parameters: Sequence[Parameter],
@@ -113,12 +113,12 @@ class Objective:
         return slopes
 
     def system_at(self, point: Floats) -> System:
-        """The system with the parameter values of a point; the shares of the point are enough."""
+        """The system with the parameter values of a point, or of its shares alone."""
         values = [p.value(s) for p, s in zip(self.parameters, point.tolist(), strict=False)]
         return changed(self.system, self.parameters, values)
 
     def signals(self, points: Iterable[Floats]) -> list[list[Signal]]:
-        """Predictions of each record for the shares of several points, before shift, gain and blur."""
+        """Predictions of each record for several points' shares, before shift, gain and blur."""
         systems = [self.system_at(shares) for shares in points]
         found = []
         for system, strains in zip(systems, self.map(self.run, systems), strict=True):
@@ -182,7 +182,7 @@ class Objective:
         ])
 
     def derivatives(self, point: Floats) -> Floats:
-        """Derivatives of the residuals with respect to each number of the point, shape (sample, number).
+        """Derivatives of the residuals by each number of the point, shape (sample, number).
 
         The derivatives with respect to shares and blurs are central differences. Their steps change
         the signals by about `CHANGE`.

@@ -73,7 +73,7 @@ def parameters_of(
         for place in known[path]:
             other = taken.setdefault(held_at(place), path)
             if other != path:
-                message = f"is varied as {other} already; leave one of them out"
+                message = f"is already varied as {other}; leave one of them out"
                 problems.append((f"vary.{path}", message))
                 break
         start = float(numbers[known[path][0]])

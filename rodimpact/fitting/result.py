@@ -188,7 +188,7 @@ class Fit:
         if not notes:
             raise refusal("other", "has no number in common with this fit; vary the same numbers")
         misfits = ", ".join(f"{100 * misfit:.3g} %" for misfit in other.misfits)
-        return replace(self, notes=(*self.notes, *notes, f"The misfit of the other fit is {misfits}."))
+        return replace(self, notes=(*self.notes, *notes, f"Misfit of the other fit: {misfits}."))
 
     def to_csv(self, path: PathLike, *, force: bool = False) -> None:
         """Write a row for each number: its value, standard error and bounds, in its unit.

@@ -130,7 +130,7 @@ def fit(
     begins = count(problems, "starts", starts)
     check_function(problems, "progress", progress)
     if options.until is None:
-        problems.append(("until", "is missing; give a time, s, by which all pulses have passed the gauges"))
+        problems.append(("until", "is missing; give a time, s, at which all pulses have passed"))
     readings_of(problems, system, [m.gauge for m in records], np.zeros(1))
     if not isinstance(vary, Mapping) or not vary:
         message = "must name numbers with their bounds, such as {'bodies.0.length': (0.1, 0.2)}"

@@ -49,7 +49,7 @@ def record_numbers(
             both = " and ".join(sorted(unit or "1" for unit in units))
             problems.append((f"vary.{name}", f"ties records in {both}; convert them to one unit"))
         elif not free.keys() >= {*tied}:
-            problems.append((f"vary.{name}", "names a number that another name includes, too; leave "
+            problems.append((f"vary.{name}", "names a number that another name includes; leave "
                              "one of them out"))
         else:
             records = tuple(free.pop(path)[0] for path in tied)

@@ -27,7 +27,7 @@ def covariance(jacobian: Floats, residuals: Floats, lengths: Sequence[int]) -> F
     ----------
     jacobian : [sample, number] array
         Derivatives of the residuals with respect to the numbers, scaled so that the range of each
-        number is 1. The standard error of a number is at most 1.
+        number is 1. A direction known less well than that gets the standard error 1.
     residuals : [sample] array
     lengths : sequence of int
         Samples of each record.
@@ -55,7 +55,7 @@ def autocovariance(residuals: Floats) -> Floats:
 
 
 def power_of(correlation: Floats) -> Floats:
-    """Spectrum of noise with this autocovariance up to its first zero; negative values are set to 0."""
+    """Spectrum, not below 0, of noise with this autocovariance up to its first zero."""
     n = len(correlation)
     kept = correlation[: int(np.argmax(correlation <= 0)) or n]
     both_ways = np.zeros(2 * n)

@@ -1,8 +1,8 @@
 """Figures of collisions: each function draws a solution on an Axes and returns its artists.
 
-Nothing here shows a window or touches matplotlib's global state: without an Axes a new figure is
-made, which `save` writes to a file, and which a notebook shows where the call is the last line of a
-cell. ``with look("dark", width=85):`` makes figures dark, or as wide as a column.
+No function shows a window or changes matplotlib's global state. Without an Axes a new figure is
+made. `save` writes it to a file; a notebook shows it if the call is the last line of a cell. ``with
+look("dark", width=85):`` makes figures dark and 85 mm wide.
 
 >>> import rodimpact as ri
 >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)

@@ -28,7 +28,7 @@ DERIVED = {"transit_time": ("transit time", "s"), "impedance": ("impedance", "kg
 
 @style.picture
 class AtlasPicture(NamedTuple):
-    """Artists of an atlas: colours of e, and borders by what changes there."""
+    """Artists of an atlas: colours of e, and borders by the kind of change."""
 
     ax: Axes
     cells: QuadMesh
@@ -38,14 +38,14 @@ class AtlasPicture(NamedTuple):
 
 @style.styled
 def atlas(found: Atlas, ax: Axes | None = None) -> AtlasPicture:
-    """Draw the regions of a plane: e inside by formula, and what changes at their borders.
+    """Draw the regions of a plane: e from their formulas, and the changes at their borders.
 
-    The largest regions are numbered, and their formulas stand below (extra ``sympy``).
+    The largest regions are numbered, and their formulas are written below (extra ``sympy``).
 
     Parameters
     ----------
     found : Atlas
-        From `rodimpact.atlas`; of a system where one contact can open.
+        From `rodimpact.atlas`, for a system with one contact that can open.
     ax : Axes, optional
         By default the Axes of a new figure.
 

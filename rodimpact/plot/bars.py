@@ -1,4 +1,4 @@
-"""The bodies of a row at chosen instants: bars of rods, walls, masses and what is at the ends."""
+"""The bodies of a row at chosen instants: rods as bars, walls, masses, and marks at the ends."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Bars:
     pieces : list of Piece
         Of all rods, row by row.
     largest : float
-        The strain at which a bar swells most.
+        The strain at which a bar is drawn thickest.
     """
 
     def __init__(self, ax: Axes, plan: Placing, times: Floats, place: Scale) -> None:
@@ -68,7 +68,7 @@ class Bars:
         self.at(times)
 
     def at(self, times: Floats) -> None:
-        """Go to other times; the bars swell as before."""
+        """Draw other times, with the same thickening of the bars."""
         self.times = times
         fields = self.plan.solution.fields
         rods = [(i, body) for i, body in enumerate(self.system.bodies) if isinstance(body, Rod)]
@@ -97,7 +97,7 @@ class Bars:
             self.pieces += joined(found, room) if crowd else found
 
     def fronts(self) -> list[Line2D]:
-        """Triangles above the fronts that show which way they run."""
+        """Triangles above the fronts that show their direction."""
         marks = []
         for one, other in pairwise(self.pieces):
             if not self.stepped and one[:3] == other[:3]:

@@ -1,4 +1,4 @@
-"""What a design was to reach and what it reaches: pulses over time, or e over what was varied."""
+"""Wanted and reached result of a design: pulses over time, or e over the varied number."""
 
 from __future__ import annotations
 
@@ -33,11 +33,12 @@ class Design(NamedTuple):
 
 @styled
 def design(found: PulseDesign | RestitutionDesign, ax: Axes | None = None) -> Design:
-    """Draw what was wanted of a design and what its system reaches.
+    """Draw the wanted result of a design and the result that its system reaches.
 
-    Of a pulse, forces over time, and how far they are apart: the root of the mean square over the
-    peak; in a new figure the silhouette of a stepped body, as it is if round, lies above them. Of a
-    restitution, e along the family with the place of the system.
+    For a pulse, both forces are drawn over time. Their misfit is the root mean square of the
+    difference divided by the peak. A new figure also shows the silhouette of a stepped body, drawn
+    as round. For a restitution, e is drawn along the family, with a mark at the system of the
+    design.
 
     Parameters
     ----------
@@ -91,7 +92,7 @@ def design(found: PulseDesign | RestitutionDesign, ax: Axes | None = None) -> De
 
 
 def _silhouette(ax: Axes, rod: Rod) -> StepPatch:
-    """Draw a rod as it looks if it is round, its parts to one scale."""
+    """Draw a rod as if it were round, all parts to one scale."""
     edges = np.concatenate([[0.0], np.cumsum([float(piece.length) for piece in rod.segments])])
     impedances = [float(piece.impedance / piece.material.density / piece.wave_speed)
                   for piece in rod.segments]

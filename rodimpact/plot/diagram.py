@@ -64,19 +64,19 @@ def spacetime(
     Each polygon is a region of constant velocity and strain with its exact corners. The thin lines
     between them are wave fronts, darker where the velocity jumps more; if they are few, each is
     named by what it adds to the stress, compression or tension. A solution without fronts has flat
-    cells instead, each with the average over its time; they stay pixels in SVG and PDF, and so do
-    displacements.
+    cells instead, each with the average over its time; cells and displacements are pixels in SVG
+    and PDF.
 
-    In material coordinates, those of the bodies, rods are laid end to end and nothing moves, so
-    that all fronts of one wave speed are parallel; ticks show the ends of the rods, their lengths,
-    and the instants after whole round trips at which a force ends or a gap opens. In the laboratory
-    bodies are drawn where they are, with displacements and gaps magnified by the factor named under
-    the picture, with springs at compliant contacts and dashed paths of the centres of mass; fronts
-    are curved there because bodies move. A row that drifts much farther than it deforms is drawn in
-    a frame that moves at the speed named there. A thick line marks a contact that presses, a thin
-    one a rigid contact that touches without force, a double one bodies that are apart. Rigid masses
-    are strips of the width named under the picture, fixed ends are hatched as walls, absorbing ends
-    dashed, driven ends marked by arrow heads.
+    In material coordinates (``"body"``) rods are laid end to end and nothing moves: all fronts of
+    one wave speed are parallel. Ticks show the ends of the rods, their lengths, and the instants
+    after whole round trips at which a force ends or a gap opens. In laboratory coordinates
+    (``"lab"``) the bodies move. Displacements and gaps are magnified by the factor named under the
+    picture; fronts are curved because bodies move. Springs are drawn at compliant contacts, and
+    dashed paths for the centres of mass. A row that drifts much farther than it deforms is drawn in
+    a moving frame, whose speed is named there. A thick line marks a contact that presses, a thin
+    line a rigid contact without force, a double line an open gap. Rigid masses are strips of the
+    width named under the picture. Fixed ends are hatched like walls, absorbing ends are dashed,
+    driven ends have arrow heads.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def spacetime(
     across : bool
         Whether time runs to the right and places lie upward, instead of the other way round.
     gauges : mapping of str to Gauge, optional
-        Stations to draw, by name, as for `gauges_to_csv`.
+        Strain gauges to draw, by name, as for `gauges_to_csv`.
 
     Returns
     -------
@@ -108,9 +108,9 @@ def spacetime(
     Raises
     ------
     ValueError
-        For gauges that are none, an unknown field or coordinates, an empty interval, more than
-        100 000 regions, a magnification that is not positive or given for coordinates of the
-        bodies, or a dimensionless picture of a row in which nothing approaches.
+        If a gauge is not a Gauge, the field or the coordinates are unknown, the interval is empty,
+        or there are more than 100 000 regions; if the magnification is not positive or is given for
+        ``"body"`` coordinates; if `dimensionless` is true and no bodies approach each other.
 
     Examples
     --------

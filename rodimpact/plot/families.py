@@ -1,9 +1,9 @@
-"""A family of collisions: a curve over one axis, a map over two, and theory where there is some.
+"""A family of collisions: a curve over one axis, a map over two, and theory if it exists.
 
-Results jump: the force duration where one impedance passes the other, velocities where a contact
-more or less happens. A curve is broken where neighbours differ far more than those around them do,
-and contour lines end there. On a map each collision is a cell of one colour, so that nothing is
-smeared. Counts have a colour each and no contour lines.
+Results can jump: the force duration where the impedances are equal, velocities where the number of
+contacts changes. Curves and contour lines are interrupted at a jump: there neighbouring values
+differ far more than around it. On a map each collision is a cell of one colour, without
+interpolation. Each count has its own colour; counts have no contour lines.
 """
 
 from __future__ import annotations
@@ -88,10 +88,10 @@ def sweep(
 ) -> Curve | Map:
     """Draw one quantity of a family of collisions: a curve over one axis, a map over two.
 
-    An axis is logarithmic where its values come nearer to a geometric than to an arithmetic
-    sequence. Collisions without a value leave gaps. For two uniform bodies that do not vibrate the
-    closed form is drawn under the curve; on a map of two such rods a full line marks equal transit
-    times, where e = 1, and a dashed one equal impedances, where the force duration jumps.
+    An axis is logarithmic if its values are closer to a geometric than to an arithmetic sequence.
+    Collisions without a value leave gaps. For two uniform bodies without initial vibration the
+    closed form is drawn under the curve. On a map of two such rods a full line marks equal transit
+    times, where e = 1; a dashed line marks equal impedances, where the force duration jumps.
 
     Parameters
     ----------
@@ -109,8 +109,8 @@ def sweep(
     Raises
     ------
     ValueError
-        For an unknown quantity, one without any value in this family, and a family that has no
-        axis or more than two; axes with a single value do not count.
+        If the quantity is unknown or has no value in this family, or if the family does not have
+        one or two axes; axes with a single value do not count.
 
     Examples
     --------
@@ -165,13 +165,13 @@ def _dimensions(result: SweepResult) -> list[int]:
     wide = [i for i, count in enumerate(result.shape) if count > 1]
     if not wide:
         raise refusal(
-            "result", f"has shape {result.shape}, a single collision, and nothing to draw it over; "
+            "result", f"has shape {result.shape}, a single collision, and therefore no axis; "
             "give an array for a number of the system, such as length=np.linspace(0.1, 1, 50)"
         )
     if len(wide) > 2:
         raise refusal(
             "result",
-            f"has shape {result.shape}, and a map shows two axes; sweep a smaller family, "
+            f"has shape {result.shape}, but a map has two axes; sweep a smaller family, "
             f"such as system[{', '.join(['0'] * (len(result.shape) - 2))}]"
         )
     return wide
@@ -208,7 +208,7 @@ def draw_curve(ax: Axes, side: Side, shown: Shown, theory: PairTheory | None) ->
 
 
 def _law(ax: Axes, side: Side, shown: Shown, theory: PairTheory) -> Line2D:
-    """Draw the closed form as a wide line, smooth between the values of the family."""
+    """Draw the closed form as a wide line, also between the values of the family."""
     known = np.log(side.values) if side.values[0] > 0 else side.values
     count = side.values.size - 1
     parts = -(-SMOOTH // count)
@@ -314,7 +314,7 @@ def _contours(
 def _equalities(
     theory: PairTheory | None, is_log: bool
 ) -> list[tuple[str, Literal["-", "--"], Floats]]:
-    """Lines that theory knows: name, dashes, and how much the left rod has more than the right."""
+    """Lines from theory: name, dashes, and the difference of left and right rod, 0 on the line."""
     if theory is None or np.isinf(theory.impedance).any():
         return []
 
@@ -343,7 +343,7 @@ def restitution(ratios: ArrayLike, values: ArrayLike, ax: Axes | None = None) ->
     Parameters
     ----------
     ratios : array_like
-        Shorter length over longer one, l1/l2.
+        Shorter length divided by longer length, l1/l2.
     values : array_like, same shape
         Computed e; NaN, for a collision without one, is left out.
     ax : Axes, optional

@@ -1,4 +1,4 @@
-"""Pictures and films to files: format by suffix, whole or not at all, the same bytes every time.
+"""Pictures and films as files: the suffix gives the format; a file is complete or not written.
 
 Matplotlib's own writers of films draw every frame anew through `savefig` and keep it whole: of 120
 frames the GIF takes 8 times as long, the MP4 4 times.
@@ -46,14 +46,14 @@ def save(picture: Any, path: str | os.PathLike[str], force: bool = False) -> Non
     picture : Figure, Axes, Animation, or what a function of this package returned
     path : path
     force : bool
-        Replace a file that is there.
+        Replace an existing file.
 
     Raises
     ------
     ValueError
         For any other suffix, or if `picture` is none of these.
     FileExistsError
-        If the file is there and `force` is false.
+        If the file exists and `force` is false.
 
     Examples
     --------

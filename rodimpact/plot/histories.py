@@ -1,4 +1,4 @@
-"""What a load cell and a gap gauge would record: exact steps, nothing sampled.
+"""Force and gap of contacts over time: exact steps, not samples.
 
 Of very many steps the least and the largest in each of a thousand intervals are drawn.
 """
@@ -32,7 +32,7 @@ NAMED_UP_TO = 12  # contacts in a row
 
 @style.picture
 class Contact(NamedTuple):
-    """Artists of a contact's history: steps of force, lines of gap, marks of what happens when."""
+    """Artists of the history of contacts: steps of force, lines of gap, marked times."""
 
     force_ax: Axes
     gap_ax: Axes
@@ -47,9 +47,9 @@ def contact(
 ) -> Contact:
     """Draw force and gap of a contact, or of several together, against time.
 
-    A gap below 0 is the overlap of a compliant contact; that of a joint is its stretch. An
-    impact of two rigid bodies lasts no time: its force is the mean over the time that the label
-    names, the time step of a grid or a thousandth of the run.
+    A negative gap is the overlap of a compliant contact; the gap of a joint is its extension. The
+    impact of two rigid bodies has no duration: its force is drawn as a mean over the time that the
+    label names, which is the time step of a grid or a thousandth of the run.
 
     Parameters
     ----------
@@ -57,9 +57,9 @@ def contact(
     ax : two Axes, optional
         For force and gap; by default those of a new figure, one above the other.
     contact : int or sequence of int
-        Index of the contact: between body `contact` and the next, walls counted. The times at which
-        force ends and gap opens are marked if it is only one and has up to three episodes, with
-        their names if they are whole round trips of a wave, such as 2 l1/c.
+        Index of the contact: it is between body `contact` and the next body; walls are counted. For
+        a single contact with up to three episodes, the times at which the force ends and the gap
+        opens are marked. Times of whole round trips of a wave are named, such as 2 l1/c.
 
     Returns
     -------
@@ -68,7 +68,7 @@ def contact(
     Raises
     ------
     ValueError
-        If there is no such contact, the `ax` is no pair, or the solution lasts no time.
+        If there is no such contact, `ax` is not a pair, or the duration of the solution is 0.
 
     Examples
     --------
@@ -82,7 +82,7 @@ def contact(
     chosen = array("contact", contact, "").ravel().tolist()
     count = len(solution.contacts)
     if not chosen:
-        raise refusal("contact", "must be an index or several, got none")
+        raise refusal("contact", "must be one or more indices, got none")
     for index in chosen:
         if index not in range(count):
             have = f"from 0 to {count - 1}" if count else "given only where there are two bodies"

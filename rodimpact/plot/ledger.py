@@ -1,4 +1,4 @@
-"""Where the energy is, as bands stacked over time."""
+"""Forms of energy, as bands stacked over time."""
 
 from __future__ import annotations
 
@@ -52,11 +52,11 @@ class Energy(NamedTuple):
 def energy(solution: Solution, ax: Axes | None = None) -> Energy:
     """Draw the energy of all bodies against time: moving as a whole, vibration, and strain.
 
-    Above it lies what is stored in compliant contacts, lost there and in damped material, gone
-    through absorbing ends and lost to a grid, each if there is any. If the whole row drifts,
-    the energy is that seen from the frame in which `spacetime` draws it, since the drift would hide
-    all else. Where walls move, ends are driven or gravity acts, a dashed line shows the initial
-    energy and their work; the bands reach exactly up to it.
+    Further bands show the energy stored in compliant contacts, lost in contacts and in damped
+    material, radiated through absorbing ends, and lost by a grid, if any. If the whole row drifts,
+    the energy is computed in the frame in which `spacetime` draws the row; the energy of the drift
+    would hide the rest. If walls move, ends are driven or gravity acts, a dashed line shows the
+    initial energy plus their work; the bands add up to this line.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def energy(solution: Solution, ax: Axes | None = None) -> Energy:
     Raises
     ------
     ValueError
-        If the solution lasts no time.
+        If the duration of the solution is 0.
 
     Examples
     --------
@@ -134,7 +134,7 @@ def _times(solution: Solution) -> Floats:
 def _seen_from(
     solution: Solution, frame: float, times: Floats
 ) -> tuple[dict[str, Floats], Floats, list[str]]:
-    """Entries of the ledger, initial energy plus works [n] in a frame, and what does work."""
+    """Entries of the ledger, initial energy plus works [n] in a frame, and the sources of work."""
     ledger = solution.energy(times)
     free = movable(solution.system)
     masses = solution.outcome.masses
@@ -144,7 +144,7 @@ def _seen_from(
     entries["kinetic"] = ledger.kinetic - less
     supplied = ledger.total[0] - less
     works = {name: getattr(ledger, entry) for entry, name in WORKS.items()}
-    works["what comes in through absorbing ends"] = np.maximum(-entries["radiated"], 0.0)
+    works["waves that enter through absorbing ends"] = np.maximum(-entries["radiated"], 0.0)
     parts = {entry: np.maximum(part, 0.0) for entry, part in entries.items()}
     least = ROUND_OFF * float(np.sum(list(parts.values()), axis=0).max())
     return ({entry: part for entry, part in parts.items() if entry in ALWAYS or part.max() > least},

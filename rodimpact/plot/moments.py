@@ -1,4 +1,4 @@
-"""The instants of a collision worth a picture, what happens at them, and their names."""
+"""Instants of a collision for snapshots, the events at contacts, and their names."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ ALIKE = 1e-6  # relative difference of times that are the same
 def moments(solution: Solution, most: int = 8) -> Floats:
     """Instructive times, s, at most `most` of them.
 
-    The start and the end; every beginning and end of force and opening of a gap; waves half-way to
-    their first reflection, and reflections as long as contacts last; then the middles of the
-    longest waits. With a time step waves change all the time, and there are no reflections.
+    The times are the start and the end, each beginning and end of a force, each opening of a gap,
+    waves half-way to their first reflection, and reflections while contacts last. The middles of
+    the longest intervals are added. Solutions with a time step have no reflections.
     """
     turns: Floats = np.unique(contact_turns(solution))
     closed = any(c.episodes and not c.episodes[-1].opening <= solution.t_end

@@ -1,8 +1,8 @@
-"""A moving picture: the row above, its space-time diagram and contact forces growing below it.
+"""Animation: the row above, its growing space-time diagram and contact forces below.
 
-It begins before the contact, tells what happens when, and rests at the end. Only what moves is
-drawn anew in each frame, over a picture of all the rest; the future lies under a cover of the
-colour of the paper.
+It begins before the contact, names the events at contacts, and stops for a while at the end. Only
+moving artists are drawn again in each frame, over a picture of the others; a cover of the colour of
+the paper hides later times.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ REST = 1.5  # of the last frame, s
 
 
 class Animation:
-    """Frames of a moving picture, drawn when they are asked for; `figure` holds what stands still.
+    """Frames of an animation, drawn when they are needed; `figure` holds the artists at rest.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class Animation:
         self._still = self._canvas.copy_from_bbox(self.figure.bbox)
 
     def _words(self, ax: Axes, solution: Solution, times: Floats) -> list[Any]:
-        """Write what the picture shows and how fast; clock and caption, still empty, come back."""
+        """Write the title and the slow-down; return the empty texts of clock and caption."""
         ax.set_axis_off()
         stop = float(times[-1])
         slowness = (times.size - 1) / self.fps / (stop - float(times[0]))
@@ -189,7 +189,7 @@ class Animation:
         ----------
         path : path
         force : bool
-            Replace a file that is there.
+            Replace an existing file.
         progress : callable, optional
             Called with the number of frames drawn and of all, after each.
 
@@ -198,9 +198,9 @@ class Animation:
         ValueError
             For any other suffix.
         FileExistsError
-            If the file is there and `force` is false.
+            If the file exists and `force` is false.
         OSError
-            If the file cannot be written, or an MP4 is wanted where there is no ffmpeg.
+            If the file cannot be written, or if an MP4 is wanted and ffmpeg is not installed.
         """
         write = files.WRITERS[files.check_film(path)]
         with writing.written(path, force=force) as file:
@@ -220,24 +220,24 @@ def animation(
 ) -> Animation:
     """Make a moving picture of a collision; `save` writes it, a notebook plays it.
 
-    Above, the row moves and deforms, with displacements magnified as in `spacetime` and by the
-    factor named there; compressed pieces are thicker, stretched ones thinner. Below, the space-time
-    diagram grows, and beside it the force of the contacts. They are arranged on a figure of the
-    film's own, so it takes no Axes. A film from t = 0 in which bodies touch then begins with their
-    approach; each ends with a rest of 1.5 s.
+    Above, the row moves and deforms. Displacements are magnified as in `spacetime`, by the factor
+    named in the picture; compressed pieces are thicker, stretched pieces thinner. Below, the
+    space-time diagram and the forces of the contacts grow. The film makes its own figure and takes
+    no Axes. If bodies touch at t = 0, a film from t = 0 begins with their approach. The last frame
+    stays for 1.5 s.
 
     Parameters
     ----------
     solution : Solution
     field : "velocity", "stress" or "strain"
-        Tells the colours.
+        Quantity that the colours show.
     frames : int
         2 to 10 000 of them, evenly spread from `start` to `stop`; approach and rest are added.
     fps : float
         Frames a second, 1 to 50.
     start, stop : float
-        s; by default the whole solution, or the first half, quarter, ... of one with more than
-        20 000 regions of constant state, which is then said in the picture.
+        Interval of time, s; by default the whole solution. If it has more than 20 000 regions of
+        constant state, the first half, quarter, ... is shown, and the picture states this.
     magnification : float, optional
         Of displacements and gaps; by default chosen as in `spacetime`.
 
@@ -248,8 +248,8 @@ def animation(
     Raises
     ------
     ValueError
-        For an unknown field, a number of frames or a rate out of range, an empty interval, more
-        than 100 000 regions, or a magnification that is not positive.
+        If the field is unknown, `frames` or `fps` is out of range, the interval is empty, there are
+        more than 100 000 regions, or the magnification is not positive.
 
     Examples
     --------

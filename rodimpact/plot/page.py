@@ -29,15 +29,14 @@ NAMED_UP_TO = 6  # bodies whose velocities fit into the headline
 def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> Figure:
     """Draw velocity and stress in space and time, contacts, and energy.
 
-    Of up to three contacts force and gap are drawn, of more the forces, one above the other.
-
-    Its many Axes are arranged on a figure of its own, so it takes none.
+    For up to three contacts force and gap are drawn, for more contacts only the forces, one above
+    the other. The page makes its own figure and takes no Axes.
 
     Parameters
     ----------
     solution : Solution
     gauges : mapping of str to Gauge, optional
-        Stations to draw in space and time, by name.
+        Strain gauges to draw in space and time, by name.
 
     Returns
     -------
@@ -48,7 +47,7 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
     Raises
     ------
     ValueError
-        If the solution lasts no time, or `gauges` are no gauges by name.
+        If the duration of the solution is 0, or `gauges` is not a mapping of names to gauges.
 
     Examples
     --------
@@ -82,7 +81,7 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
     notes = [] if solution.final else [solution.status]
     if stop < solution.t_end:
         notes.append(f"The upper pictures show the first {written(stop, 's')}; "
-                     "later ones would have too many regions to be read.")
+                     "a longer interval would have too many regions to be legible.")
     letters = int(room / (LETTER * (SMALL + 1)))
     figure.supxlabel("\n".join(line for note in notes for line in wrap(note, letters)),
                      fontsize=SMALL + 1, color=colours().ink)
@@ -103,7 +102,7 @@ def _panels(waves: bool, contacts: bool) -> tuple[Figure, list[SubplotSpec]]:
 
 
 def headline(solution: Solution) -> str:
-    """What collided, how fast, and with what result."""
+    """Bodies, closing speed, and results of the collision."""
     bodies = solution.system.bodies
     walls = sum(isinstance(body, Wall) for body in bodies)
     masses = sum(isinstance(body, RigidMass) for body in bodies)

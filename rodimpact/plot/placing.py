@@ -1,4 +1,4 @@
-"""Where a point is drawn: its place in the laboratory with its displacement magnified.
+"""Place of a point in the picture: laboratory place with magnified displacement.
 
 Rods a metre long move by a tenth of a millimetre while they collide. Figures, films and the page
 therefore magnify displacements and gaps, all by the same factor, so that bodies that touch touch in
@@ -43,7 +43,7 @@ class Placing:
     left : array
         Left end of each body in the row of unstrained rods without gaps, m.
     apart : array
-        How much farther to the right each body begins: gaps, and strain at t = 0, m.
+        Additional place of the left end of each body from gaps and strain at t = 0, m.
     block : float
         Width of a rigid mass in the picture, m; 0 if there is none.
     """

@@ -1,4 +1,4 @@
-"""What is coloured in a space-time diagram: polygons of constant state, exact, with their values.
+"""Coloured regions of a space-time diagram: exact polygons of constant state, with values.
 
 A solution that changes smoothly has flat cells instead.
 """

@@ -1,4 +1,4 @@
-"""A measured signal over a predicted one, and below what is left between them."""
+"""A measured and a predicted signal, and below them the residual."""
 
 from __future__ import annotations
 
@@ -40,18 +40,18 @@ def comparison(
     measured: Signal, predicted: Signal, ax: Sequence[Axes] | None = None, *,
     shift: Bounds | None = None, scale: Bounds | None = None, band: Signal | None = None,
 ) -> Comparison:
-    """Draw a record over its prediction, and the residual, measured less predicted, below.
+    """Draw a record over its prediction, and below the residual, measured minus predicted.
 
-    The prediction is drawn as much later, and multiplied by as much, as suits the record best, or
-    as is given; its label says how much. The misfit is the root of the mean square of the residual
-    over the plateau of the record.
+    The prediction is drawn with the given shift and scale, by default with those of the smallest
+    misfit; its label names both. The misfit is the root mean square of the residual divided by the
+    plateau of the record.
 
     Parameters
     ----------
     measured : Signal
-        Cut to what is to be compared, by `Signal.window`.
+        The record, cut to the part to be compared by `Signal.window`.
     predicted : Signal
-        Beyond its ends it is taken to keep its first and its last value.
+        The prediction. Before it its first value holds, after it its last value.
     ax : two Axes, optional
         For signals and residual; by default those of a new figure, one above the other.
     shift, scale : float or (float, float), optional
@@ -67,8 +67,8 @@ def comparison(
     Raises
     ------
     ValueError
-        If `ax` is no pair, the band has another unit than the prediction, or `Signal.misfit`
-        refuses.
+        If `ax` is not a pair, or the units of band and prediction differ; also the errors of
+        `Signal.misfit`.
 
     Examples
     --------
@@ -129,7 +129,8 @@ def comparison(
 def fit(found: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Comparison:
     """Draw a record over its prediction with a band of two standard errors, the residual below.
 
-    The band tells how well the numbers that were fitted are known; model error is not in it.
+    The band follows from the standard errors of the fitted numbers; it does not include model
+    error.
 
     Parameters
     ----------
@@ -146,7 +147,7 @@ def fit(found: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Compar
     Raises
     ------
     ValueError
-        If there is no such record, or the `ax` is no pair.
+        If there is no such record, or `ax` is not a pair.
 
     Examples
     --------
@@ -182,7 +183,7 @@ def side_by_side(count: int) -> list[tuple[Axes, Axes]]:
 
 
 def _adjusted(measured: Signal, predicted: Signal, found: Misfit) -> str:
-    """By how much the prediction was shifted and multiplied, in words; nothing if by nothing."""
+    """Shift and scale of the prediction in words; "" if it was not changed."""
     text = ""
     if found.shift:
         late = engineering("", abs(found.shift), "s").write(abs(found.shift))

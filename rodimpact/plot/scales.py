@@ -56,7 +56,7 @@ def engineering(name: str, largest: float, unit: str) -> Scale:
     largest : float
         Largest absolute value to be shown, in `unit`.
     unit : str
-        SI unit; "" for strain, which is given in powers of ten.
+        SI unit; "" for strain, which is written in powers of ten.
     """
     largest = abs(largest)
     whole = math.log10(largest * (1 + ROUND_OFF)) / 3 if largest > 0 else 0.0
@@ -201,7 +201,7 @@ def field_scale(solution: Solution, field: str, dimensionless: bool, largest: fl
     if v0 == 0:
         raise refusal(
             "dimensionless",
-            "velocities are scaled by the closing speed, and nothing approaches in "
+            "velocities are scaled by the closing speed, but no bodies approach in "
             "this row; use dimensionless=False"
         )
     rod, length = first_rod(solution)

@@ -1,4 +1,4 @@
-"""What a specimen did between two bars: stress over strain with its band, and the strain rate."""
+"""Specimen between two bars: stress over strain with its error band, and the strain rate."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ class Reduced(NamedTuple):
 def reduction(found: Reduction, ax: Sequence[Axes] | None = None) -> Reduced:
     """Draw the stress of a specimen over its strain up to the largest, and below the strain rate.
 
-    The stress by the transmitted wave has its band. Where the stress by the incident and the
-    reflected wave differs from it, the forces on the two faces are not yet alike.
+    The stress from the transmitted wave has an error band. Where the stress from the incident and
+    the reflected wave differs from it, the forces on the two faces are not yet equal.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def reduction(found: Reduction, ax: Sequence[Axes] | None = None) -> Reduced:
     Raises
     ------
     ValueError
-        If `ax` is no pair.
+        If `ax` is not a pair.
 
     Examples
     --------

@@ -57,14 +57,14 @@ def snapshots(
 ) -> Snapshots:
     """Draw the row at chosen times, one below the other, coloured by velocity.
 
-    Every uniform piece bears its velocity, in the frame of the picture, as a multiple of the
-    closing speed v, or, if nothing approaches, in the unit named under the picture. Displacements
-    and gaps are magnified as in `spacetime`; compressed pieces are drawn shorter and thicker,
-    stretched ones longer and thinner; a thick line marks a contact that presses. Small triangles
-    above a bar show which way a front runs. Without fronts a colour bar tells velocities,
-    and stretches in which they hardly differ bear the mean, to two digits. Rigid masses are dark
-    blocks of the width named under the picture, with their velocity below; fixed ends are hatched
-    as walls, absorbing ends dashed, driven ends marked by arrow heads.
+    Every uniform piece is labelled with its velocity in the frame of the picture, as a multiple of
+    the closing speed v. If no bodies approach each other, the unit is named under the picture.
+    Displacements and gaps are magnified as in `spacetime`. Compressed pieces are drawn shorter and
+    thicker, stretched pieces longer and thinner. A thick line marks a contact that presses. Small
+    triangles above a bar show the direction of a front. Without fronts there is a colour bar, and
+    parts of nearly equal velocity are labelled with their mean, to two digits. Rigid masses are
+    dark blocks of the width named under the picture, with their velocity below. Fixed ends are
+    hatched like walls, absorbing ends are dashed, driven ends have arrow heads.
 
     Parameters
     ----------
@@ -72,8 +72,7 @@ def snapshots(
     ax : Axes, optional
         By default the Axes of a new figure.
     times : sequence of float, optional
-        s; by default the instructive instants: start, waves half-way, reflections, what happens at
-        the contacts, and the end.
+        Times, s; by default start, waves half-way, reflections, events at the contacts, and end.
     magnification : float, optional
         Of displacements and gaps; by default chosen as in `spacetime`.
     gauges : mapping of str to Gauge, optional
@@ -86,7 +85,7 @@ def snapshots(
     Raises
     ------
     ValueError
-        For a time outside the solution, no times, or a magnification that is not positive.
+        If a time is outside the solution, `times` is empty, or the magnification is not positive.
 
     Examples
     --------

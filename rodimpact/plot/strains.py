@@ -1,4 +1,4 @@
-"""What a strain gauge records, and the pulses in it: exact steps, nothing sampled.
+"""Record of a strain gauge and the pulses in it: exact steps, not samples.
 
 Of very many steps the least and the largest in each of a thousand intervals are drawn.
 """
@@ -40,13 +40,14 @@ class GaugeRecord(NamedTuple):
 def gauge(
     record: Gauge, ax: Axes | None = None, transmitted: Gauge | None = None
 ) -> GaugeRecord:
-    """Draw the record of a strain gauge, with the two waves it is made of and the pulses in it.
+    """Draw the record of a strain gauge, its two waves, and its pulses.
 
-    The first wave to pass is the incident pulse, the first that then runs the other way the
-    reflected one; the first to pass a second gauge, beyond the specimen, is the transmitted one.
-    The incident pulse lasts as long as that wave carries more than a hundredth of the largest
-    strain that a wave brings there; the windows of the others begin when they arrive and are as
-    long. Each is shaded on the side of its sign. A bar that vibrates at t = 0 has no such pulses.
+    The first wave at the gauge is the incident pulse. The first later wave in the opposite
+    direction is the reflected pulse. The first wave at a second gauge, beyond the specimen, is the
+    transmitted pulse. The incident pulse lasts while its wave exceeds a hundredth of the largest
+    strain of a wave at the gauge. The windows of the other pulses begin at their arrival and are as
+    long. Each window is shaded on the side of its sign. A bar that vibrates at t = 0 has no such
+    pulses.
 
     Strain is given in microstrain and time in microseconds, or in another power of ten if that
     would be out of proportion.
@@ -67,7 +68,7 @@ def gauge(
     Raises
     ------
     ValueError
-        If the record lasts no time.
+        If the duration of the record is 0.
 
     Examples
     --------

@@ -1,9 +1,9 @@
-"""One look for all figures: fonts, colours on light and dark paper, sizes for print, dressed axes.
+"""Style of all figures: fonts, colours on light and dark paper, sizes for print, axes.
 
-Signed values run from blue over nearly the colour of the paper to yellow, so that stillness is
-quiet and what moves is seen; others from dark blue over grey to light yellow, ever lighter, so that
-a print in grey still tells more from less. Blue and yellow differ for every common kind of
-colour-blindness.
+Colours of signed values run from blue over nearly the colour of the paper, for 0, to yellow.
+Colours of other values run from dark blue over grey to light yellow; their lightness increases, so
+that the order of values is visible in grey prints, too. Blue and yellow differ for every common
+kind of colour-blindness.
 """
 
 from __future__ import annotations
@@ -83,14 +83,14 @@ def colours() -> Colours:
 
 @contextmanager
 def look(name: str = "light", width: float | None = None) -> Iterator[None]:
-    """Draw figures on light or dark paper, and as wide as the place they are for.
+    """Draw figures on light or dark paper, and with a chosen width.
 
     Parameters
     ----------
     name : "light" or "dark"
     width : float, optional
-        Of new figures, in mm, with letters of the same size; a column of a journal has about 85, a
-        page about 175. By default each figure has its own width.
+        Width of new figures, mm; the size of letters does not change. A column of a journal is
+        about 85 mm wide, a page about 175 mm. By default each figure has its own width.
 
     Raises
     ------

@@ -69,7 +69,7 @@ def averaged(values: Floats, times: Floats, duration: float) -> Floats:
 
 
 def dispersed(values: Floats, dt: float, distance: float, bar: Any) -> Floats:
-    """The pulse after a distance, m, along a `waves.Bar`, less the travel time of long waves."""
+    """The pulse after a distance, m, along a `waves.Bar`, without the travel time of long waves."""
     tail = math.ceil(min(3 * abs(distance) / bar.wave_speed / dt, MOST))
 
     def transfer(f: Floats) -> Any:

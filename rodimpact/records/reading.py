@@ -177,7 +177,7 @@ def read_signals(
     """
     for name, word in (("time", time), ("time_unit", time_unit)):
         if word is not None and not isinstance(word, str):
-            raise refusal(name, f"must be a text, got {shown(word)}")
+            raise refusal(name, f"must be a word, got {shown(word)}")
     if decimal is not None and (not isinstance(decimal, str) or decimal not in (".", ",")):
         raise refusal("decimal", f'must be "." or ",", got {shown(decimal)}')
     if rate is not None:

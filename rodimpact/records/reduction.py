@@ -335,7 +335,7 @@ class _Shot:
 
     @classmethod
     def of(cls, sides: tuple[Side, Side], specimen: Specimen) -> _Shot:
-        """A shot from when the pulse is at the specimen until the waves are told apart no more."""
+        """A shot from when the pulse is at the specimen until the records no longer separate the waves."""
         first, second = sides
         start = first.foot + first.distances[0] / first.speed
         end = min(measuring.clean_until(first, False), measuring.clean_until(second, True))
@@ -365,7 +365,7 @@ class _Shot:
                      second.stiffness * (t + b), v1, v2)
 
     def stress(self, curve: Curve) -> Floats:
-        """Nominal stress by the transmitted wave, Pa."""
+        """Nominal stress from the transmitted wave, Pa."""
         stress: Floats = curve.output_force / self.specimen.section
         return stress
 

@@ -82,7 +82,7 @@ class Signal(Frozen):
         problems: Problems = []
         for field, word in (("unit", unit), ("name", name)):
             if not isinstance(word, str) or not word.isprintable():
-                problems.append((field, f"must be a text, got {shown(word)}"))
+                problems.append((field, f"must be a word, got {shown(word)}"))
         if not problems and (si := units.conversion(unit)) and si.factor != 1:
             message = f"must be an SI unit, got {unit!r}; give the values in {si.unit or 'units'}"
             problems.append(("unit", f"{message}, multiplied by {float(si.factor):g}"))
@@ -100,7 +100,7 @@ class Signal(Frozen):
         if not problems:
             t = _samples(problems, "times", times, "s")
         if not problems and t.shape != v.shape:
-            problems.append(("times", f"must be as many as values, got {t.size} for {v.size} values"))
+            problems.append(("times", f"must be as many as values, got {t.size} for {v.size}"))
         if not problems and (back := np.flatnonzero(np.diff(t) <= 0)).size:
             i = int(back[0])
             message = f"must increase, got {float(t[i + 1])!r} after {float(t[i])!r}"
@@ -271,8 +271,8 @@ class Signal(Frozen):
         """Return the pulse at another place of a round bar, by the exact first mode.
 
         Each frequency of the record runs at its own phase velocity. Frequencies above the cut-off
-        of the first mode, `waves.CUT_OFF`, are removed, in both directions. The travel time of long
-        waves is left out of the sample times.
+        of the first mode, `waves.CUT_OFF`, are removed, in both directions. The sample times
+        include the travel time of long waves.
 
         Parameters
         ----------

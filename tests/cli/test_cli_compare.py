@@ -101,7 +101,7 @@ def test_what_passes_near_the_end_is_carried_on(capsys):
     ([], "--gauge: is missing; NAME=BODY:X gives a channel and the place"),
     (["--gauge", "fra=1:1"], "--gauge fra: the record has no channel 'fra'; perhaps 'far' is"),
     (["--gauge", "far=1:9"], "--gauge far: must lie in body 1, 0 to 2.0 m, got '9'"),
-    (["--gauge", "far=1:1", "--gain", "2"], "--gain: goes with --bridge"),
+    (["--gauge", "far=1:1", "--gain", "2"], "--gain: needs --bridge"),
     (["--gauge", "far=1:1", "--bridge", "full", "--gauge-factor", "2", "--excitation", "5"],
      "--poisson-ratio: is missing; two gauges of a full bridge"),
     (["--gauge", "far=1:1", "--unit", "N", "--bridge", "half", "--gauge-factor", "2",

@@ -69,7 +69,7 @@ def test_it_writes_a_table_and_a_figure(capsys):
     ([*GAUGES[:2], *SPECIMEN, *BRIDGE], ("neighbouring rods",)),
     ([*GAUGES, *SPECIMEN], ("--bridge: is missing; the channel 'incident' is in V",)),
     ([*GAUGES, *SPECIMEN, *BRIDGE], ('compression="positive"',)),
-    ([*GAUGES, *SPECIMEN, "--gain", "2"], ("--gain: goes with --bridge",)),
+    ([*GAUGES, *SPECIMEN, "--gain", "2"], ("--gain: needs --bridge",)),
     ([*ALL, "--align-within", "-1us"], ("--align-within: must be",)),
     (["--gauge", "incdent=0:0.4", *ALL[2:]], ("no channel 'incdent'; perhaps 'incident'",)),
 ])

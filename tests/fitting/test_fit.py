@@ -193,7 +193,7 @@ def test_another_law_tells_by_how_much_numbers_move():
     both = rigid.against(soft)
     moved = soft.values[PATHS[0]] - rigid.values[PATHS[0]]
     assert abs(moved) > 5 * rigid.standard_errors[PATHS[0]]
-    said = f"With the other law or theory {PATHS[0]} moves by {format_si(moved, 'm', 3)}"
+    said = f"With the other law or theory {PATHS[0]} changes by {format_si(moved, 'm', 3)}"
     assert both.notes[-2].startswith(said)
     assert both.notes[:-2] == rigid.notes
     assert both.fitted == rigid.fitted
@@ -226,7 +226,7 @@ def test_what_is_not_determined_is_told():
     """Amplitude is velocity times scale, and the density of a lone material alters neither."""
     noisy = record(rods(), 1e-5)
     both = ri.fit(rods(), measured(noisy, gain=(0.1, 10.0)), {PATHS[1]: (1.0, 100.0)}, UNTIL)
-    assert any("not determined" in s or "hardly told apart" in s for s in both.notes)
+    assert any("not determined" in s or "hardly distinguishable" in s for s in both.notes)
     bounded = ri.fit(rods(), measured(noisy), {PATHS[0]: (0.1, 0.15)}, UNTIL)
     assert any(f"{PATHS[0]} is at its bound, 150 mm" in sentence for sentence in bounded.notes)
     silent = ri.fit(rods(), measured(noisy), {"bodies.1.length": (0.58, 0.6)}, 1e-4)
@@ -237,13 +237,13 @@ def test_doubts_about_where_searches_end():
     numbers = [ri.Fitted(name, "m", 1.0, 0.01, 0.0, 2.0) for name in "ab"]
     ends = [ri.Descent(rms, {"a": a, "b": 1.0}, True) for rms, a in ((0.02, 1.0), (0.02, 1.5))]
     said = list(doubts(numbers, np.diag([1e-4, 1e-4]), ends))
-    assert said == ["Searches with the same misfit ended at other values of a: 1 m to 1.5 m."]
+    assert said == ["Searches with the same misfit ended at different values of a: 1 m to 1.5 m."]
     ends[1] = ends[1]._replace(misfit=0.04)
     (said,) = doubts(numbers, np.diag([1e-4, 1e-4]), ends)
     assert "1 of 2 searches ended at larger misfits, 4 % and more" in said
     close = np.array([[1e-4, 0.99e-4], [0.99e-4, 1e-4]])
     (said,) = doubts(numbers, close, ends[:1])
-    assert "a and b are hardly told apart: their errors are correlated by 0.990" in said
+    assert "a and b are hardly distinguishable: the correlation of their errors is 0.990" in said
 
 
 def test_paths_are_those_of_case_files():
@@ -295,12 +295,12 @@ OK, VOLTS = (ri.Measured(signal, (1, 0.2)) for signal in (FLAT, FLAT.replace(uni
     ({"vary": {PATHS[0]: 0.1}}, r"vary.bodies.0.length: must be \(low, high\)"),
     ({"vary": {PATHS[0]: ("a", 1)}}, "vary.bodies.0.length: must be a number of metres"),
     ({"vary": {"materials.steel.wave_speed": (4e3, 6e3),
-               "bodies.1.material.youngs_modulus": (1e11, 3e11)}}, "is varied as materials.steel"),
-    ({"vary": {"bodies.0.area": (-1e-4, -1e-5)}}, "between the bounds lie systems that are none"),
-    ({"vary": {"materials.steel.wave_speed": (-5e3, -4e3)}}, "lie systems that are none"),
-    ({"vary": {"bodies.1.length": (0.05, 0.6)}}, "the gauge leaves its rod between the bounds"),
-    ({"vary": {"records.0.shfit": (0, 1)}}, "vary.records.0.shfit: is no number of a record"),
-    ({"vary": {"records.*.*": (0, 1)}}, "is no number of a record; name one"),
+               "bodies.1.material.youngs_modulus": (1e11, 3e11)}}, "is already varied as materials.steel"),
+    ({"vary": {"bodies.0.area": (-1e-4, -1e-5)}}, "the bounds allow an invalid system"),
+    ({"vary": {"materials.steel.wave_speed": (-5e3, -4e3)}}, "allow an invalid system"),
+    ({"vary": {"bodies.1.length": (0.05, 0.6)}}, "the bounds put a gauge outside its rod"),
+    ({"vary": {"records.0.shfit": (0, 1)}}, "vary.records.0.shfit: is not a number of a record"),
+    ({"vary": {"records.*.*": (0, 1)}}, "is not a number of a record; give a name"),
     ({"vary": {"records.0.blur": None}}, "vary.records.0.blur: must be a number of seconds"),
     ({"vary": {"records.*.gain": None, "records.0.gain": None}}, "names a number that another"),
     ({"vary": {"records.*.gain": None}, "measured": [OK, VOLTS]}, "ties records in 1 and V"),
@@ -312,7 +312,7 @@ OK, VOLTS = (ri.Measured(signal, (1, 0.2)) for signal in (FLAT, FLAT.replace(uni
     ({"until": -1.0}, "until: must be"),
     ({"starts": 0}, "starts: must be a positive whole number"),
     ({"interval": 0.0}, "interval: must be a finite positive number of seconds"),
-    ({"system": rods(velocity=np.array([1.0, 2.0]))}, "system: must be a single one"),
+    ({"system": rods(velocity=np.array([1.0, 2.0]))}, "system: must be one system"),
     ({"system": 3}, "system: must be a System"),
 ])
 def test_mistakes_are_named(change, said):

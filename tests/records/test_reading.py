@@ -79,7 +79,7 @@ def test_units_and_rates_that_the_file_does_not_say(read):
 
 
 @pytest.mark.parametrize(("text", "options", "said"), [
-    ("time,a\n0,1\n1,2\n", {}, "column 'time': names no unit of time; give time_unit=, one of 's'"),
+    ("time,a\n0,1\n1,2\n", {}, "column 'time': has no unit of time; give time_unit=, one of 's'"),
     ("time [min],a\n0,1\n1,2\n", {}, "column 'time': unknown unit 'min'"),
     ("time [V],a\n0,1\n1,2\n", {}, "must be times, but 'V' is no unit of time"),
     ("time_s,a [furlong]\n0,1\n1,2\n", {}, "column 'a': unknown unit 'furlong'"),
@@ -90,19 +90,19 @@ def test_units_and_rates_that_the_file_does_not_say(read):
     ("time_s,a\n0,1\n", {}, "has one line of numbers"),
     ("time_s,a,a\n0,1,2\n1,2,3\n", {}, "has two columns called 'a'; rename one"),
     ("time_s,time_us,a\n0,0,1\n1,1,2\n", {}, "has two columns called 'time'"),
-    ("1,5\n2,5\n", {"rate": 1.0}, "line 1: '1,5' may be two numbers or one with a decimal comma"),
+    ("1,5\n2,5\n", {"rate": 1.0}, "line 1: '1,5' may be two numbers or a decimal comma"),
     ("time_s,a\n0,1\n1,2\n2,x\n3,4\n", {}, "line 4, column 'a': must be a number, got 'x'"),
     ("time_s,a\n0,1\n1,2\n2,\n3,4\n", {}, "line 4, column 'a': is empty; complete or remove"),
     ("time_s,a\n0,1\n1,2\n2,nan\n3,4\n", {}, "line 4, column 'a': must be a finite number"),
-    ("time_s,a\n0,1\n1,2\n2,3\n3,4,5\n", {}, "line 5: has 3 columns, the lines before it 2"),
+    ("time_s,a\n0,1\n1,2\n2,3\n3,4,5\n", {}, "line 5: has 3 columns, the lines above have 2"),
     ("time_s,a\n0,1\n1,2\n1,3\n", {}, "line 4, column 'time': times must increase, got 1 s after"),
     ("time_s,a\n" + "".join(f"{i + 5 * (i > 30)},1\n" for i in range(60)), {},
-     "line 33, column 'time': samples are missing, 6 s lie between it and the line before, 1 s"),
+     "line 33, column 'time': samples are missing, the time step is 6 s here and 1 s elsewhere"),
     ("no numbers here\n", {}, "has no table of numbers"),
     ("", {}, "has no table of numbers"),
-    (b"PK\x03\x04\0\0\0", {}, "is no text (it holds the character NUL)"),
-    (b"\xef\xbb\xbf\xff,1\n", {}, "is not the text in utf-8-sig that its mark says"),
-    ("time_s\ta\n0\t1\n1\t2\n".encode("utf-32"), {}, "is no text (it holds the character NUL)"),
+    (b"PK\x03\x04\0\0\0", {}, "is not text (it contains the character NUL)"),
+    (b"\xef\xbb\xbf\xff,1\n", {}, "is not text in utf-8-sig, as its byte order mark states"),
+    ("time_s\ta\n0\t1\n1\t2\n".encode("utf-32"), {}, "is not text (it contains the character NUL)"),
     ("time_s;a\n0;1,001\n1;1,002\n", {}, "such as '1,001', which may be with decimals or in"),
     ("time_s;a\n0;1.001\n1;1.002\n", {}, 'give decimal="." if with decimals, or write them'),
     ("time_s;a\n" + "0;1,234.5\n" * 4, {}, "line 3 has '1,234.5'; write numbers without signs"),
@@ -112,17 +112,17 @@ def test_units_and_rates_that_the_file_does_not_say(read):
     ("time_s,a,b\n" + "0,1,ok\n" * 4, {}, "line 3 has 'ok'; below their heads, columns must be"),
     ("Record,9,,0,1\n" * 4, {}, "line 3 has 'Record'; below their heads, columns must be of"),
     ("time_s,a\n" + "0,0x1\n" * 4, {}, "line 3 has '0x1'; below"),
-    ("time_s|a\n" + "0|1\n" * 4, {}, "no table of numbers in columns parted by tabs, semicolons"),
+    ("time_s|a\n" + "0|1\n" * 4, {}, "no table of numbers in columns separated by tabs, semicolons"),
     ("time_s,a, left\n0.5,1\n1,2\n", {}, "line 1: has 3 heads for 2 columns of numbers; give each"),
     ("time_s,a,b\n0,1,\n1,2,\n", {}, "line 1: has 3 heads for 2 columns of numbers; give each"),
-    ("time_s,a\n0,#N/A\n1,2\n2,3\n", {}, "begins with a line that has '#N/A' beside numbers"),
-    ("0,0;-0,\n0,1;1,5\n0,2;2,5\n", {}, "begins with a line that has '0,0;-0' beside numbers"),
-    ("time_s\n0\n1\n", {"rate": 1.0}, "has a column of times, 'time'; it has no other"),
+    ("time_s,a\n0,#N/A\n1,2\n2,3\n", {}, "begins with a line that mixes '#N/A' and numbers"),
+    ("0,0;-0,\n0,1;1,5\n0,2;2,5\n", {}, "begins with a line that mixes '0,0;-0' and numbers"),
+    ("time_s\n0\n1\n", {"rate": 1.0}, "has a column of times, 'time'; add a column of values"),
     ("time_s,a [mv]\n0,1\n1,2\n", {}, "column 'a': unknown unit 'mv'; perhaps 'mV' is meant"),
     ('time_s,a\n0,1\n1,2\n2,"2,5"\n', {"decimal": "."}, "line 4 has '2,5'; below their heads"),
     ('time_s,a\n0,"1,001"\n1,"1,002"\n', {}, "such as '1,001', which may be with decimals or in"),
     ("time_s,a\n0,1\n1,2,3\n2,3\n3,4,5\nend\n", {}, "line 4 has 2 numbers and line 5 has 3; give"),
-    ("time_s,a\n0,1\nx\n0,1\nx\n", {}, "has no table of numbers in columns parted by"),
+    ("time_s,a\n0,1\nx\n0,1\nx\n", {}, "has no table of numbers in columns separated by"),
     ("note\n" * 10_000 + "0,1\n" * 10_010, {}, "has no table of numbers"),
 ], ids=range(44))
 def test_what_is_no_record_is_refused_with_the_place(read, text, options, said):
@@ -134,7 +134,7 @@ def test_what_is_no_record_is_refused_with_the_place(read, text, options, said):
     ({"rate": 1.0, "time": "a"}, "rate: give either rate or a column of times"),
     ({"rate": -1.0}, "rate: must be .*, got -1.0"), ({"decimal": ";"}, 'decimal: must be "."'),
     ({"units": {"c": "V"}}, "units: there is no channel 'c'; use one of a"),
-    ({"units": 3}, "units: must be a unit, or units by channel, got 3"),
+    ({"units": 3}, "units: must be a unit, or a unit for each channel name, got 3"),
     ({"units": {"a": 3}}, "unknown unit 3"),
     ({"progress": 3}, "progress: must be a function, got 3"),
 ])
@@ -198,7 +198,7 @@ def test_a_file_of_zeros_is_not_read_to_its_end(tmp_path, monkeypatch, head):
     os.truncate(tmp_path / "zeros", 1 << 34)
 
     def refused():
-        with pytest.raises(FileFormatError, match="is no text"):
+        with pytest.raises(FileFormatError, match="is not text"):
             ri.read_signals(tmp_path / "zeros")
 
     assert peak_of(refused)[1] < 1e7

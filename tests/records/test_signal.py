@@ -55,8 +55,8 @@ def test_a_signal_is_immutable_and_known_by_what_it_says():
     (lambda: ri.Signal([1.0, 2.0, 3.0], [0.0, 1.0]), "times: must be as many as values, got 2"),
     (lambda: ri.Signal([1.0, 2.0, 3.0], [0.0, 2.0, 1.0]), r"times\.2: must increase, got 1.0 aft"),
     (lambda: ri.Signal([1.0, 2.0], dt=0.0), "dt: must be a finite positive .*, got 0.0"),
-    (lambda: ri.Signal([1.0, 2.0], dt=1.0, unit="mV"), "unit: must be of the SI, got 'mV'; give "
-     "the values in V, that is times 0.001"),
+    (lambda: ri.Signal([1.0, 2.0], dt=1.0, unit="mV"), "unit: must be an SI unit, got 'mV'; "
+     "give the values in V, multiplied by 0.001"),
     (lambda: ri.Signal([1.0, 2.0], dt=1.0, unit=3), "unit: must be a word, got 3"),
     (lambda: ri.Signal("12", dt=1.0), "values: must be a number"),
 ])
@@ -74,7 +74,7 @@ def test_values_between_samples_lie_on_straight_lines():
     assert signal.shifted(-1.0).times.tolist() == [-1.0, 0.0, 3.0]
     for call, said in (
         (lambda: signal.at(4.1), "t: must be from 0.0 to 4.0 s, as the signal is, got 4.1"),
-        (lambda: signal.dt, "are not at equal steps .sample 1 is at 1.0 s.; make them so by"),
+        (lambda: signal.dt, "are not at equal steps .sample 1 is at 1.0 s.; use resampled"),
         (lambda: signal.window(1.5, 3.0), "fewer than two samples; the signal runs from 0.0"),
         (lambda: signal.resampled(), "give either dt or times"),
         (lambda: signal.resampled(5.0), "makes 1.8 samples"),
@@ -90,7 +90,7 @@ def test_arithmetic():
     assert (2 * b / 2 + 1.0 - (1 - -b)).values == pytest.approx(0, abs=1e-15)
     assert (a + 3.0).baseline(0.0, 19e-6).values == pytest.approx(a.values, abs=1e-15)
     for call, said in (
-        (lambda: a + b.shifted(1e-6), "have other times; take one .resampled"),
+        (lambda: a + b.shifted(1e-6), "have different times; use .resampled"),
         (lambda: a + b.replace(unit="V"), "is in pure numbers and signal in V: they cannot be add"),
         (lambda: a * b, "number: must"), (lambda: a / 0, "number: must not be 0"),
         (lambda: a + "1", "number: must be a number"),
@@ -109,8 +109,8 @@ def test_timing_of_a_pulse():
     rough = trapezoid() + ri.Signal(noise, trapezoid().times)
     assert rough.pulse().width == pytest.approx(60e-6, abs=1e-7)
     for signal, said in ((trapezoid() * 0, "is 0 everywhere"),
-                         (trapezoid().window(30e-6, 2e-4), "is not whole"),
-                         (trapezoid().window(0.0, 60e-6), "is not whole")):
+                         (trapezoid().window(30e-6, 2e-4), "cuts the pulse off"),
+                         (trapezoid().window(0.0, 60e-6), "cuts the pulse off")):
         with pytest.raises(ValueError, match=said):
             signal.pulse()
 
