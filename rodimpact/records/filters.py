@@ -89,7 +89,7 @@ def _through(values: Floats, dt: float, transfer: Callable[[Floats], Any], tail:
 
     margin = tail + len(values) // 4 + 64
     if len(values) + 3 * margin > MOST:
-        message = f"{dt!r} spreads the pulse over {tail} samples; {MOST} are allowed"
+        message = f"{dt!r} makes the filtered record longer than {MOST} samples"
         raise refusal("dt", f"{message}; use resampled(dt) with a longer dt, or a shorter distance")
     count = fft.next_fast_len(len(values) + 3 * margin, real=True)
     back = np.arange(1, count - len(values) - 2 * margin + 1)

@@ -540,7 +540,7 @@ def _why_none(lines: list[str], forms: list[_Form]) -> str:
     if _DATE.fullmatch(odd):
         remedy = "write times in seconds, or remove them and give rate"
     elif _PARTED.fullmatch(odd):
-        remedy = "write numbers without separators of thousands"
+        remedy = "write numbers without thousands separators"
     return f": line {i + 1} has {shown(odd) if odd else 'an empty cell'}; {remedy}"
 
 

@@ -335,7 +335,7 @@ class _Shot:
 
     @classmethod
     def of(cls, sides: tuple[Side, Side], specimen: Specimen) -> _Shot:
-        """A shot from when the pulse is at the specimen until the records no longer separate the waves."""
+        """A shot from the arrival at the specimen as long as the records separate the waves."""
         first, second = sides
         start = first.foot + first.distances[0] / first.speed
         end = min(measuring.clean_until(first, False), measuring.clean_until(second, True))

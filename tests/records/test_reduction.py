@@ -332,7 +332,7 @@ def test_mistakes_of_a_calibration_are_named():
     with pytest.raises(ri.InvalidModel, match="one BarGauge"):
         ri.calibrate(gauges, gauges[1], BAR)
     short = gauges[1].replace(signal=gauges[1].signal.window(-1e-4, 3.6e-4))
-    with pytest.raises(ri.InvalidModel, match="come back"):
+    with pytest.raises(ri.InvalidModel, match="the pulse returns"):
         ri.calibrate(gauges[0], short, BAR)
     with pytest.raises(ri.InvalidModel, match="wave speed"):
         ri.calibrate(*gauges, ri.Rod(0.9, diameter=9.47e-3, material=TITANIUM))

@@ -50,7 +50,7 @@ def test_a_signal_is_immutable_and_known_by_what_it_says():
 @pytest.mark.parametrize(("make", "said"), [
     (lambda: ri.Signal([1.0, 2.0]), "times: is missing"),
     (lambda: ri.Signal([1.0, 2.0], [0.0, 1.0], dt=1.0), "dt: give either times or dt"),
-    (lambda: ri.Signal([1.0], dt=1.0), "values: must be a list of two numbers or more"),
+    (lambda: ri.Signal([1.0], dt=1.0), "values: must be a list of two or more numbers"),
     (lambda: ri.Signal([1.0, math.nan], dt=1.0), r"values\.1: must be a finite number, got nan"),
     (lambda: ri.Signal([1.0, 2.0, 3.0], [0.0, 1.0]), "times: must be as many as values, got 2"),
     (lambda: ri.Signal([1.0, 2.0, 3.0], [0.0, 2.0, 1.0]), r"times\.2: must increase, got 1.0 aft"),
@@ -75,7 +75,7 @@ def test_values_between_samples_lie_on_straight_lines():
     for call, said in (
         (lambda: signal.at(4.1), "t: must be from 0.0 to 4.0 s, as the signal is, got 4.1"),
         (lambda: signal.dt, "are not at equal steps .sample 1 is at 1.0 s.; use resampled"),
-        (lambda: signal.window(1.5, 3.0), "fewer than two samples; the signal runs from 0.0"),
+        (lambda: signal.window(1.5, 3.0), "fewer than two .* 3.0 s; the signal runs from 0.0"),
         (lambda: signal.resampled(), "give either dt or times"),
         (lambda: signal.resampled(5.0), "makes 1.8 samples"),
         (lambda: signal.resampled(times=[1.0, 5.0]), r"t\[1\]: must be .*, got 5.0"),
@@ -91,7 +91,7 @@ def test_arithmetic():
     assert (a + 3.0).baseline(0.0, 19e-6).values == pytest.approx(a.values, abs=1e-15)
     for call, said in (
         (lambda: a + b.shifted(1e-6), "have different times; use .resampled"),
-        (lambda: a + b.replace(unit="V"), "is in pure numbers and signal in V: they cannot be add"),
+        (lambda: a + b.replace(unit="V"), "is in pure numbers and signal in V; they cannot be add"),
         (lambda: a * b, "number: must"), (lambda: a / 0, "number: must not be 0"),
         (lambda: a + "1", "number: must be a number"),
     ):
@@ -179,7 +179,7 @@ def test_answers_of_amplifiers_to_a_ramp():
     with pytest.raises(ValueError, match="must be below half of the sampling rate, 1 MHz"):
         ramp.low_pass(6e5)
     for slow in (1e-6, 5e-324):
-        with pytest.raises(ValueError, match="dt: 1e-06 spreads the pulse over 1"):
+        with pytest.raises(ValueError, match="dt: 1e-06 makes the filtered record longer"):
             ramp.low_pass(slow)
     with pytest.raises(ValueError, match="kind: must be one of 'gaussian'"):
         ramp.low_pass(1e4, "boxcar")
@@ -250,7 +250,7 @@ def test_a_rod_is_a_bar_if_it_is_round():
         (lambda: pulse.propagated(0.2, plain), "bar.section: is not said to be round"),
         (lambda: pulse.propagated(0.2, BAR, radius=1.0), "radius: belongs to a rod"),
         (lambda: pulse.propagated(0.2, 5000.0), "bar: must be a Bar, such as waves.Bar"),
-        (lambda: pulse.propagated(1e9, BAR), "dt: .* spreads the pulse over .* too many"),
+        (lambda: pulse.propagated(1e9, BAR), "dt: .* makes the filtered record longer"),
         (lambda: ri.Signal([0, 1, 2], [0, 1, 3]).propagated(1.0, BAR), "not at equal steps"),
     ):
         with pytest.raises(ValueError, match=said):
@@ -309,7 +309,7 @@ def test_bridges(kind, nu, factor):
 @pytest.mark.parametrize(("changes", "said"), [
     ({"kind": "third"}, "kind: must be one of 'quarter', 'half', 'full', got 'third'"),
     ({"kind": "full"}, "poisson_ratio: is missing"),
-    ({"poisson_ratio": 0.3}, "poisson_ratio: belongs to gauges across"),
+    ({"poisson_ratio": 0.3}, "poisson_ratio: is for gauges across"),
     ({"gain": 0}, "gain: must not be 0"), ({"excitation": -1.0}, "excitation: must be a finite"),
     ({"gauge_factor": [2.0, 2.1]}, "gauge_factor: must be a single number"),
 ])
