@@ -475,8 +475,7 @@ def _text(file: BinaryIO) -> str:
         text = data.decode(encoding).replace("\N{MINUS SIGN}", "-")
     except UnicodeDecodeError:
         if encoding != "utf-8":
-            message = f"is not text in {encoding}, as its byte order mark states; save it in UTF-8"
-            raise FileFormatError(message) from None
+            raise FileFormatError(f"is not {encoding} text, as its mark says; use UTF-8") from None
         text = data.decode("latin-1")
     if "\0" in text:
         raise FileFormatError(NO_TEXT)

@@ -101,7 +101,7 @@ def test_units_and_rates_that_the_file_does_not_say(read):
     ("no numbers here\n", {}, "has no table of numbers"),
     ("", {}, "has no table of numbers"),
     (b"PK\x03\x04\0\0\0", {}, "is not text (it contains the character NUL)"),
-    (b"\xef\xbb\xbf\xff,1\n", {}, "is not text in utf-8-sig, as its byte order mark states"),
+    (b"\xef\xbb\xbf\xff,1\n", {}, "is not utf-8-sig text, as its mark says"),
     ("time_s\ta\n0\t1\n1\t2\n".encode("utf-32"), {}, "is not text (it contains the character NUL)"),
     ("time_s;a\n0;1,001\n1;1,002\n", {}, "such as '1,001': "),
     ("time_s;a\n0;1.001\n1;1.002\n", {}, 'give decimal="." if a decimal sign, otherwise'),
