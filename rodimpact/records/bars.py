@@ -22,6 +22,7 @@ from ..model.bodies import Rod
 from ..model.frozen import Declared, Problems, quantity, refusal
 from ..model.quantities import Floats
 from ..units import shown
+from . import filters
 from .comparison import Pulse, pulse_of
 from .signal import Signal
 
@@ -238,11 +239,9 @@ def carrier(side: Side, distance: float) -> Callable[[Floats], Floats]:
     lasting = math.ceil(3 * abs(distance) / side.speed / side.dt)  # of the slowest waves
     size = fft.next_fast_len(2 * count + lasting, real=True)
     f = fft.rfftfreq(size, side.dt)
-    delay = np.full(len(f), distance / side.speed)
+    transfer = np.exp(-2j * np.pi * f * distance / side.speed)
     if side.disperses:
-        delays = waves.Bar.of(side.rod).delays(np.minimum(f, side.cut_off))
-        delay = delay + distance * np.asarray(delays)
-    transfer = np.where(f <= side.cut_off, np.exp(-2j * np.pi * f * delay), 0.0)
+        transfer = transfer * filters.first_mode(f, distance, waves.Bar.of(side.rod))
 
     def carried(strain: Floats) -> Floats:
         later: Floats = fft.irfft(fft.rfft(strain, size) * transfer, size)[:count]

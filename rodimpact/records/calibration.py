@@ -203,8 +203,6 @@ def _scaled(side: Side, factor: float) -> Side:
 def _timed_back(side: Side) -> tuple[Side, float]:
     """The output bar with the wave speed by which its pulse comes back, and its error, m/s."""
     path = 2 * (float(side.rod.length) - side.distances[0])
-    if path <= 0:
-        raise refusal("output_gauges", "the gauge is farther from the joint than the bar is long")
     pulse = _passing(side)
     return _timed(side, path, lambda now: -measuring.carrier(now, path)(pulse))
 

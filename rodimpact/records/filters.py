@@ -71,13 +71,17 @@ def averaged(values: Floats, times: Floats, duration: float) -> Floats:
 def dispersed(values: Floats, dt: float, distance: float, bar: Any) -> Floats:
     """The pulse after a distance, m, along a `waves.Bar`, without the travel time of long waves."""
     tail = math.ceil(min(3 * abs(distance) / bar.wave_speed / dt, MOST))
+    return _through(values, dt, lambda f: first_mode(f, distance, bar), tail)
 
-    def transfer(f: Floats) -> Any:
-        below = np.clip((bar.cut_off - f) / f[1] + 0.5, 0.0, 1.0)  # share of what f stands for
-        carried = np.minimum(f, bar.cut_off)
-        return below * np.exp(-2j * np.pi * carried * bar.delays(carried) * distance)
 
-    return _through(values, dt, transfer, tail)
+def first_mode(f: Floats, distance: float, bar: Any) -> Any:
+    """What a distance in m along a `waves.Bar` makes of evenly spaced frequencies from 0 on.
+
+    Delays count from the arrival of long waves; nothing above the cut-off goes on.
+    """
+    below = np.clip((bar.cut_off - f) / f[1] + 0.5, 0.0, 1.0)  # share of what f stands for
+    carried = np.minimum(f, bar.cut_off)
+    return below * np.exp(-2j * np.pi * carried * bar.delays(carried) * distance)
 
 
 def _through(values: Floats, dt: float, transfer: Callable[[Floats], Any], tail: int) -> Floats:

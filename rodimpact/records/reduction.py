@@ -456,8 +456,9 @@ def _noise(side: Side, rng: np.random.Generator) -> Side:
 
 def _integral(rate: Floats, times: Floats) -> Floats:
     """Integral from the first time on, by trapezia."""
-    steps = (rate[1:] + rate[:-1]) / 2 * np.diff(times)
-    total: Floats = np.concatenate(([0.0], np.cumsum(steps)))
+    from scipy.integrate import cumulative_trapezoid
+
+    total: Floats = cumulative_trapezoid(rate, times, initial=0)
     return total
 
 
