@@ -15,13 +15,13 @@ from ..methods.pieces.layout import longest_of
 from ..methods.pieces.method import RTOL
 from ..methods.pieces.totals import stated, status_of, tally_of, told_of, why_stopped
 from ..methods.row import STIFFEST
-from ..methods.scales import smallest
+from ..methods.scales import largest, smallest
 from ..methods.status import DRIVEN, is_held, strain_warning
-from ..methods.walk import walk
+from ..methods.walk import scale_of, walk
 from .fronts import TOO_FAR_APART
 from .known import curves_of, described, gauge_of, outcome_told, positions_of
 from .smooth_motion import energy_curves, gauge_curve, grids_of, line_curve, path_of, waves_of
-from .smooth_runs import given_of, run_of, solved
+from .smooth_runs import run_of, solved
 from .tables import asked_of, system_of
 
 QUICK = 1e-6  # tolerance of curves and maps
@@ -100,14 +100,14 @@ def refused(row: Any, asked: Any) -> Any:
 
 def is_beyond(row: Any, i: int) -> bool:
     """Whether a link is too stiff to be told from a rigid one."""
-    given = given_of(row)
-    stiff = given.stiffness[i] * (given.reference / smallest(given.impedance))
-    return not stiff * (given.scale * given.reference) ** (given.exponent[i] - 1) <= STIFFEST
+    T, scale = largest([s.transit_time for s in row.segments]), scale_of(row)
+    stiff = row.stiffness[i] * (T / smallest([s.impedance for s in row.segments]))
+    return not stiff * ((scale if scale > 0 else 1.0) * T) ** (row.exponent[i] - 1) <= STIFFEST
 
 
 def smooth_outcome(run: Any) -> Any:
     """What the collision did, as `outcome_told` has it."""
-    row, ended, tick, frame = run["row"], run["ended"], run["clock"].tick, run["given"].frame
+    row, ended, tick, frame = run["row"], run["ended"], run["clock"].tick, run["clock"].frame
     heads, it = [part for part in ended.part if part.parts > 0], ended.run
     contacts = [tally_of(ended.link[i], tick, run["now"]) for i in row.contact_link]
     vibration, energy, momentum = 0.0, 0.0, 0.0  # momentum: what a velocity can make of energy
@@ -145,7 +145,7 @@ def smooth_sentence(run: Any) -> str:
             fastest = max(fastest, speed / row.segments[piece.line // 2].wave_speed)
     sentence = status_of(it, ended.link, {
         "stopped_by": why_stopped(it, run["until"] >= 0), "end": run["now"] * tick,
-        "round_trip": 2 * longest_of(run["given"], run["clock"], 0) * tick,
+        "round_trip": 2 * longest_of(row, run["clock"], 0) * tick,
         "acting": DRIVEN if has_driven_end(row.system) else "", "held": is_held(row.system),
     })
     return sentence + stated(size_of(run["errors"][:3]), run["goal"]) + told_of(it) + (

@@ -28,7 +28,7 @@ def waves_of(run: Any) -> list[Any]:
 
 def grids_of(run: Any, waves: list[Any]) -> Any:
     """Grids of equal height, as of `tiling`."""
-    row, tick, frame, found = run["row"], run["clock"].tick, run["given"].frame, no_cells()
+    row, tick, frame, found = run["row"], run["clock"].tick, run["clock"].frame, no_cells()
     for i, body in enumerate(row.system.bodies):
         left, moved = 0.0, 0.0
         for j, piece in enumerate(body.segments):
@@ -71,7 +71,7 @@ def line_curve(run: Any, wave: Any, factor: float) -> Any:
 
 def path_of(run: Any, wave: Any) -> Any:
     """Times, s, and displacement of a mass, m."""
-    tick, frame = run["clock"].tick, run["given"].frame
+    tick, frame = run["clock"].tick, run["clock"].frame
     even = [run["now"] * k / SAMPLES for k in range(SAMPLES + 1)]
     return {"t": [at * tick for at in even],
             "displacement": [(reading.passed_by(wave, at) + frame * at) * tick for at in even]}
@@ -115,7 +115,8 @@ def jumps_between(wave: Any, start: float, stop: float) -> list[float]:
 
 def energy_curves(run: Any, waves: list[Any]) -> Any:
     """Energy by kind over time, J."""
-    row, given, link, soft = run["row"], run["given"], run["ended"].link, "in compliant contacts"
+    row, frame, link = run["row"], run["clock"].frame, run["ended"].link
+    soft = "in compliant contacts"
     found: Any = {"t": [], "moving as a whole": [], "vibration": [], "strain": [], "total": []}
     springs = [i for i in row.contact_link if link[i].law >= Law.SPRING]
     if len(springs) > 0:
@@ -125,15 +126,15 @@ def energy_curves(run: Any, waves: list[Any]) -> Any:
         now, inside, contact = run["now"] * j / moments, 0.0, 0.0
         momenta = []
         for i, body in enumerate(row.system.bodies):
-            momentum, m = body.mass * given.frame, row.mass_of[i]
+            momentum, m = body.mass * frame, row.mass_of[i]
             for s in range(row.spans[i][0] - 1, row.spans[i][1]):
                 mean, square = means_of(run, waves, s, now)
-                momentum += given.weight[s] * mean
-                inside += given.weight[s] * (square + given.frame * (mean + given.frame / 2))
+                momentum += row.segments[s].mass * mean
+                inside += row.segments[s].mass * (square + frame * (mean + frame / 2))
             if m >= 0:
                 v = reading.value_at(waves[run["mass"][m].line], now)
                 momentum += body.mass * v
-                inside += body.mass * (v + given.frame) ** 2 / 2
+                inside += body.mass * (v + frame) ** 2 / 2
             momenta.append(momentum)
         for i in springs:
             d, power = max(0.0, reading.value_at(waves[link[i].overlap_line], now)), 1.0

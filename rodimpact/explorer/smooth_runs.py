@@ -12,7 +12,7 @@ from ..methods.compiling import blank
 from ..methods.laws import Stop
 from ..methods.pieces import accuracy, layout, march
 from ..methods.pieces.accuracy import Ended
-from ..methods.pieces.layout import Asked, Clock, Known
+from ..methods.pieces.layout import Asked, Clock
 from ..methods.pieces.records import NONE, PIECE, TURN
 from ..methods.pieces.series import N
 from ..methods.scales import largest
@@ -21,28 +21,33 @@ from ..methods.walk import frame_of, scale_of, wave_of_strain
 ROOM = 512  # of the log at first
 
 
-def given_of(row: Any) -> Any:
-    """What is given of a row with rods, as `layout` has it."""
-    scale = scale_of(row)
-    return layout.given_of(row, largest([s.transit_time for s in row.segments]), frame_of(row),
-                           scale if scale > 0 else 1.0)
+def clock_of(row: Any, until: Any) -> Any:
+    """The clock of a row with rods; None where times are too far apart for it."""
+    transits, scale = [s.transit_time for s in row.segments], scale_of(row)
+    reference, scale = largest(transits), scale if scale > 0 else 1.0
+    end = layout.horizon_of(row, reference, scale) if until is None else until
+    total, made = layout.count_ticks(transits, reference, end)
+    if total == 0 or any(ticks <= 4096 for ticks in made):
+        return None
+    tick = reference / total
+    return Clock(tick, made, round(end / tick), reference, frame_of(row), scale)
 
 
-def waves_at_start(row: Any, given: Any, clock: Clock) -> Any:
+def waves_at_start(row: Any, clock: Clock) -> Any:
     """Pieces of all lines that are known at t = 0, and lines of what comes from outside."""
     pieces, outside, last = [], [], len(row.segments) - 1
     for i, body in enumerate(row.system.bodies):
         for s in range(row.spans[i][0] - 1, row.spans[i][1]):
             stretch = body.strain * row.segments[s].wave_speed
             pieces.extend(layout.under_way(
-                body.velocity - given.frame, stretch, clock.transits[s]))
+                body.velocity - clock.frame, stretch, clock.transits[s]))
     for side, (kind, value) in enumerate(row.outside):
         k, came, factor = side * (last + 1), 0.0, 1.0
-        if kind == "none" and given.first[k] == given.first[k + 1]:
+        if kind == "none" and row.first[k] == row.first[k + 1]:
             outside.append(NONE)
             continue
         if kind == "velocity":
-            came = -given.frame
+            came = -clock.frame
         elif kind == "absorbing":
             came = pieces[2 * last + 1 if side == 1 else 0].coefficient[0]
             factor = wave_of_strain(row, side)
@@ -57,24 +62,19 @@ def run_of(row: Any, asked: Any, tolerance: float, keep: bool, earlier: Any) -> 
     Returns
     -------
     dict
-        The `row`, what is `given`, ``ended``, the records of `Ended`; ``line``, ``mass``, ``log``,
+        The `row`, ``ended``, the records of `Ended`; ``line``, ``mass``, ``log``,
         ``turn``, ``clock``; or None where times are too far apart for the clock.
     """
-    given, until = given_of(row), asked.until if asked.until >= 0 else None
-    end = layout.horizon_of(given) if until is None else until
-    total, made = layout.count_ticks(given.transit, given.reference, end)
-    if total == 0 or any(ticks <= 4096 for ticks in made):
+    until = asked.until if asked.until >= 0 else None
+    clock = clock_of(row, until)
+    if clock is None:
         return None
-    tick = given.reference / total
-    clock = Clock(tick, made, round(end / tick))
-    log, outside = waves_at_start(row, given, clock)
-    starts = [Known(piece.start, piece.stop, 1, 0) for piece in log]
-    wanted = Asked(until, tolerance, asked.max_events, keep, not has_driven_end(row.system))
-    laid = layout.lay_out(given, clock, wanted, starts, outside)
-    run, turn = laid.run[0], blank(ROOM + march.FLIPS, TURN)
-    run.pieces = len(log)
+    log, outside = waves_at_start(row, clock)
     for l in range(len(log)):
         log[l].line = l
+    wanted = Asked(until, tolerance, asked.max_events, keep, not has_driven_end(row.system))
+    laid = layout.lay_out(row, clock, wanted, log, outside)
+    run, turn = laid.run[0], blank(ROOM + march.FLIPS, TURN)
     log.extend(blank(ROOM, PIECE))
     if earlier is not None:
         accuracy.compare(earlier["ended"].run, run)
@@ -91,7 +91,7 @@ def run_of(row: Any, asked: Any, tolerance: float, keep: bool, earlier: Any) -> 
     now = run.end
     for at in laid.node:
         now = min(now, at.now)
-    return {"row": row, "given": given, "ended": Ended(run, laid.link, laid.part),
+    return {"row": row, "ended": Ended(run, laid.link, laid.part),
             "line": laid.line, "mass": laid.mass, "log": log, "turn": turn, "clock": clock,
             "now": now, "until": asked.until}
 

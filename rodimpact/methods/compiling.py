@@ -255,19 +255,3 @@ def as_records(objects: list[Any], record: Any) -> Any:
     for name in record.names if objects else ():
         records[name] = [getattr(one, name) for one in objects]
     return records
-
-
-def as_family(objects: list[Any], record: Any, members: int) -> Any:
-    """Return objects whose fields hold a number, or an array [member], as records [member, i]."""
-    records = np.zeros((members, len(objects)), record)
-    for name in record.names:
-        column = records[name]
-        for i, one in enumerate(objects):
-            value = getattr(one, name)
-            if isinstance(value, list):
-                for m, number in enumerate(value):
-                    if type(number) is not float or number:
-                        column[:, i, m] = number
-            elif type(value) is not int or value:
-                column[:, i] = value
-    return records

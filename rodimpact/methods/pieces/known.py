@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from ...model import Rod, Samples, Steps
-from ..compiling import as_family
+from ..compiling import objects
 from ..row import Row
 from ..walk import wave_of_strain
 from . import layout, waves
-from .layout import Clock, Given, Known
-from .records import HARD, NONE, PIECE
-from .series import POINTS
+from .layout import Clock
+from .records import NONE, PIECE
+from .series import N
 
 
 def jumps_of(row: Row) -> list[tuple[int, float]]:
@@ -37,14 +36,13 @@ def varies(*profiles: Any) -> bool:
     return any(isinstance(profile, Steps | Samples) for profile in profiles)
 
 
-class Waves:
+class Known:
     """Pieces of all lines that begin at t = 0 or before.
 
     Attributes
     ----------
-    records : [member, piece] PIECE
-    known : list of Known
-        By line: two a segment, then what comes from outside.
+    log : list of PIECE
+        Line by line: two a segment, then what comes from outside.
     outside : list of int
         The lines of what comes from outside, NONE for the free end of a rod.
     fit : float
@@ -52,110 +50,88 @@ class Waves:
     """
 
     def __init__(
-        self, row: Row, given: Given, clock: Clock, jumps: list[list[int]], tolerance: float,
+        self, row: Row, clock: Clock, jumps: dict[tuple[int, float], int], tolerance: float,
         until: float | None,
     ) -> None:
-        self._row, self._given, self._clock, self._until = row, given, clock, until
-        self._jumps, self._scale = jumps[0], float(given.scale[0])
-        self._tolerance = tolerance / 4 * self._scale
-        self.fit, self._lines = 0.0, list[Any]()
-        for rod, (first, stop) in zip(row.system.bodies, given.spans, strict=True):
+        self._row, self._clock, self._jumps, self._until = row, clock, jumps, until
+        self._tolerance, self.log, self.fit = tolerance / 4, list[Any](), 0.0
+        for rod, (first, last) in zip(row.system.bodies, row.spans, strict=True):
             begin = 0.0
-            for s in range(first, stop):
+            for s in range(first - 1, last):
                 self._under_way(s, rod, begin)
-                begin += float(row.of(row.segments[s].length)[0])  # families are uniform
+                begin = begin + row.segments[s].length
         self.outside = [self._from_outside(side) for side in (0, 1)]
-        self.known = [
-            Known(own["start"][:, 0], own["stop"][:, -1], own.shape[1],
-                  (own["order"][:, 1:] <= HARD).sum(axis=1)) for own in self._lines]
-        self.records = np.concatenate([np.zeros((row.members, 0), PIECE), *self._lines], axis=1)
-        first = 0
-        for l, line in enumerate(self.known):
-            stop = first + line.pieces
-            self.records["line"][:, first:stop] = l
-            self.records["after"][:, first:stop] = [*range(first + 1, stop), NONE]
-            first = stop
 
-    def _even(self, pieces: Sequence[Any]) -> None:
-        """Add lines of one piece each."""
-        self._lines += [as_family([piece], PIECE, self._row.members) for piece in pieces]
+    def _add(self, *pieces: Any) -> int:
+        """Add a line; return its number."""
+        l = self.log[-1].line + 1 if self.log else 0
+        for piece in pieces:
+            piece.line = l
+        self.log += pieces
+        return int(l)
 
-    def _fitted(self, curve: waves.Curve) -> None:
-        """Add a line that follows a curve."""
-        made = waves.fitted(curve, self._tolerance)
-        self.fit = max(self.fit, made.error / self._scale)
-        piece = np.zeros((1, len(made.order)), PIECE)
-        piece["start"], piece["stop"], piece["order"] = made.ticks[:-1], made.ticks[1:], made.order
-        piece["coefficient"] = made.coefficients
-        piece["degree"] = np.where(np.any(made.coefficients[:, 1:], axis=1), POINTS - 1, 0)
-        self._lines.append(piece)
+    def _follow(self, curve: waves.Curve, *given: tuple[Any, float]) -> int:
+        """Add a line that follows a curve, made of profiles times factors; return its number."""
+        scale = float(self._clock.scale)
+        made = waves.fitted(curve, self._tolerance * scale)
+        errors = [abs(factor) * p.error for p, factor in given if isinstance(p, Samples)]
+        self.fit = max(self.fit, made.error / scale, *(error / scale for error in errors))
+        degree = np.where(np.any(made.coefficients[:, 1:], axis=1), N, 0)
+        columns = made.ticks[:-1], made.ticks[1:], made.order, degree, made.coefficients
+        rows = zip(*(column.tolist() for column in columns), strict=True)
+        return self._add(*objects(
+            [(start, stop, order, d, 0, NONE, c) for start, stop, order, d, c in rows], PIECE))
 
-    def _miss(self, profile: Any, factor: float) -> None:
-        """Count the error of samples, in the unit of velocities."""
-        if isinstance(profile, Samples):
-            self.fit = max(self.fit, abs(factor) * profile.error / self._scale)
-
-    def _under_way(self, s: int, rod: Any, begin: float) -> None:
+    def _under_way(self, s: int, rod: Any, begin: Any) -> None:
         """Waves that run through segment s at t = 0: a = v - c strain, and b = v + c strain."""
-        row, of, ticks = self._row, self._row.of, self._clock.transits[s]
-        c = row.segments[s].wave_speed
+        segment, frame, ticks = self._row.segments[s], self._clock.frame, self._clock.transits[s]
+        c = segment.wave_speed
         if not varies(rod.velocity, rod.strain):
-            v, stretch = of(rod.velocity) - self._given.frame, of(rod.strain) * of(c)
-            self._even(layout.under_way(v, stretch, ticks))
+            for piece in layout.under_way(rod.velocity - frame, rod.strain * c, ticks):
+                self._add(piece)
             return
-        L, T, length = float(row.segments[s].length), int(ticks[0]), float(rod.length)
+        L, T, length = float(segment.length), int(ticks), float(rod.length)
         state = [waves.part_of(waves.curve_of(p, length), begin, begin + L)
                  for p in (rod.velocity, rod.strain)]
-        self._miss(rod.velocity, 1.0)
-        self._miss(rod.strain, float(c))
-        marks = {share: tick for (place, share), tick in
-                 zip(jumps_of(row), self._jumps, strict=True) if place == s}
         for sign in (-1, 1):
             wave = waves.sum_of(state[0], state[1], sign * float(c))
             shares = (wave.edges - begin) / L
             edges = np.rint(shares * T).astype(np.int64)
-            for share, tick in marks.items():
-                edges[np.abs(shares - share) < 1e-12] = tick
+            for (place, share), tick in self._jumps.items():
+                edges[(np.abs(shares - share) < 1e-12) & (place == s)] = tick
             edges[0], edges[-1] = 0, T
-            values = wave.values - float(row.frame)
+            values = wave.values - float(frame)
             if sign < 0:  # what is at x left the left end x/c ago
-                self._fitted(waves.Curve(-edges[::-1], values[::-1, ::-1], wave.smooth))
-            else:
-                self._fitted(waves.Curve(edges - T, values, wave.smooth))
+                edges, values = T - edges[::-1], values[::-1, ::-1]
+            self._follow(waves.Curve(edges - T, values, wave.smooth),
+                         (rod.velocity, 1.0), (rod.strain, float(c)))
 
     def _from_outside(self, side: int) -> int:
         """Add what comes from outside an end; return its line, NONE for the free end of a rod."""
-        row, of, tick, until = self._row, self._row.of, self._clock.tick, self._until
+        row, clock, until = self._row, self._clock, self._until
         kind, value = row.outside[side]
         first, stop = row.first[-2:] if side else row.first[:2]
         if kind == "none" and first == stop:
             return NONE
-        factor, start = 1.0, np.zeros(row.members)
-        falls = kind == "velocity" and bool(np.any(row.gravity))
+        factor, start, slope = 1.0, 0.0, 0.0
         if kind == "velocity":
-            start = -self._given.frame
+            start, slope = -clock.frame, -row.gravity
         elif kind == "absorbing":
-            wave = self._lines[2 * (len(row.segments) - 1) + 1 if side else 0]
-            start = wave["coefficient"][:, -1].sum(axis=1)  # at the end of its last piece
+            last = 2 * len(row.segments) - 1 if side else 0
+            wave = [piece for piece in self.log if piece.line == last][-1].coefficient
+            start = np.stack(np.broadcast_arrays(*wave)).sum(axis=0)  # at its end
             factor = wave_of_strain(row, side)
-        if varies(value):
-            self._driven(side, value, float(factor), start)
-        elif falls:
-            self._even([layout.falling(start + of(value), of(row.gravity), until, tick)])
-        else:
-            self._even([layout.steady(start + of(value) * of(factor))])
-        return len(self._lines) - 1
-
-    def _driven(self, side: int, value: Any, factor: float, start: Any) -> None:
-        """Add a drive that is a profile."""
-        tick, kind = float(self._clock.tick[0]), self._row.outside[side][0]
-        assert self._until is not None
-        drive = waves.curve_of(value, max(self._until, tick))
+        if not varies(value):
+            if np.any(np.asarray(slope) != 0):
+                return self._add(layout.falling(start + value, row.gravity, until, clock.tick))
+            return self._add(layout.steady(start + value * factor))
+        assert until is not None
+        tick = float(clock.tick)
+        drive = waves.curve_of(value, max(until, tick))
         edges = np.rint(drive.edges / tick).astype(np.int64)
         edges[-1] += 1
         times = edges[:-1, None] + np.diff(edges)[:, None] * waves.SHARES
-        slope = -float(self._row.gravity) if kind == "velocity" else 0.0
-        shift = float(start[0]) + slope * times * tick
-        least = min((float(s.impedance) for s in self._row.segments), default=math.inf)
-        self._miss(value, 2 / least if kind == "force" else factor)
-        self._fitted(waves.Curve(edges, drive.values * factor + shift, drive.smooth))
+        values = drive.values * float(factor) + (float(start) + float(slope) * times * tick)
+        least = min((float(s.impedance) for s in row.segments), default=math.inf)
+        effect = 2 / least if kind == "force" else float(factor)
+        return self._follow(waves.Curve(edges, values, drive.smooth), (value, effect))

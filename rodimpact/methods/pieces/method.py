@@ -81,8 +81,8 @@ def _hand_over(
     ended = machine.ended
     run = ended.run
     clock = clock_of(
-        row, [int(T[0]) for T in layout.clock.transits], float(layout.clock.tick[0]),
-        scale=float(layout.run["scale"][0]))
+        row, [int(T) for T in layout.clock.transits], float(layout.clock.tick),
+        scale=float(layout.clock.scale))
     accuracy = {name: error + left_open(run, layout.fit) for name, error in accuracy.items()}
     end, tick = _end(r), clock.tick
     stopped_by = why_stopped(run, until is not None)

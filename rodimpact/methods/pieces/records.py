@@ -44,7 +44,7 @@ NODE = np.dtype([
     ("first", "i8"), ("links", "i8"), ("mass", "i8"), ("mirror", "i8"),  # 1: a free end
     ("rough", "i8"),  # 1: breaks come too densely
     ("in_left", "i8"), ("in_right", "i8"), ("out_left", "i8"), ("out_right", "i8"),
-    ("mobility_left", "f8"), ("mobility_right", "f8"), ("speed_line", "i8"),
+    ("mobility_left", "f8"), ("mobility_right", "f8"),
     ("left", "f8", (POINTS,)), ("right", "f8", (POINTS,)),  # what comes in, over a piece
     ("leaving", "f8", (POINTS,)), ("rate", "f8", (POINTS,)), ("series", "f8", (POINTS,)),  # scratch
 ], align=True)

@@ -13,19 +13,17 @@ from ...model.frozen import InvalidModel
 from ...model.profiles import extremes
 from ..abilities import driven
 from ..clock import too_long, too_short
-from ..compiling import Functions, as_family
+from ..compiling import Functions
 from ..laws import Law
 from ..row import Row
 from ..scales import largest, smallest
+from ..walk import velocities_of
 from . import layout
-from .known import Waves, jumps_of
-from .layout import Asked, Clock, Given
-from .records import LINE, LINK, MASS, NODE, PART, RUN
+from .known import Known, jumps_of
+from .layout import Asked, Clock
+from .records import LINE, LINK, MASS, NODE, PART, PIECE, RUN
 
 RECORDS = {"run": RUN, "node": NODE, "link": LINK, "mass": MASS, "line": LINE, "part": PART}
-
-BY_MEMBER = ("stiffness", "exponent", "damping", "strength", "gap", "masses", "mass_velocity",
-             "transit", "impedance", "weight")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,7 +33,6 @@ class Layout:
     Attributes
     ----------
     row : Row
-    given : Given
     clock : Clock
     run, node, link, mass, line, part
         Records; `run` is [member].
@@ -48,7 +45,6 @@ class Layout:
     """
 
     row: Row
-    given: Given
     clock: Clock
     run: Any
     node: Any
@@ -97,87 +93,83 @@ def lay_out(
     InvalidModel
         If transit times are too far apart for one clock, or the run is too long for it.
     """
-    given = given_of(row, until)
-    clock, jumps = clock_of(row, given, until)
-    waves = Waves(row, given, clock, jumps, tolerance, until)
+    clock, jumps = clock_of(row, until)
+    known = Known(row, clock, jumps, tolerance, until)
     asked = Asked(until, tolerance, max_events, keep, not driven(row.system))
-    laid = layout.lay_out(given, clock, asked, waves.known, waves.outside)
-    records = {name: as_family(getattr(laid, name), kind, row.members)
-               for name, kind in RECORDS.items()}
+    laid = layout.lay_out(row, clock, asked, known.log, known.outside)
+    records = {name: as_family(getattr(laid, name), kind, row) for name, kind in RECORDS.items()}
     records["run"] = records["run"][:, 0]
-    return Layout(row=row, given=given, clock=clock, first=waves.records, fit=waves.fit,
+    return Layout(row=row, clock=clock, first=as_family(known.log, PIECE, row), fit=known.fit,
                   own=own_laws(row), **records)
 
 
-def given_of(row: Row, until: float | None) -> Given:
-    """The numbers of a row, each for every member."""
-    of, reference = row.of, reference_time(row, until)
-    given = layout.given_of(row, reference, of(row.frame), velocity_scale(row, reference))
-    table = [[(of(force), of(share)) for force, share in entries] for entries in given.table]
-    by_member = {name: [*map(of, getattr(given, name))] for name in BY_MEMBER}
-    return given._replace(table=table, **by_member)
+def as_family(objects: list[Any], record: Any, row: Row) -> Any:
+    """Objects whose fields hold a number, or one for each member, as records [member, i]."""
+    records = np.zeros((*row.system.shape, len(objects)), record)
+    for name in record.names:
+        column = records[name]
+        for i, one in enumerate(objects):
+            value = getattr(one, name)
+            if not isinstance(value, list):
+                column[..., i] = value
+                continue
+            for j, number in enumerate(value):
+                if type(number) is not float or number:
+                    column[..., i, j] = number
+    return records.reshape(row.members, len(objects))
 
 
 def reference_time(row: Row, until: float | None) -> Any:
     """Longest transit, s; without rods `until`, else the longest time of a contact or a flight."""
-    of = row.of
     if row.segments:
-        return largest([of(s.transit_time) for s in row.segments])
+        return largest([s.transit_time for s in row.segments])
     if until:
-        return of(until)
-    speeds = [of(v) for v in (*row.mass_velocity, *(v for k, v in row.outside if k == "velocity"))]
+        return until
+    speeds = velocities_of(row)
     v = np.maximum(largest(speeds) - smallest(speeds), 1e-300)
-    m = largest([of(m) for m in row.masses])
-    times = [of(gap) / v for gap in row.gap]
-    for i in range(len(row.laws)):
-        if np.any(of(row.stiffness[i]) > 0):
-            power = of(row.exponent[i]) + 1
-            deepest = (power / 2 * m * v * v / of(row.stiffness[i])) ** (1 / power)
-            times.append(3 * deepest / v)
+    m, times = largest(row.masses), [gap / v for gap in row.gap]
+    for k, exponent in zip(row.stiffness, row.exponent, strict=True):
+        if np.any(np.asarray(k) > 0):
+            power = exponent + 1
+            times.append(3 * (power / 2 * m * v * v / k) ** (1 / power) / v)
     longest = largest(times)
     return np.where(longest > 0, longest, 1.0)
 
 
 def velocity_scale(row: Row, time: Any) -> Any:
     """Scale of velocities, m/s; 1 where nothing moves."""
-    of = row.of
     if row.segments:
-        scale = of(row.scale)
-    else:
-        moving = [of(v) for v in row.mass_velocity]
-        scale = np.abs(of(row.gravity)) * time
-        least = smallest([*map(of, row.masses)] or [np.inf])  # all of it may be bonded to walls
-        for kind, value in row.outside:
-            sizes = [np.abs(of(x)) for x in extremes(value)]
-            if kind == "velocity":
-                moving += [of(x) for x in extremes(value)]
-            elif kind == "force":
-                scale = scale + largest(sizes) * time / least
-        scale = scale + largest(moving) - smallest(moving)
-        for i, law in enumerate(row.laws):
-            if law == Law.JOINT or law >= Law.SPRING:  # what is stored in it at t = 0 moves a mass
-                d = np.abs(of(row.gap[i])) if law == Law.JOINT else np.maximum(-of(row.gap[i]), 0.0)
-                stored = of(row.stiffness[i]) * d ** (of(row.exponent[i]) + 1)
-                scale = scale + np.sqrt(stored / least)
+        return np.where(np.asarray(row.scale) > 0, row.scale, 1.0)
+    speeds, scale = velocities_of(row), np.abs(row.gravity) * time
+    least = smallest(row.masses or [np.inf])  # all of it may be bonded to walls
+    for kind, value in row.outside:
+        if kind == "force":
+            scale = scale + largest(np.abs(extremes(value))) * time / least
+    scale = scale + largest(speeds) - smallest(speeds)
+    for i, law in enumerate(row.laws):
+        if law == Law.JOINT or law >= Law.SPRING:  # what is stored in it at t = 0 moves a mass
+            gap = np.asarray(row.gap[i])
+            d = np.abs(gap) if law == Law.JOINT else np.maximum(-gap, 0.0)
+            scale = scale + np.sqrt(row.stiffness[i] * d ** (row.exponent[i] + 1) / least)
     return np.where(scale > 0, scale, 1.0)
 
 
-def clock_of(row: Row, given: Given, until: float | None) -> tuple[Clock, list[list[int]]]:
-    """The clock, and for each member the times in ticks from ends of rods to jumps inside."""
-    n, inner = len(given.transit), jumps_of(row)
-    durations = [*given.transit, *(share * given.transit[s] for s, share in inner)]
-    end = layout.horizon_of(given) if until is None else row.of(until)
-    ticks, found = np.zeros((row.members, n), np.int64), np.zeros(row.members)
-    jumps = []
-    table = np.array(durations).reshape(len(durations), row.members).T.tolist()
-    spans = zip(table, given.reference.tolist(), end.tolist(), strict=True)
-    for m, (times, longest, stop) in enumerate(spans):
+def clock_of(row: Row, until: float | None) -> tuple[Clock, dict[tuple[int, float], int]]:
+    """The clock, and the times in ticks from ends of rods to jumps inside."""
+    reference, transits = reference_time(row, until), [s.transit_time for s in row.segments]
+    scale, jumps, n = velocity_scale(row, reference), jumps_of(row), len(transits)
+    end = layout.horizon_of(row, reference, scale) if until is None else until
+    durations = [*transits, *(share * transits[s] for s, share in jumps), reference, end]
+    found, ticks, made = np.zeros(row.members), np.zeros((n, row.members), np.int64), list[int]()
+    table = np.array([row.of(duration) for duration in durations]).T.tolist()
+    for m, (*times, longest, stop) in enumerate(table):
         total, made = layout.count_ticks(times, longest, stop)
         if total == 0:
             raise InvalidModel([too_long(stop, longest)])
-        found[m], ticks[m], more = longest / total, made[:n], made[n:]
-        jumps.append(more)
+        found[m], ticks[:, m] = longest / total, made[:n]
         if n and min(made[:n]) <= 4096:
-            s = int(ticks[m].argmin())
+            s = int(ticks[:, m].argmin())
             raise InvalidModel([too_short(row.paths[s + 1], times[s], max(times))])
-    return Clock(found, [*ticks.T], np.rint(end / found)), jumps
+    tick, shape = found.reshape(row.system.shape), (n, *row.system.shape)
+    clock = Clock(tick, [*ticks.reshape(shape)], np.rint(end / tick), reference, row.frame, scale)
+    return clock, dict(zip(jumps, made[n:], strict=True))
