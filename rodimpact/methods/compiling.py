@@ -255,3 +255,12 @@ def as_records(objects: list[Any], record: Any) -> Any:
     for name in record.names if objects else ():
         records[name] = [getattr(one, name) for one in objects]
     return records
+
+
+def lengthened(records: Any, kind: Any) -> Any:
+    """Return records, an array or a list of objects, with as many blank ones behind them."""
+    if isinstance(records, list):
+        return records + blank(len(records), kind)
+    longer, raw = np.zeros(2 * len(records), kind), f"V{kind.itemsize}"
+    longer.view(raw)[: len(records)] = records.view(raw)  # field by field takes ten times as long
+    return longer

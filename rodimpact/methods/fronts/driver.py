@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .. import duration, kernels
-from ..compiling import as_objects, as_records, blank, objects
+from ..compiling import as_objects, as_records, blank, lengthened, objects
 from ..duration import Forecast
 from ..family import Stopped, now
 from ..laws import Stop
@@ -95,10 +95,7 @@ class Members:
         rows = len(self.log)
         ask(rows * (ROW_NUMBERS if self.fast else LIST_NUMBERS), "max_events",
             f"a run of more than {rows} fronts", "lower the cap, or stop earlier (until)")
-        if self.fast:
-            self.log = np.concatenate((self.log, np.zeros(rows, ROW)))
-        else:
-            self.log += blank(rows, ROW)
+        self.log = lengthened(self.log, ROW)
 
     def on_arrays(self) -> None:
         """Go on in machine code."""

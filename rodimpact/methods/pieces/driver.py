@@ -100,7 +100,7 @@ class Machine:
         """Run on arrays of records."""
         follow = compiling.compiled(march.follow, self._own)
         while (stop := Stop(follow(*self._arguments(), self._matrix))) == Stop.FULL:
-            self._more(np.zeros, np.concatenate)
+            self._more()
         return stop
 
     def _plain(self) -> Stop:
@@ -110,7 +110,7 @@ class Machine:
         try:
             follow = compiling.interpreted(march.follow, self._own)
             while (stop := Stop(follow(*self._arguments(), matrix))) == Stop.FULL:
-                self._more(_objects, _joined)
+                self._more()
             return stop
         finally:
             self.records = {
@@ -121,20 +121,11 @@ class Machine:
     def _arguments(self) -> Iterator[Any]:
         return (self.records[name] for name in ORDER)
 
-    def _more(self, room: Any, joined: Any) -> None:
+    def _more(self) -> None:
         """Double the log."""
         r = self.records
         size = len(r["log"]) * self._kinds["log"].itemsize / 8
         ask(4 * size, "until", f"a run of more than {len(r['log'])} pieces of waves",
             "stop earlier, or take a larger rtol")
         for name in ("log", "turn"):
-            r[name] = joined((r[name], room(len(r[name]), self._kinds[name])))
-
-
-def _objects(count: int, record: Any) -> list[Any]:
-    return compiling.as_objects(np.zeros(count, record))
-
-
-def _joined(lists: Any) -> list[Any]:
-    first, second = lists
-    return [*first, *second]
+            r[name] = compiling.lengthened(r[name], self._kinds[name])

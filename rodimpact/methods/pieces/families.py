@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .. import kernels
-from ..compiling import as_objects
+from ..compiling import as_objects, lengthened
 from ..family import STOPPED_BY, FamilyRun, Stopped
 from ..groups import groups, movable, velocities_in_group
 from ..laws import Law, Stop
@@ -108,7 +108,7 @@ def run_members(layout: Layout, wanted: Any, stop: Callable[[], bool]) -> None:
         node, link, mass, line = (records[m] for records in own)
         run, part = layout.run[m : m + 1], layout.part[m]
         while follow(run, node, link, mass, line, log, turn, part, matrix) == Stop.FULL:
-            log, turn = (np.concatenate((a, np.zeros_like(a))) for a in (log, turn))
+            log, turn = lengthened(log, PIECE), lengthened(turn, TURN)
 
 
 def totals(layout: Layout, refused: Any, until: float | None) -> FamilyRun:
