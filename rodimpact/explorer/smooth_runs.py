@@ -84,7 +84,7 @@ def run_of(row: Any, asked: Any, tolerance: float, keep: bool, earlier: Any) -> 
     size = N * (2 * longest - 1)
     matrix = [[0.0] * (size + 1) for _ in range(size)]
     while march.follow(
-        laid.run, laid.node, laid.link, laid.mass, laid.line, log, turn, laid.part, matrix
+        laid.run, laid.node, laid.link, laid.mass, laid.line, laid.part, log, turn, matrix
     ) == Stop.FULL:
         log.extend(blank(len(log), PIECE))
         turn.extend(blank(len(turn), TURN))

@@ -17,7 +17,6 @@ from . import abilities
 from .family import READ, FamilyRun
 from .fronts import method as fronts
 from .grid import method as grid
-from .pieces import families as piece_families
 from .pieces import method as pieces
 from .row import Row
 from .run import MAX_EVENTS, Run
@@ -40,8 +39,8 @@ class Method(NamedTuple):
 
 METHODS = {
     "fronts": Method(fronts.LACKS, (), fronts.solve, fronts.solve_family, fronts.together, READ),
-    "characteristics": Method(pieces.LACKS, ("rtol",), pieces.solve, piece_families.solve_family,
-                              piece_families.together, ("accuracy",)),
+    "characteristics": Method(pieces.LACKS, ("rtol",), pieces.solve, pieces.solve_family,
+                              pieces.together, ("accuracy",)),
     "finite-difference": Method(grid.LACKS, ("dt", "rtol", "cells", "snapshots"), grid.solve),
 }
 """In the order in which ``"auto"`` tries them; the last can do anything."""

@@ -203,12 +203,11 @@ RECORDED = {
 def recorded(system):
     """The records of a system on the clock of the page, as objects."""
     until = 4e-4 if system.ends != (ri.Free(), ri.Free()) else None
-    machine = driver.Machine(lay_out(Row(system), until, 1e-8, 3000, True))
-    records = machine.records
+    records = driver.Machine(lay_out(Row(system), until, 1e-8, 3000, True)).start()
     for name in ("log", "turn"):
         records[name] = np.concatenate([records[name]] * 4)
-    return [compiling.as_objects(records[name]) for name in driver.ORDER] + [
-        driver.matrix_of(records["node"]).tolist()]
+    return {name: x.tolist() if name == "matrix" else compiling.as_objects(x)
+            for name, x in records.items()}
 
 
 def tables(objects):
@@ -222,12 +221,13 @@ def test_the_kernel_of_characteristics_does_the_same_on_the_same_records(name, m
     for module in (tick_rule, finality, layout, driver):
         for constant in CONSTANTS.keys() & vars(module).keys():
             monkeypatch.setattr(module, constant, CONSTANTS[constant])
-    arguments = recorded(RECORDED[name])
+    given = recorded(RECORDED[name])
+    arguments = [*given.values()]
     script = f"""{read("python.js")}\n{javascript([KERNEL], CONSTANTS)}
     const answer = (given) => ({{ why: follow(...given), given: given.slice(0, -1) }});"""
     page = run(script, [tables(objects) for objects in arguments])
     assert page["why"] == KERNEL(*arguments)
-    for record, theirs, objects in zip(driver.ORDER, page["given"], arguments, strict=False):
+    for record, theirs, objects in zip(given, page["given"], arguments, strict=False):
         for i, (one, other) in enumerate(zip(theirs, tables(objects), strict=True)):
             for key, value in other.items():
                 assert one[key] == value, (record, i, key)

@@ -9,16 +9,10 @@ from exhaustive import few_of
 from networks import unit_rod
 
 import rodimpact as ri
-from rodimpact.methods.pieces import driver
 
 UNTIL = 3.4
 STEPS = ri.Steps([0.0, 1.0, -0.5, 0.2], [0.3, 0.71, 1.9])
 SAMPLES = ri.Samples([0.0, 1.0, -0.5, 0.2, 0.3], step=0.7)
-
-
-@pytest.fixture(autouse=True)
-def nothing_is_compiled(monkeypatch):
-    monkeypatch.setattr(driver, "PLAIN", 1 << 40)
 
 
 def value(profile, t):

@@ -8,12 +8,6 @@ from exhaustive import few_of
 from scipy.integrate import solve_ivp
 
 import rodimpact as ri
-from rodimpact.methods.pieces import driver
-
-
-@pytest.fixture(autouse=True)
-def nothing_is_compiled(monkeypatch):
-    monkeypatch.setattr(driver, "PLAIN", 1 << 40)
 
 
 def balls(n, law, gaps=None, **options):

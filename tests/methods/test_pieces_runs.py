@@ -9,15 +9,16 @@ from networks import random_network, unit_rod
 
 import rodimpact as ri
 from rodimpact.methods import kernels
-from rodimpact.methods.pieces import driver, families
+from rodimpact.methods.pieces import driver, method
 
 METHOD = "characteristics"
 
 
 @pytest.fixture
-def plain(monkeypatch):
+def plain():
     """Nothing is compiled."""
-    monkeypatch.setattr(driver, "PLAIN", 1 << 40)
+    with kernels.forced(False):
+        yield
 
 
 def everything(solution):
@@ -37,8 +38,8 @@ def everything(solution):
 def test_a_run_that_finds_too_little_room_goes_on_with_more(plain, monkeypatch, seed):
     system = random_network(seed)
     whole = everything(ri.solve(system, 2.0, METHOD))
-    monkeypatch.setattr(driver, "FIRST_ROOM", 4)
-    monkeypatch.setattr(driver, "FIRST_TURNS", 1100)
+    monkeypatch.setattr(driver, "ROOM", 4)
+    monkeypatch.setattr(driver, "TURNS", 1100)
     assert everything(ri.solve(system, 2.0, METHOD)).tolist() == whole.tolist()
 
 
@@ -61,13 +62,13 @@ def test_members_are_single_solves_in_any_chunks_by_any_executor(monkeypatch):
     for executor in (ThreadPoolExecutor(2), ProcessPoolExecutor(2)):
         with executor:
             assert totals(ri.sweep(system, executor=executor)) == totals(whole)
-    monkeypatch.setattr(families, "TOGETHER", 3)
-    monkeypatch.setattr(families, "CALL", 2)
-    monkeypatch.setattr(families, "ROOM", 8)
+    monkeypatch.setattr(method, "TOGETHER", 3)
+    monkeypatch.setattr(driver, "CALL", 2)
+    monkeypatch.setattr(driver, "ROOM", 8)
     assert totals(ri.sweep(system)) == totals(whole)
-    monkeypatch.setattr(driver, "PLAIN", 1 << 40)
     for index in np.ndindex(system.shape):
-        single = ri.solve(system[index]).outcome
+        with kernels.forced(False):
+            single = ri.solve(system[index]).outcome
         assert tuple(v[index] for v in whole.velocities_after) == single.velocities_after
         for many, one in zip(whole.contacts, single.contacts, strict=True):
             assert (many.impulse[index], many.peak_force[index], many.duration[index]) == (
@@ -75,13 +76,13 @@ def test_members_are_single_solves_in_any_chunks_by_any_executor(monkeypatch):
 
 
 @pytest.mark.skipif(bool(kernels.why_not()), reason="there is no compiler")
-def test_plain_python_runs_the_same_bits(monkeypatch):
-    found = {}
-    for first in (1 << 40, 0):
-        monkeypatch.setattr(driver, "PLAIN", first)
+def test_plain_python_runs_the_same_bits():
+    found = []
+    for fast in (False, True):
         systems = [random_network(seed, bodies=4, driven=seed % 2 == 1) for seed in range(6)]
-        found[first] = [everything(ri.solve(system, 2.0, METHOD)).tolist() for system in systems]
-    assert repr(found[0]) == repr(found[1 << 40])
+        with kernels.forced(fast):
+            found.append([everything(ri.solve(s, 2.0, METHOD)).tolist() for s in systems])
+    assert repr(found[0]) == repr(found[1])
 
 
 # Saved and read -----------------------------------------------------------------------------------

@@ -7,14 +7,8 @@ from exhaustive import few_of
 from networks import unit_rod
 
 import rodimpact as ri
-from rodimpact.methods.pieces import driver
 
 STEEL = ri.materials.steel
-
-
-@pytest.fixture(autouse=True)
-def nothing_is_compiled(monkeypatch):
-    monkeypatch.setattr(driver, "PLAIN", 1 << 40)
 
 
 def pair(law):

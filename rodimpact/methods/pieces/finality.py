@@ -22,7 +22,7 @@ ROUGH = 1e-3  # of the tolerance of pieces: what they leave open
 
 def look(run: Any, link: Any, mass: Any, line: Any, log: Any, part: Any, tick: int) -> None:
     """See at a tick that every node has reached whether the run is over, or when to look again."""
-    if tick < run.end or run.proved == NONE or run.held:  # what is joined goes on changing
+    if run.proved == NONE or run.held:  # what is joined goes on changing
         for l in range(len(line)):
             if line[l].head != NONE:
                 if run.stop == Stop.CAP:
@@ -113,13 +113,14 @@ def survey(link: Any, mass: Any, line: Any, log: Any, part: Any, second: float, 
         head.speed = head.mean
         if head.held != NONE:
             head.speed = value_of(line, log, head.held, tick)
-        head.bound = total * (head.mean - head.speed) ** 2 / 2
+        off = head.mean - head.speed
+        head.bound = total * (off * off) / 2
         head.low = head.high = head.speed
         for k in range(first, last):
             look_at(mass, line, log, part[k], head.mean, tick)
             if part[k].kind == Part.JOINT:
                 it = link[part[k].index]
-                part[k].energy = it.stiffness * it.overlap**2 / 2
+                part[k].energy = it.stiffness * (it.overlap * it.overlap) / 2
             head.bound += part[k].energy
         set_ends(link, line, log, part, first, last, total)
         for k in range(first, last):
@@ -133,7 +134,7 @@ def look_at(mass: Any, line: Any, log: Any, it: Any, speed: float, tick: int) ->
     it.energy = 0.0
     if it.kind == Part.MASS:
         it.own = mass[it.index].speed[0]
-        it.energy = it.mass * (it.own - speed) ** 2 / 2
+        it.energy = it.mass * ((it.own - speed) * (it.own - speed)) / 2
     elif it.kind == Part.SEGMENT:
         T = line[2 * it.index].delay
         a, a2, it.right_lever = sums(line, log, 2 * it.index, tick, T, speed)
@@ -161,7 +162,7 @@ def sums(
                 f = lines.at(piece, 2 * ((low - piece.start) + u) / (piece.stop - piece.start) - 1)
                 w = share * WEIGHTS[j]
                 mean += w * f
-                square += w * (f - speed) ** 2
+                square += w * ((f - speed) * (f - speed))
                 lever += w * f * (((tick - low) - u) / T)
         i = piece.after
     return mean, square, lever
@@ -207,9 +208,10 @@ def set_ends(
                 head.right_deviation -= link[it.index].overlap * it.before
                 head.left_deviation += link[it.index].overlap * it.far_before
             else:  # a dashpot stretches by no more than the momentum that passes it, over c
-                gives = DASHPOT * max(passed, total - passed) / link[it.index].damping ** 2
-            head.right_slack += gives * it.before**2
-            head.left_slack += gives * it.far_before**2
+                c = link[it.index].damping
+                gives = DASHPOT * max(passed, total - passed) / (c * c)
+            head.right_slack += gives * (it.before * it.before)
+            head.left_slack += gives * (it.far_before * it.far_before)
         elif it.kind == Part.MASS:
             pieces += 2
         elif it.index == ENDLESS:

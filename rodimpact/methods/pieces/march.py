@@ -21,7 +21,7 @@ ROOM = 4  # pieces that a link may add in a step
 
 
 def follow(
-    runs: Any, node: Any, link: Any, mass: Any, line: Any, log: Any, turn: Any, part: Any,
+    runs: Any, node: Any, link: Any, mass: Any, line: Any, part: Any, log: Any, turn: Any,
     G: Any,
 ) -> int:
     """Run to `run.end`, or to the proof that nothing meets any more and `run.extra` ticks more.

@@ -3,12 +3,13 @@
 Waves are lists of polynomial pieces; a node, the chain of links and masses between two rods, is
 integrated by itself as far as its inputs are known. There is no time step: every piece is as long
 as what happens in it is smooth. A second run at a coarser tolerance tells how wrong the first is.
+A single collision is a family of one that keeps its pieces.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache, partial
 from itertools import pairwise
 from typing import Any
@@ -16,17 +17,20 @@ from typing import Any
 import numpy as np
 
 from .. import abilities as physics
+from .. import kernels
 from ..clock import clock_of
 from ..duration import Forecast, Progress
-from ..groups import groups
+from ..family import STOPPED_BY, FamilyRun
+from ..groups import groups, movable, velocities_in_group
 from ..laws import Law, Stop
 from ..row import Row, squeezed
 from ..run import MEASURES, ContactTally, GroupTotals, Run, Signals, largest_error
 from ..status import acting_and_held, last_contact, rounding, strain_warning
-from .accuracy import COARSER, COARSEST, apart, compare, left_open
+from . import march
+from .accuracy import COARSER, COARSEST, SHOWN, apart, compare, left_open
 from .driver import Machine
 from .records import Part
-from .rows import Layout, lay_out
+from .rows import Layout, is_even, lay_out, own_laws
 from .signals import signals_of
 from .totals import (
     ends_of_contacts,
@@ -41,6 +45,8 @@ LACKS = (physics.DAMPING, physics.LATERAL, physics.TAPER)
 RTOL = 1e-8
 LOOSEST, FINEST = 1e-6, 1e-13  # of tolerances: errors fall evenly below, and round-off comes
 LESS = "a larger rtol or an earlier end (until)"
+TOGETHER = 1024  # members of one chunk
+MEMBER_TIME = 0.2  # s, about what one takes in plain Python
 
 
 def solve(
@@ -50,22 +56,86 @@ def solve(
     """Run a single collision to `until`, s, or to its proof of finality and one round trip more."""
     if row.segments:
         row.check_scales()
-    goal = RTOL if rtol is None else rtol
-    tolerance = tolerance_of(rtol)
-    layout = lay_out(row, until, tolerance, max_events, keep=True)
-    fine = Machine(layout)
-    forecast = Forecast(announce, LESS, progress)
-    stop = fine.go(forecast)
-    if stop == Stop.STUCK:
-        raise squeezed(float(fine.run["tick"] * min(fine.records["node"]["now"])))
-    coarser, accuracy = COARSER * tolerance, dict[str, float]()
-    while not any(accuracy.values()) and coarser <= COARSEST:  # the same steps tell nothing
-        coarse = Machine(lay_out(row, until, coarser, max_events, keep=False))
-        compare(fine.run, coarse.run)
-        coarse.go(forecast)
-        accuracy = dict(zip(MEASURES, apart(fine.ended, coarse.ended), strict=True))
-        coarser *= COARSER
-    return _hand_over(layout, fine, accuracy, until, goal)
+    fine = lay_out(row, until, tolerance_of(rtol), max_events, keep=True)
+    machine, forecast = Machine(fine), Forecast(announce, LESS, progress)
+    machine.go(forecast=forecast)
+    if fine.run_of(0).stop == Stop.STUCK:
+        raise squeezed(float(fine.clock.tick * fine.node["now"].min()))
+    (errors,) = stated_errors(fine, np.array([0]), COARSEST, forecast=forecast).tolist()
+    accuracy = dict(zip(MEASURES, errors, strict=True))
+    return _hand_over(machine, accuracy, RTOL if rtol is None else rtol)
+
+
+def together(row: Row) -> int:
+    """How many members to run in one call; 0 where each is to be run alone.
+
+    The force of a bond between rigid bodies follows from signals, which a family does not keep.
+    """
+    seconds = row.members * MEMBER_TIME
+    alone = any(i < 0 for i in row.contact_link) or own_laws(row)
+    pays = is_even(row) and not alone and kernels.worth_compiling(seconds, march.follow)
+    return TOGETHER if pays else 0
+
+
+def solve_family(
+    row: Row, until: float | None, max_events: int, rtol: float | None,
+    stop: Callable[[], bool] = lambda: False, more: int = 0,  # noqa: ARG001 - of every family
+    also: Sequence[str] = (),
+) -> FamilyRun:
+    """Totals of every member.
+
+    Parameters
+    ----------
+    row : Row
+        Of a family whose rows are even.
+    until, max_events, rtol
+        As for a single run.
+    stop : callable
+        Asked now and then whether to give up.
+    more : int
+        Members that other calls will run in this process.
+    also : sequence of str
+        "accuracy" if it is wanted.
+
+    Raises
+    ------
+    Stopped
+        If `stop` said so.
+    """
+    refused = np.zeros(row.system.shape, bool)
+    for bad, _, _ in row.beyond_scales() if row.segments else ():
+        refused |= bad
+    tolerance, members = tolerance_of(rtol), np.flatnonzero(~refused)
+    fine = lay_out(row, until, tolerance, max_events, keep=False)
+    Machine(fine).run_all(members, stop)
+    found = totals(fine, refused.ravel() | (fine.run["stop"][:, 0] == Stop.STUCK))
+    if "accuracy" not in also:
+        return found
+    errors = stated_errors(fine, members, COARSER * tolerance, stop)
+    return found._replace(further={"accuracy": errors[:, :SHOWN].max(axis=1)})
+
+
+def stated_errors(
+    fine: Layout, members: Any, coarsest: float, stop: Callable[[], bool] = lambda: False,
+    forecast: Forecast | None = None,
+) -> Any:
+    """Relative error of each of the `MEASURES`, [member, measure], of members that have run.
+
+    Other runs tell, at tolerances up to the coarsest: those that took the same steps tell nothing.
+    """
+    errors, alike = np.full((len(fine.run), len(MEASURES)), math.nan), members
+    tolerance = COARSER * fine.asked.tolerance
+    while len(alike) and tolerance <= coarsest:
+        asked = fine.asked
+        coarse = lay_out(fine.row, asked.until, tolerance, asked.limit, keep=False)
+        compare(fine.run.view(np.recarray), coarse.run.view(np.recarray))
+        Machine(coarse).run_all(alike, stop, forecast)
+        for m in alike:
+            errors[m] = apart(fine.ended(m), coarse.ended(m))
+        alike, tolerance = alike[~errors[alike].any(axis=1)], COARSER * tolerance
+    for m in members:
+        errors[m] += left_open(fine.run_of(m), fine.fit)
+    return errors
 
 
 def tolerance_of(rtol: float | None) -> float:
@@ -73,18 +143,13 @@ def tolerance_of(rtol: float | None) -> float:
     return max(FINEST, min(RTOL if rtol is None else rtol, LOOSEST))
 
 
-def _hand_over(
-    layout: Layout, machine: Machine, accuracy: dict[str, float], until: float | None,
-    goal: float,
-) -> Run:
-    row, r = layout.row, machine.records
-    ended = machine.ended
-    run = ended.run
+def _hand_over(machine: Machine, accuracy: dict[str, float], goal: float) -> Run:
+    """What every method hands back, of a layout of one collision that has run."""
+    layout, r, ended = machine.layout, machine.records(), machine.layout.ended(0)
+    row, run, until = layout.row, ended.run, layout.asked.until
     clock = clock_of(
-        row, [int(T) for T in layout.clock.transits], float(layout.clock.tick),
-        scale=float(layout.clock.scale))
-    accuracy = {name: error + left_open(run, layout.fit) for name, error in accuracy.items()}
-    end, tick = _end(r), clock.tick
+        row, [int(T) for T in layout.clock.transits], run.tick, scale=float(layout.clock.scale))
+    end, tick = min(int(r["node"]["now"].min()), run.end), clock.tick
     stopped_by = why_stopped(run, until is not None)
     t_end = until if until is not None and stopped_by == "until" else end * tick
     proved, t_final, trip = run.proved >= 0, math.nan, 2 * clock.longest * tick
@@ -98,19 +163,15 @@ def _hand_over(
     status += stated(largest_error(accuracy), goal) + told_of(run) + _struck_together(row)
     status += rounding(clock.transit_error, clock.worst) + strain_warning(fastest)
     signals = cache(partial(signals_of, row, clock, end, r))
+    before, after = _velocities(layout)
     return Run(
         method="characteristics", until=until, clock=clock, end=end, t_end=t_end, t_final=t_final,
         t_proved=run.proved * tick if proved else math.nan, stopped_by=stopped_by,
         status=status, events=run.steps,
-        contacts=_tallies(row, ended.link, tick, end, signals), groups=_groups(row, r),
-        accuracy=accuracy,
-        make_signals=signals,
+        contacts=_tallies(row, ended.link, tick, end, signals),
+        groups=GroupTotals(np.array(before), np.array(after), np.ravel(vibration_of(layout))),
+        accuracy=accuracy, make_signals=signals,
     )
-
-
-def _end(r: dict[str, Any]) -> int:
-    """Tick that every node has reached."""
-    return min(int(r["node"]["now"].min()), int(r["run"][0]["end"]))
 
 
 def _struck_together(row: Row) -> str:
@@ -143,31 +204,51 @@ def _tallies(
     return tuple(tallies)
 
 
-def _groups(row: Row, r: dict[str, Any]) -> GroupTotals:
-    """Velocities of groups and vibration of bodies, as the kernel surveyed them."""
-    part, frame = r["part"], float(row.frame)
-    heads = np.flatnonzero(part["parts"] > 0)
-    assert len(heads) == len(groups(row.system))
-    vibration = [float(energy[0]) for energy in vibration_of(row, part[None])]
-    tick = float(r["run"][0]["tick"])
-    fallen = frame + float(row.gravity) * float(r["run"][0]["surveyed"]) * tick
-    return GroupTotals(
-        part["initial"][heads] + frame, part["mean"][heads] + fallen, np.array(vibration))
+def _velocities(layout: Layout) -> tuple[list[Any], list[Any]]:
+    """Velocities of groups before and after, m/s, [group] by the shape of the family."""
+    row, part, shape = layout.row, layout.part, layout.row.system.shape
+    run = layout.run[:, 0].reshape(shape)
+    fallen = row.frame + row.gravity * run["surveyed"] * run["tick"]
+    own = [part[:, head].reshape(shape) for head in np.flatnonzero(part["parts"][0] > 0)]
+    return [it["initial"] + row.frame for it in own], [it["mean"] + fallen for it in own]
 
 
-def vibration_of(row: Row, part: Any) -> list[Any]:
-    """Energy of each body about the velocity of its group, J, [member] by body."""
-    kind, index = part["kind"][0], part["index"][0]
-    by_segment = {int(i): part["energy"][:, p] for p, i in enumerate(index)
-                  if kind[p] == Part.SEGMENT}
-    by_mass = {int(i): part["energy"][:, p] for p, i in enumerate(index) if kind[p] == Part.MASS}
-    found = []
+def vibration_of(layout: Layout) -> list[Any]:
+    """Energy of each body about the velocity of its group, J, [body] by member."""
+    row, part, found = layout.row, layout.part, list[Any]()
+    energies = {(kind, index): part["energy"][:, p] for p, (kind, index) in enumerate(
+        zip(part["kind"][0].tolist(), part["index"][0].tolist(), strict=True))}
     for body, (first, last), m in zip(row.system.bodies, row.spans, row.mass_of, strict=True):
         energy = np.zeros(len(part))
         for s in range(first, last + 1):
-            energy = energy + by_segment[s - 1]
+            energy = energy + energies[Part.SEGMENT, s - 1]
         if 0 <= m < len(row.masses):
             share: Any = np.asarray(body.mass) / np.asarray(row.masses[m])  # type: ignore[union-attr]
-            energy = by_mass[m] * np.broadcast_to(share, row.system.shape).ravel()
+            energy = energies[Part.MASS, m] * row.of(share)
         found.append(energy)
     return found
+
+
+def totals(layout: Layout, refused: Any) -> FamilyRun:
+    """What the members came to."""
+    row, run, link = layout.row, layout.run[:, 0], layout.link
+    system, until, unknown = row.system, layout.asked.until, np.where(refused, math.nan, 0.0)
+    free, velocities = movable(system), ([], [])  # type: tuple[list[Any], list[Any]]
+    for found, groups_own in zip(velocities, _velocities(layout), strict=True):
+        for group, own in zip(groups(system), groups_own, strict=True):
+            inside = [i for i in group if i in free]
+            found += [unknown + row.of(v) for v in velocities_in_group(system, group, inside, own)]
+    links = [link[:, i] for i in row.contact_link]
+    contacts = {
+        "impulse": [unknown + it["impulse"] for it in links],
+        "peak_force": [unknown + np.where(it["law"] == Law.IMPACT, math.nan, it["peak"])
+                       for it in links],
+        "duration": [unknown + it["pressed"] * run["tick"] for it in links],
+        "episodes": [it["episodes"].copy() for it in links],
+    }
+    final = (run["proved"] >= 0) & ~refused
+    reasons = [refused, run["stop"] == Stop.CAP, final & (until is None)]
+    places = [STOPPED_BY.index(name) for name in ("refused", "max_events", "final")]
+    reason = np.select(reasons, places, STOPPED_BY.index("clock" if until is None else "until"))
+    vibration = sum(vibration_of(layout), unknown)
+    return FamilyRun(*velocities, vibration, contacts, final, reason)

@@ -13,12 +13,13 @@ from ...model.frozen import InvalidModel
 from ...model.profiles import extremes
 from ..abilities import driven
 from ..clock import too_long, too_short
-from ..compiling import Functions
+from ..compiling import Functions, as_objects
 from ..laws import Law
 from ..row import Row
 from ..scales import largest, smallest
 from ..walk import velocities_of
 from . import layout
+from .accuracy import Ended
 from .known import Known, jumps_of
 from .layout import Asked, Clock
 from .records import LINE, LINK, MASS, NODE, PART, PIECE, RUN
@@ -34,14 +35,15 @@ class Layout:
     ----------
     row : Row
     clock : Clock
-    run, node, link, mass, line, part
-        Records; `run` is [member].
+    run, node, link, mass, line, part : [member, i] array
+        Records; there is one run of each member.
     first : [member, piece] PIECE
         Pieces that are known at t = 0.
     fit : float
         By how much they miss what was given, relative to the velocity scale.
     own : tuple of (int, function)
         Laws of the user, by link.
+    asked : Asked
     """
 
     row: Row
@@ -55,6 +57,16 @@ class Layout:
     first: Any
     fit: float
     own: Functions
+    asked: Asked
+
+    def run_of(self, member: int) -> Any:
+        """The record of the run of a member, by names of its fields."""
+        return self.run[member].view(np.recarray)[0]
+
+    def ended(self, member: int) -> Ended:
+        """What a member came to, as objects."""
+        run, link, part = (as_objects(x[member]) for x in (self.run, self.link, self.part))
+        return Ended(run[0], link, part)
 
 
 def own_laws(row: Row) -> Functions:
@@ -98,9 +110,8 @@ def lay_out(
     asked = Asked(until, tolerance, max_events, keep, not driven(row.system))
     laid = layout.lay_out(row, clock, asked, known.log, known.outside)
     records = {name: as_family(getattr(laid, name), kind, row) for name, kind in RECORDS.items()}
-    records["run"] = records["run"][:, 0]
     return Layout(row=row, clock=clock, first=as_family(known.log, PIECE, row), fit=known.fit,
-                  own=own_laws(row), **records)
+                  own=own_laws(row), asked=asked, **records)
 
 
 def as_family(objects: list[Any], record: Any, row: Row) -> Any:

@@ -15,8 +15,6 @@ MORE = 10.0  # times rtol, from which it is said that it was not reached
 
 def tally_of(it: Any, tick: float, now: int) -> ContactTally:
     """Totals of the contact that a link is, in SI units, in a run that has come to a tick."""
-    if it.law < Law.RIGID:  # it never opens
-        return ContactTally(it.impulse, it.peak, 0.0, math.nan, math.nan, 0)
     sudden, met = it.law == Law.IMPACT, it.first >= 0
     last = now if it.touch == Status.PRESS and not sudden else it.last
     return ContactTally(
