@@ -13,7 +13,6 @@ from ..methods.duration import Forecast, Progress, warn
 from ..storage.extras import optional
 from .naming import Naming
 from .numbers import Number, evaluate
-from .quotients import Quotient
 
 FACTORED = 400  # terms: longer polynomials are shown as they are
 
@@ -26,8 +25,8 @@ class Field:
         self.sympy: Any = optional("sympy", "sympy")
         self.naming = naming
         names = [*naming.base, *naming.speeds]
-        self.ring, *generators = self.sympy.polys.rings.ring(names, self.sympy.ZZ)
-        self.names = {name: Quotient(x, 1, {}) for name, x in zip(names, generators, strict=True)}
+        self.field, *generators = self.sympy.polys.fields.field(names, self.sympy.ZZ)
+        self.names = dict(zip(names, generators, strict=True))
         self.symbols = {name: self.sympy.Symbol(name, **{"real" if name[0] == "v" else "positive":
                                                          True}) for name in naming.base}
         self._shown = [self.symbols.get(name) or self._speed(name) for name in names]
@@ -42,7 +41,8 @@ class Field:
 
     def of(self, wanted: Iterable[Number]) -> list[Any]:
         """Numbers of a run as rational functions."""
-        return evaluate(list(wanted), self.names, lambda x: Quotient.of(x, self.ring))
+        return evaluate(list(wanted), self.names,
+                        lambda x: self.field(x.numerator) / x.denominator)
 
     def told(self, polynomials: Sequence[Any]) -> Iterator[Any]:
         """Each of some polynomials that are worked on in turn, with news of how long it takes."""
@@ -57,10 +57,9 @@ class Field:
         shown = p.as_expr(*self._shown)
         return shown if len(p) > FACTORED else self.sympy.factor(shown)
 
-    def quotient(self, f: Quotient) -> Any:
+    def quotient(self, f: Any) -> Any:
         """A rational function as SymPy's expression."""
-        return self.polynomial(f.numer) / (f.number * self.sympy.prod(
-            p.as_expr(*self._shown) ** n for p, n in f.factors.items()))
+        return self.polynomial(f.numer) / self.polynomial(f.denom)
 
     def inequality(self, p: Any) -> Any:
         """A polynomial that is positive, as an inequality between sums."""

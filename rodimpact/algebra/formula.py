@@ -25,7 +25,6 @@ from .conditions import conditions
 from .field import Field
 from .inequalities import reduced
 from .naming import Naming
-from .quotients import Quotient
 from .rational import Exact, fractions_of
 from .rows import check_arguments, check_final
 
@@ -253,7 +252,7 @@ class ClosedForm:
         """
         known, at = self._values(values), self._field.at
 
-        def value(f: Quotient) -> Fraction | None:
+        def value(f: Any) -> Fraction | None:
             under = at(f.denom, known)
             return at(f.numer, known) / under if under else None
 

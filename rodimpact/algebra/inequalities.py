@@ -13,8 +13,6 @@ from typing import Any
 import numpy as np
 from scipy.optimize import nnls
 
-from .quotients import Quotient
-
 FACTORED = 400  # terms: longer polynomials are not factored
 COMPARED = 40  # terms: of longer ones it is not tried whether others imply them
 LARGEST_SHARE = 10**6  # denominator of the shares that are tried
@@ -26,12 +24,13 @@ def definite(p: Any) -> bool:
     return all(c > 0 and not any(powers[i] for i in signed) for powers, c in p.terms())
 
 
-def factors(functions: Iterable[Quotient], value: Callable[[Any], Fraction]) -> list[Any]:
+def factors(functions: Iterable[Any], value: Callable[[Any], Fraction]) -> list[Any]:
     """Factors whose signs decide those of rational functions, each signed as `value` has it.
 
     Parameters
     ----------
-    functions : iterable of Quotient
+    functions : iterable
+        Elements of SymPy's field of rational functions.
     value : callable
         Value of a polynomial at a place inside.
     """
@@ -39,7 +38,7 @@ def factors(functions: Iterable[Quotient], value: Callable[[Any], Fraction]) -> 
     for f in functions:
         whole = len(f.numer) > FACTORED or max(map(sum, f.numer.monoms())) <= 1
         upper = [(f.numer, 1)] if whole else f.numer.factor_list()[1]
-        for p, power in [*upper, *f.factors.items()]:
+        for p, power in [*upper, *f.denom.factor_list()[1]]:
             if power % 2 and not definite(p) and not definite(-p):
                 p = p.set_ring(p.ring.clone(domain=p.ring.domain.get_field())).primitive()[1]
                 found[p if value(p) > 0 else -p] = None

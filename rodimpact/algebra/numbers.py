@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterable, Mapping
+from decimal import Decimal, localcontext
 from fractions import Fraction
 from random import Random
 from typing import Any
@@ -18,6 +19,7 @@ OPERATIONS: dict[str, Callable[[Any, Any], Any]] = {
     "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv,
 }
 HALF = Fraction(1, 2)
+DECIMALS = 150  # with which formulas are evaluated to be told apart
 
 
 class Number:
@@ -122,41 +124,6 @@ def _made(operation: str, a: Number, b: Number) -> Number:
     return Number(value, (operation, a, b) if a.made or b.made else ())
 
 
-PRIME = (1 << 61) - 1
-
-
-def anywhere(count: int) -> list[int]:
-    """Numbers of no sort modulo the prime: unlike formulas hardly ever agree there."""
-    random = Random(1867)
-    return [random.randrange(1, PRIME) for _ in range(count)]
-
-
-class Residue:
-    """A fraction modulo the prime."""
-
-    __slots__ = ("value",)
-
-    def __init__(self, value: int) -> None:
-        self.value = value % PRIME
-
-    @classmethod
-    def of(cls, x: Fraction) -> Residue:
-        """Numerator over denominator."""
-        return cls(x.numerator) / cls(x.denominator)
-
-    def __add__(self, other: Residue) -> Residue:
-        return Residue(self.value + other.value)
-
-    def __sub__(self, other: Residue) -> Residue:
-        return Residue(self.value - other.value)
-
-    def __mul__(self, other: Residue) -> Residue:
-        return Residue(self.value * other.value)
-
-    def __truediv__(self, other: Residue) -> Residue:
-        return Residue(self.value * pow(other.value, -1, PRIME))
-
-
 def steps_to(wanted: Iterable[Number]) -> list[Number]:
     """All numbers from which the wanted ones were made, and these, each after its operands."""
     done: dict[int, Number] = {}
@@ -215,8 +182,10 @@ def evaluate(
     return Program(wanted, constant)(names)
 
 
-def mark(wanted: list[Number], names: Iterable[str]) -> tuple[int, ...]:
-    """What tells formulas apart: their values, modulo the prime, where names are of no sort."""
-    names = list(names)
-    there = dict(zip(names, map(Residue, anywhere(len(names))), strict=True))
-    return tuple(x.value for x in evaluate(wanted, there, Residue.of))
+def mark(wanted: list[Number], names: Iterable[str]) -> tuple[Decimal, ...]:
+    """What tells formulas apart: their values, to 40 decimals, where names are of no sort."""
+    random = Random(1867)
+    with localcontext(prec=DECIMALS):
+        there = {name: Decimal(1 + random.random()) for name in names}
+        found = evaluate(wanted, there, lambda x: Decimal(x.numerator) / x.denominator)
+        return tuple(round(x, 40) for x in found)
