@@ -27,7 +27,7 @@ import numpy as np
 
 import rodimpact as ri
 
-from .table import Row
+from .table import Case, Rows
 
 BOX = "textbook, box 10.4"
 STEEL, AREA, SPEED = ri.materials.steel, 1e-4, 2.0
@@ -41,12 +41,13 @@ RATIOS = {
 }
 
 
-def run() -> list[Row]:
+def run() -> Rows:
     """Identical rods, a rod on a wall, rods of different length, rods of equal transit time."""
-    rows = identical_rods() + rod_on_wall()
+    yield from identical_rods()
+    yield from rod_on_wall()
     for name, (short, long) in RATIOS.items():
-        rows += different_lengths(f"rods {name}", short, long)
-    return rows + equal_transit_times()
+        yield from different_lengths(Case(f"rods {name}", BOX), short, long)
+    yield from equal_transit_times()
 
 
 def rod(length: float, velocity: float = 0.0) -> ri.Rod:
@@ -54,36 +55,32 @@ def rod(length: float, velocity: float = 0.0) -> ri.Rod:
     return ri.Rod(length, area=AREA, material=STEEL, velocity=velocity)
 
 
-def identical_rods() -> list[Row]:
+def identical_rods() -> Rows:
     """Steel rods of 1 m."""
     o = ri.collide(rod(1.0, SPEED), rod(1.0))
-    case = "identical rods"
-    return [
-        Row(case, "e", BOX, 1.0, o.restitution, 1e-14),
-        Row(case, "velocity left after, m/s", BOX, 0.0, o.velocities_after[0], 1e-14),
-        Row(case, "velocity right after, m/s", BOX, SPEED, o.velocities_after[1], 1e-14),
-        Row(case, "vibration energy after, J", BOX, 0.0, sum(o.vibration_after), 1e-14),
-        Row(case, "contact time, s", BOX + ": 2 L/c", 2 / C, o.duration, 1e-14 * 2 / C),
-        Row(case, "contact time, 1 m of steel, ms", "about 0.4 ms; the textbook says a few ms",
-            0.4, o.duration * 1e3, 0.005),
-        Row(case, "wave speed of steel, m/s", "about 5000 m/s; the textbook says about 1000",
-            5000.0, float(STEEL.wave_speed), 100.0),
-    ]
+    case = Case("identical rods", BOX)
+    yield case.row("e", 1.0, o.restitution, 1e-14)
+    yield case.row("velocity left after, m/s", 0.0, o.velocities_after[0], 1e-14)
+    yield case.row("velocity right after, m/s", SPEED, o.velocities_after[1], 1e-14)
+    yield case.row("vibration energy after, J", 0.0, sum(o.vibration_after), 1e-14)
+    yield case.row("contact time, s", 2 / C, o.duration, 1e-14 * 2 / C, ": 2 L/c")
+    yield case.row("contact time, 1 m of steel, ms", 0.4, o.duration * 1e3, 0.005,
+                   "about 0.4 ms; the textbook says a few ms")
+    yield case.row("wave speed of steel, m/s", 5000.0, STEEL.wave_speed, 100.0,
+                   "about 5000 m/s; the textbook says about 1000")
 
 
-def rod_on_wall() -> list[Row]:
+def rod_on_wall() -> Rows:
     """A steel rod of 1 m on a wall."""
     o = ri.collide(rod(1.0, SPEED), ri.Wall())
-    case = "rod on a rigid wall"
-    return [
-        Row(case, "e", BOX, 1.0, o.restitution, 1e-14),
-        Row(case, "velocity after, m/s", BOX, -SPEED, o.velocities_after[0], 1e-14),
-        Row(case, "vibration energy after, J", BOX, 0.0, o.vibration_after[0], 1e-14),
-        Row(case, "contact time, s", BOX + ": 2 L/c", 2 / C, o.duration, 1e-14 * 2 / C),
-    ]
+    case = Case("rod on a rigid wall", BOX)
+    yield case.row("e", 1.0, o.restitution, 1e-14)
+    yield case.row("velocity after, m/s", -SPEED, o.velocities_after[0], 1e-14)
+    yield case.row("vibration energy after, J", 0.0, o.vibration_after[0], 1e-14)
+    yield case.row("contact time, s", 2 / C, o.duration, 1e-14 * 2 / C, ": 2 L/c")
 
 
-def different_lengths(case: str, short: float, long: float) -> list[Row]:
+def different_lengths(case: Case, short: float, long: float) -> Rows:
     """A short rod runs into a long one."""
     solution = ri.solve(ri.System([rod(short, SPEED), rod(long)]))
     o, contact = solution.outcome, solution.contacts[0]
@@ -92,31 +89,26 @@ def different_lengths(case: str, short: float, long: float) -> list[Row]:
     lost = (1 - e * e) * m1 * m2 / (m1 + m2) * SPEED**2 / 2
     x, t = np.linspace(0, short, 50)[:, None], np.linspace(2 * short / C, solution.t_end, 50)[1:]
     residue = max(np.abs(solution.velocity(0, x, t)).max(), np.abs(solution.strain(0, x, t)).max())
-    opening = contact.episodes[0].opening
-    return [
-        Row(case, "e", BOX + ": l1/l2", e, o.restitution, 1e-13),
-        Row(case, "mean velocity right after, m/s", BOX + ": (l1/l2) v", e * SPEED,
-            o.velocities_after[1], 1e-13),
-        Row(case, "largest velocity (m/s) or strain left in the short rod", BOX + ": at rest", 0.0,
-            float(residue), 1e-13),
-        Row(case, "vibration energy after, J", "(1 - e^2) m_coll v^2/2", lost,
-            sum(o.vibration_after), 1e-13),
-        Row(case, "force ends at, s", BOX + ": 2 l1/c", 2 * short / C, o.contacts[0].last, 1e-16),
-        Row(case, "gap opens at, s", "2 l2/c: touching without force until then", 2 * long / C,
-            opening, 1e-16),
-    ]
+    yield case.row("e", e, o.restitution, 1e-13, ": l1/l2")
+    yield case.row("mean velocity right after, m/s", e * SPEED, o.velocities_after[1], 1e-13,
+                   ": (l1/l2) v")
+    yield case.row("largest velocity (m/s) or strain left in the short rod", 0.0, residue, 1e-13,
+                   ": at rest")
+    yield case.row("vibration energy after, J", lost, sum(o.vibration_after), 1e-13,
+                   "(1 - e^2) m_coll v^2/2")
+    yield case.row("force ends at, s", 2 * short / C, o.contacts[0].last, 1e-16, ": 2 l1/c")
+    yield case.row("gap opens at, s", 2 * long / C, contact.episodes[0].opening, 1e-16,
+                   "2 l2/c: touching without force until then")
 
 
-def equal_transit_times() -> list[Row]:
+def equal_transit_times() -> Rows:
     """Steel on brass rods of equal transit time and very different impedance."""
     brass = ri.materials.brass
     length = 0.5 * float(brass.wave_speed) / float(STEEL.wave_speed)
-    rows = []
     for factor in (0.1, 3.0, 20.0):
         other = ri.Rod(length, area=factor * AREA, material=brass)
         ratio = float(other.segments[0].impedance) / float(rod(0.5).segments[0].impedance)
         o = ri.collide(rod(0.5, SPEED), other)
-        case = f"equal transit times, impedances 1 : {ratio:.3g}"
-        rows.append(Row(case, "e", "Saint-Venant: 1 at equal transit times", 1.0, o.restitution,
-                        1e-13))
-    return rows
+        case = Case(f"equal transit times, impedances 1 : {ratio:.3g}",
+                    "Saint-Venant: 1 at equal transit times")
+        yield case.row("e", 1.0, o.restitution, 1e-13)

@@ -11,19 +11,16 @@ from __future__ import annotations
 
 import rodimpact as ri
 
-from .table import Row
+from .table import Case, Rows
+from .unit import rod
 
 
-def run() -> list[Row]:
+def run() -> Rows:
     """The two bars, touching at t = 0."""
-    unit = ri.Material("unit", youngs_modulus=1.0, density=1.0)
-    left, right = (ri.Rod(10.0, area=4.0, material=unit, velocity=v) for v in (0.1, -0.1))
-    o = ri.collide(left, right)
-    case, source = "Cirak and West, two bars", "Cirak and West 2005, by hand"
-    return [
-        Row(case, "contact time", source, 20.0, o.duration, 1e-12),
-        Row(case, "force", source, 0.4, o.peak_force, 1e-14),
-        Row(case, "e", source, 1.0, o.restitution, 1e-13),
-        Row(case, "velocity left after", source, -0.1, o.velocities_after[0], 1e-14),
-        Row(case, "velocity right after", source, 0.1, o.velocities_after[1], 1e-14),
-    ]
+    o = ri.collide(rod(10.0, 4.0, 0.1), rod(10.0, 4.0, -0.1))
+    case = Case("Cirak and West, two bars", "Cirak and West 2005, by hand")
+    yield case.row("contact time", 20.0, o.duration, 1e-12)
+    yield case.row("force", 0.4, o.peak_force, 1e-14)
+    yield case.row("e", 1.0, o.restitution, 1e-13)
+    yield case.row("velocity left after", -0.1, o.velocities_after[0], 1e-14)
+    yield case.row("velocity right after", 0.1, o.velocities_after[1], 1e-14)

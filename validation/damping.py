@@ -29,7 +29,7 @@ from scipy.optimize import brentq, minimize_scalar
 import rodimpact as ri
 from rodimpact.plot.style import DASHES, FAINT, SERIES, dress, new_figure, styled
 
-from .table import Row
+from .table import Case, Row, Rows
 
 STEEL, AREA = ri.materials.steel, 1e-4
 DAMPED = STEEL.damped(loss_factor=0.05, frequency=2.5e3)
@@ -37,9 +37,9 @@ SHORT, LONG = 0.4, 1.0
 METHOD = "finite-difference"
 
 
-def run() -> list[Row]:
+def run() -> Rows:
     """Modes, restitution, energy."""
-    return modes() + modes_of_unequal_thickness() + restitution() + ringing()
+    return modes(), modes_of_unequal_thickness(), restitution(), ringing()
 
 
 def material(tau: float, Z: float = 1.0) -> ri.Material:
@@ -50,10 +50,9 @@ def material(tau: float, Z: float = 1.0) -> ri.Material:
 # Modes --------------------------------------------------------------------------------------------
 
 
-def modes() -> list[Row]:
+def modes() -> Rows:
     """Two ends free, two fixed, one of each; first, second and fifth mode."""
     tau, dt = 0.01, 0.999 / 200
-    rows = []
     for case, ends, shape, shift in (
         ("free", (ri.Free(), ri.Free()), np.cos, 0.0),
         ("fixed", (ri.Fixed(), ri.Fixed()), np.sin, 0.0),
@@ -70,9 +69,8 @@ def modes() -> list[Row]:
             crest = 0.0 if shape is np.cos else math.pi / 2 / k
             rate = decay(solution.velocity(0, crest, times), apart)
             expected = ri.theory.kelvin_voigt_decay(1.0, tau, k)
-            rows.append(Row(f"damped rod, {case}, mode {n}", "rate of decay over expected",
-                            "eta omega^2/(2 E)", 1.0, rate / expected, 2e-3))
-    return rows
+            yield Row(f"damped rod, {case}, mode {n}", "rate of decay over expected",
+                      "eta omega^2/(2 E)", 1.0, rate / expected, 2e-3)
 
 
 def decay(v: np.ndarray, dt: float) -> float:
@@ -82,7 +80,7 @@ def decay(v: np.ndarray, dt: float) -> float:
     return -math.log(b) / (2 * dt)
 
 
-def modes_of_unequal_thickness() -> list[Row]:
+def modes_of_unequal_thickness() -> Rows:
     """The lowest mode of a stepped rod of one material, which remains of a blow."""
     (L1, A1), (L2, A2), tau = (0.4, 3.0), (1.0, 1.0), 0.02
     k = float(brentq(lambda k: A1 * math.tan(k * L1) + A2 * math.tan(k * L2), 1.6, 3.0))
@@ -90,15 +88,11 @@ def modes_of_unequal_thickness() -> list[Row]:
     striker = ri.RigidMass(0.2, velocity=1.0)
     row = ri.System([striker, stepped])
     ring_down = ri.solve(row, method=METHOD, cells=100, until=50.0).ring_down()
-    case = "damped stepped rod, struck by a mass"
+    case = Case("damped stepped rod, struck by a mass", "A1 tan k l1 + A2 tan k l2 = 0")
     expected = 1 / (2 * ri.theory.kelvin_voigt_decay(1.0, tau, k))
-    source = "A1 tan k l1 + A2 tan k l2 = 0"
-    return [
-        Row(case, "decay time of the energy in the end", source, expected, ring_down.decay_time,
-            0.01 * expected),
-        Row(case, "frequency of the lowest mode", source, k / (2 * math.pi), ring_down.frequency,
-            1e-4),
-    ]
+    yield case.row("decay time of the energy in the end", expected, ring_down.decay_time,
+                   0.01 * expected)
+    yield case.row("frequency of the lowest mode", k / (2 * math.pi), ring_down.frequency, 1e-4)
 
 
 # Restitution --------------------------------------------------------------------------------------
@@ -129,36 +123,28 @@ def damped_pair(tau: float, Z1: float = 1.0, Z2: float = 1.0, cells: int = 400) 
     return ri.solve(ri.System(rods), method=METHOD, cells=cells, snapshots=2).outcome
 
 
-def restitution() -> list[Row]:
+def restitution() -> Rows:
     """One material and thickness, then unequal impedances."""
-    case = "damped rods 0.4 : 1"
-    rows = []
+    case = Case("damped rods 0.4 : 1", "conserved")
     for tau in (0.2, 0.1, 0.05, 0.02):
         o = damped_pair(tau)
-        rows += [
-            Row(case, f"e at eta c/(E L) = {tau:g}", "damped modes of one rod of 1.4", joined(tau),
-                o.restitution, 5e-6),
-            Row(case, f"energy after - before + heat at {tau:g}, relative", "conserved", 0.0,
-                o.energy_residual, 1e-12),
-            Row(case, f"momentum after - before at {tau:g}, relative", "conserved", 0.0,
-                o.momentum_residual, 1e-12),
-        ]
-    rows += [
-        Row(case, f"e at eta c/(E L) = {tau:g}", "no damping: l1/l2", SHORT,
-            damped_pair(tau).restitution, 1e-6)
-        for tau in (1e-2, 1e-3, 1e-4)
-    ]
+        yield case.row(f"e at eta c/(E L) = {tau:g}", joined(tau), o.restitution, 5e-6,
+                       "damped modes of one rod of 1.4")
+        yield case.row(f"energy after - before + heat at {tau:g}, relative", 0.0, o.energy_residual,
+                       1e-12)
+        yield case.row(f"momentum after - before at {tau:g}, relative", 0.0, o.momentum_residual,
+                       1e-12)
+    for tau in (1e-2, 1e-3, 1e-4):
+        yield case.row(f"e at eta c/(E L) = {tau:g}", SHORT, damped_pair(tau).restitution, 1e-6,
+                       "no damping: l1/l2")
     for Z1, Z2 in ((1.0, 2.0), (2.0, 1.0)):
         elastic = ri.theory.saint_venant(Z1, SHORT, Z2, LONG).restitution
         short_of = [elastic - damped_pair(tau, Z1, Z2).restitution for tau in (1e-3, 1e-4)]
-        case = f"damped rods 0.4 : 1, impedances {Z1:g} : {Z2:g}"
-        rows += [
-            Row(case, "e at eta c/(E L) = 1e-4", "no damping: Saint-Venant", elastic,
-                elastic - short_of[1], 0.01),
-            Row(case, "e of elastic rods - e at 1e-3, over the same at 1e-4", "eta^(1/2)",
-                round(math.sqrt(10), 6), short_of[0] / short_of[1], 0.1),
-        ]
-    return rows
+        case = Case(f"damped rods 0.4 : 1, impedances {Z1:g} : {Z2:g}", "conserved")
+        yield case.row("e at eta c/(E L) = 1e-4", elastic, elastic - short_of[1], 0.01,
+                       "no damping: Saint-Venant")
+        yield case.row("e of elastic rods - e at 1e-3, over the same at 1e-4",
+                       round(math.sqrt(10), 6), short_of[0] / short_of[1], 0.1, "eta^(1/2)")
 
 
 # Energy -------------------------------------------------------------------------------------------
@@ -171,27 +157,25 @@ def ringing_pair() -> ri.Solution:
     return ri.solve(ri.System(rods), method=METHOD, cells=150, until=15e-3)
 
 
-def ringing() -> list[Row]:
+def ringing() -> Rows:
     """From the energy after the impact to that of rigid bodies."""
     solution = ringing_pair()
     end = solution.ring_down()
-    case, source = "damped steel rods 0.4 m : 1 m", "rigid bodies, e = l1/l2"
+    case = Case("damped steel rods 0.4 m : 1 m", "rigid bodies, e = l1/l2")
     came = solution.outcome.kinetic_before
     book = solution.energy(solution.t_end)
-    return [
-        Row(case, "energy of the rigid motion, share", source, SHORT, end.rigid / came, 1e-4),
-        Row(case, "energy at the end, share", source, SHORT, float(book.total) / came, 1e-4),
-        Row(case, "heat, and what the grid loses as the ends meet, share", source, 1 - SHORT,
-            float(book.damped + book.numerical) / came, 1e-4),
-        Row(case, "energy after - before + heat, share", "conserved", 0.0,
-            float(book.residual) / came, 1e-12),
-        Row(case, "largest change of the momentum, relative", "conserved", 0.0,
-            end.momentum_change, 1e-12),
-        Row(case, "rises of the energy", "it falls", 0.0,
-            float(np.sum(np.diff(end.vibration) > 1e-14 * came)), 0.0),
-        Row(case, "decay time in the end, ms", "lowest mode of the longer rod",
-            round(1e3 * slowest(), 9), 1e3 * end.decay_time, 0.01),
-    ]
+    yield case.row("energy of the rigid motion, share", SHORT, end.rigid / came, 1e-4)
+    yield case.row("energy at the end, share", SHORT, float(book.total) / came, 1e-4)
+    yield case.row("heat, and what the grid loses as the ends meet, share", 1 - SHORT,
+                   float(book.damped + book.numerical) / came, 1e-4)
+    yield case.row("energy after - before + heat, share", 0.0, float(book.residual) / came, 1e-12,
+                   "conserved")
+    yield case.row("largest change of the momentum, relative", 0.0, end.momentum_change, 1e-12,
+                   "conserved")
+    yield case.row("rises of the energy", 0.0, np.sum(np.diff(end.vibration) > 1e-14 * came), 0.0,
+                   "it falls")
+    yield case.row("decay time in the end, ms", round(1e3 * slowest(), 9), 1e3 * end.decay_time,
+                   0.01, "lowest mode of the longer rod")
 
 
 def slowest() -> float:

@@ -27,7 +27,7 @@ import numpy as np
 import rodimpact as ri
 from rodimpact.model.quantities import Floats
 
-from .table import Row
+from .table import Case, Row, Rows
 
 STEEL = ri.materials.steel
 C = STEEL.wave_speed
@@ -38,12 +38,12 @@ SEGMENTS = 10
 WIDE = (math.exp(-4.0), math.exp(1.5))  # area ratios
 
 
-def run() -> list[Row]:
+def run() -> Rows:
     """Rows of the table."""
-    return [*shapes(), *hidden(), *restitutions(), *trap()]
+    return shapes(), hidden(), restitutions(), trap()
 
 
-def shapes() -> list[Row]:
+def shapes() -> Rows:
     """Strikers for three pulses."""
     s = np.linspace(0, 1, 2001)
     peak = 0.8 * Z * SPEED / 2
@@ -52,15 +52,12 @@ def shapes() -> list[Row]:
         "trapezoid, corners at 0, .3, .8, 1": (np.interp(s, [0, 0.3, 0.8, 1], [0, 1, 1, 0]), 0.062),
         "ramp, then 0": (s, 0.128),
     }
-    rows = []
     for name, (shape, bound) in wanted.items():
         pulse = ri.Signal(peak * shape, s * T, unit="N")
         found = ri.design.striker(pulse, BAR, velocity=SPEED, duration=T, segments=SEGMENTS,
                                   area_ratio=WIDE)
-        rows.append(Row(f"striker for a pulse: {name}", "misfit of the steps over the peak",
-                        "the wanted shape", 0.0,
-                        math.sqrt(found.misfit**2 - found.staircase**2), bound))
-    return rows
+        yield Row(f"striker for a pulse: {name}", "misfit of the steps over the peak",
+                  "the wanted shape", 0.0, math.sqrt(found.misfit**2 - found.staircase**2), bound)
 
 
 def glued(ratios: Floats, steps: int) -> Floats:
@@ -79,7 +76,7 @@ def glued(ratios: Floats, steps: int) -> Floats:
     return np.array(force)
 
 
-def hidden() -> list[Row]:
+def hidden() -> Rows:
     """Strikers from their pulses."""
     worst, misfits, step = [], [], T / SEGMENTS
     for seed in range(20):
@@ -91,28 +88,26 @@ def hidden() -> list[Row]:
         areas = np.array([piece.area for piece in found.system.bodies[0].segments])[::-1]
         worst.append(np.abs(areas / BAR.segments[0].area / ratios - 1).max())
         misfits.append(found.misfit)
-    case = "20 hidden strikers of ten steps"
-    return [
-        Row(case, "areas, largest relative error, median of the strikers", "the hidden one", 0.0,
-            float(np.median(worst)), 1e-9),
-        Row(case, "strikers with an area off by more than 1e-6", "the hidden ones", 0.0,
-            float(np.sum(np.array(worst) > 1e-6)), 1.0),
-        Row(case, "largest misfit of the pulse over the peak", "reflections step by step", 0.0,
-            max(misfits), 1e-12),
-    ]
+    case = Case("20 hidden strikers of ten steps", "the hidden one")
+    yield case.row("areas, largest relative error, median of the strikers", 0.0, np.median(worst),
+                   1e-9)
+    yield case.row("strikers with an area off by more than 1e-6", 0.0,
+                   np.sum(np.array(worst) > 1e-6), 1.0, "the hidden ones")
+    yield case.row("largest misfit of the pulse over the peak", 0.0, max(misfits), 1e-12,
+                   "reflections step by step")
 
 
-def restitutions() -> list[Row]:
+def restitutions() -> Rows:
     """Rods for a wanted e."""
     lengths = ri.Rod(np.linspace(0.05, 1.0, 8), area=1e-4, material=STEEL, velocity=1.0)
     longer = ri.Rod(1.0, area=1e-4, material=STEEL)
     found = [ri.design.restitution(e, ri.System([lengths, longer])) for e in (0.1, 0.45, 0.9)]
     off = max(abs(each.values["bodies.0.length"] - each.wanted) for each in found)
-    return [Row("length of a rod for e = 0.1, 0.45, 0.9", "l1/l2 - e, largest",
-                "textbook, box 10.4", 0.0, off, 1e-12)]
+    yield Row("length of a rod for e = 0.1, 0.45, 0.9", "l1/l2 - e, largest", "textbook, box 10.4",
+              0.0, off, 1e-12)
 
 
-def trap() -> list[Row]:
+def trap() -> Rows:
     """A trap that takes the second pulse of a striker."""
     striker = ri.Rod(0.2, area=3e-4, material=STEEL, velocity=SPEED)
     found = ri.design.momentum_trap(ri.System([striker, BAR]), after=1.4 / C, until=3.4 / C)
@@ -121,13 +116,8 @@ def trap() -> list[Row]:
     x = np.linspace(0, 1, 101)
     left = np.concatenate([solution.velocity(1, x, end) / SPEED,
                            solution.strain(1, x, end) * C / SPEED])
-    case = "momentum trap behind a bar of 1 m, striker of 0.2 m at 10 m/s"
-    return [
-        Row(case, "gap, mm", "V 2 L/c", 1e3 * SPEED * 0.4 / C, 1e3 * found.system.gaps[1], 1e-12),
-        Row(case, "length of the trap, m", "the striker's", 0.2,
-            float(found.system.bodies[2].length), 1e-12),
-        Row(case, "velocity of the trap, m/s", "the striker's", SPEED,
-            float(solution.mean_velocity(2, end)), 1e-10),
-        Row(case, "v or c strain left in the bar over V, largest", "at rest", 0.0,
-            float(np.abs(left).max()), 1e-12),
-    ]
+    case = Case("momentum trap behind a bar of 1 m, striker of 0.2 m at 10 m/s", "the striker's")
+    yield case.row("gap, mm", 1e3 * SPEED * 0.4 / C, 1e3 * found.system.gaps[1], 1e-12, "V 2 L/c")
+    yield case.row("length of the trap, m", 0.2, found.system.bodies[2].length, 1e-12)
+    yield case.row("velocity of the trap, m/s", SPEED, solution.mean_velocity(2, end), 1e-10)
+    yield case.zero("v or c strain left in the bar over V, largest", left, 1e-12, "at rest")

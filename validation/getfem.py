@@ -17,21 +17,21 @@ import numpy as np
 
 import rodimpact as ri
 
-from .table import Row
+from .table import Case, Rows
+from .unit import rod
 
 SOURCE = "Dabaghi et al. 2014"
 X = np.linspace(0.0, 1.0, 41)
-UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
 ROW = ri.System(  # floor, bar, wall bonded to the bar
-    [ri.Wall(), ri.Rod(1.0, area=1.0, material=UNIT, strain=-0.5), ri.Wall()], gaps=[0.5, 0.0],
+    [ri.Wall(), rod(1.0, strain=-0.5), ri.Wall()], gaps=[0.5, 0.0],
     contacts=[ri.Rigid(), ri.Bonded()],
 )
 PERIODS, STEPS = 10, 50
 
 
-def run() -> list[Row]:
+def run() -> Rows:
     """Fronts, then characteristics."""
-    return exactly() + for_long()
+    return exactly(), for_long()
 
 
 def height_of(t: np.ndarray) -> np.ndarray:
@@ -45,35 +45,30 @@ def force_of(t: np.ndarray) -> np.ndarray:
     return np.where((t % 3.0 > 1) & (t % 3.0 < 2), 0.5, 0.0)
 
 
-def exactly() -> list[Row]:
+def exactly() -> Rows:
     """Two periods of exact fronts."""
     solution = ri.solve(ROW, until=6.75)
     floor = solution.contacts[0]
-    case = "GetFEM, released bar"
+    case = Case("GetFEM, released bar", SOURCE)
     t = np.linspace(0.0, 6.75, 271)
     middle = (t + 0.0125)[:-1]
-    rows = [
-        Row(case, "height of the lower end, largest difference", SOURCE, 0.0,
-            float(np.abs(floor.gap(t) - height_of(t)).max()), 1e-13),
-        Row(case, "contact force, largest difference", SOURCE, 0.0,
-            float(np.abs(floor.force(middle) - force_of(middle)).max()), 1e-14),
-    ]
+    yield case.zero("height of the lower end, largest difference", floor.gap(t) - height_of(t),
+                    1e-13)
+    yield case.zero("contact force, largest difference", floor.force(middle) - force_of(middle),
+                    1e-14)
     for i, episode in enumerate(floor.episodes):
-        rows += [
-            Row(case, f"contact {i + 1} begins", SOURCE, 1.0 + 3 * i, episode.start, 1e-14),
-            Row(case, f"contact {i + 1} ends", SOURCE, 2.0 + 3 * i, episode.opening, 1e-14),
-        ]
+        yield case.row(f"contact {i + 1} begins", 1.0 + 3 * i, episode.start, 1e-14)
+        yield case.row(f"contact {i + 1} ends", 2.0 + 3 * i, episode.opening, 1e-14)
     for later in (3.0, 6.0):
         apart = [
             np.abs(field(1, X, later) - field(1, X, 0.0)).max()
             for field in (solution.velocity, solution.strain, solution.displacement)
         ]
-        rows.append(Row(case, f"state at t = {later:g}, largest difference from t = 0", SOURCE,
-                        0.0, float(max(apart)), 1e-13))
-    return rows
+        yield case.row(f"state at t = {later:g}, largest difference from t = 0", 0.0, max(apart),
+                       1e-13)
 
 
-def for_long() -> list[Row]:
+def for_long() -> Rows:
     """Ten periods of characteristics."""
     end = 3.0 * PERIODS
     solution = ri.solve(ROW, until=end, method="characteristics")
@@ -81,13 +76,10 @@ def for_long() -> list[Row]:
     t = np.arange(round(end * STEPS) + 1) / STEPS
     middle = (t[:-1] + t[1:]) / 2
     tops = floor.gap(3.0 * np.arange(1, PERIODS + 1))
-    case = f"GetFEM, released bar, {PERIODS} periods of characteristics"
-    return [
-        Row(case, "contacts", SOURCE, float(PERIODS), float(len(floor.episodes)), 0.0),
-        Row(case, "height of the lower end, largest difference", SOURCE, 0.0,
-            float(np.abs(floor.gap(t) - height_of(t)).max()), 1e-12),
-        Row(case, "contact force, largest difference", SOURCE, 0.0,
-            float(np.abs(floor.force(middle) - force_of(middle)).max()), 1e-12),
-        Row(case, "highest point of each period, largest drift", SOURCE, 0.0,
-            float(np.abs(tops - 0.5).max()), 1e-12),
-    ]
+    case = Case(f"GetFEM, released bar, {PERIODS} periods of characteristics", SOURCE)
+    yield case.row("contacts", float(PERIODS), len(floor.episodes), 0.0)
+    yield case.zero("height of the lower end, largest difference", floor.gap(t) - height_of(t),
+                    1e-12)
+    yield case.zero("contact force, largest difference", floor.force(middle) - force_of(middle),
+                    1e-12)
+    yield case.zero("highest point of each period, largest drift", tops - 0.5, 1e-12)

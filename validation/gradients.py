@@ -17,55 +17,48 @@ import numpy as np
 
 import rodimpact as ri
 
-from .saint_venant import rod
-from .table import Row
+from .table import Case, Row, Rows
+from .unit import rod
 
 BOX, SERIES, EULER = "textbook, box 10.4: l1/l2", "Saint-Venant 1867", "Euler's theorem"
 LENGTHS = ("bodies.0.length", "bodies.1.length")
 ROWS = 50
 
 
-def run() -> list[Row]:
+def run() -> Rows:
     """The box, its kink, a pair near 2 : 5, random rows of three."""
-    return box() + near_two_to_five() + scaling()
+    return box(), near_two_to_five(), scaling()
 
 
-def box() -> list[Row]:
+def box() -> Rows:
     """Lengths 2 : 5 and equal lengths."""
-    case = "rods of one section"
-    g = ri.gradient(ri.System([rod(1, 2, 1.0), rod(1, 5)]), wrt=LENGTHS)
-    rows = [
-        Row(case, f"de/dl{i + 1} at 2 : 5", BOX, exact, g[path], 1e-8)
-        for i, (path, exact) in enumerate(zip(LENGTHS, (1 / 5, -2 / 25), strict=True))
-    ]
-    kink = ri.gradient(ri.System([rod(1, 2, 1.0), rod(1, 2)]), wrt=LENGTHS).kinks[LENGTHS[0]]
-    return [
-        *rows,
-        Row(case, "de/dl1 below l1 = l2 = 2", BOX, 0.5, kink.below, 1e-8),
-        Row(case, "de/dl1 above l1 = l2 = 2", "the same with l1 and l2 exchanged", -0.5,
-            kink.above, 1e-8),
-        Row(case, "when the order of waves changes there, s", "2 T", 4.0, kink.time, 1e-12),
-    ]
+    case = Case("rods of one section", BOX)
+    g = ri.gradient(ri.System([rod(2, velocity=1.0), rod(5)]), wrt=LENGTHS)
+    for i, (path, exact) in enumerate(zip(LENGTHS, (1 / 5, -2 / 25), strict=True)):
+        yield case.row(f"de/dl{i + 1} at 2 : 5", exact, g[path], 1e-8)
+    kink = ri.gradient(ri.System([rod(2, velocity=1.0), rod(2)]), wrt=LENGTHS).kinks[LENGTHS[0]]
+    yield case.row("de/dl1 below l1 = l2 = 2", 0.5, kink.below, 1e-8)
+    yield case.row("de/dl1 above l1 = l2 = 2", -0.5, kink.above, 1e-8,
+                   "the same with l1 and l2 exchanged")
+    yield case.row("when the order of waves changes there, s", 4.0, kink.time, 1e-12, "2 T")
 
 
-def near_two_to_five() -> list[Row]:
+def near_two_to_five() -> Rows:
     """Transit times 2.05 : 5.15, impedances 1 : 1.7."""
     T1, T2, r = 2.05, 5.15, 1.7
-    g = ri.gradient(ri.System([rod(1, T1, 1.0), rod(r, T2)]), wrt=[*LENGTHS, "bodies.1.area"])
+    g = ri.gradient(ri.System([rod(T1, velocity=1.0), rod(T2, r)]), wrt=[*LENGTHS, "bodies.1.area"])
     exact = (2 / (T2 * (1 + r)), -2 * T1 / (T2**2 * (1 + r)), 2 * (T2 - T1) / (T2 * (1 + r) ** 2))
-    return [
-        Row("T 2.05 : 5.15, Z 1 : 1.7", f"de/d{name}", SERIES, value, g[path], 1e-13)
-        for name, path, value in zip(("T1", "T2", "r"), g.wrt, exact, strict=True)
-    ]
+    for name, path, value in zip(("T1", "T2", "r"), g.wrt, exact, strict=True):
+        yield Row("T 2.05 : 5.15, Z 1 : 1.7", f"de/d{name}", SERIES, value, g[path], 1e-13)
 
 
-def scaling() -> list[Row]:
+def scaling() -> Rows:
     """What derivatives of the last velocity add up to, each times its number."""
     rng, worst = np.random.default_rng(18), np.zeros(3)
     for _ in range(ROWS):
         T, Z = rng.uniform(1, 2, 3), rng.uniform(0.5, 2, 3)
         v, gap = sorted(rng.uniform(0, 1, 3), reverse=True), float(rng.uniform(0.1, 1))
-        system = ri.System([rod(*of) for of in zip(Z, T, v, strict=True)], gaps=[gap, 0.0])
+        system = ri.System([rod(*of) for of in zip(T, Z, v, strict=True)], gaps=[gap, 0.0])
         paths = [f"bodies.{i}.{name}" for name in ("length", "area", "velocity") for i in range(3)]
         g = ri.gradient(system, "velocity_after.2", [*paths, "contacts.0.gap"])
         by_number = np.concatenate([T, Z, v]) * [g[path] for path in paths]
@@ -73,9 +66,7 @@ def scaling() -> list[Row]:
         by_gap = gap * g["contacts.0.gap"]
         wrong = (sums[0] + by_gap, sums[1], sums[2] + by_gap - g.value)
         worst = np.maximum(worst, np.abs(wrong))
-    return [
-        Row(f"{ROWS} random rows of three", f"velocity after by {what}, largest difference", EULER,
-            0.0, float(difference), 1e-12)
-        for what, difference in zip(("lengths and gap", "areas", "velocities and gap"), worst,
-                                    strict=True)
-    ]
+    for what, difference in zip(
+            ("lengths and gap", "areas", "velocities and gap"), worst, strict=True):
+        yield Row(f"{ROWS} random rows of three", f"velocity after by {what}, largest difference",
+                  EULER, 0.0, float(difference), 1e-12)

@@ -32,7 +32,7 @@ import rodimpact as ri
 from rodimpact.methods import kernels
 
 from .sphere_on_wall import method_of_steps
-from .table import AtLeast, Row
+from .table import Case, Rows
 
 FINEST = 16 if kernels.enabled() else 8  # plain Python takes too long for more
 CELLS = tuple(round(100 * 2 ** (i / 2)) for i in range(2 * FINEST.bit_length() - 1))
@@ -52,9 +52,9 @@ def rod(*segments: tuple[float, float, float], velocity: float = 0.0, strain: ri
     return ri.Rod(segments=[segment(*x) for x in segments], velocity=velocity, strain=strain)
 
 
-def run() -> list[Row]:
+def run() -> Rows:
     """Jumps, then what is smooth."""
-    return jumps() + pulse() + compliant()
+    return jumps(), pulse(), compliant()
 
 
 def systems() -> dict[str, ri.System]:
@@ -91,16 +91,16 @@ def systems() -> dict[str, ri.System]:
     }
 
 
-def order(errors: list[float], cells: tuple[int, ...]) -> float:
+def order(errors: np.ndarray | list[float], cells: tuple[int, ...]) -> float:
     """Of the error in the size of the cells, by least squares."""
     return -float(np.polyfit(np.log(cells), np.log(errors), 1)[0])
 
 
-def jumps() -> list[Row]:
+def jumps() -> Rows:
     """Errors at 800 cells, and their orders."""
-    source, quantities = "fronts", ("velocities after", "impulses", "velocity field in L1")
-    rows = []
-    for case, system in systems().items():
+    quantities = ("velocities after", "impulses", "velocity field in L1")
+    for name, system in systems().items():
+        case = Case(name, "fronts")
         free = ri.solve(system)
         end = 1.2 * max(x.force_end for contact in free.contacts for x in contact.episodes)
         exact = ri.solve(system, until=end)
@@ -108,19 +108,14 @@ def jumps() -> list[Row]:
         presses = [float(sum(c.episodes for c in x.outcome.contacts))
                    for x in (exact, solutions[-1])]
         errors = np.array([error(system, exact, x) for x in solutions]).T
-        rows.append(Row(case, "contacts in all", source, *presses, 0.0))
-        rows += [
-            Row(case, f"{name}, error with {SHOWN} cells", source, 0.0,
-                float(off[CELLS.index(SHOWN)]), bound)
-            for name, off, bound in zip(quantities, errors, (1e-3, 1e-3, 1e-2), strict=True)
-        ]
-        rows += [
-            AtLeast(case, f"{name}, order of the error", "at least", expected,
-                    order(off.tolist(), CELLS), bound)
-            for name, off, (expected, bound) in zip(
-                quantities, errors, ((1.0, 0.4), (1.0, 0.4), (0.7, 0.3)), strict=True)
-        ]
-    return rows
+        yield case.row("contacts in all", *presses, 0.0)
+        for quantity, off, bound in zip(quantities, errors, (1e-3, 1e-3, 1e-2), strict=True):
+            yield case.row(f"{quantity}, error with {SHOWN} cells", 0.0, off[CELLS.index(SHOWN)],
+                           bound)
+        for quantity, off, (expected, bound) in zip(
+                quantities, errors, ((1.0, 0.4), (1.0, 0.4), (0.7, 0.3)), strict=True):
+            yield case.at_least(f"{quantity}, order of the error", expected, order(off, CELLS),
+                                bound)
 
 
 def on_grid(system: ri.System, exact: ri.Solution, N: int) -> ri.Solution:
@@ -151,9 +146,9 @@ def error(
     return velocity, impulse, off / length
 
 
-def pulse() -> list[Row]:
+def pulse() -> Rows:
     """A smooth pulse runs to the right, meets a step of the impedance, and is split."""
-    case, source = "smooth pulse in a stepped rod", "d'Alembert"
+    case = Case("smooth pulse in a stepped rod", "d'Alembert")
     (Z1, c1, T1), (Z2, c2, T2) = (1.0, 1.0, 1.5), (3.0, 1.2, 1.9)
     x1, x2 = np.linspace(0.0, T1 * c1, 3001)[:-1], np.linspace(0.0, T2 * c2, 4001)
     times = np.array([0.4, 0.8, 1.6])  # of arrival at the step, while it is there, behind it
@@ -180,42 +175,35 @@ def pulse() -> list[Row]:
                               snapshots=times).velocity(0, x, times) - exact).mean())
         for N in CELLS
     ]
-    return [
-        Row(case, f"velocity field in L1, error with {SHOWN} cells", source, 0.0,
-            errors[CELLS.index(SHOWN)], 2e-5),
-        AtLeast(case, "velocity field in L1, order of the error", "at least", 2.0,
-                order(errors, CELLS), 0.1),
-    ]
+    yield case.row(f"velocity field in L1, error with {SHOWN} cells", 0.0,
+                   errors[CELLS.index(SHOWN)], 2e-5)
+    yield case.at_least("velocity field in L1, order of the error", 2.0, order(errors, CELLS), 0.1)
 
 
-def compliant() -> list[Row]:
+def compliant() -> Rows:
     """Hertz ends and springs."""
     pair = [rod((1, 1, 0.7), velocity=1.0), rod((0.5, 1.3, 1.1 / 1.3))]
     halves = [rod((1, 1, 0.4), velocity=1.0), rod((1, 1, 1.0))]
     struck = [ri.RigidMass(1.0, velocity=1.0), halves[1]]
     hertz, spring = ri.Hertz(10.0), ri.Spring(3.0)
-    steps, rows = "method of steps", []
-    for case, bodies, law, source in (
-        ("Hertz ends, rods 0.4 : 1", halves, hertz, steps),
-        ("mass on rod with a Hertz end", struck, hertz, steps),
-        ("Hertz ends, two rods that differ in everything", pair, hertz, "characteristics"),
-        ("spring between two rods that differ in everything", pair, spring, "characteristics"),
+    steps, pieces = "method of steps", "characteristics"
+    for case, bodies, law in (
+        (Case("Hertz ends, rods 0.4 : 1", steps), halves, hertz),
+        (Case("mass on rod with a Hertz end", steps), struck, hertz),
+        (Case("Hertz ends, two rods that differ in everything", pieces), pair, hertz),
+        (Case("spring between two rods that differ in everything", pieces), pair, spring),
     ):
         system = ri.System(bodies, contacts=[law])
         masses = [body.mass for body in bodies]
-        if source == steps:
+        if case.source == steps:
             rods = [(1.0, float(body.length)) for body in bodies if isinstance(body, ri.Rod)]
             mass = math.inf if len(rods) == 2 else 1.0
             exact = method_of_steps(hertz.stiffness, 1.0, rods, mass, until=4.0).impulse
         else:
-            exact = ri.solve(system, method=source, rtol=1e-9).outcome.impulse
+            exact = ri.solve(system, method=pieces, rtol=1e-9).outcome.impulse
         e = exact * (1 / masses[0] + 1 / masses[1]) - 1
         outcomes = [ri.solve(system, method="finite-difference", cells=N).outcome for N in SMOOTH]
         for name, off in (("e", [abs(o.restitution - e) for o in outcomes]),
                           ("impulse", [abs(o.impulse / exact - 1) for o in outcomes])):
-            rows += [
-                Row(case, f"{name}, error with {SMOOTH[-1]} cells", source, 0.0, off[-1], 2e-6),
-                AtLeast(case, f"{name}, order of the error", "at least", 2.0, order(off, SMOOTH),
-                        0.1),
-            ]
-    return rows
+            yield case.row(f"{name}, error with {SMOOTH[-1]} cells", 0.0, off[-1], 2e-6)
+            yield case.at_least(f"{name}, order of the error", 2.0, order(off, SMOOTH), 0.1)

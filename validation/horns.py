@@ -28,17 +28,17 @@ import numpy as np
 import rodimpact as ri
 
 from .lateral_inertia import frequency
-from .table import Row
+from .table import Case, Row, Rows
+from .unit import UNIT, rod
 
-UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
 METHOD, CELLS = "finite-difference", 400
 ALONG = np.linspace(0.0, 1.0, 8001)  # places of samples
 APEX = 0.5  # from the smaller end of a cone
 
 
-def run() -> list[Row]:
+def run() -> Rows:
     """Cones, fronts, modes, steps."""
-    return cone() + fronts() + modes() + steps()
+    return cone(), fronts(), modes(), steps()
 
 
 def horn(area: Callable[[np.ndarray], np.ndarray], **moving: ri.Samples | float) -> ri.Rod:
@@ -56,25 +56,23 @@ def exponential(beta: float) -> Callable[[np.ndarray], np.ndarray]:
     return lambda x: np.exp(2 * beta * x)
 
 
-def cone() -> list[Row]:
+def cone() -> Rows:
     """A speed, then a pressure on the smaller end."""
-    case, source = "cone, A1/A0 = 9", "s u obeys d'Alembert"
+    case = Case("cone, A1/A0 = 9", "s u obeys d'Alembert")
     t, x = np.array([0.3, 0.6, 0.9]), ((np.arange(2000) + 0.5) / 2000)[:, None]
     moved = on_grid(ri.Moved(1.0), t).velocity(0, x, t)
     exact = np.where(x < t, APEX / (APEX + x), 0.0)
     behind = x < t - 0.1
     pushed = on_grid(ri.Pushed(1.0), t).velocity(0, x, t)
     by_pressure = under_pressure(t, x)
-    return [
-        Row(case, "given speed: velocity, mean difference", source, 0.0,
-            float(np.abs(moved - exact).mean()), 2e-3),
-        Row(case, "given speed: velocity 0.1 behind the front, largest difference", source, 0.0,
-            float(np.abs(moved - exact)[behind].max()), 1e-3),
-        Row(case, "given pressure: velocity, mean difference", source, 0.0,
-            float(np.abs(pushed - by_pressure).mean()), 2e-3),
-        Row(case, "given pressure: velocity 0.1 behind the front, largest difference", source, 0.0,
-            float(np.abs(pushed - by_pressure)[behind].max()), 1e-3),
-    ]
+    yield case.row("given speed: velocity, mean difference", 0.0, np.abs(moved - exact).mean(),
+                   2e-3)
+    yield case.row("given speed: velocity 0.1 behind the front, largest difference", 0.0,
+                   np.abs(moved - exact)[behind].max(), 1e-3)
+    yield case.row("given pressure: velocity, mean difference", 0.0,
+                   np.abs(pushed - by_pressure).mean(), 2e-3)
+    yield case.row("given pressure: velocity 0.1 behind the front, largest difference", 0.0,
+                   np.abs(pushed - by_pressure)[behind].max(), 1e-3)
 
 
 def under_pressure(t: np.ndarray, x: np.ndarray) -> np.ndarray:
@@ -91,9 +89,8 @@ def on_grid(end: ri.Moved | ri.Pushed, times: np.ndarray) -> ri.Solution:
     return ri.solve(row, method=METHOD, cells=CELLS, until=until, snapshots=times)
 
 
-def fronts() -> list[Row]:
+def fronts() -> Rows:
     """Through a horn and to its free end."""
-    rows = []
     for case, area in (("cone, A1/A0 = 9", conical), ("exponential horn, beta L = 1",
                                                        exponential(1.0))):
         t = np.linspace(0.98, 1.05, 701)
@@ -101,17 +98,14 @@ def fronts() -> list[Row]:
         v = ri.solve(row, method=METHOD, cells=CELLS, until=1.05, snapshots=t).velocity(0, 1.0, t)
         growth = 2 * ri.theory.horn_amplification(1.0, float(area(np.array(1.0))))
         i = int(np.argmax(v > growth / 2))
-        rows += [
-            Row(case, "front arrives, L/c", "L/c", 1.0, float(t[i]), 5e-3),
-            Row(case, "velocity of the free end behind the front", "2 (A0/A1)^(1/2)", growth,
-                float(np.interp(1.01, t, v)), 0.02 * growth),
-        ]
-    return rows
+        yield Row(case, "front arrives, L/c", "L/c", 1.0, float(t[i]), 5e-3)
+        yield Row(case, "velocity of the free end behind the front", "2 (A0/A1)^(1/2)", growth,
+                  float(np.interp(1.01, t, v)), 0.02 * growth)
 
 
-def modes() -> list[Row]:
+def modes() -> Rows:
     """Of an exponential horn."""
-    beta, dt, rows = 4.0, 0.999 / CELLS, []
+    beta, dt = 4.0, 0.999 / CELLS
     for case, ends in (("free", (ri.Free(), ri.Free())), ("fixed", (ri.Fixed(), ri.Fixed()))):
         for n in (1, 2, 3):
             k = n * math.pi
@@ -124,16 +118,14 @@ def modes() -> list[Row]:
                                 until=float(times[-1]), snapshots=times)
             v = solution.velocity(0, 0.0 if case == "free" else 0.5 / n, times)
             exact = float(ri.theory.horn_frequency(1.0, k, beta))
-            rows.append(Row(f"exponential horn, beta L = 4, {case} ends",
-                            f"angular frequency of mode {n}", "c (k^2 + beta^2)^(1/2)", exact,
-                            frequency(v, 10 * dt), 1e-4 * exact))
-    return rows
+            yield Row(f"exponential horn, beta L = 4, {case} ends",
+                      f"angular frequency of mode {n}", "c (k^2 + beta^2)^(1/2)", exact,
+                      frequency(v, 10 * dt), 1e-4 * exact)
 
 
-def steps() -> list[Row]:
+def steps() -> Rows:
     """A rod strikes the smaller, and the larger end of a horn."""
-    striker = ri.Rod(0.3, area=1.0, material=UNIT, velocity=1.0)
-    rows = []
+    striker = rod(0.3, velocity=1.0)
     for case, area, bound in (
         ("rod strikes a cone, A1/A0 = 9", conical, 5e-5),
         ("rod strikes an exponential horn, beta L = 1", exponential(1.0), 5e-5),
@@ -144,8 +136,5 @@ def steps() -> list[Row]:
                            method="fronts").outcome
         o = ri.solve(ri.System([striker, struck]), method=METHOD, cells=CELLS).outcome
         source = "200 steps by fronts"
-        rows += [
-            Row(case, "e", source, stepped.restitution, o.restitution, bound),
-            Row(case, "impulse", source, stepped.impulse, o.impulse, bound),
-        ]
-    return rows
+        yield Row(case, "e", source, stepped.restitution, o.restitution, bound)
+        yield Row(case, "impulse", source, stepped.impulse, o.impulse, bound)

@@ -29,7 +29,7 @@ from scipy.optimize import brentq
 
 import rodimpact as ri
 
-from .table import Row
+from .table import Row, Rows
 
 STEEL = ri.Material("steel", youngs_modulus=200e9, density=7850.0, poisson_ratio=0.29)
 RADIUS = 9.5e-3
@@ -39,9 +39,9 @@ PER_METRE = 400  # cells
 METHOD = "finite-difference"
 
 
-def run() -> list[Row]:
+def run() -> Rows:
     """Phase velocities, then rises."""
-    return phase_velocities() + rises()
+    return phase_velocities(), rises()
 
 
 def frequency(v: np.ndarray, dt: float) -> float:
@@ -50,11 +50,11 @@ def frequency(v: np.ndarray, dt: float) -> float:
     return math.acos(float(both @ here / (2 * here @ here))) / dt
 
 
-def phase_velocities() -> list[Row]:
+def phase_velocities() -> Rows:
     """Two to ten half waves in a bar of length 1 and radius 1/(10 pi)."""
     L, radius, N = 1.0, 0.1 / math.pi, 200
     material = ri.Material("unit", youngs_modulus=1.0, density=1.0, poisson_ratio=0.29)
-    dt, rows = 0.999 / N, []
+    dt = 0.999 / N
     for half_waves in (2, 4, 6, 8, 10):
         k = half_waves * math.pi / L
         bar = ri.Rod(L, diameter=2 * radius, material=material, lateral_inertia="rayleigh-love",
@@ -64,9 +64,8 @@ def phase_velocities() -> list[Row]:
                             snapshots=times)
         got = frequency(solution.velocity(0, 0.0, times), 5 * dt) / k
         exact = float(ri.theory.rayleigh_love_speed(1.0, 0.29, radius / math.sqrt(2), k))
-        rows.append(Row("round bar, nu = 0.29", f"phase velocity over c at k r = {k * radius:.1f}",
-                        "Rayleigh-Love", exact, got, 1e-5))
-    return rows
+        yield Row("round bar, nu = 0.29", f"phase velocity over c at k r = {k * radius:.1f}",
+                  "Rayleigh-Love", exact, got, 1e-5)
 
 
 def by_modes(x: float, t: float) -> float:
@@ -78,7 +77,7 @@ def by_modes(x: float, t: float) -> float:
     return float(1 - x / D - 2 / D * waves.sum())
 
 
-def rises() -> list[Row]:
+def rises() -> Rows:
     """From 10 to 90 % in microseconds."""
     c, case = float(STEEL.wave_speed), "step of velocity in a steel bar of 19 mm"
     bar = ri.Rod(8.2, diameter=2 * RADIUS, material=STEEL, lateral_inertia="rayleigh-love")
@@ -88,7 +87,6 @@ def rises() -> list[Row]:
     times = np.concatenate(list(windows.values()))
     solution = ri.solve(row, method=METHOD, cells=round(8.2 * PER_METRE), until=float(times.max()),
                         snapshots=times)
-    rows = []
     for x, quoted in QUOTED.items():
         t = windows[x]
         on_grid = passage(t, solution.velocity(0, float(x), t))
@@ -102,14 +100,11 @@ def rises() -> list[Row]:
         exact = 1e6 * (late - early)
         closed = 1e6 * rise_by_contour(x, c, 0.29 * GYRATION)
         name = f"rise after {x} m, us"
-        rows += [
-            Row(case, f"{name}, by contour integral", "sum over modes", round(exact, 6), closed,
-                1e-5),
-            Row(case, name, "sum over modes", round(exact, 6), 1e6 * on_grid, 0.03),
-            Row(case, f"{name}, beside a round value", "round values", quoted, 1e6 * on_grid,
-                0.25),
-        ]
-    return rows
+        yield Row(case, f"{name}, by contour integral", "sum over modes", round(exact, 6), closed,
+                  1e-5)
+        yield Row(case, name, "sum over modes", round(exact, 6), 1e6 * on_grid, 0.03)
+        yield Row(case, f"{name}, beside a round value", "round values", quoted, 1e6 * on_grid,
+                  0.25)
 
 
 def rise_by_contour(distance: float, wave_speed: float, size: float) -> float:

@@ -29,19 +29,19 @@ import numpy as np
 
 import rodimpact as ri
 
-from .table import Row
+from .table import Case, Row, Rows, largest
+from .unit import UNIT, rod
 
 STEEL, AREA = ri.materials.steel, 1e-4
-UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)  # impedance = area, transit = length
 BODY = 10.0, 20.0  # impedance and length
 
 
-def run() -> list[Row]:
+def run() -> Rows:
     """Pairs, second contacts, chains, cradles."""
-    return pairs() + second_contacts() + chains() + cradles()
+    return pairs(), second_contacts(), chains(), cradles()
 
 
-def pairs() -> list[Row]:
+def pairs() -> Rows:
     """Maps over length and area, and lines on them."""
     lengths, areas = np.geomspace(0.1, 10, 48)[:, None], AREA * np.geomspace(0.1, 10, 52)
     first = ri.Rod(lengths, area=areas, material=STEEL, velocity=1.0)
@@ -49,45 +49,38 @@ def pairs() -> list[Row]:
     got = ri.sweep(ri.System([first, second]))
     exact = ri.theory.saint_venant(
         *(x for rod in (first, second) for x in (rod.segments[0].impedance, rod.transit_time)))
-    case = f"steel rods, lengths and areas 0.1 to 10, {got.restitution.size} pairs"
-    rows = [
-        Row(case, "e, largest difference", "Saint-Venant 1867", 0.0,
-            largest(got.restitution - exact.restitution), 1e-11),
-        Row(case, "impulse, largest relative difference", "Saint-Venant 1867", 0.0,
-            largest(got.impulse / exact.impulse - 1), 1e-11),
-        Row(case, "vibration left - (1 - e^2) m_coll v_rel^2/2, relative to the kinetic energy",
-            "rigid bodies with this e", 0.0,
-            largest((got.vibration - exact.vibration_energy) / (first.mass / 2)), 1e-11),
-    ]
+    case = Case(f"steel rods, lengths and areas 0.1 to 10, {got.restitution.size} pairs",
+                "Saint-Venant 1867")
+    yield case.zero("e, largest difference", got.restitution - exact.restitution, 1e-11)
+    yield case.zero("impulse, largest relative difference", got.impulse / exact.impulse - 1, 1e-11)
+    yield case.zero("vibration left - (1 - e^2) m_coll v_rel^2/2, relative to the kinetic energy",
+                    (got.vibration - exact.vibration_energy) / (first.mass / 2), 1e-11,
+                    "rigid bodies with this e")
     ratio = np.linspace(0.05, 3, 119)
     same = ri.Rod(ratio, area=AREA, material=STEEL, velocity=1.0)
     e = ri.sweep(ri.System([same, second])).restitution
-    rows.append(Row("steel rods of one area, l1/l2 from 0.05 to 3",
-                    "e - shorter over longer, largest", "textbook, box 10.4", 0.0,
-                    largest(e - np.minimum(ratio, 1 / ratio)), 1e-13))
+    yield Row("steel rods of one area, l1/l2 from 0.05 to 3", "e - shorter over longer, largest",
+              "textbook, box 10.4", 0.0, largest(e - np.minimum(ratio, 1 / ratio)), 1e-13)
     brass = ri.Rod(ri.materials.brass.wave_speed / STEEL.wave_speed, area=areas,
                    material=ri.materials.brass)
     e = ri.sweep(ri.System([ri.Rod(1.0, area=AREA, material=STEEL, velocity=1.0), brass]))
-    rows.append(Row("steel on brass, equal transit times, areas 0.1 to 10", "e - 1, largest",
-                    "Saint-Venant 1867", 0.0, largest(e.restitution - 1), 1e-13))
-    return rows
+    yield Row("steel on brass, equal transit times, areas 0.1 to 10", "e - 1, largest",
+              "Saint-Venant 1867", 0.0, largest(e.restitution - 1), 1e-13)
 
 
-def second_contacts() -> list[Row]:
+def second_contacts() -> Rows:
     """A rod with a nose before a heavy body, struck by a rod of impedance 1."""
     z, L = np.linspace(1.01, 2.6, 32)[:, None], np.linspace(1.05, 3.0, 40)
     Z, length = BODY
     struck = ri.Rod(segments=[ri.Segment(L, z, UNIT), ri.Segment(length, Z, UNIT)])
-    striker = ri.Rod(1.0, area=1.0, material=UNIT, velocity=1.0)
-    result = ri.sweep(ri.System([striker, struck]), on_error="raise")
+    result = ri.sweep(ri.System([rod(1.0, velocity=1.0), struck]), on_error="raise")
     expected = np.where(z < 1 + 2 * (Z - z) / (Z + z) / L, 2, 1)
-    case = f"rods with a nose, impedances 1 : z : {Z:g}, {expected.size} pairs"
-    return [
-        Row(case, "pairs with a second contact", "z < 1 + 2 r T/L", float(np.sum(expected == 2)),
-            float(np.sum(result.episodes == 2)), 0.0),
-        Row(case, "pairs with another number of contacts than that", "z < 1 + 2 r T/L", 0.0,
-            float(np.sum(result.episodes != expected)), 0.0),
-    ]
+    case = Case(f"rods with a nose, impedances 1 : z : {Z:g}, {expected.size} pairs",
+                "z < 1 + 2 r T/L")
+    yield case.row("pairs with a second contact", float(np.sum(expected == 2)),
+                   np.sum(result.episodes == 2), 0.0)
+    yield case.row("pairs with another number of contacts than that", 0.0,
+                   np.sum(result.episodes != expected), 0.0)
 
 
 def chain(n: int) -> tuple[ri.Outcome, float, float]:
@@ -98,7 +91,7 @@ def chain(n: int) -> tuple[ri.Outcome, float, float]:
     return outcome, sum(v[1:]) / (n - 1) - v[0], v[-1] - v[0]
 
 
-def chains() -> list[Row]:
+def chains() -> Rows:
     """Chains of 2 to 10 equal rods."""
     velocity, of_all, of_last, bonded = [], [], [], []
     for n in range(2, 11):
@@ -109,17 +102,12 @@ def chains() -> list[Row]:
         single = ri.Rod(0.2 * (n - 1), area=AREA, material=STEEL)
         first = ri.Rod(0.2, area=AREA, material=STEEL, velocity=1.0)
         bonded.append(all_others - ri.collide(first, single).restitution)
-    case = "chains of 2 to 10 equal rods"
-    return [
-        Row(case, "velocities after - (0, ..., 0, 1) m/s, largest", "as many go as came", 0.0,
-            largest(velocity), 1e-13),
-        Row(case, "e of the first and the last - 1, largest", "as many go as came", 0.0,
-            largest(of_last), 1e-13),
-        Row(case, "e of the first and all others - 1/(n - 1), largest", "momentum", 0.0,
-            largest(of_all), 1e-13),
-        Row(case, "the same - e of the first and a rod as long as all others, largest",
-            "box 10.4", 0.0, largest(bonded), 1e-13),
-    ]
+    case = Case("chains of 2 to 10 equal rods", "as many go as came")
+    yield case.zero("velocities after - (0, ..., 0, 1) m/s, largest", velocity, 1e-13)
+    yield case.zero("e of the first and the last - 1, largest", of_last, 1e-13)
+    yield case.zero("e of the first and all others - 1/(n - 1), largest", of_all, 1e-13, "momentum")
+    yield case.zero("the same - e of the first and a rod as long as all others, largest", bonded,
+                    1e-13, "box 10.4")
 
 
 def cradle(length: object = 1.0, area: object = 1.0) -> ri.SweepResult:
@@ -129,7 +117,7 @@ def cradle(length: object = 1.0, area: object = 1.0) -> ri.SweepResult:
     return ri.sweep(ri.System([first, *[others] * 4]), on_error="raise")
 
 
-def cradles() -> list[Row]:
+def cradles() -> Rows:
     """Newton's cradles of five rods, the first unlike the others."""
     ratio = np.linspace(0.26, 3.0, 138)
     velocities = np.array(cradle(length=ratio).velocities_after)
@@ -139,16 +127,9 @@ def cradles() -> list[Row]:
     rest = np.zeros(a.shape)
     areas = [(1 - a) / (1 + a), rest, rest, rest, 2 / (1 + a)]
     thick = np.array(cradle(area=a).velocities_after)
-    return [
-        Row("Newton's cradle, four others 0.26 to 3 times as long",
-            "velocities after, m/s, largest difference", "l0/l - k between 0 and 1", 0.0,
-            largest(velocities - lengths), 1e-12),
-        Row("Newton's cradle, four others 1 to 10 times as thick",
-            "velocities after, m/s, largest difference", "(1 - a)/(1 + a), 0, 0, 0, 2/(1 + a)",
-            0.0, largest(thick - areas), 1e-12),
-    ]
-
-
-def largest(differences: object) -> float:
-    """Largest absolute value."""
-    return float(np.abs(np.asarray(differences)).max())
+    yield Row("Newton's cradle, four others 0.26 to 3 times as long",
+              "velocities after, m/s, largest difference", "l0/l - k between 0 and 1", 0.0,
+              largest(velocities - lengths), 1e-12)
+    yield Row("Newton's cradle, four others 1 to 10 times as thick",
+              "velocities after, m/s, largest difference", "(1 - a)/(1 + a), 0, 0, 0, 2/(1 + a)",
+              0.0, largest(thick - areas), 1e-12)

@@ -22,11 +22,11 @@ import numpy as np
 
 import rodimpact as ri
 
-from .table import Row
+from .table import Case, Rows
+from .unit import rod
 
 SOURCE = "Saint-Venant, Boussinesq"
-UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
-ROD = ri.Rod(1.0, area=1.0, material=UNIT)  # mass, impedance and transit time 1
+ROD = rod(1.0)  # mass, impedance and transit time 1
 MASSES = (1.0, 2.0, 4.0, 6.0)
 FIRST = {  # contact: time, peak at the struck end, at the fixed end, velocity of the mass after it
     1.0: (3.068, 2.1353, 2.2707, -0.6876),
@@ -38,9 +38,9 @@ LAST = {1.0: (2, -0.69888), 2.0: (1, -0.92525), 4.0: (2, -0.95927), 6.0: (2, -0.
 """Contacts in all, velocity of the mass after the last one."""
 
 
-def run() -> list[Row]:
+def run() -> Rows:
     """Free rods, fixed rods."""
-    return free() + fixed()
+    return free(), fixed()
 
 
 def exact(ratio: float) -> tuple[float, float]:
@@ -50,44 +50,33 @@ def exact(ratio: float) -> tuple[float, float]:
     return round(passed / mu - (1 - passed), 12), round(ratio * passed, 12)
 
 
-def free() -> list[Row]:
+def free() -> Rows:
     """Three masses at the default tolerance."""
-    rows = []
     for ratio in (0.25, 1.0, 4.0):
         o = ri.solve(ri.System([ri.RigidMass(ratio, velocity=1.0), ROD])).outcome
-        case, (e, impulse) = f"mass on free rod, M/m = {ratio:g}", exact(ratio)
-        rows += [
-            Row(case, "e", SOURCE, e, o.restitution, 1e-12),
-            Row(case, "impulse over m V", SOURCE, impulse, o.impulse, 1e-12),
-            Row(case, "contact time, L/c", SOURCE, 2.0, o.duration, 1e-12),
-            Row(case, "energy after - before, relative", "conserved", 0.0, o.energy_residual,
-                1e-13),
-        ]
-    return rows
+        case, (e, impulse) = Case(f"mass on free rod, M/m = {ratio:g}", SOURCE), exact(ratio)
+        yield case.row("e", e, o.restitution, 1e-12)
+        yield case.row("impulse over m V", impulse, o.impulse, 1e-12)
+        yield case.row("contact time, L/c", 2.0, o.duration, 1e-12)
+        yield case.row("energy after - before, relative", 0.0, o.energy_residual, 1e-13,
+                       "conserved")
 
 
-def fixed() -> list[Row]:
+def fixed() -> Rows:
     """The first contact, and what is left after the last."""
-    rows = []
     for ratio in MASSES:
         time, speed, struck, held = first_contact(ratio)
-        case = f"mass on rod with fixed end, M/m = {ratio:g}"
+        case = Case(f"mass on rod with fixed end, M/m = {ratio:g}", "delay equation, step by step")
         names = ("time, L/c", "peak stress at the struck end, rho c V",
                  "peak stress at the fixed end, rho c V", "velocity of the mass after it, V")
         bounds = (5e-4, 5e-5, 5e-5, 5e-5)  # half of the last digit
-        rows += [
-            Row(case, f"first contact: {name}", SOURCE, expected, float(got), bound)
-            for name, expected, got, bound in zip(
-                names, FIRST[ratio], (time, struck, held, speed), bounds, strict=True)
-        ]
+        for name, expected, got, bound in zip(
+                names, FIRST[ratio], (time, struck, held, speed), bounds, strict=True):
+            yield case.row(f"first contact: {name}", expected, got, bound, SOURCE)
         o, (contacts, velocity) = ri.solve(on_fixed_rod(ratio)).outcome, LAST[ratio]
-        source = "delay equation, step by step"
-        rows += [
-            Row(case, "contacts until it is final", source, contacts, o.contacts[0].episodes, 0.0),
-            Row(case, "velocity of the mass after the last contact, V", source, velocity,
-                o.velocities_after[0] if o.final else math.nan, 5e-6),
-        ]
-    return rows
+        yield case.row("contacts until it is final", contacts, o.contacts[0].episodes, 0.0)
+        yield case.row("velocity of the mass after the last contact, V", velocity,
+                       o.velocities_after[0] if o.final else math.nan, 5e-6)
 
 
 def on_fixed_rod(ratio: float) -> ri.System:

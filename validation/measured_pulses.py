@@ -50,7 +50,7 @@ from scipy.optimize import least_squares
 
 import rodimpact as ri
 
-from .table import FOLDER, Row
+from .table import FOLDER, Row, Rows
 
 NEAR = 2.0  # diameters behind the struck end, from where the exact mode carries the pulse
 LATE, LOUD = 6.0, 0.06  # us and relative: freedom of the reflected and the transmitted pulse
@@ -186,30 +186,26 @@ def equilibrium(shot: Shot) -> float:
     return 100 * math.sqrt(2 * best.cost / len(t))
 
 
-def run() -> list[Row]:
+def run() -> Rows:
     """Misfits in per cent, and what the fits found."""
     pulse, forces = "misfit of the incident pulse, %", "misfit of the forces at the specimen, %"
     lanl, length = "measured, LANL HopPyBar", "length of the striker, mm"
     hertz = "titanium, Hertz, exact mode in the bar"
     free = fitted(TITANIUM, {**ENDS, SPEED: (4200.0, 5400.0)}, starts=3)
     higher = fitted(TITANIUM, ENDS, speed=FROM_E)
-    rows = []
     for metal, model, fit, _ in table():
         bound = BOUNDS[metal][list(MODELS).index(model)]
         source = f"measured, {SHOTS[metal].source}"
-        rows.append(Row(f"{metal}, {model}", pulse, source, 0.0, 100 * fit.misfits[0], bound))
+        yield Row(f"{metal}, {model}", pulse, source, 0.0, 100 * fit.misfits[0], bound)
         if f"{metal}, {model}" == hertz:
-            rows.append(Row(hertz, length, lanl, 127.0, 1e3 * fit.values[LENGTH], 4.0))
-    return [
-        *rows,
-        Row(f"{hertz}, 4975 m/s", pulse, lanl, 0.0, 100 * higher.misfits[0], 2.0),
-        Row(f"{hertz}, 4975 m/s", length, lanl, 127.0, 1e3 * higher.values[LENGTH], 2.0),
-        Row(f"{hertz}, wave speed free", pulse, lanl, 0.0, 100 * free.misfits[0], 2.0),
-        Row(f"{hertz}, wave speed free", "wave speed, m/s", lanl, TITANIUM.bar.wave_speed,
-            free.values[SPEED], 200.0),
-        Row("titanium bars, dispersion", forces, lanl, 0.0, equilibrium(TITANIUM), 2.7),
-        Row("steel bars, dispersion", forces, "measured, Yao", 0.0, equilibrium(STEEL), 2.1),
-    ]
+            yield Row(hertz, length, lanl, 127.0, 1e3 * fit.values[LENGTH], 4.0)
+    yield Row(f"{hertz}, 4975 m/s", pulse, lanl, 0.0, 100 * higher.misfits[0], 2.0)
+    yield Row(f"{hertz}, 4975 m/s", length, lanl, 127.0, 1e3 * higher.values[LENGTH], 2.0)
+    yield Row(f"{hertz}, wave speed free", pulse, lanl, 0.0, 100 * free.misfits[0], 2.0)
+    yield Row(f"{hertz}, wave speed free", "wave speed, m/s", lanl, TITANIUM.bar.wave_speed,
+              free.values[SPEED], 200.0)
+    yield Row("titanium bars, dispersion", forces, lanl, 0.0, equilibrium(TITANIUM), 2.7)
+    yield Row("steel bars, dispersion", forces, "measured, Yao", 0.0, equilibrium(STEEL), 2.1)
 
 
 if __name__ == "__main__":

@@ -37,7 +37,7 @@ import numpy as np
 import rodimpact as ri
 
 from .lateral_inertia import METHOD, RADIUS, STEEL, passage
-from .table import Row
+from .table import Case, Row, Rows
 
 Branches = Callable[[np.ndarray], list[tuple[np.ndarray, np.ndarray]]]
 THEORY = "mindlin-herrmann"
@@ -45,9 +45,9 @@ NU, PER_RADIUS = 0.29, 25
 RISE = 4 * RADIUS / float(STEEL.wave_speed)
 
 
-def run() -> list[Row]:
+def run() -> Rows:
     """Phase velocities, the energy of a row, fronts, pulses, and a front far away."""
-    return phase_velocities() + energy() + fronts() + distances() + far_front()
+    return phase_velocities(), energy(), fronts(), distances(), far_front()
 
 
 def frequencies(v: np.ndarray, dt: float) -> list[float]:
@@ -57,28 +57,25 @@ def frequencies(v: np.ndarray, dt: float) -> list[float]:
     return sorted(float(x) for x in np.arccos(np.roots([4, 2 * p, r - 2]).real) / dt)
 
 
-def phase_velocities() -> list[Row]:
+def phase_velocities() -> Rows:
     """Both branches, at six lengths of waves, and how their errors fall with the cells."""
-    case, rows = "round bar, nu = 0.29", []
+    case = "round bar, nu = 0.29"
     for tenths in range(1, 7):
         name, short = f"over c at a/wavelength {tenths / 10}", tenths / 10
         slow, fast = standing(tenths, PER_RADIUS)
         both = [float(x) for x in ri.waves.mindlin_herrmann(short, NU)]
-        rows += [
-            Row(case, f"phase velocity {name}", "Mindlin-Herrmann", both[0], slow, 5e-4),
-            Row(case, f"phase velocity {name}", "Pochhammer-Chree",
-                float(ri.waves.first_mode(short, NU)), slow, 0.01),
-            Row(case, f"fast phase velocity {name}", "Mindlin-Herrmann", both[1], fast, 1e-3),
-        ]
+        yield Row(case, f"phase velocity {name}", "Mindlin-Herrmann", both[0], slow, 5e-4)
+        yield Row(case, f"phase velocity {name}", "Pochhammer-Chree",
+                  float(ri.waves.first_mode(short, NU)), slow, 0.01)
+        yield Row(case, f"fast phase velocity {name}", "Mindlin-Herrmann", both[1], fast, 1e-3)
         if tenths in (1, 3, 6):
             rougher = standing(tenths, PER_RADIUS / 4)
             for branch, fine, rough, exact in zip(
                 ("slow", "fast"), (slow, fast), rougher, both, strict=True
             ):
                 order = math.log(abs(rough - exact) / abs(fine - exact), 4)
-                rows.append(Row(case, f"order of the {branch} branch at a/wavelength {short}",
-                                "cells", 2.0, order, 0.35))
-    return rows
+                yield Row(case, f"order of the {branch} branch at a/wavelength {short}", "cells",
+                          2.0, order, 0.35)
 
 
 def standing(tenths: int, per_radius: float) -> list[float]:
@@ -95,7 +92,7 @@ def standing(tenths: int, per_radius: float) -> list[float]:
     return [w / k for w in frequencies(solution.velocity(0, 0.5 / half_waves, times), dt)]
 
 
-def energy() -> list[Row]:
+def energy() -> Rows:
     """Largest residual of the ledger over the energy."""
     def piece(length: float, radius: float, theory: str) -> ri.Segment:
         return ri.Segment(length, None, STEEL, diameter=2 * radius, lateral_inertia=theory)
@@ -108,13 +105,13 @@ def energy() -> list[Row]:
     )
     ledger = ri.solve(row, 4e-4, METHOD, cells=200).energy(np.linspace(0.0, 4e-4, 200))
     worst = float(np.abs(ledger.residual).max() / ledger.total[0])
-    return [Row("row of four bodies, three radii", "residual of the energy", "balance", 0.0, worst,
-                1e-12)]
+    yield Row("row of four bodies, three radii", "residual of the energy", "balance", 0.0, worst,
+              1e-12)
 
 
-def fronts() -> list[Row]:
+def fronts() -> Rows:
     """Velocities of one theory, and rises by both."""
-    case, c, rows = "steel bar of 19 mm brought to speed", float(STEEL.wave_speed), []
+    case, c = "steel bar of 19 mm brought to speed", float(STEEL.wave_speed)
     s = np.linspace(0.0, 1.0, 401)
     ramp = ri.Samples(s - np.sin(2 * math.pi * s) / (2 * math.pi), step=RISE / 400)
     for x, bounds in (1, (0.8, 0.2)), (4, (1.3, 0.15)):
@@ -124,13 +121,12 @@ def fronts() -> list[Row]:
             bar = ri.Rod(1.2 * x, diameter=2 * RADIUS, material=STEEL, lateral_inertia=theory)
             driven = ri.System([bar], ends=(ri.Moved(ramp), ri.Absorbing()))
             v = ri.solve(driven, float(t[-1]), METHOD, cells=960 * x, snapshots=t).velocity(0, x, t)
-            rows.append(Row(case, f"rise after {x} m, us, by {theory}", "Pochhammer-Chree", exact,
-                            1e6 * passage(t, v), near))
+            yield Row(case, f"rise after {x} m, us, by {theory}", "Pochhammer-Chree", exact,
+                      1e6 * passage(t, v), near)
             if theory == THEORY:
                 apart = float(np.abs(v - by_modes(x, t, by_theory)).max())
-                rows.append(Row(case, f"error of the velocity at {x} m", "sum over modes", 0.0,
-                                apart, 5e-3))
-    return rows
+                yield Row(case, f"error of the velocity at {x} m", "sum over modes", 0.0, apart,
+                          5e-3)
 
 
 def by_modes(x: float, t: np.ndarray, branches: Branches) -> np.ndarray:
@@ -159,7 +155,7 @@ def exactly(ka: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     return [(ri.waves.first_mode(ka / (2 * math.pi), NU), np.ones(len(ka)))]
 
 
-def distances() -> list[Row]:
+def distances() -> Rows:
     """How far a pulse by either theory is from that by the exact mode, after some diameters."""
     c, a, short = float(STEEL.wave_speed), 8e-3, np.linspace(0.0, 0.6, 2001)
     rods = [ri.Rod(L, diameter=2 * a, material=STEEL, velocity=v)
@@ -179,7 +175,6 @@ def distances() -> list[Row]:
         late = np.exp(-1j * np.where(inside, wave_number - w / c, 0.0) * distance)
         return np.fft.irfft(np.where(inside, spectrum * late, 0.0), len(pulse))
 
-    rows = []
     bounds = {30: (2.2, 1.8), 60: (2.0, 2.1), 120: (1.8, 2.3), 500: (2.7, 4.1)}
     for diameters, limits in bounds.items():
         exact, *others = (after(speed, 2 * a * diameters) for speed in speeds.values())
@@ -187,13 +182,11 @@ def distances() -> list[Row]:
             peak = np.abs(exact).max()
             lasting = np.flatnonzero(np.abs(exact) > 0.01 * peak)
             apart = (found - exact)[lasting[0] : lasting[-1] + 1]
-            rows.append(Row(
-                "steel bar of 16 mm, nu = 0.29", f"{theory} after {diameters} diameters, %",
-                "Pochhammer and Chree", 0.0, 100 * math.sqrt(np.mean(apart**2)) / peak, bound))
-    return rows
+            yield Row("steel bar of 16 mm, nu = 0.29", f"{theory} after {diameters} diameters, %",
+                      "Pochhammer and Chree", 0.0, 100 * math.sqrt(np.mean(apart**2)) / peak, bound)
 
 
-def far_front() -> list[Row]:
+def far_front() -> Rows:
     """A step after 50 000 diameters, in times (3 nu^2 a^2 x/4)^(1/3)/c since long waves came."""
     bar = ri.waves.Bar(wave_speed=5000.0, poisson_ratio=NU, radius=8e-3)
     x = 50_000 * 2 * bar.radius
@@ -201,11 +194,9 @@ def far_front() -> list[Row]:
     step = ri.Signal(np.repeat([0.0, 1.0], 8000), dt=unit / 40, start=-8000 * unit / 40)
     far = step.propagated(x, bar)
     since = (far.times + unit / 80 - x / bar.wave_speed) / unit  # the step is between two samples
-    case, source = "step in a bar of 16 mm, 50 000 diameters away", "Skalak 1957"
+    case = Case("step in a bar of 16 mm, 50 000 diameters away", "Skalak 1957")
     peak = int(far.values.argmax())
-    return [
-        Row(case, "overshoot", source, 1.274352, float(far.values[peak]), 5e-4),
-        Row(case, "value when long waves would come", source, 1 / 3,
-            float(np.interp(0.0, since, far.values)), 5e-4),
-        Row(case, "first peak, in units of its width", source, 2.338107, float(since[peak]), 0.02),
-    ]
+    yield case.row("overshoot", 1.274352, far.values[peak], 5e-4)
+    yield case.row("value when long waves would come", 1 / 3, np.interp(0.0, since, far.values),
+                   5e-4)
+    yield case.row("first peak, in units of its width", 2.338107, since[peak], 0.02)

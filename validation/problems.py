@@ -19,23 +19,23 @@ from numpy.typing import NDArray
 from rodimpact import rigid
 
 from .exercises import bouncing_ball, bullet_through, solve_linear
-from .table import Row
+from .table import Case, Rows, largest
 
 DRAWS = 10_000
 
 
-def run() -> list[Row]:
+def run() -> Rows:
     """Problems 10.5.1 to 10.5.12."""
-    return [
-        *eleven_questions(), *two_heights(), *embedded_bullet(), *one_bounce(), *matrix_form(),
-        *impulse_and_velocities(), *energy_lost(), *bounces_without_end(), *bullet_through_block(),
-        *ball_on_ball(), *no_energy_from_nothing(), *largest_loss(),
-    ]
+    return (
+        eleven_questions(), two_heights(), embedded_bullet(), one_bounce(), matrix_form(),
+        impulse_and_velocities(), energy_lost(), bounces_without_end(), bullet_through_block(),
+        ball_on_ball(), no_energy_from_nothing(), largest_loss(),
+    )
 
 
-def eleven_questions() -> list[Row]:
+def eleven_questions() -> Rows:
     """10.5.1: 1 kg at 10 m/s runs into 2 kg at 5 m/s and goes on at 6 m/s."""
-    case, source = "1 kg on 2 kg, one velocity after known", "textbook, problem 10.5.1"
+    case = Case("1 kg on 2 kg, one velocity after known", "textbook, problem 10.5.1")
     impulse = 1.0 * (10.0 - 6.0)
     e = float(impulse / (rigid.contact_mass(1.0, 2.0) * (10.0 - 5.0)) - 1)  # P = (1+e) m_coll v_rel
     after = rigid.collide(1.0, 10.0, 2.0, 5.0, e)
@@ -53,92 +53,74 @@ def eleven_questions() -> list[Row]:
         ("j: kinetic energy after, J", 67.0, after.energy_after),
         ("k: e", 0.2, rigid.restitution_from_velocities(10.0, 5.0, 6.0, momenta_after[1] / 2.0)),
     ]
-    return [
-        Row(case, quantity, source, expected, got, 4e-15 * max(1.0, abs(expected)))
-        for quantity, expected, got in answers
-    ]
+    for quantity, expected, got in answers:
+        yield case.row(quantity, expected, got, 4e-15 * max(1.0, abs(expected)))
 
 
-def two_heights() -> list[Row]:
+def two_heights() -> Rows:
     """10.5.2: dropped from 10 m, up to 6.4 m."""
-    case, source = "ball dropped from 10 m", "textbook, problem 10.5.2"
+    case = Case("ball dropped from 10 m", "textbook, problem 10.5.2")
     e = rigid.restitution_from_heights(10.0, 6.4)
     second = bouncing_ball(10.0, e, bounces=2).rebound_heights[1]
-    return [
-        Row(case, "e", source + ": sqrt 0.64", 0.8, e, 1e-15),
-        Row(case, "height of the second bounce, m", source + ": 6.4^2/10", 4.096, float(second),
-            1e-14),
-    ]
+    yield case.row("e", 0.8, e, 1e-15, ": sqrt 0.64")
+    yield case.row("height of the second bounce, m", 4.096, second, 1e-14, ": 6.4^2/10")
 
 
-def embedded_bullet() -> list[Row]:
+def embedded_bullet() -> Rows:
     """10.5.3: 20 g at 500 m/s stay in a block of 50 kg."""
-    case, source = "bullet that stays in a block", "textbook, problem 10.5.3"
+    case = Case("bullet that stays in a block", "textbook, problem 10.5.3")
     common = Fraction(2, 100) * 500 / (50 + Fraction(2, 100))
     e = rigid.restitution_from_velocities(500.0, 0.0, float(common), float(common))
-    return [
-        Row(case, "e", source + ": one velocity after", 0.0, e, 0.0),
-        Row(case, f"velocity of the block after, {float(common):.6f} m/s", source + ": 10/50.02",
-            common, rigid.collide(0.02, 500.0, 50.0, 0.0, e).velocity_2, 1e-16),
-    ]
+    yield case.row("e", 0.0, e, 0.0, ": one velocity after")
+    yield case.row(f"velocity of the block after, {float(common):.6f} m/s", common,
+                   rigid.collide(0.02, 500.0, 50.0, 0.0, e).velocity_2, 1e-16, ": 10/50.02")
 
 
-def one_bounce() -> list[Row]:
+def one_bounce() -> Rows:
     """10.5.4: height of a bounce, whatever the gravity."""
-    case, source = "ball after one bounce", "textbook, problem 10.5.4: e^2 h"
+    case = Case("ball after one bounce", "textbook, problem 10.5.4: e^2 h")
     h, e, g = np.meshgrid([0.1, 1.0, 30.0], np.linspace(0.05, 0.95, 19), [1.6, 9.81, 25.0])
     speed = rigid.collide(math.inf, 0.0, 0.3, -np.sqrt(2 * g * h), e).velocity_2
     listed = bouncing_ball(h, e, 1, gravity=g).rebound_heights[..., 0]
-    return [
-        Row(case, "height by energy from the velocity after, largest relative difference", source,
-            0.0, off(speed**2 / (2 * g), e**2 * h), 1e-14),
-        Row(case, "`bouncing_ball`, largest relative difference", source, 0.0,
-            off(listed, e**2 * h), 1e-14),
-    ]
+    yield case.row("height by energy from the velocity after, largest relative difference", 0.0,
+                   off(speed**2 / (2 * g), e**2 * h), 1e-14)
+    yield case.row("`bouncing_ball`, largest relative difference", 0.0, off(listed, e**2 * h),
+                   1e-14)
 
 
-def matrix_form() -> list[Row]:
+def matrix_form() -> Rows:
     """10.5.5: two linear equations, 2 kg at 2.6 m/s on 0.5 kg at rest, e = 0.8."""
-    case, source = "two linear equations", "textbook, problem 10.5.5"
+    case = Case("two linear equations", "textbook, problem 10.5.5")
     system = solve_linear(2.0, 2.6, 0.5, 0.0, 0.8)
     matrix, right_hand_side = np.array([[2.0, 0.5], [1.0, -1.0]]), np.array([5.2, -2.08])
-    return [
-        Row(case, "matrix, largest difference", source + ": [2 0.5; 1 -1]", 0.0,
-            float(np.abs(system.matrix - matrix).max()), 0.0),
-        Row(case, "right-hand side, largest difference", source + ": [5.2; -2.08]", 0.0,
-            float(np.abs(system.right_hand_side - right_hand_side).max()), 1e-15),
-        Row(case, "velocity of A, m/s", source, 1.664, float(system.velocities[0]), 1e-15),
-        Row(case, "velocity of B, m/s", source, 3.744, float(system.velocities[1]), 1e-15),
-    ]
+    yield case.zero("matrix, largest difference", system.matrix - matrix, 0.0, ": [2 0.5; 1 -1]")
+    yield case.zero("right-hand side, largest difference", system.right_hand_side - right_hand_side,
+                    1e-15, ": [5.2; -2.08]")
+    yield case.row("velocity of A, m/s", 1.664, system.velocities[0], 1e-15)
+    yield case.row("velocity of B, m/s", 3.744, system.velocities[1], 1e-15)
 
 
-def impulse_and_velocities() -> list[Row]:
+def impulse_and_velocities() -> Rows:
     """10.5.6: 7 kg at 6 m/s on 9 kg at 2 m/s, e = 1/2."""
-    case, source = "7 kg on 9 kg", "textbook, problem 10.5.6"
+    case = Case("7 kg on 9 kg", "textbook, problem 10.5.6")
     after = rigid.collide(7.0, 6.0, 9.0, 2.0, 0.5)
-    return [
-        Row(case, "impulse of A on B, 23.625 N s", source, Fraction(189, 8), after.impulse, 1e-14),
-        Row(case, "velocity of A after, 2.625 m/s", source, Fraction(21, 8), after.velocity_1,
-            1e-15),
-        Row(case, "velocity of B after, 4.625 m/s", source, Fraction(37, 8), after.velocity_2,
-            1e-15),
-    ]
+    yield case.row("impulse of A on B, 23.625 N s", Fraction(189, 8), after.impulse, 1e-14)
+    yield case.row("velocity of A after, 2.625 m/s", Fraction(21, 8), after.velocity_1, 1e-15)
+    yield case.row("velocity of B after, 4.625 m/s", Fraction(37, 8), after.velocity_2, 1e-15)
 
 
-def energy_lost() -> list[Row]:
+def energy_lost() -> Rows:
     """10.5.7: 2 kg at 5 m/s on 5 kg at 1 m/s, e = 1/2."""
-    case, source = "2 kg on 5 kg", "textbook, problem 10.5.7"
+    case = Case("2 kg on 5 kg", "textbook, problem 10.5.7")
     after = rigid.collide(2.0, 5.0, 5.0, 1.0, 0.5)
-    return [
-        Row(case, "energy lost, 8.571429 J", source, Fraction(60, 7), after.energy_lost, 1e-14),
-        Row(case, "kinetic energy before - after, J", source, Fraction(60, 7),
-            after.energy_before - after.energy_after, 1e-14),
-    ]
+    yield case.row("energy lost, 8.571429 J", Fraction(60, 7), after.energy_lost, 1e-14)
+    yield case.row("kinetic energy before - after, J", Fraction(60, 7),
+                   after.energy_before - after.energy_after, 1e-14)
 
 
-def bounces_without_end() -> list[Row]:
+def bounces_without_end() -> Rows:
     """10.5.8: number, time and path of all bounces, followed through 400 of them."""
-    case, source = "ball that bounces to rest", "textbook, problem 10.5.8"
+    case = Case("ball that bounces to rest", "textbook, problem 10.5.8")
     h, e, g = np.meshgrid([0.1, 2.0, 30.0], [0.5, 0.6, 0.7, 0.8, 0.9], [1.6, 9.81])
     bounces = 400
     falling = np.sqrt(2 * g * h)
@@ -150,38 +132,30 @@ def bounces_without_end() -> list[Row]:
     ball = bouncing_ball(h, e, bounces, gravity=g)
     total_time = np.sqrt(2 * h / g) * (1 + e) / (1 - e)
     total_path = h * (1 + e**2) / (1 - e**2)
-    return [
-        Row(case, f"bounces of the first {bounces} after which the ball no longer rises",
-            source + ": it never stops bouncing", 0.0, float(np.sum(ball.rebound_heights <= 0)),
-            0.0),
-        Row(case, f"height after bounce n = {bounces}, relative difference",
-            source + ": e^(2 n) h, small but not 0", 0.0,
-            off(ball.rebound_heights[..., -1], e ** (2 * bounces) * h), 1e-14),
-        Row(case, "time until rest, relative difference",
-            source + ": sqrt(2 h/g) (1 + e)/(1 - e)", 0.0, off(ball.total_time, total_time), 1e-14),
-        Row(case, f"time of {bounces} bounces one by one, relative difference", "the same", 0.0,
-            off(time, total_time), 1e-14),
-        Row(case, "path until rest, relative difference", source + ": h (1 + e^2)/(1 - e^2)", 0.0,
-            off(ball.total_distance, total_path), 1e-14),
-        Row(case, f"path of {bounces} bounces one by one, relative difference", "the same", 0.0,
-            off(path, total_path), 1e-14),
-    ]
+    yield case.row(f"bounces of the first {bounces} after which the ball no longer rises", 0.0,
+                   np.sum(ball.rebound_heights <= 0), 0.0, ": it never stops bouncing")
+    yield case.row(f"height after bounce n = {bounces}, relative difference", 0.0,
+                   off(ball.rebound_heights[..., -1], e ** (2 * bounces) * h), 1e-14,
+                   ": e^(2 n) h, small but not 0")
+    yield case.row("time until rest, relative difference", 0.0, off(ball.total_time, total_time),
+                   1e-14, ": sqrt(2 h/g) (1 + e)/(1 - e)")
+    yield case.row(f"time of {bounces} bounces one by one, relative difference", 0.0,
+                   off(time, total_time), 1e-14, "the same")
+    yield case.row("path until rest, relative difference", 0.0,
+                   off(ball.total_distance, total_path), 1e-14, ": h (1 + e^2)/(1 - e^2)")
+    yield case.row(f"path of {bounces} bounces one by one, relative difference", 0.0,
+                   off(path, total_path), 1e-14, "the same")
 
 
-def bullet_through_block() -> list[Row]:
+def bullet_through_block() -> Rows:
     """10.5.9: a bullet goes through block A and stays in block B."""
     source = "textbook, problem 10.5.9"
-    case = "bullet of 20 g through 1 kg at 4 m/s into 2 kg at 3 m/s"
+    case = Case("bullet of 20 g through 1 kg at 4 m/s into 2 kg at 3 m/s", source)
     shot = bullet_through(0.02, 1.0, 2.0, v_a=4.0, v_b=3.0)
-    rows = [
-        Row(case, quantity, source, expected, got, 1e-15 * expected)
-        for quantity, expected, got in (
-            ("initial speed, m/s", 503.0, shot.initial_speed),
-            ("speed between A and B, m/s", 303.0, shot.speed_between),
-            ("energy lost in A, J", 1604.0, shot.energy_lost_in_a),
-            ("energy lost in B, J", 909.0, shot.energy_lost_in_b),
-        )
-    ]
+    yield case.row("initial speed, m/s", 503.0, shot.initial_speed, 1e-15 * 503.0)
+    yield case.row("speed between A and B, m/s", 303.0, shot.speed_between, 1e-15 * 303.0)
+    yield case.row("energy lost in A, J", 1604.0, shot.energy_lost_in_a, 1e-15 * 1604.0)
+    yield case.row("energy lost in B, J", 909.0, shot.energy_lost_in_b, 1e-15 * 909.0)
     rng = np.random.default_rng(9)
     m, m_a, m_b, v_a = 10.0 ** rng.uniform(-2, 0, (4, DRAWS))
     v_b = v_a + rng.uniform(0, 1, DRAWS)  # so the bullet leaves A faster than A moves
@@ -193,30 +167,27 @@ def bullet_through_block() -> list[Row]:
     through = rigid.collide(m, initial, m_a, 0.0, (v_a - between) / initial)
     stuck = rigid.collide(m, through.velocity_1, m_b, 0.0, 0.0)
     energy = m * initial**2 / 2
-    case = f"bullets through A into B, {DRAWS} random"
-    return [
-        *rows,
-        Row(case, "initial speed, largest relative difference",
-            source + ": (m_A v_A + (m + m_B) v_B)/m", 0.0, off(shot.initial_speed, initial), 4e-15),
-        Row(case, "speed between, largest relative difference", source + ": (m + m_B) v_B/m", 0.0,
-            off(shot.speed_between, between), 4e-15),
-        Row(case, "energy lost in A, largest difference over the bullet's energy",
-            source + ": kinetic energies before - after", 0.0,
-            largest((shot.energy_lost_in_a - lost_a) / energy), 1e-14),
-        Row(case, "energy lost in B, largest difference over the bullet's energy",
-            source + ": kinetic energies before - after", 0.0,
-            largest((shot.energy_lost_in_b - lost_b) / energy), 1e-14),
-        Row(case, "velocity of B, shot forwards by two collisions, largest relative difference",
-            source, 0.0, off(stuck.velocity_2, v_b), 1e-13),
-        Row(case, "loss in A and B of the two collisions, largest relative difference", source, 0.0,
-            off(through.energy_lost + stuck.energy_lost,
-                shot.energy_lost_in_a + shot.energy_lost_in_b), 1e-14),
-    ]
+    case = Case(f"bullets through A into B, {DRAWS} random", source)
+    yield case.row("initial speed, largest relative difference", 0.0,
+                   off(shot.initial_speed, initial), 4e-15, ": (m_A v_A + (m + m_B) v_B)/m")
+    yield case.row("speed between, largest relative difference", 0.0,
+                   off(shot.speed_between, between), 4e-15, ": (m + m_B) v_B/m")
+    yield case.zero("energy lost in A, largest difference over the bullet's energy",
+                    (shot.energy_lost_in_a - lost_a) / energy, 1e-14,
+                    ": kinetic energies before - after")
+    yield case.zero("energy lost in B, largest difference over the bullet's energy",
+                    (shot.energy_lost_in_b - lost_b) / energy, 1e-14,
+                    ": kinetic energies before - after")
+    yield case.row("velocity of B, shot forwards by two collisions, largest relative difference",
+                   0.0, off(stuck.velocity_2, v_b), 1e-13)
+    yield case.row("loss in A and B of the two collisions, largest relative difference", 0.0,
+                   off(through.energy_lost + stuck.energy_lost,
+                       shot.energy_lost_in_a + shot.energy_lost_in_b), 1e-14)
 
 
-def ball_on_ball() -> list[Row]:
+def ball_on_ball() -> Rows:
     """10.5.10: a rubber ball falls behind a basketball; height in units of the drop."""
-    case, source = "rubber ball on a basketball", "textbook, problem 10.5.10"
+    case = Case("rubber ball on a basketball", "textbook, problem 10.5.10")
 
     def rise(ratio: NDArray[np.float64], e_b: NDArray[np.float64],
              e_r: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -230,56 +201,50 @@ def ball_on_ball() -> list[Row]:
     falls = [max(0.0, -float(np.diff(heights, axis=axis).min())) for axis in range(3)]
     small = np.array([1e-5])
     slope = (9.0 - rise(small, np.ones(1), np.ones(1))) / small
-    growing = source + ": each step helps"
-    return [
-        Row(case, "height over that of the drop, largest difference on a grid",
-            source + ": ((m_b (e_b + e_r + e_b e_r) - m_r)/(m_b + m_r))^2", 0.0,
-            largest(heights - speed**2), 1e-14),
-        Row(case, "height lost by a lighter rubber ball, largest on the grid", growing, 0.0,
-            falls[0], 4e-15),
-        Row(case, "height lost by a larger e_b, largest on the grid", growing, 0.0, falls[1], 0.0),
-        Row(case, "height lost by a larger e_r, largest on the grid", growing, 0.0, falls[2], 0.0),
-        Row(case, "largest height on the grid, at m_r/m_b = 1e-9 and e_b = e_r = 1",
-            source + ": 9 h in the limit m_r/m_b = 0", 9.0, float(heights.max()), 3e-8),
-        Row(case, "what 1e-5 of mass takes off 9 h, over that mass", "slope of the formula: 24",
-            24.0, float(slope[0]), 1e-3),
-    ]
+    growing = ": each step helps"
+    yield case.zero("height over that of the drop, largest difference on a grid",
+                    heights - speed**2, 1e-14,
+                    ": ((m_b (e_b + e_r + e_b e_r) - m_r)/(m_b + m_r))^2")
+    yield case.row("height lost by a lighter rubber ball, largest on the grid", 0.0, falls[0],
+                   4e-15, growing)
+    yield case.row("height lost by a larger e_b, largest on the grid", 0.0, falls[1], 0.0, growing)
+    yield case.row("height lost by a larger e_r, largest on the grid", 0.0, falls[2], 0.0, growing)
+    yield case.row("largest height on the grid, at m_r/m_b = 1e-9 and e_b = e_r = 1", 9.0,
+                   heights.max(), 3e-8, ": 9 h in the limit m_r/m_b = 0")
+    yield case.row("what 1e-5 of mass takes off 9 h, over that mass", 24.0, slope[0], 1e-3,
+                   "slope of the formula: 24")
 
 
-def no_energy_from_nothing() -> list[Row]:
+def no_energy_from_nothing() -> Rows:
     """10.5.11: energy is gained outside -1 <= e <= 1, and only there."""
-    case, source = f"energy gained, {DRAWS} random collisions", "textbook, problem 10.5.11"
+    case = Case(f"energy gained, {DRAWS} random collisions", "textbook, problem 10.5.11")
     rng = np.random.default_rng(11)
     m1, v1, m2, v2 = approaching(rng)
     beyond = rng.choice([-1, 1], DRAWS) * rng.uniform(1.01, 3.0, DRAWS)
     gained = rigid.collide(m1, v1, m2, v2, beyond, allow_energy_release=True)
     lost = rigid.collide(m1, v1, m2, v2, rng.uniform(-1, 1, DRAWS))
     edge = rigid.collide(m1, v1, m2, v2, rng.choice([-1.0, 1.0], DRAWS))
-    return [
-        Row(case, "with abs(e) > 1.01 and no more energy after", source + ": none", 0.0,
-            float(np.sum(gained.energy_after <= gained.energy_before)), 0.0),
-        Row(case, "with abs(e) < 1 and more energy after, beyond round-off", source + ": none", 0.0,
-            float(np.sum(lost.energy_after > lost.energy_before * (1 + 1e-15))), 0.0),
-        Row(case, "with e = 1 or e = -1, energy after, largest relative difference",
-            source + ": the same", 0.0, off(edge.energy_after, edge.energy_before), 2e-15),
-    ]
+    yield case.row("with abs(e) > 1.01 and no more energy after", 0.0,
+                   np.sum(gained.energy_after <= gained.energy_before), 0.0, ": none")
+    yield case.row("with abs(e) < 1 and more energy after, beyond round-off", 0.0,
+                   np.sum(lost.energy_after > lost.energy_before * (1 + 1e-15)), 0.0, ": none")
+    yield case.row("with e = 1 or e = -1, energy after, largest relative difference", 0.0,
+                   off(edge.energy_after, edge.energy_before), 2e-15, ": the same")
 
 
-def largest_loss() -> list[Row]:
+def largest_loss() -> Rows:
     """10.5.12: of all e, 0 loses most."""
-    case, source = f"energy lost, {DRAWS} random collisions", "textbook, problem 10.5.12"
+    case = Case(f"energy lost, {DRAWS} random collisions", "textbook, problem 10.5.12")
     m1, v1, m2, v2 = approaching(np.random.default_rng(12))
     e = np.linspace(-1, 1, 41)[:, np.newaxis]
     after = rigid.collide(m1, v1, m2, v2, e)
     lost = np.subtract(after.energy_before, after.energy_after)
     expected = (1 - e**2) * m1 * m2 / (m1 + m2) * (v1 - v2) ** 2 / 2
-    return [
-        Row(case, "e of the greatest loss, of 41 from -1 to 1, largest abs(e)", source + ": e = 0",
-            0.0, largest(e[lost.argmax(axis=0), 0]), 0.0),
-        Row(case, "energy before - after, largest difference over the energy before",
-            source + ": (1 - e^2) m_coll (v1 - v2)^2/2", 0.0,
-            largest((lost - expected) / after.energy_before), 4e-15),
-    ]
+    yield case.zero("e of the greatest loss, of 41 from -1 to 1, largest abs(e)",
+                    e[lost.argmax(axis=0), 0], 0.0, ": e = 0")
+    yield case.zero("energy before - after, largest difference over the energy before",
+                    (lost - expected) / after.energy_before, 4e-15,
+                    ": (1 - e^2) m_coll (v1 - v2)^2/2")
 
 
 def approaching(rng: np.random.Generator) -> tuple[NDArray[np.float64], ...]:
@@ -292,8 +257,3 @@ def approaching(rng: np.random.Generator) -> tuple[NDArray[np.float64], ...]:
 def off(got: rigid.Number, expected: rigid.Number) -> float:
     """Largest relative difference."""
     return largest(np.asarray(got) / expected - 1)
-
-
-def largest(x: rigid.Number) -> float:
-    """Largest absolute value."""
-    return float(np.abs(x).max())

@@ -35,9 +35,9 @@ import numpy as np
 import rodimpact as ri
 from rodimpact import rigid
 
-from .table import Row
+from .table import Case, Row, Rows
+from .unit import UNIT, rod
 
-UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)  # impedance = area, transit = length
 MANY = 200
 STEPPED = {  # impedances of the struck and the far piece: e
     (1.0, 3.0): Fraction(1),
@@ -47,26 +47,26 @@ STEPPED = {  # impedances of the struck and the far piece: e
 }
 
 
-def run() -> list[Row]:
+def run() -> Rows:
     """Rods against rigid bodies, and what decides e."""
     rng = np.random.default_rng(1905)
     pairs = [ri.System([uniform(rng, 1.0), uniform(rng, -1.0)]) for _ in range(MANY)]
     steps = [ri.System([stepped(rng, 1.0), stepped(rng, -1.0)]) for _ in range(MANY)]
     fixed = [on_wall(rng, 0.0) for _ in range(MANY)]
     moving = [on_wall(rng, float(rng.uniform(-0.5, 0.5))) for _ in range(MANY)]
-    return [
-        *as_rigid_bodies("pairs of uniform rods", pairs),
-        *as_rigid_bodies("pairs of stepped rods", steps),
-        *as_rigid_bodies("stepped rods on a fixed wall", fixed),
-        *as_rigid_bodies("stepped rods on a moving wall", moving),
-        *every_speed(), *newtons_ratios(), *thin_or_thick_ends(),
-    ]
+    return (
+        as_rigid_bodies("pairs of uniform rods", pairs),
+        as_rigid_bodies("pairs of stepped rods", steps),
+        as_rigid_bodies("stepped rods on a fixed wall", fixed),
+        as_rigid_bodies("stepped rods on a moving wall", moving),
+        every_speed(), newtons_ratios(), thin_or_thick_ends(),
+    )
 
 
 def uniform(rng: np.random.Generator, direction: float) -> ri.Rod:
     """A rod of impedance and transit time log-uniform over 1 : 30, moving in a direction."""
     Z, T = np.exp(rng.uniform(0, np.log(30.0), 2)).tolist()
-    return ri.Rod(T, area=Z, material=UNIT, velocity=direction * float(rng.uniform(0.6, 2.0)))
+    return rod(T, Z, direction * float(rng.uniform(0.6, 2.0)))
 
 
 def stepped(rng: np.random.Generator, direction: float) -> ri.Rod:
@@ -84,7 +84,7 @@ def on_wall(rng: np.random.Generator, velocity: float) -> ri.System:
     return system if rng.random() < 0.5 else system.mirrored()
 
 
-def as_rigid_bodies(kind: str, systems: Iterable[ri.System]) -> list[Row]:
+def as_rigid_bodies(kind: str, systems: Iterable[ri.System]) -> Rows:
     """Largest differences between rods and the rigid bodies that stand for them."""
     worst, outside = np.zeros(3), 0
     for system in systems:
@@ -100,20 +100,17 @@ def as_rigid_bodies(kind: str, systems: Iterable[ri.System]) -> list[Row]:
             (sum(outcome.vibration_after) - body.energy_lost) / (mass * closing**2 / 2),
         ]))
         outside += not -1e-12 <= outcome.restitution <= 1 + 1e-12
-    case, source = f"{kind}, {MANY} random", "`rigid.collide` with the rods' e"
-    return [
-        Row(case, "velocity after, over the closing speed, largest difference", source, 0.0,
-            float(worst[0]), 1e-13),
-        Row(case, "impulse, over contact mass times closing speed, largest difference", source, 0.0,
-            float(worst[1]), 1e-13),
-        Row(case, "vibration left - energy lost, over m_coll v_rel^2/2, largest difference", source,
-            0.0, float(worst[2]), 1e-13),
-        Row(case, "e outside 0 to 1, number", "rods that do not vibrate before", 0.0,
-            float(outside), 0.0),
-    ]
+    case = Case(f"{kind}, {MANY} random", "`rigid.collide` with the rods' e")
+    yield case.row("velocity after, over the closing speed, largest difference", 0.0, worst[0],
+                   1e-13)
+    yield case.row("impulse, over contact mass times closing speed, largest difference", 0.0,
+                   worst[1], 1e-13)
+    yield case.row("vibration left - energy lost, over m_coll v_rel^2/2, largest difference", 0.0,
+                   worst[2], 1e-13)
+    yield case.row("e outside 0 to 1, number", 0.0, outside, 0.0, "rods that do not vibrate before")
 
 
-def every_speed() -> list[Row]:
+def every_speed() -> Rows:
     """Steel on brass at closing speeds from 1 um/s to 100 m/s."""
     speeds = 10.0 ** np.arange(-6, 3)
     e = [
@@ -123,37 +120,31 @@ def every_speed() -> list[Row]:
         ).restitution
         for v in speeds
     ]
-    return [Row("steel on brass, 1e-6 to 100 m/s", "e, largest - smallest",
-                "the wave equation is linear", 0.0, max(e) - min(e), 1e-13)]
+    yield Row("steel on brass, 1e-6 to 100 m/s", "e, largest - smallest",
+              "the wave equation is linear", 0.0, max(e) - min(e), 1e-13)
 
 
-def newtons_ratios() -> list[Row]:
+def newtons_ratios() -> Rows:
     """Steel rods whose lengths have the ratios that Newton measured."""
     source = "Newton, Principia, translated by Motte and Cajori (1947), page 25"
-    rows = []
     for ball, e in (("wool", Fraction(5, 9)), ("glass", Fraction(15, 16))):
         short, long = e.numerator / 20, e.denominator / 20
         outcome = ri.collide(
             ri.Rod(short, area=1e-4, material=ri.materials.steel, velocity=1.0),
             ri.Rod(long, area=1e-4, material=ri.materials.steel),
         )
-        rows.append(Row(f"steel rods {short:g} : {long:g}", f"e, as of balls of {ball}", source, e,
-                        outcome.restitution, 1e-14))
-    return rows
+        yield Row(f"steel rods {short:g} : {long:g}", f"e, as of balls of {ball}", source, e,
+                  outcome.restitution, 1e-14)
 
 
-def thin_or_thick_ends() -> list[Row]:
+def thin_or_thick_ends() -> Rows:
     """Stepped rods on a wall, and two of them as mirror images."""
-    rows = []
     for impedances, e in STEPPED.items():
         pieces = [ri.Segment(1.0, Z, UNIT) for Z in impedances]
         right = ri.System([ri.Wall(), ri.Rod(segments=pieces, velocity=-1.0)])
         left = right.mirrored()
         both = ri.System([left.bodies[0], right.bodies[1]])
-        case = "stepped rod, {:g} : {:g} from the struck end".format(*impedances)
-        rows += [
-            Row(case, "e on a wall", "by hand", e, ri.solve(right).outcome.restitution, 1e-14),
-            Row(case, "e of two of them, mirror images", "by hand", e,
-                ri.solve(both).outcome.restitution, 1e-14),
-        ]
-    return rows
+        case = Case("stepped rod, {:g} : {:g} from the struck end".format(*impedances), "by hand")
+        yield case.row("e on a wall", e, ri.solve(right).outcome.restitution, 1e-14)
+        yield case.row("e of two of them, mirror images", e, ri.solve(both).outcome.restitution,
+                       1e-14)

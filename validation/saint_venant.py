@@ -22,7 +22,8 @@ import numpy as np
 
 import rodimpact as ri
 
-from .table import Row
+from .table import Case, Rows
+from .unit import rod
 
 SOURCE = "Saint-Venant 1867"
 BY_HAND = {  # (Z1, Z2), (T1, T2): e
@@ -35,50 +36,42 @@ BY_HAND = {  # (Z1, Z2), (T1, T2): e
 PAIRS = 2000
 
 
-def run() -> list[Row]:
+def run() -> Rows:
     """Hand values, one awkward pair, random pairs."""
-    rows = []
     for ((Z1, Z2), (T1, T2)), e in BY_HAND.items():
-        o = ri.collide(rod(Z1, T1, 1.0), rod(Z2, T2))
-        case = f"Z {Z1} : {Z2}, T {T1} : {T2}"
-        rows.append(Row(case, "e", f"{SOURCE}: {e}", float(e), o.restitution, 1e-13))
-    return rows + all_different() + random_pairs()
+        o = ri.collide(rod(T1, Z1, 1.0), rod(T2, Z2))
+        case = Case(f"Z {Z1} : {Z2}, T {T1} : {T2}", f"{SOURCE}: {e}")
+        yield case.row("e", float(e), o.restitution, 1e-13)
+    yield from all_different()
+    yield from random_pairs()
 
 
-def rod(Z: float, T: float, velocity: float = 0.0) -> ri.Rod:
-    """A rod of wave speed 1 with given impedance and transit time."""
-    material = ri.Material("unit", youngs_modulus=1.0, density=1.0)
-    return ri.Rod(T, area=Z, material=material, velocity=velocity)
-
-
-def all_different() -> list[Row]:
+def all_different() -> Rows:
     """Z1 = 1, c1 = 1, l1 = 0.7 hits Z2 = 0.5, c2 = 1.3, l2 = 1.1 at speed 1."""
-    case = "Z 1 : 0.5, c 1 : 1.3, l 0.7 : 1.1"
+    case = Case("Z 1 : 0.5, c 1 : 1.3, l 0.7 : 1.1", SOURCE)
     other = ri.Material("other", youngs_modulus=1.3**2, density=1.0)
     solution = ri.solve(ri.System([
-        rod(1.0, 0.7, 1.0), ri.Rod(1.1, area=0.5 / 1.3, material=other),
+        rod(0.7, velocity=1.0), ri.Rod(1.1, area=0.5 / 1.3, material=other),
     ]))
     o, force = solution.outcome, solution.contacts[0].force
     times, forces, _ = solution.contacts[0].breakpoints()
     drop = float(times[np.flatnonzero(np.diff(forces))[0] + 1])
-    return [
-        Row(case, "e", SOURCE, 0.892862692862693, o.restitution, 1e-14),
-        Row(case, "impulse, N s", SOURCE, 0.499145299145299, o.impulse, 1e-14),
-        Row(case, "force at first, N", SOURCE + ": 1/3", 1 / 3, float(force(0.0)), 1e-15),
-        Row(case, "force drops at, s", SOURCE + ": 2 T_short", 1.4, drop, 1e-14),
-        Row(case, "force after that, N", SOURCE + ": 1/9", 1 / 9, float(force(1.5)), 1e-15),
-        Row(case, "force ends at, s", SOURCE + ": 2 T_long", 2.2 / 1.3, o.contacts[0].last, 1e-14),
-    ]
+    yield case.row("e", 0.892862692862693, o.restitution, 1e-14)
+    yield case.row("impulse, N s", 0.499145299145299, o.impulse, 1e-14)
+    yield case.row("force at first, N", 1 / 3, force(0.0), 1e-15, ": 1/3")
+    yield case.row("force drops at, s", 1.4, drop, 1e-14, ": 2 T_short")
+    yield case.row("force after that, N", 1 / 9, force(1.5), 1e-15, ": 1/9")
+    yield case.row("force ends at, s", 2.2 / 1.3, o.contacts[0].last, 1e-14, ": 2 T_long")
 
 
-def random_pairs() -> list[Row]:
+def random_pairs() -> Rows:
     """Impedances and transit times log-uniform over 1 : 30."""
     rng = np.random.default_rng(1867)
     Z1, T1, Z2, T2 = np.exp(rng.uniform(0, np.log(30.0), (4, PAIRS)))
     exact = ri.theory.saint_venant(Z1, T1, Z2, T2)
     outcomes = [
         ri.collide(rod(*first, 1.0), rod(*second))
-        for first, second in zip(zip(Z1, T1, strict=True), zip(Z2, T2, strict=True), strict=True)
+        for first, second in zip(zip(T1, Z1, strict=True), zip(T2, Z2, strict=True), strict=True)
     ]
     short, long = np.where(T1 < T2, Z1, Z2), np.where(T1 < T2, Z2, Z1)
     q = np.maximum((short - long) / (short + long), 0.0)
@@ -86,13 +79,9 @@ def random_pairs() -> list[Row]:
     faint = (q > 0) & (last <= 2.0**-46)
     e = np.array([o.restitution for o in outcomes])
     excess = np.array([o.duration for o in outcomes]) / exact.duration - 1
-    case, source = f"{PAIRS} random pairs", "`rodimpact.theory`"
-    return [
-        Row(case, "e, largest difference", source, 0.0,
-            float(np.abs(e - exact.restitution).max()), 1e-11),
-        Row(case, f"contact time of {np.sum(~faint)} pairs, largest relative difference", source,
-            0.0, float(np.abs(excess[~faint]).max()), 1e-11),
-        Row(case, f"contact time of the other {np.sum(faint)}, whose force falls below 2^-46 of "
-            "the first, largest relative excess", source, 0.0,
-            float(np.maximum(excess[faint], 0.0).max()), 1e-11),
-    ]
+    case = Case(f"{PAIRS} random pairs", "`rodimpact.theory`")
+    yield case.zero("e, largest difference", e - exact.restitution, 1e-11)
+    yield case.zero(f"contact time of {np.sum(~faint)} pairs, largest relative difference",
+                    excess[~faint], 1e-11)
+    yield case.zero(f"contact time of the other {np.sum(faint)}, whose force falls below 2^-46 of "
+                    "the first, largest relative excess", np.maximum(excess[faint], 0.0), 1e-11)

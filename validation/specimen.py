@@ -23,7 +23,7 @@ import numpy as np
 import rodimpact as ri
 
 from .measured_pulses import TITANIUM, record
-from .table import Row
+from .table import Row, Rows
 
 START, STOP = -20e-6, 115e-6  # s, of the incident pulse
 WINDOW = 120e-6, 235e-6  # s, of the reflected and the transmitted one
@@ -63,7 +63,7 @@ def fitted(
     return ri.fit(system, records, unknown, UNTIL, starts=starts)
 
 
-def run() -> list[Row]:
+def run() -> Rows:
     """Misfits in per cent."""
     copper = ri.Yielding(1e8, 5e3, 1e6)
     cases = [
@@ -72,9 +72,7 @@ def run() -> list[Row]:
         ("copper specimen, spring", fitted(ri.Spring(1e8)), (22.0, 20.0)),
     ]
     pulses = "reflected", "transmitted"
-    return [
-        Row(case, f"misfit of the {pulse} pulse, %", "measured, LANL HopPyBar", 0.0, 100 * misfit,
-            bound)
-        for case, fit, bounds in cases
-        for pulse, misfit, bound in zip(pulses, fit.misfits, bounds, strict=True)
-    ]
+    for case, fit, bounds in cases:
+        for pulse, misfit, bound in zip(pulses, fit.misfits, bounds, strict=True):
+            yield Row(case, f"misfit of the {pulse} pulse, %", "measured, LANL HopPyBar", 0.0,
+                      100 * misfit, bound)

@@ -1,15 +1,18 @@
 """The table of validation: what each case expects, what rodimpact gets, how far apart they may be.
 
-A case is a file of this folder with a function `run() -> list[Row]`.
+A case is a file of this folder with a function `run() -> Rows`.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from fractions import Fraction
 from importlib import import_module
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
 
 FOLDER = Path(__file__).parent
 PAGES = FOLDER.parent / "docs" / "validation"
@@ -74,12 +77,38 @@ class AtLeast(Row):
     @property
     def difference(self) -> float:
         """How much `got` falls short."""
-        return max(0.0, float(self.expected - self.got))
+        return float(np.maximum(self.expected - self.got, 0.0))
 
-    @property
-    def holds(self) -> bool:
-        """Whether it falls short by no more than the bound; never for nan."""
-        return bool(self.got >= self.expected - self.bound)
+
+Rows: TypeAlias = Iterable[Any]  # of rows, and of parts of a case, which are the same
+
+
+class Case(NamedTuple):
+    """What rows have in common: the name of their case, and their source."""
+
+    name: str
+    source: str
+
+    def row(
+        self, quantity: str, expected: float | Fraction, got: Any, bound: float, source: str = ""
+    ) -> Row:
+        """One row; a source of its own, or after a colon what of the common one it is."""
+        of = source if source and source[0] != ":" else self.source + source
+        got = got if isinstance(got, Fraction) else float(got)
+        return Row(self.name, quantity, of, expected, got, bound)
+
+    def zero(self, quantity: str, differences: Any, bound: float, source: str = "") -> Row:
+        """The row of the largest of some differences, of either sign."""
+        return self.row(quantity, 0.0, largest(differences), bound, source)
+
+    def at_least(self, quantity: str, expected: float, got: float, bound: float) -> Row:
+        """The row of a number that may exceed what is expected."""
+        return AtLeast(self.name, quantity, "at least", expected, got, bound)
+
+
+def largest(differences: Any) -> float:
+    """Largest absolute value."""
+    return float(np.max(np.abs(differences)))
 
 
 def cases() -> list[str]:
@@ -89,7 +118,9 @@ def cases() -> list[str]:
 
 def run(case: str) -> list[Row]:
     """Rows of one case."""
-    rows: list[Row] = import_module(f"{__package__}.{case}").run()
+    rows: list[Row] = []
+    for part in import_module(f"{__package__}.{case}").run():
+        rows += [part] if isinstance(part, Row) else part
     return rows
 
 
