@@ -10,6 +10,7 @@ import numpy as np
 from ...model import Rod, Samples, Steps
 from ..compiling import objects
 from ..row import Row
+from ..signals import Ints, Pieces
 from ..walk import wave_of_strain
 from . import layout, waves
 from .layout import Clock
@@ -70,12 +71,17 @@ class Known:
         self.log += pieces
         return int(l)
 
-    def _follow(self, curve: waves.Curve, *given: tuple[Any, float]) -> int:
-        """Add a line that follows a curve, made of profiles times factors; return its number."""
-        scale = float(self._clock.scale)
-        made = waves.fitted(curve, self._tolerance * scale)
-        errors = [abs(factor) * p.error for p, factor in given if isinstance(p, Samples)]
-        self.fit = max(self.fit, made.error / scale, *(error / scale for error in errors))
+    def _follow(self, signal: Pieces, stop: int, *given: tuple[Any, float]) -> waves.Fitted:
+        """A signal from tick 0 to `stop` as pieces; it is made of profiles times factors."""
+        scale, samples = float(self._clock.scale), [x for x in given if isinstance(x[0], Samples)]
+        kinked = signal.end < stop - 1 or not all(p.smooth for p, _ in samples)
+        made = waves.fitted(signal, stop, kinked, self._tolerance * scale)
+        missed = [made.error, *(abs(factor) * p.error for p, factor in samples)]
+        self.fit = max(self.fit, max(missed) / scale)
+        return made
+
+    def _enter(self, made: waves.Fitted) -> int:
+        """Add a line of pieces; return its number."""
         degree = np.where(np.any(made.coefficients[:, 1:], axis=1), N, 0)
         columns = made.ticks[:-1], made.ticks[1:], made.order, degree, made.coefficients
         rows = zip(*(column.tolist() for column in columns), strict=True)
@@ -84,27 +90,31 @@ class Known:
 
     def _under_way(self, s: int, rod: Any, begin: Any) -> None:
         """Waves that run through segment s at t = 0: a = v - c strain, and b = v + c strain."""
-        segment, frame, ticks = self._row.segments[s], self._clock.frame, self._clock.transits[s]
+        segment, frame, T = self._row.segments[s], self._clock.frame, self._clock.transits[s]
         c = segment.wave_speed
         if not varies(rod.velocity, rod.strain):
-            for piece in layout.under_way(rod.velocity - frame, rod.strain * c, ticks):
+            for piece in layout.under_way(rod.velocity - frame, rod.strain * c, T):
                 self._add(piece)
             return
-        L, T, length = float(segment.length), int(ticks), float(rod.length)
-        state = [waves.part_of(waves.curve_of(p, length), begin, begin + L)
-                 for p in (rod.velocity, rod.strain)]
-        for sign in (-1, 1):
-            wave = waves.sum_of(state[0], state[1], sign * float(c))
-            shares = (wave.edges - begin) / L
-            edges = np.rint(shares * T).astype(np.int64)
-            for (place, share), tick in self._jumps.items():
-                edges[(np.abs(shares - share) < 1e-12) & (place == s)] = tick
-            edges[0], edges[-1] = 0, T
-            values = wave.values - float(frame)
-            if sign < 0:  # what is at x left the left end x/c ago
-                edges, values = T - edges[::-1], values[::-1, ::-1]
-            self._follow(waves.Curve(edges - T, values, wave.smooth),
-                         (rod.velocity, 1.0), (rod.strain, float(c)))
+        marks = [(share, tick) for (place, share), tick in self._jumps.items() if place == s]
+
+        def ticks_of(x: Any) -> Ints:
+            shares = (x - begin) / segment.length
+            found = np.rint(shares * T).astype(np.int64)
+            for share, tick in marks:
+                found[np.abs(shares - share) < 1e-12] = tick
+            return found
+
+        v, strain = (waves.signal_of(p, rod.length, ticks_of) for p in (rod.velocity, rod.strain))
+        for factor in (-c, c):
+            wave = v.plus(-frame)
+            if varies(rod.strain):
+                wave = wave + strain.times(factor)
+            elif rod.strain:
+                wave = wave.plus(factor * rod.strain)
+            made = self._follow(wave, int(T), (rod.velocity, 1.0), (rod.strain, c))
+            # what is at x left the left end x/c ago, and leaves it in x/c
+            self._enter(made.backwards() if factor < 0 else made._replace(ticks=made.ticks - T))
 
     def _from_outside(self, side: int) -> int:
         """Add what comes from outside an end; return its line, NONE for the free end of a rod."""
@@ -127,11 +137,11 @@ class Known:
             return self._add(layout.steady(start + value * factor))
         assert until is not None
         tick = float(clock.tick)
-        drive = waves.curve_of(value, max(until, tick))
-        edges = np.rint(drive.edges / tick).astype(np.int64)
-        edges[-1] += 1
-        times = edges[:-1, None] + np.diff(edges)[:, None] * waves.SHARES
-        values = drive.values * float(factor) + (float(start) + float(slope) * times * tick)
+        stop = round(max(until, tick) / tick) + 1
+        drive = waves.signal_of(value, until, lambda t: np.rint(t / tick).astype(np.int64))
+        drive = drive.times(float(factor)).plus(float(start))
+        if slope:
+            drive = drive + Pieces.through([0, stop], np.array([0.0, slope * stop * tick]))
         least = min((float(s.impedance) for s in row.segments), default=math.inf)
-        effect = 2 / least if kind == "force" else float(factor)
-        return self._follow(waves.Curve(edges, values, drive.smooth), (value, effect))
+        return self._enter(self._follow(
+            drive, stop, (value, 2 / least if kind == "force" else float(factor))))

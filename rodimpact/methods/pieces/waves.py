@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.polynomial import chebyshev
 
 from ...model import Samples, Steps
-from ..signals import Floats, Ints
+from ..signals import ROUND_OFF, Floats, Ints, Pieces, each_once
 from .lines import EXACT
 from .records import SMOOTH
 from .series import POINTS, SERIES, X
@@ -16,81 +18,30 @@ LEVELS = 12  # pieces of at most 2^12 intervals
 INSIDE = 6  # values in an interval: what runs there is of degree 5 at most
 SHARES = (1 - np.cos(np.pi * np.arange(INSIDE) / (INSIDE - 1))) / 2
 _SERIES, _X = np.array(SERIES), np.array(X)
-_POWERS = np.linalg.inv(np.vander(SHARES, INSIDE, increasing=True))  # values to coefficients
 
 
-class Curve(NamedTuple):
-    """Polynomials one after the other: edges [n + 1], values [n, 6] at `SHARES` of intervals."""
+def signal_of(profile: Any, length: float, ticks_of: Callable[[Any], Ints]) -> Pieces:
+    """A profile along a rod of this length, or over time, on whole ticks; its last value holds on.
 
-    edges: Any
-    values: Any
-    smooth: bool = False  # whether it has no kinks
-
-    def at(self, places: Any, i: Any) -> Floats:
-        """Values of the polynomials i at places."""
-        share = (places - self.edges[i]) / (self.edges[i + 1] - self.edges[i])
-        c = self.values[i] @ _POWERS.T
-        value: Floats = np.zeros(np.shape(share))
-        for m in range(INSIDE - 1, -1, -1):
-            value = value * share + c[..., m]
-        return value
-
-    def interval(self, places: Any) -> Ints:
-        """Interval in which places lie."""
-        i = np.searchsorted(self.edges, places, "right") - 1
-        return np.clip(i, 0, len(self.values) - 1)
-
-    def on(self, edges: Any) -> Curve:
-        """The same over other intervals, each of which lies in one of these."""
-        edges = np.asarray(edges, dtype=float)
-        i = self.interval((edges[1:] + edges[:-1]) / 2)
-        places = edges[:-1, None] + np.diff(edges)[:, None] * SHARES
-        values = np.stack([self.at(column, i) for column in places.T], axis=1)
-        even = np.all(self.values == self.values[:, :1], axis=1)[i]
-        values[even] = self.values[i[even], :1]  # what is constant stays so to the last digit
-        return Curve(edges, values, self.smooth)
-
-
-def curve_of(profile: Any, length: float) -> Curve:
-    """A profile from 0 to `length`; the last value of samples in time holds on."""
+    `ticks_of` makes ticks of places, m, or of times, s.
+    """
     if isinstance(profile, Steps):
-        at = [float(x) for x in profile.at if float(x) < length]
-        steps = np.array([float(v) for v in profile.values[: len(at) + 1]])
-        return Curve(np.array([0.0, *at, length]), np.repeat(steps[:, None], INSIDE, axis=1))
+        at = np.array([0.0, *map(float, profile.at)])
+        return Pieces(ticks_of(at), [*map(float, profile.values)])
     if not isinstance(profile, Samples):
-        return Curve(np.array([0.0, length]), np.full((1, INSIDE), float(profile)), True)
+        return Pieces([0], [float(profile)])
     y = np.asarray(profile.values, dtype=float)
-    if profile.step is None:
-        edges: Any = np.linspace(0.0, length, len(y))
-    else:
-        edges = float(profile.step) * np.arange(len(y))
-    if profile.smooth:
-        from scipy.interpolate import make_interp_spline
+    step = length / (len(y) - 1) if profile.step is None else float(profile.step)
+    edges = step * np.arange(len(y))
+    ticks = ticks_of(edges)
+    if not profile.smooth:
+        return Pieces.through(ticks, y)
+    from scipy.interpolate import make_interp_spline
 
-        places = edges[:-1, None] + np.diff(edges)[:, None] * SHARES
-        values: Any = make_interp_spline(edges, y, 5)(places)
-        values[:, 0], values[:, -1] = y[:-1], y[1:]
-    else:
-        values = y[:-1, None] + (y[1:] - y[:-1])[:, None] * SHARES
-        values[:, -1] = y[1:]
-    held = edges[-1] < length  # the last value holds on, which is a kink
-    if held:
-        edges, values = np.append(edges, length), np.vstack((values, np.full(INSIDE, y[-1])))
-    whole = Curve(edges, values, profile.smooth and not held)
-    return whole if edges[-1] == length else part_of(whole, 0.0, length)
-
-
-def part_of(curve: Curve, start: float, stop: float) -> Curve:
-    """The curve between two places."""
-    inside = curve.edges[(curve.edges > start) & (curve.edges < stop)]
-    return curve.on(np.concatenate(([start], inside, [stop])))
-
-
-def sum_of(first: Curve, second: Curve, factor: float) -> Curve:
-    """The first plus `factor` times the second, over the same length."""
-    edges = np.unique(np.concatenate((first.edges, second.edges)))
-    values = first.on(edges).values + factor * second.on(edges).values
-    return Curve(edges, values, first.smooth and second.smooth)
+    values = make_interp_spline(edges, y, 5)(edges[:-1, None] + step * SHARES)
+    values[:, 0], values[:, -1] = y[:-1], y[1:]
+    series = np.linalg.inv(chebyshev.chebvander(2 * SHARES - 1, INSIDE - 1))
+    return Pieces(ticks[:-1], values @ series.T, ticks[-1])
 
 
 class Fitted(NamedTuple):
@@ -99,59 +50,61 @@ class Fitted(NamedTuple):
     ticks: Ints
     coefficients: Floats
     order: Ints
-    error: float  # by how much they miss the curve at most
+    error: float  # by how much they miss the signal at most
+
+    def backwards(self) -> Fitted:
+        """The same with time reversed."""
+        signs = np.where(np.arange(POINTS) % 2, -1.0, 1.0)
+        order = np.append(SMOOTH, self.order[:0:-1])
+        return Fitted(-self.ticks[::-1], self.coefficients[::-1] * signs, order, self.error)
 
 
-def fitted(curve: Curve, tolerance: float) -> Fitted:
-    """A curve over whole ticks as pieces that are as long as they fit to a tolerance.
+def fitted(signal: Pieces, stop: int, kinked: bool, tolerance: float) -> Fitted:
+    """A signal from tick 0 to `stop` as pieces that are as long as they fit to a tolerance.
 
-    Parameters
-    ----------
-    curve : Curve
-        Edges in ticks.
-    tolerance : float
+    Pieces begin at breaks of the signal, of which those of a smooth curve are no kinks.
     """
-    keep = np.diff(curve.edges) > 0
-    edges = np.append(curve.edges[:-1][keep], curve.edges[-1]).astype(np.int64)
-    curve = Curve(edges.astype(float), curve.values[keep], curve.smooth)
-    begin, end, n = curve.values[:, 0], curve.values[:, -1], len(curve.values)
-    jumps = np.append(np.abs(end[:-1] - begin[1:]) > EXACT * tolerance, True)  # behind each
-    even = np.all(curve.values == begin[:, None], axis=1)
-    coefficients, width_of = np.zeros((n, POINTS)), np.zeros(n, int)  # of pieces that start there
-    taken, worst = np.zeros(n, bool), 0.0
-    for level in range(min(LEVELS, max(n - 1, 0).bit_length()), -1, -1):
-        width = 1 << level
-        blocks = (n // width, width)
-        inner = jumps[: n - n % width].reshape(blocks)[:, :-1].any(axis=1)
-        free = ~taken[: n - n % width].reshape(blocks).any(axis=1) & ~inner
-        first = width * np.flatnonzero(free)
-        if not len(first):
-            continue
-        c, miss = _pieces(curve, first, width)
-        good = miss <= tolerance if level else miss >= 0  # a single interval is one piece
-        first, worst = first[good], max(worst, miss[good].max(initial=0.0))
-        coefficients[first], width_of[first] = c[good], width
-        taken[first[:, None] + np.arange(width)] = True
-    alone = even & (width_of == 1)  # what is constant stays so to the last digit
-    coefficients[alone] = 0.0
-    coefficients[alone, 0] = begin[alone]
-    first = np.flatnonzero(width_of)
-    coefficients = coefficients[first]
-    order = _orders(edges, first, coefficients, jumps, not curve.smooth, tolerance)
-    return Fitted(np.append(edges[first], edges[-1]), coefficients, order, float(worst))
+    edges = each_once([0], signal.breaks_in(0, stop), [stop])
+    least = EXACT * tolerance + ROUND_OFF * np.abs(signal.coefficients).max()
+    jumps = np.abs(signal.at(edges[1:], "left") - signal.at(edges[1:])) > least
+    passed = np.cumsum(np.append(0, jumps[:-1]))  # jumps before each interval
+    n = len(edges) - 1
+    width = 1 << min(LEVELS, max(n - 1, 0).bit_length())
+    first, found, worst = np.arange(0, n, width), list[tuple[Ints, Floats]](), 0.0
+    while width:  # what does not fit is halved; a single interval is one piece
+        last = np.minimum(first + width, n)
+        good = (first + width == last) & (passed[last - 1] == passed[first])
+        c, miss = _pieces(signal, edges, first[good], width)
+        fits = (miss <= tolerance) | (width == 1)
+        worst = max(worst, miss[fits].max(initial=0.0))
+        good[good] = fits
+        found.append((first[good], c[fits]))
+        width //= 2
+        first = np.concatenate((first[~good], first[~good] + width))
+        first = first[first < n]
+    begin, coefficients = (np.concatenate(x) for x in zip(*found, strict=True))
+    order = np.argsort(begin)
+    begin, coefficients = begin[order], coefficients[order]
+    order = _orders(edges, begin, coefficients, jumps, kinked, tolerance)
+    return Fitted(np.append(edges[begin], stop), coefficients, order, float(worst))
 
 
-def _pieces(curve: Curve, first: Ints, width: int) -> tuple[Floats, Floats]:
+def _pieces(signal: Pieces, edges: Ints, first: Ints, width: int) -> tuple[Floats, Floats]:
     """Series through so many intervals from each `first` on, and by how much they miss them."""
-    low, high = curve.edges[first, None], curve.edges[first + width, None]
-    places = low + (high - low) * (_X + 1) / 2
-    own = np.clip(curve.interval(places), first[:, None], first[:, None] + width - 1)
-    c = curve.at(places, own) @ _SERIES.T
+    low, high = edges[first], edges[first + width]
+    values = signal.at(low[:, None] + (high - low)[:, None] * (_X + 1) / 2)
+    values[:, -1] = signal.at(high, "left")
+    c = values @ _SERIES.T
+    flat = np.all(values == values[:, :1], axis=1)
+    c[flat] = np.eye(POINTS)[0] * values[flat, :1]  # what is constant stays so to the last digit
     at = first[:, None] + np.arange(width)
-    tested = curve.edges[at, None] + np.diff(curve.edges)[at, None] * SHARES
-    y = 2 * (tested.reshape(len(first), -1) - low) / (high - low) - 1
-    found = np.polynomial.chebyshev.chebval(y.T, c.T, tensor=False).T
-    return c, np.abs(found - curve.values[at].reshape(y.shape)).max(axis=1)
+    starts, stops = edges[at], edges[at + 1]
+    inside = starts[..., None] + (stops - starts)[..., None] * SHARES
+    shape = len(first), width * INSIDE
+    y = 2 * (inside.reshape(shape) - low[:, None]) / (high - low)[:, None] - 1
+    given = signal.inside(starts.ravel(), stops.ravel(), SHARES) * np.ones(INSIDE)
+    missed = chebyshev.chebval(y.T, c.T, tensor=False).T - given.reshape(shape)
+    return c, np.abs(missed).max(axis=1)
 
 
 def _orders(
