@@ -38,9 +38,10 @@ from rodimpact.methods.laws import Stop
 from rodimpact.methods.row import Row
 from rodimpact.methods.run import MAX_EVENTS
 
+from .unit import rod
+
 CASE = Path(__file__).parent / "cases" / "unequal-rods.toml"
 STEEL = ri.materials.steel
-UNIT_MATERIAL = ri.Material("one", youngs_modulus=1.0, density=1.0)
 RUN, LONG = 500_000, 1e6  # events, s
 LAST = Path(__file__).parent / "performance.json"  # ratios of the last version to the leapfrog
 SLOWER = 1.25  # times the last ratio is told of
@@ -155,17 +156,11 @@ def compiled_godunov(per_unit: int = 100) -> Callable[[], float]:
 
 def per_event(T: Sequence[float], Z: Sequence[float], v: Sequence[float]) -> float:
     """Median time of an event in a run of half a million of uniform rods that touch, s."""
-    bodies: list[ri.Body] = [ri.Rod(t, area=z, material=UNIT_MATERIAL, velocity=w)
-                             for t, z, w in zip(T, Z, v, strict=True)]
-    plan = plan_of(Row(ri.System(bodies)))
-    spans = []
-    for _ in range(5):
-        begin = time.perf_counter()
-        with kernels.forced(True):
-            (run,) = driver.solve_one(plan, LONG, RUN).copied("run")
-        spans.append((time.perf_counter() - begin) / run.events)
+    plan = plan_of(Row(ri.System([rod(*of) for of in zip(T, Z, v, strict=True)])))
+    with kernels.forced(True):
+        (run,) = driver.solve_one(plan, LONG, RUN).copied("run")
         assert run.stop == Stop.CAP
-    return statistics.median(spans[1:])
+        return median(lambda: driver.solve_one(plan, LONG, RUN).copied("run"), 5) / run.events
 
 
 def free_pair() -> float:
@@ -183,10 +178,8 @@ def long_row(n: int) -> float:
 def family_of_pairs(pairs: int = 20_000) -> float:
     """Time of one collision of a long list of random pairs, s, without the table made of them."""
     rng = np.random.default_rng(0)
-    rods = [
-        ri.Rod(rng.uniform(0.1, 1.0, pairs), area=np.exp(rng.uniform(0.0, math.log(3.0), pairs)),
-               material=UNIT_MATERIAL, velocity=v) for v in (0.5, -0.5)
-    ]
+    rods = [rod(rng.uniform(0.1, 1.0, pairs), np.exp(rng.uniform(0.0, math.log(3.0), pairs)), v)
+            for v in (0.5, -0.5)]
     plan = plan_of(Row(ri.System(rods)))
     with kernels.forced(True):
         return median(lambda: driver.solve_many(plan, None, MAX_EVENTS)) / pairs
@@ -235,11 +228,8 @@ print(peak() - before)
 
 def map_of_pairs() -> tuple[float, float]:
     """Time of a map over lengths and impedances, s, and its largest error of e."""
-    system = ri.System([
-        ri.Rod(np.linspace(0.05, 1.0, 1000)[:, None], area=1.0, material=UNIT_MATERIAL,
-               velocity=1.0),
-        ri.Rod(1.0, area=np.geomspace(0.1, 10.0, 1000), material=UNIT_MATERIAL),
-    ])
+    system = ri.System([rod(np.linspace(0.05, 1.0, 1000)[:, None], velocity=1.0),
+                        rod(1.0, np.geomspace(0.1, 10.0, 1000))])
     result = ri.sweep(system)
     first, second = (body.segments[0] for body in system.bodies)
     exact = ri.theory.saint_venant(
@@ -260,16 +250,14 @@ def hertz_pair() -> float:
 def row_between_walls(law: Any) -> float:
     """Time of five rods between walls, over 100 transits of the longest, by characteristics, s."""
     lengths, unit = (8, 10, 12, 14, 16), 0.02
-    rods = [ri.Rod(unit * n, area=1 + 0.1 * n, material=UNIT_MATERIAL, velocity=8 / n - 0.7)
-            for n in lengths]
+    rods = [rod(unit * n, 1 + 0.1 * n, 8 / n - 0.7) for n in lengths]
     system = ri.System([ri.Wall(), *rods, ri.Wall()], gaps=[0.05] * 6, contacts=[law] * 6)
-    spans = []
-    for _ in range(4):
-        begin = time.perf_counter()
-        solution = ri.solve(system, 100 * unit * lengths[-1], "characteristics")
-        spans.append(time.perf_counter() - begin)
-        assert sum(c.episodes for c in solution.outcome.contacts) > 20
-    return min(spans)
+
+    def solved() -> ri.Solution:
+        return ri.solve(system, 100 * unit * lengths[-1], "characteristics")
+
+    assert sum(c.episodes for c in solved().outcome.contacts) > 20
+    return median(solved, 3)
 
 
 def cell_on_grid(material: ri.Material, theory: str | None = None) -> float:
@@ -279,14 +267,11 @@ def cell_on_grid(material: ri.Material, theory: str | None = None) -> float:
            for v in (1.0, 0.0)]
     mesh = Mesh(Row(ri.System(row)), [cells] * 2)
     step = COURANT * stable_step(row[0].segments[0], cells)
-    run = GridRun(mesh, step, Keeper(4), 8 * steps)
-    spans = []
-    for _ in range(7):
-        begin = time.perf_counter()
-        run.advance(run.steps + steps)
-        spans.append(time.perf_counter() - begin)
+    run = GridRun(mesh, step, Keeper(4), 9 * steps)
+    run.advance(steps)  # so that machine code is there
+    seconds = median(lambda: run.advance(run.steps + steps))
     assert run.grid.link["episodes"].tolist() == [1]
-    return statistics.median(spans[1:]) / steps / 800
+    return seconds / steps / 800
 
 
 def measure() -> dict[str, float]:
