@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from importlib import import_module
 
-__version__ = "0.1.0"
+from .version import __version__ as __version__
 
 with open(f"{__path__[0]}/__init__.pyi", encoding="utf-8") as _names:
     _HOME = {line[3]: line[1] for line in map(str.split, _names) if line[:1] == ["from"]}

@@ -7,9 +7,9 @@ import rodimpact
 
 ROOT = Path(rodimpact.__file__).parent
 LAYERS = [
-    "units", "model", "rigid", "theory", "materials", "methods", "waves", "storage", "records",
-    "results", "running", "algebra", "derivatives", "warming", "design", "fitting", "plot",
-    "explorer", "cli", "__main__",
+    "version", "units", "model", "rigid", "theory", "materials", "methods", "waves", "storage",
+    "records", "results", "running", "algebra", "derivatives", "warming", "design", "fitting",
+    "plot", "explorer", "cli", "__main__",
 ]
 """Packages and modules at the root, from the ground up."""
 METHODS = ("fronts", "pieces", "grid")

@@ -17,7 +17,7 @@ from contextlib import contextmanager, suppress
 from importlib import import_module
 from typing import Any
 
-from .. import __version__
+from ..version import __version__
 from .options import as_options
 
 COMMANDS = {

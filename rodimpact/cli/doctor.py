@@ -12,7 +12,6 @@ import platform
 import time
 from importlib import metadata
 
-from .. import __version__
 from ..materials import aluminium, brass, steel
 from ..methods import kernels
 from ..methods.fronts import march
@@ -20,6 +19,7 @@ from ..methods.fronts.method import track
 from ..methods.row import Row
 from ..model import Rod, System, Wall
 from ..storage.tables import align, as_json
+from ..version import __version__
 from ..warming import warm
 from . import DONE, UNVERIFIED
 from .asking import note

@@ -11,7 +11,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from .. import __version__
 from ..methods.fronts.plan import plan_of
 from ..methods.laws import Stop
 from ..methods.walk import walk
@@ -22,6 +21,7 @@ from ..running.solving import solve
 from ..storage.casefile import Case
 from ..storage.writing import PathLike, write_text
 from ..units import shown
+from ..version import __version__
 from .design import LIBRARY, tables_of, with_gauges
 from .motion import end_of_picture, rods_of
 from .page_files import packed, standalone

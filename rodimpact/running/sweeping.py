@@ -18,7 +18,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .. import __version__
 from ..methods import memory
 from ..methods.duration import Forecast, Progress, warn
 from ..methods.family import ALSO, Stopped
@@ -33,6 +32,7 @@ from ..results.solution import Solution
 from ..storage.checkpoint import Checkpoint, InMemory
 from ..storage.writing import PathLike
 from ..units import shown
+from ..version import __version__
 from . import sweep_result as table
 from .jobs import Jobs, Pool, pool_of, run_parts
 from .member import row_of

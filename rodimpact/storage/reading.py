@@ -16,9 +16,9 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from .. import __version__
 from ..methods import memory
 from ..methods.duration import Forecast, LongRun
+from ..version import __version__
 from .writing import (
     FORMAT,
     MOST_DOCUMENT,

@@ -21,9 +21,9 @@ from typing import Any, BinaryIO, TypeAlias
 
 import numpy as np
 
-from .. import __version__
 from ..model.frozen import InvalidModel
 from ..units import shown
+from ..version import __version__
 
 PathLike: TypeAlias = "str | os.PathLike[str]"
 Arrays: TypeAlias = dict[str, Any]
