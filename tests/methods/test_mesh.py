@@ -65,7 +65,7 @@ def test_cells_of_damped_and_lateral_segments():
                            lateral_inertia="rayleigh-love"), unit_rod()], [4, 4])
     assert mesh.viscous[1:5] == pytest.approx(np.full(4, 0.5 * 3 * 4))
     assert mesh.lateral[1:5] == pytest.approx(np.full(4, 2 * 0.0625 * 4 * 4))
-    assert mesh.implicit == [True, False]
+    assert mesh.implicit
     assert not np.any(mesh.viscous[5:])
 
 

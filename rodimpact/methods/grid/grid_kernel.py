@@ -52,9 +52,9 @@ def follow(grid: Any, track: Any, until: int) -> bool:
     run = grid.run[0]
     # taken out of the tuples once, and handed on only where needed: a call for one array costs as
     # much as ten nodes
-    v, force, stiffness, mobility = grid.velocity, grid.force, grid.stiffness, grid.mobility
-    piece, implicit, node = grid.piece, grid.implicit, grid.node
-    viscous, lost, change, old = grid.viscous, grid.lost, grid.change, grid.old
+    v, force, stiffness, piece = grid.velocity, grid.force, grid.stiffness, grid.piece
+    into, inverse, back, change = grid.into, grid.inverse, grid.back, grid.change
+    viscous, lost, old = grid.viscous, grid.lost, grid.old
     strain, rate, coupling = grid.strain, grid.rate, grid.coupling
     ease, own, share, shear = grid.ease, grid.own, grid.share, grid.shear
     link, end, watched, pulled = grid.link, grid.end, grid.watched, grid.pulled
@@ -71,18 +71,24 @@ def follow(grid: Any, track: Any, until: int) -> bool:
         if run.swells > 0:
             radial.drift(strain, rate, coupling, force)
             radial.kick(strain, rate, ease, own, share, shear, force)
-        kick(v, force, mobility)
-        if len(implicit) > 0:
-            kick_implicit(implicit, node, v, force, viscous, change, old, end)
-        move_ends(v, mobility, end)
+        push_ends(v, force, end)
+        if run.implicit > 0:
+            pull_implicit(v, force, viscous, old, change, end)
+            elimination.substitute(into, inverse, back, change)
+            add(v, change)
+        else:
+            kick(v, force, inverse)
+        for side in range(2):
+            if end[side].kind == Beyond.MOVED:
+                v[end[side].node] = end[side].given
         for i in range(len(link)):
             if link[i].last != NONE and not resolve(
-                run, v, mobility, implicit, node, link, signal, i
+                run, v, grid.by_first, grid.by_last, link, signal, i
             ):
                 return False
         move(piece, v)
-        if len(implicit) > 0:
-            dissipate(implicit, v, old, viscous, lost)
+        if run.implicit > 0:
+            dissipate(v, old, viscous, lost)
         enter(run.step - run.first, v, watched, speed)
         enter(run.step - run.first, force, pulled, pull)
         run.step += 1
@@ -120,9 +126,7 @@ def remember(run: Any, v: Any, link: Any, end: Any, given: Any) -> None:
         at = link[i]
         at.before = v[at.left] - v[at.right]
     for side in range(2):
-        outside = end[side]
-        outside.given = given[2 * (run.step - run.first) + side]
-        outside.old = v[outside.node]
+        end[side].given = given[2 * (run.step - run.first) + side]
 
 
 def enter(row: int, values: Any, places: Any, entered: Any) -> None:
@@ -143,76 +147,56 @@ def drift(v: Any, force: Any, stiffness: Any) -> None:
         force[i] += stiffness[i] * (v[i] - v[i - 1])
 
 
+def push_ends(v: Any, force: Any, end: Any) -> None:
+    """Forces of what is outside, as if there were cells beyond the ends of the row."""
+    for side in range(2):
+        at, F = end[side], 0.0
+        if at.kind == Beyond.PUSHED:
+            F = -at.given
+        elif at.kind == Beyond.ENDLESS:
+            inward = at.impedance * (at.rest + at.given - v[at.node])
+            F = -inward if side == 0 else inward
+        force[at.node + side] = F
+
+
 def kick(v: Any, force: Any, mobility: Any) -> None:
-    """Velocities of explicit pieces; the nodes of others have no mobility."""
+    """Velocities where nothing is implicit."""
     for i in range(len(v)):
         v[i] += mobility[i] * (force[i + 1] - force[i])
 
 
-def kick_implicit(
-    implicit: Any, node: Any, v: Any, force: Any, viscous: Any, x: Any, old: Any, end: Any
-) -> None:
-    """Velocities of implicit pieces; x becomes their changes."""
-    for p in range(len(implicit)):
-        a, b = implicit[p].first & FAR, implicit[p].last & FAR
-        for i in range(a, b + 1):
-            old[i] = v[i]
-        x[a] = force[a + 1] + viscous[a + 1] * (v[a + 1] - v[a])
-        x[b] = -force[b] - viscous[b] * (v[b] - v[b - 1])
-        for i in range(a + 1, b):
-            right = force[i + 1] + viscous[i + 1] * (v[i + 1] - v[i])
-            x[i] = right - (force[i] + viscous[i] * (v[i] - v[i - 1]))
-        for side in range(2):
-            n = end[side].node
-            if a <= n <= b:
-                if end[side].kind == Beyond.MOVED:
-                    x[n] = end[side].given - v[n]
-                else:
-                    x[n] += outer_force(end[side], side, v[n])
-        elimination.substitute(implicit[p], node, x)
-        for i in range(a, b + 1):
-            v[i] += x[i]
-
-
-def outer_force(at: Any, side: int, v: float) -> float:
-    """Force to the right on the node at one end of the row; that of an endless bar at this v."""
-    F: float = 0.0
-    if at.kind == Beyond.PUSHED:
-        F = at.given
-        if side == 1:
-            F = -F
-    elif at.kind == Beyond.ENDLESS:
-        F = at.impedance * (at.rest + at.given - v)
-    return F
-
-
-def move_ends(v: Any, mobility: Any, end: Any) -> None:
-    """Let what is outside act on the ends of explicit pieces."""
+def pull_implicit(v: Any, force: Any, viscous: Any, old: Any, x: Any, end: Any) -> None:
+    """Forces x on the nodes, with those that viscosity adds; the changes that are given."""
+    before = force[0]
+    for i in range(len(v) - 1):
+        old[i] = v[i]
+        after = force[i + 1] + viscous[i + 1] * (v[i + 1] - v[i])
+        x[i] = after - before
+        before = after
+    n = len(v) - 1
+    old[n] = v[n]
+    x[n] = force[n + 1] - before
     for side in range(2):
-        at, n = end[side], end[side].node
-        if at.kind == Beyond.MOVED:
-            v[n] = at.given
-        elif at.kind != Beyond.STEADY and mobility[n] > 0:
-            v[n] += mobility[n] * outer_force(at, side, at.old)
+        if end[side].kind == Beyond.MOVED:
+            x[end[side].node] = end[side].given - v[end[side].node]
 
 
-def push(v: Any, mobility: Any, implicit: Any, node: Any, at: Any) -> None:
+def add(v: Any, change: Any) -> None:
+    """Change velocities."""
+    for i in range(len(v)):
+        v[i] += change[i]
+
+
+def push(v: Any, by_first: Any, by_last: Any, at: Any) -> None:
     """Change the velocities of both sides by the force of a link."""
-    F, l, r, p, q = at.force, at.left, at.right, at.left_implicit, at.right_implicit
-    if p == NONE:
-        v[l] -= mobility[l] * F
-    else:
-        for n in range(implicit[p].first & FAR, (l & FAR) + 1):
-            v[n] -= node[n].by_last * F
-    if q == NONE:
-        v[r] += mobility[r] * F
-    else:
-        for n in range(r & FAR, (implicit[q].last & FAR) + 1):
-            v[n] += node[n].by_first * F
+    for n in range(at.leftmost & FAR, (at.left & FAR) + 1):
+        v[n] -= by_last[n] * at.force
+    for n in range(at.right & FAR, (at.rightmost & FAR) + 1):
+        v[n] += by_first[n] * at.force
 
 
 def resolve(
-    run: Any, v: Any, mobility: Any, implicit: Any, node: Any, link: Any, signal: Any, first: int
+    run: Any, v: Any, by_first: Any, by_last: Any, link: Any, signal: Any, first: int
 ) -> bool:
     """Solve links that feel each other; return False where their bodies cannot move."""
     last, speed = link[first].last, 0.0
@@ -233,7 +217,7 @@ def resolve(
         if stiff and at.force * at.own <= run.tolerance:
             at.force = 0.0
         if at.force != 0:
-            push(v, mobility, implicit, node, at)
+            push(v, by_first, by_last, at)
     for i in range(first, last + 1):
         at, before = link[i], link[i].gap
         at.closing = (at.before + v[at.left] - v[at.right]) / 2
@@ -262,10 +246,8 @@ def greatest_closing(at: Any) -> float:
     return limit
 
 
-def dissipate(implicit: Any, v: Any, old: Any, viscous: Any, lost: Any) -> None:
+def dissipate(v: Any, old: Any, viscous: Any, lost: Any) -> None:
     """Enter what viscosity turned to heat."""
-    for p in range(len(implicit)):
-        a, b = implicit[p].first & FAR, implicit[p].last & FAR
-        for i in range(a + 1, b + 1):
-            rate = (v[i] - v[i - 1] + (old[i] - old[i - 1])) / 2
-            lost[i] += viscous[i] * rate * rate
+    for i in range(1, len(v)):
+        rate = (v[i] - v[i - 1] + (old[i] - old[i - 1])) / 2
+        lost[i] += viscous[i] * rate * rate

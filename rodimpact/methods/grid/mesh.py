@@ -227,17 +227,9 @@ class Mesh:
         return bool(np.any(self.cells.swelling))
 
     @cached_property
-    def implicit(self) -> list[bool]:
-        """Whether each piece has damping or lateral inertia."""
-        return [
-            bool(np.any(self.viscous[a + 1 : b + 1]) or np.any(self.lateral[a + 1 : b + 1]))
-            for a, b in zip(self.starts, self.stops, strict=True)
-        ]
-
-    @property
-    def hidden(self) -> Array:
-        """Whether each node is of such a piece."""
-        return np.repeat(self.implicit, np.diff([*self.starts, len(self.mass)]))
+    def implicit(self) -> bool:
+        """Whether new velocities depend on each other: there is damping or lateral inertia."""
+        return bool(np.any(self.viscous) or np.any(self.lateral))
 
     @cached_property
     def groups(self) -> list[tuple[int, int]]:

@@ -22,18 +22,11 @@ RUN = np.dtype([
     ("step", "i8"), ("first", "i8"),  # steps taken, now and as the arrays of `Track` begin
     ("kept", "i8"),  # states entered there
     ("swells", "i8"),  # 1: cells have radial strains
+    ("implicit", "i8"),  # 1: there is damping or lateral inertia
     ("tolerance", "f8"),  # velocity below which contacts graze and impacts rest
     ("resolution", "f8"),  # gap that counts as no opening: the mesh does not see it
 ], align=True)
 PIECE = np.dtype([("start", "i8"), ("place", "f8")], align=True)  # first node, its displacement
-IMPLICIT = np.dtype([  # a piece with damping or lateral inertia
-    ("first", "i8"), ("middle", "i8"), ("last", "i8"),  # nodes
-    ("left", "f8"), ("right", "f8"),  # what the middle takes from its neighbours
-], align=True)
-NODE = np.dtype([  # of an implicit piece
-    ("into", "f8"), ("back", "f8"), ("inverse", "f8"),  # multipliers of the elimination
-    ("by_first", "f8"), ("by_last", "f8"),  # velocity for a unit force on either end of the piece
-], align=True)
 LINK = np.dtype([  # a contact or joint
     ("law", "i8"), ("stiffness", "f8"), ("exponent", "f8"),
     ("damping", "f8"),  # of YIELD the hardening, as a share of the stiffness
@@ -41,7 +34,7 @@ LINK = np.dtype([  # a contact or joint
     ("knot", "i8"),  # the next of these forces, from which on YIELD has another hardening
     ("knots", "f8", (KNOTS,)), ("shares", "f8", (KNOTS,)),
     ("left", "i8"), ("right", "i8"),  # nodes
-    ("left_implicit", "i8"), ("right_implicit", "i8"),  # pieces, NONE if explicit
+    ("leftmost", "i8"), ("rightmost", "i8"),  # nodes that its force moves in the same step
     ("last", "i8"),  # of those that feel each other, at the first of them; else NONE
     ("own", "f8"),  # half the mobility of both sides together
     ("shared", "f8"),  # half the mobility that it shares with the link before
@@ -63,7 +56,7 @@ LINK = np.dtype([  # a contact or joint
 END = np.dtype([  # left or right
     ("kind", "i8"), ("node", "i8"), ("impedance", "f8"),  # of an endless bar
     ("rest", "f8"),  # the wave that comes from it beside the given one
-    ("given", "f8"), ("old", "f8"),  # of this step, and the velocity before it
+    ("given", "f8"),  # in this step
 ], align=True)
 SIGNAL = np.dtype([("force", "f8"), ("gap", "f8"), ("closing", "f8")])
 
@@ -74,15 +67,17 @@ class Grid(NamedTuple):
     run: Any  # one RUN
     velocity: Any  # [node]
     force: Any  # [cell] elastic tension in the middle of the last step; 0 between pieces
-    mobility: Any  # [node] 1/mass; 0 where the velocity is given, or the piece is implicit
+    into: Any  # [node] multipliers of the elimination, 0 where nothing is implicit
+    inverse: Any  # [node] of its diagonal: 1/mass where nothing is implicit; 1 at a given velocity
+    back: Any  # [node]
+    by_first: Any  # [node] velocity for a unit force on the first node of its piece
+    by_last: Any  # [node] on the last one
     stiffness: Any  # [cell]
     piece: Any  # PIECE
-    implicit: Any  # IMPLICIT
-    node: Any  # [node] NODE
     viscous: Any  # [cell] eta A/dx
     lost: Any  # [cell] turned to heat
-    change: Any  # [node] of the velocity in this step, in implicit pieces
-    old: Any  # [node] velocity before it
+    old: Any  # [node] velocity before this step, if there is viscosity
+    change: Any  # [node] since then
     strain: Any  # [cell] radial strain q in the middle of the last step
     rate: Any  # [cell]
     ease: Any  # [cell] 1/J

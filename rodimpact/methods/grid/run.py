@@ -334,10 +334,9 @@ class GridRun:
 
 def cost(mesh: Mesh, plain: bool) -> float:
     """About how long a step takes, s, in plain Python or compiled."""
-    return STEP_TIMES[plain] + sum(
-        (b - a + 1) * CELL_TIMES["implicit" if hidden else "explicit"][plain]
-        for a, b, hidden in zip(mesh.starts, mesh.stops, mesh.implicit, strict=True)
-    ) + np.count_nonzero(mesh.cells.swelling) * CELL_TIMES["radial"][plain]
+    own = CELL_TIMES["implicit" if mesh.implicit else "explicit"][plain]
+    radial = np.count_nonzero(mesh.cells.swelling) * CELL_TIMES["radial"][plain]
+    return STEP_TIMES[plain] + len(mesh.mass) * own + radial
 
 
 def as_lists(arrays: Any) -> Any:

@@ -9,7 +9,6 @@ import numpy as np
 
 from ...model.frozen import InvalidModel
 from ...model.profiles import averages
-from .. import compiling
 from ..laws import KNOTS, UNREACHED, Beyond
 from ..row import Array, Row, whole
 from ..walk import wave_of_strain
@@ -28,29 +27,31 @@ KINDS = {"none": Beyond.STEADY, "force": Beyond.PUSHED, "velocity": Beyond.MOVED
 def grid_of(mesh: Mesh, step: float) -> Grid:
     """Everything at rest and without force, gaps as they are."""
     row, h, n = mesh.row, step, len(mesh.mass)
-    mass, bound = mesh.mass / h, bound_of(mesh, h)
+    mass = mesh.mass / h
     for side, (kind, _) in enumerate(row.outside):
         if kind == "absorbing":
             mass[mesh.ends[side]] += impedance(mesh, side) / 2
-    implicit = spans_of(mesh)
-    node = _nodes(mesh, implicit, mass, bound)
-    mobility = np.where(mesh.hidden, 0.0, mobility_of(mesh, mass))
+    multipliers = eliminated(mesh, mass, bound_of(mesh, h))
+    by_first, by_last = (
+        answered(multipliers, np.bincount(nodes, mesh.held[nodes] == 0, n))
+        for nodes in (mesh.starts, mesh.stops))
     stiffness, cells = mesh.stiffness * h, mesh.cells
     swells = cells.swelling > 0
     constant = np.where(cells.stiffness > 0, cells.stiffness, 1.0)
     return Grid(
         run=filled(records.RUN, 1, tolerance=TOLERANCE * row.scale,
-                   resolution=GAP_RESOLUTION * row.scale, swells=mesh.swells),
-        velocity=np.zeros(n), force=np.zeros(n + 1), mobility=mobility, stiffness=stiffness,
+                   resolution=GAP_RESOLUTION * row.scale, swells=mesh.swells,
+                   implicit=mesh.implicit),
+        velocity=np.zeros(n), force=np.zeros(n + 1), **multipliers,
+        by_first=by_first, by_last=by_last, stiffness=stiffness,
         piece=filled(records.PIECE, len(mesh.starts), start=mesh.starts),
-        implicit=implicit, node=node, viscous=mesh.viscous, lost=np.zeros(n + 1),
-        change=np.zeros(n), old=np.zeros(n),
+        viscous=mesh.viscous, lost=np.zeros(n + 1), change=np.zeros(n), old=np.zeros(n),
         strain=np.zeros(n + 1), rate=np.zeros(n + 1),
         ease=np.divide(h, cells.swelling, out=np.zeros(n + 1), where=swells),
         coupling=cells.coupling * h,
         own=(cells.radial - cells.coupling**2 / constant) * h, share=cells.coupling / constant,
         shear=np.append(mesh.shear * h, 0.0),
-        link=_links(mesh, h, mobility, node),
+        link=_links(mesh, h, by_first, by_last),
         end=filled(records.END, 2, kind=[KINDS[kind] for kind, _ in row.outside], node=mesh.ends,
                    impedance=[impedance(mesh, side) for side in (0, 1)]),
         watched=whole(mesh.watched), pulled=whole(mesh.pulled),
@@ -77,68 +78,38 @@ def impedance(mesh: Mesh, side: int) -> float:
     return math.sqrt(float(mesh.cells.relaxed[cell] * mesh.cell_mass[cell]))
 
 
-def mobility_of(mesh: Mesh, mass: Array) -> Array:
-    """1/mass of nodes, 0 where the velocity is given."""
-    return np.where(mesh.held == 1, 0.0, 1 / np.where(mass > 0, mass, 1.0))
+def eliminated(mesh: Mesh, mass: Array, bound: Array) -> dict[str, Array]:
+    """Multipliers of the elimination for nodes of these masses and cells that bind them."""
+    diagonal = mass + bound[:-1] + bound[1:]
+    into, inverse, back = np.zeros((3, len(mass)))
+    if bound.any():
+        lists = into.tolist(), inverse.tolist(), back.tolist()
+        elimination.factor(*lists, bound.tolist(), diagonal.tolist(), mesh.held.tolist())
+        into, inverse, back = map(np.array, lists)
+    else:
+        inverse = 1 / np.where(mesh.held == 1, 1.0, diagonal)
+    return {"into": into, "inverse": inverse, "back": back}
 
 
-# Implicit pieces ----------------------------------------------------------------------------------
-
-
-def spans_of(mesh: Mesh) -> Array:
-    """Pieces with damping or lateral inertia, before their elimination."""
-    first, last = (np.array(nodes)[mesh.implicit] for nodes in (mesh.starts, mesh.stops))
-    return filled(records.IMPLICIT, len(first), first=first, middle=(first + last) // 2, last=last)
-
-
-def eliminated(
-    mesh: Mesh, implicit: Array, mass: Array, bound: Array
-) -> tuple[list[Any], list[Any]]:
-    """Implicit pieces and nodes as objects, with their multipliers."""
-    pieces = compiling.as_objects(implicit)
-    nodes = compiling.as_objects(np.zeros(len(mass), records.NODE))
-    diagonal, bounds = (mass + bound[:-1] + bound[1:]).tolist(), bound.tolist()
-    for piece in pieces:
-        elimination.factor(piece, nodes, bounds, diagonal, mesh.held.tolist())
-    return pieces, nodes
-
-
-def _nodes(mesh: Mesh, implicit: Array, mass: Array, bound: Array) -> Array:
-    """Nodes of implicit pieces; enters in the pieces what their middle takes."""
-    if not len(implicit):
-        return np.zeros(len(mass), records.NODE)
-    pieces, nodes = eliminated(mesh, implicit, mass, bound)
-    implicit[:] = compiling.as_records(pieces, records.IMPLICIT)
-    found: Array = compiling.as_records(nodes, records.NODE)
-    for name, ends in (("by_first", implicit["first"]), ("by_last", implicit["last"])):
-        push = np.zeros(len(nodes))
-        push[ends] = mesh.held[ends] == 0
-        found[name] = answered(pieces, nodes, push)
-    return found
-
-
-def answered(pieces: list[Any], nodes: list[Any], push: Array) -> Array:
-    """By how much implicit pieces change their velocities for these forces [node]."""
+def answered(multipliers: dict[str, Array], push: Array) -> Array:
+    """Changes of velocity for these forces on the nodes; given ones where they are."""
+    if not multipliers["into"].any():
+        return multipliers["inverse"] * push
     x = push.tolist()
-    for piece in pieces:
-        elimination.substitute(piece, nodes, x)
+    elimination.substitute(*(values.tolist() for values in multipliers.values()), x)
     return np.array(x)
 
 
 # Links -------------------------------------------------------------------------------------------
 
 
-def _links(mesh: Mesh, h: float, mobility: Array, node: Array) -> Array:
+def _links(mesh: Mesh, h: float, by_first: Array, by_last: Array) -> Array:
     """Links, each between two neighbouring pieces."""
-    row, chosen, hidden = mesh.row, list(mesh.touching), np.array(mesh.implicit)
+    row, chosen = mesh.row, list(mesh.touching)
     left, right = np.array(mesh.stops[:-1], np.int64), np.array(mesh.starts[1:], np.int64)
-    order = np.where(hidden, np.cumsum(hidden) - 1, NONE)  # of implicit pieces, by piece
-    to_left = np.where(hidden[:-1], node["by_last"][left], mobility[left]) / 2
-    to_right = np.where(hidden[1:], node["by_first"][right], mobility[right]) / 2
     # two links feel each other through a piece of one node, or one that answers as a whole
     shared = np.zeros(len(chosen))
-    shared[1:] = np.where(hidden[1:-1], node["by_first"][left[1:]], np.where(
-        left[1:] == right[:-1], mobility[left[1:]], 0.0)) / 2
+    shared[1:] = by_first[left[1:]] / 2
     begins = np.flatnonzero(shared == 0)
     last = np.full(len(chosen), NONE)
     last[begins] = np.append(begins[1:], len(chosen)) - 1
@@ -152,8 +123,10 @@ def _links(mesh: Mesh, h: float, mobility: Array, node: Array) -> Array:
     return filled(
         records.LINK, len(chosen), law=np.array(row.laws)[chosen],
         stiffness=stiffness_in_steps(row, h)[chosen], left=left, right=right,
-        left_implicit=order[:-1], right_implicit=order[1:], last=last, own=to_left + to_right,
-        shared=shared, gap=gap, knots=knots, shares=shares, open=1, shut=gap == 0, **columns,
+        leftmost=mesh.starts[:-1] if mesh.implicit else left,
+        rightmost=mesh.stops[1:] if mesh.implicit else right,
+        last=last, own=by_last[left] / 2 + by_first[right] / 2, shared=shared, gap=gap, knots=knots,
+        shares=shares, open=1, shut=gap == 0, **columns,
     )
 
 

@@ -6,7 +6,6 @@ import numpy as np
 
 from ...model import Rod
 from ...model.profiles import averages
-from .. import compiling
 from ..laws import Law
 from ..row import Array
 from . import scheme
@@ -77,8 +76,7 @@ def _dragged(mesh: Mesh, step: float, grid: Grid) -> Array:
             jump[node] = scheme.moved(mesh.row, step, value, np.zeros(1))[0] - grid.velocity[node]
     if not bound.any():
         return jump
-    pieces, nodes = scheme.eliminated(mesh, grid.implicit, mesh.mass / step, bound)
-    return scheme.answered(pieces, nodes, jump)
+    return scheme.answered(scheme.eliminated(mesh, mesh.mass / step, bound), jump)
 
 
 def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
@@ -101,12 +99,8 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
         elif at["law"] == Law.JOINT:
             force[left] += at["stiffness"] * at["gap"]
             force[right] -= at["stiffness"] * at["gap"]
-    found: Array = grid.mobility * force / 2
-    if not len(grid.implicit):
-        return found
-    pieces, nodes = (compiling.as_objects(x) for x in (grid.implicit, grid.node))
-    answer = scheme.answered(pieces, nodes, np.where(mesh.held == 1, 0.0, force / 2))
-    return np.where(mesh.hidden, answer, found)
+    multipliers = {name: getattr(grid, name) for name in ("into", "inverse", "back")}
+    return scheme.answered(multipliers, np.where(mesh.held == 1, 0.0, force / 2))
 
 
 def _parted(mesh: Mesh, step: float, grid: Grid, closing: Array, kick: Array) -> Overlaps:
@@ -120,7 +114,7 @@ def _parted(mesh: Mesh, step: float, grid: Grid, closing: Array, kick: Array) ->
     link, (l, r) = grid.link, (grid.link["left"], grid.link["right"])
     parting = kick[r] - kick[l]
     overlap = (closing - parting) / 2 - link["gap"]
-    ease = scheme.mobility_of(mesh, mesh.mass)
+    ease = np.where(mesh.held == 1, 0.0, 1 / np.where(mesh.held == 1, 1.0, mesh.mass))
     late = (link["law"] == Law.RIGID) & (link["shut"] == 1) & (ease[l] + ease[r] > 0)
     late &= (overlap > grid.run["tolerance"]) & (closing > 2 * parting)
     stiffness = np.where(mesh.stiffness > 0, mesh.stiffness, 1.0)
