@@ -34,13 +34,13 @@ def grids_of(run: Any, waves: list[Any]) -> Any:
         for j, piece in enumerate(body.segments):
             s = row.spans[i][0] - 1 + j
             T, a, b = run["clock"].transits[s], waves[2 * s], waves[2 * s + 1]
-            begun, across = reading.passed_by(a, 0), across_of(row.system, piece)
+            begun, across = reading.passed_by(a, 0)[0], across_of(row.system, piece)
             rows: list[list[float]] = []
             for k in range(ROWS + 1):
                 now = run["now"] * k / ROWS
                 rows.append([
-                    ((reading.passed_by(a, now - T * m / across) - begun
-                      + reading.passed_by(b, now - T + T * m / across)) / 2
+                    ((reading.passed_by(a, now - T * m / across)[0] - begun
+                      + reading.passed_by(b, now - T + T * m / across)[0]) / 2
                      + frame * now) * tick + moved for m in range(across + 1)])
             add_cells(found, i, piece, left, run["now"] * tick, rows)
             left += piece.length
@@ -74,7 +74,7 @@ def path_of(run: Any, wave: Any) -> Any:
     tick, frame = run["clock"].tick, run["clock"].frame
     even = [run["now"] * k / SAMPLES for k in range(SAMPLES + 1)]
     return {"t": [at * tick for at in even],
-            "displacement": [(reading.passed_by(wave, at) + frame * at) * tick for at in even]}
+            "displacement": [(reading.passed_by(wave, at)[0] + frame * at) * tick for at in even]}
 
 
 def gauge_curve(run: Any, waves: list[Any], s: int, x: float) -> Any:
@@ -155,6 +155,8 @@ def means_of(run: Any, waves: list[Any], s: int, now: float) -> Any:
     """Mean velocity of a segment in the frame, and energy over mass, (m/s)^2."""
     T, mean, square = run["clock"].transits[s], 0.0, 0.0
     for wave in waves[2 * s : 2 * s + 2]:
-        mean += (reading.passed_by(wave, now) - reading.passed_by(wave, now - T)) / T / 2
-        square += (reading.squares_by(wave, now) - reading.squares_by(wave, now - T)) / T / 4
+        passed, squares = reading.passed_by(wave, now)
+        before, squares_before = reading.passed_by(wave, now - T)
+        mean += (passed - before) / T / 2
+        square += (squares - squares_before) / T / 4
     return mean, square

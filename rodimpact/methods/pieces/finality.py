@@ -12,7 +12,7 @@ from .. import finality_kernel as proof
 from ..laws import Law, Status, Stop
 from . import lines
 from .records import NEVER, NONE, Part
-from .series import WEIGHTS, N, X
+from .series import N
 
 WALL, ENDLESS = 0, 1  # `index` of what holds a group
 DASHPOT = 16.0  # (2 sqrt(2 E m)/c)^2 over 2 E, twice as the sum of two bounds is squared
@@ -112,7 +112,9 @@ def survey(link: Any, mass: Any, line: Any, log: Any, part: Any, second: float, 
             head.mean = momentum / total
         head.speed = head.mean
         if head.held != NONE:
-            head.speed = value_of(line, log, head.held, tick)
+            piece = log[line[head.held].head]  # of what comes from outside
+            head.speed = lines.at(
+                piece, 2 * (tick - piece.start) / (piece.stop - piece.start) - 1)
         off = head.mean - head.speed
         head.bound = total * (off * off) / 2
         head.low = head.high = head.speed
@@ -137,45 +139,11 @@ def look_at(mass: Any, line: Any, log: Any, it: Any, speed: float, tick: int) ->
         it.energy = it.mass * ((it.own - speed) * (it.own - speed)) / 2
     elif it.kind == Part.SEGMENT:
         T = line[2 * it.index].delay
-        a, a2, it.right_lever = sums(line, log, 2 * it.index, tick, T, speed)
-        b, b2, it.left_lever = sums(line, log, 2 * it.index + 1, tick, T, speed)
-        it.right_wave, it.left_wave, it.own = a, b, (a + b) / 2
-        it.energy = it.mass * (a2 + b2) / 4
-
-
-def sums(
-    line: Any, log: Any, l: int, tick: int, T: int, speed: float
-) -> tuple[float, float, float]:
-    """Means over what a line sent in the last T ticks: of the wave f, of (f - speed)^2, of f u.
-
-    u goes from 0 for what was sent last to 1 for what was sent first.
-    """
-    mean = square = lever = 0.0
-    i = line[l].head
-    while i != NONE:
-        piece = log[i]
-        low, high = max(tick - T, piece.start), min(tick, piece.stop)
-        if high > low:
-            width, share = high - low, 0.5 * ((high - low) / T)
-            for j in range(N):
-                u = 0.5 * (X[j + 1] + 1) * width
-                f = lines.at(piece, 2 * ((low - piece.start) + u) / (piece.stop - piece.start) - 1)
-                w = share * WEIGHTS[j]
-                mean += w * f
-                square += w * ((f - speed) * (f - speed))
-                lever += w * f * (((tick - low) - u) / T)
-        i = piece.after
-    return mean, square, lever
-
-
-def value_of(line: Any, log: Any, l: int, tick: int) -> float:
-    """What a line that comes from outside brings at a tick."""
-    i = line[l].head
-    while log[i].after != NONE and log[i].stop + line[l].delay <= tick:
-        i = log[i].after
-    piece = log[i]
-    y = 2 * (tick - line[l].delay - piece.start) / (piece.stop - piece.start) - 1
-    return float(lines.at(piece, y))
+        a, b = line[2 * it.index], line[2 * it.index + 1]
+        it.right_wave, it.right_tilt, _, a2 = lines.moments(log, a.head, tick - T, T, speed)
+        it.left_wave, it.left_tilt, _, b2 = lines.moments(log, b.head, tick - T, T, speed)
+        it.own = speed + (it.right_wave + it.left_wave) / 4
+        it.energy = it.mass * (a2 + b2) / 8
 
 
 def set_ends(
@@ -229,15 +197,13 @@ def add_stretch(head: Any, it: Any, transit: float) -> None:
 
     What a sent last is at the left end now, what b sent last at the right end.
     """
+    strain = (it.left_wave - it.right_wave) * transit / 8
+    slope = (it.left_tilt + it.right_tilt) * transit / 8
     g, w = it.before, it.behind
-    mean = w * it.left_wave + (g - w) * it.left_lever
-    mean -= g * it.right_wave + (w - g) * it.right_lever
-    head.right_deviation += mean * transit / 2
+    head.right_deviation += (g + w) * strain + (w - g) * slope
     head.right_slack += it.compliance * (g * g + g * w + w * w) / 3
     g, w = it.far_before, it.far_behind
-    mean = w * it.left_wave + (g - w) * it.left_lever
-    mean -= g * it.right_wave + (w - g) * it.right_lever
-    head.left_deviation -= mean * transit / 2
+    head.left_deviation -= (g + w) * strain + (w - g) * slope
     head.left_slack += it.compliance * (g * g + g * w + w * w) / 3
 
 

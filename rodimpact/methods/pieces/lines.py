@@ -6,7 +6,7 @@ from typing import Any
 
 from . import series
 from .records import HARD, NONE, SMOOTH
-from .series import POINTS, N, X
+from .series import POINTS, WEIGHTS, N, X
 
 EXACT = 1e-4  # of the tolerance: a smaller jump is none
 
@@ -79,25 +79,38 @@ def sample(line: Any, log: Any, l: int, tick: int, ticks: int, f: Any) -> None:
         f[j] = at(piece, 2 * ((begin - piece.start) + y) / (piece.stop - piece.start) - 1)
 
 
-def project(
-    line: Any, log: Any, l: int, tick: int, ticks: int, f: Any, moments: Any
-) -> None:
-    """Set f to the nearest polynomial of low degree: exact in momentum, never of more energy."""
-    begin = tick - line[l].delay
-    for i in range(series.LOW + 1):
-        moments[i] = 0.0
-    i = line[l].head
+def moments(
+    log: Any, i: int, begin: int, ticks: int, speed: float
+) -> tuple[float, float, float, float]:
+    """Integrals of what a line sent over `ticks` from `begin` on, less a velocity.
+
+    Times the Legendre polynomials of degree 0, 1 and 2, and squared, over y from -1 to 1; i is the
+    place of a piece at or before `begin`.
+    """
+    whole = tilt = bend = square = 0.0
     while i != NONE and log[i].start < begin + ticks:
         piece = log[i]
         low, high = max(begin, piece.start), min(begin + ticks, piece.stop)
         if high > low:
-            for j in range(POINTS):
-                y = 0.5 * (X[j] + 1) * (high - low)
-                f[j] = at(piece, 2 * ((low - piece.start) + y) / (piece.stop - piece.start) - 1)
-            series.add_moments(
-                f, 2 * (low - begin) / ticks - 1, 2 * (high - begin) / ticks - 1, moments)
+            for j in range(N):
+                u = 0.5 * (X[j + 1] + 1) * (high - low)
+                y = 2 * ((low - piece.start) + u) / (piece.stop - piece.start) - 1
+                v = at(piece, y) - speed
+                y = 2 * ((low - begin) + u) / ticks - 1
+                w = (high - low) / ticks * WEIGHTS[j] * v
+                whole += w
+                tilt += w * y
+                bend += w * (1.5 * y * y - 0.5)
+                square += w * v
         i = piece.after
-    series.from_moments(moments, f)
+    return whole, tilt, bend, square
+
+
+def project(line: Any, log: Any, l: int, tick: int, ticks: int, f: Any) -> None:
+    """Set f to the nearest parabola to what arrives: exact in momentum, never of more energy."""
+    here = line[l]
+    whole, tilt, bend, _ = moments(log, here.head, tick - here.delay, ticks, 0.0)
+    series.set_parabola(f, whole, tilt, bend)
 
 
 def append(run: Any, line: Any, log: Any, l: int, tick: int, ticks: int, f: Any) -> int:

@@ -84,8 +84,7 @@ def advance(
         if full - ticks <= run.window and link[which].status == Status.OPEN:
             ticks = full  # and with what arrives at the end
         if ticks < full and at.rough:  # means over the shorter time, or momentum would be lost
-            lines.project(line, log, at.in_left, tick, ticks, at.left, at.series)
-            lines.project(line, log, at.in_right, tick, ticks, at.right, at.series)
+            take_inputs(line, log, at, ticks)
             nodes.collocate(run, link, mass, at, ticks * run.tick, G)
         elif ticks < full:
             nodes.cut(link, mass, at, 2 * ticks / full - 1)
@@ -168,12 +167,7 @@ def solve(
     flips, tried, rough_before = 0, 0, 0.0
     while True:
         h = ticks * run.tick
-        if at.rough:
-            lines.project(line, log, at.in_left, at.now, ticks, at.left, at.series)
-            lines.project(line, log, at.in_right, at.now, ticks, at.right, at.series)
-        else:
-            lines.sample(line, log, at.in_left, at.now, ticks, at.left)
-            lines.sample(line, log, at.in_right, at.now, ticks, at.right)
+        take_inputs(line, log, at, ticks)
         worst = -1.0
         if nodes.collocate(run, link, mass, at, h, G):
             worst = nodes.roughness(link, mass, at)
@@ -195,6 +189,16 @@ def solve(
             part = shorter(run.tolerance, worst, tried, ticks, rough_before)
             tried, rough_before = ticks, worst
             ticks = max(1, int(ticks * part))
+
+
+def take_inputs(line: Any, log: Any, at: Any, ticks: int) -> None:
+    """Set what comes in from both sides over a piece."""
+    if at.rough:
+        lines.project(line, log, at.in_left, at.now, ticks, at.left)
+        lines.project(line, log, at.in_right, at.now, ticks, at.right)
+    else:
+        lines.sample(line, log, at.in_left, at.now, ticks, at.left)
+        lines.sample(line, log, at.in_right, at.now, ticks, at.right)
 
 
 def shorter(tolerance: float, worst: float, tried: int, ticks: int, before: float) -> float:
@@ -225,9 +229,6 @@ def leave(
         nodes.set_leaving(link, at, side == 1)
         order = min(right, over - 1) if side else min(left, back - 1)
         if at.rough:
-            for i in range(series.LOW + 1):
-                at.series[i] = 0.0
-            series.add_moments(at.leaving, -1.0, 1.0, at.series)
-            series.from_moments(at.series, at.leaving)
+            series.flatten(at.leaving)
             order = 0
         lines.send(run, line, log, target, at.now, ticks, at.leaving, order)

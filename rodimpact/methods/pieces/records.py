@@ -78,8 +78,8 @@ PART = np.dtype([
     ("held", "i8"),  # line of what holds the group
     ("mass", "f8"), ("compliance", "f8"),  # m/N
     ("own", "f8"), ("energy", "f8"),  # mean velocity of the part; J about that of its group
-    ("right_wave", "f8"), ("right_lever", "f8"),  # means of the waves in a segment
-    ("left_wave", "f8"), ("left_lever", "f8"),
+    ("right_wave", "f8"), ("right_tilt", "f8"),  # moments of the waves in a segment
+    ("left_wave", "f8"), ("left_tilt", "f8"),
     ("before", "f8"), ("behind", "f8"),  # share of mass beyond its ends, as the right end sees it
     ("far_before", "f8"), ("far_behind", "f8"),  # and as the left end of the group does
     # of the group, at its first part

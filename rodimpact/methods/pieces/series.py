@@ -14,7 +14,6 @@ from numpy.polynomial import chebyshev, legendre
 
 N = 8  # degree of a piece, and number of stages
 POINTS = N + 1
-LOW = 2  # degree of what stands for breaks too dense to follow
 _LAST = legendre.Legendre.basis(N - 1) - legendre.Legendre.basis(N)
 _RADAU = np.append(np.sort(_LAST.roots().real)[:-1], 1.0)
 _AT = np.concatenate(([-1.0], _RADAU))
@@ -127,26 +126,21 @@ def maximum(f: Any, c: Any, least: float) -> float:
     return max(f[best], value(c, low))
 
 
-def add_moments(f: Any, low: float, high: float, s: Any) -> None:
-    """Add to s the integrals over low..high of f, known at the points there, times P0..P2."""
-    half = 0.5 * (high - low)
-    for j in range(N):
-        y = low + half * (X[j + 1] + 1)
-        weight = half * WEIGHTS[j] * f[j + 1]
-        p, q = 1.0, 0.0
-        for i in range(LOW + 1):
-            s[i] += weight * p
-            p, q = ((2 * i + 1) * y * p - i * q) / (i + 1), p
-
-
-def from_moments(s: Any, f: Any) -> None:
-    """Set f to the polynomial of degree 2 with these moments: the nearest in mean squares."""
+def set_parabola(f: Any, whole: float, tilt: float, bend: float) -> None:
+    """Set f to the parabola of which these are the integrals times P0, P1 and P2."""
     for j in range(POINTS):
-        p, q, total = 1.0, 0.0, 0.0
-        for i in range(LOW + 1):
-            total += 0.5 * (2 * i + 1) * s[i] * p
-            p, q = ((2 * i + 1) * X[j] * p - i * q) / (i + 1), p
-        f[j] = total
+        f[j] = 0.5 * whole + 1.5 * tilt * X[j] + 2.5 * bend * (1.5 * X[j] * X[j] - 0.5)
+
+
+def flatten(f: Any) -> None:
+    """Replace f by the parabola that is nearest to it in mean squares."""
+    whole = tilt = bend = 0.0
+    for j in range(1, POINTS):
+        w = WEIGHTS[j - 1] * f[j]
+        whole += w
+        tilt += w * X[j]
+        bend += w * (1.5 * X[j] * X[j] - 0.5)
+    set_parabola(f, whole, tilt, bend)
 
 
 def eliminate(G: Any, n: int, band: int) -> None:
