@@ -98,16 +98,12 @@ def follow(
 
     forecast = Forecast(announce, LESS, progress)
     searching = cells is None and dt is None and stepping
-    finest = refinement.factor_of(refinement.FEWEST - 1) if searching else 0
 
     def level(factor: int) -> GridRun:
         mesh, h = Mesh(row, [factor * N for N in counts]), step / factor
         room = None if until is None else max(1, round(until / h))
         run = GridRun(mesh, h, Keeper(snapshots), room)
-        # finer ones that are certain to follow, and the round trip after the proof
-        others = sum(f * f for f in range(factor + 1, finest + 1))
-        others += 0 if until is not None else finest**2
-        _go(run, until, max_events, forecast, others / factor**2)
+        _go(run, until, max_events, forecast)
         return run
 
     if searching:
@@ -177,15 +173,12 @@ def _mesh_size(
     return counts.astype(int).tolist(), step
 
 
-def _go(
-    run: GridRun, until: float | None, max_events: int, forecast: Forecast, others: float
-) -> None:
-    """Run to the end, or to the proof; `others` that are to follow take so many times as long."""
+def _go(run: GridRun, until: float | None, max_events: int, forecast: Forecast) -> None:
+    """Run to the end, or to the proof."""
     room, longest = run.room, run.round_trip // 2
     steps = 0 if until is None else round(until / run.step)
     last = max(1, max_events // len(run.row.laws)) if until is None else steps
     per_step = cost(run.mesh, plain=not kernels.enabled())
-    ahead = others * (steps or 2 * longest) * cost(run.mesh, plain=True)
 
     def tell(taken: int) -> None:
         forecast.expect(per_step * max(room - taken, 0),
@@ -200,7 +193,7 @@ def _go(
             run.proved = run.steps
         elif run.steps < last:
             more = math.ceil(max(min(wait, max(longest // 4, run.steps // 8)), FEWEST))
-            run.advance(min(last, run.steps + more), tell, ahead)
+            run.advance(min(last, run.steps + more), tell)
         else:
             break
     if until is not None:

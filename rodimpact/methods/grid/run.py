@@ -89,13 +89,11 @@ class GridRun:
     ) -> None:
         self.mesh, self.step, self.row, self.keep = mesh, step, mesh.row, keep
         self.clock, self.estimates = clock_on(mesh, step), dict[str, float]()
-        self.room = self.kept = 0
         self._ask(room or 4 * self.round_trip)
         keep.when(step, self.room)  # sets the distance of states, so that few are kept in vain
         self.grid = scheme.grid_of(mesh, step)
         self._overlaps = start.begin(mesh, step, self.grid)
-        self._all = self._blank()
-        self.track = self._rows(slice(0), slice(0))
+        self.track = self._blank(0, 0)
 
     @property
     def steps(self) -> int:
@@ -129,10 +127,9 @@ class GridRun:
         what = f"a run of {steps:.4g} steps of {self.step:.3g} s with {states:.4g} states"
         ask(record + fields, field, what, remedy)
 
-    def _blank(self) -> Track:
+    def _blank(self, steps: int, states: int) -> Track:
         """Room for what the kernel enters."""
-        grid, n, steps = self.grid, len(self.mesh.mass), self.room
-        states = int(self.keep.count(self.mesh, steps))
+        grid, n = self.grid, len(self.mesh.mass)
         swollen = states, (n + 1) * self.mesh.swells
         return Track(
             np.empty((steps, len(grid.link)), SIGNAL), np.empty((steps, 2)),
@@ -142,60 +139,34 @@ class GridRun:
             np.empty(swollen),
         )
 
-    def _rows(self, steps: slice, states: slice) -> Track:
-        """Some of what there is room for."""
-        return Track(*(x[states if name in PER_STATE else steps]
-                       for name, x in self._all._asdict().items()))
-
-    def _drop(self, left: Array) -> None:
-        """Drop states that are not among those left."""
-        first = int(np.argmin(left))
-        for name in PER_STATE:
-            x = getattr(self._all, name)
-            x[first : left.sum()] = x[first : len(left)][left[first:]]
-        self.kept = int(left.sum())
-        self.track = self._rows(slice(self.steps), slice(self.kept))
-
-    def advance(
-        self, end: int, tell: Callable[[int], None] | None = None, ahead: float = 0.0
-    ) -> None:
-        """Run to step `end`; `tell` hears of the steps taken, several times a second.
-
-        So many seconds in plain Python, `ahead`, are certain to follow.
-        """
+    def advance(self, end: int, tell: Callable[[int], None] | None = None) -> None:
+        """Run to step `end`; `tell` hears of the steps taken, several times a second."""
         if not self.steps and end and self._overlaps:
             self.advance(0)
             start.part(self.grid, self._overlaps)
             self._overlaps = []
         if end > self.room:
             self._ask(max(end, 2 * self.room))
-            old, self._all = self.track, self._blank()
-            for room, x in zip(self._all, old, strict=True):
-                room[: len(x)] = x
-            self.track = self._rows(slice(self.steps), slice(self.kept))
         when, first = self.keep.when(self.step, end), self.steps
         left = np.isin(self.track.when, when, assume_unique=True)
-        if not left.all():
-            self._drop(left)
         new = when[left.sum() :]  # both increase, and all states left are among them
-        window = self._rows(slice(first, end), slice(self.kept, self.kept + len(new)))
+        window = self._blank(end - first, len(new))
         window.when[:] = new
         for side in (0, 1):
             window.given[:, side] = scheme.driven(self.mesh, self.step, side, end)[first:]
-        self._take(window, end, tell, ahead)
-        self.kept += len(new)
-        self.track = self._rows(slice(self.steps), slice(self.kept))
+        self._take(window, end, tell)
+        self.track = Track(*(
+            np.concatenate((old[left] if name in PER_STATE else old, more))
+            for name, old, more in zip(Track._fields, self.track, window, strict=True)))
 
-    def _take(
-        self, window: Track, end: int, tell: Callable[[int], None] | None, ahead: float
-    ) -> None:
+    def _take(self, window: Track, end: int, tell: Callable[[int], None] | None) -> None:
         """Take the steps to `end`, and fill a window with them."""
         grid, first = self.grid, self.steps
         track = Track(*(x.reshape(-1) for x in window))
         grid.run["first"], grid.run["kept"] = first, 0
         numbers = sum(x.nbytes for x in (*grid, *track)) // 8
         seconds = (end - first) * cost(self.mesh, plain=True) + numbers * kernels.LIST_TIME
-        fast = kernels.worth_compiling(seconds, grid_kernel.follow, ahead=ahead)
+        fast = kernels.worth_compiling(seconds, grid_kernel.follow)
         go: Any = kernels.compiled(grid_kernel.follow) if fast else grid_kernel.follow
         given = (grid, track) if fast else (as_lists(grid), as_lists(track))
         chunk = max(1, int(ROUND / cost(self.mesh, plain=not fast)))
