@@ -7,8 +7,10 @@ import pytest
 from scipy.special import beta
 
 import rodimpact as ri
+from rodimpact.methods import compiling
 from rodimpact.methods.grid import contact_kernel as ck
-from rodimpact.methods.laws import Law
+from rodimpact.methods.grid.records import LINK
+from rodimpact.methods.laws import UNREACHED, Law
 from rodimpact.model.laws import CONTACT_LAWS
 from rodimpact.model.system import restored
 
@@ -169,28 +171,49 @@ def test_spring_and_hertz_are_two_of_its_kind(exponent, twin, options):
 
 
 @pytest.mark.parametrize("exponent", [1.0, 1.5])
-def test_the_general_mean_is_that_of_spring_and_hertz(exponent):
+def test_the_mean_force_of_a_power_is_accurate_where_indentations_are_near(exponent):
     rng = np.random.default_rng(1)
     for power in range(-14, 3):
         x0 = float(rng.uniform(0.1, 2))
         for x1 in (x0 * (1 + 10.0**power), x0 / (1 + 10.0**power), x0):
-            expected = ck.mean_force(Law.SPRING, 3.0, exponent, 0.0, x0, x1)
+            expected, slope = 3 * (x0 + x1) / 2, 1.5
+            if exponent == 1.5:  # without a difference, by r = sqrt(x)
+                r, s = math.sqrt(x0), math.sqrt(x1)
+                powers = sum(r ** (4 - n) * s**n for n in range(5))
+                expected = 6 * powers / (5 * (r + s))
+                slope = 3 * (3 * s**3 + 6 * r * s * s + 4 * s * r * r + 2 * r**3) / (
+                    5 * (r + s) ** 2)
             F, dF = ck.mean_power(3.0, exponent, x0, x1)
-            assert pytest.approx(expected[0], rel=2e-15) == F
-            assert dF == pytest.approx(expected[1], rel=1e-9)
+            assert pytest.approx(expected, rel=2e-15) == F
+            assert dF == pytest.approx(slope, rel=1e-9)
 
 
-@pytest.mark.parametrize("exponent", [1.01, 2.0, 2.7, 6.0])
+@pytest.mark.parametrize("exponent", [1.01, 1.5, 2.0, 2.7, 6.0])
 def test_its_mean_force_is_the_difference_quotient_of_its_energy(exponent):
-    rng = np.random.default_rng(2)
+    rng, at = np.random.default_rng(2), compiling.blank(1, LINK)[0]
+    at.law, at.stiffness, at.exponent = Law.POWER, 5.0, exponent
     for x0, x1 in rng.uniform(-1, 2, (200, 2)).tolist():
-        F, dF = ck.mean_force(Law.POWER, 5.0, exponent, 0.0, x0, x1)
+        F, dF = ck.mean_force(at, x0, x1)
         held, holds = (ck.stored(Law.POWER, 5.0, exponent, -x) for x in (x0, x1))
-        gained = holds - held
-        assert F * (x1 - x0) == pytest.approx(gained, rel=1e-12, abs=1e-13)
-        up, down = (ck.mean_force(Law.POWER, 5.0, exponent, 0.0, x0, x1 + s)[0]
-                    for s in (1e-6, -1e-6))
+        assert F * (x1 - x0) == pytest.approx(holds - held, rel=1e-12, abs=1e-13)
+        up, down = (ck.mean_force(at, x0, x1 + s)[0] for s in (1e-6, -1e-6))
         assert dF == pytest.approx((up - down) / 2e-6, rel=1e-4, abs=1e-3)
+
+
+@pytest.mark.parametrize("seed", range(200))
+def test_what_yields_meets_its_mean_force_on_any_table(seed):
+    rng, at = np.random.default_rng(seed), compiling.blank(1, LINK)[0]
+    k, strength, count = 10 ** rng.uniform(-3, 8), 10 ** rng.uniform(-4, 2), rng.integers(6)
+    at.law, at.stiffness, at.strength, at.own = Law.YIELD, k, strength, 10 ** rng.uniform(-4, 4)
+    at.knots = [*(strength + np.cumsum(10 ** rng.uniform(-3, 2, count))), UNREACHED]
+    at.damping, *at.shares = rng.uniform(0, 1, count + 1)
+    x0 = strength / k * min(1.0, rng.uniform(-3, 2))
+    c = rng.choice([1, -1]) * 10 ** rng.uniform(-8, 1) * rng.choice([1.0, strength / k])
+    at.gap, at.place = -x0, x0 + c * rng.random()
+    F, x, _ = ck.solve_link(at, c)
+    size = abs(x) + abs(x0) + abs(c)
+    assert x == pytest.approx(x0 + c - at.own * F, abs=1e-11 * size)
+    assert pytest.approx(ck.mean_force(at, x0, x)[0], rel=1e-6, abs=1e-11 * size / at.own) == F
 
 
 def test_an_exponent_is_at_least_1():

@@ -34,36 +34,69 @@ def stored(law: int, k: float, p: float, gap: float) -> float:
     """Energy stored in a compliant contact."""
     if law != Law.JOINT and (gap >= 0 or law < Law.SPRING):
         return 0.0
-    if p == 1:
-        return k * gap * gap / 2
-    if p == 1.5:
-        return 2 * k * gap * gap * math.sqrt(-gap) / 5
-    energy: float = k * (-gap) ** (p + 1) / (p + 1)
+    energy: float = k * abs(gap) ** (p + 1) / (p + 1)
     return energy
 
 
-def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
-    """Mean of k x^p from x0 > 0 to x1 > 0, and its derivative by x1; accurate where they are near.
+def mean_spring(k: float, d: float, x0: float, x1: float) -> tuple[float, float]:
+    """Mean of k x + d dx/dt from x0 to x1 as long as x > 0 and this presses; derivative by x1."""
+    w = x1 - x0
+    last = k * x1 + d * w
+    if x0 >= 0 and last >= 0:
+        return k * (x0 + x1) / 2 + d * w, k / 2 + d
+    least = max(-d * w / k, 0.0)  # where it lets go, or begins
+    a, b = max(x0, least), max(x1, least)
+    share = (b - a) / w
+    F = share * (k * (a + b) / 2 + d * w)
+    return F, (max(last, 0.0) - F) / w + share * d
 
-    With h = x1/x0 - 1 it is k x0^p ((1 + h)^(p+1) - 1)/((p + 1) h), or its series in h.
+
+def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
+    """Mean of k x^p, 0 for x < 0, from x0 to x1, and its derivative by x1.
+
+    It is the difference quotient of k x^(p + 1)/(p + 1). Where x1 is near x0, so that this loses
+    digits, with h = x1/x0 - 1 it is k x0^p ((1 + h)^(p+1) - 1)/((p + 1) h), or its series in h.
     """
     q, w = p + 1, x1 - x0
-    h = w / x0
-    force: float = k * x0**p
-    if abs(h) > 0.5:
-        F = (k * x1**p * x1 - force * x0) / (q * w)
-    elif h != 0:
-        F = force * math.expm1(q * math.log1p(h)) / (q * h)
-    else:
-        F = force
+    first, last = k * max(x0, 0.0) ** p, k * max(x1, 0.0) ** p
+    if x0 <= 0 or abs(w) > x0 / 2:
+        F = (last * x1 - first * x0) / (q * w)
+        return F, (last - F) / w
+    F, h = first, w / x0
+    if h != 0:
+        F = first * math.expm1(q * math.log1p(h)) / (q * h)
     if abs(q * h) > NEAR:
-        return F, (k * x1**p - F) / w
+        return F, (last - F) / w
     third = (p - 1) * h
     fourth = third * (p - 2) * h
-    return F, force / x0 * p * (1 / 2 + third / 3 + fourth / 8 + fourth * (p - 3) * h / 30)
+    return F, first / x0 * p * (1 / 2 + third / 3 + fourth / 8 + fourth * (p - 3) * h / 30)
 
 
-def mean_force(law: int, k: float, p: float, d: float, x0: float, x1: float) -> tuple[float, float]:
+def loaded(at: Any, x0: float, x1: float) -> tuple[float, float, int]:
+    """What yields, pressed from x0 to x1 past its strength, along the lines of its table.
+
+    Returns
+    -------
+    float
+        Force at x1, which is its strength from then on.
+    float
+        Work on the way.
+    int
+        The next knot.
+    """
+    k, force, knot = at.stiffness, at.strength, at.knot
+    x, start, slope = force / k, max(x0, 0.0), at.damping * k
+    work = (x - start) * (force + k * start) / 2
+    while force + slope * (x1 - x) > at.knots[knot]:
+        part = (at.knots[knot] - force) / slope
+        work += part * (force + at.knots[knot]) / 2
+        x, force, slope = x + part, at.knots[knot], at.shares[knot] * k
+        knot += 1
+    end = force + slope * (x1 - x)
+    return end, work + (x1 - x) * (force + end) / 2, knot
+
+
+def mean_force(at: Any, x0: float, x1: float) -> tuple[float, float]:
     """Mean force of a compliant contact while its indentation goes from x0 to x1, and dF/dx1.
 
     SPRING: k q + d dq/dt with q = max(x, 0), as long as that presses; POWER: k q^p (1 + d dx/dt);
@@ -71,68 +104,53 @@ def mean_force(law: int, k: float, p: float, d: float, x0: float, x1: float) -> 
     """
     if x0 <= 0 and x1 <= 0:
         return 0.0, 0.0
-    if p == 1:
-        w = x1 - x0
-        if k * x1 + d * w < 0:  # it lets go on the way
-            first = max(k * x0 + d * w, 0.0)
-            share = first / (-k * w) if first > 0 else 0.0
-            F, dF = first * share / 2, share * (d + k * share / 2)
-        elif x0 < 0:
-            share = x1 / (x1 - x0)
-            F, dF = k * x1 * share / 2 + d * x1, k * share * (2 - share) / 2 + d
-        else:
-            F, dF = k * (x0 + x1) / 2 + d * w, k / 2 + d
-    elif p == 1.5:
-        if x1 <= 0:
-            F = 2 * k * x0 * x0 * math.sqrt(x0) / (5 * (x0 - x1))
-            dF = F / (x0 - x1)
-        elif x0 < 0:
-            s, share = math.sqrt(x1), x1 / (x1 - x0)
-            F, dF = 2 * k * x1 * s * share / 5, k * s * share * (5 - 2 * share) / 5
-        else:
-            r, s = math.sqrt(x0), math.sqrt(x1)
-            rr, rs, ss, sum_ = r * r, r * s, s * s, r + s
-            F = 2 * k * (ss * (ss + rs + rr) + rs * rr + rr * rr) / (5 * sum_)
-            dF = k * (3 * ss * s + 6 * ss * r + 4 * s * rr + 2 * rr * r) / (5 * sum_ * sum_)
-    elif x1 <= 0:
-        F = k * x0**p * x0 / ((p + 1) * (x0 - x1))
-        dF = F / (x0 - x1)
-    elif x0 <= 0:
-        share = x1 / (x1 - x0) / (p + 1)
-        F, dF = k * x1**p * share, k * x1 ** (p - 1) * share * (p + 1) * (1 - share)
-    else:
-        F, dF = mean_power(k, p, x0, x1)
-    if law == Law.POWER and d > 0:
-        stretch = 1 + d * (x1 - x0)
+    k, d, w = at.stiffness, at.damping, x1 - x0
+    if at.law == Law.POWER:
+        F, dF = mean_power(k, at.exponent, x0, x1)
+        stretch = 1 + d * w
         F, dF = F * stretch, dF * stretch + F * d
+    elif at.law == Law.SPRING:
+        F, dF = mean_spring(k, d, x0, x1)
+    elif x1 <= at.strength / k:
+        F, dF = mean_spring(k, 0.0, x0, x1)
+    else:
+        end, work, _ = loaded(at, x0, x1)
+        F = work / w
+        dF = max((end - F) / w, 0.0)
     if F <= 0:
         return 0.0, 0.0
     return F, dF
 
 
-def solve_law(
-    law: int, k: float, p: float, d: float, x0: float, c: float, y: float, w: float
-) -> tuple[float, float, float]:
-    """Solve x1 = x0 + c - y F(x0, x1) for a compliant contact.
+def solve_link(at: Any, c: float) -> tuple[float, float, float]:
+    """Solve x1 = x0 + c - y F(x0, x1) for a compliant contact or joint, y its mobility.
 
     Parameters
     ----------
-    x0 : indentation at the step's start
-    c : by how much the contact would close without force
-    y : mobility of both sides together
-    w : guess of how much it closes
+    at : LINK
+        x0 is -at.gap, and at.place a guess of x1.
+    c : by how much it would close without its own force
 
     Returns
     -------
     F, x1, dF/dx1
     """
+    x0, y = -at.gap, at.own
     top = x0 + c
-    x = min(x0 + w, top)
+    if at.law == Law.JOINT:  # which pulls as well
+        k, slope = at.stiffness, at.stiffness / 2 + at.damping
+        ease = 1 + y * slope
+        return (k * x0 + slope * c) / ease, x0 + (c - y * k * x0) / ease, slope
+    x, yields = min(at.place, top), False
+    if at.law == Law.YIELD:  # the mean force bends both ways, its work only up: from the right
+        most = at.strength / at.stiffness
+        yields = most - top + y * mean_force(at, x0, most)[0] < 0
+        x = top if yields else min(most, top)
     F = slope = 0.0
     for _ in range(NEWTON):
-        F, slope = mean_force(law, k, p, d, x0, x)
-        r = x - x0 - c + y * F
-        step = r / (1 + y * slope)
+        F, slope = mean_force(at, x0, x)
+        r = x - top + y * F
+        step = r / (1 + y * slope + (r / (x - x0) if yields else 0.0))
         F, x = F - slope * step, min(x - step, top)
         size = x if x > 0 else x0 - x
         # the indentation of a stiff contact is small beside what it stops
@@ -142,79 +160,6 @@ def solve_law(
     if y * slope > 1:  # and its force better known from that
         F = (top - x) / y
     return max(F, 0 * F), x, slope
-
-
-def past_yield(at: Any, x0: float, c: float, y: float) -> tuple[float, float, float]:
-    """What `solve_law` returns, if the contact comes past x = strength/k; else x1 is x0.
-
-    From there the force grows along straight lines, so that the mean force times the path is
-    quadratic in x1 on each, which is without what of it moves the faces for good.
-    """
-    k, force = at.stiffness, at.strength
-    most = force / k
-    way = most - x0
-    mean = (force + k * x0) / 2
-    if x0 < 0:
-        mean = force * (most / way) / 2
-    if way - c + y * mean >= 0:
-        return 0.0, x0, 0.0
-    energy = mean * way
-    w, soft, knot = way, at.damping * k / 2, at.knot
-    while True:  # over the lines of the table
-        a, b = 1 + y * soft, (c - y * (force - 2 * soft * way)) / 2
-        rest = y * (energy - way * (force - soft * way))
-        root = math.sqrt(max(b * b - a * rest, 0.0))
-        w = (b + root) / a if b >= 0 else rest / (b - root)
-        if soft * (w - way) * 2 <= at.knots[knot] - force:
-            break
-        part = (at.knots[knot] - force) / (2 * soft)
-        energy += part * (force + at.knots[knot]) / 2
-        way, force = way + part, at.knots[knot]
-        soft = at.shares[knot] * k / 2
-        knot += 1
-    if w <= most - x0:  # round-off: it comes to that point, not past it
-        return 0.0, x0, 0.0
-    end = force + 2 * soft * (w - way)
-    F = (energy + (w - way) * (force + end) / 2) / w
-    slope = max((end - F) / w, 0.0)
-    if y * slope > 1:
-        F = (c - w) / y
-    return F, x0 + w, slope
-
-
-def harden(at: Any) -> None:
-    """Enter the strength of what has come past its yield point, along the lines of its table."""
-    further = at.place - at.strength / at.stiffness
-    while True:
-        grown = at.strength + at.damping * at.stiffness * further
-        if grown <= at.knots[at.knot]:
-            at.strength = grown
-            return
-        further -= (at.knots[at.knot] - at.strength) / (at.damping * at.stiffness)
-        at.strength, at.damping = at.knots[at.knot], at.shares[at.knot]
-        at.knot += 1
-
-
-def solve_joint(
-    k: float, rate: float, x0: float, c: float, y: float
-) -> tuple[float, float, float]:
-    """What `solve_law` returns for a spring and a dashpot that pull as well."""
-    slope = k / 2 + rate
-    ease = 1 + y * slope
-    return (k * x0 + slope * c) / ease, x0 + (c - y * k * x0) / ease, slope
-
-
-def solve_link(at: Any, c: float) -> tuple[float, float, float]:
-    """Solve any compliant contact that closes by c without its own force; see `solve_law`."""
-    k, p, x0, y, rate = at.stiffness, at.exponent, -at.gap, at.own, at.damping
-    if at.law == Law.JOINT:
-        return solve_joint(k, rate, x0, c, y)
-    if at.law == Law.YIELD:
-        F, x, slope = past_yield(at, x0, c, y)
-        if x > at.strength / k:
-            return F, x, slope
-        rate = 0.0
-    return solve_law(at.law, k, p, rate, x0, c, y, at.place + at.gap)
 
 
 def indent(at: Any) -> float:
@@ -230,7 +175,9 @@ def indent(at: Any) -> float:
     k, p, x = at.stiffness, at.exponent, at.place
     rest: float = -x
     if at.law == Law.YIELD and x > at.strength / k:
-        harden(at)
+        at.strength, _, knot = loaded(at, -at.gap, x)
+        if knot > at.knot:
+            at.knot, at.damping = knot, at.shares[knot - 1]
         rest = -at.strength / k
     if at.damping > 0 or at.law == Law.YIELD:
         energy = stored(at.law, k, p, at.gap) - stored(at.law, k, p, rest)
