@@ -81,7 +81,7 @@ def run_of(row: Any, asked: Any, tolerance: float, keep: bool, earlier: Any) -> 
     longest = 1
     for at in laid.node:
         longest = max(longest, at.links)
-    size = N * (2 * longest - 1)
+    size = N * longest
     matrix = [[0.0] * (size + 1) for _ in range(size)]
     while march.follow(
         laid.run, laid.node, laid.link, laid.mass, laid.line, laid.part, log, turn, matrix

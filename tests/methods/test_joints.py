@@ -65,7 +65,7 @@ def test_what_hangs_together_meets_as_one(method):
     assert s.outcome.restitution == pytest.approx(v[1] - v[0], abs=1e-14)
     assert s.contacts[1].episodes == ()
     later = solved(row, 5 * s.t_final, method)
-    assert later.outcome.contacts[0].last <= s.t_final
+    assert later.outcome.contacts[0].last <= s.t_final * (1 + 1e-12)  # on another clock
     apart = later.contacts[0].gap(np.linspace(s.t_proved, later.t_end, 200))
     assert apart.min() > 0
 
@@ -80,7 +80,7 @@ def test_the_proof_counts_on_how_far_a_joint_gives_way(method, joint):
     assert s.final
     assert s.outcome.contacts[0].episodes >= 1
     later = solved(row, 4 * s.t_final, method)
-    assert later.outcome.contacts[0].last <= s.t_final
+    assert later.outcome.contacts[0].last <= s.t_final * (1 + 1e-12)  # on another clock
 
 
 def sides_of(system, steps):

@@ -28,7 +28,7 @@ SLICE = 100_000  # compiled steps between two looks at the clock
 
 def matrix_of(node: Any) -> Any:
     """Room for the equations of the longest chain."""
-    unknowns = N * max(2 * int(node["links"].max()) - 1, 1)
+    unknowns = N * int(node["links"].max())
     return np.zeros((unknowns, unknowns + 1))
 
 

@@ -46,6 +46,8 @@ def force(it: Any, d: float, closing: float) -> tuple[float, float, float]:
     for it: F = k d + c d' and F = g (1 + c d') with g = k d^p (Hunt and Crossley 1975).
     Beyond d = 0 a power goes on as an odd function: Newton's method and the search for d = 0 pass.
     """
+    if it.status == Status.REST:  # whatever force it takes
+        return closing, 0.0, 1.0
     if it.law == Law.BOND or it.law == Law.RIGID:
         return closing / it.mobility, 0.0, 1 / it.mobility
     if it.law == Law.OWN:

@@ -65,9 +65,10 @@ LINK = np.dtype([
     ("episodes", "i8"),
     ("overlaps", "f8", (POINTS,)), ("closing", "f8", (POINTS,)), ("force", "f8", (POINTS,)),
     ("by_overlap", "f8", (POINTS,)), ("by_closing", "f8", (POINTS,)),  # derivatives of the force
+    ("base", "f8", (POINTS,)),  # what these leave of it
 ], align=True)
 MASS = np.dtype([
-    ("mass", "f8"), ("speed", "f8", (POINTS,)), ("line", "i8"), ("unknown", "i8"),
+    ("mass", "f8"), ("speed", "f8", (POINTS,)), ("line", "i8"),
 ], align=True)
 TURN = np.dtype([
     ("tick", "i8"), ("link", "i8"), ("touch", "i8"), ("impulse", "f8"),  # of an impact

@@ -23,6 +23,7 @@ SERIES: Any = np.linalg.inv(chebyshev.chebvander(_AT, N)).tolist()  # values to 
 STAGES: Any = [  # values at the N points to their integral from -1 to each of these points
     [float(chebyshev.Chebyshev(_INNER[:, m]).integ(lbnd=-1)(x)) for m in range(N)] for x in _RADAU
 ]
+TWICE: Any = (np.array(STAGES) @ np.array(STAGES)).tolist()  # and to the integral of that
 START: Any = (chebyshev.chebvander([-1.0], N - 1) @ _INNER)[0].tolist()  # to that at the start
 WEIGHTS: Any = STAGES[N - 1][:]  # of the whole piece; exact up to degree 2N - 2
 
