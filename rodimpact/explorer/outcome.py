@@ -15,9 +15,8 @@ from ..methods.fronts.plan import plan_of
 from ..methods.fronts.records import NONE
 from ..methods.groups import body_velocities, heads
 from ..methods.laws import Stop
-from ..methods.scales import smallest
 from ..methods.status import DRIVEN, is_held, rounding, strain_warning
-from ..methods.walk import walk
+from ..methods.walk import smallest, walk
 from ..model.numbering import contact_names
 from ..theory import pair_numbers, pair_restitution
 from .known import outcome_told

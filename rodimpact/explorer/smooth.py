@@ -15,9 +15,8 @@ from ..methods.pieces.layout import longest_of
 from ..methods.pieces.method import RTOL
 from ..methods.pieces.totals import stated, status_of, tally_of, told_of, why_stopped
 from ..methods.row import STIFFEST
-from ..methods.scales import largest, smallest
 from ..methods.status import DRIVEN, is_held, strain_warning
-from ..methods.walk import scale_of, walk
+from ..methods.walk import largest, scale_of, smallest, walk
 from .fronts import TOO_FAR_APART
 from .known import curves_of, described, gauge_of, outcome_told, positions_of
 from .smooth_motion import energy_curves, gauge_curve, grids_of, line_curve, path_of, waves_of

@@ -15,8 +15,7 @@ from ..methods.pieces.accuracy import Ended
 from ..methods.pieces.layout import Asked, Clock
 from ..methods.pieces.records import NONE, PIECE, TURN
 from ..methods.pieces.series import N
-from ..methods.scales import largest
-from ..methods.walk import frame_of, scale_of, wave_of_strain
+from ..methods.walk import frame_of, largest, scale_of, wave_of_strain
 
 ROOM = 512  # of the log at first
 

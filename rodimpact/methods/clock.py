@@ -84,7 +84,8 @@ def clock_of(row: Row, ticks: Sequence[int], tick: float, **known: Any) -> Clock
     error, worst = most_rounded(row, ticks, tick)
     known = {"frame": float(row.frame), "gravity": float(row.gravity),
              "transit_error": error, "worst": worst, **known}
-    return Clock(system=row.system, spans=row.spans, ticks=[0, *ticks, 0], tick=tick, **known)
+    return Clock(system=row.system, spans=tuple(row.spans), ticks=[0, *ticks, 0], tick=tick,
+                 **known)
 
 
 def most_rounded(row: Any, ticks: Any, tick: float) -> tuple[float, str]:

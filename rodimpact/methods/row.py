@@ -17,11 +17,11 @@ from typing import Any
 
 import numpy as np
 
-from ..model import InvalidModel, System, Tabulated, Wall
+from ..model import InvalidModel, System, Wall
 from ..model.profiles import extremes
 from .laws import Law
-from .scales import largest as largest
-from .walk import frame_of, least_impedance, scale_of, walk
+from .walk import Walk, frame_of, least_impedance, scale_of, walk
+from .walk import largest as largest
 
 SMALLEST, LARGEST = sys.float_info.min, sys.float_info.max
 AS_GOOD_AS_RIGID = "is as good as rigid beside these rods, got {!r}; use {}()"
@@ -30,7 +30,7 @@ STIFFEST = 2.0**80  # of a contact, times transit time over impedance
 Array = np.ndarray[Any, np.dtype[Any]]
 
 
-class Row:
+class Row(Walk):
     """A system, or a family of them, as a row of links, masses and segments.
 
     Attributes
@@ -39,7 +39,7 @@ class Row:
     segments : list of Segment
     paths : list of str
         By segment, what the user calls it; "" for 0.
-    spans : tuple of (int, int)
+    spans : list of (int, int)
         First and last segment of each body; (1, 0) for a wall or a rigid mass.
     first : list of int
         Masses left of each node; the links of node k begin at k + first[k].
@@ -60,30 +60,14 @@ class Row:
         the last is the strain of the wave that comes in.
     """
 
-    system: System
-    segments: list[Any]
-    paths: list[str]
-    spans: tuple[tuple[int, int], ...]
-    first: list[int]
-    masses: list[Any]
-    mass_velocity: list[Any]
-    mass_of: list[int]
-    laws: list[Law]
-    stiffness: list[Any]
-    exponent: list[Any]
-    damping: list[Any]
-    strength: list[Any]
-    gap: list[Any]
-    table: list[Any]
-    contact_link: list[int]
-    outside: list[tuple[str, Any]]
+    def __new__(cls, system: System) -> Row:
+        """Walk through a system."""
+        return super().__new__(cls, *walk(system))
 
-    def __init__(self, system: System) -> None:
-        vars(self).update(walk(system)._asdict())
-        self.spans, self.gravity = tuple(self.spans), system.gravity
-        for k, law in enumerate(system.contacts):
-            if isinstance(law, Tabulated):
-                self.table[self.contact_link[k]] = law.table
+    @property
+    def gravity(self) -> Any:
+        """Of the system, m/s^2."""
+        return self.system.gravity
 
     def outside_name(self, side: int) -> str:
         """What acts on the left or right end, as an `Outside` names it."""
@@ -198,8 +182,3 @@ def squeezed(seconds: float) -> InvalidModel:
         "law"
     )
     return InvalidModel([("contacts", message)])
-
-
-def whole(values: list[int]) -> Array:
-    """Return whole numbers as an array for a kernel."""
-    return np.array(values, dtype=np.int64)

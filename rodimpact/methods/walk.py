@@ -11,7 +11,6 @@ import numpy as np
 
 from ..model.profiles import extremes
 from .laws import Law as Kind
-from .scales import largest, smallest
 
 ENDS = {
     "free": "none", "fixed": "velocity", "velocity": "velocity", "force": "force",
@@ -121,6 +120,8 @@ def add_contact(row: Walk, law: Any, gap: Any) -> None:
     elif law.law in ("yielding", "tabulated"):
         add(row, Kind.YIELD, law.hardening / law.stiffness, gap, law.stiffness, 1.0,
             law.yield_force)
+        if law.law == "tabulated":
+            row.table[len(row.table) - 1] = law.table
     elif law.law == "own":
         add(row, Kind.OWN, 1.0, gap, 0.0, 1.0, 0.0)  # whatever it is, it may depend on the rate
     else:
@@ -158,7 +159,23 @@ def merge(row: Walk, body: Any) -> None:
         row.mass_of.append(at)
 
 
-# Scales -------------------------------------------------------------------------------------------
+# Scales: in a family numbers are arrays, so nothing here is decided by one of them ----------------
+
+
+def largest(values: Any) -> Any:
+    """Largest of some numbers, for each member of a family."""
+    found = values[0]
+    for value in values[1:]:
+        found = np.maximum(found, value)
+    return found
+
+
+def smallest(values: Any) -> Any:
+    """Smallest of some numbers, for each member of a family."""
+    found = values[0]
+    for value in values[1:]:
+        found = np.minimum(found, value)
+    return found
 
 
 def velocities_of(row: Any) -> list[Any]:

@@ -10,7 +10,7 @@ import numpy as np
 from ...model.frozen import InvalidModel
 from ...model.profiles import averages
 from ..laws import KNOTS, UNREACHED, Beyond
-from ..row import Array, Row, whole
+from ..row import Array, Row
 from ..walk import wave_of_strain
 from . import elimination_kernel as elimination
 from . import records
@@ -54,7 +54,7 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
         link=_links(mesh, h, by_first, by_last),
         end=filled(records.END, 2, kind=[KINDS[kind] for kind, _ in row.outside], node=mesh.ends,
                    impedance=[impedance(mesh, side) for side in (0, 1)]),
-        watched=whole(mesh.watched), pulled=whole(mesh.pulled),
+        watched=np.array(mesh.watched, np.int64), pulled=np.array(mesh.pulled, np.int64),
     )
 
 

@@ -16,8 +16,7 @@ from ..clock import too_long, too_short
 from ..compiling import Functions, as_objects
 from ..laws import Law
 from ..row import Row
-from ..scales import largest, smallest
-from ..walk import velocities_of
+from ..walk import largest, smallest, velocities_of
 from . import layout
 from .accuracy import Ended
 from .known import Known, jumps_of
