@@ -157,7 +157,7 @@ def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:
     shortest = min(float(T) for T in numbers.transit)
     rate = Fraction(2) ** (TICKS.bit_length() - math.frexp(shortest)[1])
     # transit times are lengths here: waves run 1 m in 1 s
-    given = [*[1] * n, *numbers.impedance, *numbers.transit, *numbers.gap]
+    given = [*[1] * n, *numbers.impedance, *numbers.transit, ZERO, ZERO, *numbers.gap]
     for v in numbers.velocity:
         given += [v, ZERO]  # of a strain
     state = laid(plan, given, [T * rate for T in numbers.transit], 1 / rate, ZERO)

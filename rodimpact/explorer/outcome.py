@@ -10,7 +10,7 @@ from typing import Any
 from ..methods.abilities import has_driven_end
 from ..methods.clock import most_rounded
 from ..methods.fronts.layout import round_trip
-from ..methods.fronts.method import status_of, tally_of
+from ..methods.fronts.method import last_of, status_of, tally_of
 from ..methods.fronts.plan import plan_of
 from ..methods.fronts.records import NONE
 from ..methods.groups import body_velocities, heads
@@ -38,8 +38,9 @@ def outcome_of(run: Any) -> Any:
     proved = it.proved != NONE and not (it.until >= 0 and has_driven_end(row.system))
     ticks = [at.transit for at in segment[1 : len(row.segments) + 1]]
     rounded, worst = most_rounded(row, ticks, it.tick)
-    text = status_of(it, run["node"], run["plan"].contacts, {
-        "proved": proved, "round_trip": round_trip(run["body"], segment) * it.tick,
+    trip, contacts = round_trip(run["body"], segment) * it.tick, run["plan"].contacts
+    text = status_of(it, run["node"], contacts, {
+        "proved": proved, "t_final": last_of(it, run["node"], contacts, trip),
         "acting": DRIVEN if has_driven_end(row.system) else "", "held": is_held(row.system),
         "names": contact_names([body.kind for body in row.system.bodies]),
     })

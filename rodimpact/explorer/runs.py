@@ -9,7 +9,8 @@ from typing import Any
 
 from ..methods.compiling import blank
 from ..methods.fronts import events, layout, march
-from ..methods.fronts.records import BODY, IDLE, LINE, NODE, NONE, PIECE, ROW, RUN, SEGMENT
+from ..methods.fronts.plan import blank_records
+from ..methods.fronts.records import IDLE, NONE, ROW
 from ..methods.laws import Stop
 
 ROOM = 256  # rows of the log at first
@@ -69,19 +70,4 @@ def advance(space: Any, tick: int) -> None:
 
 def space_of(plan: Any) -> Any:
     """Space for runs of a plan, and of others that differ from it in numbers only."""
-    n, body = plan.segments, blank(len(plan.bodies), BODY)
-    for i, (first, last, profile, velocities, strains, outside) in enumerate(plan.bodies):
-        it = body[i]
-        it.first, it.last, it.profile = first, last, profile
-        it.velocities, it.strains, it.outside = velocities, strains, outside
-    node = blank(n + 1, NODE)
-    for k in range(n + 1):
-        node[k].kind, node[k].contact = plan.kinds[k], NONE
-    for i, k in enumerate(plan.contacts):
-        node[k].contact = i
-    return {
-        "plan": plan, "run": blank(1, RUN)[0], "body": body, "node": node,
-        "segment": blank(n + 2, SEGMENT), "piece": blank(plan.pieces, PIECE),
-        "line": blank(2 * n + 4, LINE), "log": blank(plan.fronts + ROOM, ROW),
-        "tree": [0 for _ in range(events.size_of_tree(n + 1))],
-    }
+    return {"plan": plan, **blank_records(plan, ROOM)}

@@ -30,7 +30,7 @@ FUNCTIONS = (
 )
 KNOWN = {
     format_si: "inSi", written: "inSi", format_factor: "plainNumber", blank: "py.blank",
-    extremes: "py.alone", steps: "py.same",
+    extremes: "py.extremes", steps: "py.same",
 }
 """What the page writes in its own way."""
 

@@ -38,7 +38,7 @@ const py = {
   min: (a, b) => (b < a ? b : a),
   where: (test, a, b) => (test ? a : b),
   spacing: (x) => 2 ** (py.frexp(x)[1] - 53),
-  alone: (x) => [x, x],
+  extremes: (x) => typeof x === "number" ? [x, x] : [Math.min(...x.values), Math.max(...x.values)],
   same: (x) => x,
   max: (a, b) => (b > a ? b : a),
   int(x) {

@@ -12,13 +12,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .. import duration, kernels
-from ..compiling import as_objects, as_records, blank, lengthened, objects
+from ..compiling import as_objects, as_records, blank, lengthened
 from ..duration import Forecast
 from ..family import Stopped, now
 from ..laws import Stop
 from ..memory import ask, most_numbers
 from . import events, layout, march, stock
-from .plan import Plan
+from .plan import Plan, blank_records
 from .records import BODY, CHANGE, LINE, NODE, NONE, PIECE, ROW, RUN, SEGMENT
 
 ROOM = 128  # rows of the log at first, beside those at t = 0
@@ -27,11 +27,22 @@ EVENT_TIMES = 2e-5, 2e-6  # s, about what an event takes in plain Python, and co
 ROW_TIME = 1e-5  # s, about what plain Python takes for a row of the log
 PAIR_TIME = 4e-7  # s, about what plain Python takes to compare two durations
 FIRST_BLOCK, LAST_BLOCK = 32, 2048  # members of a block
+RECORDS = {"run": RUN, "segment": SEGMENT, "node": NODE, "line": LINE, "log": ROW, "piece": PIECE,
+           "body": BODY}
 PATIENCE = 0.1  # s; about how long a block runs before `stop` is asked again
 
 
 class Members:
     """Some members of a family: their records, and the room that they share.
+
+    Parameters
+    ----------
+    plan : Plan
+    count : int
+    fast : bool
+        Whether they run in machine code.
+    **asked
+        Fields of RUN.
 
     Attributes
     ----------
@@ -39,48 +50,36 @@ class Members:
         Arrays of records in machine code, else lists of objects.
     """
 
-    def __init__(
-        self, plan: Plan, count: int, until: float | None, max_events: int, fast: bool,
-        reads: bool = False, further: bool = False,
-    ) -> None:
-        self.plan, self.fast, n = plan, fast, plan.segments
-        make: Any = np.zeros if fast else blank
-        self.body: Any = np.array(plan.bodies, BODY) if fast else objects(plan.bodies, BODY)
-        self.node = make(count * (n + 1), NODE)
-        places = [NONE] * (n + 1)
-        for contact, k in enumerate(plan.contacts):
-            places[k] = contact
-        if fast:
-            nodes = self.node.reshape(count, n + 1)
-            nodes["kind"], nodes["contact"] = plan.kinds, places
-        else:
-            for at, kind, contact in zip(
-                self.node, count * plan.kinds, count * places, strict=True
-            ):
-                at.kind, at.contact = kind, contact
-        self.run, self.segment = make(count, RUN), make(count * (n + 2), SEGMENT)
-        self.line, self.piece = make(2 * n + 4, LINE), make(plan.pieces, PIECE)
-        self.log = make(ROOM + plan.fronts, ROW)
-        self.given: Any = None
-        size = events.size_of_tree(n + 1)
-        self.tree: Any = np.zeros(size, np.int64) if fast else [0] * size
-        asked = (("until", -1.0 if until is None else until), ("limit", max_events),
-                 ("reads", reads), ("further", further))
-        for name, value in asked:
-            self.set(name, value)
+    run: Any
+    body: Any
+    segment: Any
+    node: Any
+    line: Any
+    log: Any
+    piece: Any
+    tree: Any
 
-    def set(self, name: str, value: Any) -> None:
-        """Set a field of all runs."""
-        if self.fast:
-            self.run[name] = value
-            return
-        for it in self.run:
-            setattr(it, name, value)
+    def __init__(self, plan: Plan, count: int, fast: bool, **asked: Any) -> None:
+        self.plan, self.fast, self.given = plan, False, None
+        vars(self).update(blank_records(plan, ROOM))
+        for name, value in asked.items():
+            setattr(self.run, name, value)
+        self.run = [self.run]
+        if fast:
+            self.on_arrays()
+        for name in ("run", "segment", "node"):
+            one = getattr(self, name)
+            setattr(self, name, np.tile(one, count) if fast else [
+                copy.copy(it) for _ in range(count) for it in one])
 
     def lay(self, given: Any) -> None:
         """Take the numbers of other members, one after the other."""
         self.given = np.asarray(given) if self.fast else np.asarray(given).tolist()
-        self.set("stop", Stop.NONE.value)
+        if self.fast:
+            self.run["stop"] = Stop.NONE
+        else:
+            for it in self.run:
+                it.stop = Stop.NONE.value
 
     def go(self) -> bool:
         """Run them; return whether there is more to do, with a longer log."""
@@ -99,36 +98,14 @@ class Members:
 
     def on_arrays(self) -> None:
         """Go on in machine code."""
-        for name, record in (("run", RUN), ("segment", SEGMENT), ("node", NODE), ("line", LINE),
-                             ("log", ROW), ("piece", PIECE), ("body", BODY)):
+        for name, record in RECORDS.items():
             setattr(self, name, as_records(getattr(self, name), record))
-        self.tree, self.given = np.array(self.tree), np.array(self.given)
-        self.fast = True
+        self.tree, self.given, self.fast = np.array(self.tree), np.array(self.given), True
 
-    def with_ticks(self, ticks: Sequence[int], max_events: int) -> Members:
-        """The one member, laid out with these transit times of its segments."""
-        new, n = Members(self.plan, 1, None, max_events, False), self.plan.segments
-        new.run, new.segment, new.line = map(self.copied, ("run", "segment", "line"))
-        (it,), new.given = new.run, self.given
-        new.log = [*self.copied("log", it.started), *blank(ROOM, ROW)]
-        for s, T in enumerate(ticks):
-            new.segment[s].transit = T
-        for l in range(2, 2 * n + 2):
-            new.log[new.line[l].first].tick = -ticks[l // 2]
-        for at in new.node:
-            if at.contact != NONE:
-                at.gap = self.given[3 * n + at.contact] / it.tick
-        it.stop, it.limit = Stop.LAID.value, max_events
-        if it.until < 0:
-            it.target = -layout.round_trip(new.body, new.segment)
-        if self.fast:
-            new.on_arrays()
-        return new
-
-    def copied(self, name: str, count: int | None = None) -> list[Any]:
-        """The records of this name, or the first of them, as objects of their own."""
-        records = getattr(self, name)[:count]
-        return as_objects(records) if self.fast else copy.deepcopy(records)
+    def objects(self, name: str) -> list[Any]:
+        """The records of this name as objects."""
+        records = getattr(self, name)
+        return as_objects(records) if self.fast else records
 
 
 class Laid(NamedTuple):
@@ -176,8 +153,8 @@ def laid(
     tick, frame
         What a tick lasts, s, and the velocity from which velocities are counted.
     """
-    made = Members(plan, 1, None, 0, fast=False)
-    (run,), body, piece, segment, n = made.run, made.body, made.piece, made.segment, plan.segments
+    made, n = Members(plan, 1, False), plan.segments
+    (run,), body, piece, segment = made.run, made.body, made.piece, made.segment
     node, line, log, tree = made.node, made.line, made.log, made.tree
     run.tick, run.frame = tick, frame
     layout.cut(body, numbers, 0, piece, segment)
@@ -191,6 +168,7 @@ def laid(
 
 def solve_one(
     plan: Plan, until: float | None, max_events: int, forecast: Forecast | None = None,
+    beside: bool = False,
 ) -> Members:
     """Follow every front of a single collision.
 
@@ -204,15 +182,11 @@ def solve_one(
         When velocities overflow, or transit times are too far apart for one clock.
     """
     fast = kernels.worth_compiling(plan.fronts**2 * PAIR_TIME, march.follow)
-    members = Members(plan, 1, until, max_events, fast, further=True)
+    members = Members(plan, 1, fast, until=-1.0 if until is None else until, limit=max_events,
+                      further=1, beside=int(beside))
     members.lay(plan.numbers)
-    return run_on(members, forecast)
-
-
-def run_on(members: Members, forecast: Forecast | None = None) -> Members:
-    """Run a single collision to its end."""
     while members.go():
-        rows, (run,) = len(members.log), members.copied("run")
+        rows, (run,) = len(members.log), members.objects("run")
         if not members.fast and kernels.worth_compiling(rows * ROW_TIME, march.follow):
             members.on_arrays()  # what is not over takes as long again as it took
         if forecast:
@@ -277,7 +251,9 @@ def solve_many(
         ahead = len(given) - first - len(block) + more if measured else 0
         fast = kernels.worth_compiling(plain * len(block), march.follow, ahead=plain * ahead)
         if members is None or len(members.run) != len(block) or members.fast != fast:
-            members = Members(plan, len(block), until, max_events, fast, reads)
+            members = Members(
+                plan, len(block), fast, until=-1.0 if until is None else until,
+                limit=max_events, reads=int(reads))
         members.lay(block.ravel())
         while members.go():
             members.lengthen()
@@ -294,8 +270,9 @@ def solve_many(
 def columns_of(members: Members) -> dict[str, Any]:
     """What members came to, in SI units, with a row for each: by segment, or by node."""
     run, segment, node = (
-        records if members.fast else as_records(records, kind)
-        for records, kind in ((members.run, RUN), (members.segment, SEGMENT), (members.node, NODE))
+        records if members.fast else as_records(records, RECORDS[name])
+        for name, records in (
+            ("run", members.run), ("segment", members.segment), ("node", members.node))
     )
     segment, node = segment.reshape(len(run), -1), node.reshape(len(run), -1)
     tick, frame = run["tick"][:, None], run["frame"][:, None]

@@ -255,11 +255,5 @@ def close_books(run: Any, node: Any, t: int) -> None:
     """Bring gaps and tallies up to tick t, at which nothing happens."""
     for k in range(len(node)):
         at, dt = node[k], t - node[k].since
-        at.since = t
-        at.gap += at.rate * dt
-        at.impulse += at.force * dt
-        at.work += at.force * at.speed * dt
-        if at.status == Status.PRESS:
-            at.pressed += dt
-            if dt > run.window:
-                at.peak = max(at.peak, at.force)
+        account(at, dt, run.window)
+        at.gap, at.since = at.gap + at.rate * dt, t

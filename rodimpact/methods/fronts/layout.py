@@ -4,8 +4,9 @@ The initial state is the history of the waves over one transit before t = 0. A p
 places that follow the tick rule too, and so do the times at which what drives an end jumps.
 
 The numbers of a member stand in one row of `given`: wave speed, impedance and length of each
-segment, the gaps, and for each body its profiles, see `BODY`. What holds or drives an end stands
-there as a body without segments, with values over time.
+segment, the velocity of the frame, the scale of velocities, the gaps, and for each body its
+profiles, see `BODY`. What holds or drives an end stands there as a body without segments, with
+values over time.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import math
 from typing import Any
 
 from .. import tick_rule as rule
-from ..laws import Beyond, Status, Stop
+from ..laws import Beyond, Stop
 from .records import NONE
 
 TOLERANCE = 2.0**-48
@@ -22,6 +23,8 @@ TOLERANCE = 2.0**-48
 the velocities plus wave speed times strain); the same margin decides whether contacts press or
 graze. The error of a wave is at most this, times the number of ends it has passed."""
 
+FRAME, GAPS = 0, 2  # places of these numbers behind those of the segments
+EXACT = 2.0**-48  # relative change of a transit time that is round-off
 WINDOW = 40  # a gap that closes within 2^-40 longest transits of an arrival closes with it
 
 
@@ -62,73 +65,16 @@ def cut(body: Any, given: Any, row: int, piece: Any, segment: Any) -> int:
     return count
 
 
-def survey(run: Any, body: Any, given: Any, row: int, piece: Any, segment: Any) -> None:
-    """Set the frame (that of the walls, else the middle of all velocities) and the scale."""
-    n = len(segment) - 2
-    low, high = math.inf, -math.inf
-    strained, walls, fixed, pushed = 0.0, 0, 0.0, 0.0
-    for side in range(2):
-        it = body[side * (len(body) - 1)]
-        for j in range(it.velocities if it.last == 0 else 0):
-            v = given[row + it.profile + j]
-            if it.outside == Beyond.PUSHED:
-                pushed = max(pushed, abs(v))
-            elif it.outside == Beyond.ENDLESS:
-                strained = max(strained, 2 * given[row + side * (n - 1)] * abs(v))
-            else:
-                low, high = min(low, v), max(high, v)
-            if it.outside == Beyond.STEADY:
-                walls, fixed = walls + 1, fixed + v
-    weakest = math.inf
-    for s in range(1, n + 1):
-        weakest = min(weakest, given[row + n + s - 1])
-        for i in range(segment[s].piece, segment[s + 1].piece):
-            low, high = min(low, piece[i].velocity), max(high, piece[i].velocity)
-            strained = max(strained, given[row + s - 1] * abs(piece[i].strain))
-    run.frame = low / 2 + high / 2
-    if walls > 0:
-        run.frame = fixed / walls
-    run.scale = high - low + strained + pushed / weakest
-
-
-def inward_sum(piece: Any, n: int) -> float:
-    """Sum of the transit times from both ends to the middle: the same for a mirrored row."""
-    total = 0.0
-    for i in range(n // 2):
-        total += piece[i].time + piece[n - 1 - i].time
-    if n % 2:
-        total += piece[n // 2].time
-    return total
-
-
-def inward_sum_of_gaps(given: Any, first: int, count: int) -> float:
-    """The same of gaps."""
-    total = 0.0
-    for i in range(count // 2):
-        total += given[first + i] + given[first + count - 1 - i]
-    if count % 2:
-        total += given[first + count // 2]
-    return total
-
-
-def room(run: Any, given: Any, row: int, piece: Any, n: int, gaps: int, longest: float) -> float:
+def room(run: Any, given: Any, piece: Any, node: Any, longest: float) -> float:
     """Time for which a clock without a given end has room: for a share of `HORIZON` at least."""
-    flight = 0.0
-    if run.scale > 0:
-        flight = 4 * inward_sum_of_gaps(given, row + 3 * n, gaps) / run.scale
-    share = -run.until * rule.HORIZON * longest
-    horizon: float = max(share, 16 * inward_sum(piece, n), flight)
+    n, crossing, flight = len(node) - 1, 0.0, 0.0
+    for i in range(n):
+        crossing += piece[i].time
+    for k in range(n + 1):
+        if node[k].contact != NONE and run.scale > 0:
+            flight += given[run.row + 3 * n + GAPS + node[k].contact] / run.scale
+    horizon: float = max(-run.until * rule.HORIZON * longest, 16 * crossing, 4 * flight)
     return min(horizon, longest * 2.0 ** (rule.CLOCK_BITS - 1 - rule.COARSEST))
-
-
-def contacts(node: Any) -> tuple[int, int]:
-    """How many contacts there are, and how many of them are bonded."""
-    count, bonded = 0, 0
-    for k in range(len(node)):
-        if node[k].contact != NONE:
-            count += 1
-            bonded += 1 if node[k].kind == Status.BOND else 0
-    return count, bonded
 
 
 def jumps_outside(it: Any) -> int:
@@ -209,17 +155,6 @@ def fill(run: Any, c: float, s: int, piece: Any, segment: Any, log: Any) -> None
                 send(run, log, sent, x0 - T if b else -x1, 2 * s + b, wave)
 
 
-def momentum_varies(body: Any, line: Any, joined: bool) -> bool:
-    """Whether what bodies have for momentum after a run depends on when that ends.
-
-    So it is for what radiates, and for what walls or fixed ends of different velocity hold.
-    """
-    left, right = body[0], body[len(body) - 1]
-    endless = left.outside == Beyond.ENDLESS or right.outside == Beyond.ENDLESS
-    held = joined and left.last == 0 and right.last == 0
-    return bool(endless or (held and line[0].arrived != line[len(line) - 1].arrived))
-
-
 def round_trip(body: Any, segment: Any) -> int:
     """Ticks in which a wave goes through the longest body and back."""
     longest = 0
@@ -240,8 +175,8 @@ def choose_clock(run: Any, m: int, body: Any, given: Any, piece: Any, segment: A
     it, n = run[m], len(segment) - 2
     it.row, it.stop, it.bits, it.proved = m * (len(given) // len(run)), Stop.NONE.value, 0, NONE
     row = it.row
+    it.frame, it.scale = given[row + 3 * n + FRAME], given[row + 3 * n + FRAME + 1]
     durations = cut(body, given, row, piece, segment)
-    survey(it, body, given, row, piece, segment)
     largest, longest = 0.0, 0.0
     for s in range(1, n + 1):
         largest = max(largest, given[row + n + s - 1])
@@ -251,7 +186,7 @@ def choose_clock(run: Any, m: int, body: Any, given: Any, piece: Any, segment: A
         return
     it.horizon = it.until
     if it.until < 0:
-        it.horizon = room(it, given, row, piece, n, contacts(node)[0], longest)
+        it.horizon = room(it, given, piece, node, longest)
     it.bits = rule.clock_bits(it.horizon / longest)
     if it.bits < rule.COARSEST:
         it.stop = Stop.LONG.value
@@ -268,6 +203,10 @@ def choose_clock(run: Any, m: int, body: Any, given: Any, piece: Any, segment: A
     it.tolerance, it.short = TOLERANCE * it.scale, 1
     for s in range(1, n + 1):
         segment[s].transit, segment[s].mobility = piece[s - 1].ticks, 1 / given[row + n + s - 1]
+        if it.beside:  # the next tick on the other side of the true time
+            off = segment[s].transit * it.tick / piece[s - 1].time - 1
+            if abs(off) > EXACT:
+                segment[s].transit += -1 if off > 0 else 1
         if segment[s].transit < segment[it.short].transit:
             it.short = s
     if segment[it.short].transit <= 4 * it.window:
@@ -300,18 +239,17 @@ def lay_out(
     for k in range(n + 1):
         node[k].gap = 0.0
         if node[k].contact != NONE:
-            node[k].gap = given[row + 3 * n + node[k].contact] / it.tick
+            node[k].gap = given[row + 3 * n + GAPS + node[k].contact] / it.tick
     for side in range(2):
         one, l = body[side * (len(body) - 1)], side * (2 * n + 3)
         line[l].arrived = 0.0
         if one.last == 0 and one.outside == Beyond.STEADY:
             line[l].arrived = given[row + one.profile] - it.frame
-    count, bonded = contacts(node)
     it.target = -1
     if it.until >= 0:
         it.target = round(it.until / it.tick)
-    elif it.further or bonded or momentum_varies(body, line, bonded == count):
-        it.target = -round_trip(body, segment)  # bonds never cease to push
+    elif it.further or it.lasting:
+        it.target = -round_trip(body, segment)
     for s in range(1, n + 1):
         fill(it, given[row + s - 1], s, piece, segment, log)
     place = len(piece) - it.late

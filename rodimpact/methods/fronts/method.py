@@ -15,7 +15,7 @@ from ...units import format_si
 from .. import abilities as physics
 from ..duration import Forecast, Progress
 from ..family import STOPPED_BY, FamilyRun
-from ..groups import body_velocities, groups, heads
+from ..groups import body_velocities, heads
 from ..laws import Status, Stop
 from ..row import Array, Row
 from ..run import MAX_EVENTS, MEASURES, VELOCITY, ContactTally, Run, Totals
@@ -31,7 +31,7 @@ from ..status import (
 from . import driver
 from .plan import plan_of
 from .records import NONE
-from .run import FrontRun
+from .run import REASONS, FrontRun
 from .signals import signals_of
 
 LACKS = (
@@ -40,7 +40,6 @@ LACKS = (
 )
 ROUND_OFF = 2.0**-40  # of the peak force: a contact that presses less has come to rest
 LESS = "an earlier end (until), or a lower cap (max_events),"
-EXACT = 2.0**-48  # relative change of a transit time that is round-off
 MORE = 4  # times the events of a run that another may take, beside rounded transit times
 NO_ROUNDING: Mapping[str, float] = {}
 MOST_MEMBERS, MOST_BYTES = 16384, 1 << 24  # of one call of `solve_family`, for memory's sake
@@ -69,32 +68,22 @@ def hand_over(
     run: FrontRun, until: float | None, accuracy: Mapping[str, float] = NO_ROUNDING
 ) -> Run:
     """What every method hands back, of a run to `until`."""
-    a, now, tallies = run.clock, run.run.now, tallies_of(run)
-    proved, t_final = run.finality_time != NONE, math.nan
-    if proved:
-        ends = ends_of_contacts(run.node, run.plan.contacts, a.tick)
-        t_final = last_contact(ends, now * a.tick, 2 * a.longest * a.tick)
+    a, now, proved = run.clock, run.run.now, run.finality_time != NONE
+    contacts, (acting, held) = run.plan.contacts, acting_and_held(a.system)
+    t_final = last_of(run.run, run.node, contacts, 2 * a.longest * a.tick) if proved else math.nan
+    status = status_of(run.run, run.node, contacts, {
+        "proved": proved, "t_final": t_final, "acting": acting, "held": held,
+        "names": contact_names(a.system.kinds),
+    })
+    tallies = tuple(tally_of(run.node[k], a.tick) for k in contacts)
     return Run(
         method="fronts", until=until, clock=a, end=now,
         t_end=until if until is not None and run.stopped_by == "until" else now * a.tick,
         t_final=t_final, t_proved=run.finality_time * a.tick if proved else math.nan,
-        stopped_by=run.stopped_by, status=_status(run) + _told(accuracy),
-        events=run.run.events, accuracy=accuracy,
-        contacts=tallies, totals=totals_of(run, tallies), make_signals=lambda: signals_of(run),
-    )
-
-
-def _status(run: FrontRun) -> str:
-    """Why the run ended, and what to do if that is not enough."""
-    a = run.clock
-    acting, held = acting_and_held(a.system)
-    text = status_of(run.run, run.node, run.plan.contacts, {
-        "proved": run.finality_time != NONE, "round_trip": 2 * a.longest * a.tick,
-        "acting": acting, "held": held, "names": contact_names(a.system.kinds),
-    })
-    return (
-        text + rounding(a.transit_error, a.worst)
-        + strain_warning(run.run.fastest / min(a.wave_speed[1:-1]))
+        stopped_by=run.stopped_by, events=run.run.events, accuracy=accuracy,
+        status=status + rounding(a.transit_error, a.worst)
+        + strain_warning(run.run.fastest / min(a.wave_speed[1:-1])) + _told(accuracy),
+        contacts=tallies, totals=totals_of(run), make_signals=lambda: signals_of(run),
     )
 
 
@@ -108,26 +97,40 @@ def status_of(it: Any, node: Sequence[Any], contacts: Sequence[int], known: Any)
     contacts : list of int
         Node of each contact.
     known : dict
-        Whether the end is ``proved``; ``round_trip`` of the longest body, s; what is ``acting`` on
-        the row, and whether walls have it ``held``, as of `ending`; ``names`` of the contacts.
+        Whether the end is ``proved``, and ``t_final``, as of `last_of`; what is ``acting`` on the
+        row, and whether walls have it ``held``, as of `ending`; ``names`` of the contacts.
     """
-    stopped_by, final, end = "until", "", format_si(it.now * it.tick, "s")
-    if it.stop == Stop.FINAL:
-        stopped_by = "final"
-    elif it.stop == Stop.CAP:
-        stopped_by = "max_events"
-    elif it.stop == Stop.CLOCK:
-        stopped_by = "clock"
-    if known["proved"]:
-        final = pressing(node, contacts, known["names"])
-        if final == "":
-            ends = ends_of_contacts(node, contacts, it.tick)
-            latest = last_contact(ends, it.now * it.tick, known["round_trip"])
-            final = proof_sentence(any(at.episodes > 0 for at in node), latest)
-    sentence = cut_short(stopped_by, final, it.events, end)
-    if sentence != "":
-        return sentence
+    stopped_by, final, end = REASONS[it.stop], "", format_si(it.now * it.tick, "s")
+    pressing = ", ".join([
+        known["names"][i] for i, k in enumerate(contacts)
+        if node[k].status == Status.PRESS and node[k].force > ROUND_OFF * node[k].peak
+    ])
+    if known["proved"] and pressing != "":
+        final = f"Nothing changes any more; contact {pressing} goes on pressing."
+    elif known["proved"]:
+        final = proof_sentence(any(at.episodes > 0 for at in node), known["t_final"])
+    if stopped_by == "max_events" and final == "":
+        return (
+            f"Stopped by the cap of {it.events} events at {end}; fronts multiply where transit "
+            "times have no common measure. Raise max_events, or make lengths commensurate."
+        )
+    if stopped_by == "clock":
+        return (
+            f"Stopped by the clock after {end}: the next contact may come later than the clock can "
+            "count, or never. Give until= to set another end."
+        )
     return ending(stopped_by, final, end, f"{it.events} events", known["acting"], known["held"])
+
+
+def last_of(it: Any, node: Sequence[Any], contacts: Sequence[int], round_trip: float) -> float:
+    """When the last contact ended in a proved run, s, as `last_contact` says."""
+    pressed = [node[k] for k in contacts if node[k].status >= Status.OPEN and node[k].episodes > 0]
+    ends = [
+        [math.nan if at.status == Status.PRESS else at.last * it.tick,
+         math.nan if at.status >= Status.GRAZE else at.opened * it.tick]
+        for at in pressed
+    ]
+    return last_contact(ends, it.now * it.tick, round_trip)
 
 
 def _told(accuracy: Mapping[str, float]) -> str:
@@ -147,82 +150,28 @@ def effect_of_rounding(run: FrontRun) -> Mapping[str, float]:
     """
     if run.clock.transit_error <= ROUNDED or run.stopped_by == "max_events":
         return NO_ROUNDING
-    other = beside(run)
+    other = FrontRun(driver.solve_one(
+        run.plan, None if run.run.until < 0 else run.run.until,
+        MORE * run.run.events + MORE, beside=True))
     if other.stopped_by != run.stopped_by:
         return dict.fromkeys(MEASURES, math.inf)
     found = {}
     for name, here, there in zip(MEASURES, _measured(run), _measured(other), strict=True):
-        change = max((abs(x - y) for x, y in zip(here, there, strict=True)), default=0.0)
-        scale = max(map(abs, here), default=0.0)
-        if name == VELOCITY:
-            scale = run.run.scale
+        scale = run.run.scale if name == VELOCITY else np.abs(here).max(initial=0.0)
+        change = float(np.abs(here - there).max(initial=0.0))
         found[name] = change / scale if change > 0 else 0.0
     return found
 
 
-def _measured(run: FrontRun) -> list[list[float]]:
+def _measured(run: FrontRun) -> list[Array]:
     """What `MEASURES` names, by body or by contact."""
-    tallies, tick = tallies_of(run), run.clock.tick
-    return [
-        list(totals_of(run, tallies).velocities[1]), [t.impulse for t in tallies],
+    tick, nodes = run.clock.tick, [run.node[k] for k in run.plan.contacts]
+    tallies = [tally_of(at, tick) for at in nodes]
+    return list(map(np.array, (
+        totals_of(run).velocities[1], [t.impulse for t in tallies],
         [t.peak_force for t in tallies], [t.duration for t in tallies],
-        [getattr(run.node[k], name) * tick for name in ("first", "last", "opened")
-         for k in run.plan.contacts],
-    ]
-
-
-def beside(run: FrontRun) -> FrontRun:
-    """The same row with rounded transit times a tick longer or shorter: beyond the true ones."""
-    a = run.clock
-    ticks = list(a.ticks)
-    for s in range(1, len(ticks) - 1):
-        off = ticks[s] * a.tick / (a.length[s] / a.wave_speed[s]) - 1
-        if abs(off) > EXACT:
-            ticks[s] += -1 if off > 0 and ticks[s] > 1 else 1
-    return FrontRun(driver.run_on(run.members.with_ticks(ticks, MORE * run.run.events + MORE)))
-
-
-def cut_short(stopped_by: str, final: str, events: int, end: str) -> str:
-    """What ended a run that the cap or the clock cut short; "" for others."""
-    if stopped_by == "max_events" and final == "":
-        return (
-            f"Stopped by the cap of {events} events at {end}; fronts multiply where transit "
-            "times have no common measure. Raise max_events, or make lengths commensurate."
-        )
-    if stopped_by == "clock":
-        return (
-            f"Stopped by the clock after {end}: the next contact may come later than the clock can "
-            "count, or never. Give until= to set another end."
-        )
-    return ""
-
-
-def ends_of_contacts(
-    node: Sequence[Any], contacts: Sequence[int], tick: float
-) -> list[list[float]]:
-    """When the force and the touch of each contact that pressed ended, as `last_contact` asks."""
-    pressed = [node[k] for k in contacts if node[k].status >= Status.OPEN and node[k].episodes > 0]
-    return [
-        [math.nan if at.status == Status.PRESS else at.last * tick,
-         math.nan if at.status >= Status.GRAZE else at.opened * tick]
-        for at in pressed
-    ]
-
-
-def pressing(node: Sequence[Any], contacts: Sequence[int], names: Sequence[str]) -> str:
-    """What is said where contacts go on pressing for ever."""
-    found = ", ".join([
-        names[i] for i, k in enumerate(contacts)
-        if node[k].status == Status.PRESS and node[k].force > ROUND_OFF * node[k].peak
-    ])
-    if found == "":
-        return ""
-    return f"Nothing changes any more; contact {found} goes on pressing."
-
-
-def tallies_of(run: FrontRun) -> tuple[ContactTally, ...]:
-    """Totals of every contact in SI units."""
-    return tuple(tally_of(run.node[k], run.clock.tick) for k in run.plan.contacts)
+        [getattr(at, name) * tick for name in ("first", "last", "opened") for at in nodes],
+    )))
 
 
 def tally_of(at: Any, tick: float) -> ContactTally:
@@ -233,64 +182,46 @@ def tally_of(at: Any, tick: float) -> ContactTally:
         at.last * tick if at.last != NONE else math.nan, at.episodes)
 
 
-def totals_of(run: FrontRun, tallies: Sequence[ContactTally]) -> Totals:
+def totals_of(run: FrontRun) -> Totals:
     """Read the totals off a finished run."""
-    a, scale = run.clock, run.run.scale
-    system, count, first = a.system, len(a.spans), heads(a.system, a.spans)
-    masses = [a.mass(i) for i in range(count)]
-    velocity, momentum, vibration = (
-        [[getattr(s, name) for s in run.segment] for name in names] for names in (
-            ("initial", "velocity"), ("initial_momentum", "momentum"),
-            ("initial_vibration", "vibration")))
-    before, after = (
-        [float(v) for v in body_velocities(system, [stock[s] + a.frame for s in first])]
-        for stock in velocity
-    )
-    vibration_before, vibration_after = (
-        [math.fsum(stock[s : e + 1]) * a.tick for s, e in a.spans] for stock in vibration
-    )
-    kinetic_before, kinetic_after = (
-        sum(m * (stock[s] + a.frame) ** 2 / 2
-            for m, (s, e) in zip(masses, a.spans, strict=True) if e) for stock in velocity
-    )
-    absolute, outside_impulse, wall_work, lent = run.run.absolute, 0.0, 0.0, 0.0
-    for i, k, sign in ((0, 0, 1), (count - 1, count - 2, -1)):
-        if masses[i] == math.inf:
-            impulse = sign * tallies[k].impulse
-            outside_impulse += impulse
-            wall_work += impulse * after[i]
-            absolute += abs(impulse)
-            if isinstance(system.contacts[k], Bonded):  # the wall lends energy and takes it back
-                group = next(g for g in groups(system) if i in g)
-                swinging = sum(masses[j] for j in group if masses[j] < math.inf)
-                lent += swinging * abs(after[i]) * scale
-    drive_work = radiated = 0.0
-    for end, node, sign in zip(system.ends, (0, -1), (1, -1), strict=True):
-        if isinstance(end, Free):
-            continue
-        impulse = run.node[node].impulse * a.tick
-        work = sign * (run.node[node].work * a.tick + a.frame * impulse)
-        outside_impulse += sign * impulse
+    a, scale, system = run.clock, run.run.scale, run.clock.system
+    masses = [a.mass(i) for i in range(len(a.spans))]
+    moving = sum(m for m in masses if m < math.inf)
+    velocities, kinetic, vibration, momentum = [], [], [], []
+    for names in (("initial", "initial_vibration", "initial_momentum"),
+                  ("velocity", "vibration", "momentum")):
+        own, energy, impulse = ([getattr(s, name) for s in run.segment] for name in names)
+        means = body_velocities(system, [own[s] + a.frame for s in heads(system, a.spans)])
+        velocities.append(list(map(float, means)))
+        kinetic.append(sum(m * (own[s] + a.frame) ** 2 / 2
+                           for m, (s, e) in zip(masses, a.spans, strict=True) if e))
+        vibration.append([math.fsum(energy[s : e + 1]) * a.tick for s, e in a.spans])
+        momentum.append(math.fsum(impulse))
+    works = {"wall_work": 0.0, "drive_work": 0.0, "radiated": 0.0}
+    absolute, pushed, lent = run.run.absolute, 0.0, 0.0
+    for side, sign in ((0, 1), (-1, -1)):
+        end, at = system.ends[side], run.node[side]
+        impulse = sign * at.impulse * a.tick
+        pushed += impulse
         absolute += abs(impulse)
-        if isinstance(end, Absorbing):
-            radiated -= work
-        elif not isinstance(end, Fixed):
-            drive_work += work
-        if not isinstance(end, Fixed):  # what goes in and out again is no more exact than this
-            mass = sum(m for m in masses if m < math.inf)
-            absolute += mass * scale
-            lent += mass * scale**2 / 2
-    gained = math.fsum(momentum[1]) - math.fsum(momentum[0])
-    missing = gained * a.tick - outside_impulse
-    energy_before = kinetic_before + sum(vibration_before)
-    energy_gained = kinetic_after + sum(vibration_after) - energy_before
-    turnover = energy_before + abs(wall_work) + lent + abs(drive_work) + abs(radiated)
+        if masses[side] == math.inf:
+            speed = velocities[1][side]
+            works["wall_work"] += impulse * speed
+            if isinstance(system.contacts[side], Bonded):  # it lends energy, and takes it back
+                lent += moving * abs(speed) * scale
+        elif not isinstance(end, Free | Fixed):
+            work = sign * at.work * a.tick + a.frame * impulse
+            absorbing = isinstance(end, Absorbing)
+            works["radiated" if absorbing else "drive_work"] += -work if absorbing else work
+            absolute += moving * scale  # what goes in and out again is no more exact than this
+            lent += moving * scale**2 / 2
+    before, after = (k + sum(v) for k, v in zip(kinetic, vibration, strict=True))
+    missing = after - before - works["wall_work"] - works["drive_work"] + works["radiated"]
     return Totals(
-        masses=masses, velocities=(before, after), kinetic=(kinetic_before, kinetic_after),
-        vibration=(vibration_before, vibration_after),
-        momentum=(missing, absolute),
-        energy=(energy_gained - wall_work - drive_work + radiated, turnover),
-        works={"wall_work": wall_work, "drive_work": drive_work, "radiated": radiated},
+        masses=masses, velocities=(velocities[0], velocities[1]), kinetic=(kinetic[0], kinetic[1]),
+        vibration=(vibration[0], vibration[1]),
+        momentum=((momentum[1] - momentum[0]) * a.tick - pushed, absolute),
+        energy=(missing, before + lent + sum(map(abs, works.values()))), works=works,
     )
 
 

@@ -5,7 +5,11 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from ...model import Steps
+from ..compiling import blank
 from ..laws import Beyond, Law, Status
+from ..walk import frame_of, scale_of
+from . import events
+from .records import BODY, LINE, NODE, NONE, PIECE, ROW, RUN, SEGMENT
 
 BEYOND = {
     "fixed": Beyond.STEADY.value, "absorbing": Beyond.ENDLESS.value,
@@ -51,7 +55,7 @@ def plan_of(row: Any) -> Plan:
     system, segments = row.system, row.segments
     numbers = [
         *[s.wave_speed for s in segments], *[s.impedance for s in segments],
-        *[s.length for s in segments], *system.gaps,
+        *[s.length for s in segments], frame_of(row), scale_of(row), *system.gaps,
     ]
     bodies: list[Any] = []
     for body, span in zip(system.bodies, row.spans, strict=True):
@@ -84,3 +88,28 @@ def enter(numbers: list[Any], span: Any, profiles: Any, outside: int) -> Any:
             numbers.append(profile)
             counts.append(1)
     return (span[0], span[1], place, counts[0], counts[1], outside)
+
+
+def blank_records(plan: Plan, rows: int) -> dict[str, Any]:
+    """Records for runs of a plan as the kernels take them, and others that differ in numbers only.
+
+    The log has room for so many `rows` beside those at t = 0.
+    """
+    n, run, body = plan.segments, blank(1, RUN)[0], blank(len(plan.bodies), BODY)
+    for i, (first, last, profile, velocities, strains, outside) in enumerate(plan.bodies):
+        it = body[i]
+        it.first, it.last, it.profile = first, last, profile
+        it.velocities, it.strains, it.outside = velocities, strains, outside
+        run.lasting = 1 if run.lasting or outside == Beyond.ENDLESS else 0
+    node = blank(n + 1, NODE)
+    for k in range(n + 1):
+        node[k].kind, node[k].contact = plan.kinds[k], NONE
+    for i, k in enumerate(plan.contacts):
+        node[k].contact = i
+        run.lasting = 1 if run.lasting or plan.kinds[k] == Status.BOND else 0
+    return {
+        "run": run, "body": body, "piece": blank(plan.pieces, PIECE),
+        "segment": blank(n + 2, SEGMENT), "node": node, "line": blank(2 * n + 4, LINE),
+        "log": blank(plan.fronts + rows, ROW),
+        "tree": [0 for _ in range(events.size_of_tree(n + 1))],
+    }

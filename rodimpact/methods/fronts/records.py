@@ -73,6 +73,8 @@ RUN = np.dtype([
     ("limit", "i8"),  # events
     ("reads", "i8"),  # 1: waves are read
     ("further", "i8"),  # 1: it runs on for a round trip, and what balances need is added up, too
+    ("lasting", "i8"),  # 1: after the proof momenta go on to change, by bonds and endless bars
+    ("beside", "i8"),  # 1: transit times that the clock rounds are a tick beyond the true ones
     ("row", "i8"),  # where its numbers begin
     ("late", "i8"),  # how often what drives its ends jumps
     ("bits", "i8"), ("total", "i8"),  # ticks of the longest duration: about 2^bits

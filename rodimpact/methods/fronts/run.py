@@ -8,7 +8,7 @@ from typing import Any
 from ...model.frozen import InvalidModel
 from ..abilities import driven
 from ..clock import Clock, clock_of, too_long, too_short
-from ..compiling import as_objects, as_records
+from ..compiling import as_records
 from ..laws import Stop
 from .driver import Members
 from .records import NONE, ROW
@@ -37,9 +37,8 @@ class FrontRun:
 
     def __init__(self, members: Members) -> None:
         self.members, self.plan = members, members.plan
-        (self.run,), self.segment, self.node, self.line = (
-            as_objects(records) if members.fast else records
-            for records in (members.run, members.segment, members.node, members.line))
+        (self.run,), self.segment, self.node, self.line = map(
+            members.objects, ("run", "segment", "node", "line"))
         if self.run.stop >= Stop.OVERFLOW:
             raise InvalidModel([_refusal(self)])
         self.clock, self.stopped_by = _clock(self), REASONS[Stop(self.run.stop)]

@@ -31,25 +31,27 @@ def take(run: Any, segment: Any, line: Any, log: Any) -> None:
         it.momentum, it.vibration = Z * total / 2, Z * square / 4
 
 
-def bonded_from(segment: Any, node: Any, first: int) -> tuple[int, Any]:
-    """Last segment of the group that begins with this one, and the mass of the group per tick."""
-    last, mass = first, segment[first].transit / segment[first].mobility
-    while last < len(node) - 1 and node[last].status == Status.BOND:
-        last += 1
-        mass += segment[last].transit / segment[last].mobility
-    return last, mass
+def share(segment: Any, node: Any, pushed: bool) -> None:
+    """Set the velocities of bonded groups: from their momenta, or `pushed` by their impulses.
 
-
-def share_momenta(segment: Any, node: Any) -> None:
-    """Set the velocities of bonded groups from their momenta."""
+    The impulses are more exact than the momenta of waves, and independent of them; only groups
+    bonded to what is outside have no other velocity than that of their momenta.
+    """
     first = 1
     while first < len(node):
-        last, mass = bonded_from(segment, node, first)
-        momentum = segment[first].momentum
-        for s in range(first + 1, last + 1):
-            momentum += segment[s].momentum
+        last, more = first - 1, True
+        mass = momentum = 0 * segment[first].mobility
+        while more:
+            last += 1
+            mass += segment[last].transit / segment[last].mobility
+            momentum += segment[last].momentum
+            more = last < len(node) - 1 and node[last].status == Status.BOND
+        own = momentum / mass
+        held = node[first - 1].status == Status.BOND or node[last].status == Status.BOND
+        if pushed and not held:
+            own = segment[first].initial + (node[first - 1].impulse - node[last].impulse) / mass
         for s in range(first, last + 1):
-            segment[s].velocity = momentum / mass
+            segment[s].velocity = own
         first = last + 1
 
 
@@ -61,7 +63,7 @@ def initial(run: Any, segment: Any, node: Any, line: Any, log: Any) -> None:
     for s in range(len(segment)):
         segment[s].velocity = segment[s].momentum = segment[s].vibration = 0 * segment[1].mobility
     take(run, segment, line, log)
-    share_momenta(segment, node)
+    share(segment, node, False)
     if run.further:
         take(run, segment, line, log)
     for s in range(len(segment)):
@@ -71,25 +73,10 @@ def initial(run: Any, segment: Any, node: Any, line: Any, log: Any) -> None:
 
 
 def final(run: Any, segment: Any, node: Any, line: Any, log: Any) -> None:
-    """Take stock at the end: free groups have the velocity that their impulses gave them.
-
-    That is more exact than what the momenta of their waves say, and independent of it; only groups
-    bonded to what is outside have no other.
-    """
-    n = len(node) - 1
-    for s in range(n + 2):
-        segment[s].velocity = segment[s].initial
-    if node[0].status == Status.BOND or node[n].status == Status.BOND:
+    """Take stock at the end."""
+    if node[0].status == Status.BOND or node[len(node) - 1].status == Status.BOND:
         take(run, segment, line, log)
-        share_momenta(segment, node)
-    first = 1
-    while first <= n:
-        last, mass = bonded_from(segment, node, first)
-        if node[first - 1].status != Status.BOND and node[last].status != Status.BOND:
-            pushed = (node[first - 1].impulse - node[last].impulse) / mass
-            for s in range(first, last + 1):
-                segment[s].velocity = segment[s].initial + pushed
-        first = last + 1
+    share(segment, node, True)
     take(run, segment, line, log)
 
 
