@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from ..model import System
 from .clock import Clock
+from .laws import Status
 from .signals import Floats, Ints, Pieces
 
 MAX_EVENTS = 5_000_000
@@ -57,6 +58,24 @@ class Episode(NamedTuple):
     start: float
     force_end: float
     opening: float
+
+
+def episodes_of(ticks: Any, statuses: Any, tick: float) -> tuple[Episode, ...]:
+    """Touchings that carried force, from when a contact took on each `Status`; `tick` in s."""
+    found: list[Episode] = []
+    start = force_end = math.nan
+    for when, status in zip(ticks, statuses, strict=True):
+        t = float(when) * tick
+        if status == Status.PRESS:
+            start, force_end = (t if math.isnan(start) else start), math.nan
+        elif not math.isnan(start):
+            force_end = t if math.isnan(force_end) else force_end
+            if status == Status.OPEN:
+                found.append(Episode(start, force_end, t))
+                start = math.nan
+    if not math.isnan(start):
+        found.append(Episode(start, force_end, math.nan))
+    return tuple(found)
 
 
 class ContactTally(NamedTuple):

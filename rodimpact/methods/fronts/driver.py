@@ -280,7 +280,8 @@ def columns_of(members: Members) -> dict[str, Any]:
         "stop": run["stop"].copy(), "final": run["proved"] != NONE,
         "time": run["now"] * run["tick"], "vibration": run["vibration"].copy(),
         "before": segment["initial"] + frame, "after": segment["velocity"] + frame,
-        "moved": segment["moved"].copy(), "parted": segment["parted"].copy(),
-        "impulse": node["impulse"] * tick, "peak_force": node["peak"].copy(),
+        "momentum": segment["initial_momentum"] * tick, "parted": segment["parted"].copy(),
+        "impulse": node["impulse"] * tick, "lever": node["lever"] * tick * tick,
+        "peak_force": node["peak"].copy(), "frame": run["frame"].copy(),
         "duration": node["pressed"] * tick, "episodes": node["episodes"].copy(),
     }

@@ -78,7 +78,7 @@ def rest(at: Any, zero: Any) -> None:
     """Set a node to t = 0."""
     at.status = Status.OPEN.value if at.gap > 0 else at.kind
     at.since, at.rate, at.force, at.speed = 0, zero, zero, zero
-    at.impulse, at.work, at.peak = zero, zero, zero
+    at.impulse, at.lever, at.work, at.peak = zero, zero, zero, zero
     at.first = at.last = at.opened = NONE
     at.pressed = at.episodes = 0
 
@@ -150,6 +150,7 @@ def account(at: Any, dt: int, window: int) -> None:
     """Enter what the force did since the node was last solved."""
     if at.force != 0:
         at.impulse += at.force * dt
+        at.lever += at.force * dt * (at.since + dt / 2)
         at.work += at.force * at.speed * dt
         if dt > window:
             at.peak = max(at.peak, at.force)

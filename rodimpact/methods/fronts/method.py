@@ -264,17 +264,19 @@ def solve_family(
 
 def _read(row: Row, run: Mapping[str, Array], unknown: Array) -> dict[str, Array]:
     """Columns of what was read of the waves. Where bodies are walls nothing is: they move on."""
-    columns, shape = dict[str, Array](), row.system.shape
+    columns, shape, time = dict[str, Array](), row.system.shape, run["time"]
+    carried = run["impulse"] * time[:, None] - run["lever"]  # the impulse, integrated over time
     for i, (body, (first, last)) in enumerate(zip(row.system.bodies, row.spans, strict=True)):
         if not last:
             speed: Any = np.broadcast_to(np.asarray(body.velocity), shape).ravel()
-            columns[f"displacement.{i}"] = unknown + speed * run["time"]
+            columns[f"displacement.{i}"] = unknown + speed * time
             continue
         inside = range(first, last + 1)
         pieces = [row.segments[s - 1] for s in inside]
-        masses = [np.broadcast_to(piece.mass, shape).ravel() for piece in pieces]
-        paths = [m * run["moved"][:, s] for m, s in zip(masses, inside, strict=True)]
-        columns[f"displacement.{i}"] = unknown + sum(paths) / sum(masses)
+        mass = sum(np.broadcast_to(piece.mass, shape).ravel() for piece in pieces)
+        brought = sum(run["momentum"][:, s] for s in inside) * time
+        pushed = carried[:, first - 1] - carried[:, last]
+        columns[f"displacement.{i}"] = unknown + run["frame"] * time + (brought + pushed) / mass
         stresses = [
             np.broadcast_to(piece.material.youngs_modulus / (2 * piece.wave_speed), shape).ravel()
             * run["parted"][:, s] for piece, s in zip(pieces, inside, strict=True)

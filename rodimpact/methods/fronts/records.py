@@ -31,7 +31,7 @@ SEGMENT = np.dtype([
     ("initial", "f8"), ("initial_momentum", "f8"), ("initial_vibration", "f8"),
     ("velocity", "f8"),  # of the motion about which it vibrates, as `initial` at t = 0
     ("momentum", "f8"), ("vibration", "f8"),  # energy
-    ("moved", "f8"), ("parted", "f8"),  # displacement; largest difference of its two waves
+    ("parted", "f8"),  # largest difference of its two waves
     # of the group whose end stands here at a contact
     ("mean", "f8"), ("low", "f8"), ("high", "f8"),  # its velocity, and bounds of its end's
     ("bounded", "i8"),  # 1: they hold
@@ -45,6 +45,7 @@ NODE = np.dtype([
     ("force", "f8"),  # on the right segment
     ("speed", "f8"),  # of the left segment's right end
     ("impulse", "f8"), ("work", "f8"),  # energy handed from left to right
+    ("lever", "f8"),  # integral of the force times the tick at which it acts
     ("peak", "f8"),  # largest force that lasted longer than the window
     ("first", "i8"), ("last", "i8"),  # when the first force began, the last one ended, or NONE
     ("opened", "i8"),  # when the gap last opened after a force, or NONE

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from ...model import Absorbing, Bonded, Fixed, Free, Wall
 from ..clock import Clock
 from ..laws import Status
-from ..run import INWARD, ContactSignal, Episode, Outside, Signals, Waves
+from ..run import INWARD, ContactSignal, Outside, Signals, Waves, episodes_of
 from ..signals import Pieces, each_once
 from .records import CHANGE
 from .run import FrontRun
@@ -29,18 +30,12 @@ def signals_of(run: FrontRun) -> Signals:
 
 
 def _waves(segments: int, log: Any) -> list[Pieces | None]:
-    """One signal a line of a segment."""
-    log = log[log["line"] != CHANGE]
-    order = np.argsort(log["line"], kind="stable")
-    counts = np.bincount(log["line"], minlength=2 * segments)
-    order, counts = order[counts[0] : len(order) - counts[-1]], counts[:-2]
-    counts[0] = 0
-    ticks, values = log["tick"][order], log["value"][order]
-    stops = np.cumsum(counts)
-    return [
-        Pieces(ticks[stop - n : stop], values[stop - n : stop]) if n else None
-        for n, stop in zip(counts.tolist(), stops.tolist(), strict=True)
-    ]
+    """One signal a line of a segment; None for what comes in from the left."""
+    log = log[(log["line"] > 1) & (log["line"] < 2 * segments - 2)]
+    log = log[np.argsort(log["line"], kind="stable")]
+    bounds = np.searchsorted(log["line"], np.arange(2 * segments - 1))
+    return [Pieces(log["tick"][i:j], log["value"][i:j]) if j > i else None
+            for i, j in pairwise(bounds)]
 
 
 def _changes(run: FrontRun) -> dict[int, Pieces]:
@@ -77,9 +72,10 @@ def _contact(
     zero = np.append(travelled[change], -run.gaps[contact])[last]
     gap = np.where(status == Status.OPEN, travelled - zero, 0.0)
     until = gap + opening * np.diff(ticks, append=end)
+    episodes = () if bonded else episodes_of(changes.ticks[1:], changes.values[1:], a.tick)
     return ContactSignal(
         Pieces(ticks, force), Pieces.lines(ticks, gap * a.tick, until * a.tick, end),
-        Pieces(ticks, -opening), () if bonded else _episodes(changes, a.tick),
+        Pieces(ticks, -opening), episodes,
     )
 
 
@@ -91,25 +87,6 @@ def _arrivals(
     if wave is None:  # of a wall
         return Pieces([0], [run.line[-right].arrived])
     return wave.later(run.clock.ticks[segment])
-
-
-def _episodes(changes: Pieces, tick: float) -> tuple[Episode, ...]:
-    episodes: list[Episode] = []
-    start = force_end = np.nan
-    touching = False
-    for when, status in zip(changes.ticks[1:], changes.values[1:], strict=True):
-        t = float(when) * tick
-        if status == Status.PRESS:
-            start, force_end = (start, np.nan) if touching else (t, np.nan)
-            touching = True
-        elif touching:
-            force_end = t if np.isnan(force_end) else force_end
-            if status == Status.OPEN:
-                episodes.append(Episode(start, force_end, t))
-                touching = False
-    if touching:
-        episodes.append(Episode(start, force_end, np.nan))
-    return tuple(episodes)
 
 
 def _outside(
@@ -126,13 +103,8 @@ def _outside(
     inward, outward = lines[2 * s : 2 * s + 2][::sign]
     assert inward is not None
     assert outward is not None
-    T = a.ticks[s]
-    ticks = each_once([0], inward.ticks, outward.ticks + T)
-    ticks = ticks[(ticks >= 0) & (ticks <= end)]
-    new, old = inward.at(ticks), outward.at(ticks - T)
-    force = sign * a.impedance[s] * (new - old) / 2
-    speed = (new + old) / 2 + a.frame
-    return Outside(
-        "absorbing" if isinstance(kind, Absorbing) else "drive", Pieces(ticks, force),
-        Pieces(ticks, speed),
-    )
+    old = outward.later(a.ticks[s])
+    push = (inward - old).times(sign * a.impedance[s] / 2)
+    speed = (inward + old).times(0.5).plus(a.frame)
+    return Outside("absorbing" if isinstance(kind, Absorbing) else "drive",
+                   push.within(0, end), speed.within(0, end))

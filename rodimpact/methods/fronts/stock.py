@@ -80,39 +80,6 @@ def final(run: Any, segment: Any, node: Any, line: Any, log: Any) -> None:
     take(run, segment, line, log)
 
 
-def time_inside(tick: int, T: int, end: int) -> Any:
-    """Time within [0, end] for which waves that left before `tick` are under way, summed over them.
-
-    A wave is under way for T. The unit is T^2: as whole numbers such squares overflow.
-    """
-    per = 1.0 / T
-    most, span = min(T, end) * per, (end + T) * per
-    x = (tick + T) * per
-    if x <= most:  # waves that left before t = 0, or after end - T, are cut off
-        return x * x / 2
-    if x <= span - most:
-        return most * (x - most / 2)
-    return most * (span - most) - (span - x) * (span - x) / 2
-
-
-def carried(log: Any, first: int, T: int, end: int) -> Any:
-    """Twice the displacement that the waves of a line, from row `first` on, give to a segment.
-
-    It is that of the centre of mass in [0, end], velocity times ticks: the integral of the wave
-    over the segment, over its length, over time.
-    """
-    total, r = 0 * log[first].value, first
-    while r != NONE:
-        stop = end
-        if log[r].after != NONE:
-            stop = min(log[log[r].after].tick, end)
-        if stop > log[r].tick:
-            inside = time_inside(stop, T, end) - time_inside(log[r].tick, T, end)
-            total += log[r].value * inside * T
-        r = log[r].after
-    return total
-
-
 def largest_difference(log: Any, a: int, b: int, T: int, end: int, window: int) -> Any:
     """Largest absolute difference of two waves where they meet in a segment, between 0 and `end`.
 
@@ -156,9 +123,7 @@ def largest_difference(log: Any, a: int, b: int, T: int, end: int, window: int) 
 
 
 def read(run: Any, segment: Any, line: Any, log: Any) -> None:
-    """Read the displacement and the largest difference of waves of each segment."""
+    """Read the largest difference of waves in each segment."""
     for s in range(1, len(segment) - 1):
-        it, a, b = segment[s], line[2 * s].first, line[2 * s + 1].first
-        moved = carried(log, a, it.transit, run.now) + carried(log, b, it.transit, run.now)
-        it.moved = (moved / 2 + run.frame * run.now) * run.tick
-        it.parted = largest_difference(log, a, b, it.transit, run.now, run.window)
+        segment[s].parted = largest_difference(
+            log, line[2 * s].first, line[2 * s + 1].first, segment[s].transit, run.now, run.window)

@@ -10,9 +10,8 @@ from numpy.polynomial.chebyshev import chebder
 from ...model import Joint, Plastic, Wall
 from ..clock import Clock
 from ..groups import fill_bonds
-from ..laws import Status
 from ..row import Row
-from ..run import ContactSignal, Episode, Outside, Signals, Waves
+from ..run import ContactSignal, Outside, Signals, Waves, episodes_of
 from ..signals import Pieces, difference
 
 NOTHING = Pieces([0], [0.0])
@@ -99,7 +98,7 @@ def _contact(
         impulse, work = blows["impulse"].sum(), (blows["impulse"] * blows["closing"]).sum()
         force = _at_once(force, int(tick), float(impulse) / clock.tick)
         closing = _at_once(closing, int(tick), float(work / impulse))
-    episodes = () if isinstance(law, Joint) else _episodes(own, clock.tick)
+    episodes = () if isinstance(law, Joint) else episodes_of(own["tick"], own["touch"], clock.tick)
     return ContactSignal(force, gap, closing, episodes)
 
 
@@ -125,24 +124,6 @@ def _at_once(signal: Pieces, tick: int, value: float) -> Pieces:
     cut.coefficients[here] = 0.0
     cut.coefficients[here, 0] = value
     return cut
-
-
-def _episodes(turns: Any, tick: float) -> tuple[Episode, ...]:
-    """Touchings that carried force: from the first force until the gap opens."""
-    found: list[Episode] = []
-    start = force_end = np.nan
-    for when, touch in zip(turns["tick"].tolist(), turns["touch"].tolist(), strict=True):
-        t = float(when) * tick
-        if touch == Status.PRESS:
-            start, force_end = (t if np.isnan(start) else start), np.nan
-        elif not np.isnan(start):
-            force_end = t if np.isnan(force_end) else force_end
-            if touch == Status.OPEN:
-                found.append(Episode(start, force_end, t))
-                start = np.nan
-    if not np.isnan(start):
-        found.append(Episode(start, force_end, np.nan))
-    return tuple(found)
 
 
 def _outside(
