@@ -72,26 +72,26 @@ def run_of(row: Any, asked: Any, tolerance: float, keep: bool, earlier: Any) -> 
     for l in range(len(log)):
         log[l].line = l
     wanted = Asked(until, tolerance, asked.max_events, keep, not has_driven_end(row.system))
-    laid = layout.lay_out(row, clock, wanted, log, outside)
-    run, turn = laid.run[0], blank(ROOM + march.FLIPS, TURN)
+    runs, node, link, mass, line, part = layout.lay_out(row, clock, wanted, log, outside)
+    run, turn = runs[0], blank(ROOM + march.FLIPS, TURN)
     log.extend(blank(ROOM, PIECE))
     if earlier is not None:
         accuracy.compare(earlier["ended"].run, run)
     longest = 1
-    for at in laid.node:
+    for at in node:
         longest = max(longest, at.links)
     size = N * longest
     matrix = [[0.0] * (size + 1) for _ in range(size)]
     while march.follow(
-        laid.run, laid.node, laid.link, laid.mass, laid.line, laid.part, log, turn, matrix
+        runs, node, link, mass, line, part, log, turn, matrix
     ) == Stop.FULL:
         log.extend(blank(len(log), PIECE))
         turn.extend(blank(len(turn), TURN))
     now = run.end
-    for at in laid.node:
+    for at in node:
         now = min(now, at.now)
-    return {"row": row, "ended": Ended(run, laid.link, laid.part),
-            "line": laid.line, "mass": laid.mass, "log": log, "turn": turn, "clock": clock,
+    return {"row": row, "ended": Ended(run, link, part),
+            "line": line, "mass": mass, "log": log, "turn": turn, "clock": clock,
             "now": now, "until": asked.until}
 
 

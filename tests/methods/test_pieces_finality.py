@@ -88,11 +88,11 @@ def test_a_gap_must_be_wider_than_both_bounds(gap, opening, over):
     """Each side deviates by up to 1: sqrt(2 E slack) with E = 2, slack = 1/4."""
     run, link, *part = (compiling.as_objects(np.zeros(1, kind))[0]
                         for kind in (RUN, LINK, PART, PART))
-    run.scale, run.tolerance = 1.0, 1e-12
+    run.scale, run.tolerance, run.tick = 1.0, 1e-12, 1e-9
     link.law, link.status, link.left_group, link.right_group = Law.SPRING, Status.OPEN, 0, 1
     link.overlap = -gap
     for it in part:
         it.bound, it.left_slack, it.right_slack = 2.0, 0.25, 0.25
         it.low, it.high = -3.0, 3.0
     part[1].speed = opening
-    assert finality.is_over(run, [link], part) is over
+    assert (finality.time_until_over(run, [link], part) == 0) is over

@@ -112,18 +112,12 @@ def settle(run: Any, turn: Any, it: Any, i: int, tick: int, closing: float) -> N
     if struck:
         it.impulse += it.force[0]
         it.work += 0.5 * it.force[0] * (it.closing[0] + closing)
-        it.episodes += it.opened
-        it.opened = 1 if it.status == Status.OPEN else 0
+        change(run, turn, it, i, tick, Status.PRESS.value)
+        new = turn[run.turns - 1]
+        new.impulse, new.closing = it.force[0], 0.5 * (it.closing[0] + closing)
         it.last = tick
         if it.status == Status.OPEN:
-            it.apart = tick
-        if it.first == NONE:
-            it.first = tick
-        new = turn[run.turns]
-        new.tick, new.link, new.touch = tick, i, Status.PRESS.value
-        new.impulse, new.closing = it.force[0], 0.5 * (it.closing[0] + closing)
-        run.turns += 1
-        it.touch = Status.PRESS.value
+            it.opened, it.apart = 1, tick
 
 
 def record(

@@ -33,32 +33,35 @@ def look(run: Any, link: Any, mass: Any, line: Any, log: Any, part: Any, tick: i
             for i in range(len(part)):
                 part[i].initial = part[i].mean
         elif run.prove and run.stop == Stop.NONE and tick < run.end:
-            if is_over(run, link, part):
+            time = time_until_over(run, link, part)
+            run.check = tick + max(run.shortest, int(min(time / run.tick, 0.5 * NEVER)) + 1)
+            if time == 0:
                 run.proved, run.prove, run.check = tick, 0, NEVER
                 run.end = min(run.end, tick + run.extra)
-            else:
-                run.check = tick + max(run.shortest, wait(run, link, part))
         run.surveyed = tick
     if tick >= run.end:
         run.stop = Stop.DONE.value
 
 
-def is_over(run: Any, link: Any, part: Any) -> bool:
-    """Whether no contact can close again, or nothing changes any more."""
-    slow, over, quiet = slowest(run), True, True
+def time_until_over(run: Any, link: Any, part: Any) -> float:
+    """Time until it may be proved that the run is over, s, as bodies move now.
+
+    It is 0 if no contact can close again, or nothing changes any more.
+    """
+    slow, over, quiet, longest = STILL * run.scale + ROUGH * run.tolerance, True, True, 0.0
     for i in range(len(link)):
         it = link[i]
         if it.left_group == NONE:
             continue
         left, right = part[it.left_group], part[it.right_group]
         quiet = quiet and is_quiet(it, left, slow) and is_quiet(it, right, slow)
-        if it.status != Status.OPEN and (
-            it.law > Law.IMPACT or it.force[N] * it.ease > run.graze
-        ):
-            over = False
-        elif over:
-            over = time_until_apart(it, left, right, slow) == 0
-    return over or quiet
+        time = time_until_apart(it, left, right, slow)
+        pressed = it.status != Status.OPEN and (
+            it.law > Law.IMPACT or it.force[N] * it.ease > run.graze)
+        over = over and time == 0 and not pressed
+        if it.status == Status.OPEN and time < math.inf:
+            longest = max(longest, time)
+    return 0.0 if over or quiet else max(longest, run.tick)
 
 
 def time_until_apart(it: Any, left: Any, right: Any, slow: float) -> float:
@@ -67,12 +70,6 @@ def time_until_apart(it: Any, left: Any, right: Any, slow: float) -> float:
     apart = left.right_deviation - right.left_deviation - it.overlap
     reach = bound(left, left.right_slack) + bound(right, right.left_slack)
     return proof.separation_time(right.speed - left.speed, least, apart, reach * reach, slow)
-
-
-def slowest(run: Any) -> float:
-    """Velocity that counts as rest."""
-    slow: float = STILL * run.scale + ROUGH * run.tolerance
-    return slow
 
 
 def is_quiet(it: Any, group: Any, slow: float) -> bool:
@@ -84,18 +81,6 @@ def is_quiet(it: Any, group: Any, slow: float) -> bool:
 def bound(group: Any, slack: float) -> float:
     """How far an end of a group can ever deviate from the mean motion, m."""
     return math.sqrt(2 * group.bound * slack)
-
-
-def wait(run: Any, link: Any, part: Any) -> int:
-    """Ticks until all gaps are wide enough for the proof, as bodies move now."""
-    longest, slow = 0.0, slowest(run)
-    for i in range(len(link)):
-        it = link[i]
-        if it.left_group != NONE and it.status == Status.OPEN:
-            time = time_until_apart(it, part[it.left_group], part[it.right_group], slow)
-            if time < math.inf:
-                longest = max(longest, time / run.tick)
-    return int(min(longest, 0.5 * NEVER)) + 1
 
 
 def survey(link: Any, mass: Any, line: Any, log: Any, part: Any, second: float, tick: int) -> None:

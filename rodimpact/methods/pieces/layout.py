@@ -58,17 +58,6 @@ class Asked(NamedTuple):
     prove: bool  # that the collision is final
 
 
-class Laid(NamedTuple):
-    """Lists of records."""
-
-    run: Any
-    node: Any
-    link: Any
-    mass: Any
-    line: Any
-    part: Any
-
-
 # The clock ----------------------------------------------------------------------------------------
 
 
@@ -132,8 +121,8 @@ def falling(value: Any, gravity: Any, until: Any, tick: Any) -> Any:
 # Records ------------------------------------------------------------------------------------------
 
 
-def lay_out(row: Any, clock: Clock, asked: Asked, log: list[Any], outside: Any) -> Laid:
-    """Put a row on records.
+def lay_out(row: Any, clock: Clock, asked: Asked, log: list[Any], outside: Any) -> list[list[Any]]:
+    """Put a row on records; return lists of runs, nodes, links, masses, lines and parts.
 
     Parameters
     ----------
@@ -165,7 +154,7 @@ def lay_out(row: Any, clock: Clock, asked: Asked, log: list[Any], outside: Any) 
         run.extra = 2 * longest_of(row, clock, shortest)
     for at in node:
         at.length = np.maximum(shortest // 8, 16)
-    return Laid([run], node, link, mass, line, part)
+    return [[run], node, link, mass, line, part]
 
 
 def longest_of(row: Any, clock: Clock, shortest: Any) -> Any:

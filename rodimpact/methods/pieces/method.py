@@ -26,20 +26,12 @@ from ..laws import Law, Stop
 from ..row import Row, squeezed
 from ..run import MEASURES, ContactTally, GroupTotals, Run, Signals, largest_error
 from ..status import acting_and_held, last_contact, rounding, strain_warning
-from . import march
+from . import march, totals
 from .accuracy import COARSER, COARSEST, SHOWN, apart, compare, left_open
 from .driver import Machine
 from .records import Part
 from .rows import Layout, is_even, lay_out, own_laws
 from .signals import signals_of
-from .totals import (
-    ends_of_contacts,
-    stated,
-    status_of,
-    tally_of,
-    told_of,
-    why_stopped,
-)
 
 LACKS = (physics.DAMPING, physics.LATERAL, physics.TAPER)
 RTOL = 1e-8
@@ -108,7 +100,7 @@ def solve_family(
     tolerance, members = tolerance_of(rtol), np.flatnonzero(~refused)
     fine = lay_out(row, until, tolerance, max_events, keep=False)
     Machine(fine).run_all(members, stop)
-    found = totals(fine, refused.ravel() | (fine.run["stop"][:, 0] == Stop.STUCK))
+    found = _family_run(fine, refused.ravel() | (fine.run["stop"][:, 0] == Stop.STUCK))
     if "accuracy" not in also:
         return found
     errors = stated_errors(fine, members, COARSER * tolerance, stop)
@@ -150,18 +142,21 @@ def _hand_over(machine: Machine, accuracy: dict[str, float], goal: float) -> Run
     clock = clock_of(
         row, [int(T) for T in layout.clock.transits], run.tick, scale=float(layout.clock.scale))
     end, tick = min(int(r["node"]["now"].min()), run.end), clock.tick
-    stopped_by = why_stopped(run, until is not None)
+    stopped_by = totals.why_stopped(run, until is not None)
     t_end = until if until is not None and stopped_by == "until" else end * tick
     proved, t_final, trip = run.proved >= 0, math.nan, 2 * clock.longest * tick
     if proved:
-        t_final = last_contact(ends_of_contacts(ended.link, tick), t_end, trip)
+        t_final = last_contact(totals.ends_of_contacts(ended.link, tick), t_end, trip)
     acting, held = acting_and_held(row.system)
-    status = status_of(run, ended.link, {
+    status = totals.status_of(run, ended.link, {
         "stopped_by": stopped_by, "end": t_end, "round_trip": trip, "acting": acting, "held": held})
-    fastest = max((_fastest(r["log"][: run.pieces], s) / float(row.segments[s].wave_speed)
-                   for s in range(len(row.segments))), default=0.0)
-    status += stated(largest_error(accuracy), goal) + told_of(run) + _struck_together(row)
-    status += rounding(clock.transit_error, clock.worst) + strain_warning(fastest)
+    log = r["log"][: run.pieces]
+    waves = log[log["line"] < 2 * len(row.segments)]
+    c = np.array([0.0, *(float(segment.wave_speed) for segment in row.segments)])
+    strains = np.abs(waves["coefficient"]).sum(axis=1) / c[waves["line"] // 2 + 1]
+    status += totals.stated(largest_error(accuracy), goal) + totals.told_of(run)
+    status += _struck_together(row) + rounding(clock.transit_error, clock.worst)
+    status += strain_warning(float(strains.max(initial=0.0)))
     signals = cache(partial(signals_of, row, clock, end, r))
     before, after = _velocities(layout)
     return Run(
@@ -183,11 +178,6 @@ def _struck_together(row: Row) -> str:
     return ""
 
 
-def _fastest(log: Any, s: int) -> float:
-    own = log[(log["line"] == 2 * s) | (log["line"] == 2 * s + 1)]
-    return float(np.abs(own["coefficient"]).sum(axis=1).max(initial=0.0))
-
-
 def _tallies(
     row: Row, link: list[Any], tick: float, now: int, signals: Callable[[], Signals]
 ) -> tuple[ContactTally, ...]:
@@ -195,7 +185,7 @@ def _tallies(
     tallies = []
     for k, i in enumerate(row.contact_link):
         if i >= 0:
-            tallies.append(tally_of(link[i], tick, now))
+            tallies.append(totals.tally_of(link[i], tick, now))
             continue
         force = signals().contacts[k].force  # a bond of rigid bodies: from what acts beside it
         tallies.append(ContactTally(
@@ -229,7 +219,7 @@ def vibration_of(layout: Layout) -> list[Any]:
     return found
 
 
-def totals(layout: Layout, refused: Any) -> FamilyRun:
+def _family_run(layout: Layout, refused: Any) -> FamilyRun:
     """What the members came to."""
     row, run, link = layout.row, layout.run[:, 0], layout.link
     system, until, unknown = row.system, layout.asked.until, np.where(refused, math.nan, 0.0)

@@ -108,7 +108,8 @@ def lay_out(
     known = Known(row, clock, jumps, tolerance, until)
     asked = Asked(until, tolerance, max_events, keep, not driven(row.system))
     laid = layout.lay_out(row, clock, asked, known.log, known.outside)
-    records = {name: as_family(getattr(laid, name), kind, row) for name, kind in RECORDS.items()}
+    records = {name: as_family(objects, kind, row)
+               for (name, kind), objects in zip(RECORDS.items(), laid, strict=True)}
     return Layout(row=row, clock=clock, first=as_family(known.log, PIECE, row), fit=known.fit,
                   own=own_laws(row), asked=asked, **records)
 
