@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebder
 
-from ...model import Joint, Plastic, Wall
+from ...model import Wall
 from ..clock import Clock
 from ..groups import fill_bonds
+from ..laws import Law
 from ..row import Row
 from ..run import ContactSignal, Outside, Signals, Waves, episodes_of
-from ..signals import Pieces, difference
+from ..signals import Pieces
 
 NOTHING = Pieces([0], [0.0])
 
@@ -29,82 +31,72 @@ def signals_of(row: Row, clock: Clock, end: int, records: dict[str, Any]) -> Sig
     records : dict of str to array
         Those of the run.
     """
-    lines = _lines(records["log"][: records["run"][0]["pieces"]], len(records["line"]))
-    link, mass, turn = records["link"], records["mass"], records["turn"]
-    turn = turn[: records["run"][0]["turns"]]
+    run, link, turn, bodies = records["run"][0], records["link"], records["turn"], row.system.bodies
+    lines = _lines(records["log"][: run["pieces"]], len(records["line"]))
+    frame = Pieces.through(
+        [0, end], clock.frame + clock.gravity * clock.tick * np.array([0.0, end]))
+    turn = turn[: run["turns"]]
     struck = bool(np.any((turn["impulse"] > 0) & (turn["tick"] == 0)))
-    masses = {
-        body: _before_blow(lines[mass[m]["line"]], row, m) if struck else lines[mass[m]["line"]]
-        for body, m in enumerate(row.mass_of) if 0 <= m < len(row.masses)
-    }
-    ground = {
-        body: difference(Pieces.through([0, end], np.full(2, float(row.outside[side][1]))),
-                         _frame(clock, end))
-        for body, m in enumerate(row.mass_of) if (side := m - len(row.masses)) >= 0
-    }
+    masses = {}
+    for body, m in enumerate(row.mass_of):
+        if m >= len(row.masses):  # bonded to a wall
+            value = float(row.outside[m - len(row.masses)][1])
+            masses[body] = Pieces.through([0, end], np.full(2, value)) - frame
+        elif m >= 0:
+            masses[body] = lines[records["mass"]["line"][m]]
+            if struck:  # as it was before, for the tick of the blow
+                before = float(row.mass_velocity[m]) - float(row.frame)
+                masses[body] = _at_once(masses[body], 0, before)
     contacts = [
-        _contact(row, clock, k, i, lines, link, turn) if i >= 0 else None
-        for k, i in enumerate(row.contact_link)
+        _contact(link[i], turn[turn["link"] == i], lines, clock.tick) if i >= 0 else None
+        for i in row.contact_link
     ]
-    outside = [_outside(row, clock, side, end, lines, records) for side in (0, 1)]
+    outside = [_outside(row, side, lines, frame, records) for side in (0, 1)]
     for side, contact in ((0, contacts[0]), (1, contacts[-1])) if contacts else ():
         acting = outside[side]
-        if isinstance(row.system.bodies[-side], Wall) and contact and acting:
+        if isinstance(bodies[-side], Wall) and contact and acting:
             outside[side] = acting._replace(push=contact.force)  # with its blows
-    whole = _joined(row, clock, contacts, outside, {**masses, **ground})
+
+    def spent(body: int) -> Pieces:
+        return _rate(masses[body], float(bodies[body].mass) / clock.tick)  # type: ignore[union-attr]
+
+    forces = fill_bonds(row.system, [c.force if c else None for c in contacts], spent,
+                        outside[0].push if outside[0] else NOTHING)
+    whole = tuple(contact or ContactSignal(force, NOTHING, NOTHING, ())
+                  for contact, force in zip(contacts, forces, strict=True))
     waves = Waves([None, None, *lines[: 2 * len(row.segments)]])
-    return Signals(waves, tuple(whole), (outside[0], outside[1]), None, {**masses, **ground})
+    return Signals(waves, whole, (outside[0], outside[1]), None, masses)
 
 
 def _lines(log: Any, count: int) -> list[Pieces]:
     """One signal a line."""
-    order = np.argsort(log["line"], kind="stable")
-    counts = np.bincount(log["line"], minlength=count)
-    stops = np.cumsum(counts)
+    log = log[np.argsort(log["line"], kind="stable")]
+    bounds = np.searchsorted(log["line"], np.arange(count + 1))
     lines = []
-    for n, stop in zip(counts.tolist(), stops.tolist(), strict=True):
-        own = log[order[stop - n : stop]]
-        if not n:
-            lines.append(NOTHING)
-            continue
-        coefficients = own["coefficient"] if own["degree"].any() else own["coefficient"][:, :1]
-        lines.append(Pieces(own["start"], coefficients, own["stop"][-1]))
+    for own in (log[i:j] for i, j in pairwise(bounds)):
+        size = own["coefficient"].shape[1] if own["degree"].any() else 1
+        lines.append(Pieces(own["start"], own["coefficient"][:, :size], own["stop"][-1])
+                     if len(own) else NOTHING)
     return lines
 
 
-def _frame(clock: Clock, end: int) -> Pieces:
-    """Velocity of the falling frame, m/s."""
-    return Pieces.through(
-        [0, end], clock.frame + clock.gravity * clock.tick * np.array([0.0, end]))
-
-
-def _contact(
-    row: Row, clock: Clock, contact: int, i: int, lines: list[Pieces], link: Any, turn: Any
-) -> ContactSignal:
-    it, law = link[i], row.system.contacts[contact]
+def _contact(it: Any, turns: Any, lines: list[Pieces], tick: float) -> ContactSignal:
+    """What passed in a link, in which contacts took these turns."""
     force = lines[it["force_line"]]
     if it["overlap_line"] < 0:
         return ContactSignal(force, NOTHING, NOTHING, ())
     gap = lines[it["overlap_line"]].times(-1.0)
-    if isinstance(law, Plastic):
-        closing = lines[it["closing_line"]]
-    else:
-        closing = _rate(gap, -1.0 / clock.tick)
-    own = turn[turn["link"] == i]
-    struck = own[own["impulse"] > 0]
+    closing = _rate(gap, -1.0 / tick) if it["closing_line"] < 0 else lines[it["closing_line"]]
+    struck = turns[turns["impulse"] > 0]
     at = np.maximum(struck["tick"] - 1, 0)
-    for tick in np.unique(at):  # a blow takes no time: one tick before it here
-        blows = struck[at == tick]
+    for when in np.unique(at):  # a blow takes no time: one tick before it here
+        blows = struck[at == when]
         impulse, work = blows["impulse"].sum(), (blows["impulse"] * blows["closing"]).sum()
-        force = _at_once(force, int(tick), float(impulse) / clock.tick)
-        closing = _at_once(closing, int(tick), float(work / impulse))
-    episodes = () if isinstance(law, Joint) else episodes_of(own["tick"], own["touch"], clock.tick)
+        force = _at_once(force, int(when), float(impulse) / tick)
+        closing = _at_once(closing, int(when), float(work / impulse))
+    opens = it["law"] >= Law.RIGID
+    episodes = episodes_of(turns["tick"], turns["touch"], tick) if opens else ()
     return ContactSignal(force, gap, closing, episodes)
-
-
-def _before_blow(speed: Pieces, row: Row, m: int) -> Pieces:
-    """Velocity of a mass that is struck at t = 0: as it was before, for the tick of the blow."""
-    return _at_once(speed, 0, float(row.mass_velocity[m]) - float(row.frame))
 
 
 def _rate(signal: Pieces, factor: float) -> Pieces:
@@ -127,40 +119,21 @@ def _at_once(signal: Pieces, tick: int, value: float) -> Pieces:
 
 
 def _outside(
-    row: Row, clock: Clock, side: int, end: int, lines: list[Pieces], records: dict[str, Any]
+    row: Row, side: int, lines: list[Pieces], frame: Pieces, records: dict[str, Any]
 ) -> Outside | None:
     """What acts on the left or right end of the row."""
     kind, value = row.outside[side]
     if kind == "none":
         return None
-    it, at = records["link"][-side], records["node"][-side]
-    name = row.outside_name(side)
-    push = lines[it["force_line"]]
-    frame = _frame(clock, end)
+    at, inner, outer = records["node"][-side], *(("left", "right") if side else ("right", "left"))
     if kind == "velocity" and isinstance(value, float):
-        return Outside(name, push, Pieces([0], [value]))
-    if kind == "velocity":
-        given = lines[at["in_right" if side else "in_left"]]
-        return Outside(name, push, difference(given, frame.times(-1.0)))
-    if kind == "force" and at["links"] > 1:
-        own = lines[records["mass"][-1 if side else 0]["line"]]
-        return Outside(name, push, difference(own, frame.times(-1.0)))
-    n = len(row.segments)
-    out, back = (lines[2 * n - 1], lines[2 * n - 2]) if side else (lines[0], lines[1])
-    arriving = back.later(int(clock.ticks[n if side else 1]))
-    speed = difference(out.times(0.5), arriving.times(-0.5))
-    return Outside(name, push, difference(speed, frame.times(-1.0)))
-
-
-def _joined(
-    row: Row, clock: Clock, contacts: list[ContactSignal | None],
-    outside: list[Outside | None], masses: dict[int, Pieces],
-) -> list[ContactSignal]:
-    """Fill in the forces between bonded rigid bodies."""
-    bodies: Any = row.system.bodies
-    forces = fill_bonds(
-        row.system, [c.force if c else None for c in contacts],
-        lambda body: _rate(masses[body], float(bodies[body].mass) / clock.tick),
-        outside[0].push if outside[0] else NOTHING)
-    return [contact or ContactSignal(force, NOTHING, NOTHING, ())
-            for contact, force in zip(contacts, forces, strict=True)]
+        speed = Pieces([0], [value])
+    elif kind == "velocity":
+        speed = lines[at[f"in_{outer}"]] + frame
+    elif kind == "force" and at["links"] > 1:
+        speed = lines[records["mass"]["line"][-side]] + frame
+    else:
+        back = at[f"in_{inner}"]
+        arriving = lines[back].later(int(records["line"]["delay"][back]))
+        speed = lines[at[f"out_{inner}"]].times(0.5) + arriving.times(0.5) + frame
+    return Outside(row.outside_name(side), lines[records["link"]["force_line"][-side]], speed)
