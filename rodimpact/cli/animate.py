@@ -10,14 +10,13 @@ the picture shows what there is.
 from __future__ import annotations
 
 import argparse
-from typing import Any
 
 from ..model.frozen import InvalidModel, Problems
 from ..results.regions import nothing_to_draw
 from ..storage.casefile import read_case
 from ..units import format_si
 from . import DONE
-from .asking import attempt, check_outputs, named, note, quantity, whole_number
+from .asking import attempt, check_outputs, naming, note, numbers
 from .options import as_keys
 from .progress import progress_bar, solved, status_of
 from .run_options import add_run_options, run_options
@@ -25,6 +24,7 @@ from .run_options import add_run_options, run_options
 _OPTIONS = {"path": "--output", "field": "--field", "frames": "--frames", "fps": "--fps",
             "magnification": "--magnify", "limit": "--until", "stop": "--until",
             "solution": "CASE.toml"}
+_NUMBERS = {"frames": "", "fps": "dimensionless", "magnify": "dimensionless"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -50,14 +50,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     from ..plot.moving import check_frames
 
     problems: Problems = []
-    shown: dict[str, Any] = {
-        "field": arguments.field,
-        "frames": whole_number(problems, "--frames", arguments.frames),
-        "fps": quantity(problems, "--fps", arguments.fps, "dimensionless"),
-    }
-    if arguments.magnify is not None:
-        shown["magnification"] = quantity(
-            problems, "--magnify", arguments.magnify, "dimensionless")
+    shown = numbers(problems, arguments, _NUMBERS)
     case = attempt(problems, read_case, arguments.case)
     options = run_options(problems, arguments, case)
     if arguments.output.lower().endswith((".html", ".htm")):
@@ -73,11 +66,10 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     if not too_short and (reason := nothing_to_draw(solution)):
         raise InvalidModel([(case.path, as_keys(reason))])
     note("drawing")
-    try:
-        with plot.look("dark" if arguments.dark else "light"):
-            film = plot.animation(solution, **shown)
-    except InvalidModel as error:
-        raise InvalidModel(named(error, _OPTIONS)) from error
+    with (naming(lambda path: _OPTIONS.get(path, path)),
+          plot.look("dark" if arguments.dark else "light")):
+        film = plot.animation(solution, arguments.field, shown["frames"], shown["fps"],
+                              magnification=shown.get("magnify"))
     with progress_bar("frames") as bar:
         film.save(arguments.output, force=arguments.force, progress=bar)
     start, stop = (format_si(float(t), "s") for t in film.times[[0, -1]])

@@ -5,12 +5,14 @@ Mistakes are collected in a list of (path, message) and reported together, like 
 
 from __future__ import annotations
 
+import argparse
 import math
 import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from types import MappingProxyType
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from ..methods.memory import LargeFile
 from ..model.frozen import InvalidModel, Problems, raise_noted
@@ -18,6 +20,7 @@ from ..storage.reading import FileFormatError
 from ..storage.writing import check_target
 from ..units import parse
 from . import DONE, FAULT, complain
+from .options import flag
 
 Made = TypeVar("Made")
 
@@ -34,15 +37,19 @@ def attempt(
         return make(*given, **more)
     except (InvalidModel, FileFormatError, LargeFile) as error:
         known = dict(problems)  # what cannot be read cannot be right
-        problems += [told for told in named(error, options) if told[0] not in known]
+        found = [(options.get(path, path), message) for path, message in error.problems]
+        problems += [told for told in found if told[0] not in known]
         return None
 
 
-def named(
-    error: InvalidModel | FileFormatError | LargeFile, options: Mapping[str, str]
-) -> Problems:
-    """The mistakes in arguments of a function, by the options that gave them."""
-    return [(options.get(path, path), message) for path, message in error.problems]
+@contextmanager
+def naming(option: Callable[[str], str]) -> Iterator[None]:
+    """Mistakes bear the options that gave the arguments; other ValueErrors that of no argument."""
+    try:
+        yield
+    except ValueError as error:
+        found = getattr(error, "problems", [("", str(error))])
+        raise InvalidModel([(option(path), message) for path, message in found]) from error
 
 
 def quantity(problems: Problems, option: str, text: str, dimension: str) -> float:
@@ -52,6 +59,18 @@ def quantity(problems: Problems, option: str, text: str, dimension: str) -> floa
     except ValueError as error:
         problems.append((option, str(error)))
         return math.nan
+
+
+def numbers(
+    problems: Problems, arguments: argparse.Namespace, dimensions: Mapping[str, str]
+) -> dict[str, Any]:
+    """The numbers that options give, by their names; without a dimension they are whole."""
+    return {
+        name: quantity(problems, flag(name), text, dimension) if dimension
+        else whole_number(problems, flag(name), text)
+        for name, dimension in dimensions.items()
+        if (text := getattr(arguments, name, None)) is not None
+    }
 
 
 def whole_number(problems: Problems, option: str, text: str) -> int:

@@ -10,8 +10,9 @@ from __future__ import annotations
 import argparse
 import math
 import textwrap
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..materials import TABLE
 from ..model import Material, Rod, System, Wall
@@ -30,7 +31,7 @@ from .stages import LEGEND, stages, tell
 if TYPE_CHECKING:
     from ..plot.style import Colours
 
-KEYS = ["identical", "wall", "unequal", "dowel"]
+KEYS = ("identical", "wall", "unequal", "dowel")
 VIEWS = ("velocity", "stress", "stages", "contact", "energy")
 PAGE = "index.html"
 PAIRS = 60  # length ratios at which e is compared with l1/l2
@@ -42,6 +43,7 @@ STAGES = 6  # in a figure
 class Replay(NamedTuple):
     """One collision of the box: what it is called, what its bodies are, and its solution."""
 
+    key: str  # in the names of its figures
     title: str
     names: tuple[str, str]
     solution: Solution
@@ -70,9 +72,10 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     if not problems and not 0 < ratio <= 1:
         message = f"must be above 0 and at most 1, the left rod being the shorter, got {ratio!r}"
         problems.append(("--ratio", message))
-    suffix, last = arguments.format, f"restitution.{arguments.format}"
-    keys = KEYS if arguments.dowel else KEYS[:-1]
-    names = [*(name for key in keys for name in figures_of(key, suffix)), last]
+    suffix, keys = arguments.format, KEYS if arguments.dowel else KEYS[:-1]
+    figures = {key: [f"{key}-{view}.{suffix}" for view in VIEWS] for key in keys}
+    figures["restitution"] = [f"restitution.{suffix}"]
+    names = [name for group in figures.values() for name in group]
     directory = Path(arguments.output)
     if directory.exists() and not directory.is_dir():
         problems.append(("--output", f"{arguments.output!r} is not a directory; name another"))
@@ -84,18 +87,17 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     directory.mkdir(parents=True, exist_ok=True)
 
     material = TABLE[arguments.material]
-    replays = solve_all(ratio, material, arguments.dowel)
-    ratios = [i / PAIRS for i in range(1, PAIRS + 1)]
-    values = [restitution(r, material) for r in ratios]
+    replays = solve_all(ratio, material, keys)
+    ratios, struck = [i / PAIRS for i in range(1, PAIRS + 1)], rod(material, 1.0)
+    values = [collide(rod(material, r, 1.0), struck).restitution for r in ratios]
     note("drawing")
     draw(replays, ratios, values, [directory / name for name in names], arguments)
     largest = max(abs(e - r) for e, r in zip(values, ratios, strict=True))
     law = (f"Length ratios from {ratios[0]:.3g} to 1\n"
            f"{PAIRS} pairs of rods solved: e agrees with l1/l2 to {largest:.1e}.")
     parts = [(introduction(material), []),
-             *((describe(replay), figures_of(key, suffix))
-               for key, replay in zip(keys, replays, strict=True)),
-             (law, [last])]
+             *((describe(replay), figures[replay.key]) for replay in replays),
+             (law, figures["restitution"])]
     write_text(directory / PAGE, box_page(parts, look_of(arguments)), force=arguments.force)
     listed = (f"{len(names)} figures in {directory}, and {PAGE}, which shows them\n"
               + textwrap.fill(", ".join(names), 98, break_on_hyphens=False))
@@ -109,37 +111,25 @@ def look_of(arguments: argparse.Namespace) -> Colours:
     return LOOKS["dark" if arguments.dark else "light"]
 
 
-def figures_of(key: str, suffix: str) -> list[str]:
-    """Names of the figures of a collision."""
-    return [f"{key}-{view}.{suffix}" for view in VIEWS]
-
-
 def rod(material: Material, length: float, velocity: float = 0.0) -> Rod:
     """A rod of the box."""
     return Rod(length, area=AREA, material=material, velocity=velocity)
 
 
-def solve_all(ratio: float, material: Material, dowel: bool) -> list[Replay]:
-    """Solve the collisions of the box in the order of KEYS, the last if a dowel is wanted."""
+def solve_all(ratio: float, material: Material, keys: Sequence[str]) -> list[Replay]:
+    """Solve these collisions of the box."""
     title, both = f"Rods of different length, l1/l2 = {ratio:g}", ("left rod", "right rod")
     metre, struck = rod(material, 1.0, 1.0), rod(material, 1.0)
-    rows: list[tuple[str, tuple[str, str], Rod, Rod | Wall]] = [
-        ("Identical rods", both, metre, struck),
-        ("A rod on a rigid wall", ("rod", "wall"), metre, Wall()),
-        (title, both, rod(material, ratio, 1.0), struck),
-    ]
-    if dowel:
-        length, area = DOWEL
-        wood = Rod(length, area=area, material=TABLE["oak"], velocity=1.0)
-        rows.append(("A wooden dowel, 3 ft long, on a stone floor", ("dowel", "floor"), wood,
-                     Wall()))
-    return [Replay(title, names, solve(System([left, right])))
-            for title, names, left, right in rows]
-
-
-def restitution(ratio: float, material: Material) -> float:
-    """Coefficient of restitution of two rods whose lengths have this ratio."""
-    return collide(rod(material, ratio, 1.0), rod(material, 1.0)).restitution
+    length, area = DOWEL
+    wood = Rod(length, area=area, material=TABLE["oak"], velocity=1.0)
+    rows: dict[str, tuple[str, tuple[str, str], list[Rod | Wall]]] = {
+        "identical": ("Identical rods", both, [metre, struck]),
+        "wall": ("A rod on a rigid wall", ("rod", "wall"), [metre, Wall()]),
+        "unequal": (title, both, [rod(material, ratio, 1.0), struck]),
+        "dowel": ("A wooden dowel, 3 ft long, on a stone floor", ("dowel", "floor"),
+                  [wood, Wall()]),
+    }
+    return [Replay(key, *rows[key][:2], solve(System(rows[key][2]))) for key in keys]
 
 
 def introduction(material: Material) -> str:
@@ -169,9 +159,8 @@ def describe(replay: Replay) -> str:
 def results(replay: Replay) -> str:
     """What the collision did, beside the closed form."""
     o, system = replay.solution.outcome, replay.solution.system
-    known = pair_theory(system)
-    assert known is not None
-    theory = known.collision()
+    theory: Any = pair_theory(system)
+    theory = theory.collision()
     episode = replay.solution.contacts[0].episodes[0]
     compared = (
         ("contact force lasts", "s", o.duration, theory.duration),
@@ -189,12 +178,10 @@ def results(replay: Replay) -> str:
         ["momentum balance, relative error", f"{abs(o.momentum_residual):.2g}", "0"],
         ["energy balance, relative error", f"{abs(o.energy_residual):.2g}", "0"],
     ])
-    left, right = system.bodies
-    assert isinstance(left, Rod)
-    trip = 2 * float(left.transit_time)
-    remark = f"2 l/c of the {replay.names[0]} is {format_si(trip, 's')}"
-    if isinstance(right, Rod):
-        remark += f", of the {replay.names[1]} {format_si(2 * float(right.transit_time), 's')}"
+    trips = [f"of the {name} {'' if i else 'is '}{format_si(2 * float(body.transit_time), 's')}"
+             for i, (name, body) in enumerate(zip(replay.names, system.bodies, strict=True))
+             if isinstance(body, Rod)]
+    remark = f"2 l/c {', '.join(trips)}"
     if episode.opening > episode.force_end:
         remark += (
             f".\nThe force ends after {format_si(o.duration, 's')}. In the textbook the rods part "
@@ -212,8 +199,8 @@ def draw(
     from ..plot.moments import moments
 
     with plot.style.coloured(look_of(arguments)):
-        figures = [plot.restitution(ratios, values).ax.figure]
-        for replay in reversed(replays):
+        figures = []
+        for replay in replays:
             solution = replay.solution
             axes = (
                 plot.spacetime(solution, field="velocity").ax,
@@ -224,6 +211,7 @@ def draw(
             )
             for ax in axes:
                 ax.set_title(replay.title.replace("l1/l2", "ℓ₁/ℓ₂"), loc="left", pad=18)
-            figures[:0] = [ax.figure for ax in axes]
+            figures += axes
+        figures.append(plot.restitution(ratios, values).ax)
         for path, figure in zip(paths, figures, strict=True):
             plot.save(figure, path, force=arguments.force)

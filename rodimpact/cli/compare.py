@@ -24,7 +24,7 @@ from ..results.solution import Solution
 from ..storage.casefile import read_case
 from ..storage.tables import align, as_json
 from ..units import format_si
-from .asking import attempt, check_outputs, named, write
+from .asking import attempt, check_outputs, naming, numbers, write
 from .gauge_places import FORM, gauge_places
 from .progress import progress_bar, solved, status_of
 from .record_options import (
@@ -32,7 +32,6 @@ from .record_options import (
     add_case_and_record,
     add_record_options,
     bridge_of,
-    given_numbers,
     read_record,
 )
 from .run_options import NUMBERS, add_run_options, run_options
@@ -78,18 +77,18 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     if not places:
         message = f"is missing; {FORM} gives a channel and the place of its gauge, as [[gauges]]"
         problems.append(("--gauge", f"{message} of the case do, with a name"))
-    numbers = given_numbers(problems, arguments, _DIMENSIONS)
-    if numbers.get("radius", 1.0) <= 0:
-        problems.append(("--radius", f"must be positive, got {numbers['radius']!r}"))
-    if "radius" in numbers and "carried" not in numbers:
+    given = numbers(problems, arguments, _DIMENSIONS)
+    if given.get("radius", 1.0) <= 0:
+        problems.append(("--radius", f"must be positive, got {given['radius']!r}"))
+    if "radius" in given and "carried" not in given:
         problems.append(("--radius", "goes with --carried"))
-    bridge = bridge_of(problems, arguments, numbers)
-    signals = read_record(problems, arguments, numbers, places)
+    bridge = bridge_of(problems, arguments, given)
+    signals = read_record(problems, arguments, given, places)
     files = {"--save": arguments.save}
     check_outputs(problems, files, arguments.force, figure="--save")
     assert case is not None  # or there were problems
 
-    measured = {name: _prepared(name, signals[name], bridge, numbers) for name in places}
+    measured = {name: _prepared(name, signals[name], bridge, given) for name in places}
     solution = solved(case.system, **options)
     if reason := nothing_to_draw(solution):
         raise InvalidModel([(case.path, reason)])
@@ -100,45 +99,39 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
         forecast.expect(seconds, f"{solution.run.events} events")
         for name, place in places.items():
             forecast.reached(len(laid), len(places))
-            try:
-                laid[name] = _laid(measured[name], _predicted(solution, place, numbers), numbers)
-            except ValueError as error:
-                raise InvalidModel([(f"--gauge {name}", str(error))]) from None
+            with naming(lambda _, name=name: f"--gauge {name}"):
+                laid[name] = _laid(measured[name], _predicted(solution, place, given), given)
     wrote = write(files, {"--save": partial(_draw, laid)}, arguments.force)
     status = wrote or status_of(solution)
     return (_json(laid) if arguments.json else _table(laid)), status
 
 
 def _prepared(
-    name: str, signal: Signal, bridge: Bridge | None, numbers: dict[str, float]
+    name: str, signal: Signal, bridge: Bridge | None, given: dict[str, float]
 ) -> Signal:
     """A channel as strain if there is a bridge, cut to what is compared."""
-    try:
+    options = {"volts": "--bridge", "start, end": "--start, --stop"}
+    with naming(lambda path: f"{options.get(path, path)} of {name}"):
         strain = signal if bridge is None else bridge.strain(signal)
-        start, stop = numbers.get("start", signal.start), numbers.get("stop", signal.end)
-        return strain.window(start, stop)
-    except InvalidModel as error:
-        options = {"volts": "--bridge", "start, end": "--start, --stop"}
-        found = [(f"{option} of {name}", message) for option, message in named(error, options)]
-        raise InvalidModel(found) from None
+        return strain.window(given.get("start", signal.start), given.get("stop", signal.end))
 
 
 def _predicted(
-    solution: Solution, place: tuple[int, float], numbers: dict[str, float]
+    solution: Solution, place: tuple[int, float], given: dict[str, float]
 ) -> Signal:
     """What a gauge shows, as much farther along its bar as is asked."""
     signal = solution.gauge(*place).signal()
-    if "carried" not in numbers:
+    if "carried" not in given:
         return signal
     rod, around = solution.system.bodies[place[0]], signal.end / 4
     assert isinstance(rod, Rod)
     wide = signal.extended(around, around)
-    return wide.propagated(numbers["carried"], rod, radius=numbers.get("radius"))
+    return wide.propagated(given["carried"], rod, radius=given.get("radius"))
 
 
-def _laid(measured: Signal, predicted: Signal, numbers: dict[str, float]) -> Laid:
+def _laid(measured: Signal, predicted: Signal, given: dict[str, float]) -> Laid:
     """A prediction laid over a record."""
-    fixed = {name: numbers.get(name) for name in ("shift", "scale")}
+    fixed = {name: given.get(name) for name in ("shift", "scale")}
     found = measured.misfit(predicted, **fixed)
     moved = predicted.replace(
         values=found.scale * predicted.values, times=predicted.times + found.shift,

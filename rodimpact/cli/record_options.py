@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import Any
 
 from ..model.frozen import Problems, nearest
 from ..records.bridge import ALONG, Bridge
 from ..records.reading import read_signals
 from ..records.signal import Signal
-from .asking import attempt, quantity
+from .asking import attempt
 from .gauge_places import add_gauge_option
 from .options import flag
 from .progress import progress_bar
@@ -49,17 +49,6 @@ def add_record_options(parser: argparse.ArgumentParser) -> None:
     bridge.add_argument("--bridge", choices=tuple(ALONG))
     for name in _BRIDGE:
         bridge.add_argument(flag(name), metavar="X")
-
-
-def given_numbers(
-    problems: Problems, arguments: argparse.Namespace, dimensions: Mapping[str, str]
-) -> dict[str, float]:
-    """The numbers that options give, by their names."""
-    return {
-        name: quantity(problems, flag(name), text, dimension)
-        for name, dimension in dimensions.items()
-        if (text := getattr(arguments, name)) is not None
-    }
 
 
 def bridge_of(

@@ -14,14 +14,14 @@ import argparse
 from functools import partial
 from typing import Any
 
-from ..model.frozen import InvalidModel, Problems
+from ..model.frozen import Problems
 from ..records.bars import BarGauge
 from ..records.bridge import Bridge
 from ..records.reduction import Reduction, Specimen, reduce
 from ..records.signal import Signal
 from ..storage.casefile import read_case
 from ..storage.tables import as_json
-from .asking import attempt, check_outputs, named, write
+from .asking import attempt, check_outputs, naming, numbers, write
 from .gauge_places import FORM, Places, gauge_places
 from .options import flag
 from .record_options import (
@@ -29,7 +29,6 @@ from .record_options import (
     add_case_and_record,
     add_record_options,
     bridge_of,
-    given_numbers,
     read_record,
 )
 
@@ -60,14 +59,14 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     problems: Problems = []
     case = attempt(problems, read_case, arguments.case)
     places = gauge_places(problems, arguments.gauge, case)
-    numbers = given_numbers(problems, arguments, {"align_within": "time", **_SPECIMEN, **RECORD})
-    bridge = bridge_of(problems, arguments, numbers)
-    specimen = _specimen(problems, numbers, arguments.incompressible)
+    given = numbers(problems, arguments, {"align_within": "time", **_SPECIMEN, **RECORD})
+    bridge = bridge_of(problems, arguments, given)
+    specimen = _specimen(problems, given, arguments.incompressible)
     first = min((body for body, _ in places.values()), default=0)
     if {body - first for body, _ in places.values()} != {0, 1}:
         message = f"give {FORM} for one gauge or two on each of two neighbouring rods"
         problems.append(("--gauge", message))
-    signals = read_record(problems, arguments, numbers, places)
+    signals = read_record(problems, arguments, given, places)
     problems += [
         ("--bridge", f"is missing; the channel {name!r} is in {signals[name].unit}, not strain")
         for name in places if bridge is None and name in signals and signals[name].unit
@@ -77,29 +76,25 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     assert case is not None  # or there were problems
     bars: Any = case.system.bodies[first : first + 2]
     gauges = _gauges(places, signals, bridge, first, float(bars[0].length))
-    try:
+    options = {"bars": case.path, "align_within": "--align-within",
+               **dict.fromkeys(("", "input_gauges", "output_gauges"), "--gauge")}
+    with naming(lambda path: options.get(path, path)):
         found = reduce(
             *gauges, bars, specimen, compression=arguments.compression,
-            align_within=numbers.get("align_within", 0.0))
-    except InvalidModel as error:
-        options = {"input_gauges": "--gauge", "output_gauges": "--gauge", "bars": case.path,
-                   "align_within": "--align-within"}
-        raise InvalidModel(named(error, options)) from None
-    except ValueError as error:
-        raise InvalidModel([("--gauge", str(error))]) from None
+            align_within=given.get("align_within", 0.0))
     writers: dict[str, Any] = {"--csv": found.to_csv, "--save": partial(_draw, found)}
     status = write(files, writers, arguments.force)
     return (_json(found) if arguments.json else str(found)), status
 
 
-def _specimen(problems: Problems, numbers: dict[str, float], incompressible: bool) -> Any:
+def _specimen(problems: Problems, given: dict[str, float], incompressible: bool) -> Any:
     """The specimen; None, and an entry in `problems`, if its options are invalid."""
-    given: dict[str, Any] = {name: numbers[name] for name in _SPECIMEN if name in numbers}
-    if "length" not in given:
+    own: dict[str, Any] = {name: given[name] for name in _SPECIMEN if name in given}
+    if "length" not in own:
         problems.append(("--length", "is missing; give the length of the specimen"))
         return None
     options = {name: flag(name) for name in _SPECIMEN}
-    return attempt(problems, Specimen, **given, incompressible=incompressible, options=options)
+    return attempt(problems, Specimen, **own, incompressible=incompressible, options=options)
 
 
 def _gauges(
@@ -108,11 +103,9 @@ def _gauges(
     """Gauges of the input and of the output bar, with their distances from the specimen."""
     sides: tuple[list[BarGauge], list[BarGauge]] = [], []
     for name, (body, x) in places.items():
-        try:
+        with naming(lambda _, name=name: f"--gauge {name}"):  # such as a signal in no volts
             strain = signals[name] if bridge is None else bridge.strain(signals[name])
             sides[body - first].append(BarGauge(strain, length - x if body == first else x))
-        except InvalidModel as error:  # such as a signal that is in no volts
-            raise InvalidModel([(f"--gauge {name}", text) for _, text in error.problems]) from None
     return sides
 
 

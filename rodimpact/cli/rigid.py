@@ -9,11 +9,11 @@ import argparse
 import math
 
 from .. import rigid
-from ..model.frozen import InvalidModel, Problems, raise_noted
+from ..model.frozen import Problems, raise_noted
 from ..storage.tables import align, as_json, clean, finite
 from ..units import format_si
 from . import DONE
-from .asking import named, quantity
+from .asking import attempt, quantity
 
 OPTIONS = {"restitution": "-e", **{name: f"--{name}" for name in ("m1", "v1", "m2", "v2")}}
 
@@ -45,16 +45,11 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     v1, v2 = (quantity(problems, f"--{n}", given[n], "velocity") for n in ("v1", "v2"))
     e = quantity(problems, "-e", given["restitution"], "dimensionless")
     raise_noted(problems)
-    try:
-        collision = rigid.collide(
-            m1, v1, m2, v2, e, allow_energy_release=arguments.energy_release
-        )
-    except InvalidModel as error:
-        words = {"set allow_energy_release=True": "give --energy-release", "m1": "--m1"}
-        ((option, message),) = named(error, OPTIONS)
-        for word, instead in words.items():
-            message = message.replace(word, instead)
-        raise InvalidModel([(option, message)]) from error
+    collision = attempt(problems, rigid.collide, m1, v1, m2, v2, e, options=OPTIONS,
+                        allow_energy_release=arguments.energy_release)
+    raise_noted([(option, message.replace("set allow_energy_release=True", "give --energy-release")
+                  .replace("m1", "--m1")) for option, message in problems])
+    assert collision is not None  # or there were problems
     after = {name: float(value) for name, value in collision._asdict().items()}
     if arguments.json:
         inputs = {"m1": m1, "v1": v1, "m2": m2, "v2": v2, "restitution": e}

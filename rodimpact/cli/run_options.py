@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from ..methods.registry import METHOD_NAMES, Options
 from ..model.frozen import Problems
 from ..storage.casefile import Case
-from .asking import attempt, quantity, whole_number
+from .asking import attempt, numbers
 from .options import flag
 
 
@@ -41,13 +41,7 @@ def run_options(
     problems: Problems, arguments: argparse.Namespace, case: Case | None
 ) -> dict[str, Any]:
     """Options for `solve` and `sweep`; mistakes bear the name of the option, or of the entry."""
-    given: dict[str, Any] = {}
-    for name, option in NUMBERS.items():
-        text = getattr(arguments, name, None)
-        if text is not None and option.dimension:
-            given[name] = quantity(problems, flag(name), text, option.dimension)
-        elif text is not None:
-            given[name] = whole_number(problems, flag(name), text)
+    given = numbers(problems, arguments, {name: of.dimension for name, of in NUMBERS.items()})
     if arguments.method is not None:
         given["method"] = arguments.method
     own = {

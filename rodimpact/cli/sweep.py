@@ -27,7 +27,7 @@ from ..running.sweeping import SweepError, sweep
 from ..storage.casefile import Case, read_case
 from ..storage.reading import FileFormatError
 from . import INCOMPLETE
-from .asking import attempt, check_outputs, note, whole_number, write
+from .asking import attempt, check_outputs, note, numbers, write
 from .options import as_options
 from .progress import a_second, progress_bar
 from .run_options import add_run_options, run_options
@@ -70,10 +70,8 @@ def run(arguments: argparse.Namespace) -> tuple[str | Iterable[str], int]:
     """Check everything, solve, write the files, and hand back the table, CSV or JSON."""
     problems: Problems = []
     vary = _vary(problems, arguments.vary)
-    how: dict[str, Any] = {"on_error": arguments.on_error, "checkpoint": arguments.checkpoint,
-                           "also": arguments.also}
-    if arguments.workers is not None:
-        how["workers"] = whole_number(problems, "--workers", arguments.workers)
+    how = {"on_error": arguments.on_error, "checkpoint": arguments.checkpoint,
+           "also": arguments.also, **numbers(problems, arguments, {"workers": ""})}
     case = attempt(problems, read_case, arguments.case, vary)
     if case:
         _check_case(problems, case, arguments.plot and arguments.quantity)
@@ -89,14 +87,11 @@ def run(arguments: argparse.Namespace) -> tuple[str | Iterable[str], int]:
     draw = partial(_draw, result, arguments.quantity)
     wrote = write(files, {"--save": result.save, "--plot": draw}, arguments.force)
     status = INCOMPLETE if result.incomplete.any() else wrote
-    text: str | Iterable[str]
     if arguments.csv:
-        text = result.csv_lines()
-    elif arguments.json:
-        text = sweep_json(result, case.varied)
-    else:
-        text = as_options(sweep_table(result, case.varied, MORE))
-    return text, status
+        return result.csv_lines(), status
+    if arguments.json:
+        return sweep_json(result, case.varied), status
+    return as_options(sweep_table(result, case.varied, MORE)), status
 
 
 def _draw(result: SweepResult, quantity: str, path: str, force: bool) -> None:

@@ -19,18 +19,12 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     failed = sum(not check.passed for check in checks)
     status = UNVERIFIED if failed else DONE
     if arguments.json:
-        rows = [
-            {name: finite(entry) if isinstance(entry, float) else entry for name, entry in {
-                **check._asdict(), "residual": check.residual, "passed": check.passed}.items()}
-            for check in checks
-        ]
+        rows = [{"name": c.name, "expected": c.expected, "got": finite(c.got), "bound": c.bound,
+                 "residual": finite(c.residual), "passed": c.passed} for c in checks]
         return as_json(passed=not failed, checks=rows), status
-    table = [["check", "expected", "found", "residual", "bound", ""]]
-    table += [
+    table = [["check", "expected", "found", "residual", "bound", ""], *(
         [c.name, f"{c.expected:.9g}", f"{c.got:.9g}", f"{c.residual:.1e}", f"{c.bound:.0e}",
-         "ok" if c.passed else "FAILED"]
-        for c in checks
-    ]
+         "ok" if c.passed else "FAILED"] for c in checks)]
     verdict = f"{failed} checks FAILED" if failed else f"All {len(checks)} checks passed"
     text = f"{verdict}; a check of several cases shows the worst."
     return f"{align(table, left=(0, 5))}\n\n{text}", status
