@@ -10,7 +10,7 @@ from numpy.polynomial import chebyshev, legendre
 from rodimpact.methods import compiling, kernels
 from rodimpact.methods.laws import Law, Status
 from rodimpact.methods.pieces import laws, lines, series
-from rodimpact.methods.pieces.records import HARD, LINE, LINK, NONE, PIECE, RUN, SMOOTH
+from rodimpact.methods.pieces.records import HARD, LINE, LINK, NODE, NONE, PIECE, RUN, SMOOTH
 from rodimpact.methods.pieces.series import POINTS, N
 
 X = np.array(series.X)
@@ -193,9 +193,9 @@ def test_dense_breaks_keep_their_momentum_and_gain_no_energy(tick, ticks):
 
 def test_what_is_constant_stays_one_piece():
     run, line, log = stock((0, 100, SMOOTH, [2.0]))
-    assert lines.append(run, line, log, 0, 100, 50, [2.0] * POINTS) == NONE
+    assert lines.append(run, line, log, 0, 100, 50, [2.0] * POINTS, [0.0] * POINTS) == NONE
     assert (run.pieces, log[0].stop) == (1, 150)
-    assert lines.append(run, line, log, 0, 150, 50, [3.0] * POINTS) == 1
+    assert lines.append(run, line, log, 0, 150, 50, [3.0] * POINTS, [0.0] * POINTS) == 1
     assert (run.pieces, log[1].degree, log[0].after, line[0].tail) == (2, 0, 1, 1)
 
 
@@ -213,7 +213,8 @@ def test_a_break_is_hard_where_what_jumps_is_above_tolerance(jump, slope, bend, 
     run, line, log = stock((0, 1000, SMOOTH, chebyshev.poly2cheb([0.5, 0.3, 0.1]).tolist()))
     u = (X + 1) / 4  # transits since the break
     f = 0.9 + jump + (2 * 0.5 + slope) * u + (4 * 0.1 + bend) * u**2  # y = 1 + 2 u before
-    lines.send(run, line, log, 0, 1000, 500, f.tolist(), order)
+    at = one(NODE, now=1000, leaving=f.tolist())
+    lines.send(run, line, log, 0, at, 500, order)
     assert (log[1].order, line[0].hard) == (sent, int(sent <= HARD))
 
 

@@ -147,7 +147,7 @@ def record(
     for i in range(at.links - 1):
         body = mass[at.mass + i]
         if run.keep:
-            lines.append(run, line, log, body.line, at.now, ticks, body.speed)
+            lines.append(run, line, log, body.line, at.now, ticks, body.speed, at.series)
         body.speed[0] = body.speed[N]
 
 
@@ -193,10 +193,10 @@ def change(run: Any, turn: Any, it: Any, i: int, tick: int, touch: int) -> None:
 def keep(run: Any, line: Any, log: Any, at: Any, it: Any, ticks: int) -> None:
     """Keep force, overlap and closing of a link over a piece."""
     if it.force_line != NONE:
-        lines.append(run, line, log, it.force_line, at.now, ticks, it.force)
+        lines.append(run, line, log, it.force_line, at.now, ticks, it.force, at.series)
     if it.overlap_line != NONE:
-        lines.append(run, line, log, it.overlap_line, at.now, ticks, it.overlaps)
+        lines.append(run, line, log, it.overlap_line, at.now, ticks, it.overlaps, at.series)
     if it.closing_line != NONE:
         for j in range(series.POINTS):
             at.rate[j] = it.closing[j] - it.mobility * it.force[j]
-        lines.append(run, line, log, it.closing_line, at.now, ticks, at.rate)
+        lines.append(run, line, log, it.closing_line, at.now, ticks, at.rate, at.series)

@@ -113,55 +113,47 @@ def project(line: Any, log: Any, l: int, tick: int, ticks: int, f: Any) -> None:
     series.set_parabola(f, whole, tilt, bend)
 
 
-def append(run: Any, line: Any, log: Any, l: int, tick: int, ticks: int, f: Any) -> int:
-    """Append what has the values f at the points of a piece to a line; return its place in the log.
+def put(run: Any, line: Any, log: Any, l: int, tick: int, stop: int, degree: int, c: Any) -> int:
+    """Append a piece to a line; return its place in the log.
 
-    What is constant stays one piece as long as it is: a front is a piece of degree 0.
+    What is constant stays one piece as long as it is: a front is a piece of degree 0. NONE is
+    returned where it only goes on.
     """
-    constant = series.is_constant(f)
-    if constant and goes_on(line, log, l, f[0]):
-        log[line[l].tail].stop = tick + ticks
-        return NONE
-    i = enter(run, line, log, l, tick, ticks)
-    piece = log[i]
-    if constant:
-        piece.degree = 0
-        piece.coefficient[0] = f[0]
-        for m in range(1, POINTS):
-            piece.coefficient[m] = 0.0
-    else:
-        piece.degree = N
-        series.coefficients(f, piece.coefficient)
-    return i
-
-
-def goes_on(line: Any, log: Any, l: int, value: float) -> bool:
-    """Whether a line ends with this constant."""
-    i = line[l].tail
-    return bool(i != NONE and log[i].degree == 0 and log[i].coefficient[0] == value)
-
-
-def enter(run: Any, line: Any, log: Any, l: int, tick: int, ticks: int) -> int:
-    """Take the next place of the log for a piece of a line."""
-    i, here = int(run.pieces), line[l]
-    piece = log[i]
-    piece.start, piece.stop, piece.order, piece.after = tick, tick + ticks, SMOOTH, NONE
-    piece.line = l
-    if here.tail == NONE:
+    i, here, old = int(run.pieces), line[l], line[l].tail
+    if old == NONE:
         here.first = here.head = i
+    elif degree == 0 and log[old].degree == 0 and log[old].coefficient[0] == c[0]:
+        log[old].stop = stop
+        return NONE
     else:
-        log[here.tail].after = i
-    here.tail = i
-    run.pieces = i + 1
+        log[old].after = i
+    piece = log[i]
+    piece.start, piece.stop, piece.order, piece.after = tick, stop, SMOOTH, NONE
+    piece.line, piece.degree = l, degree
+    for m in range(POINTS):
+        piece.coefficient[m] = c[m]
+    here.tail, run.pieces = i, i + 1
     return i
+
+
+def append(
+    run: Any, line: Any, log: Any, l: int, tick: int, ticks: int, f: Any, c: Any
+) -> int:
+    """Append what has the values f at the points of a piece, with c as scratch, as `put` does."""
+    if not series.is_constant(f):
+        series.coefficients(f, c)
+        return put(run, line, log, l, tick, tick + ticks, N, c)
+    for m in range(POINTS):
+        c[m] = f[0] if m == 0 else 0.0
+    return put(run, line, log, l, tick, tick + ticks, 0, c)
 
 
 def send(
-    run: Any, line: Any, log: Any, l: int, tick: int, ticks: int, f: Any, order: int
+    run: Any, line: Any, log: Any, l: int, at: Any, ticks: int, order: int
 ) -> None:
     """Append what leaves an end, with a break of this order."""
     old = line[l].tail
-    i = append(run, line, log, l, tick, ticks, f)
+    i = append(run, line, log, l, at.now, ticks, at.leaving, at.series)
     if i != NONE and order <= HARD:
         judge(run, line, log, old, i, order)
 
@@ -200,17 +192,10 @@ def reflect(run: Any, line: Any, log: Any, at: Any) -> int:
     move_on(line, log, source, at.now)
     piece, delay, old = log[line[source].head], line[source].delay, line[target].tail
     stop = piece.stop + delay
-    if piece.degree == 0 and goes_on(line, log, target, piece.coefficient[0]):
-        log[old].stop = stop
-        return int(stop)
-    new = log[enter(run, line, log, target, at.now, stop - at.now)]
-    new.degree = piece.degree
-    for m in range(POINTS):
-        new.coefficient[m] = piece.coefficient[m]
-    if at.now == 0:  # the first that meets what was under way
-        judge(run, line, log, old, line[target].tail, 0)
-    elif at.now == piece.start + delay:
-        new.order = piece.order
-        if new.order <= HARD:
-            line[target].hard += 1
+    i = put(run, line, log, target, at.now, stop, piece.degree, piece.coefficient)
+    if i != NONE and at.now == 0:  # the first that meets what was under way
+        judge(run, line, log, old, i, 0)
+    elif i != NONE and at.now == piece.start + delay:
+        log[i].order = piece.order
+        line[target].hard += piece.order <= HARD
     return int(stop)

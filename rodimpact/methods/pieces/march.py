@@ -231,4 +231,4 @@ def leave(
         if at.rough:
             series.flatten(at.leaving)
             order = 0
-        lines.send(run, line, log, target, at.now, ticks, at.leaving, order)
+        lines.send(run, line, log, target, at, ticks, order)
