@@ -228,8 +228,8 @@ def _for_ever_after(run: ExactRun, k: int, t: Any) -> list[Number] | tuple[Loop,
     for s in (node, node + 1):
         finality.bound_deviation(*state[1:5], node, s, t)
     gap = at.gap + at.rate * (t - at.since) - right.deviation + left.deviation
-    slack = _slack(run, node, False) + _slack(run, node, True)
-    return [right.mean - left.mean, gap, gap * gap - 2 * _vibration(run) * slack]
+    reach = 2 * _vibration(run) * (left.slack + right.slack)
+    return [right.mean - left.mean, gap, gap * gap - reach]
 
 
 def _quiet(run: ExactRun, k: int, right: bool) -> bool:
@@ -248,25 +248,6 @@ def _vibration(run: ExactRun) -> Number:
         for s in range(first, last + 1):
             energy += segment[s].transit * numbers.impedance[s - 1] * (v * v - V * V) * HALF
     return energy
-
-
-def _slack(run: ExactRun, k: int, right: bool) -> Number:
-    """How far the end at contact k can get from its mean motion: its square over twice the energy.
-
-    It is integral(g^2 dx/(E A)), see `deviation_bound` of the kernel.
-    """
-    segment, total, beyond = run.state.segment, ZERO, ZERO
-    first, last = finality.side(run.state.node, k, right)
-    pieces = range(first, last + 1)
-    if last == 0 or _quiet(run, k, right):
-        return ZERO
-    masses = {s: segment[s].transit / segment[s].mobility for s in pieces}
-    whole = sum(masses.values(), ZERO)
-    for s in reversed(pieces) if right else pieces:
-        near, beyond = beyond, beyond + masses[s] / whole
-        size = near * near + near * beyond + beyond * beyond
-        total += segment[s].mobility * segment[s].transit * size / 3
-    return total
 
 
 def _loop(run: ExactRun, k: int, right: bool) -> Loop:

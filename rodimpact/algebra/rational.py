@@ -163,10 +163,9 @@ def _wave_speeds(row: Row, given: Mapping[str, Fraction]) -> tuple[dict[str, Fra
     odd = [path for path, c in speeds.items() if c is None]
     timed = any(row.system.gaps) or len(squares) < len(row.segments)
     if odd or (timed and not absolute):
-        path = odd[0] if odd else next(iter(squares))
-        message = "has an irrational wave speed"
+        path, message = [*odd, *squares][0], "has an irrational wave speed"
         if odd:
-            message = "has an irrational wave speed, also relative to the first rod"
+            message += ", also relative to the first rod"
         remedy = f"give {path}.transit_time and {path}.impedance, or take closed_form()"
         raise InvalidModel([(path, f"{message}; {remedy}")])
     return {p: c for p, c in speeds.items() if c}, 1.0 if absolute else float(first) ** -0.5

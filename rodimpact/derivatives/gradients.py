@@ -14,10 +14,10 @@ import numpy as np
 
 from ..methods.fronts.plan import plan_of
 from ..methods.groups import unilateral
-from ..methods.registry import Options, count
+from ..methods.registry import Options
 from ..methods.row import Array, Row, largest
 from ..methods.run import MAX_EVENTS
-from ..model import Rod, Steps, System
+from ..model import Steps, System
 from ..model.frozen import Problems, raise_noted
 from ..model.paths import numbers_of, places_of, suggestion, with_numbers
 from ..results.labels import outcome, parameter
@@ -91,7 +91,7 @@ def gradient(
       bodies.1.length: -0.4 1/m
     """
     Options(method="fronts", max_events=max_events).method_for(system)
-    _check(system, of, wrt, workers)
+    _check(system, of, wrt)
 
     def totals(family: System) -> Array:
         found = sweep(family, "fronts", max_events=max_events, workers=workers).columns
@@ -99,7 +99,9 @@ def gradient(
 
     value = totals(system)
     if not system.shape and math.isnan(value):
-        _refuse(system, of, max_events)
+        known = solve(system, method="fronts", max_events=max_events).outcome
+        why = known.why_no_restitution() if of == "restitution" else ""
+        raise UndefinedRestitution(why or f"{of} is undefined: {known.status}")
     # below, above, jump, event, when, node
     table, followed = np.zeros((6, len(wrt), *value.shape)), np.isfinite(value)
     table[:2] = math.nan
@@ -132,11 +134,9 @@ class _Number(NamedTuple):
         """How the numbers of a row change with this one, per change by its size."""
         y, there = (np.array(plan_of(Row(system)).numbers)
                     for system in (self.system, self.changed(self.size)))
-        if self.field in STRAIGHT:
-            return np.asarray(self.size * (there != y))
-        with np.errstate(all="ignore"):  # of what is 0 and does not change
-            power = np.round(2 * np.log(there / y) / np.log1p(self.size / self.x)) / 2
-            return np.where(there != y, self.size / self.x * power * y, 0.0)
+        with np.errstate(all="ignore"):  # of what is 0, and does not change
+            power = np.round(2 * np.log2(there / y)) / 2  # the size of these is the number itself
+        return there - y if self.field in STRAIGHT else np.nan_to_num(power * y, posinf=0.0)
 
     def differences(self, totals: Callable[[System], Array]) -> Array:
         """Derivatives below and above, and by how much what is differenced jumps: [3, *shape]."""
@@ -195,15 +195,13 @@ def _follow(
     return np.transpose(columns)
 
 
-def _check(system: System, of: Any, wrt: Any, workers: int | None) -> None:
+def _check(system: System, of: Any, wrt: Any) -> None:
     """Raise InvalidModel for what has no derivatives."""
-    problems: Problems = []
-    for i, body in enumerate(system.bodies):
-        if isinstance(body, Rod):
-            problems += [
-                (f"bodies.{i}.{name}", "jumps, and its derivatives are not known; give one number")
-                for name in ("velocity", "strain") if isinstance(getattr(body, name), Steps)
-            ]
+    problems: Problems = [
+        (f"bodies.{i}.{name}", "jumps, and its derivatives are not known; give one number")
+        for i, body in enumerate(system.bodies) for name in ("velocity", "strain")
+        if isinstance(getattr(body, name, 0.0), Steps)
+    ]
     lasting, able = ending(system), unilateral(system)
     choices = [f"velocity_after.{i}" for i in sorted(lasting)]
     choices += [f"{name}.{k}" for name in ("impulse", "duration") for k in able]
@@ -211,8 +209,6 @@ def _check(system: System, of: Any, wrt: Any, workers: int | None) -> None:
         choices.append("restitution")
     if not isinstance(of, str) or of not in choices:
         problems.append(("of", f"must be one of {', '.join(choices)}, got {shown(of)}"))
-    if workers is not None:
-        count(problems, "workers", workers)
     known = places_of(system)
     if not isinstance(wrt, list | tuple) or not wrt or not all(isinstance(p, str) for p in wrt):
         message = f"must be a list of paths, such as ['bodies.0.length'], got {shown(wrt)}"
@@ -228,31 +224,21 @@ def _check(system: System, of: Any, wrt: Any, workers: int | None) -> None:
     raise_noted(problems)
 
 
-def _refuse(system: System, of: str, max_events: int) -> None:
-    """Say why a single collision has no such number."""
-    known = solve(system, method="fronts", max_events=max_events).outcome
-    if of == "restitution":
-        _ = known.restitution
-    raise UndefinedRestitution(f"{of} is undefined: {known.status}")
-
-
 def _gradient(
     system: System, of: str, wrt: tuple[str, ...], value: Array, table: Array
 ) -> Gradient:
     """Lay out the result: one number where both sides agree."""
-    values, one_sided, kinks = {}, {}, {}
-    for p, path in enumerate(wrt):
-        below, above, jump, event, when, node = (column[()] for column in table[:, p])
-        k = np.asarray(event != SMOOTH)
-        values[path] = np.where(k, math.nan, (below + above) / 2 + 0.0)[()]
-        one_sided[path] = below, above
-        if k.any():
-            kinks[path] = Kink(
-                below, above, np.where(k, jump, 0.0)[()], np.where(k, when, math.nan)[()],
-                np.where(k, node, -1).astype(int)[()],
-                np.asarray(np.take(EVENTS, np.int64(event)))[()])
+    values, one_sided, kinks, units = {}, {}, {}, {}
     unit = outcome(system, of).unit
-    units = {path: _per(unit, parameter(system, path).unit) for path in wrt}
+    for path, column in zip(wrt, np.moveaxis(table, 1, 0), strict=True):
+        below, above, jump, event, when, node = (x[()] for x in column)
+        smooth = np.equal(event, SMOOTH)
+        values[path] = np.where(smooth, (below + above) / 2 + 0.0, math.nan)[()]
+        one_sided[path], units[path] = (below, above), _per(unit, parameter(system, path).unit)
+        if not smooth.all():
+            when, node = (np.where(smooth, none, x) for none, x in ((math.nan, when), (-1, node)))
+            kinks[path] = Kink(below, above, np.where(smooth, 0.0, jump)[()], when[()],
+                               node.astype(int)[()], np.take(EVENTS, np.int64(event)))
     unit = "" if unit == "1" else unit
     return Gradient(of, wrt, value[()], values, one_sided, kinks, unit, units)
 
