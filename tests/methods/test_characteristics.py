@@ -161,9 +161,6 @@ def test_forces_in_bonds_of_rigid_bodies(gravity):
         assert first == pytest.approx(last - 3 * gravity, abs=1e-8)
 
 
-# Published bars -----------------------------------------------------------------------------------
-
-
 # Compliant contacts -------------------------------------------------------------------------------
 
 
@@ -309,42 +306,6 @@ def test_mass_through_what_yields_on_an_endless_bar(mirrored):
     found = ri.solve(system, 6.0).outcome.contacts[0]
     assert found.impulse == pytest.approx(y[2], abs=1e-9)
     assert found.peak_force == pytest.approx(largest, abs=1e-9)
-
-
-# What is driven -----------------------------------------------------------------------------------
-
-STEPS = ri.Steps([1.0, -0.5, 0.25], [0.25, 1.5])
-SAMPLES = ri.Samples([0.0, 1.0, 0.5, -1.0], step=0.5)
-
-
-def at(profile, t):
-    if isinstance(profile, ri.Steps):
-        return np.where(t < 0.25, 1.0, np.where(t < 1.5, -0.5, 0.25)) * (t >= 0)
-    if isinstance(profile, ri.Samples):
-        return np.interp(t, 0.5 * np.arange(4), profile.values) * (t >= 0)
-    return profile * (t >= 0)
-
-
-@pytest.mark.parametrize("profile", [0.7, STEPS, SAMPLES], ids=["number", "steps", "samples"])
-@pytest.mark.parametrize("kind", [ri.Pushed, ri.Moved])
-@pytest.mark.parametrize("side", [0, 1])
-@pytest.mark.parametrize("gravity", [0.0, 0.3])
-def test_a_driven_end_sends_what_drives_it(profile, kind, side, gravity):
-    Z, n = 2.0, 32
-    ends = [ri.Absorbing(), kind(profile)]
-    s = solved([unit_rod(1.0, Z)], 3.0, ends=ends[::-1] if side == 0 else ends,
-               gravity=gravity)
-    t, x = (np.arange(3 * n) + 0.5)[:, None] / n, np.arange(1, 8) / 8
-    late = t - (x if side == 0 else 1 - x)
-    expected = at(profile, late)
-    # in the falling frame; an end driven with v moves there with v - g t
-    if kind is ri.Pushed:
-        expected = (1, -1)[side] * expected / Z + gravity * t
-    else:
-        expected = expected + gravity * (t - late * (late > 0))
-    assert s.velocity(0, x, t) == pytest.approx(expected, abs=1e-12)
-    book = s.energy(np.linspace(0, 3, 25))
-    assert np.abs(book.residual).max() <= 1e-12
 
 
 # Symmetry -----------------------------------------------------------------------------------------

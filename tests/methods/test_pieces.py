@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import chebyshev, legendre
 
-from rodimpact.methods import compiling, kernels
+from rodimpact.methods import compiling
 from rodimpact.methods.laws import Law, Status
 from rodimpact.methods.pieces import laws, lines, series
 from rodimpact.methods.pieces.records import HARD, LINE, LINK, NODE, NONE, PIECE, RUN, SMOOTH
@@ -31,35 +31,10 @@ def one(record, **fields):
 # Series ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("y", [-1.0, -0.3, 0.0, 0.77, 1.0])
-def test_value_of_a_series(y):
-    c = drawn(1)
-    assert series.value(c.tolist(), y) == pytest.approx(chebyshev.chebval(y, c), abs=1e-14)
-
-
-def test_coefficients_of_the_values_at_the_points():
-    c, found = drawn(2), [0.0] * POINTS
-    series.coefficients(chebyshev.chebval(X, c).tolist(), found)
-    assert found == pytest.approx(c.tolist(), abs=1e-13)
-
-
 @pytest.mark.parametrize("degree", range(2 * N - 1))
 def test_integrals_are_exact_to_the_degree_of_radau(degree):
     exact = (1 - (-1) ** (degree + 1)) / (degree + 1)
     assert series.integral((X**degree).tolist()) == pytest.approx(exact, abs=1e-14)
-
-
-def test_stages_integrate_to_every_point():
-    c = drawn(3, N)
-    integral = chebyshev.chebint(c, lbnd=-1)
-    found = np.array(series.STAGES) @ chebyshev.chebval(X[1:], c)
-    assert found == pytest.approx(chebyshev.chebval(X[1:], integral), abs=1e-13)
-
-
-def test_the_start_is_extrapolated_from_the_stages():
-    c = drawn(4, N)
-    found = np.dot(series.START, chebyshev.chebval(X[1:], c))
-    assert found == pytest.approx(chebyshev.chebval(-1.0, c), abs=1e-12)
 
 
 def test_the_tail_is_that_of_the_last_two_coefficients():
@@ -270,21 +245,3 @@ def test_what_ends_a_status(law, status, d, closing, to):
     assert ended == [to]
     assert all(math.isfinite(laws.guard(it, i, d, closing, F, 1.0, 1.0)[0])
                for i in range(laws.guards(it)))
-
-
-# Compiling ---------------------------------------------------------------------------------------
-
-
-@pytest.mark.skipif(bool(kernels.why_not()), reason="there is no compiler")
-def test_kernels_run_the_same_bits():
-    """On objects in plain Python, and on arrays of records compiled."""
-    f, y = drawn(9), 0.3
-    plain, fast = f.tolist(), f.copy()
-    series.restrict(plain, y, [0.0] * POINTS)
-    kernels.compiled(series.restrict)(fast, y, np.zeros(POINTS))
-    assert fast.tolist() == plain
-    it = np.zeros(1, LINK)
-    it["law"], it["status"], it["stiffness"], it["exponent"] = Law.POWER, Status.PRESS, 3.0, 2.3
-    it["damping"], it["mobility"] = 0.2, 0.7
-    wanted = laws.force(compiling.as_objects(it)[0], 0.11, 0.9)
-    assert kernels.compiled(laws.force)(it[0], 0.11, 0.9) == wanted

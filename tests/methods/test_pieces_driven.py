@@ -80,3 +80,25 @@ def test_a_driven_rod_presses_a_spring(name):
     assert float(s.contacts[0].force(UNTIL)) == pytest.approx(k * d, abs=2e-5)
     paths = np.sum(-2 * value(profile, middle)) * (t[1] - t[0])
     assert s.contacts[0].impulse == pytest.approx((paths - d) * Z / 2, abs=2e-5)
+
+
+@pytest.mark.parametrize("profile", [0.7, STEPS, SAMPLES], ids=["number", "steps", "samples"])
+@pytest.mark.parametrize("kind", [ri.Pushed, ri.Moved])
+@pytest.mark.parametrize("side", [0, 1])
+@pytest.mark.parametrize("gravity", [0.0, 0.3])
+def test_a_driven_end_sends_what_drives_it(profile, kind, side, gravity):
+    Z, n = 2.0, 32
+    ends = [ri.Absorbing(), kind(profile)]
+    system = ri.System([unit_rod(1.0, Z)], ends=ends[::-1] if side == 0 else ends, gravity=gravity)
+    s = ri.solve(system, 3.0, "characteristics")
+    t, x = (np.arange(3 * n) + 0.5)[:, None] / n, np.arange(1, 8) / 8
+    late = t - (x if side == 0 else 1 - x)
+    expected = value(profile, late)
+    # in the falling frame; an end driven with v moves there with v - g t
+    if kind is ri.Pushed:
+        expected = (1, -1)[side] * expected / Z + gravity * t
+    else:
+        expected = expected + gravity * (t - late * (late > 0))
+    assert s.velocity(0, x, t) == pytest.approx(expected, abs=1e-12)
+    book = s.energy(np.linspace(0, 3, 25))
+    assert np.abs(book.residual).max() <= 1e-12

@@ -75,22 +75,6 @@ def test_a_blow_of_two_masses(e):
     assert s.energy(1.0).dissipated == pytest.approx((1 - e * e) * 1.2 * 1.5**2 / 2, abs=1e-12)
 
 
-def test_a_mass_that_bounces_infinitely_often_comes_to_rest():
-    """Bounces last t, e t, e^2 t ...: 2 v/g e/(1 - e) in all after the first blow."""
-    system = ri.System([ri.RigidMass(2.0), ri.Wall()], [0.1], [ri.Rigid(restitution=0.5)],
-                       gravity=10.0)
-    s = ri.solve(system, 1.0)
-    first = math.sqrt(0.02)
-    assert s.contacts[0].episodes[0].start == pytest.approx(first, rel=1e-12)
-    assert s.contacts[0].episodes[1].start == pytest.approx(2 * first, rel=1e-12)
-    rest = first + 2 * first  # fall, then v/g (2 e + 2 e^2 + ...) with v/g = first
-    t = np.linspace(rest + 1e-6, 1.0, 9)
-    assert np.abs(s.velocity(0, 0.0, t)).max() <= 1e-7
-    assert s.contacts[0].force(t) == pytest.approx(np.full(9, 20.0), rel=1e-9)
-    assert s.outcome.impulse == pytest.approx(20.0, rel=1e-9)  # m g t: nothing moves at either end
-    assert s.contacts[0].gap(t) == pytest.approx(np.zeros(9), abs=1e-9)
-
-
 @pytest.mark.parametrize("law", [ri.Rigid(restitution=0.5), ri.SpringDashpot(1e4, 150.0)])
 def test_a_stack_comes_to_rest_and_carries_its_weight(law):
     row = [ri.RigidMass(1.0), ri.RigidMass(2.0), ri.RigidMass(3.0), ri.Wall()]
