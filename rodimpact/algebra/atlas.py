@@ -239,7 +239,7 @@ def _check_waves(naming: Naming, names: list[str], axes: list[Any], max_events: 
     """
     middle = {name: (Fraction(low) + Fraction(high)) / 2
               for name, (_, low, high) in zip(names, axes, strict=True)}
-    transit = [T.value for T in naming.numbers_at(middle).transit]
+    transit = [T.value for T in naming.numbers(naming.values(middle)).transit]
     waves = 2 * max(transit) / min(transit)
     if waves > max_events:
         paths = " and ".join(path for path, *_ in axes)
@@ -336,7 +336,8 @@ class _Search:
             Fraction(low) + Fraction(float(at)) * (Fraction(high) - Fraction(low))
             for at, (_, low, high) in zip(place, self.axes, strict=True)
         )
-        run = self.naming.run_at(dict(zip(self.names, exact, strict=True)), self.max_events)
+        values = self.naming.values(dict(zip(self.names, exact, strict=True)))
+        run = self.naming.run(values, self.max_events)
         if not run.final:
             return None
         spells, above = spells_and_conditions(run)

@@ -40,7 +40,10 @@ MANY = 10**6  # the largest denominator that is shown
 
 def _cell(field: Field, direction: Mapping[str, Fraction], max_events: int) -> Cell:
     """The cell a hair's breadth away from the numbers of the system."""
-    run = field.naming.run({name: HAIR * share for name, share in direction.items()}, max_events)
+    values = field.naming.values({})
+    for name, share in direction.items():
+        values[name] += (values[name] or 1) * HAIR * share
+    run = field.naming.run(values, max_events)
     check_final(run, max_events)
     return Cell(field.naming, run, [(ABOVE, [x]) for x in conditions(run)], field=field)
 

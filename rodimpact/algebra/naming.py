@@ -66,7 +66,7 @@ class Naming:
                              if path.startswith("materials.") for place in places}
         self._materials: list[Any] = []
         self._roots: dict[Fraction, Fraction] = {}
-        self._shift: Mapping[str, Fraction] = {}
+        self._there: Mapping[str, Fraction] = {}
         self.place: dict[str, Fraction] = {}
         asked: list[str] = []
 
@@ -104,22 +104,13 @@ class Naming:
                 known[c] = self._root(Fraction(known.get(E, E)) / Fraction(known.get(rho, rho)))
         return known
 
-    def run(self, shift: Mapping[str, Fraction], max_events: int) -> ExactRun:
-        """Run the row, with its numbers shifted by these shares of themselves."""
-        return run(self.row, self._numbers(shift), max_events)
+    def run(self, values: Mapping[str, Fraction], max_events: int) -> ExactRun:
+        """Run the row, with these values of named numbers and wave speeds."""
+        return run(self.row, self.numbers(values), max_events)
 
-    def run_at(self, place: Mapping[str, Fraction], max_events: int) -> ExactRun:
-        """Run the row, with these values of named numbers."""
-        return run(self.row, self.numbers_at(place), max_events)
-
-    def numbers_at(self, place: Mapping[str, Fraction]) -> Numbers:
-        """Numbers of the row, with these values of those that have names."""
-        start, there = self.values({}), self.values(place)
-        return self._numbers({name: (there[name] - start[name]) / (start[name] or 1)
-                              for name in (*place, *self.speeds)})
-
-    def _numbers(self, shift: Mapping[str, Fraction]) -> Numbers:
-        self._shift, self.place = shift, {}
+    def numbers(self, values: Mapping[str, Fraction]) -> Numbers:
+        """Numbers of the row, with these values of those that have names, and of wave speeds."""
+        self._there, self.place = values, {}
         return read(self.row, self._take, self._speed)
 
     def _name(self, name: str, path: str, value: Fraction) -> None:
@@ -128,7 +119,7 @@ class Naming:
         self.base[name] = value
 
     def _leaf(self, name: str, value: Fraction) -> Number:
-        self.place[name] = value + (value or 1) * self._shift.get(name, 0)
+        self.place[name] = self._there.get(name, value)
         return Number(self.place[name], (name,))
 
     def _words(self, path: str) -> list[str]:
