@@ -219,7 +219,7 @@ def _for_ever_after(run: ExactRun, k: int, t: Any) -> list[Number] | tuple[Loop,
     """
     state, node = run.state, run.nodes[k]
     at, left, right = state.node[node], state.segment[node], state.segment[node + 1]
-    if at.rate >= 0 and _quiet(run, node, False) and _quiet(run, node, True):
+    if finality.still(state.segment, state.node, state.line, node):
         return [at.rate]
     for s in (node, node + 1):
         finality.survey_group(*state[1:5], node, s, t)
@@ -230,11 +230,6 @@ def _for_ever_after(run: ExactRun, k: int, t: Any) -> list[Number] | tuple[Loop,
     gap = at.gap + at.rate * (t - at.since) - right.deviation + left.deviation
     reach = 2 * _vibration(run) * (left.slack + right.slack)
     return [right.mean - left.mean, gap, gap * gap - reach]
-
-
-def _quiet(run: ExactRun, k: int, right: bool) -> bool:
-    """Whether no front is under way in the bonded group beside contact k."""
-    return finality.quiet(run.state.line, *finality.side(run.state.node, k, right))
 
 
 def _vibration(run: ExactRun) -> Number:
@@ -252,9 +247,9 @@ def _vibration(run: ExactRun) -> Number:
 
 def _loop(run: ExactRun, k: int, right: bool) -> Loop:
     """What goes round in the rod beside contact k, in the order in which it left there."""
-    line, log = run.state.line, run.state.log
-    s, last = finality.side(run.state.node, k, right)
-    if last == 0 or _quiet(run, k, right):
+    line, log, group = run.state.line, run.state.log, run.state.segment[k + right]
+    s = group.first
+    if group.last == 0 or finality.quiet(line, s, group.last):
         return [(line[2 * k + 3 if right else 2 * k].arrived, ZERO)]
     found = []
     for l, delay in ((2 * s + right, ZERO), (2 * s + 1 - right, run.state.segment[s].transit)):

@@ -69,6 +69,7 @@ def begin(run: Any, segment: Any, node: Any, line: Any, log: Any, tree: Any) -> 
         it.tail = r
     for k in range(n):
         rest(node[k], zero)
+    gather(segment, node)
     plant(segment, node, line, log, tree)
     run.now, run.rows, run.events = 0, run.started, 0
     run.probe, run.rest, run.proved = 0, 0, NONE
@@ -81,6 +82,19 @@ def rest(at: Any, zero: Any) -> None:
     at.impulse, at.lever, at.work, at.peak = zero, zero, zero, zero
     at.first = at.last = at.opened = NONE
     at.pressed = at.episodes = 0
+
+
+def gather(segment: Any, node: Any) -> None:
+    """Find the first and the last of the segments bonded together, for each of them."""
+    n = len(node) - 1
+    for s in range(n + 2):
+        segment[s].first, segment[s].last = (s, s) if 0 < s <= n else (1, 0)
+    for s in range(1, n):
+        if node[s].status == Status.BOND:
+            segment[s + 1].first = segment[s].first
+    for i in range(1, n):
+        if node[n - i].status == Status.BOND:
+            segment[n - i].last = segment[n - i + 1].last
 
 
 def plant(segment: Any, node: Any, line: Any, log: Any, tree: Any) -> None:

@@ -14,19 +14,6 @@ from ..laws import Status
 from .records import IDLE, NEVER, NONE
 
 
-def side(node: Any, k: int, right: bool) -> tuple[int, int]:
-    """First and last segment bonded together on one side of contact k; (1, 0) for a wall."""
-    n = len(node) - 1
-    if (right and k == n) or (not right and k == 0):
-        return 1, 0
-    first, last = (k + 1, k + 1) if right else (k, k)
-    while right and last < n and node[last].status == Status.BOND:
-        last += 1
-    while not right and first > 1 and node[first - 1].status == Status.BOND:
-        first -= 1
-    return first, last
-
-
 def quiet(line: Any, first: int, last: int) -> bool:
     """Whether no front is under way in these segments."""
     for l in range(2 * first, 2 * last + 2):  # noqa: SIM110
@@ -42,7 +29,7 @@ def survey_group(segment: Any, node: Any, line: Any, log: Any, k: int, s: int, t
     a uniform segment that is free (its waves go round unchanged) or goes on for ever, a wall, or a
     group at rest. The mean of what is held, or goes on for ever, is that to which it will come.
     """
-    first, last = side(node, k, s > k)
+    first, last = segment[s].first, segment[s].last
     it, mass, endless = segment[s], 0 * line[2 * first].arrived, False
     it.bounded = 1
     if last == 0:
@@ -85,7 +72,7 @@ def bound_deviation(segment: Any, node: Any, line: Any, log: Any, k: int, s: int
     """
     it, right, zero = segment[s], s > k, 0 * segment[s].mean
     it.deviation = it.bound = it.slack = zero
-    first, last = side(node, k, right)
+    first, last = it.first, it.last
     if last == 0:
         return
     mass = zero
@@ -123,13 +110,11 @@ def bound_deviation(segment: Any, node: Any, line: Any, log: Any, k: int, s: int
         it.bound, it.slack = 2 * energy * slack, slack
 
 
-def still(node: Any, line: Any, k: int) -> bool:
+def still(segment: Any, node: Any, line: Any, k: int) -> bool:
     """Whether contact k does not close, and no front is under way beside it."""
-    found = bool(node[k].rate >= 0)
-    for right in (False, True):
-        first, last = side(node, k, right)
-        found = found and quiet(line, first, last)
-    return found
+    left, right = segment[k], segment[k + 1]
+    return bool(node[k].rate >= 0 and quiet(line, left.first, left.last)
+                and quiet(line, right.first, right.last))
 
 
 def time_until_apart(
@@ -158,7 +143,7 @@ def finality_time(segment: Any, node: Any, line: Any, log: Any, t: int, tol: Any
     """
     longest = 0.0
     for k in range(len(node)):
-        if node[k].status >= Status.OPEN and longest < NEVER and not still(node, line, k):
+        if node[k].status >= Status.OPEN and longest < NEVER and not still(segment, node, line, k):
             longest = max(longest, time_until_apart(segment, node, line, log, k, t, tol))
     if longest >= NEVER // 2:
         return IDLE

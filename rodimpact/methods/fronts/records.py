@@ -27,6 +27,7 @@ BODY = np.dtype([
 
 SEGMENT = np.dtype([
     ("transit", "i8"), ("mobility", "f8"),  # 1/Z; 0 of a wall
+    ("first", "i8"), ("last", "i8"),  # of the segments bonded to it and to each other; 1, 0 outside
     ("piece", "i8"),  # first of its pieces of constant state at t = 0
     ("initial", "f8"), ("initial_momentum", "f8"), ("initial_vibration", "f8"),
     ("velocity", "f8"),  # of the motion about which it vibrates, as `initial` at t = 0

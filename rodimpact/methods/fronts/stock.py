@@ -39,13 +39,11 @@ def share(segment: Any, node: Any, pushed: bool) -> None:
     """
     first = 1
     while first < len(node):
-        last, more = first - 1, True
+        last = segment[first].last
         mass = momentum = 0 * segment[first].mobility
-        while more:
-            last += 1
-            mass += segment[last].transit / segment[last].mobility
-            momentum += segment[last].momentum
-            more = last < len(node) - 1 and node[last].status == Status.BOND
+        for s in range(first, last + 1):
+            mass += segment[s].transit / segment[s].mobility
+            momentum += segment[s].momentum
         own = momentum / mass
         held = node[first - 1].status == Status.BOND or node[last].status == Status.BOND
         if pushed and not held:
