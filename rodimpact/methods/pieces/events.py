@@ -38,17 +38,11 @@ def happen(
         it.order = 0
 
 
-def speed_before(mass: Any, at: Any, q: int) -> float:
-    """Velocity on the left of link q at the start of the next piece."""
-    if q == 0:
-        return float(at.left[0])
-    return float(mass[at.mass + q - 1].speed[0])
-
-
 def closing_of(mass: Any, at: Any, q: int) -> float:
     """Closing velocity of rigid bodies at the start of the next piece."""
+    before = at.left[0] if q == 0 else mass[at.mass + q - 1].speed[0]
     behind = at.right[0] if q == at.links - 1 else mass[at.mass + q].speed[0]
-    return speed_before(mass, at, q) - float(behind)
+    return float(before - behind)
 
 
 def lightness(mass: Any, at: Any, q: int) -> float:
@@ -134,7 +128,7 @@ def record(
         before = it.closing[N - 1] - it.mobility * it.force[N - 1]
         it.bend = 2 * (it.rate - before) / (h * (X[N] - X[N - 1]))
         touch = Status.OPEN.value if it.status == Status.OPEN else Status.GRAZE.value
-        if acts_or_pushes(it):
+        if it.status != Status.OPEN and it.status != Status.GRAZE:
             count(it, at.rate, h)
             top = series.largest(it.force)
             if ticks > run.window and top > NEAR * it.peak:  # shorter is where breaks nearly meet
@@ -156,11 +150,6 @@ def presses(run: Any, it: Any, top: float) -> bool:
     if it.law >= Law.SPRING:
         return top > 0 and series.largest(it.overlaps) > run.graze * run.shortest * run.tick
     return top * it.ease > run.graze
-
-
-def acts_or_pushes(it: Any) -> bool:
-    """Whether there may be a force in a link."""
-    return bool(it.status != Status.OPEN and it.status != Status.GRAZE)
 
 
 def count(it: Any, power: Any, h: float) -> None:

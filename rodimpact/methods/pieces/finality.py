@@ -90,7 +90,7 @@ def survey(link: Any, mass: Any, line: Any, log: Any, part: Any, second: float, 
         head, last = part[first], first + part[first].parts
         momentum = total = 0.0
         for k in range(first, last):
-            look_at(mass, line, log, part[k], 0.0, tick)
+            look_at(link, mass, line, log, part[k], 0.0, tick)
             momentum += part[k].mass * part[k].own
             total += part[k].mass
         if total > 0:
@@ -104,20 +104,16 @@ def survey(link: Any, mass: Any, line: Any, log: Any, part: Any, second: float, 
         head.bound = total * (off * off) / 2
         head.low = head.high = head.speed
         for k in range(first, last):
-            look_at(mass, line, log, part[k], head.mean, tick)
-            if part[k].kind == Part.JOINT:
-                it = link[part[k].index]
-                part[k].energy = it.stiffness * (it.overlap * it.overlap) / 2
+            look_at(link, mass, line, log, part[k], head.mean, tick)
             head.bound += part[k].energy
-        set_ends(link, line, log, part, first, last, total)
-        for k in range(first, last):
-            if part[k].kind == Part.SEGMENT:
-                add_stretch(head, part[k], second * line[2 * part[k].index].delay)
+        set_ends(link, line, log, part, first, last, total, second)
         first = last
 
 
-def look_at(mass: Any, line: Any, log: Any, it: Any, speed: float, tick: int) -> None:
-    """Set the mean velocity of a part, its energy about a velocity, and means of its waves."""
+def look_at(
+    link: Any, mass: Any, line: Any, log: Any, it: Any, speed: float, tick: int
+) -> None:
+    """Set the mean velocity of a part, its energy about a velocity, and moments of its waves."""
     it.energy = 0.0
     if it.kind == Part.MASS:
         it.own = mass[it.index].speed[0]
@@ -129,42 +125,46 @@ def look_at(mass: Any, line: Any, log: Any, it: Any, speed: float, tick: int) ->
         it.left_wave, it.left_tilt, _, b2 = lines.moments(log, b.head, tick - T, T, speed)
         it.own = speed + (it.right_wave + it.left_wave) / 4
         it.energy = it.mass * (a2 + b2) / 8
+    elif it.kind == Part.JOINT:
+        it.energy = link[it.index].stiffness * (link[it.index].overlap * link[it.index].overlap) / 2
 
 
 def set_ends(
-    link: Any, line: Any, log: Any, part: Any, first: int, last: int, total: float
+    link: Any, line: Any, log: Any, part: Any, first: int, last: int, total: float, second: float
 ) -> None:
-    """Set what is known of the ends of a group but for the stretch of its segments.
+    """Set what is known of the ends of a group.
 
     Waves under way, and what holds the group, are all that an end of a single segment can come to
-    move with. Each part gets the mass fractions g at its two ends, as seen from both ends.
+    move with. A part begins and stops with the mass fractions g and w beyond it as seen from the
+    right end, far and beyond as seen from the left end.
     """
-    head = part[first]
+    head, held = part[first], part[first].held != NONE
     head.left_deviation = head.right_deviation = head.left_slack = head.right_slack = 0.0
-    passed, pieces = 0.0, 0
+    passed, pieces, w, beyond = 0.0, 0, 1.0 if held else 0.0, 1.0
     for k in range(first, last):
-        it = part[k]
-        it.before = passed / total if total > 0 else 0.0
+        it, g, far = part[k], w, beyond
         passed += it.mass
-        it.behind = passed / total if total > 0 else 0.0
-        it.far_before, it.far_behind = 1 - it.before, 1 - it.behind
-        if head.held != NONE:
-            it.before = it.behind = it.far_before = it.far_behind = 1.0
+        if total > 0 and not held:
+            w, beyond = passed / total, 1 - passed / total
         if it.kind == Part.SEGMENT:
             pieces += 1
             low, high = extremes(line, log, 2 * it.index, head.low, head.high)
             head.low, head.high = extremes(line, log, 2 * it.index + 1, low, high)
+            transit = second * line[2 * it.index].delay
+            head.right_deviation += stretch(it, g, w) * transit
+            head.left_deviation -= stretch(it, far, beyond) * transit
+            head.right_slack += it.compliance * (g * g + g * w + w * w) / 3
+            head.left_slack += it.compliance * (far * far + far * beyond + beyond * beyond) / 3
         elif it.kind == Part.JOINT:
             pieces += 2
-            gives = it.compliance
+            gives, c = it.compliance, link[it.index].damping
             if gives > 0:
-                head.right_deviation -= link[it.index].overlap * it.before
-                head.left_deviation += link[it.index].overlap * it.far_before
+                head.right_deviation -= link[it.index].overlap * g
+                head.left_deviation += link[it.index].overlap * far
             else:  # a dashpot stretches by no more than the momentum that passes it, over c
-                c = link[it.index].damping
                 gives = DASHPOT * max(passed, total - passed) / (c * c)
-            head.right_slack += gives * (it.before * it.before)
-            head.left_slack += gives * (it.far_before * it.far_before)
+            head.right_slack += gives * (g * g)
+            head.left_slack += gives * (far * far)
         elif it.kind == Part.MASS:
             pieces += 2
         elif it.index == ENDLESS:
@@ -177,19 +177,14 @@ def set_ends(
     head.plain = pieces <= 1 or last - first == 1
 
 
-def add_stretch(head: Any, it: Any, transit: float) -> None:
-    """Add a segment to deviations and slacks; strain dx = (b - a)/2 dt, g linear along it.
+def stretch(it: Any, g: float, w: float) -> float:
+    """Integral of strain g dx of a segment over its transit time, with g linear from g to w.
 
-    What a sent last is at the left end now, what b sent last at the right end.
+    As dx is c dt, strain dx is (b - a)/2 dt. What a sent last is at the left end now, what b sent
+    last at the right end.
     """
-    strain = (it.left_wave - it.right_wave) * transit / 8
-    slope = (it.left_tilt + it.right_tilt) * transit / 8
-    g, w = it.before, it.behind
-    head.right_deviation += (g + w) * strain + (w - g) * slope
-    head.right_slack += it.compliance * (g * g + g * w + w * w) / 3
-    g, w = it.far_before, it.far_behind
-    head.left_deviation -= (g + w) * strain + (w - g) * slope
-    head.left_slack += it.compliance * (g * g + g * w + w * w) / 3
+    mean, slope = it.left_wave - it.right_wave, it.left_tilt + it.right_tilt
+    return float((g + w) * mean + (w - g) * slope) / 8
 
 
 def extremes(line: Any, log: Any, l: int, low: float, high: float) -> tuple[float, float]:

@@ -80,7 +80,7 @@ def advance(
         return False
     full = ticks
     if which != NONE:
-        ticks = max(1, round_off(0.5 * (where + 1) * full))
+        ticks = max(1, int(0.5 * (where + 1) * full + 0.5))
         if full - ticks <= run.window and link[which].status == Status.OPEN:
             ticks = full  # and with what arrives at the end
         if ticks < full and at.rough:  # means over the shorter time, or momentum would be lost
@@ -107,11 +107,6 @@ def advance(
     limited = at.rough == 1 or (full == end - tick and full < at.length)  # and not by smoothness
     at.length = max(at.length, wish) if limited else wish
     return True
-
-
-def round_off(x: float) -> int:
-    """The nearest whole number."""
-    return int(x + 0.5)
 
 
 def latest(node: Any, tick: int) -> int:

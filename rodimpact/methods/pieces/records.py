@@ -81,8 +81,6 @@ PART = np.dtype([
     ("own", "f8"), ("energy", "f8"),  # mean velocity of the part; J about that of its group
     ("right_wave", "f8"), ("right_tilt", "f8"),  # moments of the waves in a segment
     ("left_wave", "f8"), ("left_tilt", "f8"),
-    ("before", "f8"), ("behind", "f8"),  # share of mass beyond its ends, as the right end sees it
-    ("far_before", "f8"), ("far_behind", "f8"),  # and as the left end of the group does
     # of the group, at its first part
     ("initial", "f8"), ("mean", "f8"),  # velocity of its centre of mass at t = 0, and now
     ("speed", "f8"),  # of the motion about which it swings: that, or of what holds it
