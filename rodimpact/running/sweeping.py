@@ -7,8 +7,8 @@ one row a collision. Whoever runs a chunk, and in which order, its numbers are t
 from __future__ import annotations
 
 import contextlib
-import itertools
 import math
+import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, replace
@@ -34,11 +34,10 @@ from ..storage.writing import PathLike
 from ..units import shown
 from ..version import __version__
 from . import sweep_result as table
-from .jobs import Jobs, Pool, pool_of, run_parts
+from .jobs import Jobs, pool_of
 from .member import row_of
 
-TOGETHER = 1024  # members that are kept, or run again, as one where they run in compiled code
-MOST_BYTES = 1 << 26  # of the results of a job that an executor of others runs
+TOGETHER = 4096  # members that are kept, or run again, as one where they run in compiled code
 
 
 class SweepError(ValueError):
@@ -144,7 +143,7 @@ def sweep(
 
     Notes
     -----
-    An executor gets jobs of about two seconds, at most two for each worker at a time. An interrupt
+    An executor gets jobs of about a second, at most two for each worker at a time. An interrupt
     cancels jobs that wait. Jobs that run end within seconds, or with their present member.
     Processes, dask, and MPI, started by ``mpiexec -n 65 python -m mpi4py.futures program.py``::
 
@@ -205,7 +204,7 @@ def sweep(
         problems += error.problems
     raise_noted(problems)
     together = 0 if _alone(options, readings) else METHODS[options.method].together(Row(system))
-    units = _Units(system.shape, min(TOGETHER, together) if together else 1)
+    units = _Units(math.prod(system.shape), min(TOGETHER, together) or 1)
     of = table.arrays_of(system, readings)
     keep = InMemory(of, units)
     if checkpoint is not None:
@@ -215,9 +214,12 @@ def sweep(
         }
         keep = Checkpoint(checkpoint, described, of, units)
     with contextlib.closing(keep), pool_of(executor, workers) as pool:
-        jobs = _jobs(pool, system, options, readings, units, keep.done, together)
-        news = _News(units, keep.done, pool.workers, together, progress)
-        _collect(jobs, keep, units, news, on_error == "raise")
+        news = _News(keep, pool.workers, together > 0, progress)
+        jobs = Jobs(pool, lambda start, stop: pool.executor.submit(
+            run_job, _members(system, start, stop), options, readings,
+            *([*pool.asking, units.size - stop] if pool.asking else ()),
+        ), units.spans(~keep.done), units.unit, together or TOGETHER)
+        _collect(jobs, keep, news, on_error == "raise")
     if jobs.end < units.size:
         _raise_for(int(jobs.end), system, options)
     shaped = {name: column.reshape((*system.shape, *column.shape[1:]))
@@ -226,85 +228,56 @@ def sweep(
     return table.SweepResult(system, options, shaped, readings, strain)
 
 
-def _jobs(
-    pool: Pool, system: System, options: Options, readings: table.Readings, units: _Units,
-    done: Any, together: int,
-) -> Jobs:
-    """What is to be run; `together` is how many members a method runs in one call."""
-    most = together or units.size
-    first, largest = units.unit, max(most, MOST_BYTES // _bytes(table.arrays_of(system, readings)))
-    if pool.asking:  # what can be asked to stop needs no parts
-        first, largest = most, most
-
-    def submit(start: int, stop: int) -> Any:
-        job = _members(system, start, stop), options, readings, first, most
-        own = [*pool.asking, units.size - stop] if pool.asking else []
-        return pool.executor.submit(run_job, *job, *own)
-
-    return Jobs(pool, submit, units.spans(~done), units.unit, largest)
-
-
-def _collect(jobs: Jobs, keep: InMemory, units: _Units, news: _News, raises: bool) -> None:
+def _collect(jobs: Jobs, keep: InMemory, news: _News, raises: bool) -> None:
     """Put what jobs bring where it is kept, until all is there or, if it `raises`, one is bad."""
-    known = keep.columns["status"]
-    kept = [(start, stop, {"status": known[start:stop]}) for start, stop in units.spans(keep.done)]
+    def look(start: int, status: Any) -> None:
+        if raises and (bad := np.flatnonzero(~np.isin(status, table.ENDED))).size:
+            jobs.end = min(jobs.end, start + int(bad[0]))
+
+    for start, stop in keep.units.spans(keep.done):
+        look(start, keep.columns["status"][start:stop])
     with contextlib.closing(jobs.results()) as results:
-        for parts in itertools.chain([kept], results):
+        for parts in results:
             for start, stop, part in parts:
-                if parts is not kept:
-                    keep.put(start, stop, part)
-                if raises:
-                    jobs.end = min(jobs.end, start + _first_bad(part["status"]))
-            if parts is not kept:
-                news.tell(sum(stop - start for start, stop, _ in parts))
+                keep.put(start, stop, part)
+                look(start, part["status"])
+            news.tell(sum(stop - start for start, stop, _ in parts))
 
 
 class _News:
     """Tells how far a sweep is, and how long it takes."""
 
     def __init__(
-        self, units: _Units, done: Any, workers: int, together: int, progress: Progress | None
+        self, keep: InMemory, workers: int, compiles: bool, progress: Progress | None
     ) -> None:
-        self._size, self._progress = units.size, progress
-        self._ended = sum(stop - start for start, stop in units.spans(done))
-        self._to_do, self._compiles = self._size - self._ended, together > 0
-        self._running = workers * (together or 1)
+        self._size, self._progress = keep.units.size, progress
+        self._ended = sum(stop - start for start, stop in keep.units.spans(keep.done))
+        self._to_do, self._workers, self._compiles = self._size - self._ended, workers, compiles
         self._count_from_here()
 
     def _count_from_here(self) -> None:
-        self._forecast, self._counted = Forecast(warn, "a smaller family", work="this sweep"), (
-            self._ended)
+        self._counted = self._ended
+        self._forecast = Forecast(warn, "a smaller family", work="this sweep")
 
     def tell(self, members: int) -> None:
         """So many more members have ended."""
         self._ended += members
-        total = self._size - self._counted
-        # what runs is all that has been done in this time, at most
-        done = max(self._ended - self._counted, min(self._running, total))
-        if done < total or not self._compiles:  # else the first members wait for machine code
+        if not self._compiles:  # what runs is all that has been done in this time, at most
+            done = max(self._ended - self._counted, self._workers)
+            total = self._size - self._counted
             self._forecast.extrapolate(done, total, f"{self._to_do} collisions")
-        if self._compiles and members:  # the first did
+        elif members:  # the first waited for machine code
             self._compiles = False
             self._count_from_here()
         if self._progress is not None:
             self._progress(self._ended, self._size)
 
 
-def run_job(
-    system: System, options: Options, readings: table.Readings, first: int, most: int, *asking: Any
-) -> tuple[int, float, table.Columns]:
-    """Run the first members of a family in chunks; how many they are, s, and their columns.
-
-    What executors run; `first` and `most` are the members of the first chunk and of any.
-    """
-    parts, count, seconds = run_parts(
-        lambda start, stop: run_chunk(_members(system, start, stop), options, readings, *asking),
-        math.prod(system.shape), first, most,
-    )
-    columns = parts[0]
-    if len(parts) > 1:
-        columns = {name: np.concatenate([part[name] for part in parts]) for name in columns}
-    return count, seconds, columns
+def run_job(*of_chunk: Any) -> tuple[float, table.Columns]:
+    """Run a chunk, as executors do: the s that it took, and its columns."""
+    began = time.perf_counter()
+    columns = run_chunk(*of_chunk)
+    return time.perf_counter() - began, columns
 
 
 def run_chunk(
@@ -388,12 +361,10 @@ def _together(
 
 
 class _Units(Sequence[tuple[int, int]]):
-    """The members of a shape in C order, in spans of at most `most`: whole rows, if they can be."""
+    """So many members in C order, in spans of `unit` that are kept, or run again, as one."""
 
-    def __init__(self, shape: tuple[int, ...], most: int) -> None:
-        rows = [math.prod(shape[axis:]) for axis in range(len(shape) + 1)]
-        row = next(row for row in rows if row <= most)
-        self.size, self.unit = rows[0], row * (most // row)
+    def __init__(self, size: int, unit: int) -> None:
+        self.size, self.unit = size, unit
 
     def __len__(self) -> int:
         return -(-self.size // self.unit)
@@ -410,16 +381,9 @@ class _Units(Sequence[tuple[int, int]]):
 
 def _members(system: System, start: int, stop: int) -> System:
     """Members of a family from `start` to `stop` in C order."""
-    shape, axis, row = system.shape, len(system.shape), 1
-    while axis and start % (more := row * shape[axis - 1]) == 0 and stop % more == 0:
-        axis, row = axis - 1, more
-    if axis == 0:
+    if stop - start == math.prod(system.shape):
         return system
-    outer, first = divmod(start // row, shape[axis - 1])
-    last = first + (stop - start) // row
-    if last <= shape[axis - 1]:  # a box
-        return system[(*np.unravel_index(outer, shape[: axis - 1]), slice(first, last))]
-    return system[np.unravel_index(np.arange(start, stop), shape)]
+    return system[np.unravel_index(np.arange(start, stop), system.shape)]
 
 
 def readings_of(problems: Problems, system: System, gauges: Any, times: Any) -> table.Readings:
@@ -470,12 +434,6 @@ def _also(problems: Problems, given: Any, until: float | None) -> tuple[str, ...
     return tuple(name for name in ALSO if name in given)
 
 
-def _first_bad(status: Any) -> float:
-    """Place of the first member that did not come to its end; infinite if all did."""
-    bad = np.flatnonzero(~np.isin(status, table.ENDED))
-    return int(bad[0]) if bad.size else math.inf
-
-
 def _raise_for(member: int, system: System, options: Options) -> None:
     """Say why a member did not come to its end."""
     index = tuple(int(i) for i in np.unravel_index(member, system.shape))
@@ -485,8 +443,3 @@ def _raise_for(member: int, system: System, options: Options) -> None:
         for path, values in system.parameters.items()
     }
     raise SweepError(index, parameters, f'{reason} (on_error="record" keeps the others)')
-
-
-def _bytes(of: dict[str, tuple[Any, tuple[int, ...]]]) -> int:
-    """Size of the results of a member."""
-    return sum(np.dtype(kind).itemsize * math.prod(beyond) for kind, beyond in of.values())

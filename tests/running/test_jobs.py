@@ -27,7 +27,7 @@ class Cluster(Executor):
     def __init__(self, workers, members, clock):
         self._max_workers, self.clock = workers, clock
         self.free, self.flying, self.number = [0.0] * workers, [], itertools.count()
-        self.now, self.kept_back, self.lasted = 0.0, members, []
+        self.now, self.to_come, self.lasted = 0.0, members, []
 
     def submit(self, run, members, *options):
         begun = self.clock.now = max(self.now, heapq.heappop(self.free))
@@ -35,12 +35,11 @@ class Cluster(Executor):
         end = self.clock.now
         heapq.heappush(self.free, end)
         self.lasted.append(end - begun)
-        size, future = math.prod(members.shape), Future()
-        self.kept_back -= size
-        heapq.heappush(self.flying, (end, next(self.number), size - result[0], result, future))
-        while len(self.flying) == 2 * self._max_workers or (self.flying and not self.kept_back):
-            self.now, _, back, news, done = heapq.heappop(self.flying)
-            self.kept_back += back
+        self.to_come -= math.prod(members.shape)
+        future = Future()
+        heapq.heappush(self.flying, (end, next(self.number), result, future))
+        while len(self.flying) == 2 * self._max_workers or (self.flying and not self.to_come):
+            self.now, _, news, done = heapq.heappop(self.flying)
             done.set_result(news)
         return future
 
@@ -60,7 +59,7 @@ def clock(monkeypatch):
         return columns
 
     clock.bad = []
-    monkeypatch.setattr(jobs, "time", SimpleNamespace(perf_counter=lambda: clock.now))
+    monkeypatch.setattr(sweeping, "time", SimpleNamespace(perf_counter=lambda: clock.now))
     monkeypatch.setattr(sweeping, "run_chunk", run_chunk)
     return clock
 
@@ -107,7 +106,7 @@ def test_what_is_raised_is_the_first_member_in_c_order_whichever_ends_first(cloc
         def submit(self, run, *members):
             job, result = Future(), run(*members)
             delay = 0.0 if len(handed) > 4 else 0.05 * (5 - len(handed))
-            handed.append(result[0])
+            handed.append(math.prod(members[0].shape))
             threading.Timer(delay, job.set_result, [result]).start()
             return job
 
@@ -117,16 +116,7 @@ def test_what_is_raised_is_the_first_member_in_c_order_whichever_ends_first(cloc
     assert sum(handed) < 200  # what comes after it is not begun any more
 
 
-def test_a_job_that_takes_too_long_hands_back_what_it_has_not_begun(clock):
-    """Cheap members make large jobs; the one that meets dear ones ends soon, and so do the next."""
-    seconds = np.where(np.arange(4000) < 2000, 1e-3, 20.0)
-    cluster = Cluster(1, 4000, clock)
-    result = ri.sweep(family(seconds), "finite-difference", executor=cluster)
-    assert result.restitution.tolist() == seconds.tolist()
-    assert np.median(cluster.lasted) == 20.0
-
-
-def test_jobs_that_are_cut_short_fill_a_checkpoint(clock, monkeypatch, tmp_path):
+def test_jobs_fill_a_checkpoint_that_others_go_on_with(clock, monkeypatch, tmp_path):
     """Interrupted once, then gone on with on a cluster of another size."""
     monkeypatch.setattr(sweeping, "TOGETHER", 8)
     seconds = costs("halves", 500)
@@ -145,29 +135,9 @@ def test_jobs_that_are_cut_short_fill_a_checkpoint(clock, monkeypatch, tmp_path)
     cluster = Cluster(5, 500 - done, clock)
     result = ri.sweep(family(seconds), "fronts", executor=cluster, checkpoint=tmp_path)
     assert result.restitution.tolist() == seconds.tolist()
-    assert cluster.kept_back == 0
+    assert cluster.to_come == 0
     again = ri.sweep(family(seconds), "fronts", executor=Cluster(1, 0, clock), checkpoint=tmp_path)
     assert again.restitution.tolist() == seconds.tolist()
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_parts_of_a_job_keep_to_its_units(clock, seed):
-    """Whatever the parts take, a job that is cut short ends where a unit does."""
-    rng = np.random.default_rng(seed)
-    unit = int(rng.integers(1, 8))
-    most, count = unit + int(rng.integers(0, 100)), int(rng.integers(1, 1000))
-    spans = []
-
-    def run(start, stop):
-        spans.append((start, stop))
-        clock.now += rng.choice([0.01, 0.03, 0.5])
-
-    _, done, seconds = jobs.run_parts(run, count, unit, most)
-    assert seconds == clock.now
-    assert [at for at, _ in spans] == [0, *(stop for _, stop in spans[:-1])]
-    assert max(stop - start for start, stop in spans) <= most
-    assert done == spans[-1][1]
-    assert done == count or (done % unit == 0 and seconds >= jobs.LONGEST)
 
 
 def test_an_interrupt_cancels_what_waits(clock):

@@ -1,6 +1,5 @@
 """Families of collisions: the same numbers as one at a time, whoever runs them."""
 
-import itertools
 import multiprocessing
 import warnings
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
@@ -15,7 +14,6 @@ import rodimpact as ri
 from rodimpact import theory
 from rodimpact.methods import kernels
 from rodimpact.methods.family import ALSO
-from rodimpact.running.sweeping import _members, _Units
 
 STEEL = ri.materials.steel
 
@@ -463,34 +461,6 @@ def test_progress_counts_collisions(small_chunks):
     ri.sweep(small_map(), progress=lambda done, total: seen.append((done, total)))
     assert seen[-1] == (35, 35)
     assert [done for done, _ in seen] == sorted(done for done, _ in seen)
-
-
-@pytest.mark.parametrize("most", [1, 2, 3, 7, 1000])
-@pytest.mark.parametrize("shape", [(), (1,), (5,), (3, 4), (2, 1, 7), (4, 9)])
-def test_units_cut_a_shape_in_c_order(shape, most):
-    units = _Units(shape, most)
-    assert all(0 < stop - start <= most for start, stop in units)
-    found = [member for span in units for member in range(*span)]
-    assert found == list(range(np.prod(shape, dtype=int)))
-    wanted = np.arange(len(units)) % 3 > 0
-    spans = units.spans(wanted)
-    assert [m for span in spans for m in range(*span)] == [
-        m for span, want in zip(units, wanted, strict=True) if want for m in range(*span)]
-    assert all(stop < start for (_, stop), (start, _) in itertools.pairwise(spans))
-
-
-@pytest.mark.parametrize("shape", [(1,), (5,), (3, 4), (2, 1, 7), (2, 3, 4)])
-def test_members_are_those_in_c_order(shape):
-    size = np.prod(shape)
-    lengths = np.linspace(0.1, 0.9, size).reshape(shape)
-    family = pair(lengths, 1e-4)
-    for start, stop in itertools.combinations(range(size + 1), 2):
-        part = _members(family, start, stop)
-        found = np.broadcast_to(part.bodies[0].length, part.shape)
-        assert found.ravel().tolist() == lengths.ravel()[start:stop].tolist()
-
-
-# Results -----------------------------------------------------------------------------------------
 
 
 def test_axes_and_parameters_have_the_names_of_a_case_file():
