@@ -66,7 +66,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     if not too_short and (reason := nothing_to_draw(solution)):
         raise InvalidModel([(case.path, as_keys(reason))])
     note("drawing")
-    with (naming(lambda path: _OPTIONS.get(path, path)),
+    with (naming(_OPTIONS),
           plot.look("dark" if arguments.dark else "light")):
         film = plot.animation(solution, arguments.field, shown["frames"], shown["fps"],
                               magnification=shown.get("magnify"))

@@ -43,13 +43,17 @@ def attempt(
 
 
 @contextmanager
-def naming(option: Callable[[str], str]) -> Iterator[None]:
-    """Mistakes bear the options that gave the arguments; other ValueErrors that of no argument."""
+def naming(options: Mapping[str, str], every: str = "") -> Iterator[None]:
+    """Mistakes bear the options that gave the arguments, or every one the same.
+
+    An error that names no argument has the path "".
+    """
     try:
         yield
     except ValueError as error:
         found = getattr(error, "problems", [("", str(error))])
-        raise InvalidModel([(option(path), message) for path, message in found]) from error
+        raise InvalidModel([(every or options.get(path, path), message)
+                            for path, message in found]) from error
 
 
 def quantity(problems: Problems, option: str, text: str, dimension: str) -> float:

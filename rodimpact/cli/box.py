@@ -199,7 +199,7 @@ def draw(
     from ..plot.moments import moments
 
     with plot.style.coloured(look_of(arguments)):
-        figures = []
+        figures: list[Any] = []
         for replay in replays:
             solution = replay.solution
             axes = (

@@ -99,7 +99,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
         forecast.expect(seconds, f"{solution.run.events} events")
         for name, place in places.items():
             forecast.reached(len(laid), len(places))
-            with naming(lambda _, name=name: f"--gauge {name}"):
+            with naming({}, f"--gauge {name}"):
                 laid[name] = _laid(measured[name], _predicted(solution, place, given), given)
     wrote = write(files, {"--save": partial(_draw, laid)}, arguments.force)
     status = wrote or status_of(solution)
@@ -110,8 +110,7 @@ def _prepared(
     name: str, signal: Signal, bridge: Bridge | None, given: dict[str, float]
 ) -> Signal:
     """A channel as strain if there is a bridge, cut to what is compared."""
-    options = {"volts": "--bridge", "start, end": "--start, --stop"}
-    with naming(lambda path: f"{options.get(path, path)} of {name}"):
+    with naming({"volts": f"--bridge of {name}", "start, end": f"--start, --stop of {name}"}):
         strain = signal if bridge is None else bridge.strain(signal)
         return strain.window(given.get("start", signal.start), given.get("stop", signal.end))
 

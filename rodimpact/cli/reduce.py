@@ -78,7 +78,7 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     gauges = _gauges(places, signals, bridge, first, float(bars[0].length))
     options = {"bars": case.path, "align_within": "--align-within",
                **dict.fromkeys(("", "input_gauges", "output_gauges"), "--gauge")}
-    with naming(lambda path: options.get(path, path)):
+    with naming(options):
         found = reduce(
             *gauges, bars, specimen, compression=arguments.compression,
             align_within=given.get("align_within", 0.0))
@@ -103,7 +103,7 @@ def _gauges(
     """Gauges of the input and of the output bar, with their distances from the specimen."""
     sides: tuple[list[BarGauge], list[BarGauge]] = [], []
     for name, (body, x) in places.items():
-        with naming(lambda _, name=name: f"--gauge {name}"):  # such as a signal in no volts
+        with naming({}, f"--gauge {name}"):  # such as a signal in no volts
             strain = signals[name] if bridge is None else bridge.strain(signals[name])
             sides[body - first].append(BarGauge(strain, length - x if body == first else x))
     return sides

@@ -7,11 +7,8 @@ from textwrap import wrap
 from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib import collections, colorbar, colors, patches
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection, QuadMesh
-from matplotlib.colorbar import Colorbar
-from matplotlib.colors import Normalize
-from matplotlib.patches import Patch
 
 from ..algebra.atlas import Atlas
 from ..model import System
@@ -31,9 +28,9 @@ class AtlasPicture(NamedTuple):
     """Artists of an atlas: colours of e, and borders by the kind of change."""
 
     ax: Axes
-    cells: QuadMesh
-    borders: list[LineCollection]
-    colour_bar: Colorbar
+    cells: collections.QuadMesh
+    borders: list[collections.LineCollection]
+    colour_bar: colorbar.Colorbar
 
 
 @style.styled
@@ -74,28 +71,26 @@ def atlas(found: Atlas, ax: Axes | None = None) -> AtlasPicture:
     x, y = (edge * scale.factor for edge, scale in zip(edges, scales, strict=True))
     low = float(np.nanmin(e)) if np.isfinite(e).any() else 0.0
     cells = ax.pcolormesh(x, y, np.ma.masked_invalid(e), cmap=style.RISING, rasterized=True,
-                          norm=Normalize(low, max(1.0, low + 1e-3)), zorder=1)
+                          norm=colors.Normalize(low, max(1.0, low + 1e-3)), zorder=1)
     lines = found.lines * [scale.factor for scale in scales]
     drawn = []
-    for what, kind, how in (
-        ("another formula", 0, {"linewidths": 0.8, "linestyles": "-"}),
-        ("other contacts", 1, {"linewidths": 2.0, "linestyles": "-"}),
-        ("e = 1", 2, {"linewidths": 2.0, "linestyles": "-"}),
-    ):
+    for kind, (what, width, colour) in enumerate((
+            ("another formula", 0.8, ink), ("other contacts", 2.0, ink),
+            ("e = 1", 2.0, style.colours().series[4]))):
         here = lines[_kinds(found)[found.of_line] == kind]
         if len(here):
-            colour = ink if kind < 2 else style.colours().series[4]
-            drawn.append(LineCollection(here, colors=colour, label=what, zorder=3 + kind, **how))
+            drawn.append(collections.LineCollection(
+                here, colors=colour, label=what, zorder=3 + kind, linewidths=width))
             ax.add_collection(drawn[-1])
     handles: list[Any] = list(drawn)
     if np.isnan(e).any():
-        handles.append(Patch(facecolor=paper, edgecolor=faint, label="no value, or unresolved"))
+        handles.append(patches.Patch(
+            facecolor=paper, edgecolor=faint, label="no value, or unresolved"))
     with suppress(ImportError):  # formulas need sympy
         _name_largest(ax, found, scales)
-    ax.set(xlim=x[[0, -1]], ylim=y[[0, -1]], xlabel=scales[0].label, ylabel=scales[1].label)
     bar = style.colour_bar(ax, cells, "coefficient of restitution e")
-    style.legend_above(ax, handles)
-    style.dress(ax)
+    style.dress(ax, handles, xlim=x[[0, -1]], ylim=y[[0, -1]], xlabel=scales[0].label,
+                ylabel=scales[1].label)
     return AtlasPicture(ax, cells, drawn, bar)
 
 
@@ -127,10 +122,8 @@ def _scale(system: System, path: str, low: float, high: float) -> Scale:
 def _kinds(found: Atlas) -> Any:
     """What changes at the places of the borders: 0 the formula alone, 1 contacts, 2 at e = 1."""
     contacts = [found.contacts[r] if r >= 0 else None for r in range(-1, len(found.contacts))]
-    kinds = np.array([
-        int(None not in (pair := (contacts[a + 1], contacts[b + 1])) and pair[0] != pair[1])
-        for a, b in found.between
-    ], dtype=int)
+    pairs = [(contacts[a + 1], contacts[b + 1]) for a, b in found.between]
+    kinds = np.array([None not in pair and pair[0] != pair[1] for pair in pairs], dtype=int)
     for region, i in {region: i for i, region in enumerate(found.region)}.items():
         here = np.flatnonzero((found.between == region).any(axis=1))
         e = found.cells[i].restitution(*found.borders[here].T)

@@ -7,11 +7,9 @@ from itertools import groupby, pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib import collections, colors, patches
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
-from matplotlib.patches import Rectangle
 
 from ..methods.signals import Floats
 from ..model import Absorbing, RigidMass, Rod
@@ -111,11 +109,11 @@ class Bars:
                         color=self.colours.ink, markersize=3.5, zorder=4)
         return marks
 
-    def rods(self, numbers: Floats, norm: Normalize) -> PolyCollection:
+    def rods(self, numbers: Floats, norm: colors.Normalize) -> collections.PolyCollection:
         """A polygon for each piece, with these numbers; outlined each where pieces are few."""
         lines: Any = ({"linewidths": 0.0, "antialiased": False} if self.stepped
                       else {"linewidths": 0.6, "edgecolors": self.colours.ink})
-        bars = PolyCollection(
+        bars = collections.PolyCollection(
             [[(p.left, -p.row - p.half), (p.right, -p.row - p.half),
               (p.right, -p.row + p.half), (p.left, -p.row + p.half)] for p in self.pieces],
             array=numbers, cmap=self.colours.signed, norm=norm, zorder=2,
@@ -123,20 +121,21 @@ class Bars:
         self.ax.add_collection(bars)
         return bars
 
-    def outlines(self) -> LineCollection | None:
+    def outlines(self) -> list[collections.LineCollection]:
         """Lines round the rods where pieces are many."""
         if not self.stepped:
-            return None
+            return []
         lines = []
         for (row, _), rod in groupby(self.pieces, lambda piece: piece[:2]):
             upper = [(x, p.half - row) for p in rod for x in (p.left, p.right)]
             lower = [(x, -2.0 * row - y) for x, y in reversed(upper)]
             lines.append([*upper, *lower, upper[0]])
-        drawn = LineCollection(lines, colors=self.colours.ink, linewidths=0.6, zorder=2.5)
+        drawn = collections.LineCollection(
+            lines, colors=self.colours.ink, linewidths=0.6, zorder=2.5)
         self.ax.add_collection(drawn)
-        return drawn
+        return [drawn]
 
-    def walls(self) -> tuple[list[Rectangle], list[Line2D]]:
+    def walls(self) -> tuple[list[patches.Rectangle], list[Line2D]]:
         """A hatched block beyond the face of each wall and fixed end, and the faces."""
         depth = WALL * self.plan.row * self.place.factor
         blocks, faces = [], []
@@ -147,7 +146,7 @@ class Bars:
                 faces += self._upright(face, row, 0.45, linewidth=1.5)
         return blocks, faces
 
-    def masses(self) -> list[Rectangle]:
+    def masses(self) -> list[patches.Rectangle]:
         """A block for each rigid mass."""
         width = self.plan.block * self.place.factor
         return [self._block(left, row, width, THICKNESS, zorder=3, **mass_style())
@@ -208,9 +207,11 @@ class Bars:
         return self.ax.plot([x, x], [-row - half, -row + half],
                             **{"color": self.colours.ink, **how})
 
-    def _block(self, left: float, row: int, width: float, height: float, **how: Any) -> Rectangle:
+    def _block(
+        self, left: float, row: int, width: float, height: float, **how: Any
+    ) -> patches.Rectangle:
         """A rectangle in a row."""
-        block = Rectangle((left, -row - height / 2), width, height, **how)
+        block = patches.Rectangle((left, -row - height / 2), width, height, **how)
         self.ax.add_patch(block)
         return block
 

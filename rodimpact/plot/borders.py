@@ -6,11 +6,9 @@ from collections.abc import Mapping
 from typing import Any, TypeAlias
 
 import numpy as np
+from matplotlib import collections, patches, patheffects
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
-from matplotlib.patches import Polygon
-from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from ..methods.signals import Floats
@@ -44,18 +42,18 @@ class Borders:
         """Path of an end of a body, straight between `times`."""
         return self.plane.points(self.plan.end(body, right, times), times)
 
-    def _strip(self, left: Floats, right: Floats, **style: Any) -> Polygon:
+    def _strip(self, left: Floats, right: Floats, **style: Any) -> patches.Polygon:
         """Fill what lies between two paths."""
-        strip = Polygon(np.concatenate((left, right[::-1])), **style)
+        strip = patches.Polygon(np.concatenate((left, right[::-1])), **style)
         self.ax.add_patch(strip)
         return strip
 
-    def _lines(self, paths: list[Floats], **style: Any) -> LineCollection:
-        lines = LineCollection(paths, **{"colors": self.colours.ink, **style})
+    def _lines(self, paths: list[Floats], **style: Any) -> collections.LineCollection:
+        lines = collections.LineCollection(paths, **{"colors": self.colours.ink, **style})
         self.ax.add_collection(lines)
         return lines
 
-    def ends(self) -> LineCollection:
+    def ends(self) -> collections.LineCollection:
         """Paths of the ends of all rods; dashed where waves leave for good."""
         last, edges = len(self.system.bodies) - 1, self.plan.solution.fields.edges
         outer = dict(zip([(0, False), (last, True)], self.system.ends, strict=True))
@@ -68,7 +66,7 @@ class Borders:
             zorder=3, linewidths=[open_["linewidth"] if a else 0.8 for a in absorbing],
             linestyles=[open_["linestyle"] if a else "-" for a in absorbing])
 
-    def contacts(self) -> tuple[LineCollection, LineCollection, LineCollection]:
+    def contacts(self) -> list[collections.LineCollection]:
         """Where bodies press, where they touch without force, and where a gap has no width."""
         paths: tuple[list[Floats], ...] = [], [], []
         for history in self.plan.solution.contacts:
@@ -83,12 +81,12 @@ class Borders:
                 track = self.plane.points(self.plan.between(history.index, times), times)
                 for each, inside in zip(paths, (presses, touches, apart), strict=True):
                     each += _stretches(track, inside)
-        casing = [withStroke(linewidth=4.5, foreground=self.colours.paper)]
-        return (
-            self._lines(paths[0], linewidths=3.0, zorder=5, path_effects=casing, label="pressing",
-                        capstyle="butt"),
-            self._lines(paths[1], linewidths=1.2, zorder=4, label="touching", capstyle="butt"),
-            self._lines(paths[2], zorder=4, label="apart", capstyle="butt", **apart_style()))
+        casing = [patheffects.withStroke(linewidth=4.5, foreground=self.colours.paper)]
+        looks: dict[str, Any] = {
+            "pressing": {"linewidths": 3.0, "zorder": 5, "path_effects": casing},
+            "touching": {"linewidths": 1.2, "zorder": 4}, "apart": {"zorder": 4, **apart_style()}}
+        return [self._lines(track, label=label, capstyle="butt", **look)
+                for track, (label, look) in zip(paths, looks.items(), strict=True)]
 
     def _turns(self, history: ContactHistory) -> Floats:
         """Times between which a contact presses, touches or is open."""
@@ -100,7 +98,7 @@ class Borders:
         start, stop = self.plane.span
         return np.concatenate(([start], turns[(turns > start) & (turns < stop)], [stop]))
 
-    def springs(self) -> list[Polygon]:
+    def springs(self) -> list[patches.Polygon]:
         """Where the springs of compliant contacts are pressed."""
         bands = []
         for history, *faces in self.plan.springs(self.times):
@@ -111,7 +109,7 @@ class Borders:
                           for band in _stretches(ends, history.gap(self.times)[:-1] < 0)]
         return bands
 
-    def walls(self) -> list[Polygon]:
+    def walls(self) -> list[patches.Polygon]:
         """Hatched bands beyond the faces of walls and fixed ends."""
         depth, times, bands = WALL * self.plan.row, np.array(self.plane.span), []
         for i, right in self.plan.walls():
@@ -122,14 +120,14 @@ class Borders:
             self.ax.plot(*face.T, color=self.colours.ink, linewidth=1.5, zorder=3.5)
         return bands
 
-    def masses(self) -> list[Polygon]:
+    def masses(self) -> list[patches.Polygon]:
         """Dark strips along the paths of rigid masses."""
         return [self._strip(*(self._track(i, right, self.cut.bends(i, 0.0))
                               for right in (False, True)),
                             zorder=2.5, label="rigid mass", **mass_style())
                 for i, body in enumerate(self.system.bodies) if isinstance(body, RigidMass)]
 
-    def joints(self) -> list[Polygon]:
+    def joints(self) -> list[patches.Polygon]:
         """Hatched strips between the faces that joints hold together."""
         style = {"facecolor": self.colours.paper, "edgecolor": self.colours.ink, "hatch": "xxxxx",
                  "linewidth": 3.0, "linestyle": (0, (0.5, 0.5)), "zorder": 2.5, "label": "joint"}
@@ -140,7 +138,7 @@ class Borders:
     def centres(self) -> list[Line2D]:
         """Dashed paths of the centres of mass of rods that move in the picture."""
         times = np.linspace(*self.plane.span, CENTRES)
-        casing = [withStroke(linewidth=2.2, foreground=self.colours.paper, alpha=0.6)]
+        casing = [patheffects.withStroke(linewidth=2.2, foreground=self.colours.paper, alpha=0.6)]
         return [line for i, body in enumerate(self.system.bodies)
                 if isinstance(body, Rod) and self.plan.magnification
                 for line in self.ax.plot(
@@ -150,7 +148,7 @@ class Borders:
 
     def gauges(self, records: Mapping[str, Gauge]) -> list[Line2D]:
         """Paths of strain gauges, each with its name."""
-        casing = [withStroke(linewidth=2.4, foreground=self.colours.paper)]
+        casing = [patheffects.withStroke(linewidth=2.4, foreground=self.colours.paper)]
         turn: Any = {"rotation": 0, "ha": "left", "xytext": (3, 2)} if self.plane.across else {
             "rotation": 90, "ha": "right", "xytext": (-2, 3)}
         paths = []
@@ -196,7 +194,7 @@ def drive_style() -> dict[str, Any]:
 def apart_style() -> dict[str, Any]:
     """The line that stands for a gap."""
     return {"color": colours().paper, "linewidth": 2.4,
-            "path_effects": [withStroke(linewidth=3.6, foreground=colours().ink)]}
+            "path_effects": [patheffects.withStroke(linewidth=3.6, foreground=colours().ink)]}
 
 
 def open_style() -> dict[str, Any]:

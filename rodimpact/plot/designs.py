@@ -85,9 +85,8 @@ def design(found: PulseDesign | RestitutionDesign, ax: Axes | None = None) -> De
         label += f", {len(found.bounded)} of {len(rod.segments)} areas at a limit"
     reached = line(found.reached, color=colours().ink, linewidth=1.2, label=label)
     ax.axhline(0.0, color=colours().faint, linewidth=0.6, zorder=0)
-    ax.set(xlim=(0, end * time.factor), xlabel=time.label, ylabel=force.label)
-    legend_above(ax, [wanted, reached])
-    dress(ax)
+    dress(ax, [wanted, reached], xlim=(0, end * time.factor), xlabel=time.label,
+          ylabel=force.label)
     return Design(ax, wanted, reached, outline)
 
 
@@ -103,11 +102,10 @@ def _silhouette(ax: Axes, rod: Rod) -> StepPatch:
                      baseline=-radii * thickness.factor, facecolor=colours().wall,
                      edgecolor=colours().ink, linewidth=0.8)
     reach = 1.1 * float(radii.max()) * thickness.factor
-    ax.set(xlim=(0, 1.02 * edges[-1] * place.factor), ylim=(-reach, reach), xlabel=place.label,
-           ylabel=f"from axis\n({thickness.unit})")
+    dress(ax, xlim=(0, 1.02 * edges[-1] * place.factor), ylim=(-reach, reach), xlabel=place.label,
+          ylabel=f"from axis\n({thickness.unit})")
     ax.annotate("striking end", (edges[-1] * place.factor, 0.0), (-4, 0),
                 textcoords="offset points", ha="right", va="center", fontsize=SMALL)
-    dress(ax)
     return body
 
 

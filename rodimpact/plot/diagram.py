@@ -7,12 +7,9 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from matplotlib.artist import Artist
+from matplotlib import artist, collections, colorbar, patches
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection, PolyCollection, QuadMesh, TriMesh
-from matplotlib.colorbar import Colorbar
 from matplotlib.lines import Line2D
-from matplotlib.patches import Polygon
 from matplotlib.text import Text
 
 from ..model import Absorbing
@@ -38,15 +35,15 @@ class SpaceTime(NamedTuple):
     """
 
     ax: Axes
-    regions: PolyCollection | TriMesh | QuadMesh
-    ends: LineCollection
-    pressing: LineCollection
-    touching: LineCollection
-    apart: LineCollection
-    walls: list[Polygon]
+    regions: collections.PolyCollection | collections.TriMesh | collections.QuadMesh
+    ends: collections.LineCollection
+    pressing: collections.LineCollection
+    touching: collections.LineCollection
+    apart: collections.LineCollection
+    walls: list[patches.Polygon]
     labels: list[Text]
-    colour_bar: Colorbar
-    masses: list[Polygon]
+    colour_bar: colorbar.Colorbar
+    masses: list[patches.Polygon]
     scale: Scale
     gauges: list[Line2D]
     centres: list[Line2D]
@@ -154,7 +151,7 @@ def spacetime(
     plane.dress(ax, plan)
     bar = colour_bar(ax, drawn, scale.label, rest * scale.factor)
     marks = [lines for lines in contacts if lines.get_segments()]
-    named: list[Artist] = [Line2D([], [], label="apart", **apart_style())
+    named: list[artist.Artist] = [Line2D([], [], label="apart", **apart_style())
                            if lines is contacts[2] else lines for lines in marks]
     named += [*springs[:1], *masses[:1], *joints[:1], *drives, *centres[:1]]
     if any(isinstance(end, Absorbing) for end in solution.system.ends):

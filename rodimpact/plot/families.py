@@ -13,17 +13,10 @@ from itertools import groupby
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
-from matplotlib.artist import Artist
+from matplotlib import artist, collections, colorbar, colors, contour, patches, patheffects, ticker
 from matplotlib.axes import Axes
-from matplotlib.collections import QuadMesh
-from matplotlib.colorbar import Colorbar
-from matplotlib.colors import BoundaryNorm, Colormap, Normalize
-from matplotlib.contour import QuadContourSet
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch, StepPatch
-from matplotlib.patheffects import withStroke
 from matplotlib.text import Text
-from matplotlib.ticker import MaxNLocator
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike, NDArray
 
@@ -56,7 +49,7 @@ class Curve(NamedTuple):
     """Artists of a family with one axis; `theory` is the closed form, if there is one."""
 
     ax: Axes
-    values: Line2D | StepPatch
+    values: Line2D | patches.StepPatch
     theory: Line2D | None
 
 
@@ -65,11 +58,11 @@ class Map(NamedTuple):
     """Artists of a family with two axes; `theory` holds lines of equal times and impedances."""
 
     ax: Axes
-    cells: QuadMesh
-    contours: QuadContourSet | None
+    cells: collections.QuadMesh
+    contours: contour.QuadContourSet | None
     labels: list[Text]
-    theory: list[QuadContourSet]
-    colour_bar: Colorbar
+    theory: list[contour.QuadContourSet]
+    colour_bar: colorbar.Colorbar
 
 
 @style.picture
@@ -149,8 +142,8 @@ def _column(result: SweepResult, quantity: str) -> NDArray[Any]:
         groups = [list(g) for _, g in groupby(result.columns, lambda name: name.partition(".")[0])]
         known = [f"{first} to {others[-1].partition('.')[2]}" if others else first
                  for first, *others in groups]
-        message = f"must be one of {', '.join(known)}, got {shown_text(quantity)}{hint}"
-        raise refusal("quantity", f"{message}")
+        raise refusal("quantity",
+                      f"must be one of {', '.join(known)}, got {shown_text(quantity)}{hint}")
     column: NDArray[Any] = result.columns[quantity]
     if not np.isfinite(column).any():
         raise refusal(
@@ -182,7 +175,7 @@ def draw_curve(ax: Axes, side: Side, shown: Shown, theory: PairTheory | None) ->
     dress_side(ax, "x", side)
     ink = style.colours().ink
     law = None if theory is None else _law(ax, side, shown, theory)
-    drawn: Line2D | StepPatch
+    drawn: Line2D | patches.StepPatch
     if shown.is_count:
         drawn = ax.stairs(shown.values, side.edges, baseline=None, color=ink, linewidth=1.4)
         count_ticks(ax.yaxis, shown)
@@ -198,12 +191,9 @@ def draw_curve(ax: Axes, side: Side, shown: Shown, theory: PairTheory | None) ->
     least = float(np.nanmin(shown.values))
     low, high = min(0.0, least), max(0.0, float(np.nanmax(shown.values)))
     room = 0.05 * (high - low) or 1.0
-    ax.set(ylim=(low if least > low + room else low - room, high + room),
-           ylabel=shown.scale.label)
     style.grid(ax)
-    if law is not None:
-        style.legend_above(ax, [law, drawn])
-    style.dress(ax)
+    style.dress(ax, () if law is None else (law, drawn), ylabel=shown.scale.label,
+                ylim=(low if least > low + room else low - room, high + room))
     return Curve(ax, drawn, law)
 
 
@@ -251,42 +241,45 @@ def draw_map(ax: Axes, across: Side, up: Side, shown: Shown, theory: PairTheory 
     contours, labels = (None, []) if shown.is_count else _contours(
         ax, plane, shown.values[np.ix_(i, j)], palette, norm)
     paper, ink, faint, *_ = style.colours()
-    handles: list[Artist] = []
-    lines: list[QuadContourSet] = []
+    handles: list[artist.Artist] = []
+    lines: list[contour.QuadContourSet] = []
     for name, dash, excess in _equalities(theory, across.is_log or up.is_log):
         where_met = np.where(np.isfinite(shown.values), np.round(excess, 12), np.nan)[np.ix_(i, j)]
         if (where_met < 0).any() and (where_met > 0).any():
-            lines.append(_zero(ax, plane, where_met, dash))
+            lines.append(ax.contour(
+                *plane, np.ma.masked_invalid(where_met.T), levels=[0.0], colors=ink,
+                linewidths=1.4, linestyles=dash, zorder=4))
+            lines[-1].set_path_effects([patheffects.withStroke(linewidth=2.6, foreground=paper)])
             handles.append(Line2D([], [], color=ink, linewidth=1.4, linestyle=dash, label=name))
     if np.isnan(shown.values).any():
-        handles.append(Patch(facecolor=paper, edgecolor=faint, label="no value"))
+        handles.append(patches.Patch(facecolor=paper, edgecolor=faint, label="no value"))
     bar = style.colour_bar(ax, cells, shown.scale.label)
     if shown.is_count:
         count_ticks(bar.ax.yaxis, shown)
-    style.legend_above(ax, handles)
-    style.dress(ax)
+    style.dress(ax, handles)
     return Map(ax, cells, contours, labels, lines, bar)
 
 
-def _colours(shown: Shown) -> tuple[Colormap, Normalize]:
+def _colours(shown: Shown) -> tuple[colors.Colormap, colors.Normalize]:
     """Colours and limits: one colour a count, symmetric about 0 where signs differ."""
     low, high = float(np.nanmin(shown.values)), float(np.nanmax(shown.values))
     if shown.words:
         low, high = 0.0, len(shown.words) - 1.0
     count = int(high - low) + 1
     if shown.is_count and count <= COLOURS:
-        return style.RISING.resampled(count), BoundaryNorm(low - 0.5 + np.arange(count + 1), count)
+        borders = low - 0.5 + np.arange(count + 1)
+        return style.RISING.resampled(count), colors.BoundaryNorm(borders, count)
     largest = max(-low, high)
     if low < -ROUND_OFF * largest and high > ROUND_OFF * largest:
         return style.colours().signed, style.centred((low, high))
     if high - low <= ROUND_OFF * largest:
         low, high = min(low, 0.0), max(high, 0.0)
-    return style.RISING, Normalize(low, high if high > low else low + 1.0)
+    return style.RISING, colors.Normalize(low, high if high > low else low + 1.0)
 
 
 def _contours(
-    ax: Axes, plane: Plane, values: Floats, palette: Colormap, norm: Normalize
-) -> tuple[QuadContourSet | None, list[Text]]:
+    ax: Axes, plane: Plane, values: Floats, palette: colors.Colormap, norm: colors.Normalize
+) -> tuple[contour.QuadContourSet | None, list[Text]]:
     """Draw lines at round values, each with its value, up to the jumps and not across them."""
     known = values[np.isfinite(values)]
     low, high = float(known.min(initial=np.inf)), float(known.max(initial=-np.inf))
@@ -294,7 +287,7 @@ def _contours(
         return None, []
     near = 0.002 * (high - low)
     levels = [
-        x for x in MaxNLocator(8, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
+        x for x in ticker.MaxNLocator(8, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
         if low + 10 * near < x < high - 10 * near
         and np.sum(np.abs(known - x) < near) < PLATEAU * max(values.shape)
     ]
@@ -323,14 +316,6 @@ def _equalities(
 
     return [("equal transit times: e = 1", "-", excess(*theory.transit_time)),
             ("equal impedances", "--", excess(*theory.impedance))]
-
-
-def _zero(ax: Axes, plane: Plane, values: Floats, dash: str) -> QuadContourSet:
-    """Draw where values are 0."""
-    lines = ax.contour(*plane, np.ma.masked_invalid(values.T), levels=[0.0],
-                       colors=style.colours().ink, linewidths=1.4, linestyles=dash, zorder=4)
-    lines.set_path_effects([withStroke(linewidth=2.6, foreground=style.colours().paper)])
-    return lines
 
 
 @style.styled
@@ -380,9 +365,8 @@ def restitution(ratios: ArrayLike, values: ArrayLike, ax: Axes | None = None) ->
     note = f"largest |e {MINUS} ℓ₁/ℓ₂| = {np.abs(e - x).max():.1e}\nin {e.size} collisions"
     residual = ax.text(0.98, 0.04, note, transform=ax.transAxes, ha="right", va="bottom",
                        fontsize=style.SMALL + 1)
-    ax.set(xlim=(0, reach), ylim=(0, max(reach, 1.05 * float(e.max()))), aspect="equal",
-           xlabel="ratio of lengths ℓ₁/ℓ₂", ylabel="coefficient of restitution e")
     style.grid(ax)
     ax.legend(loc="upper left", frameon=False, fontsize=style.SMALL + 1)
-    style.dress(ax)
+    style.dress(ax, xlim=(0, reach), ylim=(0, max(reach, 1.05 * float(e.max()))), aspect="equal",
+                xlabel="ratio of lengths ℓ₁/ℓ₂", ylabel="coefficient of restitution e")
     return Restitution(ax, law, points, residual)

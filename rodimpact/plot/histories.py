@@ -23,7 +23,7 @@ from ..results.contacts import ContactHistory
 from ..results.solution import Solution, check_solution
 from . import style
 from .moments import round_trips
-from .sampling import INTERVALS, evenly, fine, telling
+from .sampling import INTERVALS, evenly, steps_until, telling
 from .scales import engineering, time_scale, written
 
 MARKED_UP_TO = 3  # episodes of contact
@@ -106,14 +106,12 @@ def contact(
     if overlaps or Joint in laws:
         gap_ax.axhline(0.0, color=style.colours().faint, linewidth=0.6, zorder=0)
     gap_ax.set_xlabel(drawn.time.label)
-    for each, label in ((force_ax, drawn.scale.label), (gap_ax, scale.label)):
-        each.set_ylabel(style.broken(label, style.extent(each)[1]))
-        style.dress(each)
-        each.set_xlim(0, solution.t_end * time)
+    for each, label, named in ((force_ax, drawn.scale.label, forces[len(forces) == 1 :]),
+                               (gap_ax, scale.label, ())):
         low, high = min(0.0, each.dataLim.y0), max(0.0, each.dataLim.y1)
-        each.set_ylim(1.1 * low, 1.3 * high or (1.0 if low == 0 else -0.1 * low))  # room for words
-    if len(gaps) > 1:
-        style.legend_above(force_ax, forces)
+        high = 1.3 * high or (1.0 if low == 0 else -0.1 * low)  # room for words
+        style.dress(each, named, ylabel=style.broken(label, style.extent(each)[1]),
+                    xlim=(0, solution.t_end * time), ylim=(1.1 * low, high))
     marks = [] if len(gaps) > 1 else _marks(solution, drawn, force_ax, gap_ax)
     return Contact(force_ax, gap_ax, forces, gaps, marks)
 
@@ -169,11 +167,10 @@ class Forces:
             ax.axhline(i, color=style.colours().faint, linewidth=0.6, zorder=0)
         shown = evenly(len(self.records), NAMED_UP_TO)
         ax.set_yticks(shown, [self.names[i] for i in shown])
-        ax.set(xlim=(0, self.end * self.time.factor), ylim=(0, len(self.records)),
-               xlabel=self.time.label)
+        style.dress(ax, xlim=(0, self.end * self.time.factor), ylim=(0, len(self.records)),
+                    xlabel=self.time.label)
         ax.set_title(f"{self.scale.name}, largest {self.scale.write(self.largest)}", loc="left",
                      fontsize=style.SMALL + 1)
-        style.dress(ax)
 
 
 def _line(i: int) -> dict[str, Any]:
@@ -192,13 +189,9 @@ def _record(history: ContactHistory, end: float) -> tuple[Floats, Floats, Floats
     if _is_impact(history):
         edges: Floats = np.linspace(0.0, end, INTERVALS + 1)
         return edges, np.diff(history.impulse_until(edges)) / np.diff(edges), history.gap(edges)
-    times, force, gap = history.breakpoints()
-    if history.push.size > 1:
-        edges, force = fine(times, force)
-        return edges, force, history.gap(edges)
-    inside = times < end
-    return (np.append(times[inside], end), force[inside],
-            np.append(gap[inside], float(history.gap(end))))
+    times, force, _ = history.breakpoints()
+    edges, force = steps_until(end, times, force, smooth=history.push.size > 1)
+    return edges, force, history.gap(edges)
 
 
 def _marks(

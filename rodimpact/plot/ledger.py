@@ -6,9 +6,8 @@ from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
-from matplotlib.artist import Artist
+from matplotlib import artist, collections
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
@@ -43,7 +42,7 @@ class Energy(NamedTuple):
     """Artists of an energy ledger; `work` is the line of what works add, if any."""
 
     ax: Axes
-    bands: list[PolyCollection]
+    bands: list[collections.PolyCollection]
     labels: list[Text]
     work: Line2D | None
 
@@ -96,16 +95,15 @@ def energy(solution: Solution, ax: Axes | None = None) -> Energy:
         x, np.stack(list(parts.values())) * scale.factor, linewidth=0.0,
         colors=[BANDS[entry] for entry in parts], labels=[ENERGIES[entry] for entry in parts])
     seen = f" in a frame moving at {written(frame, 'm/s')}" if frame else ""
-    ax.set(xlim=(0, solution.t_end * time.factor),
-           ylim=(0, 1.08 * float(max(total.max(), supplied.max())) * scale.factor or 1.0),
-           xlabel=time.label, ylabel=f"{scale.name}{seen} ({scale.unit})")
+    dress(ax, xlim=(0, solution.t_end * time.factor), xlabel=time.label,
+          ylim=(0, 1.08 * float(max(total.max(), supplied.max())) * scale.factor or 1.0),
+          ylabel=f"{scale.name}{seen} ({scale.unit})")
     work = None
     if workers:
         (work,) = ax.plot(x, supplied * scale.factor, color=INK, linewidth=1.2, linestyle="--",
                           label=f"initial energy and work of {listed(workers)}")
-    dress(ax)
     labels: list[Text] = []
-    missing: list[Artist] = [] if work is None else [work]
+    missing: list[artist.Artist] = [] if work is None else [work]
     stacked = np.cumsum(list(parts.values()), axis=0)
     for band, upper, (entry, part) in zip(bands, stacked, parts.items(), strict=True):
         name = ENERGIES[entry]

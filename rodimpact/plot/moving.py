@@ -16,10 +16,9 @@ from collections.abc import Iterator
 from typing import Any, cast
 
 import numpy as np
-from matplotlib.artist import Artist
+from matplotlib import artist, patches
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -96,7 +95,7 @@ class Animation:
         if solution.outcome.unilateral:
             growing.append(self.figure.add_subplot(grid[1, 1], sharey=below))
             _draw_forces(growing[1], solution)
-        self._covers = [ax.add_artist(Rectangle(
+        self._covers = [ax.add_artist(patches.Rectangle(
             (0.0, 0.0), 1.0, 0.0, transform=ax.get_yaxis_transform(), animated=True, linewidth=0,
             facecolor=self.colours.paper)) for ax in growing]  # they hide the future
         self._nows: list[Any] = [ax.axhline(start, color=self.colours.ink, linewidth=1.2,
@@ -111,12 +110,11 @@ class Animation:
         ax.set_axis_off()
         stop = float(times[-1])
         slowness = (times.size - 1) / self.fps / (stop - float(times[0]))
-        words = [
-            *([f"slowed down {_rounded(slowness)} times"] if slowness > 1 else []),
-            *([f"first {written(stop, 's')} of {written(solution.t_end, 's')}"]
-              if stop < solution.t_end else []),
-            THICKNESS_TOLD.replace(", ", ",\n"),
-        ]
+        rounded = f"{float(f'{slowness:.2g}'):,.0f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
+        words = [f"slowed down {rounded} times"] * (slowness > 1)
+        words += [f"first {written(stop, 's')} of {written(solution.t_end, 's')}"] * (
+            stop < solution.t_end)
+        words.append(THICKNESS_TOLD.replace(", ", ",\n"))
         ax.text(0.0, 0.0, "\n".join(words), transform=ax.transAxes, va="bottom",
                 fontsize=style.SMALL + 1, color=self.colours.faint, linespacing=1.4)
         how: Any = {"transform": ax.transAxes, "color": self.colours.ink, "animated": True}
@@ -126,46 +124,40 @@ class Animation:
     @style.styled
     def frame(self, number: int) -> NDArray[np.uint8]:
         """Picture [height, width, 3] of one frame, red, green and blue from 0 to 255."""
-        with style.coloured(self.colours):
-            return self._drawn(number)
-
-    def _drawn(self, number: int) -> NDArray[np.uint8]:
         t = float(self.times[number])
         now, end = max(t, 0.0) * self._time.factor, float(self.times[-1]) * self._time.factor
         self._canvas.restore_region(self._still)
         for cover, line in zip(self._covers, self._nows, strict=True):
             cover.set(y=now, height=end - now)
             line.set_ydata([now, now])
-            for artist in (cover, line.axes.spines["left"], line):
-                line.axes.draw_artist(artist)
+            for part in (cover, line.axes.spines["left"], line):
+                line.axes.draw_artist(part)
         self._clock.set_text(self.clock(number))
         self._caption.set_text(self._captions[np.searchsorted(self._turns, t, side="right")])
         for text in (self._clock, self._caption):
             text.axes.draw_artist(text)
-        for artist in self._actors(t):
-            self._row.draw_artist(artist)
-            artist.remove()
+        with style.coloured(self.colours):
+            actors = self._actors(t)
+        for actor in actors:
+            self._row.draw_artist(actor)
+            actor.remove()
         size = self._canvas.get_width_height()
         drawn = Image.frombuffer("RGBA", size, self._canvas.buffer_rgba(), "raw", "RGBA", 0, 1)
         return np.asarray(drawn.convert("RGB"))
 
-    def _actors(self, t: float) -> list[Artist]:
+    def _actors(self, t: float) -> list[artist.Artist]:
         """The bodies at a time, in the order in which they are drawn."""
         bars = self._bars
         bars.at(np.array([t]))
         values = np.array([getattr(piece, self.field) for piece in bars.pieces]) * self._factor
         blocks, faces = bars.walls()
-        actors = [*blocks, *faces, bars.rods(values, self._norm), *bars.masses(),
-                  *bars.ends(), bars.outlines(), *bars.springs(),
-                  *bars.contacts()]
-        return [actor for actor in actors if actor is not None]
+        return [*blocks, *faces, bars.rods(values, self._norm), *bars.masses(), *bars.ends(),
+                *bars.outlines(), *bars.springs(), *bars.contacts()]
 
     def clock(self, number: int) -> str:
         """Time of a frame, in words."""
-        end = float(self.times[-1]) * self._time.factor
-        decimals = max(0, 2 - math.floor(math.log10(end)))
-        now = float(self.times[number]) * self._time.factor
-        return signed(f"t = {now:.{decimals}f} {self._time.unit}")
+        now, end = self.times[[number, -1]] * self._time.factor
+        return signed(f"t = {now:.{max(0, 2 - math.floor(math.log10(end)))}f} {self._time.unit}")
 
     def __len__(self) -> int:
         return len(self.times)
@@ -300,9 +292,8 @@ def _captions(solution: Solution, start: float, stop: float) -> tuple[list[float
     turns = sorted({t for t in contact_turns(solution) if start <= t <= stop})
     told = []
     for t in turns:
-        first, *others = happening(solution, t).splitlines()
-        more = [others[0] + (", ..." if others[1:] else "")] if others else []
-        told.append("\n".join([f"{written(t, 's')}:", first, *more]))
+        lines = happening(solution, t).splitlines()
+        told.append("\n".join([f"{written(t, 's')}:", *lines[:2]]) + ", ..." * (len(lines) > 2))
     return turns, ["before contact" if start == 0 and turns else "", *told]
 
 
@@ -311,14 +302,8 @@ def _draw_forces(ax: Axes, solution: Solution) -> None:
     able, limits = solution.outcome.unilateral, ax.get_ylim()
     forces = Forces(solution, able[:CONTACTS])
     drawn = forces.draw(ax, up=True)
-    ax.set(xlim=(0, 1.1 * ax.dataLim.xmax or 1.0), ylim=limits, xlabel=forces.scale.label)
-    style.dress(ax)
+    style.dress(ax, xlim=(0, 1.1 * ax.dataLim.xmax or 1.0), ylim=limits, xlabel=forces.scale.label)
     ax.tick_params(labelleft=False)
     if len(able) > 1:
         more = f"first {CONTACTS} of {len(able)}" if len(able) > CONTACTS else None
         style.legend_above(ax, drawn, more)
-
-
-def _rounded(number: float) -> str:
-    """A number to two digits, with spaces between thousands."""
-    return f"{float(f'{number:.2g}'):,.0f}".replace(",", "\N{NARROW NO-BREAK SPACE}")

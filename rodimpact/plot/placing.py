@@ -130,12 +130,11 @@ class Placing:
     def springs(self, times: Floats) -> list[tuple[ContactHistory, Floats, Floats]]:
         """Contacts with a spring, and its ends at times; in an open contact it is not stretched."""
         found = []
-        for history in self.solution.contacts:
-            if free := self.spring(history.index):
-                left = self.end(history.index, True, times)
-                right = self.end(history.index + 1, False, times)
-                found.append(
-                    (history, left, np.minimum(right, left + free) if history.law.opens else right))
+        for i, history in enumerate(self.solution.contacts):
+            if free := self.spring(i):
+                left, right = self.end(i, True, times), self.end(i + 1, False, times)
+                longest = left + free if history.law.opens else np.inf
+                found.append((history, left, np.minimum(right, longest)))
         return found
 
     def with_springs(self, start: float, stop: float) -> Placing:

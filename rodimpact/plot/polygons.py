@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import math
 from itertools import compress
+from typing import Any
 
 import numpy as np
+from matplotlib import collections, colors
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection, PolyCollection, QuadMesh, TriMesh
-from matplotlib.colors import Normalize
 from matplotlib.text import Text
 
 from ..methods.signals import Floats, Ints
@@ -54,9 +54,9 @@ class Polygons:
             return r.displacement - frame * r.t
         if field == "energy":
             rods = [getattr(body, "segments", ()) for body in self.system.bodies]
-            parts = [rods[i][j] for i, j in zip(r.body.tolist(), r.segment.tolist(), strict=True)]
-            mass = np.array([float(part.mass / part.length) for part in parts])
-            c = np.array([float(part.wave_speed) for part in parts])
+            mass, c = np.array([(float(part.mass / part.length), float(part.wave_speed))
+                                for i, j in zip(r.body.tolist(), r.segment.tolist(), strict=True)
+                                for part in [rods[i][j]]]).T
             return np.asarray(mass * ((r.velocity - frame) ** 2 + (c * r.strain) ** 2) / 2)
         return np.asarray(getattr(r, field))
 
@@ -65,8 +65,8 @@ class Polygons:
         return np.unique(self.regions.t[(self._body == body) & (self.regions.x == x)])
 
     def draw(
-        self, ax: Axes, plan: Placing, plane: Plane, numbers: Floats, norm: Normalize
-    ) -> PolyCollection | TriMesh:
+        self, ax: Axes, plan: Placing, plane: Plane, numbers: Floats, norm: colors.Normalize
+    ) -> collections.PolyCollection | collections.TriMesh:
         """Draw the regions with these numbers: one each, or one for each corner."""
         r, places = self.regions, np.empty(self.regions.x.shape)
         for i in np.unique(self._body):
@@ -75,7 +75,7 @@ class Polygons:
         corners, self._across = plane.points(places, r.t), plane.across
         self._corners, self._norm, self._moving = corners, norm, plan.magnification > 0
         if numbers.size == len(r):
-            self._drawn: PolyCollection | TriMesh = PolyCollection(
+            self._drawn: Any = collections.PolyCollection(
                 np.split(corners, r.start[1:-1]), array=numbers, cmap=colours().signed, norm=norm,
                 zorder=2, edgecolors="face", linewidths=0.4)
             ax.add_collection(self._drawn)
@@ -96,7 +96,7 @@ class Polygons:
         crowded = np.cumsum(lengths[strongest]) > math.prod(extent(ax)) / SPARSE
         seen = strength > strength[strongest[crowded]].max(initial=FAINTEST) * (1 + ROUND_OFF)
         if seen.any():
-            ax.add_collection(LineCollection(
+            ax.add_collection(collections.LineCollection(
                 list(self._corners[sides[seen]]), colors=colours().ink, alpha=strength[seen],
                 linewidths=0.5, zorder=2.2, label="fronts"))
         if np.asarray(self._drawn.get_array()).size != len(self.regions):
@@ -115,11 +115,8 @@ class Polygons:
         """[n, 2] ends of the sides that two regions share, and these regions, the earlier first."""
         r, after = self.regions, np.arange(1, self.regions.x.size + 1)
         after[r.start[1:] - 1] = r.start[:-1]
-        places = np.column_stack((self._body, r.x, r.t))
-        order = np.lexsort(places.T)
-        corner = np.empty(order.size, dtype=np.int64)  # its number; that of a shared one is equal
-        corner[order[1:]] = np.cumsum((np.diff(places[order], axis=0) != 0).any(axis=1))
-        corner[order[0]] = 0
+        places = np.column_stack((self._body, r.t, r.x))
+        corner = np.unique(places, axis=0, return_inverse=True)[1]  # a shared one has one number
         ends = np.sort(np.column_stack((corner, corner[after])), axis=1)
         order = np.lexsort(ends.T)
         first = np.flatnonzero((np.diff(ends[order], axis=0) == 0).all(axis=1))
@@ -201,8 +198,8 @@ class Raster:
         return self.times
 
     def draw(
-        self, ax: Axes, plan: Placing, plane: Plane, numbers: Floats, norm: Normalize
-    ) -> QuadMesh:
+        self, ax: Axes, plan: Placing, plane: Plane, numbers: Floats, norm: colors.Normalize
+    ) -> collections.QuadMesh:
         """Draw the cells with these numbers, as pixels in vector files too."""
         places = []
         for body in self._rods:
@@ -236,7 +233,7 @@ def _fans(start: Ints) -> Ints:
 
 
 def _labels(
-    ax: Axes, polygons: list[Floats], values: Floats, norm: Normalize, boxed: bool
+    ax: Axes, polygons: list[Floats], values: Floats, norm: colors.Normalize, boxed: bool
 ) -> list[Text]:
     """Write each value where its polygon has room for it; boxed, over paths that cross it."""
     low, high = norm.inverse(np.array([0.0, 1.0])).tolist()

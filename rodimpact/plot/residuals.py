@@ -19,7 +19,7 @@ from ..records.signal import Signal
 from ..units import TIMES, shown
 from .sampling import telling
 from .scales import engineering, signed
-from .style import SMALL, colours, dress, grid, legend_above, new_figure, picture, styled, two_axes
+from .style import SMALL, colours, dress, grid, new_figure, picture, styled, two_axes
 
 
 @picture
@@ -111,18 +111,16 @@ def comparison(
     other = line(upper, model, unit.factor, color=series[1], linewidth=1.2, linestyle="--",
                  label=f"predicted{_adjusted(measured, predicted, found)}")
     left = line(lower, values - model, percent, color=colours().ink, linewidth=0.9)
-    for each in (upper, lower):
+    for each, named in ((upper, [one, other, *([] if area is None else [area])]), (lower, ())):
         each.axhline(0.0, color=faint, linewidth=0.6, zorder=0)
         grid(each)
-        dress(each)
-    upper.set(xlim=(t[0] * time.factor, t[-1] * time.factor))
+        dress(each, named, xlim=(t[0] * time.factor, t[-1] * time.factor))
     upper.set_ylabel(unit.label, parse_math=False)
-    lower.set(xlim=upper.get_xlim(), xlabel=time.label, ylabel="residual\n(% of plateau)")
+    lower.set(xlabel=time.label, ylabel="residual\n(% of plateau)")
     reach = 1.9 * max(map(abs, lower.get_ylim()))
     lower.set_ylim(-reach, reach)
     lower.text(0.01, 0.97, f"misfit {100 * found.rms:.3g} % of the plateau",
                transform=lower.transAxes, va="top", fontsize=SMALL + 1, color=colours().ink)
-    legend_above(upper, [one, other, *([] if area is None else [area])])
     return Comparison(upper, lower, one, other, left, area, found)
 
 

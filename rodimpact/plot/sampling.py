@@ -53,10 +53,18 @@ def averaged(solution: Solution, body: int, times: Floats) -> tuple[Floats, Floa
     return solution.fields.averaged(body, (edges[:-1] + edges[1:]) / 2, times)
 
 
-def fine(times: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Edges [n + 1] and values [n] of steps too small to be seen, along lines through a record."""
-    edges = np.union1d(times, np.linspace(times[0], times[-1], FINE))
-    return edges, np.interp((edges[1:] + edges[:-1]) / 2, times, values)
+def steps_until(
+    end: float, times: Floats, values: Floats, smooth: bool
+) -> tuple[Floats, Floats]:
+    """Edges [n + 1] and values [n] of the steps of a record that begin before its end, s.
+
+    A smooth record has steps too small to be seen, along lines through it.
+    """
+    if smooth:
+        edges = np.union1d(times, np.linspace(times[0], times[-1], FINE))
+        values, times = np.interp((edges[1:] + edges[:-1]) / 2, times, values), edges[:-1]
+    inside = times < end
+    return np.append(times[inside], end), values[inside]
 
 
 def mean_areas(rod: Rod, edges: Floats, segment: Ints) -> Floats:

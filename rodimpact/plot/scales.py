@@ -17,7 +17,12 @@ from ..units import format_power
 from .moments import length_name
 from .placing import Placing
 
-FIELDS = ("velocity", "stress", "strain", "displacement", "energy")
+FIELDS = {
+    "velocity": ("velocity", "m/s"), "stress": ("stress, tension positive", "Pa"),
+    "strain": ("strain", ""), "displacement": ("displacement", "m"),
+    "energy": ("kinetic and strain energy per length", "J/m"),
+}
+"""Names and units of the fields that a space-time diagram shows."""
 ROUND_OFF = 1e-9  # beside the largest value shown, as good as nothing
 MINUS = "\N{MINUS SIGN}"
 SIGMA, RHO = "\N{GREEK SMALL LETTER SIGMA}", "\N{GREEK SMALL LETTER RHO}"
@@ -189,21 +194,13 @@ def field_scale(solution: Solution, field: str, dimensionless: bool, largest: fl
     ValueError
         If a dimensionless scale is wanted where no bodies approach each other.
     """
+    name, unit = FIELDS[field]
     if not dimensionless:
-        return {
-            "velocity": engineering("velocity", largest, "m/s"),
-            "stress": engineering("stress, tension positive", largest, "Pa"),
-            "strain": engineering("strain", largest, ""),
-            "displacement": engineering("displacement", largest, "m"),
-            "energy": engineering("kinetic and strain energy per length", largest, "J/m"),
-        }[field]
+        return engineering(name, largest, unit)
     v0 = closing_speed(solution)
     if v0 == 0:
-        raise refusal(
-            "dimensionless",
-            "velocities are scaled by the closing speed, but no bodies approach in "
-            "this row; use dimensionless=False"
-        )
+        raise refusal("dimensionless", "velocities are scaled by the closing speed, but no bodies "
+                      "approach in this row; use dimensionless=False")
     rod, length = first_rod(solution)
     material, area = rod.segments[0].material, extremes(rod.segments[0].area)[1]
     rho, c = float(material.density), float(material.wave_speed)

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from ..model.arguments import of_kind
 from ..records.reduction import Reduction
 from .scales import engineering
-from .style import colours, dress, grid, legend_above, new_figure, picture, styled, two_axes
+from .style import colours, dress, grid, new_figure, picture, styled, two_axes
 
 
 @picture
@@ -81,11 +81,9 @@ def reduction(found: Reduction, ax: Sequence[Axes] | None = None) -> Reduced:
         strain, (stress - around) * unit.factor, (stress + around) * unit.factor, color=first,
         alpha=0.25, linewidth=0, label="95 % band")
     (rate,) = lower.plot(strain, found.strain_rate[up], color=first, linewidth=1.1)
+    dress(upper, [one, two, band], xlim=(0, 1.02 * strain[-1]), ylabel=unit.label)
+    dress(lower, xlabel="strain (%)", ylabel="strain rate\n(1/s)")
     for each in (upper, lower):
         grid(each)
-        dress(each)
         each.set_ylim(bottom=0)
-    upper.set(xlim=(0, 1.02 * strain[-1]), ylabel=unit.label)
-    lower.set(xlabel="strain (%)", ylabel="strain rate\n(1/s)")
-    legend_above(upper, [one, two, band])
     return Reduced(upper, lower, one, two, band, rate)

@@ -8,11 +8,9 @@ from itertools import compress
 from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib import collections, colorbar, patches
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.colorbar import Colorbar
 from matplotlib.lines import Line2D
-from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 
 from ..methods.signals import Floats
@@ -41,13 +39,13 @@ class Snapshots(NamedTuple):
 
     ax: Axes
     times: Floats
-    bars: PolyCollection
+    bars: collections.PolyCollection
     labels: list[Text]
     fronts: list[Line2D]
-    walls: list[Rectangle]
-    masses: list[Rectangle]
-    outlines: LineCollection | None
-    colour_bar: Colorbar | None
+    walls: list[patches.Rectangle]
+    masses: list[patches.Rectangle]
+    outlines: collections.LineCollection | None
+    colour_bar: colorbar.Colorbar | None
 
 
 @style.styled
@@ -111,7 +109,7 @@ def snapshots(
     drawn = Bars(ax, plan, when, place)
     velocities = np.array([piece.velocity for piece in drawn.pieces])
     norm = style.centred(velocities, plan.frame)
-    bars, outlines = drawn.rods(velocities, norm), drawn.outlines()
+    bars, (outlines, *_) = drawn.rods(velocities, norm), [*drawn.outlines(), None]
     (walls, _), masses, fronts = drawn.walls(), drawn.masses(), drawn.fronts()
     drawn.ends()
     drawn.springs()

@@ -14,7 +14,7 @@ from matplotlib.patches import Rectangle, StepPatch
 from ..methods.signals import Floats
 from ..model.arguments import of_kind
 from ..results.gauges import Gauge
-from .sampling import fine, telling
+from .sampling import steps_until, telling
 from .scales import Scale, engineering, listed, place_scale, time_scale
 from .style import axes, colours, dress, legend_above, picture, styled
 
@@ -94,14 +94,10 @@ def gauge(
     scale = Scale(1e6, "strain", "microstrain") if usual else engineering("strain", largest, "")
 
     def steps(of: Gauge, values: Floats, name: str, **how: Any) -> StepPatch:
-        times = of.times
-        if of.record.size > 2:  # smooth waves; those of a grid are drawn state by state
-            edges, values = fine(times, values)
-            times = edges[:-1]
-        inside = times < of.end
-        kept = telling(values[inside])
-        edges = np.append(times[inside][kept], of.end) * time.factor
-        return ax.stairs(values[inside][kept] * scale.factor, edges, baseline=None, label=name,
+        edges, values = steps_until(of.end, of.times, values, smooth=of.record.size > 2)
+        kept = telling(values)  # waves of a grid are drawn state by state
+        edges = np.append(edges[kept], of.end) * time.factor
+        return ax.stairs(values[kept] * scale.factor, edges, baseline=None, label=name,
                          **{"linewidth": 1.4, **how})
 
     faint, series = colours().faint, colours().series
@@ -163,7 +159,7 @@ def _pulse(record: Gauge, wave: Floats, name: str) -> _Pulse:
     if not strong.any():
         return _Pulse(record.end, record.end, False, name)
     first = int(strong.argmax())
-    quiet = first + np.flatnonzero(~strong[first:])
-    stop = float(record.times[quiet[0]]) if quiet.size else record.end
-    here = wave[first : quiet[0] if quiet.size else None]
-    return _Pulse(float(record.times[first]), stop, bool(here[np.abs(here).argmax()] > 0), name)
+    length = int(np.append(strong[first:], False).argmin())
+    here, times = wave[first : first + length], np.append(record.times, record.end)
+    return _Pulse(float(times[first]), float(times[first + length]),
+                  bool(here[np.abs(here).argmax()] > 0), name)

@@ -18,12 +18,8 @@ from functools import wraps
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
-from matplotlib import rc_context
-from matplotlib.artist import Artist
+from matplotlib import artist, cm, colorbar, colors, rc_context
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colorbar import Colorbar
-from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 
 from ..methods.signals import Floats
@@ -43,11 +39,11 @@ HANDLE = 6  # letters that the mark before a name in a legend takes
 COMPUTED: dict[str, Any] = {"marker": "o", "markersize": 3.5, "markerfacecolor": "none",
                             "markeredgewidth": 0.8, "label": "computed"}
 
-RISING = LinearSegmentedColormap.from_list(  # in 101 steps: to the eye as smooth as 256
+RISING = colors.LinearSegmentedColormap.from_list(  # in 101 steps: to the eye as smooth as 256
     "rising", ["#16256e", "#53659f", "#a0a0a0", "#d6c05f", "#ffe94a"], 101)
-ON_LIGHT = LinearSegmentedColormap.from_list(
+ON_LIGHT = colors.LinearSegmentedColormap.from_list(
     "signed on light", ["#16256e", "#7084c4", "#f4f4f1", "#eec654", "#c48600"])
-ON_DARK = LinearSegmentedColormap.from_list(
+ON_DARK = colors.LinearSegmentedColormap.from_list(
     "signed on dark", ["#9db7ff", "#4e62a0", "#262b33", "#967a30", "#ffe94a"])
 
 P = ParamSpec("P")
@@ -64,7 +60,7 @@ class Colours(NamedTuple):
     wall: str
     mass: str
     series: tuple[str, ...]
-    signed: Colormap
+    signed: colors.Colormap
 
 
 LOOKS = {
@@ -72,13 +68,12 @@ LOOKS = {
     "dark": Colours("#14161a", "#e8e8e8", "#8f939b", "#33373e", "#cfc8c0",
                     ("#8ea6ff", "#f0a13c", "#b4b4b4", "#5cc588", "#e283ad"), ON_DARK),
 }
-_colours: ContextVar[Colours] = ContextVar("colours", default=LOOKS["light"])
-_width: ContextVar[float | None] = ContextVar("width", default=None)
+_look: ContextVar[tuple[Colours, float | None]] = ContextVar("look", default=(LOOKS["light"], None))
 
 
 def colours() -> Colours:
     """Colours of what is being drawn."""
-    return _colours.get()
+    return _look.get()[0]
 
 
 @contextmanager
@@ -112,22 +107,18 @@ def look(name: str = "light", width: float | None = None) -> Iterator[None]:
         width = single("width", width, "mm")
         if not 50 <= width <= 1000:
             raise refusal("width", f"must be 50 to 1000 mm, got {width!r}")
-    before = _width.set(width)
-    try:
-        with coloured(LOOKS[name]):
-            yield
-    finally:
-        _width.reset(before)
+    with coloured(LOOKS[name], width):
+        yield
 
 
 @contextmanager
-def coloured(wanted: Colours) -> Iterator[None]:
-    """Draw in these colours."""
-    before = _colours.set(wanted)
+def coloured(wanted: Colours, width: float | None = None) -> Iterator[None]:
+    """Draw in these colours, new figures so many mm wide."""
+    before = _look.set((wanted, width))
     try:
         yield
     finally:
-        _colours.reset(before)
+        _look.reset(before)
 
 
 def check_choice(argument: str, value: str, known: Collection[str]) -> None:
@@ -154,13 +145,13 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
     return drawn
 
 
-def centred(values: Any, rest: float = 0.0) -> Normalize:
+def centred(values: Any, rest: float = 0.0) -> colors.Normalize:
     """Colour limits symmetric about the value of rest."""
     reach = max((abs(float(v) - rest) for v in values), default=0.0) or 1.0
-    return Normalize(rest - reach, rest + reach)
+    return colors.Normalize(rest - reach, rest + reach)
 
 
-def ink_on(norm: Normalize, value: float, palette: Colormap | None = None) -> str:
+def ink_on(norm: colors.Normalize, value: float, palette: colors.Colormap | None = None) -> str:
     """Colour of text that can be read on the colour of `value`, by default a signed one."""
     red, green, blue, _ = (palette or colours().signed)(norm(value))
     return "white" if 0.3 * red + 0.59 * green + 0.11 * blue < 0.45 else INK
@@ -198,7 +189,7 @@ def figure_of(drawn: Any) -> Any:
 
 def wanted_width(usual: float) -> float:
     """Width asked for by `look`, inches, or the usual one."""
-    return (_width.get() or usual * INCH) / INCH
+    return (_look.get()[1] or usual * INCH) / INCH
 
 
 def new_figure(width: float, height: float) -> Sheet:
@@ -225,8 +216,10 @@ def two_axes(ax: Any, what: str) -> tuple[Axes, Axes]:
     return upper, lower
 
 
-def dress(ax: Axes) -> None:
-    """Ticks and frame of an Axes."""
+def dress(ax: Axes, named: Sequence[artist.Artist] = (), **settings: Any) -> None:
+    """Settings, ticks and frame of an Axes, and the names of artists above it."""
+    ax.set(**settings)
+    legend_above(ax, named)
     _, ink, faint, *_ = colours()
     ax.tick_params(which="both", labelsize=NORMAL - 1, labelfontfamily=FONT, labelcolor=ink,
                    color=faint, length=3)
@@ -257,7 +250,7 @@ def broken(label: str, room: float) -> str:
     return "\n".join(lines)
 
 
-def legend_above(ax: Axes, shown: Sequence[Artist], title: str | None = None) -> None:
+def legend_above(ax: Axes, shown: Sequence[artist.Artist], title: str | None = None) -> None:
     """Name artists, if any, above an Axes, in as many columns as it has room for."""
     if not shown:
         return
@@ -271,8 +264,8 @@ def legend_above(ax: Axes, shown: Sequence[Artist], title: str | None = None) ->
 
 
 def colour_bar(
-    ax: Axes, drawn: ScalarMappable, label: str, rest: float | None = None, **how: Any
-) -> Colorbar:
+    ax: Axes, drawn: cm.ScalarMappable, label: str, rest: float | None = None, **how: Any
+) -> colorbar.Colorbar:
     """Colour bar beside an Axes, or where and as matplotlib's words for it say.
 
     Of colours that are symmetric about a value of rest it shows those in use.
