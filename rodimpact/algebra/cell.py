@@ -53,7 +53,7 @@ class Cell:
         self._checks, self._names, self._speeds = checks, names or [], naming.speeds
         self._field: Any = field
 
-    def mark(self, *, times: bool) -> tuple[int, ...]:
+    def mark(self, *, times: bool) -> tuple[Any, ...]:
         """What is the same for cells of one formula, that of contact times too if these count."""
         values: list[Number] = []
         each(self.results if times else self.results._replace(contact_times=()), values.append)

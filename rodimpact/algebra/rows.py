@@ -112,8 +112,9 @@ def check(system: System) -> None:
     raise_noted(problems)
 
 
-def read(row: Row, take: Callable[[str, float], Number | None], speed: Callable[[Any, str], Number]
-         ) -> Numbers:
+def read(
+    row: Row, take: Callable[[str, Any], Any], speed: Callable[[Any, str], Number]
+) -> Numbers:
     """Gather the numbers of a row.
 
     Parameters
@@ -130,24 +131,16 @@ def read(row: Row, take: Callable[[str, float], Number | None], speed: Callable[
         T = take(f"{path}.transit_time", s.transit_time)
         Z = take(f"{path}.impedance", s.impedance)
         c = speed(s, path) if T is None or Z is None else ZERO
-        transit.append(_given(take, f"{path}.length", s.length) / c if T is None else T)
+        transit.append(take(f"{path}.length", s.length) / c if T is None else T)
         if Z is None:
-            density = _given(take, f"{path}.material.density", s.material.density)
-            Z = density * _given(take, f"{path}.area", s.area) * c
+            density = take(f"{path}.material.density", s.material.density)
+            Z = density * take(f"{path}.area", s.area) * c
         impedance.append(Z)
     system = row.system
-    velocity = [
-        _given(take, f"bodies.{i}.velocity", float(body.velocity))  # type: ignore[arg-type]
-        for i, body in enumerate(system.bodies)
-    ]
-    gap = [_given(take, f"contacts.{k}.gap", float(g)) for k, g in enumerate(system.gaps)]
+    velocity = [take(f"bodies.{i}.velocity", body.velocity)
+                for i, body in enumerate(system.bodies)]
+    gap = [take(f"contacts.{k}.gap", float(g)) for k, g in enumerate(system.gaps)]
     return Numbers(transit, impedance, velocity, gap)
-
-
-def _given(take: Callable[[str, float], Number | None], path: str, value: float) -> Number:
-    found = take(path, value)
-    assert found is not None
-    return found
 
 
 def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:

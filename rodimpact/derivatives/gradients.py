@@ -136,7 +136,7 @@ class _Number(NamedTuple):
                     for system in (self.system, self.changed(self.size)))
         with np.errstate(all="ignore"):  # of what is 0, and does not change
             power = np.round(2 * np.log2(there / y)) / 2  # the size of these is the number itself
-        return there - y if self.field in STRAIGHT else np.nan_to_num(power * y, posinf=0.0)
+        return np.asarray(there - y if self.field in STRAIGHT else np.nan_to_num(power * y))
 
     def differences(self, totals: Callable[[System], Array]) -> Array:
         """Derivatives below and above, and by how much what is differenced jumps: [3, *shape]."""

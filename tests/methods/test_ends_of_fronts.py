@@ -146,6 +146,16 @@ def test_momentum_and_energy_balance(seed):
                 assert there == pytest.approx(v, abs=1e-10)
 
 
+@pytest.mark.parametrize("seed", few_of(range(30), range(6)))
+def test_the_peak_force_of_a_bond_is_the_largest_of_its_force(seed):
+    solution = ri.solve(with_ends(seed), horizon(with_ends(seed), 4.0), "fronts", max_events=CAP)
+    for contact, tally in zip(solution.contacts, solution.outcome.contacts, strict=True):
+        ticks, force = contact.push.ticks, contact.push.values
+        long = np.diff(ticks, append=solution.fields.end) > solution.fields.clock.longest >> 40
+        largest = force[long].max(initial=0.0)
+        assert tally.peak_force == pytest.approx(largest, rel=1e-9, abs=1e-9)
+
+
 # Finality ----------------------------------------------------------------------------------------
 
 
@@ -242,9 +252,6 @@ def test_times_beyond_the_longest_transit_change_no_transit():
     assert f0 == 0.0
     assert t1 * run.clock.tick == pytest.approx(0.1 * np.pi, rel=1e-14)
     assert 3 * t2 == 70 * first  # the last jump is never reached
-
-
-# States, files, families -------------------------------------------------------------------------
 
 
 # Kernels -----------------------------------------------------------------------------------------

@@ -58,9 +58,10 @@ class Members:
     log: Any
     piece: Any
     tree: Any
+    given: Any
 
     def __init__(self, plan: Plan, count: int, fast: bool, **asked: Any) -> None:
-        self.plan, self.fast, self.given = plan, False, None
+        self.plan, self.fast, self.given = plan, False, ()
         vars(self).update(blank_records(plan, ROOM))
         for name, value in asked.items():
             setattr(self.run, name, value)
@@ -276,12 +277,14 @@ def columns_of(members: Members) -> dict[str, Any]:
     )
     segment, node = segment.reshape(len(run), -1), node.reshape(len(run), -1)
     tick, frame = run["tick"][:, None], run["frame"][:, None]
-    return {
+    found = {
         "stop": run["stop"].copy(), "final": run["proved"] != NONE,
         "time": run["now"] * run["tick"], "vibration": run["vibration"].copy(),
         "before": segment["initial"] + frame, "after": segment["velocity"] + frame,
-        "momentum": segment["initial_momentum"] * tick, "parted": segment["parted"].copy(),
-        "impulse": node["impulse"] * tick, "lever": node["lever"] * tick * tick,
-        "peak_force": node["peak"].copy(), "frame": run["frame"].copy(),
+        "impulse": node["impulse"] * tick, "peak_force": node["peak"].copy(),
         "duration": node["pressed"] * tick, "episodes": node["episodes"].copy(),
     }
+    if run["reads"].any():
+        found |= {"momentum": segment["initial_momentum"] * tick, "frame": run["frame"].copy(),
+                  "lever": node["lever"] * tick * tick, "parted": segment["parted"].copy()}
+    return found
