@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from ...model import Rod, Samples, Steps
+from ...model import Samples, Steps
 from ..compiling import objects
 from ..row import Row
 from ..signals import Ints, Pieces
@@ -18,18 +19,22 @@ from .records import NONE, PIECE
 from .series import N
 
 
+def segments_of(row: Row) -> Iterator[tuple[Any, int, Any]]:
+    """Segments with their rods, and where they begin in these, m."""
+    for body, (first, last) in zip(row.system.bodies, row.spans, strict=True):
+        begin: Any = 0.0
+        for s in range(first - 1, last):
+            yield body, s, begin
+            begin = begin + row.segments[s].length
+
+
 def jumps_of(row: Row) -> list[tuple[int, float]]:
     """Where the initial state jumps inside of a segment: its place, share of it from the left."""
-    found = []
-    for body, (first, last) in zip(row.system.bodies, row.spans, strict=True):
-        profiles = (body.velocity, body.strain) if isinstance(body, Rod) else ()
-        at = [float(x) for p in profiles if isinstance(p, Steps) for x in p.at]
-        begin = 0.0
-        for s in range(first - 1, last if at else first - 1):
-            L = float(row.segments[s].length)
-            found += [(s, (x - begin) / L) for x in at if begin < x < begin + L]
-            begin += L
-    return found
+    return [
+        (s, float((x - begin) / row.segments[s].length)) for rod, s, begin in segments_of(row)
+        for profile in (rod.velocity, rod.strain) if isinstance(profile, Steps)
+        for x in profile.at if begin < x < begin + row.segments[s].length
+    ]
 
 
 def varies(*profiles: Any) -> bool:
@@ -56,11 +61,8 @@ class Known:
     ) -> None:
         self._row, self._clock, self._jumps, self._until = row, clock, jumps, until
         self._tolerance, self.log, self.fit = tolerance / 4, list[Any](), 0.0
-        for rod, (first, last) in zip(row.system.bodies, row.spans, strict=True):
-            begin = 0.0
-            for s in range(first - 1, last):
-                self._under_way(s, rod, begin)
-                begin = begin + row.segments[s].length
+        for rod, s, begin in segments_of(row):
+            self._under_way(s, rod, begin)
         self.outside = [self._from_outside(side) for side in (0, 1)]
 
     def _add(self, *pieces: Any) -> int:

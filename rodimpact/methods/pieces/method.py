@@ -213,7 +213,7 @@ def vibration_of(layout: Layout) -> list[Any]:
         for s in range(first, last + 1):
             energy = energy + energies[Part.SEGMENT, s - 1]
         if 0 <= m < len(row.masses):
-            share: Any = np.asarray(body.mass) / np.asarray(row.masses[m])  # type: ignore[union-attr]
+            share: Any = np.asarray(body.mass) / np.asarray(row.masses[m])
             energy = energies[Part.MASS, m] * row.of(share)
         found.append(energy)
     return found
@@ -223,8 +223,10 @@ def _family_run(layout: Layout, refused: Any) -> FamilyRun:
     """What the members came to."""
     row, run, link = layout.row, layout.run[:, 0], layout.link
     system, until, unknown = row.system, layout.asked.until, np.where(refused, math.nan, 0.0)
-    free, velocities = movable(system), ([], [])  # type: tuple[list[Any], list[Any]]
-    for found, groups_own in zip(velocities, _velocities(layout), strict=True):
+    free = movable(system)
+    before: list[Any] = []
+    after: list[Any] = []
+    for found, groups_own in zip((before, after), _velocities(layout), strict=True):
         for group, own in zip(groups(system), groups_own, strict=True):
             inside = [i for i in group if i in free]
             found += [unknown + row.of(v) for v in velocities_in_group(system, group, inside, own)]
@@ -241,4 +243,4 @@ def _family_run(layout: Layout, refused: Any) -> FamilyRun:
     places = [STOPPED_BY.index(name) for name in ("refused", "max_events", "final")]
     reason = np.select(reasons, places, STOPPED_BY.index("clock" if until is None else "until"))
     vibration = sum(vibration_of(layout), unknown)
-    return FamilyRun(*velocities, vibration, contacts, final, reason)
+    return FamilyRun(before, after, vibration, contacts, final, reason)

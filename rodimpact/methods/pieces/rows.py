@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from ... import model
-from ...model import Rod, Samples, Steps
 from ...model.frozen import InvalidModel
 from ...model.profiles import extremes
 from ..abilities import driven
@@ -19,7 +18,7 @@ from ..row import Row
 from ..walk import largest, smallest, velocities_of
 from . import layout
 from .accuracy import Ended
-from .known import Known, jumps_of
+from .known import Known, jumps_of, segments_of, varies
 from .layout import Asked, Clock
 from .records import LINE, LINK, MASS, NODE, PART, PIECE, RUN
 
@@ -76,10 +75,8 @@ def own_laws(row: Row) -> Functions:
 
 def is_even(row: Row) -> bool:
     """Whether all that moves at t = 0, and all that acts from outside, is a number."""
-    profiles = [value for _, value in row.outside]
-    for body in row.system.bodies:
-        profiles += [body.velocity, body.strain] if isinstance(body, Rod) else []
-    return not any(isinstance(profile, Steps | Samples) for profile in profiles)
+    states = [(rod.velocity, rod.strain) for rod, _, _ in segments_of(row)]
+    return not any(varies(*profiles) for profiles in (*states, [value for _, value in row.outside]))
 
 
 def lay_out(

@@ -58,7 +58,7 @@ def signals_of(row: Row, clock: Clock, end: int, records: dict[str, Any]) -> Sig
             outside[side] = acting._replace(push=contact.force)  # with its blows
 
     def spent(body: int) -> Pieces:
-        return _rate(masses[body], float(bodies[body].mass) / clock.tick)  # type: ignore[union-attr]
+        return _rate(masses[body], float(bodies[body].mass) / clock.tick)
 
     forces = fill_bonds(row.system, [c.force if c else None for c in contacts], spent,
                         outside[0].push if outside[0] else NOTHING)
