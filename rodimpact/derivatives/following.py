@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 
 from ..methods.fronts import events, stock
-from ..methods.fronts.driver import Laid, laid
+from ..methods.fronts.driver import laid
 from ..methods.fronts.method import track
 from ..methods.fronts.records import IDLE
-from ..methods.fronts.run import FrontRun
 from ..methods.groups import grounds, groups, unilateral
 from ..methods.laws import Status
 from ..methods.row import Array, Row
@@ -50,11 +49,15 @@ class Followed:
     def __init__(self, system: System, changes: Array, max_events: int) -> None:
         self._row = Row(system)
         run, directions = track(self._row, max_events=max_events), changes.shape[1]
-        self._tick, self._frame, self._nodes = run.clock.tick, run.clock.frame, run.plan.contacts
-        end = run.finality_time
+        plan, n, end = run.plan, run.plan.segments, run.finality_time
+        self._tick, self._frame, self._nodes = run.clock.tick, run.clock.frame, plan.contacts
         self.event, self.node = np.full(directions, SMOOTH), np.full(directions, -1)
         self.when, self._least = np.full(directions, end * self._tick), LEAST * run.run.scale
-        self._state = state = begin(run, changes)
+        y: Any = list(map(Dual, plan.numbers, changes))
+        times = [L / c for c, L in zip(y[:n], y[2 * n : 3 * n], strict=True)]
+        ticks = [Dual(T, T / time.v * time.d)
+                 for T, time in zip(run.clock.ticks[1:-1], times, strict=True)]
+        self._state = state = laid(plan, y, ticks, self._tick, self._frame)
         state.run.limit, state.run.rest = IDLE, IDLE  # nothing is to be proved on the way
         state.run.tolerance, state.run.window = run.run.tolerance, run.run.window
         for k in self._nodes:
@@ -108,8 +111,8 @@ class Followed:
     def _before(self, k: int, t: int) -> tuple[int, list[Any], Any]:
         """Status of node k, the waves that arrive there at tick t, and its gap then."""
         state, at = self._state, self._state.node[k]
-        rows = [(state.line[l].head, state.segment[l // 2].transit) for l in (2 * k, 2 * k + 3)]
-        arrivals = [state.log[r].tick + T for r, T in rows if r >= 0 and state.log[r].tick + T == t]
+        due = [events.arrival(state.segment, state.line, state.log, l) for l in (2 * k, 2 * k + 3)]
+        arrivals = [when for when in due if when == t]
         now = (arrivals or [state.tree[len(state.tree) // 2 + k] if t else 0])[0]
         return at.status, arrivals, at.gap + at.rate * (now - at.since)
 
@@ -130,15 +133,6 @@ class Followed:
             if state.line[l].tail >= 0:  # what left last
                 apart = wave - state.log[state.line[l].tail].value
                 self._note(FRONT, t, k, apart.d, self._least)
-
-
-def begin(run: FrontRun, changes: Array) -> Laid:
-    """The run at t = 0, of numbers with derivatives."""
-    plan, n, a = run.plan, run.plan.segments, run.clock
-    y: Any = list(map(Dual, plan.numbers, changes))
-    times = [L / c for c, L in zip(y[:n], y[2 * n : 3 * n], strict=True)]
-    ticks = [Dual(T, T / time.v * time.d) for T, time in zip(a.ticks[1:-1], times, strict=True)]
-    return laid(plan, y, ticks, a.tick, a.frame)
 
 
 def ending(system: System) -> set[int]:

@@ -64,24 +64,20 @@ def test_a_gap_closes_between_ticks():
     assert done.contact_times == (((Fraction(1, 3), Fraction(4, 3)),),)
 
 
-@pytest.mark.parametrize(("bodies", "more", "said"), [
-    ([rod(0.4, velocity=1.0), rod(1.0, material=UNIT)], {}, "bodies.1: has an irrational wave"),
-    ([rod(0.4, velocity=1.0), ri.RigidMass(1.0)], {}, "bodies.1: formulas and fractions know no"),
-    ([rod(0.4, velocity=[1.0, 2.0]), rod(1.0)], {}, "system: has members"),
-    ([rod(0.4, velocity=1.0), rod(1.0)], {"ends": (ri.Fixed(), ri.Free())}, "ends.left: "),
-    ([rod(0.4, velocity=ri.Steps([1.0, 0.0], [0.2])), rod(1.0)], {}, "bodies.0: .* uniform"),
-    ([rod(0.4), ri.Wall()], {"contacts": [ri.Bonded()]}, "contacts.0: .* bonded to a wall"),
-])
-def test_what_has_no_fractions_is_told(bodies, more, said):
-    with pytest.raises(ri.InvalidModel, match=said):
-        ri.exact(ri.System(bodies, **more))
+PAIR = [rod(0.4, velocity=1.0), rod(1.0)]
 
 
-@pytest.mark.parametrize(("values", "said"), [
-    ({"bodies.0.lenght": 1}, "bodies.0.lenght: is not a parameter .* 'bodies.0.length'"),
-    ({"bodies.0.length": "x"}, "bodies.0.length: must be a number or a text"),
-    ({"bodies.0.length": -1}, "bodies.0: needs numbers above 0, got transit -1"),
+@pytest.mark.parametrize(("bodies", "more", "values", "said"), [
+    ([PAIR[0], rod(1.0, material=UNIT)], {}, {}, "bodies.1: has an irrational wave"),
+    ([PAIR[0], ri.RigidMass(1.0)], {}, {}, "bodies.1: formulas and fractions know no"),
+    ([rod(0.4, velocity=[1.0, 2.0]), PAIR[1]], {}, {}, "system: has members"),
+    (PAIR, {"ends": (ri.Fixed(), ri.Free())}, {}, "ends.left: "),
+    ([rod(0.4, velocity=ri.Steps([1.0, 0.0], [0.2])), PAIR[1]], {}, {}, "bodies.0: .* uniform"),
+    ([rod(0.4), ri.Wall()], {"contacts": [ri.Bonded()]}, {}, "contacts.0: .* bonded to a wall"),
+    (PAIR, {}, {"bodies.0.lenght": 1}, "lenght: is not a parameter .* 'bodies.0.length'"),
+    (PAIR, {}, {"bodies.0.length": "x"}, "bodies.0.length: must be a number or a text"),
+    (PAIR, {}, {"bodies.0.length": -1}, "bodies.0: needs numbers above 0, got transit -1"),
 ])
-def test_mistaken_values_are_told(values, said):
+def test_mistakes_and_what_has_no_fractions_are_told(bodies, more, values, said):
     with pytest.raises(ri.InvalidModel, match=said):
-        ri.exact(ri.System([rod(0.4, velocity=1.0), rod(1.0)]), values)
+        ri.exact(ri.System(bodies, **more), values)

@@ -191,23 +191,17 @@ def test_random_rows_agree_with_runs_on_fractions(bodies, rows):
     assert borders >= rows / 8
 
 
-@pytest.mark.parametrize(("symbols", "said"), [
-    (["lenght"], "'lenght' names no number .*; perhaps 'length' is meant"),
-    (["transit_time", "length"], "'length' names no number of the formula beside"),
-    (["gap"], "'gap' names no number of"),
-    ([], "must name a number"),
+@pytest.mark.parametrize(("symbols", "cap", "said"), [
+    (["lenght"], 9, "symbols: 'lenght' names no number .*; perhaps 'length' is meant"),
+    (["transit_time", "length"], 9, "symbols: 'length' names no number of the formula beside"),
+    (["gap"], 9, "symbols: 'gap' names no number of"), ([], 9, "symbols: must name a number"),
+    (["length"], 1, "max_events: the collision is not over after 1"),
 ])
-def test_mistaken_symbols_are_told(symbols, said):
-    with pytest.raises(ri.InvalidModel, match=f"symbols: {said}"):
-        ri.closed_form(row([2, 5], [1, 1]), symbols)
-
-
-def test_a_mistaken_value_and_a_cap_are_told():
-    form = ri.closed_form(row([2, 5], [1, 1]), ["length"])
+def test_mistakes_and_a_cap_are_told(symbols, cap, said):
+    with pytest.raises(ri.InvalidModel, match=said):
+        ri.closed_form(row([2, 5], [1, 1]), symbols, max_events=cap)
     with pytest.raises(ri.InvalidModel, match="l3: is no symbol here"):
-        form.at(l3=1)
-    with pytest.raises(ri.InvalidModel, match="max_events: the collision is not over after 1"):
-        ri.closed_form(row([2, 5], [1, 1]), max_events=1)
+        ri.closed_form(row([2, 5], [1, 1]), ["length"]).at(l3=1)
 
 
 def test_without_sympy_the_extra_is_named(monkeypatch):
