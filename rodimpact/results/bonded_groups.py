@@ -48,13 +48,13 @@ def bonded_groups(system: System, fields: Fields, ticks: Ints) -> BondedGroups:
     for place, inside in enumerate(bodies):
         masses.append(sum(a.mass(i) for i in inside))
         momentum: Any = sum(
-            a.mass(i) * fields.mass_velocity(i, times) if i in fields.masses
+            a.mass(i) * fields.rigid_velocity(i, times) if i in fields.masses
             else fields.momentum(i, times) for i in inside
         )
         velocities[place] = momentum / masses[-1]
         for i in inside:
             if not isinstance(system.bodies[i], Rod):
-                off = fields.mass_velocity(i, times) - velocities[place]
+                off = fields.rigid_velocity(i, times) - velocities[place]
                 moving[i] = a.mass(i) * off * off / 2
                 continue
             for n, tick in enumerate(ticks.tolist()):

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from ..methods.clock import Clock
 from ..methods.signals import Floats, Ints, Pieces, Side
+from ..model import Material, Rod, Wall
 from ..model.arguments import array
 from ..model.frozen import refusal
 from ..units import shown
@@ -123,9 +124,16 @@ class Fields(ABC):
     def energy(self, body: int, tick: int, velocity: float) -> tuple[float, float]:
         """Kinetic energy of the motion relative to `velocity`, and strain energy; J, of a rod."""
 
-    @abstractmethod
     def largest_stress(self, body: int) -> float:
         """Largest absolute stress anywhere in a rod at any time, Pa."""
+        rod = self.clock.system.bodies[body]
+        assert isinstance(rod, Rod)
+        segments = enumerate(rod.segments, self.clock.spans[body][0])
+        return float(max(self._largest_stress(s, segment.material) for s, segment in segments))
+
+    @abstractmethod
+    def _largest_stress(self, segment: int, material: Material) -> float:
+        """The same of a segment of the row."""
 
     @abstractmethod
     def profile(self, body: int, tick: int) -> Profile:
@@ -196,19 +204,26 @@ class Fields(ABC):
         """Velocity that the frame has gained at times t."""
         return np.asarray(self.clock.gravity * self.to_ticks(t) * self.clock.tick)
 
-    def mass_velocity(self, body: int, t: ArrayLike, side: Side = "right") -> Floats:
-        """Velocity of a rigid mass, m/s."""
+    def rigid_velocity(self, body: int, t: ArrayLike, side: Side = "right") -> Floats:
+        """Velocity of a rigid mass or a wall, m/s."""
+        if body not in self.masses:
+            return self._wall_velocity(body) + 0.0 * self.to_ticks(t)
         in_frame = self.masses[body].at(self.to_ticks(t, side), side)
         velocity: Floats = in_frame + self.clock.frame + self._fallen(t)
         return velocity
 
-    def mass_displacement(self, body: int, t: ArrayLike) -> Floats:
-        """Displacement of a rigid mass, m."""
+    def rigid_displacement(self, body: int, t: ArrayLike) -> Floats:
+        """Displacement of a rigid mass or a wall, m."""
         a, ticks = self.clock, self.to_ticks(t)
-        time = ticks * a.tick
-        moved = self.masses[body].integral(0, ticks) * a.tick
-        displacement: Floats = moved + a.frame * time + a.gravity * time * time / 2
-        return displacement
+        if body not in self.masses:
+            return np.asarray(self._wall_velocity(body) * ticks * a.tick)
+        time, moved = ticks * a.tick, self.masses[body].integral(0, ticks) * a.tick
+        return np.asarray(moved + a.frame * time + a.gravity * time * time / 2)
+
+    def _wall_velocity(self, body: int) -> float:
+        wall = self.clock.system.bodies[body]
+        assert isinstance(wall, Wall)
+        return float(wall.velocity)
 
     @cached_property
     def positions(self) -> list[float]:

@@ -21,7 +21,7 @@ from ..methods.clock import Clock
 from ..methods.grid.mesh import STEP_TICKS, GridMotion
 from ..methods.run import Signals
 from ..methods.signals import Floats, Ints, Pieces, Side
-from ..model import Rod
+from ..model import Material, Rod
 from ..model.profiles import Samples
 from .fields import Fields, Profile, Trace, nearest
 
@@ -239,18 +239,11 @@ class GridFields(Fields):
 
     @_FAINT
     def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:
-        x, ticks = self.check(body, x)[:, None], self.to_ticks(t)
-        velocity = np.diff(self.displacement(body, x, t)) / np.diff(ticks * self.clock.tick)
-        when = self.motion.when * STEP_TICKS
-        strain = self.strain(body, x, when * self.clock.tick)
-        passed = np.zeros_like(strain)
-        passed[:, 1:] = np.cumsum((strain[:, 1:] + strain[:, :-1]) / 2 * np.diff(when), axis=1)
-        i, share = self._when(ticks)
-        following = np.minimum(i + 1, len(when) - 1)
-        s = share * (when[following] - when[i])
-        here = strain[:, i]
-        total = passed[:, i] + (here + (here * (1 - share) + strain[:, following] * share)) / 2 * s
-        return velocity, np.diff(total) / np.diff(ticks)
+        ticks, traces = self.to_ticks(t), [self.trace(body, place) for place in x.tolist()]
+        velocity = np.diff(self.displacement(body, x[:, None], t))
+        strain = [np.diff(p.stretch.integral(0, ticks)) / (2 * p.wave_speed) for p in traces]
+        lasts = np.diff(ticks)
+        return velocity / (lasts * self.clock.tick), np.array(strain) / lasts
 
     @_FAINT
     def trace(self, body: int, x: float) -> Trace:
@@ -290,19 +283,13 @@ class GridFields(Fields):
         return self.motion.energies(nodes, mass, place, v, self._step)
 
     @_FAINT
-    def largest_stress(self, body: int) -> float:
+    def _largest_stress(self, segment: int, material: Material) -> float:
         """Of the states that were kept."""
-        stresses, (first, last) = [], self.clock.spans[body]
-        rod = self.clock.system.bodies[body]
-        assert isinstance(rod, Rod)
-        for s, piece in zip(range(first, last + 1), rod.segments, strict=True):
-            columns = slice(self._edge[s], self._edge[s] + self._counts[s] + 2)
-            E, eta = float(piece.material.youngs_modulus), float(piece.material.viscosity)
-            stress = E * self._stretch[:, columns]
-            if eta:
-                stress = stress + eta * self._stretching[:, columns]
-            stresses.append(np.abs(stress).max())
-        return float(max(stresses))
+        columns = slice(self._edge[segment], self._edge[segment] + self._counts[segment] + 2)
+        stress = float(material.youngs_modulus) * self._stretch[:, columns]
+        if float(material.viscosity):
+            stress = stress + float(material.viscosity) * self._stretching[:, columns]
+        return float(np.abs(stress).max())
 
     def nearest_known(self, ticks: Ints) -> Ints:
         return nearest(self.motion.when * STEP_TICKS, ticks)

@@ -157,11 +157,9 @@ class Solution:
             For a place or time outside the solution.
         """
         check_side(side)
-        if (wall := self._wall(body)) is not None:
-            return float(wall.velocity) + 0.0 * self.fields.to_ticks(t)
-        if body in self.fields.masses:
-            return self.fields.mass_velocity(body, t, side)
-        return self.fields.velocity(body, x, t, side)
+        if isinstance(self.system.bodies[self._index(body)], Rod):
+            return self.fields.velocity(body, x, t, side)
+        return self.fields.rigid_velocity(body, t, side)
 
     @_FAINT
     def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
@@ -191,11 +189,9 @@ class Solution:
 
         It counts from the unstrained body whose left end is at its place at t = 0.
         """
-        if (wall := self._wall(body)) is not None:
-            return float(wall.velocity) * self.fields.to_ticks(t) * self.fields.clock.tick
-        if body in self.fields.masses:
-            return self.fields.mass_displacement(body, t)
-        return self.fields.displacement(body, x, t)
+        if isinstance(self.system.bodies[self._index(body)], Rod):
+            return self.fields.displacement(body, x, t)
+        return self.fields.rigid_displacement(body, t)
 
     def position(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Place in the laboratory in m; the left end of the row starts at 0. As `velocity`."""
@@ -423,10 +419,6 @@ class Solution:
         if not 0 <= body < count:
             raise refusal("body", f"must be from 0 to {count - 1} (walls counted), got {body}")
         return int(body)
-
-    def _wall(self, body: int) -> Wall | None:
-        wall = self.system.bodies[self._index(body)]
-        return wall if isinstance(wall, Wall) else None
 
     def _along(
         self, body: int, x: ArrayLike, value: Callable[[Segment, Floats], Floats | float]

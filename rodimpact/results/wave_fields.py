@@ -7,7 +7,7 @@ momentum and energy. Times are rounded to the nearest tick, so that one-sided li
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -29,7 +29,7 @@ from ..methods.signals import (
     each_once,
     integral_of_product,
 )
-from ..model import Rod
+from ..model import Material
 from .fields import Fields, Profile, Trace
 
 PAIR_TIME = 5e-7  # s of plain Python for two waves that meet
@@ -90,44 +90,36 @@ class WaveFields(Fields):
         shift: float,
     ) -> Floats:
         """(sign a + b) * factor(segment) + shift."""
-        segment, offset = self.locate(body, x)
         ticks = self.to_ticks(t, side)
-        shape = self._together(offset, ticks)
-        grid = self._open_grid(offset, ticks, shape)
-        if grid is not None and side == "right" and self.constant_between_fronts:
-            flat, when, x_first = grid
-            out: Floats = np.empty((flat.size, when.size))
-            where = segment.ravel()
-            for s in np.unique(where):
-                rows = where == s
-                values = self._on_grid(int(s), flat[rows], when, sign, factor(int(s)), shift)
-                if rows.all():
-                    out = values
-                else:
-                    out[rows] = values
-            return out.reshape(shape) if x_first else np.ascontiguousarray(out.T).reshape(shape)
-        segment, offset, ticks = np.broadcast_arrays(segment, offset, ticks)
-        out = np.empty(shape)
-        for s in np.unique(segment):
-            here = segment == s
-            A, B = self.waves(int(s))
-            T, o, when = self.clock.ticks[s], offset[here], ticks[here]
-            total = sign * A.at(when - o, side) + B.at(when - (T - o), side)
-            out[here] = total * factor(int(s)) + shift
-        return out
+        if (side == "right" and self.constant_between_fronts and ticks.ndim == 1
+                and np.shape(x) == (np.size(x) or 1, 1) and np.all(ticks[1:] >= ticks[:-1])):
+            segment, offset = self.locate(body, x)
+            rows = {s: np.flatnonzero(segment == s) for s in np.unique(segment).tolist()}
+            grids = [self._on_grid(s, offset[here, 0], ticks, sign, factor(s), shift)
+                     for s, here in rows.items()]
+            if len(grids) == 1:
+                return grids[0]
+            return np.concatenate(grids)[np.argsort(np.concatenate([*rows.values()]))]
 
-    @staticmethod
-    def _open_grid(x: Ints, t: Ints, shape: tuple[int, ...]) -> tuple[Ints, Ints, bool] | None:
-        """Flat places and times, and whether places come first, if the two span a grid."""
-        if x.size * t.size != np.prod(shape, dtype=int) or min(x.size, t.size) < 2:
-            return None
-        xs, ts = [i for i, n in enumerate(x.shape[::-1]) if n > 1], [
-            i for i, n in enumerate(t.shape[::-1]) if n > 1
-        ]
-        when = t.ravel()
-        if len(xs) != 1 or len(ts) != 1 or np.any(when[1:] < when[:-1]):
-            return None
-        return x.ravel(), when, xs[0] > ts[0]
+        def both(s: int, p: Ints, q: Ints) -> Floats:
+            A, B = self.waves(s)
+            return (sign * A.at(p, side) + B.at(q, side)) * factor(s) + shift
+
+        return self._pointwise(body, x, ticks, both)
+
+    def _pointwise(
+        self, body: int, x: ArrayLike, ticks: Ints, value: Callable[[int, Ints, Ints], Floats]
+    ) -> Floats:
+        """Values at places and ticks, of segment and the ticks at which waves left its two ends."""
+        segment, offset = self.locate(body, x)
+        self._together(offset, ticks)
+        segment, offset, ticks = np.broadcast_arrays(segment, offset, ticks)
+        out = np.empty(offset.shape)
+        for s in np.unique(segment).tolist():
+            here = segment == s
+            p = ticks[here] - offset[here]
+            out[here] = value(s, p, p + 2 * offset[here] - self.clock.ticks[s])
+        return out
 
     def _on_grid(
         self, s: int, offset: Ints, when: Ints, sign: float, factor: float, shift: float
@@ -147,19 +139,11 @@ class WaveFields(Fields):
         return np.repeat(level.ravel(), counts.ravel()).reshape(len(offset), len(when))
 
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
-        a, when = self.clock, self.to_ticks(t)
-        segment, offset = self.locate(body, x)
-        self._together(offset, when)
-        segment, offset, ticks = np.broadcast_arrays(segment, offset, when)
-        out = np.empty(offset.shape)
-        for s in np.unique(segment):
-            here = segment == s
-            p, q = ticks[here] - offset[here], ticks[here] - a.ticks[s] + offset[here]
-            out[here] = self.displacement_of_waves(int(s), p, q)
-        time = when * a.tick
-        return out + a.gravity * time * time / 2
+        ticks = self.to_ticks(t)
+        out, time = self._pointwise(body, x, ticks, self._displaced), ticks * self.clock.tick
+        return out + self.clock.gravity * time * time / 2
 
-    def displacement_of_waves(self, segment: int, p: Ints, q: Ints) -> Floats:
+    def _displaced(self, segment: int, p: Ints, q: Ints) -> Floats:
         """Displacement, m, where the waves meet that left the two ends at ticks p and q."""
         a = self.clock
         A, B = self.waves(segment)
@@ -181,22 +165,15 @@ class WaveFields(Fields):
         return starts
 
     def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:
-        a = self.clock
-        segment, offset = self.locate(body, x)
-        ticks = self.to_ticks(t)
-        velocity, strain = np.empty((2, segment.size, ticks.size - 1))
-        for s in np.unique(segment):
-            here = segment == s
-            A, B = self.waves(int(s))
-            away = offset[here, None]
-            right, left = (
-                np.diff(wave.integral(0, ticks - delay)) / np.diff(ticks)
-                for wave, delay in ((A, away), (B, a.ticks[s] - away))
-            )
-            velocity[here] = (left + right) / 2
-            strain[here] = (left - right) * (0.5 / a.wave_speed[s])
+        a, ticks = self.clock, self.to_ticks(t)
+        right, left = (
+            np.diff(self._pointwise(body, x[:, None], ticks, passed)) / np.diff(ticks)
+            for passed in (lambda s, p, _: self.waves(s)[0].integral(0, p),
+                           lambda s, _, q: self.waves(s)[1].integral(0, q))
+        )
+        per_wave = 0.5 / np.array(a.wave_speed)[self.segment_at(body, x), None]
         fallen = a.gravity * a.tick * (ticks[:-1] + ticks[1:]) / 2
-        return velocity + a.frame + fallen, strain
+        return (left + right) / 2 + a.frame + fallen, (left - right) * per_wave
 
     def trace(self, body: int, x: float) -> Trace:
         a = self.clock
@@ -242,27 +219,21 @@ class WaveFields(Fields):
             strain += scale * (both - crossed) / 2
         return kinetic, strain
 
-    def largest_stress(self, body: int) -> float:
-        stresses, (first, last) = [], self.clock.spans[body]
-        rod = self.clock.system.bodies[body]
-        assert isinstance(rod, Rod)
-        for s, piece in zip(range(first, last + 1), rod.segments, strict=True):
-            waves = [_in_steps(wave) for wave in self.waves(s)]
-            counts = [len(wave.ticks) for wave in waves]
-            log = np.zeros(sum(counts), ROW)
-            log["tick"] = np.concatenate([w.ticks for w in waves])
-            log["value"] = np.concatenate([w.values for w in waves])
-            log["after"] = np.arange(1, sum(counts) + 1)
-            log["after"][[counts[0] - 1, -1]] = NONE
-            overlapping = counts[0] * counts[1] * min(1.0, 2 * self.clock.ticks[s] / self.end)
-            ends = 0, counts[0], self.clock.ticks[s], self.end, SLIVER
-            if kernels.worth_compiling(overlapping * PAIR_TIME, largest_difference):
-                parted = kernels.compiled(largest_difference)(log, *ends)
-            else:
-                parted = largest_difference(as_objects(log), *ends)
-            E = float(piece.material.youngs_modulus)
-            stresses.append(E * parted / (2 * self.clock.wave_speed[s]))
-        return float(max(stresses))
+    def _largest_stress(self, segment: int, material: Material) -> float:
+        waves = [_in_steps(wave) for wave in self.waves(segment)]
+        counts, T = [len(wave.ticks) for wave in waves], self.clock.ticks[segment]
+        log = np.zeros(sum(counts), ROW)
+        log["tick"] = np.concatenate([w.ticks for w in waves])
+        log["value"] = np.concatenate([w.values for w in waves])
+        log["after"] = np.arange(1, sum(counts) + 1)
+        log["after"][[counts[0] - 1, -1]] = NONE
+        overlapping = counts[0] * counts[1] * min(1.0, 2 * T / self.end)
+        ends = 0, counts[0], T, self.end, SLIVER
+        if kernels.worth_compiling(overlapping * PAIR_TIME, largest_difference):
+            parted = kernels.compiled(largest_difference)(log, *ends)
+        else:
+            parted = largest_difference(as_objects(log), *ends)
+        return float(material.youngs_modulus) * parted / (2 * self.clock.wave_speed[segment])
 
     def profile(self, body: int, tick: int) -> Profile:
         a = self.clock
