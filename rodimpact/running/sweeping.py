@@ -204,23 +204,23 @@ def sweep(
         problems += error.problems
     raise_noted(problems)
     together = 0 if _alone(options, readings) else METHODS[options.method].together(Row(system))
-    units = _Units(math.prod(system.shape), min(TOGETHER, together) or 1)
+    size, unit = math.prod(system.shape), min(TOGETHER, together) or 1
     of = table.arrays_of(system, readings)
-    keep = InMemory(of, units)
+    keep = InMemory(of, size, unit)
     if checkpoint is not None:
         described = {
             "format": "rodimpact sweep", "rodimpact": __version__, "system": system.digest,
             "shape": list(system.shape), **asdict(options), **readings.to_dict(),
         }
-        keep = Checkpoint(checkpoint, described, of, units)
+        keep = Checkpoint(checkpoint, described, of, size, unit)
     with contextlib.closing(keep), pool_of(executor, workers) as pool:
         news = _News(keep, pool.workers, together > 0, progress)
         jobs = Jobs(pool, lambda start, stop: pool.executor.submit(
             run_job, _members(system, start, stop), options, readings,
-            *([*pool.asking, units.size - stop] if pool.asking else ()),
-        ), units.spans(~keep.done), units.unit, together or TOGETHER)
+            *([*pool.asking, size - stop] if pool.asking else ()),
+        ), keep.spans(~keep.done), unit, together or TOGETHER)
         _collect(jobs, keep, news, on_error == "raise")
-    if jobs.end < units.size:
+    if jobs.end < size:
         _raise_for(int(jobs.end), system, options)
     shaped = {name: column.reshape((*system.shape, *column.shape[1:]))
               for name, column in keep.columns.items()}
@@ -234,7 +234,7 @@ def _collect(jobs: Jobs, keep: InMemory, news: _News, raises: bool) -> None:
         if raises and (bad := np.flatnonzero(~np.isin(status, table.ENDED))).size:
             jobs.end = min(jobs.end, start + int(bad[0]))
 
-    for start, stop in keep.units.spans(keep.done):
+    for start, stop in keep.spans(keep.done):
         look(start, keep.columns["status"][start:stop])
     with contextlib.closing(jobs.results()) as results:
         for parts in results:
@@ -250,8 +250,8 @@ class _News:
     def __init__(
         self, keep: InMemory, workers: int, compiles: bool, progress: Progress | None
     ) -> None:
-        self._size, self._progress = keep.units.size, progress
-        self._ended = sum(stop - start for start, stop in keep.units.spans(keep.done))
+        self._size, self._progress = keep.size, progress
+        self._ended = sum(stop - start for start, stop in keep.spans(keep.done))
         self._to_do, self._workers, self._compiles = self._size - self._ended, workers, compiles
         self._count_from_here()
 
@@ -289,12 +289,13 @@ def run_chunk(
     The method is chosen, and `options` hold for the family, of which so many `more` members are
     certain to follow in this process.
     """
-    together, columns = METHODS[options.method].together(Row(system)), {}
+    row, columns = Row(system), {}
+    together = METHODS[options.method].together(row)
     try:
         if not together or _alone(options, readings):
             columns = _one_by_one(system, options, readings, stop)
         if together:
-            columns |= _together(system, options, readings.also, stop, more)
+            columns |= _together(row, options, readings.also, stop, more)
     finally:
         memory.give_back()
     kinds = {name: kind for name, (kind, _) in table.arrays_of(system, readings).items()}
@@ -336,7 +337,7 @@ def _one_by_one(
 
 
 def _together(
-    system: System, options: Options, also: Sequence[str], stop: Callable[[], bool], more: int
+    row: Row, options: Options, also: Sequence[str], stop: Callable[[], bool], more: int
 ) -> table.Columns:
     """Columns of members that the method runs in one call."""
     method = METHODS[options.method]
@@ -344,9 +345,8 @@ def _together(
     own = {name: getattr(options, name) for name in method.takes}
     if method.also:
         own["also"] = [name for name in also if name in method.also]
-    run = method.family(
-        Row(system), options.until, options.max_events, **own, stop=stop, more=more)
-    able, e = unilateral(system), np.full(len(run.final), math.nan)
+    run = method.family(row, options.until, options.max_events, **own, stop=stop, more=more)
+    able, e = unilateral(row.system), np.full(len(run.final), math.nan)
     if len(able) == 1:
         k = able[0]
         e = effective_restitution(
@@ -358,25 +358,6 @@ def _together(
         f"{name}.{k}": values
         for name, by_contact in run.contacts.items() for k, values in enumerate(by_contact)
     }
-
-
-class _Units(Sequence[tuple[int, int]]):
-    """So many members in C order, in spans of `unit` that are kept, or run again, as one."""
-
-    def __init__(self, size: int, unit: int) -> None:
-        self.size, self.unit = size, unit
-
-    def __len__(self) -> int:
-        return -(-self.size // self.unit)
-
-    def __getitem__(self, number: Any) -> Any:
-        start = range(0, self.size, self.unit)[number]
-        return start, min(start + self.unit, self.size)
-
-    def spans(self, wanted: Any) -> list[tuple[int, int]]:
-        """Members of the units that are wanted, in as few spans as there can be."""
-        edges = np.flatnonzero(np.diff(np.concatenate(([0], wanted, [0])))).tolist()
-        return [(self[a][0], self[b - 1][1]) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def _members(system: System, start: int, stop: int) -> System:

@@ -42,9 +42,8 @@ class InMemory:
     Parameters
     ----------
     columns : mapping of str to (dtype, shape of a member)
-    units : sequence of (int, int)
-        First and last flat index of the members of each chunk; its `size` counts all members, its
-        `unit` those of a chunk, and `spans` joins chunks.
+    size, unit : int
+        All members, and those of a chunk, which are kept, or run again, as one.
 
     Attributes
     ----------
@@ -52,10 +51,18 @@ class InMemory:
     done : array of bool, [chunk]
     """
 
-    def __init__(self, columns: Mapping[str, tuple[Any, tuple[int, ...]]], units: Any) -> None:
-        self.units, self.done = units, np.zeros(len(units), dtype=bool)
-        self.columns: Arrays = {name: np.empty((units.size, *beyond), kind)
+    def __init__(
+        self, columns: Mapping[str, tuple[Any, tuple[int, ...]]], size: int, unit: int
+    ) -> None:
+        self.size, self.unit = size, unit
+        self.done = np.zeros(-(-size // unit), dtype=bool)
+        self.columns: Arrays = {name: np.empty((size, *beyond), kind)
                                 for name, (kind, beyond) in columns.items()}
+
+    def spans(self, wanted: Any) -> list[tuple[int, int]]:
+        """First member, and the one after the last, of the chunks that are wanted, joined."""
+        edges = np.flatnonzero(np.diff(np.concatenate(([0], wanted, [0])))) * self.unit
+        return [(a, min(b, self.size)) for a, b in edges.reshape(-1, 2).tolist()]
 
     def put(self, start: int, stop: int, part: Mapping[str, Any]) -> None:
         """Take the results of some members."""
@@ -75,7 +82,7 @@ class Checkpoint(InMemory):
         Directory; made if there is none, gone on with if it holds the same sweep.
     sweep : mapping
         What makes it the same sweep, JSON-ready.
-    columns, units
+    columns, size, unit
         As for `InMemory`.
 
     Warns
@@ -93,18 +100,18 @@ class Checkpoint(InMemory):
 
     def __init__(
         self, path: PathLike, sweep: Mapping[str, Any],
-        columns: Mapping[str, tuple[Any, tuple[int, ...]]], units: Any,
+        columns: Mapping[str, tuple[Any, tuple[int, ...]]], size: int, unit: int,
     ) -> None:
-        super().__init__(columns, units)
+        super().__init__(columns, size, unit)
         self.path, self._sweep = Path(file_name(path)), dict(sweep)
-        self._new = np.zeros(len(units), dtype=bool)  # chunks that are not on the disk
+        self._new = np.zeros_like(self.done)  # chunks that are not on the disk
         self._began = self._saved = time.monotonic()
-        known = np.zeros(units.size, dtype=bool)
+        known = np.zeros(size, dtype=bool)
         for file in self._files():
             for start, stop, part in self._read(file):
                 super().put(start, stop, part)
                 known[start:stop] = True
-        self.done[:] = np.logical_and.reduceat(known, np.arange(0, units.size, units.unit))
+        self.done[:] = np.logical_and.reduceat(known, np.arange(0, size, unit))
 
     def _files(self) -> list[Path]:
         """Files of the directory, which is made if there is none."""
@@ -152,14 +159,14 @@ class Checkpoint(InMemory):
     def put(self, start: int, stop: int, part: Mapping[str, Any]) -> None:
         """Take the results of some members, and save what has come for a while."""
         super().put(start, stop, part)
-        self._new[start // self.units.unit : -(-stop // self.units.unit)] = True
+        self._new[start // self.unit : -(-stop // self.unit)] = True
         now = time.monotonic()
         if now - self._saved >= max(EVERY, SHARE * (now - self._began)):
             self.close()
 
     def close(self) -> None:
         """Bring to the disk what is not there."""
-        if spans := self.units.spans(self._new):
+        if spans := self.spans(self._new):
             path = self.path / NAME.format(f"{spans[0][0]:08}")
             arrays = {name: np.concatenate([column[start:stop] for start, stop in spans])
                       for name, column in self.columns.items()}
