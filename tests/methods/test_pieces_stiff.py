@@ -37,6 +37,7 @@ def test_stiff_contacts_of_rods_tend_to_rigid_ones(law):
     assert found.outcome.peak_force == pytest.approx(0.5, abs=20 * slow + 1e-9)
     assert abs(found.outcome.energy_residual) <= 1e-9
     assert found.events <= 2000
+    assert max(found.accuracy["impulse"], found.accuracy["velocity"]) <= 1e-6
 
 
 @pytest.mark.parametrize("k", few_of([10.0**n for n in range(2, 11)], [1e5, 1e10]))
@@ -52,6 +53,8 @@ def test_a_mass_between_two_stiff_contacts(law, k):
         assert a.impulse == pytest.approx(b.impulse, abs=10 * slow + 1e-9)
     assert abs(found.outcome.momentum_residual) <= 1e-12
     assert abs(found.energy(until).residual) <= 1e-8
+    # where a graze ends is a matter of round-off; velocities and impulses are not
+    assert max(found.accuracy["impulse"], found.accuracy["velocity"]) <= 1e-6
 
 
 @pytest.mark.parametrize("damping", [0.01, 0.3, 2.0, 30.0])
@@ -75,12 +78,3 @@ def test_a_dashpot_between_endless_bars_lets_go_on_time(k, damping):
     moved = 0.5 - (end - 0.5)  # integral of v, of which d is what is left of F
     assert contact.impulse == pytest.approx(moved - left, abs=1e-8)
     assert found.opening == pytest.approx(end + left, abs=1e-8)  # with v = -1, no force
-
-
-@pytest.mark.parametrize("law", [ri.Spring(100.0), ri.Hertz(1e8), ri.Spring(1e10), ri.Hertz(1e10)])
-def test_stiff_contacts_are_not_said_to_be_inaccurate(law):
-    """Where a graze ends is a matter of round-off; velocities and impulses are not."""
-    row = [unit_rod(1.0, velocity=1.0), ri.RigidMass(0.5), unit_rod(1.0, 2.0)]
-    between = ri.solve(ri.System(row, contacts=[law] * 2), 1.5)
-    for s in (ri.solve(pair(law)), between):
-        assert max(s.accuracy["impulse"], s.accuracy["velocity"]) <= 1e-6
