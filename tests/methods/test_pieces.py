@@ -9,9 +9,10 @@ from numpy.polynomial import chebyshev, legendre
 
 from rodimpact.methods import compiling
 from rodimpact.methods.laws import Law, Status
-from rodimpact.methods.pieces import laws, lines, series
+from rodimpact.methods.pieces import laws, lines, series, waves
 from rodimpact.methods.pieces.records import HARD, LINE, LINK, NODE, NONE, PIECE, RUN, SMOOTH
 from rodimpact.methods.pieces.series import POINTS, N
+from rodimpact.methods.signals import Pieces
 
 X = np.array(series.X)
 
@@ -191,6 +192,19 @@ def test_a_break_is_hard_where_what_jumps_is_above_tolerance(jump, slope, bend, 
     at = one(NODE, now=1000, leaving=f.tolist())
     lines.send(run, line, log, 0, at, 500, order)
     assert (log[1].order, line[0].hard) == (sent, int(sent <= HARD))
+
+
+def test_a_wave_with_a_jump_and_a_kink_becomes_pieces_either_way():
+    signal = Pieces.lines([0, 300, 700], np.array([1.0, 3.0, 2.0]), np.array([1.0, 2.0, 4.0]), 1000)
+    made = waves.fitted(signal, 1000, True, 1e-9)
+    back = made.backwards()
+    assert (made.ticks.tolist(), made.order.tolist()) == ([0, 300, 700, 1000], [SMOOTH, 0, 1])
+    assert (back.ticks.tolist(), back.order.tolist()) == ([-1000, -700, -300, 0], [SMOOTH, 1, 0])
+    for fit, ends in ((made, [1, 1, 3, 2, 2, 4]), (back, [4, 2, 2, 3, 1, 1])):
+        found = [chebyshev.chebval(y, c) for c in fit.coefficients for y in (-1, 1)]
+        assert found == pytest.approx(ends, abs=1e-12)
+    assert np.count_nonzero(made.coefficients[0]) == 1  # what is constant stays so
+    assert made.error <= 1e-12
 
 
 # Laws --------------------------------------------------------------------------------------------
