@@ -95,17 +95,13 @@ def ledger(
     a, ticks = fields.clock, states.ticks
     t = ticks * a.tick
     works = {kind: np.zeros(t.shape) for kind in ("wall", "drive", "absorbing")}
+    path = (states.mass.sum() * a.gravity * t / 2 + states.momentum[0]) * t
     for side, sign in zip(outside, INWARD, strict=True):
         if side is not None:
             power = product(side.push, side.speed)
             works[side.kind] += sign * power.integral(0, ticks) * a.tick
-    fallen = np.zeros(t.shape)
-    if a.gravity:
-        path = (states.mass.sum() * a.gravity * t / 2 + states.momentum[0]) * t
-        for side, sign in zip(outside, INWARD, strict=True):
-            if side is not None:
-                path = path + sign * side.push.integrated_twice(ticks) * a.tick * a.tick
-        fallen = a.gravity * path
+            path = path + sign * side.push.integrated_twice(ticks) * a.tick * a.tick
+    fallen = a.gravity * path if a.gravity else np.zeros(t.shape)
     contact, dissipated, numerical = (np.zeros(t.shape) for _ in range(3))
     for history in contacts:
         energy = stored(history.law, history.gap(t))

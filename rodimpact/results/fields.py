@@ -88,9 +88,9 @@ class Fields(ABC):
     """Ticks in which nothing is resolved: of a grid those of its step."""
 
     @property
-    @abstractmethod
     def constant_between_fronts(self) -> bool:
         """Whether velocity and strain are constant in the regions between fronts."""
+        return False
 
     @abstractmethod
     def velocity(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:

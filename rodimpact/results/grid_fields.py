@@ -11,6 +11,7 @@ negative.
 
 from __future__ import annotations
 
+import itertools
 from functools import cached_property
 from typing import Any
 
@@ -45,10 +46,6 @@ class GridFields(Fields):
         self.motion: GridMotion = signals.motion
 
     resolution = STEP_TICKS
-
-    @property
-    def constant_between_fronts(self) -> bool:
-        return False
 
     @property
     def _step(self) -> float:
@@ -303,11 +300,9 @@ class GridFields(Fields):
         nodes, cells, _ = self._span(body)
         first, last = self.clock.spans[body]
         counts = self.motion.counts[first - 1 : last]
-        x = np.concatenate([
-            np.linspace(left, right, N + 1)[:-1] for left, right, N in zip(
-                self.edges(body)[:-1], self.edges(body)[1:], counts, strict=True)
-        ])
-        edges = np.append(x, self.edges(body)[-1])
+        ends = itertools.pairwise(self.edges(body))
+        starts = [np.linspace(*of, N + 1)[:-1] for of, N in zip(ends, counts, strict=True)]
+        edges = np.append(np.concatenate(starts), self.edges(body)[-1])
         v = self._in_time(self.motion.velocity, nodes, np.asarray(tick))
         strain = self._in_time(self._strain, cells, np.asarray(tick))
         drift = self.clock.frame + self.clock.gravity * tick * self.clock.tick

@@ -103,7 +103,7 @@ class WaveFields(Fields):
 
         def both(s: int, p: Ints, q: Ints) -> Floats:
             A, B = self.waves(s)
-            return (sign * A.at(p, side) + B.at(q, side)) * factor(s) + shift
+            return np.asarray((sign * A.at(p, side) + B.at(q, side)) * factor(s) + shift)
 
         return self._pointwise(body, x, ticks, both)
 
@@ -233,7 +233,7 @@ class WaveFields(Fields):
             parted = kernels.compiled(largest_difference)(log, *ends)
         else:
             parted = largest_difference(as_objects(log), *ends)
-        return float(material.youngs_modulus) * parted / (2 * self.clock.wave_speed[segment])
+        return float(material.youngs_modulus * parted / (2 * self.clock.wave_speed[segment]))
 
     def profile(self, body: int, tick: int) -> Profile:
         a = self.clock

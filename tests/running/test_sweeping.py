@@ -2,7 +2,7 @@
 
 import multiprocessing
 import warnings
-from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 import pytest
@@ -14,6 +14,7 @@ import rodimpact as ri
 from rodimpact import theory
 from rodimpact.methods import kernels
 from rodimpact.methods.family import ALSO
+from rodimpact.running.jobs import Here
 
 STEEL = ri.materials.steel
 
@@ -312,7 +313,7 @@ def test_gauges_equal_those_of_single_solutions(make, options, gauges):
 def test_gauges_are_the_same_whoever_reads_them():
     system = small_map()
     options = {"until": 3e-4, "gauges": [(0, 0.05), (1, 0.5)], "times": TIMES}
-    serial = ri.sweep(system, executor=InOrder(), **options).strain
+    serial = ri.sweep(system, executor=Here(), **options).strain
     assert ri.sweep(system, workers=3, **options).strain.tobytes() == serial.tobytes()
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(2, mp_context=spawn) as pool:
@@ -404,6 +405,8 @@ def test_no_collision_is_no_error():
 @pytest.mark.parametrize(("change", "path"), [
     ({"method": "magic"}, "method"), ({"on_error": "ignore"}, "on_error"),
     ({"workers": 0}, "workers"), ({"max_events": 1.5}, "max_events"),
+    *(({"executor": executor}, "executor")
+      for executor in (object(), "processes", 4, ProcessPoolExecutor)),
 ])
 def test_arguments_are_checked(change, path):
     with pytest.raises(ri.InvalidModel) as caught:
@@ -414,15 +417,6 @@ def test_arguments_are_checked(change, path):
 # Executors ---------------------------------------------------------------------------------------
 
 
-class InOrder(Executor):
-    """Runs everything at once in the calling thread."""
-
-    def submit(self, job, *arguments):
-        future = Future()
-        future.set_result(job(*arguments))
-        return future
-
-
 @pytest.fixture
 def small_chunks(monkeypatch):
     monkeypatch.setattr("rodimpact.methods.fronts.method.MOST_MEMBERS", 4)
@@ -430,7 +424,7 @@ def small_chunks(monkeypatch):
 
 def test_every_executor_gives_the_same_bytes(small_chunks):
     system = small_map()
-    serial = ri.sweep(system, executor=InOrder())
+    serial = ri.sweep(system, executor=Here())
     with kernels.forced(True):
         assert same(ri.sweep(system), serial)
     assert same(ri.sweep(system, workers=1), serial)
@@ -443,7 +437,7 @@ def test_every_executor_gives_the_same_bytes(small_chunks):
 def test_a_dask_cluster_gives_the_same_bytes(small_chunks):
     distributed = pytest.importorskip("distributed")
     system = small_map()
-    serial = ri.sweep(system, executor=InOrder())
+    serial = ri.sweep(system, executor=Here())
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
         with (
@@ -497,6 +491,7 @@ def test_to_xarray_and_pandas():
     pytest.importorskip("xarray")
     pytest.importorskip("pandas")
     result = ri.sweep(small_map((3, 2)))
+    assert repr(result) == "<SweepResult of shape (3, 2) over bodies.0.length, bodies.1.area>"
     frame = result.to_dataframe()
     assert frame["restitution"].tolist() == result.restitution.ravel().tolist()
     assert set(frame["status"]) == {"final"}
@@ -514,18 +509,6 @@ def test_a_missing_package_is_named(monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "pandas", None)
     with pytest.raises(ImportError, match=r"pip install 'rodimpact\[dataframe\]'"):
         result.to_dataframe()
-
-
-def test_a_result_says_what_it_is():
-    assert repr(ri.sweep(small_map((3, 2)))) == (
-        "<SweepResult of shape (3, 2) over bodies.0.length, bodies.1.area>"
-    )
-
-
-@pytest.mark.parametrize("executor", [object(), "processes", 4, ProcessPoolExecutor])
-def test_what_is_no_executor_is_refused(executor):
-    with pytest.raises(ri.InvalidModel, match="executor: must be an executor, such"):
-        ri.sweep(small_map(), executor=executor)
 
 
 @pytest.mark.parametrize("checkpoint", [False, True])
