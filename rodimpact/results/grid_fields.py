@@ -70,12 +70,12 @@ class GridFields(Fields):
 
     # Between the nodes ----------------------------------------------------------------------------
 
-    def _cells(self, body: int, segment: Ints, x: ArrayLike) -> Floats:
-        """Cells between the left end of its segment and each place."""
-        first, a = self.clock.spans[body][0], self.clock
-        begin = self.edges(body)[segment - first]
+    def _cells(self, body: int, x: ArrayLike) -> tuple[Ints, Floats]:
+        """Segment of each place, and cells between the left end of that and the place."""
+        segment, a = self.segment_at(body, x), self.clock
+        begin = self.edges(body)[segment - a.spans[body][0]]
         share = (self.check(body, x) - begin) / np.array(a.length)[segment]
-        return np.asarray(share * self._counts[segment])
+        return segment, np.asarray(share * self._counts[segment])
 
     def _at(self, table: Floats, y: Floats, base: Ints, count: Ints, ticks: Ints) -> Floats:
         """Values of `count` columns of [state, column] from `base` on, at y columns from there."""
@@ -90,14 +90,14 @@ class GridFields(Fields):
     def _at_nodes(
         self, table: Floats, body: int, x: ArrayLike, ticks: Ints, first: int = 0
     ) -> Floats:
-        segment = self.segment_at(body, x)
-        y, base = self._cells(body, segment, x), np.array(self.motion.first)[segment] - first
+        segment, y = self._cells(body, x)
+        base = np.array(self.motion.first)[segment] - first
         return self._at(table, y, base, self._counts[segment] + 1, ticks)
 
     def _at_cells(self, table: Floats, body: int, x: ArrayLike, ticks: Ints) -> Floats:
         """Values at places of a table like `_stretch`."""
-        segment = self.segment_at(body, x)
-        y, N = self._cells(body, segment, x), self._counts[segment]
+        segment, y = self._cells(body, x)
+        N = self._counts[segment]
         y = np.where(y < 0.5, 2 * y, np.where(y > N - 0.5, 2 * y - N + 1, y + 0.5))
         return self._at(table, y, self._edge[segment], N + 2, ticks)
 
@@ -148,8 +148,9 @@ class GridFields(Fields):
             for node, cell, inward, area in ((a, a + 1, 1, areas[0]), (b, b, -1, areas[-1])):
                 behind = cell + inward * (N > 1)
                 strain = 1.5 * self._strain[:, cell] - 0.5 * self._strain[:, behind]
-                rate = 1.5 * self._rate_in(cell) - 0.5 * self._rate_in(behind)
-                if not (mesh.lateral[node] or mesh.lateral[node + 1] or self._swells(cell)):
+                rate = 1.5 * self._rate[:, cell] - 0.5 * self._rate[:, behind]
+                swells = mesh.radial is not None and mesh.radial.swelling[cell]
+                if not (mesh.lateral[node] or mesh.lateral[node + 1] or swells):
                     pull = self._pull(node + 1) - self._pull(node) + self._pushed(node)
                     gained = pull * mesh.cell_mass[cell] / 2 / mesh.mass[node]
                     stress = (self._pull(cell) - inward * gained) / float(area)
@@ -160,22 +161,12 @@ class GridFields(Fields):
                 rates.append(rate)
         return np.array(strains).T, np.array(rates).T
 
-    def _swells(self, cell: int) -> bool:
-        """Whether a cell has a radial strain of its own."""
-        radial = self.motion.radial
-        return radial is not None and bool(radial.swelling[cell])
-
-    def _rate_in(self, cell: int) -> Floats:
-        """Rate of strain of a cell, at the states."""
-        v = self.motion.velocity
-        return np.asarray((v[:, cell] - v[:, cell - 1]) / self.motion.width[cell])
-
     def _pull(self, cell: int) -> Floats:
         """Elastic and viscous tension of a cell, at the states; none between pieces."""
         grid = self.motion
         pull: Floats = grid.force[:, cell]
         if grid.viscous[cell]:
-            pull = pull + grid.viscous[cell] * grid.width[cell] * self._rate_in(cell)
+            pull = pull + grid.viscous[cell] * grid.width[cell] * self._rate[:, cell]
         return pull
 
     def _pushed(self, node: int) -> Floats:

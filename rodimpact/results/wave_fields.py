@@ -220,7 +220,8 @@ class WaveFields(Fields):
         return kinetic, strain
 
     def _largest_stress(self, segment: int, material: Material) -> float:
-        waves = [_in_steps(wave) for wave in self.waves(segment)]
+        waves = [wave if wave.size == 1 else Pieces(wave.marks, wave.at(wave.marks))
+                 for wave in self.waves(segment)]  # in steps that follow it closely
         counts, T = [len(wave.ticks) for wave in waves], self.clock.ticks[segment]
         log = np.zeros(sum(counts), ROW)
         log["tick"] = np.concatenate([w.ticks for w in waves])
@@ -256,8 +257,3 @@ class WaveFields(Fields):
             strain += ((left - right) * (0.5 / a.wave_speed[s])).tolist()
             segments += [s] * (len(bounds) - 1)
         return Profile(np.array(edges), np.array(velocity), np.array(strain), np.array(segments))
-
-
-def _in_steps(wave: Pieces) -> Pieces:
-    """A wave as constants that follow it closely."""
-    return wave if wave.size == 1 else Pieces(wave.marks, wave.at(wave.marks))

@@ -38,9 +38,6 @@ def assert_stands_for(body, outcome):
     assert body.energy_lost == pytest.approx(gained, abs=1e-13)
 
 
-# Pairs
-
-
 # Walls
 
 
