@@ -116,6 +116,16 @@ def test_what_is_raised_is_the_first_member_in_c_order_whichever_ends_first(cloc
     assert sum(handed) < 200  # what comes after it is not begun any more
 
 
+@pytest.mark.parametrize(("seconds", "longest"), [
+    (np.full(20_000, 1e-3), 1.0),
+    (np.append(1e-9, np.ones(99)), jobs.GROWTH),  # one cheap member tells little
+])
+def test_jobs_take_about_a_second(clock, seconds, longest):
+    cluster = Cluster(1, len(seconds), clock)
+    ri.sweep(family(seconds), "finite-difference", executor=cluster)
+    assert max(cluster.lasted) == pytest.approx(longest, rel=0.01)
+
+
 def test_jobs_fill_a_checkpoint_that_others_go_on_with(clock, monkeypatch, tmp_path):
     """Interrupted once, then gone on with on a cluster of another size."""
     monkeypatch.setattr(sweeping, "TOGETHER", 8)
