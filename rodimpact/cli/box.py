@@ -11,6 +11,7 @@ import argparse
 import math
 import textwrap
 from collections.abc import Sequence
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -20,12 +21,11 @@ from ..model.frozen import Problems, raise_noted
 from ..results.pair_theory import pair_theory
 from ..results.solution import Solution
 from ..running.solving import collide, solve
-from ..storage.tables import align, clean
+from ..storage.tables import align, as_html, clean
 from ..storage.writing import write_text
 from ..units import format_si
 from . import DONE
 from .asking import note, quantity
-from .box_page import box_page
 from .stages import LEGEND, stages, tell
 
 if TYPE_CHECKING:
@@ -38,6 +38,13 @@ PAIRS = 60  # length ratios at which e is compared with l1/l2
 AREA = 1e-4  # m^2
 DOWEL = 0.9144, math.pi / 4 * 0.0127**2  # 3 ft, m, and half an inch thick, m^2
 STAGES = 6  # in a figure
+STYLE = """\
+body { max-width: 64rem; margin: 2rem auto; padding: 0 1rem; font: 1rem/1.5 sans-serif;
+       background: %s; color: %s; }
+figure { margin: 1.5rem 0; }
+img { max-width: 100%%; }
+a { color: inherit; }
+"""
 
 
 class Replay(NamedTuple):
@@ -215,3 +222,36 @@ def draw(
         figures.append(plot.restitution(ratios, values).ax)
         for path, figure in zip(paths, figures, strict=True):
             plot.save(figure, path, force=arguments.force)
+
+
+def box_page(parts: Sequence[tuple[str, list[str]]], colours: Colours) -> str:
+    """Write the page.
+
+    Parameters
+    ----------
+    parts : sequence of (str, list of str)
+        Text, whose first line is a heading, and names of figures, which lie beside the page.
+    colours : Colours
+        Of paper and letters.
+
+    Returns
+    -------
+    str
+        HTML.
+    """
+    titles = [escape(text.partition("\n")[0]) for text, _ in parts]
+    lines = [
+        '<!doctype html>', '<html lang="en">', '<meta charset="utf-8">',
+        '<meta name="viewport" content="width=device-width, initial-scale=1">',
+        f"<title>{titles[0]}</title>", f"<style>\n{STYLE % colours[:2]}</style>",
+    ]
+    for level, title, (text, figures) in zip("1" + "2" * len(parts), titles, parts, strict=False):
+        lines += [f"<h{level}>{title}</h{level}>", as_html(text.partition("\n")[2].strip("\n"))]
+        lines += [_figure(name, f"{title}: {name.rpartition('.')[0]}") for name in figures]
+    return "\n".join([*lines, "</html>", ""])
+
+
+def _figure(name: str, words: str) -> str:
+    """A figure, or a link to one that no page shows."""
+    shown = name if name.endswith(".pdf") else f'<img src="{name}" alt="{words}">'
+    return f'<figure><a href="{name}">{shown}</a></figure>'

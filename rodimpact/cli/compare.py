@@ -24,21 +24,14 @@ from ..results.solution import Solution
 from ..storage.casefile import read_case
 from ..storage.tables import align, as_json
 from ..units import format_si
+from . import record_options
 from .asking import attempt, check_outputs, naming, numbers, write
-from .gauge_places import FORM, gauge_places
 from .progress import progress_bar, solved, status_of
-from .record_options import (
-    RECORD,
-    add_case_and_record,
-    add_record_options,
-    bridge_of,
-    read_record,
-)
 from .run_options import NUMBERS, add_run_options, run_options
 
 GAUGE_TIME = 2e-6  # s, about what an event takes in the signal of a gauge and beside a record
 _DIMENSIONS = {"start": "time", "stop": "time", "shift": "time", "scale": "dimensionless",
-               "carried": "length", "radius": "length", **RECORD}
+               "carried": "length", "radius": "length", **record_options.RECORD}
 
 
 class Laid(NamedTuple):
@@ -52,7 +45,7 @@ class Laid(NamedTuple):
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """A case, a record and how to read it, what to compare, what to write, how far to go."""
-    add_case_and_record(parser)
+    record_options.add_case_and_record(parser)
     compared = parser.add_argument_group("what is compared")
     for name, metavar, what in (
         ("start", "TIME", "of the part of the record; by default all"),
@@ -64,7 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         ("radius", "LENGTH", "equivalent radius of that bar, if the case gives no diameter"),
     ):
         compared.add_argument(f"--{name}", metavar=metavar, help=what)
-    add_record_options(parser)
+    record_options.add_record_options(parser)
     add_run_options(parser, tuple(NUMBERS))
 
 
@@ -73,17 +66,17 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     problems: Problems = []
     case = attempt(problems, read_case, arguments.case)
     options = run_options(problems, arguments, case)
-    places = gauge_places(problems, arguments.gauge, case)
+    places = record_options.gauge_places(problems, arguments.gauge, case)
     if not places:
-        message = f"is missing; {FORM} gives a channel and the place of its gauge, as [[gauges]]"
-        problems.append(("--gauge", f"{message} of the case do, with a name"))
+        problems.append(("--gauge", f"is missing; {record_options.FORM} gives a channel and the "
+                         "place of its gauge, as [[gauges]] of the case do, with a name"))
     given = numbers(problems, arguments, _DIMENSIONS)
     if given.get("radius", 1.0) <= 0:
         problems.append(("--radius", f"must be positive, got {given['radius']!r}"))
     if "radius" in given and "carried" not in given:
         problems.append(("--radius", "goes with --carried"))
-    bridge = bridge_of(problems, arguments, given)
-    signals = read_record(problems, arguments, given, places)
+    bridge = record_options.bridge_of(problems, arguments, given)
+    signals = record_options.read_record(problems, arguments, given, places)
     files = {"--save": arguments.save}
     check_outputs(problems, files, arguments.force, figure="--save")
     assert case is not None  # or there were problems
@@ -184,7 +177,7 @@ def _json(laid: dict[str, Laid]) -> str:
 def _draw(laid: dict[str, Laid], path: str, force: bool) -> None:
     """Draw all channels side by side."""
     from .. import plot
-    from ..plot.residuals import side_by_side
+    from ..plot.records import side_by_side
 
     pairs = side_by_side(len(laid))
     for pair, (measured, predicted, found, _) in zip(pairs, laid.values(), strict=True):

@@ -21,23 +21,16 @@ from ..records.reduction import Reduction, Specimen, reduce
 from ..records.signal import Signal
 from ..storage.casefile import read_case
 from ..storage.tables import as_json
+from . import record_options
 from .asking import attempt, check_outputs, naming, numbers, write
-from .gauge_places import FORM, Places, gauge_places
 from .options import flag
-from .record_options import (
-    RECORD,
-    add_case_and_record,
-    add_record_options,
-    bridge_of,
-    read_record,
-)
 
 _SPECIMEN = {"length": "length", "diameter": "length", "area": "area", "youngs_modulus": "pressure"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The bars, the record, the specimen, and what to write."""
-    add_case_and_record(parser)
+    record_options.add_case_and_record(parser)
     parser.add_argument("--csv", metavar="FILE", help="write all columns over time")
     specimen = parser.add_argument_group("the specimen")
     specimen.add_argument("--length", metavar="LENGTH", help="length before the shot")
@@ -51,22 +44,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                        help="sign of compressive strains in the record; default: negative")
     waves.add_argument("--align-within", metavar="TIME",
                        help="largest shift of the reflected and the transmitted wave")
-    add_record_options(parser)
+    record_options.add_record_options(parser)
 
 
 def run(arguments: argparse.Namespace) -> tuple[str, int]:
     """Check everything, reduce, write the files, and hand back the table or JSON."""
     problems: Problems = []
     case = attempt(problems, read_case, arguments.case)
-    places = gauge_places(problems, arguments.gauge, case)
-    given = numbers(problems, arguments, {"align_within": "time", **_SPECIMEN, **RECORD})
-    bridge = bridge_of(problems, arguments, given)
+    places = record_options.gauge_places(problems, arguments.gauge, case)
+    given = numbers(problems, arguments,
+                    {"align_within": "time", **_SPECIMEN, **record_options.RECORD})
+    bridge = record_options.bridge_of(problems, arguments, given)
     specimen = _specimen(problems, given, arguments.incompressible)
     first = min((body for body, _ in places.values()), default=0)
     if {body - first for body, _ in places.values()} != {0, 1}:
-        message = f"give {FORM} for one gauge or two on each of two neighbouring rods"
-        problems.append(("--gauge", message))
-    signals = read_record(problems, arguments, given, places)
+        problems.append(("--gauge", f"give {record_options.FORM} for one gauge or two on each of "
+                         "two neighbouring rods"))
+    signals = record_options.read_record(problems, arguments, given, places)
     problems += [
         ("--bridge", f"is missing; the channel {name!r} is in {signals[name].unit}, not strain")
         for name in places if bridge is None and name in signals and signals[name].unit
@@ -98,7 +92,8 @@ def _specimen(problems: Problems, given: dict[str, float], incompressible: bool)
 
 
 def _gauges(
-    places: Places, signals: dict[str, Signal], bridge: Bridge | None, first: int, length: float
+    places: record_options.Places, signals: dict[str, Signal], bridge: Bridge | None,
+    first: int, length: float,
 ) -> tuple[list[BarGauge], list[BarGauge]]:
     """Gauges of the input and of the output bar, with their distances from the specimen."""
     sides: tuple[list[BarGauge], list[BarGauge]] = [], []

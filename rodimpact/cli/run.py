@@ -18,9 +18,9 @@ from ..storage.casefile import read_case
 from ..storage.report import solution_dict, solution_table
 from ..storage.tables import misnamed
 from .asking import attempt, check_outputs, write
-from .gauge_places import FORM, Places, add_gauge_option, gauge_places
 from .options import as_options
 from .progress import solved, status_of
+from .record_options import FORM, Places, add_gauge_option, gauge_places
 from .run_options import NUMBERS, add_run_options, run_options
 
 

@@ -16,14 +16,12 @@ from .designs import design
 from .diagram import spacetime
 from .families import restitution, sweep
 from .files import save
-from .histories import contact
+from .histories import contact, gauge
 from .ledger import energy
 from .moving import animation
 from .page import overview
-from .residuals import comparison, fit
-from .specimen import reduction
+from .records import comparison, fit, reduction
 from .stages import snapshots
-from .strains import gauge
 from .style import look
 
 __all__ = [

@@ -97,10 +97,9 @@ class Bars:
     def fronts(self) -> list[Line2D]:
         """Triangles above the fronts that show their direction."""
         marks = []
-        for one, other in pairwise(self.pieces):
-            if not self.stepped and one[:3] == other[:3]:
-                rod = self.system.bodies[one.body]
-                assert isinstance(rod, Rod)
+        for one, other in pairwise(() if self.stepped else self.pieces):
+            if one[:3] == other[:3]:
+                rod: Any = self.system.bodies[one.body]
                 jump = other.velocity - one.velocity
                 stretch = float(rod.segments[one.segment].wave_speed) * (other.strain - one.strain)
                 if np.isclose(abs(jump), abs(stretch), rtol=ONE_WAY, atol=0.0):

@@ -64,8 +64,8 @@ def design(found: PulseDesign | RestitutionDesign, ax: Axes | None = None) -> De
     if isinstance(found, RestitutionDesign):
         return _restitution(found, ax)
     of_kind("found", found, PulseDesign, "design.striker(...)")
-    rod, outline = found.system.bodies[found.body], None
-    assert isinstance(rod, Rod)
+    rod: Any = found.system.bodies[found.body]
+    outline = None
     if ax is None and len(rod.segments) > 1:
         above, ax = new_figure(5.6, 4.6).subplots(2, 1, height_ratios=[1, 2.5]).tolist()
         outline = _silhouette(above, rod)

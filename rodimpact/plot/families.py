@@ -146,10 +146,8 @@ def _column(result: SweepResult, quantity: str) -> NDArray[Any]:
                       f"must be one of {', '.join(known)}, got {shown_text(quantity)}{hint}")
     column: NDArray[Any] = result.columns[quantity]
     if not np.isfinite(column).any():
-        raise refusal(
-            "quantity", f"{quantity!r} has no value anywhere in this family; "
-            "result.explain(index) says why"
-        )
+        raise refusal("quantity", f"{quantity!r} has no value anywhere in this family; "
+                      "result.explain(index) says why")
     return column
 
 
@@ -163,10 +161,8 @@ def _dimensions(result: SweepResult) -> list[int]:
         )
     if len(wide) > 2:
         raise refusal(
-            "result",
-            f"has shape {result.shape}, but a map has two axes; sweep a smaller family, "
-            f"such as system[{', '.join(['0'] * (len(result.shape) - 2))}]"
-        )
+            "result", f"has shape {result.shape}, but a map has two axes; sweep a smaller family, "
+            f"such as system[{', '.join('0' * (len(result.shape) - 2))}]")
     return wide
 
 
@@ -311,11 +307,10 @@ def _equalities(
     if theory is None or np.isinf(theory.impedance).any():
         return []
 
-    def excess(left: Floats, right: Floats) -> Floats:
-        return np.log(left / right) if is_log else (left - right) / np.max(left)
-
-    return [("equal transit times: e = 1", "-", excess(*theory.transit_time)),
-            ("equal impedances", "--", excess(*theory.impedance))]
+    transits, impedances = (
+        np.log(left / right) if is_log else (left - right) / np.max(left)
+        for left, right in (theory.transit_time, theory.impedance))
+    return [("equal transit times: e = 1", "-", transits), ("equal impedances", "--", impedances)]
 
 
 @style.styled

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -10,7 +11,6 @@ from ..methods.signals import Floats
 from ..model import Rod, System
 from ..model.numbering import body_numbers, contact_names
 from ..results.solution import Solution
-from ..results.wave_fields import WaveFields
 from .sampling import evenly, is_stepped
 
 FEWEST = 3  # instants of a solution in which nothing stands out
@@ -65,11 +65,10 @@ def _halved(chosen: Floats, first: float, last: float, most: int, shortest: floa
 
 def _reflections(solution: Solution, last: float) -> Floats:
     """Times up to `last` at which a changed wave leaves an end of a segment."""
-    fields = solution.fields
-    assert isinstance(fields, WaveFields)
+    fields: Any = solution.fields
     ticks = np.unique(np.concatenate([s.ticks for s in fields.signals if s is not None]))
-    times = ticks[ticks > 0] * fields.clock.tick
-    return np.asarray(times[times <= last])
+    times: Floats = ticks[ticks > 0] * fields.clock.tick
+    return times[times <= last]
 
 
 def happening(solution: Solution, t: float) -> str:

@@ -17,7 +17,7 @@ from ..storage.tables import as_html
 from .designs import design
 from .families import sweep
 from .page import headline, overview
-from .residuals import fit
+from .records import fit
 
 MORE = "to_csv writes all, save keeps them"
 

@@ -104,9 +104,8 @@ def _panels(waves: bool, contacts: bool) -> tuple[Figure, list[SubplotSpec]]:
 def headline(solution: Solution) -> str:
     """Bodies, closing speed, and results of the collision."""
     bodies = solution.system.bodies
-    walls = sum(isinstance(body, Wall) for body in bodies)
-    masses = sum(isinstance(body, RigidMass) for body in bodies)
-    rods = len(bodies) - walls - masses
+    rods, masses, walls = (sum(isinstance(body, kind) for body in bodies)
+                           for kind in (Rod, RigidMass, Wall))
     row = ["One rod" if rods == 1 else f"{rods} rods"]
     row += ["a rigid mass" if masses == 1 else f"{masses} rigid masses"] if masses else []
     row += ["a wall"] if walls == 1 else []

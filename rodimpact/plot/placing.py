@@ -111,8 +111,7 @@ class Placing:
 
     def centre(self, body: int, t: Floats) -> Floats:
         """Place X of the centre of mass of a rod at t [n]."""
-        rod = self.solution.system.bodies[body]
-        assert isinstance(rod, Rod)
+        rod: Any = self.solution.system.bodies[body]
         edges, segment = pieces(self.solution, body)
         segment = segment - segment[0]
         density = np.array([float(s.material.density) for s in rod.segments])[segment]

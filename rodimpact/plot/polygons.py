@@ -183,8 +183,8 @@ class Raster:
         velocity, strain = averaged(self.solution, body, self.times)
         if field in ("velocity", "strain"):
             return velocity if field == "velocity" else strain
-        rod, which = self.solution.system.bodies[body], segment - segment[0]
-        assert isinstance(rod, Rod)
+        rod: Any = self.solution.system.bodies[body]
+        which = segment - segment[0]
         materials = [rod.segments[i].material for i in which.tolist()]
         stress = strain * np.array([[float(m.youngs_modulus)] for m in materials])
         if field == "stress":

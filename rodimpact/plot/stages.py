@@ -122,7 +122,7 @@ def snapshots(
         ax.axvline(float(x), color=faint, linewidth=0.6, linestyle=(0, (4, 4)), zorder=1)
 
     _name_rows(ax, solution, when)
-    speeds = Speeds.of(plan, float(np.abs(velocities).max()))
+    speeds = Speeds(plan, float(np.abs(velocities).max()))
     marks = [THICKNESS_TOLD, "thick line: pressing", "square: strain gauge"]
     seen = [any(piece.strain for piece in drawn.pieces), *map(bool, lines)]
     ax.set_xlabel("\n".join(style.broken(label, style.extent(ax)[0]) for label in (
@@ -144,24 +144,17 @@ def snapshots(
     return Snapshots(ax, when, bars, labels, fronts, walls, masses, outlines, bar)
 
 
-class Speeds(NamedTuple):
+class Speeds:
     """How velocities are written: as parts of the closing speed v if there is one, or by a scale.
 
     Where they vary along the rods, to two digits.
     """
 
-    rest: float
-    closing: float
-    scale: scales.Scale
-    largest: float
-    rounded: bool
-
-    @classmethod
-    def of(cls, plan: Placing, largest: float) -> Speeds:
-        """Those of a picture, for velocities up to `largest`, m/s."""
-        scale = scales.engineering("velocity", largest, "m/s")
-        return cls(plan.frame, scales.closing_speed(plan.solution), scale, largest,
-                   is_stepped(plan.solution))
+    def __init__(self, plan: Placing, largest: float) -> None:
+        self.rest, self.largest = plan.frame, largest
+        self.closing = scales.closing_speed(plan.solution)
+        self.scale = scales.engineering("velocity", largest, "m/s")
+        self.rounded = is_stepped(plan.solution)
 
     @property
     def label(self) -> str:
@@ -204,16 +197,14 @@ def _mass_labels(
     ax: Axes, plan: Placing, times: Floats, place: scales.Scale, speeds: Speeds
 ) -> list[Text]:
     """Velocity of each mass, below it; of every second of neighbours above it."""
-    labels = []
-    above = True
+    labels, above = [], True
     for i, body in enumerate(plan.solution.system.bodies):
         above = not (above and isinstance(body, RigidMass))
+        up, va = (0.33, "bottom") if above else (-0.33, "top")
         if isinstance(body, RigidMass):
             middle = plan.middle(i, times) * place.factor
-            velocities = plan.solution.velocity(i, 0.0, times).tolist()
-            labels += [_write(ax, x, -row + (0.33 if above else -0.33), speeds.write(velocity),
-                              style.colours().ink, "bottom" if above else "top")
-                       for row, (x, velocity) in enumerate(zip(middle, velocities, strict=True))]
+            labels += [_write(ax, middle[row], up - row, speeds.write(v), style.colours().ink, va)
+                       for row, v in enumerate(plan.solution.velocity(i, 0.0, times).tolist())]
     return labels
 
 

@@ -10,6 +10,7 @@ import sys
 
 import numpy as np
 import pytest
+from drawing import rod
 from exhaustive import few_of
 from matplotlib.colors import to_rgb
 from PIL import Image
@@ -19,7 +20,6 @@ from rodimpact import plot
 from rodimpact.cli import main
 from rodimpact.plot.style import LOOKS, ON_LIGHT
 
-STEEL = ri.materials.steel
 CASE = """\
 schema = 1
 [[bodies]]
@@ -34,10 +34,6 @@ length = 1.0
 area = 1e-4
 material = "steel"
 """
-
-
-def rod(length=1.0, velocity=0.0, area=1e-4, **kwargs):
-    return ri.Rod(length, area=area, material=STEEL, velocity=velocity, **kwargs)
 
 
 ROWS = {
@@ -76,6 +72,12 @@ def pixel(film, ax, x, y):
     return round(film.figure.bbox.height - up), round(across)
 
 
+def row_of(film):
+    """The Axes of the bodies, above the space-time diagram."""
+    below, *others = film.figure.axes
+    return next(ax for ax in others if below.get_shared_x_axes().joined(ax, below))
+
+
 def colours(film, field):
     """From SI values to what the frame should show."""
     bar = next(ax for ax in film.figure.axes if ax.get_ylabel().startswith(field))
@@ -91,9 +93,7 @@ def colours(film, field):
 def test_rods_are_where_they_are_in_the_colour_of_their_state(solved, field):
     solution = solved["unequal"]
     film = plot.animation(solution, field, frames=9, magnification=1.0)
-    expected, ax = colours(film, field), film.figure.axes[0].get_shared_x_axes()
-    below = film.figure.axes[0]
-    row = next(a for a in film.figure.axes if ax.joined(a, below) and a is not below)
+    expected, row = colours(film, field), row_of(film)
     for number in (1, 3, 6):
         picture, t = film.frame(number).astype(float), film.times[number]
         for body, x in ((0, 0.07), (0, 0.29), (1, 0.11), (1, 0.53), (1, 0.87)):
@@ -109,10 +109,7 @@ def test_displacements_are_magnified_and_the_factor_is_told(solved):
     assert "displacements \N{MULTIPLICATION SIGN} 1000" in film.figure.axes[0].get_xlabel()
     texts = [t.get_text() for ax in film.figure.axes for t in ax.texts]
     assert any("thick: compressed" in text for text in texts)
-    below = film.figure.axes[0]
-    row = next(a for a in film.figure.axes
-               if below.get_shared_x_axes().joined(a, below) and a is not below)
-    picture = film.frame(2)
+    row, picture = row_of(film), film.frame(2)
     gap = 1000 * float(solution.contacts[0].gap(film.times[2]))
     right = 0.4 + 1000 * float(solution.displacement(0, 0.4, film.times[2]))
     inside = picture[pixel(film, row, right + gap / 2, 0.0)]
@@ -145,9 +142,7 @@ def test_it_begins_with_the_approach_and_says_what_happens(solved):
     assert 2 <= len(before) <= 8
     assert film.times[-31:] == pytest.approx([solution.t_end] * 31)
     assert film.clock(0).startswith("t = \N{MINUS SIGN}")
-    below = film.figure.axes[0]
-    row = next(a for a in film.figure.axes
-               if below.get_shared_x_axes().joined(a, below) and a is not below)
+    row = row_of(film)
     picture, t = film.frame(0).astype(float), before[0]
     right = 0.4 + 2000 * t
     expected = colours(film, "velocity")

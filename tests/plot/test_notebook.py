@@ -10,15 +10,10 @@ import sys
 
 import numpy as np
 import pytest
+from drawing import rod
 from PIL import Image
 
 import rodimpact as ri
-
-STEEL = ri.materials.steel
-
-
-def rod(length=1.0, velocity=0.0, area=1e-4):
-    return ri.Rod(length, area=area, material=STEEL, velocity=velocity)
 
 
 def picture(html):

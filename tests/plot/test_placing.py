@@ -5,6 +5,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from drawing import rod
 from exhaustive import few_of
 
 import rodimpact as ri
@@ -14,13 +15,6 @@ from rodimpact.explorer.presets import presets
 from rodimpact.explorer.scene import scene
 from rodimpact.plot.placing import placing
 from rodimpact.results.magnification import REACH
-
-STEEL = ri.materials.steel
-
-
-def rod(length=1.0, velocity=0.0, **how):
-    return ri.Rod(length, area=1e-4, material=STEEL, velocity=velocity, **how)
-
 
 ROWS = {
     **{preset.key: (preset.case.system, {}) for preset in presets()},

@@ -4,19 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
+from drawing import STEEL, axes, corners, render, rod
 from matplotlib.collections import TriMesh
-from matplotlib.figure import Figure
 
 import rodimpact as ri
 from rodimpact import plot
-
-STEEL = ri.materials.steel
-
-
-def rod(length=1.0, velocity=0.0, area=1e-4, material=STEEL, **kwargs):
-    return ri.Rod(length, area=area, material=material, velocity=velocity, **kwargs)
-
 
 ROWS = {
     "unequal": (ri.System([rod(0.4, 1.0), rod(area=2e-4)]), None),
@@ -40,19 +32,6 @@ def stepwise():
     row = ri.System([rod(0.2, 5.0), ri.RigidMass(0.1), rod(0.4)], gaps=[1e-6, 0.0],
                     contacts=[ri.Hertz(5e9), ri.Bonded()], ends=(ri.Pushed(100.0), ri.Absorbing()))
     return ri.solve(row, 3e-4, "characteristics")
-
-
-def axes():
-    return Figure(figsize=(5, 5)).add_subplot()
-
-
-def render(ax):
-    ax.figure.set_dpi(40)
-    FigureCanvasAgg(ax.figure).draw()
-
-
-def corners(picture):
-    return [path.vertices[:-1] for path in picture.regions.get_paths()]
 
 
 def width_at(polygon, y):

@@ -4,17 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from drawing import C, legend, rod
 from matplotlib.figure import Figure
 
 import rodimpact as ri
 from rodimpact import plot
-
-STEEL = ri.materials.steel
-C = STEEL.wave_speed
-
-
-def rod(length=1.0, velocity=0.0, area=1e-4, **kwargs):
-    return ri.Rod(length, area=area, material=STEEL, velocity=velocity, **kwargs)
 
 
 def draw(record, **kwargs):
@@ -25,10 +19,6 @@ def spans(picture):
     """By name: when a window begins and ends, in µs, and on which side of 0 it lies."""
     return {name: (w.get_x(), w.get_x() + w.get_width(), np.sign(w.get_height()))
             for name, w in picture.windows.items()}
-
-
-def legend(picture):
-    return [text.get_text() for text in picture.ax.get_legend().get_texts()]
 
 
 @pytest.mark.parametrize("strain", [1e-4, -3e-4])

@@ -7,6 +7,7 @@ import threading
 import matplotlib as mpl
 import numpy as np
 import pytest
+from drawing import rod
 from exhaustive import few_of
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
@@ -15,13 +16,6 @@ from matplotlib.text import Text
 import rodimpact as ri
 from rodimpact import plot
 from rodimpact.plot.style import LOOKS
-
-STEEL = ri.materials.steel
-
-
-def rod(length, velocity=0.0):
-    return ri.Rod(length, area=1e-4, material=STEEL, velocity=velocity)
-
 
 SOLUTION = ri.solve(ri.System([rod(0.4, 1.0), rod(1.0)]))
 STEPWISE = ri.solve(ri.System([ri.RigidMass(0.1, velocity=1.0), rod(0.4), ri.Wall()],

@@ -1,0 +1,51 @@
+"""What tests of figures share: steel rods, an empty Axes, and what is read off a picture."""
+
+from __future__ import annotations
+
+import matplotlib as mpl
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+import rodimpact as ri
+from rodimpact import plot
+from rodimpact.plot.style import figure_of
+
+STEEL = ri.materials.steel
+C = STEEL.wave_speed
+
+
+def rod(length=1.0, velocity=0.0, area=1e-4, material=STEEL, **kwargs):
+    return ri.Rod(length, area=area, material=material, velocity=velocity, **kwargs)
+
+
+def axes():
+    return Figure(figsize=(5, 5)).add_subplot()
+
+
+def render(drawn):
+    figure = figure_of(drawn)
+    figure.set_dpi(50)
+    FigureCanvasAgg(figure).draw()
+
+
+def settings():
+    return {name: value for name, value in mpl.rcParams.copy().items() if name != "backend"}
+
+
+def corners(picture):
+    return [path.vertices[:-1] for path in picture.regions.get_paths()]
+
+
+def legend(drawn):
+    shown = getattr(drawn, "ax", drawn).get_legend()
+    return [] if shown is None else [text.get_text() for text in shown.get_texts()]
+
+
+def vector_file(draw, folder):
+    """The bytes of an SVG, which are the same every time it is drawn."""
+    files = []
+    for name in ("a.svg", "b.svg"):
+        plot.save(draw(), folder / name)
+        files.append((folder / name).read_bytes())
+    assert files[0] == files[1]
+    return files[0]
