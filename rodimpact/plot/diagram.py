@@ -157,5 +157,6 @@ def spacetime(
     if any(isinstance(end, Absorbing) for end in solution.system.ends):
         named.append(Line2D([], [], label="absorbing end", **open_style()))
     legend_above(ax, named)
-    return SpaceTime(ax, drawn, ends, *contacts, walls, cut.finish(ax), bar, masses,
-                     scale, paths, centres)
+    pressing, touching, apart = contacts
+    return SpaceTime(ax, drawn, ends, pressing, touching, apart, walls, cut.finish(ax), bar,
+                     masses, scale, paths, centres)

@@ -75,11 +75,12 @@ class Polygons:
         corners, self._across = plane.points(places, r.t), plane.across
         self._corners, self._norm, self._moving = corners, norm, plan.magnification > 0
         if numbers.size == len(r):
-            self._drawn: Any = collections.PolyCollection(
+            polygons = collections.PolyCollection(
                 np.split(corners, r.start[1:-1]), array=numbers, cmap=colours().signed, norm=norm,
                 zorder=2, edgecolors="face", linewidths=0.4)
-            ax.add_collection(self._drawn)
-            return self._drawn
+            ax.add_collection(polygons)
+            self._drawn: collections.PolyCollection | collections.TriMesh = polygons
+            return polygons
         self._drawn = ax.tripcolor(
             corners[:, 0], corners[:, 1], numbers, triangles=_fans(r.start), shading="gouraud",
             cmap=colours().signed, norm=norm, zorder=1.9, rasterized=True)
