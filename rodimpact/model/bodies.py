@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from ..units import shown
 from . import frozen, profiles
 from .arguments import array, demand
-from .frozen import Declared, Frozen, Number, Numeric, NumericOrNone, Problems, quantity
+from .frozen import Declared, Frozen, Number, Numeric, NumericOrNone, Problems, note, quantity
 from .lateral_inertia import MINDLIN_HERRMANN, RAYLEIGH_LOVE, THEORIES
 from .profiles import Floats, Profile, ProfileLike, Samples, Steps
 
@@ -204,8 +204,7 @@ class Segment(Frozen):
         else:
             A = profiles.along_rod(problems, "area", area, self.fields["area"], known)
         if not isinstance(material, Material):
-            message = f"must be a Material, such as materials.steel, got {shown(material)}"
-            problems.append(("material", message))
+            note(problems, "material", "must be a Material, such as materials.steel", material)
         if lateral_inertia is not None:
             if polar_moment is None and diameter is None:
                 message = "needs the diameter of a round rod, or a polar_moment; give one of them"
@@ -217,8 +216,8 @@ class Segment(Frozen):
         if diameter is not None:
             polar_moment = None
         elif isinstance(A, Samples) and not isinstance(polar_moment, str | None):
-            message = f'must be "{CIRCULAR}" along a taper, or left out, got {shown(polar_moment)}'
-            problems.append(("polar_moment", message))
+            message = f'must be "{CIRCULAR}" along a taper, or left out'
+            note(problems, "polar_moment", message, polar_moment)
         else:
             moment = self.fields["polar_moment"]
             polar_moment = moment.checked(problems, "polar_moment", polar_moment)
@@ -535,10 +534,9 @@ class Rod(Frozen):
         """
         count: Any = n
         if isinstance(count, bool) or not isinstance(count, Integral) or count < 1:
-            message = f"must be a positive whole number, got {shown(count)}"
-            raise frozen.InvalidModel([("n", message)])
+            raise frozen.refusal("n", f"must be a positive whole number, got {shown(count)}")
         if n > MOST_STEPS:
-            raise frozen.InvalidModel([("n", f"must be at most {MOST_STEPS}, got {shown(count)}")])
+            raise frozen.refusal("n", f"must be at most {MOST_STEPS}, got {shown(count)}")
         pieces = [piece for segment in self.segments for piece in segment.in_steps(n)]
         return self.replace(segments=pieces)
 
@@ -549,12 +547,11 @@ def _joined(problems: Problems, segments: Any, described: bool) -> tuple[Segment
         message = "give either segments or length, area, material and polar_moment, not both"
         problems.append(("segments", message))
     elif not isinstance(segments, list | tuple) or not segments:
-        message = f"must be a list of at least one Segment, got {shown(segments)}"
-        problems.append(("segments", message))
+        note(problems, "segments", "must be a list of at least one Segment", segments)
     else:
         for i, segment in enumerate(segments):
             if not isinstance(segment, Segment):
-                problems.append((f"segments.{i}", f"must be a Segment, got {shown(segment)}"))
+                note(problems, f"segments.{i}", "must be a Segment", segment)
         return tuple(segments)
     return ()
 

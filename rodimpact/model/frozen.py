@@ -14,8 +14,9 @@ import inspect
 import json
 import math
 import sys
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Iterator
 from functools import cache, cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeAlias, dataclass_transform
 
 import numpy as np
@@ -36,7 +37,11 @@ TINY = sys.float_info.min  # with all its digits
 OUT_OF_SCALE = f"must be 0 or of a magnitude from {SMALLEST:g} to {LARGEST:g} in consistent units"
 OUT_OF_SCALE += ", got {0!r}"
 REQUIRED = inspect.Parameter.empty
-_SIGNS = frozenset({"positive", "positive or infinite", "non-negative", "any"})
+INTERVALS = {
+    "positive": "(0, inf)", "positive or infinite": "(0, inf]", "non-negative": "[0, inf)",
+    "any": "(-inf, inf)", "sampled": "(-inf, inf)",
+}
+"""Where the numbers of a sign lie."""
 
 
 class InvalidModel(ValueError):
@@ -116,12 +121,12 @@ class Field(NamedTuple):
             return None  # type: ignore[return-value]
         if self.word and isinstance(value, str):
             if value != self.word:
-                message = f'must be a number{number_of(self.unit)} or "{self.word}"'
-                problems.append((path, f"{message}, got {shown(value)}"))
+                wanted = f'must be a number{number_of(self.unit)} or "{self.word}"'
+                note(problems, path, wanted, value)
             return value  # type: ignore[return-value]
         held = number(problems, path, value, self.unit, self.sign)
         if self.single and isinstance(held, np.ndarray):
-            problems.append((path, f"must be a single number, got {shown(value)}"))
+            note(problems, path, "must be a single number", value)
         return held
 
 
@@ -156,7 +161,7 @@ def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "an
     alike.
     """
     if type(value) is float:
-        if (value == 0 and sign == "any") or (SMALLEST <= value <= LARGEST and sign in _SIGNS):
+        if (value == 0 and sign == "any") or (SMALLEST <= value <= LARGEST and sign in INTERVALS):
             return value + 0.0
         array: Any = value
     else:
@@ -178,6 +183,28 @@ def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "an
     return array  # type: ignore[no-any-return]
 
 
+def numbers(
+    problems: Problems, path: str, items: Any, unit: str, sign: str
+) -> tuple[Number, ...]:
+    """Return a list of numbers as a tuple, each with what `number` makes of it."""
+    if not isinstance(items, list | tuple):
+        try:
+            items = list(floats(items, unit))
+        except (TypeError, ValueError) as error:  # a single number, or what is none
+            single = isinstance(error, TypeError)
+            wrong = f"must be a list of numbers, got {shown(items)}" if single else str(error)
+            problems.append((path, wrong))
+            return ()
+    return tuple(number(problems, f"{path}.{i}", v, unit, sign) for i, v in enumerate(items))
+
+
+def increasing(problems: Problems, path: str, values: Iterable[Number]) -> None:
+    """Note numbers that do not lie above the one before them."""
+    for i, (low, high) in enumerate(pairwise(values), 1):
+        message = "must lie above {0!r}, got {1!r}"
+        require(problems, np.greater(high, low), f"{path}.{i}", message, low, high)
+
+
 def _in_scale(value: Any, sign: str) -> Any:
     """Where numbers and their squares are within what a float holds.
 
@@ -190,19 +217,11 @@ def _in_scale(value: Any, sign: str) -> Any:
 
 
 def has_sign(value: Any, sign: str) -> Any:
-    """Where numbers are finite and of that sign."""
-    if sign == "positive or infinite":
-        return value > 0
-    finite = abs(value) < math.inf
-    if sign in ("any", "sampled"):
-        return finite
-    if sign == "positive":
-        return finite & (value > 0)
-    if sign == "non-negative":
-        return finite & (value >= 0)
-    low, high = map(float, sign[1:-1].split(","))
-    above = value >= low if sign[0] == "[" else value > low
-    return finite & above & (value <= high if sign[-1] == "]" else value < high)
+    """Where numbers are of that sign; those that are none are of no sign."""
+    interval = INTERVALS.get(sign, sign)
+    low, high = map(float, interval[1:-1].split(","))
+    above = value >= low if interval[0] == "[" else value > low
+    return above & (value <= high if interval[-1] == "]" else value < high)
 
 
 def wanted(unit: str, sign: str) -> str:
@@ -269,6 +288,11 @@ def require(
     return False
 
 
+def note(problems: Problems, path: str, message: str, given: Any) -> None:
+    """Note a mistake, and the value that was given."""
+    problems.append((path, f"{message}, got {shown(given)}"))
+
+
 def raise_noted(problems: Problems) -> None:
     """Raise InvalidModel if there are problems."""
     if problems:
@@ -307,11 +331,10 @@ class Frozen:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Become what was pickled or copied; arrays are read-only again."""
-        for value in state.values():
-            for item in value if isinstance(value, tuple) else (value,):
-                if isinstance(item, np.ndarray):
-                    item.flags.writeable = False
         self.__dict__.update(state)
+        for _, _, item in self._parts():
+            if isinstance(item, np.ndarray):
+                item.flags.writeable = False
 
     def _set(self, **fields: Any) -> None:
         self.__dict__.update(fields)
@@ -375,34 +398,33 @@ class Frozen:
         fields = ", ".join(f"{name}={short(v)}" for name, v in given if v is not None)
         return f"{type(self).__name__}({fields})"
 
+    def _parts(self) -> Iterator[tuple[str, str, Any]]:
+        """What it holds, with the name of the attribute, and the place in it: ``".0"``."""
+        for name, value in self.__dict__.items():
+            if isinstance(value, tuple):
+                for i, item in enumerate(value):
+                    yield name, f".{i}", item
+            else:
+                yield name, "", value
+
     @cached_property
     def _varies(self) -> bool:
         """Whether a number of this object, or of what it holds, is an array."""
-        for name, value in self.__dict__.items():
-            for item in value if isinstance(value, tuple) else (value,):
-                if isinstance(item, Frozen):
-                    if item._varies:
-                        return True
-                elif isinstance(item, np.ndarray) and name not in self._whole:
-                    return True
-        return False
+        return any(
+            item._varies if isinstance(item, Frozen)
+            else isinstance(item, np.ndarray) and name not in self._whole
+            for name, _, item in self._parts()
+        )
 
     def _numbers(self, path: str = "") -> list[tuple[str, Number]]:
         """Every number of this object and of what it holds, with its path."""
         numbers: list[tuple[str, Number]] = []
-        for name, value in self.__dict__.items():
-            if name in self._whole:
-                continue
-            where = f"{path}.{name}" if path else name
-            for inner, item in (
-                [(f"{where}.{i}", v) for i, v in enumerate(value)]
-                if isinstance(value, tuple)
-                else [(where, value)]
-            ):
-                if isinstance(item, Frozen):
-                    numbers += item._numbers(inner)
-                elif isinstance(item, float | np.ndarray):
-                    numbers.append((inner, item))
+        for name, place, item in self._parts():
+            where = f"{path}.{name}{place}" if path else name + place
+            if isinstance(item, Frozen):
+                numbers += item._numbers(where)
+            elif isinstance(item, float | np.ndarray) and name not in self._whole:
+                numbers.append((where, item))
         return numbers
 
     def _mapped(self, change: Callable[[Any], Any]) -> Self:
@@ -450,8 +472,9 @@ class Declared(Frozen):
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
-        if "fields" in vars(cls):
-            cls.__init__ = _constructor(cls)  # type: ignore[method-assign]
+        kinds = inspect.get_annotations(cls).items()
+        if taken := {name: kind for name, kind in kinds if not kind.startswith("ClassVar")}:
+            cls.__init__ = _constructor(cls, taken)  # type: ignore[method-assign]
 
     def _take(self, **given: Any) -> None:
         """Become what is given; InvalidModel with all mistakes in it."""
@@ -471,13 +494,13 @@ class Declared(Frozen):
         """Note what is wrong besides single numbers."""
 
 
-def _constructor(cls: type[Declared]) -> Any:
+def _constructor(cls: type[Declared], taken: dict[str, str]) -> Any:
     """Constructor of a class, spelt out so that it is as fast as one written by hand."""
     header, passed = "self", ""
-    for name, kind in inspect.get_annotations(cls).items():
+    for name, kind in taken.items():
         if name == "_":
             header += ", *"
-        elif not kind.startswith("ClassVar"):
+        else:
             declared = cls.fields.get(name)
             default = declared.default if declared else getattr(cls, name, REQUIRED)
             header += f", {name}: {_TAKEN.get(kind, kind)}"

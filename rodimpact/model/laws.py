@@ -19,7 +19,7 @@ from ..units import shown
 from . import frozen
 from .arguments import array, demand, together
 from .bodies import Material
-from .frozen import Declared, Field, Number, Numeric, NumericOrNone, Problems, quantity
+from .frozen import Declared, Field, Number, Numeric, NumericOrNone, Problems, note, quantity
 
 FACE = Field("m", "positive or infinite", default=np.inf)
 """The radius of a face, infinite for a flat one."""
@@ -283,8 +283,8 @@ class Hertz(_Compliant):
                 message = f"needs a poisson_ratio for Hertz contact, {shown(material.name)} has"
                 problems.append((f"{side}_material", f"{message} none"))
             elif material is not None:
-                message = f"must be a Material, or None for a rigid face, got {shown(material)}"
-                problems.append((f"{side}_material", message))
+                message = "must be a Material, or None for a rigid face"
+                note(problems, f"{side}_material", message, material)
         if left_material is right_material is None:
             message = "is None, and so is the left one; one of the faces must be elastic"
             problems.append(("right_material", message))
@@ -445,13 +445,11 @@ class Tabulated(Plastic):
 
     def _check(self, problems: Problems) -> None:
         for name, unit in (("compression", "m"), ("force", "N")):
-            items: Any = getattr(self, name)
-            if not isinstance(items, list | tuple | np.ndarray) or not 1 <= len(items) <= MOST + 1:
-                message = f"must be a list of 1 to {MOST} numbers, got {shown(items)}"
-                problems.append((name, message))
-                items = ()
-            self._set(**{name: tuple(frozen.number(problems, f"{name}.{i}", v, unit, "positive")
-                                     for i, v in enumerate(items))})
+            given = getattr(self, name)
+            held = frozen.numbers(problems, name, given, unit, "positive")
+            if not problems and not 1 <= len(held) <= MOST + 1:
+                note(problems, name, f"must be a list of 1 to {MOST} numbers", given)
+            self._set(**{name: held})
         if not problems and len(self.force) != len(self.compression):
             message = f"must be as many as compressions, {len(self.compression)}"
             problems.append(("force", f"{message}, got {len(self.force)}"))
@@ -459,9 +457,7 @@ class Tabulated(Plastic):
             return
         frozen.family_shape(self._numbers())
         for name in ("compression", "force"):
-            for i, (low, high) in enumerate(pairwise(getattr(self, name)), 1):
-                message = "must lie above {0!r}, got {1!r}"
-                frozen.require(problems, np.greater(high, low), f"{name}.{i}", message, low, high)
+            frozen.increasing(problems, name, getattr(self, name))
         if not problems and self.unloading is not None:
             steepest, k = reduce(np.maximum, self.slopes), np.asarray(self.unloading)
             message = "must be at least that of the steepest line, {0!r}, got {1!r}"
@@ -547,13 +543,10 @@ class Law(_Law):
     overlaps: ClassVar[bool] = True
     force: Callable[[float, float], float]
 
-    def __init__(self, force: Callable[[float, float], float]) -> None:
-        self._take(force=force)
-
     def _check(self, problems: Problems) -> None:
         force: Any = self.force
         if not callable(force):
-            problems.append(("force", f"must be a function of d and d', got {shown(force)}"))
+            note(problems, "force", "must be a function of d and d'", force)
             return
         for d, rate in ((0.0, 0.0), (1e-6, 0.0), (1e-6, 1e-3)):
             try:

@@ -9,22 +9,25 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import reduce
 from itertools import pairwise
-from typing import Any, ClassVar, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..units import one_line, shown
 from . import frozen
-from .frozen import Field, Frozen, Number, Problems, quantity
+from .frozen import Declared, Field, Number, NumericOrNone, Problems, note, quantity
 from .quantities import Floats as Floats
 from .quantities import floats
+
+if TYPE_CHECKING:
+    from dataclasses import KW_ONLY
 
 ALONG_ROD = 1025  # places at which a function along a rod is sampled
 IN_TIME = 4097  # times at which a function of time is sampled
 
 
-class Steps(Frozen):
+class Steps(Declared):
     """A profile that is constant between jumps, along a rod or in time.
 
     Parameters
@@ -48,38 +51,22 @@ class Steps(Frozen):
     Steps(values=(1.0, 0.0), at=(0.5,))
     """
 
-    values: tuple[Number, ...]
-    at: tuple[Number, ...]
+    values: Sequence[Any]
+    at: Sequence[Any]
 
-    def __init__(self, values: Sequence[ArrayLike], at: Sequence[ArrayLike]) -> None:
-        problems: Problems = []
-        lists: dict[str, tuple[Number, ...]] = {}
-        given: Any = (("values", values, "sampled"), ("at", at, "positive"))
-        for name, items, sign in given:
-            entries: Any = items if isinstance(items, list | tuple) else ()
-            if entries is not items:
-                try:
-                    entries = list(floats(items, ""))
-                except TypeError:  # a single number
-                    problems.append((name, f"must be a list of numbers, got {shown(items)}"))
-                except ValueError as error:
-                    problems.append((name, str(error)))
-            lists[name] = tuple(
-                frozen.number(problems, f"{name}.{i}", v, "", sign) for i, v in enumerate(entries)
-            )
-        if not problems and len(lists["values"]) != len(lists["at"]) + 1:
-            message = f"needs one value more than jumps, got {len(lists['values'])} values"
-            problems.append(("values", f"{message} for {len(lists['at'])} jumps"))
-        frozen.raise_noted(problems)
-        self._set(**lists)
-        frozen.family_shape(self._numbers())
-        for i, (a, b) in enumerate(pairwise(self.at)):
-            message = "must lie beyond {0!r}, got {1!r}"
-            frozen.require(problems, np.asarray(b) > a, f"at.{i + 1}", message, a, b)
-        frozen.raise_noted(problems)
+    def _check(self, problems: Problems) -> None:
+        values, at = self.values, self.at
+        self._set(values=frozen.numbers(problems, "values", values, "", "sampled"),
+                  at=frozen.numbers(problems, "at", at, "", "positive"))
+        if not problems and len(self.values) != len(self.at) + 1:
+            message = f"needs one value more than jumps, got {len(self.values)} values"
+            problems.append(("values", f"{message} for {len(self.at)} jumps"))
+        if not problems:
+            frozen.family_shape(self._numbers())
+            frozen.increasing(problems, "at", self.at)
 
 
-class Samples(Frozen):
+class Samples(Declared):
     """A profile of values at equal distances, with straight lines or a smooth curve between them.
 
     Along a rod the values run from its left end to its right end. In time they begin at t = 0, and
@@ -108,25 +95,19 @@ class Samples(Frozen):
     Samples(values=array(3,), step=0.0001)
     """
 
-    values: Floats
-    step: Number | None = quantity("s", "positive", default=None)
-    smooth: bool
-    error: float
+    values: Any
+    step: NumericOrNone = quantity("s", "positive", default=None)
+    _: KW_ONLY
+    smooth: bool = False
+    error: float = 0.0
     _whole: ClassVar[tuple[str, ...]] = ("values",)
 
-    def __init__(
-        self, values: ArrayLike, step: ArrayLike | None = None, *, smooth: bool = False,
-        error: float = 0.0,
-    ) -> None:
-        problems: Problems = []
-        samples = frozen.number(problems, "values", values, "", "sampled")
-        if not problems and (isinstance(samples, float) or samples.ndim > 1 or samples.size < 2):
-            message = f"must be a list of at least two numbers, got {shown(values)}"
-            problems.append(("values", message))
-        h = self.fields["step"].checked(problems, "step", step)
-        frozen.raise_noted(problems)
-        curve = {"smooth": bool(smooth), "error": float(error)}
-        self._set(values=samples, step=h, **curve)
+    def _check(self, problems: Problems) -> None:
+        given, before = self.values, len(problems)
+        samples: Any = frozen.number(problems, "values", given, "", "sampled")
+        if len(problems) == before and not (np.ndim(samples) == 1 and samples.size > 1):
+            note(problems, "values", "must be a list of at least two numbers", given)
+        self._set(values=samples, smooth=bool(self.smooth), error=float(self.error))
 
     def _parameters(self) -> dict[str, Any]:
         given = super()._parameters().items()
@@ -186,8 +167,7 @@ def in_time(problems: Problems, path: str, value: Any, field: Field, duration: A
     """
     if not callable(value):
         if duration is not None:
-            message = "belongs to a function of time; leave it out"
-            problems.append(("duration", f"{message}, got {shown(duration)}"))
+            note(problems, "duration", "belongs to a function of time; leave it out", duration)
         if isinstance(value, Samples) and value.step is None:
             problems.append((f"{path}.step", "is missing; give the seconds between two samples"))
         if isinstance(value, Steps | Samples):

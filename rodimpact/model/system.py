@@ -20,7 +20,7 @@ from ..units import shown
 from . import frozen
 from .bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from .ends import ENDS, FREE, Absorbing, End, Fixed, Free, Incoming, Moved, Pushed
-from .frozen import Frozen, Number, Problems, plain, quantity
+from .frozen import Frozen, Number, Problems, note, plain, quantity
 from .lateral_inertia import RAYLEIGH_LOVE
 from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Law, Plastic, Rigid
 from .profiles import flipped, negative, profile_from
@@ -81,11 +81,10 @@ class System(Frozen):
         problems: Problems = []
         if not isinstance(bodies, list | tuple) or not bodies:
             message = f"must be a list of at least one rod or rigid mass, got {shown(bodies)}"
-            raise frozen.InvalidModel([("bodies", message)])
+            raise frozen.refusal("bodies", message)
         for i, body in enumerate[Any](bodies):
             if type(body) not in _BODIES:
-                message = f"must be a Rod, a RigidMass or a Wall itself, got {shown(body)}"
-                problems.append((f"bodies.{i}", message))
+                note(problems, f"bodies.{i}", "must be a Rod, a RigidMass or a Wall itself", body)
             elif isinstance(body, Wall) and 0 < i < len(bodies) - 1:
                 message = "a wall may stand only at an end of the row; make two systems of this one"
                 problems.append((f"bodies.{i}", message))
@@ -103,8 +102,8 @@ class System(Frozen):
         for i, law in enumerate(laws):
             if type(law) not in _LAWS and type(law) is not Law:
                 known = ", ".join(kind.__name__ for kind in (*CONTACT_LAWS.values(), Law))
-                message = f"must be a contact law itself, one of {known}, got {shown(law)}"
-                problems.append((f"contacts.{i}", message))
+                message = f"must be a contact law itself, one of {known}"
+                note(problems, f"contacts.{i}", message, law)
             elif not law.opens and i < len(widths):
                 message = "must be 0 where bodies are joined, got {0!r}; give the Joint a stretch"
                 if isinstance(law, Bonded):
@@ -115,8 +114,7 @@ class System(Frozen):
         g = self.fields["gravity"].checked(problems, "gravity", gravity)
         both = (FREE, FREE) if ends is None else ends
         if not isinstance(both, list | tuple) or len(both) != 2:
-            message = f"must be a pair, such as (Free(), Absorbing()), got {shown(ends)}"
-            problems.append(("ends", message))
+            note(problems, "ends", "must be a pair, such as (Free(), Absorbing())", ends)
         else:
             for side, end, body in zip(SIDES, both, (bodies[0], bodies[-1]), strict=True):
                 _check_end(problems, side, end, body)
@@ -213,7 +211,7 @@ class System(Frozen):
             raise
         except (LookupError, TypeError, ValueError, AttributeError):
             message = f"must be what system.to_dict() gives, got {shown(data)}"
-            raise frozen.InvalidModel([("data", message)]) from None
+            raise frozen.refusal("data", message) from None
 
     def reversed(self) -> System:
         """Return the same state with every velocity turned round: the film run backwards.
@@ -225,19 +223,13 @@ class System(Frozen):
             damping, a restitution below 1, absorbing or driven ends.
         """
         problems: Problems = []
-        for i, body in enumerate(self.bodies):
-            for j, piece in enumerate(body.segments if isinstance(body, Rod) else ()):
-                if np.any(piece.material.viscosity):
-                    where = f"bodies.{i}" if self._is_uniform(i) else f"bodies.{i}.segments.{j}"
-                    problems.append((f"{where}.material.viscosity", "must be 0"))
-        for i, law in enumerate(self.contacts):
-            if np.any(getattr(law, "damping", 0.0)):
-                problems.append((f"contacts.{i}.damping", "must be 0"))
-            if isinstance(law, Plastic):
-                problems.append((f"contacts.{i}", "must not yield"))
-            e = law.restitution if isinstance(law, Rigid) else None
-            if e is not None and np.any(np.asarray(e) < 1):
-                problems.append((f"contacts.{i}.restitution", "must be 1"))
+        for path, value in self._named_numbers():
+            if path.endswith((".viscosity", ".damping")) and np.any(value):
+                problems.append((path, "must be 0"))
+            if path.endswith(".restitution") and np.any(np.less(value, 1)):
+                problems.append((path, "must be 1"))
+        problems += [(f"contacts.{i}", "must not yield")
+                     for i, law in enumerate(self.contacts) if isinstance(law, Plastic)]
         problems += [
             (f"ends.{side}", f"must be Free() or Fixed(), not {type(end).__name__}")
             for side, end in zip(SIDES, self.ends, strict=True)
@@ -291,8 +283,7 @@ def _per_pair(problems: Problems, name: str, items: Any, default: Any, pairs: in
     if items is None:
         return (default,) * pairs
     if not isinstance(items, list | tuple):
-        message = f"must be a list with one entry for each neighbouring pair, got {shown(items)}"
-        problems.append((name, message))
+        note(problems, name, "must be a list with one entry for each neighbouring pair", items)
         return ()
     if len(items) != pairs:
         message = f"needs one entry for each neighbouring pair, {pairs} in all, got {len(items)}"
@@ -331,7 +322,7 @@ def _check_end(problems: Problems, side: str, end: Any, body: Any) -> None:
     path, name = f"ends.{side}", type(end).__name__
     if type(end) not in _ENDS:
         known = ", ".join(kind.__name__ for kind in ENDS.values())
-        problems.append((path, f"must be an end itself, one of {known}, got {shown(end)}"))
+        note(problems, path, f"must be an end itself, one of {known}", end)
     elif isinstance(body, Wall) and not isinstance(end, Free):
         message = f"{name} has no place beyond a wall; leave this end out, or the wall"
         problems.append((path, message))
