@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from rodimpact.methods import kernels
-from rodimpact.methods.compiling import as_objects, as_records
-from rodimpact.methods.fronts import finality, records
+from rodimpact.methods.compiling import as_objects
+from rodimpact.methods.fronts import finality
 from rodimpact.methods.fronts import method as fronts
 from rodimpact.methods.fronts.run import FrontRun
 from rodimpact.methods.grid import method as grid
@@ -33,9 +33,7 @@ def bits_of(system, until, compiling, max_events=4000):
     left = run.members
     assert left.fast == compiling
     return [run.log.tobytes(), *(
-        (kept if compiling else as_records(kept, record)).tobytes()
-        for kept, record in ((left.run, records.RUN), (left.segment, records.SEGMENT),
-                             (left.node, records.NODE), (left.line, records.LINE)))]
+        left.arrays(name).tobytes() for name in ("run", "segment", "node", "line"))]
 
 
 def records_of(run):

@@ -29,6 +29,7 @@ PAIR_TIME = 4e-7  # s, about what plain Python takes to compare two durations
 FIRST_BLOCK, LAST_BLOCK = 32, 2048  # members of a block
 RECORDS = {"run": RUN, "segment": SEGMENT, "node": NODE, "line": LINE, "log": ROW, "piece": PIECE,
            "body": BODY}
+FOLLOWED = ("run", "body", "given", "piece", "segment", "node", "line", "log", "tree")
 PATIENCE = 0.1  # s; about how long a block runs before `stop` is asked again
 
 
@@ -46,66 +47,58 @@ class Members:
 
     Attributes
     ----------
-    run, segment, node, line, log
-        Arrays of records in machine code, else lists of objects.
+    records : dict of str to array or list
+        What the kernel works on: in machine code arrays of records, else lists of objects.
     """
 
-    run: Any
-    body: Any
-    segment: Any
-    node: Any
-    line: Any
-    log: Any
-    piece: Any
-    tree: Any
-    given: Any
-
     def __init__(self, plan: Plan, count: int, fast: bool, **asked: Any) -> None:
-        self.plan, self.fast, self.given = plan, False, ()
-        vars(self).update(blank_records(plan, ROOM))
+        self.plan, self.fast, self.records = plan, False, {**blank_records(plan, ROOM), "given": ()}
+        one = self.records["run"]
         for name, value in asked.items():
-            setattr(self.run, name, value)
-        self.run = [self.run]
+            setattr(one, name, value)
+        self.records["run"] = [one]
         if fast:
             self.on_arrays()
         for name in ("run", "segment", "node"):
-            one = getattr(self, name)
-            setattr(self, name, np.tile(one, count) if fast else [
-                copy.copy(it) for _ in range(count) for it in one])
+            records = self.records[name]
+            self.records[name] = np.tile(records, count) if fast else [
+                copy.copy(it) for _ in range(count) for it in records]
 
     def lay(self, given: Any) -> None:
         """Take the numbers of other members, one after the other."""
-        self.given = np.asarray(given) if self.fast else np.asarray(given).tolist()
+        self.records["given"] = np.asarray(given) if self.fast else np.asarray(given).tolist()
         if self.fast:
-            self.run["stop"] = Stop.NONE
+            self.records["run"]["stop"] = Stop.NONE
         else:
-            for it in self.run:
+            for it in self.records["run"]:
                 it.stop = Stop.NONE.value
 
     def go(self) -> bool:
         """Run them; return whether there is more to do, with a longer log."""
         follow: Any = kernels.compiled(march.follow) if self.fast else march.follow
-        return bool(follow(
-            self.run, self.body, self.given, self.piece, self.segment, self.node, self.line,
-            self.log, self.tree,
-        ) != NONE)
+        return bool(follow(*(self.records[name] for name in FOLLOWED)) != NONE)
 
     def lengthen(self) -> None:
         """Make the log twice as long."""
-        rows = len(self.log)
+        rows = len(self.records["log"])
         ask(rows * (ROW_NUMBERS if self.fast else LIST_NUMBERS), "max_events",
             f"a run of more than {rows} fronts", "lower the cap, or stop earlier (until)")
-        self.log = lengthened(self.log, ROW)
+        self.records["log"] = lengthened(self.records["log"], ROW)
 
     def on_arrays(self) -> None:
         """Go on in machine code."""
-        for name, record in RECORDS.items():
-            setattr(self, name, as_records(getattr(self, name), record))
-        self.tree, self.given, self.fast = np.array(self.tree), np.array(self.given), True
+        for name, held in self.records.items():
+            self.records[name] = self.arrays(name) if name in RECORDS else np.array(held)
+        self.fast = True
+
+    def arrays(self, name: str) -> Any:
+        """The records of this name as an array."""
+        records = self.records[name]
+        return records if self.fast else as_records(records, RECORDS[name])
 
     def objects(self, name: str) -> list[Any]:
         """The records of this name as objects."""
-        records = getattr(self, name)
+        records = self.records[name]
         return as_objects(records) if self.fast else records
 
 
@@ -154,9 +147,8 @@ def laid(
     tick, frame
         What a tick lasts, s, and the velocity from which velocities are counted.
     """
-    made, n = Members(plan, 1, False), plan.segments
-    (run,), body, piece, segment = made.run, made.body, made.piece, made.segment
-    node, line, log, tree = made.node, made.line, made.log, made.tree
+    made, n = {**blank_records(plan, ROOM), "given": numbers}, plan.segments
+    run, body, _, piece, segment, node, line, log, tree = (made[name] for name in FOLLOWED)
     run.tick, run.frame = tick, frame
     layout.cut(body, numbers, 0, piece, segment)
     for s, T in enumerate(ticks, 1):
@@ -187,7 +179,7 @@ def solve_one(
                       further=1, beside=int(beside))
     members.lay(plan.numbers)
     while members.go():
-        rows, (run,) = len(members.log), members.objects("run")
+        rows, (run,) = len(members.records["log"]), members.objects("run")
         if not members.fast and kernels.worth_compiling(rows * ROW_TIME, march.follow):
             members.on_arrays()  # what is not over takes as long again as it took
         if forecast:
@@ -251,7 +243,7 @@ def solve_many(
         block, begun = given[first : first + size], now()
         ahead = len(given) - first - len(block) + more if measured else 0
         fast = kernels.worth_compiling(plain * len(block), march.follow, ahead=plain * ahead)
-        if members is None or len(members.run) != len(block) or members.fast != fast:
+        if members is None or len(members.records["run"]) != len(block) or members.fast != fast:
             members = Members(
                 plan, len(block), fast, until=-1.0 if until is None else until,
                 limit=max_events, reads=int(reads))
@@ -270,11 +262,7 @@ def solve_many(
 
 def columns_of(members: Members) -> dict[str, Any]:
     """What members came to, in SI units, with a row for each: by segment, or by node."""
-    run, segment, node = (
-        records if members.fast else as_records(records, RECORDS[name])
-        for name, records in (
-            ("run", members.run), ("segment", members.segment), ("node", members.node))
-    )
+    run, segment, node = map(members.arrays, ("run", "segment", "node"))
     segment, node = segment.reshape(len(run), -1), node.reshape(len(run), -1)
     tick, frame = run["tick"][:, None], run["frame"][:, None]
     found = {

@@ -8,10 +8,9 @@ from typing import Any
 from ...model.frozen import InvalidModel
 from ..abilities import driven
 from ..clock import Clock, clock_of, too_long, too_short
-from ..compiling import as_records
 from ..laws import Stop
 from .driver import Members
-from .records import NONE, ROW
+from .records import NONE
 
 REASONS = {Stop.FINAL: "final", Stop.CAP: "max_events", Stop.CLOCK: "clock", Stop.DONE: "until"}
 
@@ -49,8 +48,7 @@ class FrontRun:
     @cached_property
     def log(self) -> Any:
         """Rows of the kernel's log."""
-        rows = self.members.log[: self.run.rows]
-        return rows if self.members.fast else as_records(rows, ROW)
+        return self.members.arrays("log")[: self.run.rows]
 
 
 def _clock(run: FrontRun) -> Clock:
