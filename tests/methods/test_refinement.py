@@ -28,7 +28,7 @@ def search(values, goal, last=64, order=1.0):
         run.append(factor)
         return Run(factor)
 
-    found, estimates, _ = refined(
+    found, estimates = refined(
         level, lambda r: {"impulse": np.array([values(r.factor)])}, order, goal, last)
     return found, estimates, run
 
@@ -64,10 +64,10 @@ def test_a_duration_is_known_to_a_part_of_a_step_at_best_and_not_waited_for():
     def measures(run):
         return {"impulse": np.ones(1), "duration": np.array([0.0, 2.0 + run.factor % 2])}
 
-    found, estimates, _ = refined(Run, measures, 1.0, 0.01, 64)
+    found, estimates = refined(Run, measures, 1.0, 0.01, 64)
     assert found.factor == 4
     assert estimates == {"impulse": 0.0, "duration": pytest.approx(DOUBT * 5 / 3 * 3.0 / 2)}
-    _, estimates, _ = refined(Run, lambda _: {**measures(found)}, 1.0, 0.01, 64)
+    _, estimates = refined(Run, lambda _: {**measures(found)}, 1.0, 0.01, 64)
     assert estimates == {"impulse": 0.0, "duration": pytest.approx(PART / 4 / 2)}
 
 
@@ -77,7 +77,7 @@ def test_a_run_that_is_too_long_ends_the_search():
             raise TooLong([("until", "no room")])
         return Run(factor)
 
-    found, estimates, _ = refined(level, lambda _: {"impulse": np.ones(1)}, 1.0, 1e-3, 64)
+    found, estimates = refined(level, lambda _: {"impulse": np.ones(1)}, 1.0, 1e-3, 64)
     assert found.factor == 1
     assert estimates == {"impulse": math.inf}
 

@@ -24,7 +24,7 @@ from .. import kernels
 from ..duration import Forecast, Progress
 from ..memory import ask
 from ..row import Row
-from ..run import Run
+from ..run import PEAK_FORCE, Run
 from . import refinement
 from .mesh import Mesh, crossing_time, most_cells, stable_step
 from .proof import finality_time
@@ -107,8 +107,11 @@ def follow(
         return run
 
     if searching:
-        run = refinement.searched(level, row, RTOL if rtol is None else rtol,
-                                  FINEST // max(counts))
+        goal = RTOL if rtol is None else rtol
+        run, estimates = refinement.refined(
+            level, refinement.measures_of, refinement.order_of(row), goal, FINEST // max(counts))
+        run.rtol, run.estimates = goal, estimates
+        estimates[PEAK_FORCE] += run.peak_error
     else:
         run = level(1)
     if run.stopped_by == "final":

@@ -24,27 +24,10 @@ PART = 0.1  # of a step, to which times are known at best
 ROUGH = (PEAK_FORCE, DURATION)  # told, and not waited for: they hang on few steps
 GENTLE = laws.Spring | laws.Hertz | laws.HuntCrossley | laws.PowerLaw | laws.Plastic
 
-
-Levels = list[tuple[float, dict[str, Array]]]
-"""Of each level the step, s, and what was measured."""
-
-
-def searched(level: Callable[[int], GridRun], row: Row, goal: float, last: int) -> GridRun:
-    """The finest run of a search; arguments as of `refined`."""
-    run, estimates, levels = refined(level, measures_of, order_of(row), goal, last)
-    run.estimates, run.rtol = estimates, goal
-    run.estimates[PEAK_FORCE] += run.peak_error
-    peaks = [values[PEAK_FORCE] for step, values in levels if step >= 2 * run.step * (1 - 1e-12)]
-    highest = levels[-1][1][PEAK_FORCE]
-    if peaks and highest.max(initial=0.0) > 0:
-        run.peak_change = float(np.abs(highest - peaks[-1]).max() / highest.max())
-    return run
-
-
 def refined(
     level: Callable[[int], GridRun], measures: Callable[[GridRun], dict[str, Array]], order: float,
     goal: float, last: int,
-) -> tuple[GridRun, dict[str, float], Levels]:
+) -> tuple[GridRun, dict[str, float]]:
     """Divide the step until no measure is wrong by more than `goal`, or as far as it goes.
 
     Parameters
@@ -66,10 +49,8 @@ def refined(
         The finest.
     estimates : dict of str to float
         Error of each measure, relative to its largest value; inf where there are too few levels.
-    levels : list
-        Down to the finest.
     """
-    levels: Levels = []
+    levels: list[tuple[float, dict[str, Array]]] = []
     for factor in map(factor_of, count()):
         if factor > max(4, last):
             break
@@ -87,7 +68,7 @@ def refined(
         late = any(error > goal for name, error in estimates.items() if name not in ROUGH)
         if finest.stopped_by == "max_events" or not late:
             break
-    return finest, estimates, levels
+    return finest, estimates
 
 
 def factor_of(level: int) -> int:
