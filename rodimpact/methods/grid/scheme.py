@@ -95,8 +95,9 @@ def answered(multipliers: dict[str, Array], push: Array) -> Array:
     """Changes of velocity for these forces on the nodes; given ones where they are."""
     if not multipliers["into"].any():
         return multipliers["inverse"] * push
+    into, inverse, back = (multipliers[name].tolist() for name in ("into", "inverse", "back"))
     x = push.tolist()
-    elimination.substitute(*(values.tolist() for values in multipliers.values()), x)
+    elimination.substitute(into, inverse, back, x)
     return np.array(x)
 
 

@@ -104,7 +104,7 @@ def _contacts(run: GridRun, pushed: Floats) -> list[Contact]:
              for k, link in enumerate(row.contact_link)]
 
     def spent(body: int) -> Floats:
-        mass = float(row.system.bodies[body].mass)  # type: ignore[union-attr]
+        mass = float(row.system.bodies[body].mass)
         return np.asarray(mass * np.diff(run.speed(row.mass_of[body])) / run.step)
 
     found = []
