@@ -161,6 +161,18 @@ def test_a_preset_shows_its_collision_to_the_end(visit, key):
     assert_the_film_ends_with_its_rods(page)
 
 
+def test_curves_of_the_collision_before_are_not_solved_for_the_next(visit):
+    page = visit()
+    page.evaluate("""async () => {
+        changed(true);
+        await new Promise(requestAnimationFrame);
+        const frame = requestAnimationFrame;  // slower than the wait for sliders that rest
+        window.requestAnimationFrame = (draw) => setTimeout(frame, 400, draw);
+        begin(start.presets.find(({ key }) => key === "chain").design);
+    }""")
+    page.wait_for_function("() => shown.scene.bodies.length > 2")
+
+
 def test_material_and_law_can_be_chosen(visit):
     page = visit()
     page.select_option('[id="bodies.1.material"]', "aluminium")

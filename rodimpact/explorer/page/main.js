@@ -46,7 +46,10 @@ function redraw() {
   });
 }
 
+/** Ask for the scene of the design as it is now; what is under way for the one before ends. */
 function askScene(draft = false) {
+  clearTimeout(resting);
+  stopMap();
   Object.assign(shown, { asked: true, draft });
   redraw();
 }

@@ -54,10 +54,14 @@ function offerNumbers(numbers) {
   });
 }
 
-/** Compute the map of the design as it is now, if it is open. */
-function showMap() {
+function stopMap() {
   clearTimeout(chart.timer);
   chart.turn += 1;
+}
+
+/** Compute the map of the design as it is now, if it is open. */
+function showMap() {
+  stopMap();
   if (!byId("map").open) return;
   const numbers = numbersOf(design);
   offerNumbers(numbers);
@@ -74,7 +78,7 @@ async function computeMap(numbers, turn) {
   const began = performance.now();
   let drawn = began;
   const inSI = (values, { key }) => values.map((value) => fromShown(value, FIELDS[key].power));
-  for await (const row of mapOf(design, [x.path, inSI(xs, x)], [y.path, inSI(ys, y)])) {
+  for await (const row of mapOf(structuredClone(design), [x.path, inSI(xs, x)], [y.path, inSI(ys, y)])) {
     if (turn !== chart.turn) return;
     chart.values.push(row);
     if (performance.now() - drawn < SOON) continue;

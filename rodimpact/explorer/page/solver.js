@@ -36,7 +36,6 @@ function solveAtRest(scene, draft) {
 
 /** The scene of a design as `data`, or its `problems`; a draft of compliant contacts is quicker. */
 function sceneOf(asked, draft = false) {
-  clearTimeout(resting);
   if (isStored(asked)) return { data: structuredClone(start.scene) };
   try {
     const problems = problemsOf(asked);
