@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from mistakes import problems
 
 import rodimpact as ri
 
@@ -34,9 +35,7 @@ DOORS = {
     ("colour", "materials.steel"),
 ])
 def test_a_wrong_path_is_told_with_the_nearest_of_its_object(door, path, said):
-    with pytest.raises(ri.InvalidModel) as caught:
-        DOORS[door](chain(20, FRACTIONAL, gap=1e-4), path)
-    [(_, message)] = caught.value.problems
+    [message] = problems(lambda: DOORS[door](chain(20, FRACTIONAL, gap=1e-4), path)).values()
     assert said in message
     assert "..." not in message
 

@@ -8,6 +8,7 @@ import pytest
 from exhaustive import few_of
 from hypothesis import given
 from hypothesis import strategies as st
+from mistakes import refused
 from networks import UNIT, random_network, shifted, unit_rod
 from scipy.integrate import solve_ivp
 from systems import horizon, random_system
@@ -23,12 +24,6 @@ MASS = ri.RigidMass(1.0)
 def solved(row, until=None, gaps=None, contacts=None, **options):
     arguments = {name: options.pop(name) for name in ("rtol", "max_events") if name in options}
     return ri.solve(ri.System(row, gaps, contacts, **options), until, METHOD, **arguments)
-
-
-def refused(match, function, *args, **options):
-    with pytest.raises(ri.InvalidModel, match=match) as caught:
-        function(*args, **options)
-    return [path for path, _ in caught.value.problems]
 
 
 # Against exact fronts -----------------------------------------------------------------------------

@@ -8,6 +8,7 @@ import pytest
 from grid_rows import random_row, run_row
 from hypothesis import given
 from hypothesis import strategies as st
+from mistakes import refused
 from networks import UNIT, shifted, unit_rod
 from runs import gaps_of, solution_of
 
@@ -39,12 +40,6 @@ def solved(row, until=None, cells=None, gaps=None, contacts=None, **options):
     arguments = {name: options.pop(name) for name in names if name in options}
     system = ri.System(row, gaps, contacts, **options)
     return ri.solve(system, until, METHOD, cells=cells, **arguments)
-
-
-def refused(match, function, *args, **options):
-    with pytest.raises(ri.InvalidModel, match=match) as caught:
-        function(*args, **options)
-    return [path for path, _ in caught.value.problems]
 
 
 def order(errors, factor=2):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from mistakes import problems
 
 import rodimpact as ri
 
@@ -13,12 +14,6 @@ OTHERS = [
     ri.Pushed(ri.Steps([1e3, 0.0], [1e-4])), ri.Moved(ri.Samples([0.0, 1.0], step=1e-5)),
     ri.Incoming(ri.Samples([0.0, -1e-3], step=1e-5)),
 ]
-
-
-def problems(make):
-    with pytest.raises(ri.InvalidModel) as caught:
-        make()
-    return dict(caught.value.problems)
 
 
 def test_ends_are_free_unless_something_is_said():

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from mistakes import problems
 from scipy.special import beta
 
 import rodimpact as ri
@@ -23,12 +24,6 @@ LAWS = [
     ri.Yielding(stiffness=1e9, yield_force=1e3, hardening=1e7),
     ri.Tabulated([1e-4, 1e-3, 1.2e-3], [1e3, 1.2e3, 6e3], unloading=5e7),
 ]
-
-
-def problems(make):
-    with pytest.raises(ri.InvalidModel) as caught:
-        make()
-    return dict(caught.value.problems)
 
 
 @pytest.mark.parametrize("law", LAWS, ids=repr)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from mistakes import problems
 
 import rodimpact as ri
 from rodimpact.model.profiles import ALONG_ROD, IN_TIME, averages, extremes, profile_from
@@ -16,12 +17,6 @@ STEEL = ri.materials.steel
 
 def rod(**changes):
     return ri.Rod(**{"length": 2.0, "area": 1e-4, "material": STEEL, **changes})
-
-
-def problems(make):
-    with pytest.raises(ri.InvalidModel) as caught:
-        make()
-    return dict(caught.value.problems)
 
 
 # Samples

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from mistakes import problems
 
 import rodimpact as ri
 from rodimpact.materials import glass, steel
@@ -17,10 +18,12 @@ def rod(**changes):
     return ri.Rod(**fields)
 
 
-def problems(make):
-    with pytest.raises(ri.InvalidModel) as caught:
-        make()
-    return caught.value.problems
+def cone(length=1.0, start=1e-4, **changes):
+    return rod(length=length, area=lambda x: start * (1 + x / length) ** 2, **changes)
+
+
+def material(E=1.0, rho=1.0, **more):
+    return ri.Material("m", youngs_modulus=E, density=rho, **more)
 
 
 BAD_NUMBERS = [0.0, -1.0, float("nan"), float("inf"), True, "1 m", None, 1j, [], {}]
@@ -29,102 +32,152 @@ BAD_NUMBERS = [0.0, -1.0, float("nan"), float("inf"), True, "1 m", None, 1j, [],
 @pytest.mark.parametrize("value", BAD_NUMBERS)
 @pytest.mark.parametrize("field", ["length", "area"])
 def test_sizes_must_be_positive_numbers(field, value):
-    [(path, message)] = problems(lambda: rod(**{field: value}))
+    [(path, message)] = problems(lambda: rod(**{field: value})).items()
     assert path == field
     assert "must" in message or message == "is missing; give it, or the diameter of a round rod"
 
 
-def test_all_mistakes_are_reported_at_once():
-    found = problems(lambda: rod(length=-1.0, area=float("nan"), velocity="x"))
-    assert [path for path, _ in found] == ["length", "area", "velocity"]
-
-
-def test_more_axes_than_numpy_broadcasts_are_refused():
-    assert rod(length=np.ones((1,) * 32)).length.shape == (1,) * 32
-    assert problems(lambda: rod(length=np.ones((1,) * 33))) == [
-        ("length", "must have at most 32 axes, got 33"),
-    ]
-
-
-@pytest.mark.parametrize(("modulus", "density"), [(1e300, 1e-300), (1e-300, 1e300)])
-def test_a_wave_speed_out_of_range_is_refused(modulus, density):
-    assert problems(lambda: ri.Material("m", youngs_modulus=modulus, density=density))
-
-
-@pytest.mark.parametrize(("size", "modulus", "density", "path"), [
-    ({"area": 1e140}, 1e100, 1e100, "area"),
-    ({"length": 1e100}, 1e130, 1e140, "material"),
-    ({"length": [1.0, 1e-149]}, 1e20, 1e10, "length[1]"),
-])
-def test_an_impedance_or_transit_out_of_range_is_that_of_the_utmost_number(
-    size, modulus, density, path
-):
-    material = ri.Material("m", youngs_modulus=modulus, density=density)
-    [(where, message)] = problems(lambda: rod(material=material, **size))
-    assert where == path
-    assert "impedance" in message
-
-
+MASS = ri.RigidMass(2.0, velocity=-1.0)
+PIECE, WALL, NAN = ri.Segment(1.0, 1.0, steel), ri.Wall(), float("nan")
 TOO_MUCH = "must be 0 or of a magnitude from 1e-150 to 1e+150 in consistent units, got "
+UNDECIDED = ("no wave decides this contact: give Rigid(restitution=...) or a compliant law such as "
+             "Hertz")
+NO_WORD = 'give lateral_inertia="rayleigh-love" too, or'
+MINDLIN = {"polar_moment": "circular", "lateral_inertia": "mindlin-herrmann"}
 
 
-@pytest.mark.parametrize(("make", "path", "got"), [
-    (lambda: rod(area=1e-320), "area", "1e-320"),
-    (lambda: rod(area=[1e-4, 1e308]), "area[1]", "1e+308"),
-    (lambda: rod(velocity=-5e-324), "velocity", "-5e-324"),
-    (lambda: ri.Samples([0.0, -1e200]), "values[1]", "-1e+200"),
-    (lambda: ri.Options(until=1e308), "until", "1e+308"),
-])
-def test_numbers_whose_squares_no_float_holds_are_refused(make, path, got):
-    assert problems(make) == [(path, TOO_MUCH + got)]
+def row(*bodies, **more):
+    return ri.System(bodies, **more)
+
+
+class MyLaw(ri.Hertz):
+    pass
+
+
+MISTAKES = [  # a call; by paths, what the messages bear, which ends them after an equals sign
+    (lambda: rod(length=-1.0, area=NAN, velocity="x"),
+     {"length": "must be", "area": "must be", "velocity": "must be"}),
+    (lambda: rod(length=np.ones((1,) * 33)), {"length": "=must have at most 32 axes, got 33"}),
+    (lambda: material(1e300, 1e-300), {"youngs_modulus": "", "density": ""}),
+    (lambda: material(1e-300, 1e300), {"youngs_modulus": "", "density": ""}),
+    (lambda: rod(area=1e140, material=material(1e100, 1e100)), {"area": "impedance"}),
+    (lambda: rod(length=1e100, material=material(1e130, 1e140)), {"material": "impedance"}),
+    (lambda: rod(length=[1.0, 1e-149], material=material(1e20, 1e10)), {"length[1]": "impedance"}),
+    (lambda: rod(area=1e-320), {"area": f"={TOO_MUCH}1e-320"}),
+    (lambda: rod(area=[1e-4, 1e308]), {"area[1]": f"={TOO_MUCH}1e+308"}),
+    (lambda: rod(velocity=-5e-324), {"velocity": f"={TOO_MUCH}-5e-324"}),
+    (lambda: ri.Samples([0.0, -1e200]), {"values[1]": f"={TOO_MUCH}-1e+200"}),
+    (lambda: ri.Options(until=1e308), {"until": f"={TOO_MUCH}1e+308"}),
+    *((lambda nu=nu: material(poisson_ratio=nu), {"poisson_ratio": "must"})
+      for nu in (-1.0, 0.51, NAN, "0.3")),
+    # Segments and their profiles
+    (lambda: ri.Rod(1.0, segments=[PIECE]), {"segments": ""}),
+    (lambda: ri.Rod(segments=[PIECE], polar_moment="circular"), {"segments": "polar_moment"}),
+    (lambda: ri.Rod(segments=[]), {"segments": ""}),
+    (lambda: ri.Rod(segments=[PIECE, "x"]), {"segments.1": ""}),
+    (lambda: ri.Steps([1.0], [0.5]), {"values": ""}),
+    (lambda: ri.Steps([1.0, 2.0, 3.0], [0.5, 0.5]), {"at.1": ""}),
+    (lambda: ri.Steps(1.0, []), {"values": ""}),
+    (lambda: ri.Steps([1.0, "2"], [0.5]), {"values.1": ""}),
+    (lambda: rod(velocity=ri.Steps([1.0, 2.0], [1.0])), {"velocity.at.0": ""}),
+    # Rows
+    (lambda: row(), {"bodies": ""}), (lambda: row(WALL, WALL), {"bodies":
+     "=needs a rod or a rigid mass between its walls"}),
+    (lambda: row(rod(), WALL, rod()), {"bodies.1": ""}),
+    (lambda: row(rod(), "rod"), {"bodies.1": ""}),
+    (lambda: row(rod(), rod(), gaps=[-1e-9]), {"gaps.0": ""}),
+    (lambda: row(rod(), rod(), gaps=[0.0, 0.0]), {"gaps": ""}),
+    (lambda: row(rod(), rod(), gaps=0.0), {"gaps": ""}),
+    (lambda: row(rod(), rod(), contacts=["rigid"]), {"contacts.0": ""}),
+    (lambda: row(rod(), rod(), gaps=[1.0], contacts=[ri.Bonded()]), {"gaps.0": ""}),
+    (lambda: row(rod(), WALL, rod(), gaps=[-1.0, NAN], contacts=[None, None]),
+     dict.fromkeys(("bodies.1", "gaps.0", "gaps.1", "contacts.0", "contacts.1"), "")),
+    (lambda: row(rod(), "mass", MASS, contacts=[ri.Rigid(1.0), ri.Rigid()]), {"bodies.1": ""}),
+    (lambda: row(rod(), rod(), contacts=[MyLaw(1e9)]),
+     {"contacts.0": "must be a contact law itself, one of Rigid, Bonded, Joint, Spring"}),
+    (lambda: row(MASS, ri.RigidMass(2.0, velocity=[-1.0, 2.0]), rod(), contacts=[ri.Bonded()] * 2),
+     {"bodies.1.velocity[1]": "=must be -1.0, that of the rigid body it is bonded to, got 2.0"}),
+    *((lambda end=end, laws=laws: row(rod(), MASS, end, contacts=laws), {"contacts.1": UNDECIDED})
+      for end in (MASS, WALL) for laws in (None, [ri.Rigid(), ri.Rigid()])),
+    *((lambda end=end: row(rod(), end, contacts=[ri.Rigid(1.0)]),
+       {"contacts.0.restitution": "waves of a rod decide"}) for end in (rod(), WALL, MASS)),
+    # Damping
+    (lambda: steel.damped(-0.1, 0.0), {"loss_factor": "", "frequency": ""}),
+    (lambda: steel.damped(NAN, 1.0), {"loss_factor": ""}),
+    (lambda: steel.damped(0.1, "1 kHz"), {"frequency": ""}),
+    (lambda: steel.damped(0.1, [1.0, -1.0]), {"frequency[1]": ""}),
+    (lambda: steel.damped(1e100, 1e-100), {"viscosity": ""}),
+    # Tapers
+    *((lambda n=n: cone().in_steps(n), {"n": f"=must be a positive whole number, got {n!r}"})
+      for n in (0, -1, 2.0, True, "3", None)),
+    *((lambda make=make, area=area: make(area=area), {path: said})
+      for make in (rod, lambda area: ri.Segment(1.0, area, steel)) for area, path, said in (
+        (ri.Samples([1.0, 2.0, -3.0]), "area.values[2]",
+         "positive number of square metres, got -3.0"),
+        (lambda x: 0.5 - x, "area", "function that returns positive numbers, got 0.0 at 0.5"),
+        (lambda x: x / 0.0, "area", "cannot be evaluated: ZeroDivisionError"),
+        (ri.Samples([1.0, 2.0], step=0.1), "area.step", "from end to end; leave it out"),
+        (ri.Samples([1e149, 1.0]), "area", "area 1e+149"))),
+    (lambda: rod(length=[1.0, 2.0], area=lambda x: 1 + x),
+     {"area": "differ in length; give Samples"}),
+    (lambda: rod(length=-1.0, area=lambda x: -x), {"length": ""}),
+    (lambda: rod(area=ri.Steps([1.0, -2.0, [1.0, 0.0]], [0.25, 0.5]), material=7,
+                 polar_moment="square", velocity="x", **LOVE),
+     dict.fromkeys(
+         ("material", "polar_moment", "area.values.1", "area.values.2[1]", "velocity"), "")),
+    (lambda: rod(length="x", area=ri.Steps([1.0, -2.0], [3.0])),
+     {"length": "", "area.values.1": ""}),
+    (lambda: rod(area=ri.Steps([1.0, 2.0], [1.0])),
+     {"area.at.0": "inside the rod of length 1.0, got 1.0"}),
+    (lambda: ri.Segment(1.0, ri.Steps([1.0, 2.0], [0.5]), steel), {"area": "Rod(area=Steps(...))"}),
+    # Sections and lateral inertia
+    *((lambda kind=kind, sizes=sizes: kind(0.4, material=steel, **sizes), {path: ""})
+      for kind in (ri.Rod, ri.Segment) for sizes, path in (
+        ({"diameter": -1.0}, "diameter"), ({}, "area"),
+        ({"diameter": 0.1, "area": 1.0}, "diameter"))),
+    (lambda: cone(polar_moment=1e-8, **LOVE),
+     {"polar_moment": '=must be "circular" along a taper, or left out, got 1e-08'}),
+    (lambda: rod(lateral_inertia="mindlin-herrmann"), {"lateral_inertia":
+     "needs the diameter of a round rod, or a polar_moment; give one of them"}),
+    (lambda: rod(polar_moment="circular", lateral_inertia="mindlin"),
+     {"lateral_inertia": "perhaps 'mindlin-herrmann' is meant"}),
+    (lambda: rod(polar_moment="circular"), {"polar_moment": NO_WORD}),
+    (lambda: rod(polar_moment="circular", area=None, diameter=0.02), {"polar_moment": NO_WORD}),
+    (lambda: rod(material=steel.replace(poisson_ratio=0.5), **MINDLIN),
+     {"material.poisson_ratio": 'must be below 0.5 for "mindlin-herrmann", got 0.5'}),
+    (lambda: rod(material=ri.materials.oak, **MINDLIN),
+     {"material.poisson_ratio": "is missing in 'oak'; lateral inertia needs it"}),
+]
+
+
+@pytest.mark.parametrize(("make", "wanted"), MISTAKES)
+def test_mistakes_are_refused_all_at_once_and_by_their_paths(make, wanted):
+    found = problems(make)
+    assert list(found) == list(wanted)
+    for path, said in wanted.items():
+        assert found[path] == said[1:] if said[:1] == "=" else said in found[path]
 
 
 @pytest.mark.parametrize("make", [
     lambda: rod(length=np.ones(4000), area=np.ones((4000, 1))),
-    lambda: ri.System([rod(velocity=np.ones(10**4)), ri.RigidMass(np.ones((1001, 1)))]),
+    lambda: row(rod(velocity=np.ones(10**4)), ri.RigidMass(np.ones((1001, 1)))),
 ])
 def test_families_of_too_many_members_are_refused_before_they_are_laid_out(make):
-    message = dict(problems(make)).popitem()[1]
-    assert "members, more than 10000000; take one part after another" in message
+    assert "members, more than 10000000; take one part after another" in str(problems(make))
 
 
-@pytest.mark.parametrize("nu", [-1.0, 0.51, float("nan"), "0.3"])
-def test_poisson_ratio_range(nu):
-    found = problems(lambda: ri.Material("m", youngs_modulus=1.0, density=1.0, poisson_ratio=nu))
-    assert found[0][0] == "poisson_ratio"
+@pytest.mark.parametrize("pair", [[MASS, MASS], [MASS, WALL]])
+@pytest.mark.parametrize(
+    "law", [ri.Rigid(0.0), ri.Rigid([0.5, 1.0]), ri.Hertz(1.0), ri.Spring(1.0)])
+def test_between_rigid_bodies_a_law_decides(pair, law):
+    assert row(rod(), *pair, contacts=[ri.Rigid(), law]).contacts[1] == law
 
 
 def test_derived_quantities():
-    segment = ri.Segment(0.5, 2e-4, ri.Material("m", youngs_modulus=16.0, density=4.0))
+    segment = ri.Segment(0.5, 2e-4, material(16.0, 4.0))
     assert (segment.wave_speed, segment.transit_time) == (2.0, 0.25)
     assert segment.impedance == pytest.approx(4.0 * 2e-4 * 2.0)
     assert segment.mass == pytest.approx(4.0 * 2e-4 * 0.5)
-
-
-def test_either_segments_or_sizes():
-    piece = ri.Segment(1.0, 1.0, steel)
-    assert problems(lambda: ri.Rod(1.0, segments=[piece]))[0][0] == "segments"
-    assert problems(lambda: ri.Rod(segments=[]))[0][0] == "segments"
-    assert problems(lambda: ri.Rod(segments=[piece, "x"]))[0][0] == "segments.1"
-
-
-def test_rows_are_checked():
-    wall, one = ri.Wall(), rod()
-    assert problems(lambda: ri.System([]))[0][0] == "bodies"
-    assert problems(lambda: ri.System([wall, wall]))[0][0] == "bodies"
-    assert problems(lambda: ri.System([one, wall, one]))[0][0] == "bodies.1"
-    assert problems(lambda: ri.System([one, "rod"]))[0][0] == "bodies.1"
-    assert problems(lambda: ri.System([one, one], [-1e-9]))[0][0] == "gaps.0"
-    assert problems(lambda: ri.System([one, one], [0.0, 0.0]))[0][0] == "gaps"
-    assert problems(lambda: ri.System([one, one], 0.0))[0][0] == "gaps"
-    assert problems(lambda: ri.System([one, one], contacts=["rigid"]))[0][0] == "contacts.0"
-    assert problems(lambda: ri.System([one, one], [1.0], [ri.Bonded()]))[0][0] == "gaps.0"
-    found = problems(lambda: ri.System([one, wall, one], [-1.0, float("nan")], [None, None]))
-    paths = [path for path, _ in found]
-    assert paths == ["bodies.1", "gaps.0", "gaps.1", "contacts.0", "contacts.1"]
-
-
-MASS = ri.RigidMass(2.0, velocity=-1.0)
 
 
 def test_a_mass_may_stand_anywhere_and_walls_not_alone():
@@ -134,31 +187,6 @@ def test_a_mass_may_stand_anywhere_and_walls_not_alone():
     assert ri.System.from_dict(row.to_dict()) == row
     alone = ri.System([MASS, MASS], contacts=[hertz])
     assert ri.System.from_dict(alone.to_dict()) == alone
-    found = problems(lambda: ri.System([ri.Wall(), ri.Wall()]))
-    assert found == [("bodies", "needs a rod or a rigid mass between its walls")]
-
-
-@pytest.mark.parametrize("pair", [[MASS, MASS], [MASS, ri.Wall()]])
-def test_between_rigid_bodies_no_wave_decides(pair):
-    for law in (ri.Rigid(0.0), ri.Rigid([0.5, 1.0]), ri.Hertz(1.0), ri.Spring(1.0)):
-        ri.System([rod(), *pair], contacts=[ri.Rigid(), law])
-    for contacts in (None, [ri.Rigid(), ri.Rigid()]):
-        [(path, message)] = problems(lambda c=contacts: ri.System([rod(), *pair], contacts=c))
-        assert path == "contacts.1"
-        assert message == ("no wave decides this contact: give Rigid(restitution=...) or a "
-                           "compliant law such as Hertz")
-
-
-@pytest.mark.parametrize("body", [rod(), ri.Wall(), MASS])
-def test_the_waves_of_a_rod_leave_no_choice(body):
-    [(path, message)] = problems(lambda: ri.System([rod(), body], contacts=[ri.Rigid(1.0)]))
-    assert path == "contacts.0.restitution"
-    assert "waves of a rod decide" in message
-
-
-def test_what_is_wrong_with_a_body_is_not_said_of_its_contacts():
-    found = problems(lambda: ri.System([rod(), "mass", MASS], contacts=[ri.Rigid(1.0), ri.Rigid()]))
-    assert [path for path, _ in found] == ["bodies.1"]
 
 
 def test_without_gravity_nothing_is_said_of_it():
@@ -211,14 +239,6 @@ def test_numbers_of_every_kind_make_families_by_their_paths():
     assert member.bodies[1] == ri.RigidMass(2.0, velocity=3.0)
     assert member.contacts[1] == ri.SpringDashpot(3.0, 2.0)
     assert (member.gravity, member.ends[1]) == (2.0, ri.Pushed(3.0))
-
-
-def test_steps_are_checked():
-    assert problems(lambda: ri.Steps([1.0], [0.5]))[0][0] == "values"
-    assert problems(lambda: ri.Steps([1.0, 2.0, 3.0], [0.5, 0.5]))[0][0] == "at.1"
-    assert problems(lambda: ri.Steps(1.0, []))[0][0] == "values"
-    assert problems(lambda: ri.Steps([1.0, "2"], [0.5]))[0][0] == "values.1"
-    assert problems(lambda: rod(velocity=ri.Steps([1.0, 2.0], [1.0])))[0][0] == "velocity.at.0"
 
 
 def test_objects_are_frozen_and_compare_by_value():
@@ -289,15 +309,15 @@ def test_no_film_runs_backwards_where_something_is_lost_or_driven():
         ends=(ri.Absorbing(), ri.Free()),
     )
     found = problems(row.reversed)
-    assert [path for path, _ in found] == [
+    assert list(found) == [
         "bodies.1.material.viscosity", "bodies.2.segments.1.material.viscosity",
         "contacts.0.damping", "contacts.1.damping", "contacts.3.restitution", "ends.left",
     ]
     for end in (ri.Pushed(0.0), ri.Moved(0.0), ri.Incoming(0.0)):
         found = problems(ri.System([rod()], ends=(ri.Free(), end)).reversed)
-        assert [path for path, _ in found] == ["ends.right"]
+        assert list(found) == ["ends.right"]
     found = problems(ri.System([rod(), rod()], contacts=[ri.Yielding(1.0, 1.0)]).reversed)
-    assert [path for path, _ in found] == ["contacts.0"]
+    assert list(found) == ["contacts.0"]
     calm = [ri.SpringDashpot(1.0, 0.0), ri.HuntCrossley(1.0, 0.0)]
     ri.System([rod(), rod(), rod()], contacts=calm).reversed()
 
@@ -326,20 +346,7 @@ def test_a_loss_factor_is_a_viscosity_at_its_frequency():
     assert family.viscosity[1] == damped.viscosity
 
 
-@pytest.mark.parametrize(("given", "paths"), [
-    ((-0.1, 0.0), ["loss_factor", "frequency"]), ((float("nan"), 1.0), ["loss_factor"]),
-    ((0.1, "1 kHz"), ["frequency"]), ((0.1, [1.0, -1.0]), ["frequency[1]"]),
-    ((1e100, 1e-100), ["viscosity"]),
-])
-def test_loss_factors_and_frequencies_are_checked(given, paths):
-    assert [path for path, _ in problems(lambda: steel.damped(*given))] == paths
-
-
 # Tapers
-
-
-def cone(length=1.0, start=1e-4, **changes):
-    return rod(length=length, area=lambda x: start * (1 + x / length) ** 2, **changes)
 
 
 def test_a_taper_runs_from_end_to_end_of_its_segment():
@@ -408,33 +415,6 @@ def test_a_family_of_tapers_in_steps():
     assert row[1] == ri.System([rod(length=3.0, area=ri.Samples([1e-4, 3e-4])).in_steps(2)])
 
 
-@pytest.mark.parametrize("n", [0, -1, 2.0, True, "3", None])
-def test_steps_are_counted_in_whole_numbers(n):
-    [(path, message)] = problems(lambda: cone().in_steps(n))
-    assert path == "n"
-    assert message == f"must be a positive whole number, got {n!r}"
-
-
-@pytest.mark.parametrize(("area", "path", "said"), [
-    (ri.Samples([1.0, 2.0, -3.0]), "area.values[2]", "positive number of square metres, got -3.0"),
-    (lambda x: 0.5 - x, "area", "function that returns positive numbers, got 0.0 at 0.5"),
-    (lambda x: x / 0.0, "area", "cannot be evaluated: ZeroDivisionError"),
-    (ri.Samples([1.0, 2.0], step=0.1), "area.step", "from end to end; leave it out"),
-    (ri.Samples([1e149, 1.0]), "area", "area 1e+149"),
-])
-@pytest.mark.parametrize("make", [rod, lambda area: ri.Segment(1.0, area, steel)])
-def test_areas_that_make_no_taper(make, area, path, said):
-    [(where, message)] = problems(lambda: make(area=area))
-    assert where == path
-    assert said in message
-
-
-def test_a_function_for_the_area_needs_one_length():
-    found = problems(lambda: rod(length=[1.0, 2.0], area=lambda x: 1 + x))
-    assert "differ in length; give Samples" in dict(found)["area"]
-    assert [path for path, _ in problems(lambda: rod(length=-1.0, area=lambda x: -x))] == ["length"]
-
-
 def test_steps_of_the_area_make_a_stepped_rod():
     stepped = rod(area=ri.Steps([1e-4, 2e-4, 3e-4], [0.25, 0.5]), velocity=lambda x: x)
     sizes = [(s.length, s.area) for s in stepped.segments]
@@ -447,23 +427,6 @@ def test_steps_of_the_area_make_a_stepped_rod():
     assert list(family.parameters) == ["bodies.0.segments.1.area"]
     moving = rod(area=ri.Steps([1e-4, 2e-4], [np.array([0.25, 0.5])]))
     assert [s.length.tolist() for s in moving.segments] == [[0.25, 0.5], [0.75, 0.5]]
-
-
-def test_mistakes_in_steps_of_the_area():
-    """Each once, by the paths of what was given."""
-    found = problems(lambda: rod(area=ri.Steps([1.0, -2.0, [1.0, 0.0]], [0.25, 0.5]), material=7,
-                                 polar_moment="square", velocity="x", **LOVE))
-    assert [path for path, _ in found] == [
-        "material", "polar_moment", "area.values.1", "area.values.2[1]", "velocity",
-    ]
-    found = problems(lambda: rod(length="x", area=ri.Steps([1.0, -2.0], [3.0])))
-    assert [path for path, _ in found] == ["length", "area.values.1"]
-    [(path, message)] = problems(lambda: rod(area=ri.Steps([1.0, 2.0], [1.0])))
-    assert path == "area.at.0"
-    assert "inside the rod of length 1.0, got 1.0" in message
-    [(path, message)] = problems(lambda: ri.Segment(1.0, ri.Steps([1.0, 2.0], [0.5]), steel))
-    assert path == "area"
-    assert "Rod(area=Steps(...))" in message
 
 
 # Lateral inertia
@@ -480,20 +443,6 @@ def test_polar_moments():
     assert moments == pytest.approx(np.array([1.0, 4.0]) / (2 * np.pi), rel=1e-15)
 
 
-def test_along_a_taper_no_single_polar_moment_holds():
-    [(path, message)] = problems(lambda: cone(polar_moment=1e-8, **LOVE))
-    assert path == "polar_moment"
-    assert message == 'must be "circular" along a taper, or left out, got 1e-08'
-    assert cone(polar_moment="circular", **LOVE).segments[0].polar_moment == "circular"
-
-
-def test_segments_bring_their_own_polar_moment():
-    piece = ri.Segment(1.0, 1e-4, steel)
-    [(path, message)] = problems(lambda: ri.Rod(segments=[piece], polar_moment="circular"))
-    assert path == "segments"
-    assert "polar_moment" in message
-
-
 @pytest.mark.parametrize("word", ["rayleigh-love", "mindlin-herrmann"])
 def test_a_word_and_a_diameter_are_enough_for_lateral_inertia(word):
     one = ri.Rod(1.0, diameter=0.02, material=steel, lateral_inertia=word)
@@ -508,24 +457,6 @@ def test_a_word_and_a_diameter_are_enough_for_lateral_inertia(word):
     assert tube.segments[0].polar_moment == 2e-8
     steps = rod(area=ri.Steps([1e-4, 2e-4], [0.25]), polar_moment="circular", lateral_inertia=word)
     assert steps.segments[1] == steps.segments[0].replace(length=0.75, area=2e-4)
-
-
-@pytest.mark.parametrize(("given", "path", "said"), [
-    ({"lateral_inertia": "mindlin-herrmann", "polar_moment": None}, "lateral_inertia",
-     "needs the diameter of a round rod, or a polar_moment; give one of them"),
-    ({"lateral_inertia": "mindlin"}, "lateral_inertia", "perhaps 'mindlin-herrmann' is meant"),
-    ({"lateral_inertia": None}, "polar_moment", 'give lateral_inertia="rayleigh-love" too, or'),
-    ({"lateral_inertia": None, "area": None, "diameter": 0.02}, "polar_moment",
-     'give lateral_inertia="rayleigh-love" too, or'),
-    ({"lateral_inertia": "mindlin-herrmann", "material": steel.replace(poisson_ratio=0.5)},
-     "material.poisson_ratio", 'must be below 0.5 for "mindlin-herrmann", got 0.5'),
-    ({"lateral_inertia": "mindlin-herrmann", "material": ri.materials.oak},
-     "material.poisson_ratio", "is missing in 'oak'; lateral inertia needs it"),
-])
-def test_theories_of_lateral_inertia_are_checked(given, path, said):
-    [(found, message)] = problems(lambda: rod(**{"polar_moment": "circular", **given}))
-    assert found == path
-    assert said in message
 
 
 # What is new, in all that a system can do
@@ -555,7 +486,7 @@ def test_every_new_field_counts_for_equality_and_digest():
 
 
 def refused(method, *bodies):
-    return dict(problems(lambda: Options(method=method).method_for(ri.System(list(bodies)))))
+    return problems(lambda: Options(method=method).method_for(row(*bodies)))
 
 
 @pytest.mark.parametrize("method", ["fronts", "characteristics"])
@@ -632,23 +563,3 @@ def test_a_diameter_is_that_of_a_round_section(kind):
     assert thick.mass.tolist() == kind(0.4, area=math.pi * d * d / 4, material=steel).mass.tolist()
     assert thick.to_dict()["diameter"] == d.tolist()
     assert "area" not in thick.to_dict()
-    for wrong, path in (({"diameter": -1.0}, "diameter"), ({}, "area"),
-                        ({"diameter": 0.1, "area": 1.0}, "diameter")):
-        with pytest.raises(ri.InvalidModel) as caught:
-            kind(0.4, material=steel, **wrong)
-        assert [where for where, _ in caught.value.problems] == [path]
-
-
-def test_rigid_bodies_that_are_bonded_move_together():
-    bodies = [ri.RigidMass(1.0, velocity=1.0), ri.RigidMass(2.0, velocity=[1.0, 2.0]), rod()]
-    assert problems(lambda: ri.System(bodies, contacts=[ri.Bonded(), ri.Bonded()])) == [
-        ("bodies.1.velocity[1]", "must be 1.0, that of the rigid body it is bonded to, got 2.0")]
-
-
-def test_a_class_made_from_one_of_the_model_is_refused():
-    class MyLaw(ri.Hertz):
-        pass
-
-    [(path, message)] = problems(lambda: ri.System([rod(), rod()], contacts=[MyLaw(1e9)]))
-    assert path == "contacts.0"
-    assert message.startswith("must be a contact law itself, one of Rigid, Bonded, Joint, Spring")
