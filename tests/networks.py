@@ -117,12 +117,6 @@ def random_network(seed, *, bodies=5, driven=False):
             row.insert(place, ri.Wall(float(rng.uniform(-0.2, 0.2)) if moving else 0.0))
     contacts = [random_law(rng, *pair) for pair in pairwise(row)]
     move_together(row, contacts)
-    for indices, step in ((range(1, len(row)), 1), (range(len(row) - 2, -1, -1), -1)):
-        for i in indices:  # what is bonded to a rigid body before it moves as that does
-            body, before = row[i], row[i - step]
-            bonded = isinstance(contacts[min(i, i - step)], ri.Bonded)
-            if bonded and isinstance(body, ri.RigidMass) and not isinstance(before, ri.Rod):
-                row[i] = ri.RigidMass(body.mass, velocity=before.velocity)
     gaps = [
         0.0 if not law.opens or rng.random() < 0.5 else float(rng.uniform(0, 0.3))
         for law in contacts

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from networks import shifted
 from runs import bits_of
 from systems import horizon, random_system, with_ends
 
@@ -168,18 +169,7 @@ def test_scaling_by_powers_of_two_is_exact(seed):
 @given(seeds, st.sampled_from([1.0, 100.0]))
 def test_galilean_shift_changes_nothing(seed, shift):
     system = random_system(seed, bodies=4)
-
-    def shifted(p):
-        if isinstance(p, ri.Steps):
-            return ri.Steps([v + shift for v in p.values], p.at)
-        return p + shift
-
-    bodies = [
-        ri.Wall(b.velocity + shift) if isinstance(b, ri.Wall)
-        else ri.Rod(segments=b.segments, velocity=shifted(b.velocity), strain=b.strain)
-        for b in system.bodies
-    ]
-    still, moving = run(system, 6.0), run(ri.System(bodies, system.gaps, system.contacts), 6.0)
+    still, moving = run(system, 6.0), run(shifted(system, shift), 6.0)
     expected = [v + shift for v in still.outcome.velocities_after]
     assert moving.outcome.velocities_after == pytest.approx(expected, abs=1e-11 * shift)
 
@@ -240,8 +230,9 @@ def test_the_film_runs_backwards(seed):
 
 
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
-def test_compiled_and_interpreted_runs_are_bit_identical():
-    for seed in range(150):
-        system = random_system(seed, bodies=4)
+@pytest.mark.parametrize(("row", "count"), [(random_system, 150), (with_ends, 50)])
+def test_compiled_and_interpreted_runs_are_bit_identical(row, count):
+    for seed in range(count):
+        system = row(seed, bodies=4)
         plain, fast = (bits_of(system, horizon(system, 4), how) for how in (False, True))
         assert plain == fast

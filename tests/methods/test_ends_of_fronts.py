@@ -6,11 +6,10 @@ import pytest
 from exhaustive import few_of
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from runs import bits_of, group_of, tracked
+from runs import group_of, tracked
 from systems import horizon, random_end, random_system, with_ends
 
 import rodimpact as ri
-from rodimpact.methods import kernels
 
 M = ri.Material("m", youngs_modulus=1.0, density=1.0)
 STEP = 1 / 16
@@ -252,14 +251,3 @@ def test_times_beyond_the_longest_transit_change_no_transit():
     assert f0 == 0.0
     assert t1 * run.clock.tick == pytest.approx(0.1 * np.pi, rel=1e-14)
     assert 3 * t2 == 70 * first  # the last jump is never reached
-
-
-# Kernels -----------------------------------------------------------------------------------------
-
-
-@pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
-def test_compiled_and_interpreted_runs_are_bit_identical():
-    for seed in range(50):
-        system = with_ends(seed)
-        plain, fast = (bits_of(system, horizon(system, 4), how) for how in (False, True))
-        assert plain == fast

@@ -1,4 +1,4 @@
-"""Runs of characteristics: what stays the same however they run, are saved and are read."""
+"""Runs of characteristics: what stays the same however they run, and beside finite differences."""
 
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
@@ -85,20 +85,7 @@ def test_plain_python_runs_the_same_bits():
     assert repr(found[0]) == repr(found[1])
 
 
-# Saved and read -----------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_a_saved_solution_says_the_same(plain, tmp_path, seed):
-    system, until = random_network(seed, driven=True), 1.0
-    s = ri.solve(system, until, METHOD)
-    s.save(tmp_path / "run.npz")
-    again = ri.load(tmp_path / "run.npz")
-    assert repr(everything(again).tolist()) == repr(everything(s).tolist())
-    assert (again.accuracy, again.status, again.method) == (s.accuracy, s.status, s.method)
-    assert {type(error) for error in s.accuracy.values()} == {float}
-    t = np.linspace(0, until, 7)
-    assert again.energy(t).residual.tolist() == s.energy(t).residual.tolist()
+# Beside another method ----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seed", few_of(range(60), range(20)))

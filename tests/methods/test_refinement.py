@@ -90,14 +90,6 @@ def test_a_first_run_that_is_too_long_is_refused():
         refined(level, lambda _: {"impulse": np.ones(1)}, 1.0, 1e-3, 64)
 
 
-STEPS = [1.0, 1 / 2, 1 / 3, 1 / 4]
-
-
-def by_level(*errors):
-    """Two numbers on four levels: 1 and 3 with errors of these sizes and powers of the step."""
-    return [x + sum(a * h**p for a, p in errors) for h in STEPS for x in (1.0, 3.0)]
-
-
 def means(force, edges):
     """Mean values between edges of a polynomial."""
     return np.diff(np.polyval(np.polyint(force), edges)) / np.diff(edges)

@@ -1,4 +1,4 @@
-"""Fields from states on a grid: what they say at places and times, and on file."""
+"""Fields from states on a grid: what they say at places and times."""
 
 import math
 
@@ -245,11 +245,6 @@ def test_a_state_can_be_continued(t):
     assert errors[-1] <= errors[0]
 
 
-def test_what_cannot_be_continued_says_so(row):
-    with pytest.raises(ValueError, match=r"ends\.left: is driven"):
-        row.system_at(1.0)
-
-
 def test_a_wall_and_a_mass_bonded_to_it():
     row = [ri.Wall(0.2), ri.RigidMass(2.0, velocity=0.2), unit_rod(velocity=-0.5)]
     s = ri.solve(ri.System(row, [0.0, 0.1], [ri.Bonded(), ri.Rigid()], gravity=-0.3), 1.5, METHOD,
@@ -260,6 +255,3 @@ def test_a_wall_and_a_mass_bonded_to_it():
     assert s.velocity(0, 0.0, t) == pytest.approx(np.full(16, 0.2), abs=0)
     assert np.abs(s.energy(t).residual).max() <= 1e-12
     assert abs(s.outcome.momentum_residual) <= 1e-13
-
-
-# On file ------------------------------------------------------------------------------------------

@@ -258,14 +258,6 @@ def test_the_residual_of_a_rod_swinging_on_a_moving_wall_is_small():
         assert abs(outcome.energy_residual) < 1e-13
 
 
-def test_fronts_refuse_material_damping():
-    viscous = ri.Material("viscous", youngs_modulus=1e9, density=1e3, viscosity=1.0)
-    row = ri.System([rod(1.0, 1.0), rod(1.0, material=viscous)])
-    with pytest.raises(ri.InvalidModel, match="no damping") as caught:
-        ri.solve(row, method="fronts")
-    assert caught.value.problems[0][0] == "bodies.1.material.viscosity"
-
-
 def test_places_and_times_that_do_not_fit_are_named(unequal):
     with pytest.raises(ValueError, match=r"x: shape \(2,\) does not broadcast"):
         unequal.velocity(1, [0.1, 0.2], [0.0, 1e-5, 2e-5])

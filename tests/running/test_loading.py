@@ -177,8 +177,9 @@ def facts(s):
     t = np.linspace(0, s.t_end, 23)
     found = {name: getattr(s, name) for name in (
         "method", "until", "stopped_by", "status", "t_end", "final", "events", "transit_error",
-        "outcome", "system",
+        "outcome", "system", "accuracy",
     )}
+    assert {type(error) for error in s.accuracy.values()} <= {float}
     found["outside"] = [
         end and (end.kind, bits(end.push), bits(end.speed)) for end in s.run.signals.outside
     ]
