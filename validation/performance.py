@@ -158,9 +158,9 @@ def per_event(T: Sequence[float], Z: Sequence[float], v: Sequence[float]) -> flo
     """Median time of an event in a run of half a million of uniform rods that touch, s."""
     plan = plan_of(Row(ri.System([rod(*of) for of in zip(T, Z, v, strict=True)])))
     with kernels.forced(True):
-        (run,) = driver.solve_one(plan, LONG, RUN).copied("run")
+        (run,) = driver.solve_one(plan, LONG, RUN).objects("run")
         assert run.stop == Stop.CAP
-        return median(lambda: driver.solve_one(plan, LONG, RUN).copied("run"), 5) / run.events
+        return median(lambda: driver.solve_one(plan, LONG, RUN), 5) / run.events
 
 
 def free_pair() -> float:
