@@ -13,6 +13,7 @@ import dataclasses
 import functools
 import hashlib
 import itertools
+import operator
 import sys
 import threading
 import warnings
@@ -251,10 +252,7 @@ def as_objects(records: Any) -> list[Any]:
 
 def as_records(objects: list[Any], record: Any) -> Any:
     """Return objects of `as_objects` as an array of records."""
-    records = np.zeros(len(objects), record)
-    for name in record.names if objects else ():
-        records[name] = [getattr(one, name) for one in objects]
-    return records
+    return np.array(list(map(operator.attrgetter(*record.names), objects)), record)
 
 
 def lengthened(records: Any, kind: Any) -> Any:

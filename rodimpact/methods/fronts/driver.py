@@ -29,6 +29,7 @@ PAIR_TIME = 4e-7  # s, about what plain Python takes to compare two durations
 FIRST_BLOCK, LAST_BLOCK = 32, 2048  # members of a block
 RECORDS = {"run": RUN, "segment": SEGMENT, "node": NODE, "line": LINE, "log": ROW, "piece": PIECE,
            "body": BODY}
+BLANK = ("segment", "line", "piece")
 FOLLOWED = ("run", "body", "given", "piece", "segment", "node", "line", "log", "tree")
 PATIENCE = 0.1  # s; about how long a block runs before `stop` is asked again
 
@@ -52,14 +53,18 @@ class Members:
     """
 
     def __init__(self, plan: Plan, count: int, fast: bool, **asked: Any) -> None:
-        self.plan, self.fast, self.records = plan, False, {**blank_records(plan, ROOM), "given": ()}
+        self.plan, self.fast = plan, False
+        self.records: dict[str, Any] = {**blank_records(plan, 0 if fast else ROOM), "given": ()}
         one = self.records["run"]
         for name, value in asked.items():
             setattr(one, name, value)
         self.records["run"] = [one]
         if fast:
+            for name in BLANK:  # quicker than field by field
+                self.records[name] = np.zeros(len(self.records[name]), RECORDS[name])
+            self.records["log"] = np.zeros(plan.fronts + ROOM, ROW)
             self.on_arrays()
-        for name in ("run", "segment", "node"):
+        for name in ("run", "segment", "node") if count > 1 else ():
             records = self.records[name]
             self.records[name] = np.tile(records, count) if fast else [
                 copy.copy(it) for _ in range(count) for it in records]
@@ -88,7 +93,8 @@ class Members:
     def on_arrays(self) -> None:
         """Go on in machine code."""
         for name, held in self.records.items():
-            self.records[name] = self.arrays(name) if name in RECORDS else np.array(held)
+            if isinstance(held, list | tuple):
+                self.records[name] = self.arrays(name) if name in RECORDS else np.array(held)
         self.fast = True
 
     def arrays(self, name: str) -> Any:
