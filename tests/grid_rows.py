@@ -6,7 +6,9 @@ import numpy as np
 from networks import STEP, logarithmic, random_network
 
 import rodimpact as ri
-from rodimpact.methods.grid.method import follow
+from rodimpact.methods.grid.mesh import Mesh
+from rodimpact.methods.grid.method import _mesh_size, follow
+from rodimpact.methods.grid.run import GridRun, Keeper
 from rodimpact.methods.row import Row
 
 SECONDS = 3.0
@@ -39,6 +41,13 @@ def random_row(seed, *, driven=False, bodies=5):
         if isinstance(body, ri.Rod) and rng.random() < 0.5 else body for body in system.bodies
     ]
     return ri.System(row, system.gaps, system.contacts, gravity=system.gravity, ends=system.ends)
+
+
+def grid_run(system, room, snapshots=None, step=STEP):
+    """A run that has not begun."""
+    plan = Row(system)
+    counts, step = _mesh_size(plan, None, step, None)
+    return GridRun(Mesh(plan, counts), step, Keeper(snapshots), room)
 
 
 def run_row(system, until=SECONDS, step=STEP):

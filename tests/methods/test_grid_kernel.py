@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from grid_rows import random_row, run_row, thicken
+from grid_rows import grid_run, random_row, run_row, thicken
 from hypothesis import given
 from hypothesis import strategies as st
+from ledgers import entries_of, last_of
 from mistakes import refused
 from networks import STEP, unit_rod
 from runs import solution_of
@@ -14,21 +15,11 @@ import rodimpact as ri
 from rodimpact.methods import compiling, kernels
 from rodimpact.methods.grid import contact_kernel as contacts
 from rodimpact.methods.grid import elimination_kernel as elimination
-from rodimpact.methods.grid.mesh import Mesh
-from rodimpact.methods.grid.method import _mesh_size
 from rodimpact.methods.grid.proof import finality_time, present, side_of
 from rodimpact.methods.grid.records import LINK, PER_STATE
-from rodimpact.methods.grid.run import GridRun, Keeper
 from rodimpact.methods.laws import Law
-from rodimpact.methods.row import Row
 
 seeds = st.integers(0, 10**6)
-
-
-def grid_run(system, room, snapshots=None, step=STEP):
-    plan = Row(system)
-    counts, step = _mesh_size(plan, None, step, None)
-    return GridRun(Mesh(plan, counts), step, Keeper(snapshots), room)
 
 
 def bits(run, states=True):
@@ -240,13 +231,7 @@ def test_every_entry_of_the_ledger_at_every_state(seed, driven):
     outcome = solution.outcome
     assert abs(outcome.momentum_residual) <= 1e-11
     assert abs(outcome.energy_residual) <= 1e-11
-    ends = (outcome.kinetic_after, sum(outcome.vibration_after), outcome.contact_energy,
-            outcome.dissipated, outcome.damped, outcome.numerical, outcome.radiated,
-            outcome.wall_work, outcome.drive_work, outcome.gravity_work)
-    last = (ledger.kinetic, ledger.vibration, ledger.contact, ledger.dissipated,
-            ledger.damped, ledger.numerical, ledger.radiated, ledger.wall_work, ledger.drive_work,
-            ledger.gravity_work)
-    np.testing.assert_allclose(ends, [entry[-1] for entry in last], **close)
+    np.testing.assert_allclose(entries_of(outcome), last_of(ledger), **close)
 
 
 @given(seeds)

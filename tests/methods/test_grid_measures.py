@@ -1,6 +1,5 @@
 """What a force did, read from means over steps and gaps at their ends: polynomials as oracles."""
 
-import math
 
 import numpy as np
 import pytest
@@ -54,12 +53,3 @@ def test_a_faint_first_force_is_none():
 ])
 def test_the_share_of_the_last_step_that_a_jump_leaves(force, share):
     assert mk.share_of_jump(np.array(force, float), 0, len(force)) == pytest.approx(share)
-
-
-def test_a_largest_force_beside_a_jump_is_that_of_its_own_side():
-    falling = means(Polynomial([2, -0.025]), EVEN)
-    assert mk.largest_force(np.append([0.0] * 3, falling)) == pytest.approx(2.0, abs=1e-12)
-    bump = means(Polynomial([0, 0.1, -0.0025]), EVEN)
-    assert math.isclose(mk.largest_force(bump), 1.0)
-    rising = np.append(bump[:16], [0.0] * 3)
-    assert mk.largest_force(rising) == pytest.approx(0.96)

@@ -4,16 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from grid_rows import grid_run
 from mistakes import problems
 from networks import unit_rod
 from scipy.linalg import expm
 
 import rodimpact as ri
-from rodimpact.methods.grid.mesh import Mesh
-from rodimpact.methods.grid.method import _mesh_size
 from rodimpact.methods.grid.proof import present, side_of
-from rodimpact.methods.grid.run import GridRun, Keeper
-from rodimpact.methods.row import Row
 
 QUICK = ri.Material("quick", youngs_modulus=6.0, density=1.5)  # wave speed 2
 METHODS = {"characteristics": {}, "finite-difference": {"cells": 64}}
@@ -89,13 +86,11 @@ def sides_of(system, steps):
 
     At the ends of some steps 1/64, in the laboratory and in SI units.
     """
-    row, found = Row(system), []
-    counts, step = _mesh_size(row, None, 1 / 64, None)
-    run = GridRun(Mesh(row, counts), step, Keeper(None), steps[-1])
+    run, found = grid_run(system, steps[-1], step=1 / 64), []
     for j in steps:
         run.advance(j)
         side = side_of(run, int(run.grid.link["left"][-1]), True, present(run))
-        found.append((side.mean + row.frame, side.deviation, side.bound))
+        found.append((side.mean + run.row.frame, side.deviation, side.bound))
     return found
 
 

@@ -21,18 +21,6 @@ def mesh_of(row, counts, contacts=None, gaps=None, **options):
     return Mesh(Row(ri.System(row, gaps, contacts, **options)), counts)
 
 
-def test_two_rods_are_two_pieces():
-    mesh = mesh_of([unit_rod(0.5, 2.0), unit_rod(1.0, 3.0)], [2, 4])
-    assert (mesh.first, mesh.last) == ([-1, 0, 3], [-1, 2, 7])
-    assert (mesh.starts, mesh.stops) == ([0, 3], [2, 7])
-    assert mesh.touching == {1: (2, 3)}
-    assert mesh.ends == [0, 7]
-    assert mesh.bonds == {}
-    assert mesh.mass.tolist() == [0.25, 0.5, 0.25, 0.375, 0.75, 0.75, 0.75, 0.375]
-    assert mesh.stiffness.tolist() == [0, 8, 8, 0, 12, 12, 12, 12, 0]
-    assert not np.any(mesh.held)
-
-
 def test_bonded_bodies_share_a_node_and_walls_have_one():
     row = [ri.Wall(), unit_rod(), ri.RigidMass(3.0), unit_rod(), ri.RigidMass(2.0), ri.Wall()]
     laws = [ri.Rigid(), ri.Bonded(), ri.Bonded(), ri.Spring(1.0), ri.Bonded()]
@@ -58,24 +46,6 @@ def test_bonds_are_read_on_the_side_of_a_rod():
     mesh = mesh_of([unit_rod()], [2], ends=(ri.Absorbing(), ri.Pushed(1.0)))
     assert mesh.bonds == {}
     assert not np.any(mesh.held)
-
-
-def test_cells_of_damped_and_lateral_segments():
-    stuff = ri.Material("m", youngs_modulus=8.0, density=2.0, poisson_ratio=0.25, viscosity=0.5)
-    mesh = mesh_of([ri.Rod(1.0, area=3.0, material=stuff, polar_moment=4.0,
-                           lateral_inertia="rayleigh-love"), unit_rod()], [4, 4])
-    assert mesh.viscous[1:5] == pytest.approx(np.full(4, 0.5 * 3 * 4))
-    assert mesh.lateral[1:5] == pytest.approx(np.full(4, 2 * 0.0625 * 4 * 4))
-    assert mesh.implicit
-    assert not np.any(mesh.viscous[5:])
-
-
-def test_a_taper_keeps_its_volume():
-    cone = ri.Rod(2.0, area=ri.Samples([1.0, 4.0, 2.0]), material=UNIT)
-    for n in (1, 3, 8):
-        mesh = mesh_of([cone], [n])
-        assert mesh.mass.sum() == pytest.approx(2.5 + 3.0, rel=1e-13)
-        assert mesh.stiffness[1:-1] == pytest.approx(mesh.cell_mass[1:-1] * (n / 2) ** 2)
 
 
 @given(st.integers(0, 10**6), st.booleans())

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from ledgers import entries_of, last_of
 from networks import random_network, unit_rod
 
 import rodimpact as ri
@@ -33,12 +34,7 @@ def test_every_entry_at_many_times(seed, driven):
     for entry in works[:3] if not driven else ():
         assert np.abs(entry).max() <= 1e-12 * scale
     outcome = solution.outcome
-    ends = (outcome.kinetic_after, sum(outcome.vibration_after), outcome.contact_energy,
-            outcome.dissipated, outcome.radiated, outcome.wall_work, outcome.drive_work,
-            outcome.gravity_work)
-    last = (ledger.kinetic, ledger.vibration, ledger.contact, ledger.dissipated,
-            ledger.radiated, ledger.wall_work, ledger.drive_work, ledger.gravity_work)
-    assert ends == pytest.approx([entry[-1] for entry in last], abs=CLOSE * scale)
+    assert entries_of(outcome) == pytest.approx(last_of(ledger), abs=CLOSE * scale)
     assert abs(outcome.momentum_residual) <= 1e-7
 
 
