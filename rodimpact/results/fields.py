@@ -170,25 +170,22 @@ class Fields(ABC):
         first, last = self.clock.spans[body]
         return np.array([0.0, *accumulate(self.clock.length[first : last + 1])])
 
-    def check(self, body: int, x: ArrayLike) -> Floats:
-        """Return places in a rod, m from its left end; raise ValueError outside."""
-        if self.clock.spans[body][1] == 0:
+    def locate(self, body: int, x: ArrayLike) -> tuple[Ints, Floats]:
+        """Segment of the row in which places lie, and distance from its left end, m.
+
+        Places are in m from the left end of a rod; ValueError outside.
+        """
+        first, last = self.clock.spans[body]
+        if last == 0:
             kind = "a rigid mass" if body in self.masses else "a wall"
             raise refusal("body", f"{body} is {kind} and has no inside; ask for a rod")
-        x = array("x", x, "m")
-        edges = self.edges(body)
+        x, edges = array("x", x, "m"), self.edges(body)
         inside = np.isfinite(x) & (x >= 0) & (x <= edges[-1] * (1 + 1e-12))
         if not inside.all():
             bad = float(x[~inside].flat[0])
             raise refusal("x", f"must lie in body {body}, 0 to {edges[-1]:.9g} m, got {bad!r}")
-        return x
-
-    def segment_at(self, body: int, x: ArrayLike) -> Ints:
-        """Segment of the row in which places lie."""
-        first, last = self.clock.spans[body]
-        x, edges = self.check(body, x), self.edges(body)
-        piece: Ints = np.clip(np.searchsorted(edges, x, "right") - 1, 0, last - first)
-        return piece + first
+        piece = np.clip(np.searchsorted(edges, x, "right") - 1, 0, last - first)
+        return np.asarray(piece + first), np.asarray(x - edges[piece])
 
     def _together(self, x: Any, t: Any) -> tuple[int, ...]:
         """Shape that places and times broadcast to; raise ValueError where they do not."""

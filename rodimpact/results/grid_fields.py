@@ -72,9 +72,8 @@ class GridFields(Fields):
 
     def _cells(self, body: int, x: ArrayLike) -> tuple[Ints, Floats]:
         """Segment of each place, and cells between the left end of that and the place."""
-        segment, a = self.segment_at(body, x), self.clock
-        begin = self.edges(body)[segment - a.spans[body][0]]
-        share = (self.check(body, x) - begin) / np.array(a.length)[segment]
+        segment, inside = self.locate(body, x)
+        share = inside / np.array(self.clock.length)[segment]
         return segment, np.asarray(share * self._counts[segment])
 
     def _at(self, table: Floats, y: Floats, base: Ints, count: Ints, ticks: Ints) -> Floats:
@@ -237,7 +236,7 @@ class GridFields(Fields):
     def trace(self, body: int, x: float) -> Trace:
         a = self.clock
         ticks = self.motion.when * STEP_TICKS
-        c = a.wave_speed[int(self.segment_at(body, x))]
+        c = a.wave_speed[int(self.locate(body, x)[0])]
         v = self._at_nodes(self.motion.velocity, body, x, ticks)
         stretch = c * self._at_cells(self._stretch, body, x, ticks)
         right, left, change = (

@@ -198,7 +198,7 @@ class Solution:
         base = self.fields.positions[self._index(body)]
         if not isinstance(self.system.bodies[body], Rod):
             return base + self.displacement(body, 0.0, t)
-        return base + self.fields.check(body, x) + self.displacement(body, x, t)
+        return base + array("x", x, "m") + self.displacement(body, x, t)
 
     @_FAINT
     def mean_velocity(self, body: int, t: ArrayLike) -> Floats:
@@ -217,7 +217,7 @@ class Solution:
         right, left = trace.rightward.at(ticks), trace.leftward.at(ticks)
         times, rest = ticks * a.tick, (right[0] + left[0]) / 2
         return Gauge(
-            body, float(self.fields.check(body, x)), times, (left - right) * per_wave,
+            body, x, times, (left - right) * per_wave,
             (left + right) / 2 + (a.frame + a.gravity * times), (rest - right) * per_wave,
             (left - rest) * per_wave, self.t_end, trace.stretch.times(per_wave), a.tick,
             body_names(self.system.kinds)[body],
@@ -424,15 +424,13 @@ class Solution:
         self, body: int, x: ArrayLike, value: Callable[[Segment, Floats], Floats | float]
     ) -> Floats:
         """What segments have at places x, m from the left end of a rod."""
-        segment = self.fields.segment_at(body, x)
-        x = np.broadcast_to(self.fields.check(body, x), segment.shape)
+        segment, inside = self.fields.locate(body, x)
         values = np.empty(segment.shape)
         rod = self.system.bodies[body]
         assert isinstance(rod, Rod)
-        first, edges = self.fields.clock.spans[body][0], self.fields.edges(body)
-        for i, piece in enumerate(rod.segments):
-            here = segment == first + i
-            values[here] = value(piece, x[here] - edges[i])
+        for s, piece in enumerate(rod.segments, self.fields.clock.spans[body][0]):
+            here = segment == s
+            values[here] = value(piece, inside[here])
         return values
 
 

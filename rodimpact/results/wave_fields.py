@@ -65,15 +65,11 @@ class WaveFields(Fields):
 
     # Where ------------------------------------------------------------------------------------
 
-    def locate(self, body: int, x: ArrayLike) -> tuple[Ints, Ints]:
+    def _offset(self, body: int, x: ArrayLike) -> tuple[Ints, Ints]:
         """Segment and ticks from its left end of places x in a body, m from its left end."""
-        segment, x = self.segment_at(body, x), self.check(body, x)
-        first, last = self.clock.spans[body]
-        piece, edges = segment - first, self.edges(body)
-        lengths = np.array(self.clock.length[first : last + 1])[piece]
-        transit = np.array(self.clock.ticks[first : last + 1])[piece]
-        offset = np.rint((x - edges[piece]) / lengths * transit).astype(np.int64)
-        return segment, np.clip(offset, 0, transit)
+        segment, inside = self.locate(body, x)
+        length, transit = (np.array(of)[segment] for of in (self.clock.length, self.clock.ticks))
+        return segment, np.clip(np.rint(inside / length * transit).astype(np.int64), 0, transit)
 
     # Fields -----------------------------------------------------------------------------------
 
@@ -93,7 +89,7 @@ class WaveFields(Fields):
         ticks = self.to_ticks(t, side)
         if (side == "right" and self.constant_between_fronts and ticks.ndim == 1
                 and np.shape(x) == (np.size(x) or 1, 1) and np.all(ticks[1:] >= ticks[:-1])):
-            segment, offset = self.locate(body, x)
+            segment, offset = self._offset(body, x)
             rows = {s: np.flatnonzero(segment == s) for s in np.unique(segment).tolist()}
             grids = [self._on_grid(s, offset[here, 0], ticks, sign, factor(s), shift)
                      for s, here in rows.items()]
@@ -111,7 +107,7 @@ class WaveFields(Fields):
         self, body: int, x: ArrayLike, ticks: Ints, value: Callable[[int, Ints, Ints], Floats]
     ) -> Floats:
         """Values at places and ticks, of segment and the ticks at which waves left its two ends."""
-        segment, offset = self.locate(body, x)
+        segment, offset = self._offset(body, x)
         self._together(offset, ticks)
         segment, offset, ticks = np.broadcast_arrays(segment, offset, ticks)
         out = np.empty(offset.shape)
@@ -171,13 +167,13 @@ class WaveFields(Fields):
             for passed in (lambda s, p, _: self.waves(s)[0].integral(0, p),
                            lambda s, _, q: self.waves(s)[1].integral(0, q))
         )
-        per_wave = 0.5 / np.array(a.wave_speed)[self.segment_at(body, x), None]
+        per_wave = 0.5 / np.array(a.wave_speed)[self.locate(body, x)[0], None]
         fallen = a.gravity * a.tick * (ticks[:-1] + ticks[1:]) / 2
         return (left + right) / 2 + a.frame + fallen, (left - right) * per_wave
 
     def trace(self, body: int, x: float) -> Trace:
         a = self.clock
-        segment, offset = (int(v) for v in self.locate(body, x))
+        segment, offset = (int(v) for v in self._offset(body, x))
         A, B = self.waves(segment)
         T = a.ticks[segment]
         delays = offset, T - offset
