@@ -14,6 +14,14 @@ def problems(make):
     return found
 
 
+def assert_told(make, wanted):
+    """That these mistakes are told, by their paths: a part of each message, or = and all of it."""
+    found = problems(make)
+    assert list(found) == list(wanted)
+    for path, said in wanted.items():
+        assert found[path] == said[1:] if said[:1] == "=" else said in found[path]
+
+
 def refused(match, function, *args, **options):
     """Paths of the mistakes of a call, whose message is as said."""
     with pytest.raises(ri.InvalidModel, match=match) as caught:

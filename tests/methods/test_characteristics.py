@@ -533,6 +533,9 @@ def test_auto_takes_fronts_where_it_can():
         ([unit_rod(velocity=1.0), ri.Wall()], {"gravity": 0.1}, "gravity or a driven end"),
         ([unit_rod(velocity=1.0), unit_rod(), unit_rod()], {}, "this row has 2"),
         ([unit_rod(), unit_rod(velocity=1.0)], {}, "move apart"),
+        ([unit_rod(), unit_rod()], {}, "nothing collided; the bodies do not approach"),
+        ([unit_rod(velocity=ri.Steps([-1.0, 1.0], [0.5])), unit_rod()], {},
+         "centres of mass did not approach"),
         ([unit_rod(velocity=1.0), unit_rod()], {"contacts": [ri.Spring(1e-4)]}, "is not over"),
         ([unit_rod(velocity=1.0), MASS], {"contacts": [ri.Bonded()]}, "no contact of this row"),
     ],
@@ -542,6 +545,8 @@ def test_why_there_is_no_restitution(row, options, said):
     assert said in outcome.why_no_restitution()
     with pytest.raises(ri.UndefinedRestitution, match=said):
         _ = outcome.restitution
+    with pytest.raises(ri.UndefinedRestitution, match=said):
+        outcome.as_rigid()
 
 
 @pytest.mark.parametrize("moving", [0.0, 0.2])

@@ -177,26 +177,6 @@ def test_the_film_backwards_releases_vibration():
     assert_stands_for(body, outcome)
 
 
-# No restitution, no rigid bodies
-
-
-@pytest.mark.parametrize(
-    ("system", "why"),
-    [
-        (ri.System([rod(1, 1, 2.0), rod(1, 1, 1.0), rod(1, 1)]), "for one contact.*has 2"),
-        (ri.System([rod(1, 1, 1.0), rod(1, 1, 1.0)]), "nothing collided; the bodies do not appr"),
-        (
-            ri.System([rod(1, 1, ri.Steps([-1.0, 1.0], [0.5])), rod(1, 1)]),
-            "centres of mass did not approach",
-        ),
-    ],
-)
-def test_no_rigid_bodies_without_restitution(system, why):
-    outcome = ri.solve(system).outcome
-    with pytest.raises(ri.UndefinedRestitution, match=why):
-        outcome.as_rigid()
-
-
 # Balances
 
 
