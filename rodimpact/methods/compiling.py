@@ -259,6 +259,10 @@ def lengthened(records: Any, kind: Any) -> Any:
     """Return records, an array or a list of objects, with as many blank ones behind them."""
     if isinstance(records, list):
         return records + blank(len(records), kind)
-    longer, raw = np.zeros(2 * len(records), kind), f"V{kind.itemsize}"
-    longer.view(raw)[: len(records)] = records.view(raw)  # field by field takes ten times as long
-    return longer
+    return joined(records, np.zeros(len(records), kind))
+
+
+def joined(first: Any, second: Any) -> Any:
+    """Return two arrays of one kind as one; field by field, as NumPy does it, takes longer."""
+    raw = f"V{first.dtype.itemsize}"
+    return np.concatenate((first.view(raw), second.view(raw))).view(first.dtype)

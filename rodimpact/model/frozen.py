@@ -410,11 +410,12 @@ class Frozen:
     @cached_property
     def _varies(self) -> bool:
         """Whether a number of this object, or of what it holds, is an array."""
-        return any(
-            item._varies if isinstance(item, Frozen)
-            else isinstance(item, np.ndarray) and name not in self._whole
-            for name, _, item in self._parts()
-        )
+        for name, value in self.__dict__.items():  # of every object made: no generator, for speed
+            for item in value if isinstance(value, tuple) else (value,):
+                array = isinstance(item, np.ndarray) and name not in self._whole
+                if item._varies if isinstance(item, Frozen) else array:
+                    return True
+        return False
 
     def _numbers(self, path: str = "") -> list[tuple[str, Number]]:
         """Every number of this object and of what it holds, with its path."""
