@@ -128,20 +128,17 @@ def rescaled(system, length=1.0, area=1.0, velocity=1.0, modulus=1.0, density=1.
         return velocity * p
 
     def segment(s):
-        material = ri.Material(
-            "scaled", youngs_modulus=modulus * s.material.youngs_modulus,
-            density=density * s.material.density,
-        )
-        return ri.Segment(length * s.length, area * s.area, material)
+        m = s.material
+        m = m.replace(youngs_modulus=modulus * m.youngs_modulus, density=density * m.density)
+        return s.replace(length=length * s.length, area=area * s.area, material=m)
 
     bodies = [
-        ri.Wall(velocity * b.velocity) if isinstance(b, ri.Wall) else ri.Rod(
-            segments=[segment(s) for s in b.segments],
-            velocity=profile(b.velocity), strain=profile(b.strain),
-        )
+        b.replace(velocity=velocity * b.velocity) if isinstance(b, ri.Wall) else ri.Rod(
+            segments=[segment(s) for s in b.segments], velocity=profile(b.velocity),
+            strain=profile(b.strain))
         for b in system.bodies
     ]
-    return ri.System(bodies, [length * velocity * g for g in system.gaps], system.contacts)
+    return system.replace(bodies=bodies, gaps=[length * velocity * g for g in system.gaps])
 
 
 @given(seeds)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from grid_rows import grid_run
-from mistakes import problems
+from mistakes import assert_told
 from networks import unit_rod
 from scipy.linalg import expm
 
@@ -172,19 +172,20 @@ def test_a_stiff_joint_is_a_bond():
     assert abs(joined[1] - bonded) < abs(joined[0] - bonded) / 10
 
 
-def test_what_a_joint_is_told_and_what_is_refused():
-    assert problems(lambda: ri.Joint(0.0)) == {
-        "stiffness": "must be positive where the damping is 0, got 0.0"}
-    assert list(problems(lambda: ri.Joint([1.0, 0.0], [0.0, 0.0]))) == ["stiffness[1]"]
-    assert list(problems(lambda: ri.Joint(-1.0, math.nan, math.inf))) == [
-        "stiffness", "damping", "stretch"]
-    rods = [unit_rod(), unit_rod()]
-    found = problems(lambda: ri.System(rods, [1e-3], [ri.Joint(1.0)]))
-    assert "must be 0 where bodies are joined, got 0.001; give" in found["gaps.0"]
-    row = ri.System(rods, contacts=[ri.Joint(1.0)])
-    assert problems(lambda: ri.solve(row, method="fronts"))["contacts.0.law"] == (
-        'method "fronts" has no joints; method "characteristics" has')
-    assert list(problems(ri.System(rods, contacts=[ri.Joint(1.0, 0.1)]).reversed)) == [
-        "contacts.0.damping"]
-    stiff = ri.System(rods, contacts=[ri.Joint(1e30)])
-    assert "use Bonded()" in problems(lambda: ri.solve(stiff, 1.0))["contacts.0.stiffness"]
+PAIR = [unit_rod(), unit_rod()]
+
+
+@pytest.mark.parametrize(("make", "wanted"), [
+    (lambda: ri.Joint(0.0), {"stiffness": "=must be positive where the damping is 0, got 0.0"}),
+    (lambda: ri.Joint([1.0, 0.0], [0.0, 0.0]), {"stiffness[1]": ""}),
+    (lambda: ri.Joint(-1.0, math.nan, math.inf), {"stiffness": "", "damping": "", "stretch": ""}),
+    (lambda: ri.System(PAIR, [1e-3], [ri.Joint(1.0)]),
+     {"gaps.0": "must be 0 where bodies are joined, got 0.001; give"}),
+    (lambda: ri.solve(ri.System(PAIR, contacts=[ri.Joint(1.0)]), method="fronts"),
+     {"contacts.0.law": '=method "fronts" has no joints; method "characteristics" has'}),
+    (ri.System(PAIR, contacts=[ri.Joint(1.0, 0.1)]).reversed, {"contacts.0.damping": ""}),
+    (lambda: ri.solve(ri.System(PAIR, contacts=[ri.Joint(1e30)]), 1.0),
+     {"contacts.0.stiffness": "use Bonded()"}),
+])
+def test_mistakes_of_joints(make, wanted):
+    assert_told(make, wanted)

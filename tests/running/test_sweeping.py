@@ -101,14 +101,6 @@ def varied(seed):
     return ri.System.from_dict(described)
 
 
-@pytest.mark.parametrize("seed", few_of(range(20), range(8)))
-def test_members_of_random_rows_equal_one_at_a_time(seed):
-    system = varied(seed)
-    with kernels.forced(bool(seed % 4)):
-        result = ri.sweep(system, max_events=2000, on_error="record")
-    assert_equal_to_one_at_a_time(result, max_events=2000)
-
-
 @pytest.mark.parametrize("options", [
     {}, {"until": 1e-3}, {"method": "finite-difference", "cells": 20, "until": 1e-3},
 ])
@@ -227,16 +219,17 @@ def chain():
     return ri.System([first, *others], gaps=[1e-4] * 9)
 
 
-@pytest.mark.parametrize("seed", few_of(range(10), range(4)))
-@pytest.mark.parametrize("transits", [0.0, 0.7, 9.3])
-def test_members_that_end_at_a_time_equal_one_at_a_time(seed, transits):
+@pytest.mark.parametrize("seed", few_of(range(20), range(8)))
+@pytest.mark.parametrize("until", [None, 0.0, 1.4e-4, 1.86e-3])
+def test_members_of_random_rows_equal_one_at_a_time(seed, until):
     system = varied(seed)
-    options = {"until": transits * 2e-4, "max_events": 2000}
+    options = {"until": until, "max_events": 2000}
     with kernels.forced(bool(seed % 4)):
         result = ri.sweep(system, **options)
     assert_equal_to_one_at_a_time(result, **options)
-    for index in np.ndindex(result.shape):
-        assert result.status[index] == ri.solve(system[index], **options).stopped_by
+    if until is not None:  # otherwise a single run goes on after its proof, perhaps to the cap
+        for index in np.ndindex(result.shape):
+            assert result.status[index] == ri.solve(system[index], **options).stopped_by
     assert result.incomplete.tolist() == (result.status == "max_events").tolist()
 
 
