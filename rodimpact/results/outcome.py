@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Generic, TypeVar, cast
 
 import numpy as np
 
@@ -28,6 +28,8 @@ so of the least e of a pair."""
 UNBALANCED = 1e-6
 """Share of momentum or energy from which it is said that it is missing."""
 
+Number = TypeVar("Number")
+
 
 class UndefinedRestitution(ValueError):
     """The collision has no coefficient of restitution; the message says why.
@@ -45,8 +47,36 @@ class UndefinedRestitution(ValueError):
     """
 
 
+class OnlyContact(Generic[Number]):
+    """Totals of the only contact that can open, of one collision or of each of a family."""
+
+    contacts: Any
+    unilateral: Any
+    _several = "this row has {} contacts that can open, not 1; use outcome.contacts"
+
+    def _only_contact(self) -> Any:
+        if len(self.unilateral) != 1:
+            raise ValueError(self._several.format(len(self.unilateral)))
+        return self.contacts[self.unilateral[0]]
+
+    @property
+    def impulse(self) -> Number:
+        """Impulse of the only contact, N s; ValueError where there are several."""
+        return cast("Number", self._only_contact().impulse)
+
+    @property
+    def duration(self) -> Number:
+        """Force duration of the only contact, s; ValueError where there are several."""
+        return cast("Number", self._only_contact().duration)
+
+    @property
+    def peak_force(self) -> Number:
+        """Peak force of the only contact, N; ValueError where there are several."""
+        return cast("Number", self._only_contact().peak_force)
+
+
 @dataclass(frozen=True)
-class Outcome:
+class Outcome(OnlyContact[float]):
     """Result of a collision; one entry a body or a contact, walls counted.
 
     Attributes
@@ -155,27 +185,6 @@ class Outcome:
             closing = self.velocities_before[k] - self.velocities_before[k + 1]
         return no_restitution(
             len(self.unilateral), self.driven, episodes, self.final, closing, self.status)
-
-    def _only_contact(self) -> ContactTally:
-        if len(self.unilateral) != 1:
-            message = f"this row has {len(self.unilateral)} contacts that can open, not 1"
-            raise ValueError(f"{message}; use outcome.contacts")
-        return self.contacts[self.unilateral[0]]
-
-    @property
-    def impulse(self) -> float:
-        """Impulse of the only contact, N s; ValueError where there are several."""
-        return self._only_contact().impulse
-
-    @property
-    def duration(self) -> float:
-        """Force duration of the only contact, s; ValueError where there are several."""
-        return self._only_contact().duration
-
-    @property
-    def peak_force(self) -> float:
-        """Peak force of the only contact, N; ValueError where there are several."""
-        return self._only_contact().peak_force
 
     def as_rigid(self) -> RigidCollision:
         """Return the collision as rigid-body mechanics sees it.

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from ..methods.groups import unilateral
 from ..model import Wall
 from ..results.labels import outcome
 from ..storage.tables import SCHEMA_VERSION, align, clean, joules
@@ -103,7 +102,7 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
     shown = range(count) if count <= MOST_MEMBERS else [
         round(i * (count - 1) / (SOME_MEMBERS - 1)) for i in range(SOME_MEMBERS)
     ]
-    pairs = unilateral(result.system)
+    pairs = result.unilateral
     bodies = list(range(len(result.system.bodies)))
     if len(bodies) > MOST_BODIES:
         bodies = bodies[: MOST_BODIES // 2] + bodies[-MOST_BODIES // 2 :]

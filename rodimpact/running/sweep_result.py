@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field
+from functools import cached_property
 from numbers import Integral
 from typing import Any, NamedTuple
 
@@ -21,6 +22,7 @@ from ..model import Plastic, Rod, System
 from ..model.frozen import InvalidModel, refusal
 from ..results import notebook
 from ..results.labels import outcome, parameter
+from ..results.outcome import OnlyContact
 from ..results.solution import Solution
 from ..storage.extras import optional
 from ..storage.writing import PathLike, write_npz, written
@@ -78,7 +80,7 @@ class ContactColumns(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class SweepResult:
+class SweepResult(OnlyContact[Any]):
     """Outcomes of a family of collisions; every array has its `shape`.
 
     Attributes
@@ -118,6 +120,7 @@ class SweepResult:
     columns: Columns
     readings: Readings = field(default_factory=Readings)
     strain: Any = None
+    _several = "these rows have {} contacts that can open, not 1; use result.contacts"
 
     @property
     def method(self) -> str:
@@ -184,7 +187,7 @@ class SweepResult:
         """Where a run did not come to its end, but to the cap on events or the clock, or failed."""
         return ~np.isin(self.columns["status"], ENDED)
 
-    @property
+    @cached_property
     def contacts(self) -> tuple[ContactColumns, ...]:
         """Totals of each contact, walls counted."""
         return tuple(
@@ -192,27 +195,10 @@ class SweepResult:
             for k in range(len(self.system.contacts))
         )
 
-    def _only_contact(self) -> ContactColumns:
-        able = unilateral(self.system)
-        if len(able) != 1:
-            message = f"these rows have {len(able)} contacts that can open, not 1"
-            raise ValueError(f"{message}; use result.contacts")
-        return self.contacts[able[0]]
-
-    @property
-    def impulse(self) -> Any:
-        """Impulse of the only contact, N s; ValueError where there are several."""
-        return self._only_contact().impulse
-
-    @property
-    def duration(self) -> Any:
-        """Force duration of the only contact, s; ValueError where there are several."""
-        return self._only_contact().duration
-
-    @property
-    def peak_force(self) -> Any:
-        """Peak force of the only contact, N; ValueError where there are several."""
-        return self._only_contact().peak_force
+    @cached_property
+    def unilateral(self) -> list[int]:
+        """Indices of the contacts that can open."""
+        return unilateral(self.system)
 
     @property
     def episodes(self) -> Any:
