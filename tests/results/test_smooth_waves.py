@@ -215,3 +215,9 @@ def test_motion_of_a_mass():
 def test_there_are_no_regions_of_constant_state():
     with pytest.raises(ValueError, match="no fronts to draw between"):
         ri.regions_of(struck())
+
+
+def test_a_run_without_duration_has_the_velocities_that_were_given():
+    struck = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
+    row = ri.System([ri.RigidMass(0.5, velocity=1.0), struck])
+    assert ri.solve(row, until=0.0).velocity(0, 0.0, 0.0) == 1.0
