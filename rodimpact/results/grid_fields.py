@@ -148,10 +148,10 @@ class GridFields(Fields):
                 behind = cell + inward * (N > 1)
                 strain = 1.5 * self._strain[:, cell] - 0.5 * self._strain[:, behind]
                 rate = 1.5 * self._rate[:, cell] - 0.5 * self._rate[:, behind]
-                swells = mesh.radial is not None and mesh.radial.swelling[cell]
-                if not (mesh.lateral[node] or mesh.lateral[node + 1] or swells):
+                swells = mesh.cells.swelling[cell]
+                if not (mesh.cells.lateral[node] or mesh.cells.lateral[node + 1] or swells):
                     pull = self._pull(node + 1) - self._pull(node) + self._pushed(node)
-                    gained = pull * mesh.cell_mass[cell] / 2 / mesh.mass[node]
+                    gained = pull * mesh.cells.cell_mass[cell] / 2 / mesh.mass[node]
                     stress = (self._pull(cell) - inward * gained) / float(area)
                     missing = stress - E * strain - eta * rate
                     strain += missing / (E + eta / self._step)
@@ -162,10 +162,10 @@ class GridFields(Fields):
 
     def _pull(self, cell: int) -> Floats:
         """Elastic and viscous tension of a cell, at the states; none between pieces."""
-        grid = self.motion
-        pull: Floats = grid.force[:, cell]
-        if grid.viscous[cell]:
-            pull = pull + grid.viscous[cell] * grid.width[cell] * self._rate[:, cell]
+        cells = self.motion.cells
+        pull: Floats = self.motion.force[:, cell]
+        if cells.viscous[cell]:
+            pull = pull + cells.viscous[cell] * cells.width[cell] * self._rate[:, cell]
         return pull
 
     def _pushed(self, node: int) -> Floats:
@@ -181,21 +181,21 @@ class GridFields(Fields):
     @_FAINT
     def _strain(self) -> Floats:
         """[state, cell]."""
-        return np.asarray(self.motion.stretches(self._step) / self.motion.width)
+        return np.asarray(self.motion.stretches(self._step) / self.motion.cells.width)
 
     @cached_property
     @_FAINT
     def _rate(self) -> Floats:
         """[state, cell] rates of strain."""
         rates: Floats = np.zeros(self.motion.force.shape)
-        rates[:, 1:-1] = np.diff(self.motion.velocity, axis=1) / self.motion.width[1:-1]
+        rates[:, 1:-1] = np.diff(self.motion.velocity, axis=1) / self.motion.cells.width[1:-1]
         return rates
 
     @cached_property
     @_FAINT
     def _displaced(self) -> dict[int, Floats]:
         """By rod: [state, node of the rod] displacements in the frame, m."""
-        stretched = np.cumsum(self._strain[:, :-1] * self.motion.width[:-1], axis=1)
+        stretched = np.cumsum(self._strain[:, :-1] * self.motion.cells.width[:-1], axis=1)
         displaced = {}
         for body, (first, last) in enumerate(self.clock.spans):
             if last:
@@ -251,7 +251,7 @@ class GridFields(Fields):
         first, last = self.clock.spans[body]
         a, b = self.motion.first[first], self.motion.last[last]
         cells = slice(a + 1, b + 1)
-        half = self.motion.cell_mass[cells] / 2
+        half = self.motion.cells.cell_mass[cells] / 2
         return slice(a, b + 1), cells, np.append(half, 0.0) + np.append(0.0, half)
 
     @_FAINT

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..methods import run as runs
 from ..methods.clock import Clock
-from ..methods.grid.mesh import GridMotion, RadialMotion
+from ..methods.grid.mesh import Cells, GridMotion
 from ..methods.run import Run
 from ..methods.signals import Pieces
 from ..model import System
@@ -22,7 +22,7 @@ from ..storage.writing import Arrays
 from . import steps_file
 
 KINDS = {kind.__name__: kind for kind in (
-    Clock, GridMotion, Pieces, RadialMotion, Run, runs.ContactSignal, runs.ContactTally,
+    Cells, Clock, GridMotion, Pieces, Run, runs.ContactSignal, runs.ContactTally,
     runs.Episode, runs.Outside, runs.Signals, runs.Totals, runs.Waves,
 )}
 
@@ -63,7 +63,8 @@ def put_together(document: Mapping[str, Any], arrays: Arrays) -> Run:
     """Make again what `take_apart` took apart."""
     parts: dict[tuple[Any, ...], Any] = {}
     older = document.get("schema") == steps_file.SCHEMA
-    kinds = {**KINDS, **steps_file.KINDS} if older else KINDS
+    kinds = {**KINDS, "GridMotion": _motion, "RadialMotion": dict,
+             **(steps_file.KINDS if older else {})}
 
     def array_of(name: str, start: int, shape: list[int]) -> Any:
         key = (name, start, *shape)
@@ -94,6 +95,18 @@ def put_together(document: Mapping[str, Any], arrays: Arrays) -> Run:
     run = made(document["run"])
     assert isinstance(run, Run)
     return run
+
+
+def _motion(**values: Any) -> GridMotion:
+    """Motion on a grid; older files have its cells array by array, some in a `RadialMotion`."""
+    if "cells" not in values:
+        none, states = np.zeros_like(values["stiffness"]), np.zeros((len(values["when"]), 0))
+        old = values.pop("radial", None) or {"strain": states, "rate": states}
+        shear = old.pop("shear", np.zeros_like(values["mass"]))  # by node, and by cell no more
+        cells = Cells(*(values.pop(name, old.get(name, none)) for name in Cells._fields))
+        values |= {"cells": cells, "shear": shear, "radial": old["strain"],
+                   "radial_rate": old["rate"]}
+    return GridMotion(**values)
 
 
 def _names(kind: Any) -> list[str]:

@@ -49,3 +49,22 @@ def test_a_field_that_comes_later_has_its_default():
     assert document["run"]["clock"].pop("scale") > 0
     older = put_together(document, arrays)
     assert (older.accuracy, older.clock.scale, older.t_end) == ({}, 0.0, run.t_end)
+
+
+def test_cells_of_a_grid_are_read_as_older_files_have_them():
+    """Array by array, and those of the radial strain by themselves, with their springs by node."""
+    from rodimpact.results.run_file import put_together, take_apart
+
+    rod = ri.Rod(0.2, diameter=0.02, material=ri.materials.steel, velocity=1.0,
+                 lateral_inertia="mindlin-herrmann")
+    solution = ri.solve(ri.System([rod, ri.Wall()]), cells=20, until=5e-5)
+    document, arrays = take_apart(solution.run)
+    motion = document["run"]["signals"]["motion"]
+    cells = {k: v for k, v in motion.pop("cells").items() if k not in ("class", "shear")}
+    radial = {name: cells.pop(name) for name in ("swelling", "coupling", "radial")}
+    radial |= {new: motion.pop(old) for new, old in (
+        ("shear", "shear"), ("strain", "radial"), ("rate", "radial_rate"))}
+    motion |= cells | {"radial": {"class": "RadialMotion", **radial}}
+    older = ri.Solution(put_together(document, arrays))
+    assert repr(older.energy(3e-5)) == repr(solution.energy(3e-5))
+    assert older.strain(0, 0.1, 3e-5) == solution.strain(0, 0.1, 3e-5)

@@ -53,30 +53,16 @@ class Cells(NamedTuple):
         return self.stiffness - self.coupling**2 / np.where(self.radial > 0, self.radial, 1.0)
 
 
-class RadialMotion(NamedTuple):
-    """Radial strain q of the cells that have their own, on a grid.
-
-    swelling, coupling, radial [cell] as in `Cells`; shear [node] between its cells, N m
-    strain, rate [state, cell] : q in 1/s times steps, and its rate in 1/s
-    """
-
-    swelling: Array
-    coupling: Array
-    radial: Array
-    shear: Array
-    strain: Array
-    rate: Array
-
-
 class GridMotion(NamedTuple):
     """What a grid knows of the motion: the mesh, states at some times, forces from outside a piece.
 
     counts, first, last, starts : by segment, and by piece, as in `Mesh`
-    mass [node]; cell_mass, stiffness, viscous, lateral, width [cell] : as there
+    mass, shear [node]; cells : as there
     when [state] in steps; velocity [state, node] in m/s, in the frame; force [state, cell] in N;
     place [state, piece] in m/s times steps; lost [state] in W times steps
+    radial, radial_rate [state, cell] : radial strain in 1/s times steps, and its rate in 1/s;
+    [state, 0] where no cell has its own
     pushes : by node, [steps] mean force to the right from outside its piece, N
-    radial : RadialMotion, where there is any
     """
 
     counts: Sequence[int]
@@ -84,52 +70,45 @@ class GridMotion(NamedTuple):
     last: Sequence[int]
     starts: Sequence[int]
     mass: Array
-    cell_mass: Array
-    stiffness: Array
-    viscous: Array
-    lateral: Array
-    width: Array
+    shear: Array
+    cells: Cells
     when: Array
     velocity: Array
     force: Array
     place: Array
     lost: Array
+    radial: Array
+    radial_rate: Array
     pushes: Mapping[int, Array]
-    radial: RadialMotion | None = None
 
     def stretches(self, step: float) -> Array:
         """By how much cells are longer [state, cell], m."""
-        force = self.force
+        force, k = self.force, self.cells.stiffness
         with np.errstate(under="ignore"):  # ahead of the waves strains are next to nothing
-            if self.radial is not None:
-                force = force - self.radial.coupling * self.radial.strain * step
-            return np.asarray(force / np.where(self.stiffness > 0, self.stiffness, np.inf))
+            if self.radial.size:
+                force = force - self.cells.coupling * self.radial * step
+            return np.asarray(force / np.where(k > 0, k, np.inf))
 
     def energies(
         self, nodes: slice, mass: Array, place: int, v: Array, step: float
     ) -> tuple[float, float]:
         """Kinetic and strain energy of some nodes of these masses and velocities in a state, J."""
-        cells, change = slice(nodes.start + 1, nodes.stop), np.diff(v)
-        k = self.stiffness[cells]
-        bound = self.lateral[cells] - k * step**2 / 4
+        inside, change = slice(nodes.start + 1, nodes.stop), np.diff(v)
+        _, k, _, lateral, J, b, G, *_ = (x[inside] for x in self.cells)
+        bound = lateral - k * step**2 / 4
         k = np.where(k > 0, k, np.inf)
         kinetic = float(mass @ (v * v) + bound @ (change * change)) / 2
-        strained = float(np.sum(self.force[place, cells] ** 2 / k)) / 2
-        if self.radial is None:
+        strained = float(np.sum(self.force[place, inside] ** 2 / k)) / 2
+        if not self.radial.size:
             return kinetic, strained
-        # a spring between two rods belongs to either by half
-        b, G = self.radial.coupling[cells], self.radial.radial[cells]
-        q, p = self.radial.strain[place] * step, self.radial.rate[place]
-        slope, faster = np.diff(q)[nodes], np.diff(p)[nodes]
-        shear = self.radial.shear[nodes] / 2
+        q, p = self.radial[place] * step, self.radial_rate[place]
+        slope, faster, q, p = np.diff(q)[nodes], np.diff(p)[nodes], q[inside], p[inside]
+        shear = self.shear[nodes] / 2  # a spring between two rods belongs to either by half
         shear[1:-1] *= 2
-        swollen = (G - b * b / k) @ q[cells] ** 2 + shear @ slope**2
-        less = 2 * (b * change) @ p[cells] + G @ p[cells] ** 2 + shear @ faster**2
-        moving = self.radial.swelling[cells] @ p[cells] ** 2 - step * step / 4 * less
+        swollen = (G - b * b / k) @ q**2 + shear @ slope**2
+        less = 2 * (b * change) @ p + G @ p**2 + shear @ faster**2
+        moving = J @ p**2 - step * step / 4 * less
         return kinetic + float(moving) / 2, strained + float(swollen) / 2
-
-
-MESH = GridMotion._fields[:10]
 
 
 class Mesh:

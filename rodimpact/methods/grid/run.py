@@ -16,7 +16,7 @@ from ..memory import ask
 from ..row import Array, squeezed
 from . import grid_kernel, scheme, start
 from .measures import largest_force
-from .mesh import MESH, STEP_TICKS, GridMotion, Mesh, RadialMotion
+from .mesh import STEP_TICKS, GridMotion, Mesh
 from .records import PER_STATE, SIGNAL, Track
 
 RINGING = 8  # steps in which waves beside a jump swing about their mean
@@ -199,12 +199,10 @@ class GridRun:
     def motion(self, states: Any = slice(None), pushes: dict[int, Array] | None = None
                ) -> GridMotion:
         """The states that were kept, or some of them."""
-        mesh, cells = self.mesh, self.mesh.cells
+        mesh = self.mesh
         kept = {name: getattr(self.track, name)[states] for name in PER_STATE}
-        radial = RadialMotion(cells.swelling, cells.coupling, cells.radial, mesh.shear,
-                              kept.pop("radial"), kept.pop("radial_rate"))
-        return GridMotion(**{name: getattr(mesh, name) for name in MESH}, **kept,
-                          pushes=pushes or {}, radial=radial if mesh.swells else None)
+        return GridMotion(mesh.counts, mesh.first, mesh.last, mesh.starts, mesh.mass, mesh.shear,
+                          mesh.cells, **kept, pushes=pushes or {})
 
     def place(self, contact: int) -> int:
         """Which of the kernel's links a contact is that is not bonded."""
