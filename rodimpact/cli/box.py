@@ -26,7 +26,7 @@ from ..storage.writing import write_text
 from ..units import format_si
 from . import DONE
 from .asking import note, quantity
-from .stages import LEGEND, stages, tell
+from .stages import LEGEND, tell
 
 if TYPE_CHECKING:
     from ..plot.style import Colours
@@ -157,9 +157,7 @@ def introduction(material: Material) -> str:
 
 def describe(replay: Replay) -> str:
     """The stages of a collision, and its result beside theory."""
-    solution, names = replay.solution, replay.names
-    rods = [i for i, body in enumerate(solution.system.bodies) if isinstance(body, Rod)]
-    story = tell(stages(solution, names), names, rods)
+    story = tell(replay.solution, replay.names)
     return f"{replay.title}\n\n{story}\n\n{results(replay)}"
 
 

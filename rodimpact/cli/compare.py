@@ -21,17 +21,16 @@ from ..records.comparison import Misfit, Pulse, gain_unit
 from ..records.signal import Signal
 from ..results.regions import nothing_to_draw
 from ..results.solution import Solution
-from ..storage.casefile import read_case
 from ..storage.tables import align, as_json
 from ..units import format_si
 from . import record_options
-from .asking import attempt, check_outputs, naming, numbers, write
+from .asking import check_outputs, naming, write
 from .progress import progress_bar, solved, status_of
 from .run_options import NUMBERS, add_run_options, run_options
 
 GAUGE_TIME = 2e-6  # s, about what an event takes in the signal of a gauge and beside a record
 _DIMENSIONS = {"start": "time", "stop": "time", "shift": "time", "scale": "dimensionless",
-               "carried": "length", "radius": "length", **record_options.RECORD}
+               "carried": "length", "radius": "length"}
 
 
 class Laid(NamedTuple):
@@ -64,18 +63,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> tuple[str, int]:
     """Check everything, solve, compare, write the figure, and hand back the table or JSON."""
     problems: Problems = []
-    case = attempt(problems, read_case, arguments.case)
+    case, places, given, bridge = record_options.asked(problems, arguments, _DIMENSIONS)
     options = run_options(problems, arguments, case)
-    places = record_options.gauge_places(problems, arguments.gauge, case)
     if not places:
         problems.append(("--gauge", f"is missing; {record_options.FORM} gives a channel and the "
                          "place of its gauge, as [[gauges]] of the case do, with a name"))
-    given = numbers(problems, arguments, _DIMENSIONS)
     if given.get("radius", 1.0) <= 0:
         problems.append(("--radius", f"must be positive, got {given['radius']!r}"))
     if "radius" in given and "carried" not in given:
         problems.append(("--radius", "goes with --carried"))
-    bridge = record_options.bridge_of(problems, arguments, given)
     signals = record_options.read_record(problems, arguments, given, places)
     files = {"--save": arguments.save}
     check_outputs(problems, files, arguments.force, figure="--save")

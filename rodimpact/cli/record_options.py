@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any, TypeAlias
 
 from ..model import Rod
@@ -16,15 +16,14 @@ from ..model.numbering import body_names
 from ..records.bridge import ALONG, Bridge
 from ..records.reading import read_signals
 from ..records.signal import Signal
-from ..storage.casefile import Case
-from .asking import attempt, quantity
+from ..storage.casefile import Case, read_case
+from .asking import attempt, numbers, quantity
 from .options import flag
 from .progress import progress_bar
 
 _BRIDGE = {"gauge_factor": "dimensionless", "excitation": "voltage", "gain": "dimensionless",
            "poisson_ratio": "dimensionless"}
-RECORD = {"rate": "frequency", **_BRIDGE}
-"""Dimensions of the numbers among these options."""
+_RECORD = {"rate": "frequency", **_BRIDGE}  # dimensions of the numbers among these options
 _OPTIONS = {"time": "--time", "time_unit": "--time-unit", "rate": "--rate", "units": "--unit",
             "decimal": "--decimal", "kind": "--bridge"}
 Places: TypeAlias = dict[str, tuple[int, float]]
@@ -95,24 +94,34 @@ def add_record_options(parser: argparse.ArgumentParser) -> None:
         bridge.add_argument(flag(name), metavar="X")
 
 
-def bridge_of(
-    problems: Problems, arguments: argparse.Namespace, numbers: dict[str, float]
+def asked(
+    problems: Problems, arguments: argparse.Namespace, dimensions: Mapping[str, str]
+) -> tuple[Case | None, Places, dict[str, Any], Bridge | None]:
+    """The case, the places of the gauges, the numbers that options give, and the bridge."""
+    case = attempt(problems, read_case, arguments.case)
+    places = gauge_places(problems, arguments.gauge, case)
+    given = numbers(problems, arguments, {**dimensions, **_RECORD})
+    return case, places, given, _bridge(problems, arguments, given)
+
+
+def _bridge(
+    problems: Problems, arguments: argparse.Namespace, given: dict[str, float]
 ) -> Bridge | None:
     """The bridge, if one is named."""
-    given = {name: numbers[name] for name in _BRIDGE if name in numbers}
+    own = {name: given[name] for name in _BRIDGE if name in given}
     if arguments.bridge is None:
-        problems += [(flag(name), "needs --bridge, the kind of the bridge") for name in given]
+        problems += [(flag(name), "needs --bridge, the kind of the bridge") for name in own]
         return None
-    missing = [name for name in ("gauge_factor", "excitation") if name not in given]
+    missing = [name for name in ("gauge_factor", "excitation") if name not in own]
     problems += [(flag(name), "is missing; --bridge needs it") for name in missing]
-    if missing or not all(map(math.isfinite, given.values())):
+    if missing or not all(map(math.isfinite, own.values())):
         return None
     options = {name: flag(name) for name in _BRIDGE}
-    return attempt(problems, Bridge, arguments.bridge, **given, options=options)
+    return attempt(problems, Bridge, arguments.bridge, **own, options=options)
 
 
 def read_record(
-    problems: Problems, arguments: argparse.Namespace, numbers: dict[str, float],
+    problems: Problems, arguments: argparse.Namespace, given: dict[str, float],
     wanted: Iterable[str],
 ) -> dict[str, Signal]:
     """Channels of the record; none, and an entry in `problems`, if one cannot be read."""
@@ -127,7 +136,7 @@ def read_record(
         with progress_bar("characters") as bar:
             signals = attempt(
                 problems, read_signals, arguments.record, time=arguments.time,
-                time_unit=arguments.time_unit, rate=numbers.get("rate"), units=units,
+                time_unit=arguments.time_unit, rate=given.get("rate"), units=units,
                 decimal=arguments.decimal, progress=bar, options=_OPTIONS,
             ) or {}
     except OSError as error:

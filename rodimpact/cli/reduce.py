@@ -19,10 +19,9 @@ from ..records.bars import BarGauge
 from ..records.bridge import Bridge
 from ..records.reduction import Reduction, Specimen, reduce
 from ..records.signal import Signal
-from ..storage.casefile import read_case
 from ..storage.tables import as_json
 from . import record_options
-from .asking import attempt, check_outputs, naming, numbers, write
+from .asking import attempt, check_outputs, naming, write
 from .options import flag
 
 _SPECIMEN = {"length": "length", "diameter": "length", "area": "area", "youngs_modulus": "pressure"}
@@ -50,11 +49,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> tuple[str, int]:
     """Check everything, reduce, write the files, and hand back the table or JSON."""
     problems: Problems = []
-    case = attempt(problems, read_case, arguments.case)
-    places = record_options.gauge_places(problems, arguments.gauge, case)
-    given = numbers(problems, arguments,
-                    {"align_within": "time", **_SPECIMEN, **record_options.RECORD})
-    bridge = record_options.bridge_of(problems, arguments, given)
+    case, places, given, bridge = record_options.asked(
+        problems, arguments, {"align_within": "time", **_SPECIMEN})
     specimen = _specimen(problems, given, arguments.incompressible)
     first = min((body for body, _ in places.values()), default=0)
     if {body - first for body, _ in places.values()} != {0, 1}:

@@ -8,7 +8,6 @@ keep their order, velocity and stress, and only their boundaries, the fronts, mo
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import NamedTuple
 
 from ..model import Rod
 from ..results.regions import regions_of
@@ -19,29 +18,11 @@ from ..units import format_si
 LEGEND = "<| is a wave front that runs to the left, |> one that runs to the right."
 
 
-class Stage(NamedTuple):
-    """A moment, and what follows until the next one.
+def tell(solution: Solution, names: tuple[str, str]) -> str:
+    """The stages of the collision of two bodies as lines, until the fronts after the parting.
 
-    Attributes
-    ----------
-    time : float
-        s.
-    events : tuple of str
-        What happens at that time.
-    middle : float
-        Time halfway to the next moment, s.
-    pieces : tuple of str
-        For each rod, the pieces from left to right with the fronts between them.
-    """
-
-    time: float
-    events: tuple[str, ...]
-    middle: float
-    pieces: tuple[str, ...]
-
-
-def stages(solution: Solution, names: tuple[str, str]) -> list[Stage]:
-    """Read the stages of the collision of two bodies, until the fronts after the parting.
+    Each stage is a moment, what happens then, and for each rod its pieces halfway to the next
+    moment, from left to right with the fronts between them.
 
     Parameters
     ----------
@@ -49,10 +30,6 @@ def stages(solution: Solution, names: tuple[str, str]) -> list[Stage]:
         Of uniform rods or walls that meet once.
     names : (str, str)
         What to call the bodies.
-
-    Returns
-    -------
-    list of Stage
     """
     episode = solution.contacts[0].episodes[0]
     events: dict[float, list[str]] = defaultdict(list)
@@ -64,20 +41,13 @@ def stages(solution: Solution, names: tuple[str, str]) -> list[Stage]:
     events[episode.opening] += ["the gap opens"]
     times = sorted(t for t in events if t <= episode.opening)
     later = min((t for t in events if t > episode.opening), default=solution.t_end)
-    return [
-        Stage(t, tuple(events[t]), (t + after) / 2, _pieces(solution, (t + after) / 2))
-        for t, after in zip(times, [*times[1:], later], strict=True)
-    ]
-
-
-def tell(story: list[Stage], names: tuple[str, str], rods: list[int]) -> str:
-    """Write stages as lines of text; `rods` are the bodies whose pieces they describe."""
+    rods = {i: body for i, body in enumerate(solution.system.bodies) if isinstance(body, Rod)}
     width = max(len(names[i]) for i in rods)
     lines = []
-    for stage in story:
-        lines.append(f"{format_si(stage.time, 's'):>12}  {'; '.join(stage.events)}")
-        for i, pieces in zip(rods, stage.pieces, strict=True):
-            lines.append(f"{'':14}    {names[i]:{width}}  {pieces}")
+    for time, after in zip(times, [*times[1:], later], strict=True):
+        lines.append(f"{format_si(time, 's'):>12}  {'; '.join(events[time])}")
+        lines += [f"{'':14}    {names[i]:{width}}  {_pieces(solution, i, rod, (time + after) / 2)}"
+                  for i, rod in rods.items()]
     return "\n".join(lines)
 
 
@@ -108,27 +78,20 @@ def _fronts(solution: Solution, names: tuple[str, str]) -> dict[float, list[str]
     return sentences
 
 
-def _pieces(solution: Solution, time: float) -> tuple[str, ...]:
-    """For each rod its pieces, with the fronts between them."""
+def _pieces(solution: Solution, body: int, rod: Rod, time: float) -> str:
+    """The pieces of a rod, with the fronts between them."""
     v0 = max(map(abs, solution.outcome.velocities_before))
-    told = []
-    tick = int(solution.fields.to_ticks(time))
-    for body, rod in enumerate(solution.system.bodies):
-        if not isinstance(rod, Rod):
-            continue
-        material = rod.segments[0].material
-        impact = float(material.density) * float(material.wave_speed) * v0
-        state = solution.fields.profile(body, tick)
-        stress = state.strain * float(material.youngs_modulus)
-        text = ""
-        for i, (v, s) in enumerate(zip(state.velocity, stress, strict=True)):
-            if i:  # v + sigma/(rho c) is the same on both sides of a front that runs right
-                right = (v - state.velocity[i - 1]) * (s - stress[i - 1]) < 0
-                text += "  |>  " if right else "  <|  "
-            s = clean(float(s), impact)
-            kind = "" if s == 0 else " tension" if s > 0 else " compression"
-            text += f"{clean(float(v), v0):.3g} m/s, " + (
-                f"{format_si(abs(s), 'Pa', 3)}{kind}" if s else "no stress"
-            )
-        told.append(text)
-    return tuple(told)
+    material = rod.segments[0].material
+    impact = float(material.density) * float(material.wave_speed) * v0
+    state = solution.fields.profile(body, int(solution.fields.to_ticks(time)))
+    stress = state.strain * float(material.youngs_modulus)
+    text = ""
+    for i, (v, s) in enumerate(zip(state.velocity, stress, strict=True)):
+        if i:  # v + sigma/(rho c) is the same on both sides of a front that runs right
+            right = (v - state.velocity[i - 1]) * (s - stress[i - 1]) < 0
+            text += "  |>  " if right else "  <|  "
+        s = clean(float(s), impact)
+        kind = "tension" if s > 0 else "compression"
+        text += f"{clean(float(v), v0):.3g} m/s, " + (
+            f"{format_si(abs(s), 'Pa', 3)} {kind}" if s else "no stress")
+    return text
