@@ -428,13 +428,15 @@ def test_rtol_tells_how_still_the_outcome_stands(monkeypatch):
 
 @pytest.mark.parametrize("rods", [((0.5, 0.786, 0.674), (0.1875, 1.176, -0.255)),
                                   ((0.125, 0.883, 0.740), (0.4375, 0.456, 0.577))])
-def test_what_is_stated_bounds_the_error_of_restitution(rods):
-    """That of two velocities, which stand beside the closing velocity."""
+def test_what_is_stated_bounds_the_errors_of_restitution_and_duration(rods):
+    """e is made of two velocities, which stand beside the closing velocity."""
     system = ri.System([unit_rod(L, A, velocity=v) for L, A, v in rods])
     s = ri.solve(system, method=METHOD, snapshots=2)
     assert "Not converged" not in s.status
-    error = abs(s.outcome.restitution - ri.collide(*system.bodies).restitution)
-    assert error <= 2 * s.accuracy["velocity"]
+    exact = ri.collide(*system.bodies)
+    assert abs(s.outcome.restitution - exact.restitution) <= 2 * s.accuracy["velocity"]
+    late = s.outcome.duration / exact.duration - 1  # by most of a step, on all meshes alike
+    assert abs(late) <= s.accuracy["duration"]
 
 
 @pytest.mark.parametrize(

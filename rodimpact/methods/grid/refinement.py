@@ -101,7 +101,8 @@ def error_of(levels: Sequence[tuple[float, dict[str, Array]]], name: str, order:
     if not error < math.inf:  # nan where a measure overflows
         return math.inf
     if name == DURATION:
-        error = max(FAINT * error, PART * h if latest > 0 else 0.0)
+        within = PART if order > 1 / 2 else 1.0  # of a step: where forces jump, all levels may ring
+        error = max(FAINT * error, within * h if latest > 0 else 0.0)
     return error / latest if latest > 0 else error
 
 
