@@ -113,39 +113,34 @@ def test_what_passes_near_the_end_is_carried_on(capsys):
     (["--gauge", "far=1:1", "--save", "a.npz"], "--save: must end in"),
     (["--gauge", "far=1:1", "--until", "0"], "case.toml: "),
 ])
-def test_mistakes(capsys, tmp_path, options, said):
-    status, out, err = call(capsys, *options)
-    assert (status, out) == (2, "")
-    assert said in err
+def test_mistakes(refuses, tmp_path, options, said):
+    refuses(["compare", "case.toml", "shot.txt", *options], said)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["case.toml", "shot.txt"]
 
 
-def test_gauges_of_the_case_serve(capsys, tmp_path):
+def test_gauges_of_the_case_serve(capsys, refuses, tmp_path):
     gauges = '[[gauges]]\nbody = 1\nfraction = 0.5\nname = "far"\n'
     (tmp_path / "case.toml").write_text(CASE + gauges)
     by_case = call(capsys, "--stop", "320 us")
     assert by_case == call(capsys, "--gauge", "far=1:1.0", "--stop", "320 us")
     assert by_case[0] == 0
     (tmp_path / "case.toml").write_text(CASE + gauges.replace("far", "fra"))
-    status, _, err = call(capsys)
-    assert status == 2
-    assert "the record has no channel 'fra'; perhaps 'far' is meant" in err
+    refuses(["compare", "case.toml", "shot.txt"],
+            "the record has no channel 'fra'; perhaps 'far' is meant")
 
 
-def test_waves_are_carried_along_a_rod_that_has_a_diameter(capsys, tmp_path):
+def test_waves_are_carried_along_a_rod_that_has_a_diameter(capsys, refuses, tmp_path):
     assert call(capsys, "--gauge", "far=1:0.5", "--carried", "0.5")[0] == 0
     (tmp_path / "case.toml").write_text(CASE.replace("diameter = 0.02", "area = 1e-4"))
-    status, out, err = call(capsys, "--gauge", "far=1:0.5", "--carried", "0.5")
-    assert (status, out) == (2, "")
-    assert "give the rod its diameter in place of the area, or --radius" in err
+    refuses(["compare", "case.toml", "shot.txt", "--gauge", "far=1:0.5", "--carried", "0.5"],
+            "give the rod its diameter in place of the area, or --radius")
 
 
 @pytest.mark.filterwarnings("always::rodimpact.ClippedSignal")
-def test_records_that_cannot_be_read(capsys, tmp_path):
+def test_records_that_cannot_be_read(capsys, refuses, tmp_path):
     for name, said in (("none.csv", "none.csv: cannot be read: No such file"),
                        ("case.toml", "case.toml: has no table of numbers")):
-        assert main(["compare", "case.toml", name, "--gauge", "far=1:1"]) == 2
-        assert said in capsys.readouterr().err
+        refuses(["compare", "case.toml", name, "--gauge", "far=1:1"], said)
     (tmp_path / "clipped.csv").write_text(
         "t_us,far_V\n" + "".join(f"{i},{min(i, 20, 60 - i)}\n" for i in range(61)))
     assert main(["compare", "case.toml", "clipped.csv", "--gauge", "far=1:0.1"]) == 0

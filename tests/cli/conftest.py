@@ -1,0 +1,29 @@
+"""What the tests of the command line share: a case in a directory of its own, and refused calls."""
+
+import pytest
+from case_texts import UNEQUAL_RODS
+
+from rodimpact.cli import main
+
+
+@pytest.fixture
+def case(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "case.toml"
+    path.write_text(UNEQUAL_RODS)
+    return path
+
+
+@pytest.fixture
+def refuses(capsys):
+    """Check that a call ends with 2, says all this and prints nothing; returns what it says."""
+    def call(argv, *said):
+        capsys.readouterr()
+        assert main(argv) == 2
+        out, err = capsys.readouterr()
+        assert out == ""
+        assert "Traceback" not in err
+        for text in said:
+            assert text in err
+        return err
+    return call
