@@ -11,11 +11,11 @@ from .algebra.atlas import Atlas as Atlas
 from .algebra.atlas import atlas as atlas
 from .algebra.formula import ClosedForm as ClosedForm
 from .algebra.formula import closed_form as closed_form
+from .algebra.gradient_result import Gradient as Gradient
+from .algebra.gradient_result import Kink as Kink
+from .algebra.gradients import gradient as gradient
 from .algebra.rational import Exact as Exact
 from .algebra.rational import exact as exact
-from .derivatives.gradients import gradient as gradient
-from .derivatives.result import Gradient as Gradient
-from .derivatives.result import Kink as Kink
 from .explorer.exploring import Page as Page
 from .explorer.exploring import explore as explore
 from .fitting.measured import Measured as Measured
@@ -89,6 +89,7 @@ from .running.sweep_result import Axis as Axis
 from .running.sweep_result import SweepResult as SweepResult
 from .running.sweeping import SweepError as SweepError
 from .running.sweeping import sweep as sweep
+from .running.warming import warm as warm
 from .storage.casefile import Case as Case
 from .storage.casefile import parse_case as parse_case
 from .storage.casefile import read_case as read_case
@@ -96,7 +97,6 @@ from .storage.casefile import write_case as write_case
 from .storage.checkpoint import DamagedChunks as DamagedChunks
 from .storage.dimensions import by_dimension as by_dimension
 from .storage.reading import FileFormatError as FileFormatError
-from .warming import warm as warm
 
 __version__: str
 __all__: list[str]

@@ -12,7 +12,7 @@ from hypothesis import settings
 
 from rodimpact.methods import kernels
 from rodimpact.methods.registry import METHODS
-from rodimpact.warming import warm_method
+from rodimpact.running.warming import warm_method
 
 for profile, examples in (("handful", 5), ("few", 20), ("many", 300)):
     settings.register_profile(

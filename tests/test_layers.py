@@ -8,7 +8,7 @@ import rodimpact
 ROOT = Path(rodimpact.__file__).parent
 LAYERS = [
     "version", "units", "model", "rigid", "theory", "materials", "methods", "waves", "storage",
-    "records", "results", "running", "algebra", "derivatives", "warming", "design", "fitting",
+    "records", "results", "running", "algebra", "design", "fitting",
     "plot", "explorer", "cli", "__main__",
 ]
 """Packages and modules at the root, from the ground up."""

@@ -1,1 +1,1 @@
-"""Collisions without rounding: rational results, formulas, and the cells in which they hold."""
+"""Collisions without rounding: fractions, formulas, the cells where they hold, derivatives."""

@@ -18,9 +18,9 @@ from ..methods.fronts import march
 from ..methods.fronts.method import track
 from ..methods.row import Row
 from ..model import Rod, System, Wall
+from ..running.warming import warm
 from ..storage.tables import align, as_json
 from ..version import __version__
-from ..warming import warm
 from . import DONE, UNVERIFIED
 from .asking import note
 

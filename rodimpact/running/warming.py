@@ -7,13 +7,13 @@ import warnings
 
 import numpy as np
 
-from .materials import steel
-from .methods import kernels
-from .methods.registry import METHODS
-from .model import RigidMass, Rod, System
-from .model.laws import Spring
-from .running.solving import solve
-from .running.sweeping import sweep
+from ..materials import steel
+from ..methods import kernels
+from ..methods.registry import METHODS
+from ..model import RigidMass, Rod, System
+from ..model.laws import Spring
+from .solving import solve
+from .sweeping import sweep
 
 
 def warm() -> float:

@@ -26,7 +26,7 @@ from ..running.solving import solve
 from ..running.sweeping import sweep
 from ..units import shown
 from .following import EVENTS, SMOOTH, Followed, ending
-from .result import Gradient, Kink
+from .gradient_result import Gradient, Kink
 
 STRAIGHT = ("gap", "velocity", "strain")
 """Numbers of a row themselves; the numbers of a row go with powers of the others."""

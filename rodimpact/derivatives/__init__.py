@@ -1,1 +1,0 @@
-"""Exact derivatives of what a collision adds up to."""
