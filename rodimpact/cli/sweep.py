@@ -18,7 +18,7 @@ from functools import partial
 from typing import Any
 
 from ..methods.abilities import driven
-from ..methods.family import ALSO
+from ..methods.run import ALSO
 from ..model.frozen import InvalidModel, Problems
 from ..model.paths import suggestion
 from ..running.sweep_report import sweep_json, sweep_table

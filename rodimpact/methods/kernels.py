@@ -43,7 +43,7 @@ class NoCompiler(UserWarning):
 
 def enabled() -> bool:
     """Whether kernels may be compiled: numba is there, and NUMBA_DISABLE_JIT does not say no."""
-    return _asked_for() and _installed()
+    return _asked_for() and importlib.util.find_spec("numba") is not None
 
 
 def worth_compiling(seconds: float, kernel: Kernel, ahead: float = 0.0) -> bool:
@@ -119,13 +119,8 @@ def _asked_for() -> bool:
 
 
 @functools.cache
-def _installed() -> bool:
-    return importlib.util.find_spec("numba") is not None
-
-
-@functools.cache
 def _fault() -> str:
-    if not _installed():
+    if not importlib.util.find_spec("numba"):
         return "numba is not installed"
     try:
         compiling.start()

@@ -14,12 +14,11 @@ from ..model.arguments import array
 from ..model.frozen import Field, InvalidModel, Problems
 from ..units import shown
 from . import abilities
-from .family import READ, FamilyRun
 from .fronts import method as fronts
 from .grid import method as grid
 from .pieces import method as pieces
 from .row import Row
-from .run import MAX_EVENTS, Run
+from .run import MAX_EVENTS, READ, FamilyRun, Run
 
 
 class Method(NamedTuple):

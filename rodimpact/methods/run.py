@@ -1,4 +1,4 @@
-"""What every method hands back: a `Run`, in plain numbers and arrays.
+"""What every method hands back: a `Run`, or a `FamilyRun`, in plain numbers and arrays.
 
 Totals are known when the run ends; signals are made when they are asked for, so that who wants the
 outcome alone does not wait for them. A file of a solution holds a run as it is.
@@ -22,6 +22,15 @@ MAX_EVENTS = 5_000_000
 MEASURES = ("velocity", "impulse", "peak force", "duration", "time")
 VELOCITY, IMPULSE, PEAK_FORCE, DURATION, TIME = MEASURES
 """What can have a stated error; times are those at which forces begin and end, and gaps open."""
+STOPPED_BY = ("final", "max_events", "clock", "refused", "until")
+"""Why a member stopped; where it cannot be solved it is refused."""
+
+READ = ("dissipated", "set", "largest_stress", "displacement")
+ALSO = (*READ, "accuracy")
+"""What is found of a member only if it is asked for, as that takes longer: the energy lost in
+contacts, J; how far each yielding contact has yielded for good, m; the largest absolute stress in
+each rod, Pa; how far the centre of mass of each body has moved at the end of the run, m; and the
+largest stated relative error of velocities, impulses and peak forces."""
 
 
 def largest_error(accuracy: Mapping[str, float]) -> float:
@@ -218,6 +227,30 @@ class GroupTotals(NamedTuple):
     before: Floats
     after: Floats
     vibration: Floats
+
+
+class Stopped(Exception):
+    """A run was told to stop."""
+
+
+class FamilyRun(NamedTuple):
+    """Totals of every member, in C order and SI units; nan where a member was refused.
+
+    before, after : by body, velocity; vibration : energy left in all bodies together;
+    contacts : by the names of `ContactTally`, by contact;
+    final : whether it is proved that nothing meets again; stopped_by : place in `STOPPED_BY`;
+    further : columns of what was asked for of `ALSO`, by name: ``"dissipated"``; ``"set.k"`` of
+    contact k if it yields; ``"largest_stress.i"`` of body i if it is a rod; ``"displacement.i"``;
+    ``"accuracy"``.
+    """
+
+    before: Sequence[Floats]
+    after: Sequence[Floats]
+    vibration: Floats
+    contacts: Mapping[str, Sequence[Floats]]
+    final: Floats
+    stopped_by: Ints
+    further: Mapping[str, Floats] = {}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -15,9 +15,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..methods.family import STOPPED_BY
 from ..methods.groups import unilateral
 from ..methods.registry import Options
+from ..methods.run import STOPPED_BY
 from ..model import Plastic, Rod, System
 from ..model.frozen import InvalidModel, refusal
 from ..results import notebook

@@ -20,11 +20,10 @@ from numpy.typing import ArrayLike
 
 from ..methods import memory
 from ..methods.duration import Forecast, Progress, warn
-from ..methods.family import ALSO, Stopped
 from ..methods.groups import unilateral
 from ..methods.registry import METHODS, Options, check_function, count
 from ..methods.row import Row
-from ..methods.run import MAX_EVENTS
+from ..methods.run import ALSO, MAX_EVENTS, Stopped
 from ..model import Rod, System
 from ..model.frozen import InvalidModel, Problems, number, raise_noted
 from ..results.outcome import effective_restitution

@@ -14,7 +14,7 @@ from systems import MATERIALS, random_system
 import rodimpact as ri
 from rodimpact import theory
 from rodimpact.methods import kernels
-from rodimpact.methods.family import ALSO
+from rodimpact.methods.run import ALSO
 from rodimpact.running.jobs import Here
 
 STEEL = ri.materials.steel

@@ -6,6 +6,7 @@ Plain Python runs on lists of objects, until machine code pays: then all goes on
 from __future__ import annotations
 
 import copy
+import time
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
@@ -14,9 +15,9 @@ import numpy as np
 from .. import duration, kernels
 from ..compiling import as_objects, as_records, blank, lengthened
 from ..duration import Forecast
-from ..family import Stopped, now
 from ..laws import Stop
 from ..memory import ask, most_numbers
+from ..run import Stopped
 from . import events, layout, march, stock
 from .plan import Plan, blank_records
 from .records import BODY, CHANGE, LINE, NODE, NONE, PIECE, ROW, RUN, SEGMENT
@@ -30,6 +31,7 @@ FIRST_BLOCK, LAST_BLOCK = 32, 2048  # members of a block
 RECORDS = {"run": RUN, "segment": SEGMENT, "node": NODE, "line": LINE, "log": ROW, "piece": PIECE,
            "body": BODY}
 BLANK = ("segment", "line", "piece")
+now = getattr(time, "thread_time", time.perf_counter)  # a browser has no clock of threads
 FOLLOWED = ("run", "body", "given", "piece", "segment", "node", "line", "log", "tree")
 PATIENCE = 0.1  # s; about how long a block runs before `stop` is asked again
 

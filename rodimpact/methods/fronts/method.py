@@ -13,12 +13,12 @@ from ...model import Absorbing, Bonded, Fixed, Free
 from ...model.numbering import contact_names
 from ...units import format_si
 from .. import abilities as physics
+from .. import run as runs
 from ..duration import Forecast, Progress
-from ..family import STOPPED_BY, FamilyRun
 from ..groups import body_velocities, heads
 from ..laws import Status, Stop
 from ..row import Array, Row
-from ..run import MAX_EVENTS, MEASURES, VELOCITY, ContactTally, Run, Totals
+from ..run import ContactTally, Run
 from ..status import (
     ROUNDED,
     acting_and_held,
@@ -55,7 +55,7 @@ def solve(
 
 
 def track(
-    row: Row, until: float | None = None, max_events: int = MAX_EVENTS,
+    row: Row, until: float | None = None, max_events: int = runs.MAX_EVENTS,
     forecast: Forecast | None = None,
 ) -> FrontRun:
     """Follow every front of a collision."""
@@ -154,10 +154,10 @@ def effect_of_rounding(run: FrontRun) -> Mapping[str, float]:
         run.plan, None if run.run.until < 0 else run.run.until,
         MORE * run.run.events + MORE, beside=True))
     if other.stopped_by != run.stopped_by:
-        return dict.fromkeys(MEASURES, math.inf)
+        return dict.fromkeys(runs.MEASURES, math.inf)
     found = {}
-    for name, here, there in zip(MEASURES, _measured(run), _measured(other), strict=True):
-        scale = run.run.scale if name == VELOCITY else np.abs(here).max(initial=0.0)
+    for name, here, there in zip(runs.MEASURES, _measured(run), _measured(other), strict=True):
+        scale = run.run.scale if name == runs.VELOCITY else np.abs(here).max(initial=0.0)
         change = float(np.abs(here - there).max(initial=0.0))
         found[name] = change / scale if change > 0 else 0.0
     return found
@@ -182,7 +182,7 @@ def tally_of(at: Any, tick: float) -> ContactTally:
         at.last * tick if at.last != NONE else math.nan, at.episodes)
 
 
-def totals_of(run: FrontRun) -> Totals:
+def totals_of(run: FrontRun) -> runs.Totals:
     """Read the totals off a finished run."""
     a, scale, system = run.clock, run.run.scale, run.clock.system
     masses = [a.mass(i) for i in range(len(a.spans))]
@@ -217,7 +217,7 @@ def totals_of(run: FrontRun) -> Totals:
             lent += moving * scale**2 / 2
     before, after = (k + sum(v) for k, v in zip(kinetic, vibration, strict=True))
     missing = after - before - works["wall_work"] - works["drive_work"] + works["radiated"]
-    return Totals(
+    return runs.Totals(
         masses=masses, velocities=(velocities[0], velocities[1]), kinetic=(kinetic[0], kinetic[1]),
         vibration=(vibration[0], vibration[1]),
         momentum=((momentum[1] - momentum[0]) * a.tick - pushed, absolute),
@@ -237,7 +237,7 @@ def together(row: Row) -> int:
 def solve_family(
     row: Row, until: float | None, max_events: int, stop: Callable[[], bool] = lambda: False,
     more: int = 0, also: Sequence[str] = (),
-) -> FamilyRun:
+) -> runs.FamilyRun:
     """Totals of every member, and what is wanted of `READ`; arguments as of `solve_many`."""
     plan, system, shape = plan_of(row), row.system, row.system.shape
     reads = not {"displacement", "largest_stress"}.isdisjoint(also)
@@ -254,10 +254,10 @@ def solve_family(
         contacts[name] = [unknown + run[name][:, k] for k in plan.contacts]
     capped = (run["stop"] == Stop.CAP) & (~final | (until is not None))
     reasons = [capped, run["stop"] == Stop.CLOCK, refused, final & (until is None)]
-    places = [STOPPED_BY.index(name) for name in ("max_events", "clock", "refused", "final")]
-    return FamilyRun(
+    places = [runs.STOPPED_BY.index(name) for name in ("max_events", "clock", "refused", "final")]
+    return runs.FamilyRun(
         before, after, unknown + run["vibration"], contacts, final,
-        np.select(reasons, places, STOPPED_BY.index("until")),
+        np.select(reasons, places, runs.STOPPED_BY.index("until")),
         {"dissipated": unknown, **(_read(row, run, unknown) if reads else {})},
     )
 

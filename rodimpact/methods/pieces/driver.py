@@ -9,9 +9,9 @@ import numpy as np
 
 from .. import compiling, kernels
 from ..duration import Forecast
-from ..family import Stopped
 from ..laws import Stop
 from ..memory import ask
+from ..run import Stopped
 from . import march
 from .records import NEVER, PIECE, TURN
 from .rows import RECORDS, Layout

@@ -18,13 +18,13 @@ import numpy as np
 
 from .. import abilities as physics
 from .. import kernels
+from .. import run as runs
 from ..clock import clock_of
 from ..duration import Forecast, Progress
-from ..family import STOPPED_BY, FamilyRun
 from ..groups import groups, movable, velocities_in_group
 from ..laws import Law, Stop
 from ..row import Row, squeezed
-from ..run import MEASURES, ContactTally, GroupTotals, Run, Signals, largest_error
+from ..run import ContactTally, Run
 from ..status import acting_and_held, last_contact, rounding, strain_warning
 from . import march, totals
 from .accuracy import COARSER, COARSEST, SHOWN, apart, compare, left_open
@@ -54,7 +54,7 @@ def solve(
     if fine.run_of(0).stop == Stop.STUCK:
         raise squeezed(float(fine.clock.tick * fine.node["now"].min()))
     (errors,) = stated_errors(fine, np.array([0]), COARSEST, forecast=forecast).tolist()
-    accuracy = dict(zip(MEASURES, errors, strict=True))
+    accuracy = dict(zip(runs.MEASURES, errors, strict=True))
     return _hand_over(machine, accuracy, RTOL if rtol is None else rtol)
 
 
@@ -73,7 +73,7 @@ def solve_family(
     row: Row, until: float | None, max_events: int, rtol: float | None,
     stop: Callable[[], bool] = lambda: False, more: int = 0,  # noqa: ARG001 - of every family
     also: Sequence[str] = (),
-) -> FamilyRun:
+) -> runs.FamilyRun:
     """Totals of every member.
 
     Parameters
@@ -115,7 +115,7 @@ def stated_errors(
 
     Other runs tell, at tolerances up to the coarsest: those that took the same steps tell nothing.
     """
-    errors, alike = np.full((len(fine.run), len(MEASURES)), math.nan), members
+    errors, alike = np.full((len(fine.run), len(runs.MEASURES)), math.nan), members
     tolerance = COARSER * fine.asked.tolerance
     while len(alike) and tolerance <= coarsest:
         asked = fine.asked
@@ -154,7 +154,7 @@ def _hand_over(machine: Machine, accuracy: dict[str, float], goal: float) -> Run
     waves = log[log["line"] < 2 * len(row.segments)]
     c = np.array([0.0, *(float(segment.wave_speed) for segment in row.segments)])
     strains = np.abs(waves["coefficient"]).sum(axis=1) / c[waves["line"] // 2 + 1]
-    status += totals.stated(largest_error(accuracy), goal) + totals.told_of(run)
+    status += totals.stated(runs.largest_error(accuracy), goal) + totals.told_of(run)
     status += _struck_together(row) + rounding(clock.transit_error, clock.worst)
     status += strain_warning(float(strains.max(initial=0.0)))
     signals = cache(partial(signals_of, row, clock, end, r))
@@ -164,7 +164,7 @@ def _hand_over(machine: Machine, accuracy: dict[str, float], goal: float) -> Run
         t_proved=run.proved * tick if proved else math.nan, stopped_by=stopped_by,
         status=status, events=run.steps,
         contacts=_tallies(row, ended.link, tick, end, signals),
-        groups=GroupTotals(np.array(before), np.array(after), np.ravel(vibration_of(layout))),
+        groups=runs.GroupTotals(np.array(before), np.array(after), np.ravel(vibration_of(layout))),
         accuracy=accuracy, make_signals=signals,
     )
 
@@ -179,7 +179,7 @@ def _struck_together(row: Row) -> str:
 
 
 def _tallies(
-    row: Row, link: list[Any], tick: float, now: int, signals: Callable[[], Signals]
+    row: Row, link: list[Any], tick: float, now: int, signals: Callable[[], runs.Signals]
 ) -> tuple[ContactTally, ...]:
     """Totals of every contact in SI units."""
     tallies = []
@@ -219,7 +219,7 @@ def vibration_of(layout: Layout) -> list[Any]:
     return found
 
 
-def _family_run(layout: Layout, refused: Any) -> FamilyRun:
+def _family_run(layout: Layout, refused: Any) -> runs.FamilyRun:
     """What the members came to."""
     row, run, link = layout.row, layout.run[:, 0], layout.link
     system, until, unknown = row.system, layout.asked.until, np.where(refused, math.nan, 0.0)
@@ -240,7 +240,8 @@ def _family_run(layout: Layout, refused: Any) -> FamilyRun:
     }
     final = (run["proved"] >= 0) & ~refused
     reasons = [refused, run["stop"] == Stop.CAP, final & (until is None)]
-    places = [STOPPED_BY.index(name) for name in ("refused", "max_events", "final")]
-    reason = np.select(reasons, places, STOPPED_BY.index("clock" if until is None else "until"))
+    places = [runs.STOPPED_BY.index(name) for name in ("refused", "max_events", "final")]
+    otherwise = runs.STOPPED_BY.index("clock" if until is None else "until")
     vibration = sum(vibration_of(layout), unknown)
-    return FamilyRun(before, after, vibration, contacts, final, reason)
+    stopped_by = np.select(reasons, places, otherwise)
+    return runs.FamilyRun(before, after, vibration, contacts, final, stopped_by)
