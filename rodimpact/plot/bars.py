@@ -15,7 +15,7 @@ from ..methods.signals import Floats
 from ..model import Absorbing, RigidMass, Rod
 from ..model.profiles import extremes
 from ..results.gauges import Gauge
-from .borders import DRIVEN, WALL, drive_style, mass_style, open_style, wall_style
+from .borders import DRIVEN, WALL, mark
 from .placing import Placing, is_compliant
 from .sampling import is_stepped, mean_areas, sampled
 from .scales import Scale
@@ -141,14 +141,14 @@ class Bars:
         for i, right in self.plan.walls():
             for row, face in enumerate(self._end(i, right)):
                 blocks.append(self._block(face if right else face - depth, row, depth, 0.9,
-                                          **wall_style()))
+                                          **mark("wall")))
                 faces += self._upright(face, row, 0.45, linewidth=1.5)
         return blocks, faces
 
     def masses(self) -> list[patches.Rectangle]:
         """A block for each rigid mass."""
         width = self.plan.block * self.place.factor
-        return [self._block(left, row, width, THICKNESS, zorder=3, **mass_style())
+        return [self._block(left, row, width, THICKNESS, zorder=3, **mark("mass"))
                 for i, body in enumerate(self.system.bodies) if isinstance(body, RigidMass)
                 for row, left in enumerate(self._end(i, False))]
 
@@ -158,10 +158,10 @@ class Bars:
         for side, end in enumerate(self.system.ends):
             for row, x in enumerate(self._end(side * (len(self.system.bodies) - 1), bool(side))):
                 if isinstance(end, Absorbing):
-                    drawn += self._upright(x, row, 0.4, **open_style())
+                    drawn += self._upright(x, row, 0.4, **mark("open"))
                 elif type(end) in DRIVEN:
                     drawn += self.ax.plot(x, -row, marker="<" if side else ">", markersize=6.0,
-                                          zorder=4, **drive_style())
+                                          zorder=4, **mark("drive"))
         return drawn
 
     def springs(self) -> list[Line2D]:

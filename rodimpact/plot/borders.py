@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from matplotlib import collections, patches, patheffects
@@ -59,7 +59,7 @@ class Borders:
         outer = dict(zip([(0, False), (last, True)], self.system.ends, strict=True))
         ends = [(i, right) for i, body in enumerate(self.system.bodies) if isinstance(body, Rod)
                 for right in (False, True)]
-        open_ = open_style()
+        open_ = mark("open")
         absorbing = [isinstance(outer.get(end), Absorbing) for end in ends]
         return self._lines(
             [self._track(i, right, self.cut.bends(i, edges(i)[-right])) for i, right in ends],
@@ -84,7 +84,7 @@ class Borders:
         casing = [patheffects.withStroke(linewidth=4.5, foreground=self.colours.paper)]
         looks: dict[str, Any] = {
             "pressing": {"linewidths": 3.0, "zorder": 5, "path_effects": casing},
-            "touching": {"linewidths": 1.2, "zorder": 4}, "apart": {"zorder": 4, **apart_style()}}
+            "touching": {"linewidths": 1.2, "zorder": 4}, "apart": {"zorder": 4, **mark("apart")}}
         return [self._lines(track, label=label, capstyle="butt", **look)
                 for track, (label, look) in zip(paths, looks.items(), strict=True)]
 
@@ -116,7 +116,7 @@ class Borders:
             places = self.plan.end(i, right, times)
             face = self.plane.points(places, times)
             back = self.plane.points(places + (depth if right else -depth), times)
-            bands.append(self._strip(face, back, zorder=1, **wall_style()))
+            bands.append(self._strip(face, back, zorder=1, **mark("wall")))
             self.ax.plot(*face.T, color=self.colours.ink, linewidth=1.5, zorder=3.5)
         return bands
 
@@ -124,7 +124,7 @@ class Borders:
         """Dark strips along the paths of rigid masses."""
         return [self._strip(*(self._track(i, right, self.cut.bends(i, 0.0))
                               for right in (False, True)),
-                            zorder=2.5, label="rigid mass", **mass_style())
+                            zorder=2.5, label="rigid mass", **mark("mass"))
                 for i, body in enumerate(self.system.bodies) if isinstance(body, RigidMass)]
 
     def joints(self) -> list[patches.Polygon]:
@@ -168,38 +168,28 @@ class Borders:
         """Arrow heads along the paths of driven ends, towards the row."""
         times = np.linspace(*self.plane.span, 2 * ARROWS + 1)[1::2]
         heads = "^v" if self.plane.across else "><"
-        return [mark for side, end in enumerate(self.system.ends) if type(end) in DRIVEN
-                for mark in self.ax.plot(
+        return [arrow for side, end in enumerate(self.system.ends) if type(end) in DRIVEN
+                for arrow in self.ax.plot(
                     *self._track(side * (len(self.system.bodies) - 1), bool(side), times).T,
                     marker=heads[side], markersize=5.0, zorder=6, clip_on=False,
-                    label=DRIVEN[type(end)], **drive_style())]
+                    label=DRIVEN[type(end)], **mark("drive"))]
 
 
-def wall_style() -> dict[str, Any]:
-    """Patches of walls and fixed ends."""
-    return {"facecolor": colours().wall, "edgecolor": colours().faint, "hatch": "////",
-            "linewidth": 0.0}
+def mark(kind: Literal["wall", "mass", "drive", "apart", "open"]) -> dict[str, Any]:
+    """Style of walls and fixed ends, rigid masses, driven ends, gaps without width, open ends.
 
-
-def mass_style() -> dict[str, Any]:
-    """Patches of rigid masses."""
-    return {"facecolor": colours().mass, "edgecolor": colours().ink, "linewidth": 0.6}
-
-
-def drive_style() -> dict[str, Any]:
-    """Marks of driven ends."""
-    return {"linestyle": "", "color": colours().ink, "markerfacecolor": colours().paper}
-
-
-def apart_style() -> dict[str, Any]:
-    """The line that stands for a gap."""
-    return {"color": colours().paper, "linewidth": 2.4,
-            "path_effects": [patheffects.withStroke(linewidth=3.6, foreground=colours().ink)]}
-
-
-def open_style() -> dict[str, Any]:
-    """Lines of ends through which waves leave for good."""
-    return {"color": colours().ink, "linewidth": 1.6, "linestyle": (0, (3, 2))}
+    Waves leave through an open end for good.
+    """
+    paper, ink, faint, wall, mass, *_ = colours()
+    styles: dict[str, dict[str, Any]] = {
+        "wall": {"facecolor": wall, "edgecolor": faint, "hatch": "////", "linewidth": 0.0},
+        "mass": {"facecolor": mass, "edgecolor": ink, "linewidth": 0.6},
+        "drive": {"linestyle": "", "color": ink, "markerfacecolor": paper},
+        "apart": {"color": paper, "linewidth": 2.4,
+                  "path_effects": [patheffects.withStroke(linewidth=3.6, foreground=ink)]},
+        "open": {"color": ink, "linewidth": 1.6, "linestyle": (0, (3, 2))},
+    }
+    return styles[kind]
 
 
 def _stretches(track: Floats, inside: NDArray[np.bool_]) -> list[Floats]:

@@ -13,9 +13,8 @@ from ..design.pulses import PulseDesign
 from ..design.rebound import RestitutionDesign
 from ..model import Rod
 from ..model.arguments import of_kind
-from .families import Curve, sweep
+from .families import Curve, side_of, sweep
 from .scales import engineering, place_scale, time_scale
-from .sides import side_of
 from .style import SMALL, axes, colours, dress, legend_above, new_figure, picture, styled
 
 HARDLY = 1e-4  # a misfit that is not to be seen

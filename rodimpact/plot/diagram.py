@@ -16,7 +16,7 @@ from ..model import Absorbing
 from ..model.frozen import refusal
 from ..results.gauges import Gauge, check_gauges
 from ..results.solution import Solution, check_waves
-from .borders import Borders, Cut, apart_style, open_style
+from .borders import Borders, Cut, mark
 from .placing import placing
 from .plane import Plane
 from .polygons import Polygons, Raster
@@ -151,11 +151,11 @@ def spacetime(
     plane.dress(ax, plan)
     bar = colour_bar(ax, drawn, scale.label, rest * scale.factor)
     marks = [lines for lines in contacts if lines.get_segments()]
-    named: list[artist.Artist] = [Line2D([], [], label="apart", **apart_style())
+    named: list[artist.Artist] = [Line2D([], [], label="apart", **mark("apart"))
                            if lines is contacts[2] else lines for lines in marks]
     named += [*springs[:1], *masses[:1], *joints[:1], *drives, *centres[:1]]
     if any(isinstance(end, Absorbing) for end in solution.system.ends):
-        named.append(Line2D([], [], label="absorbing end", **open_style()))
+        named.append(Line2D([], [], label="absorbing end", **mark("open")))
     legend_above(ax, named)
     pressing, touching, apart = contacts
     return SpaceTime(ax, drawn, ends, pressing, touching, apart, walls, cut.finish(ax), bar,

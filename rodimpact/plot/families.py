@@ -9,12 +9,14 @@ interpolation. Each count has its own colour; counts have no contour lines.
 from __future__ import annotations
 
 import difflib
+import math
 from itertools import groupby
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from matplotlib import artist, collections, colorbar, colors, contour, patches, patheffects, ticker
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from numpy.lib.stride_tricks import sliding_window_view
@@ -23,14 +25,14 @@ from numpy.typing import ArrayLike, NDArray
 from ..methods.signals import Floats
 from ..model.arguments import array, of_kind
 from ..model.frozen import refusal
-from ..results.labels import outcome
+from ..results.labels import outcome, parameter
 from ..results.pair_theory import COLUMNS, PairTheory, pair_theory
-from ..running.sweep_result import SweepResult
+from ..running.sweep_result import STATUS, SweepResult
+from ..units import format_factor, format_power
 from ..units import shown as shown_text
 from . import style
 from .sampling import evenly
-from .scales import MINUS, ROUND_OFF, scale_of, signed
-from .sides import Shown, Side, count_ticks, dress_side, side_of
+from .scales import MINUS, ROUND_OFF, Scale, scale_of, signed
 
 FEW = 40  # points of a curve that are marked
 SMOOTH = 400  # points of a curve of theory, at least
@@ -39,9 +41,57 @@ LEAP = 8.0  # usual differences that a jump surpasses
 SEEN = 0.02  # of a quantity's range: a smaller jump is not seen
 LINES = 150  # points a side, at most, from which lines are drawn
 PLATEAU = 3  # rows of points on which values equal: no line follows such a plateau
+WIDE = 3.0  # last over first value from which an axis may be logarithmic
 COLOURS = 24  # counts that have a colour each, at most
 
 Plane: TypeAlias = tuple[Floats, Floats]  # numbers on the axes from which lines are drawn
+
+
+class Side(NamedTuple):
+    """An axis of the family: the order in which its values increase, and these values."""
+
+    order: NDArray[np.intp]
+    values: Floats
+    scale: Scale
+    beside: list[str]  # what varies along with it
+
+    @property
+    def numbers(self) -> Floats:
+        """Numbers on the axis."""
+        return self.values * self.scale.factor
+
+    @property
+    def is_log(self) -> bool:
+        """Whether the values have a wide range and are spread more evenly by their logarithms."""
+        first, last = self.values[[0, -1]]
+        if self.values.size < 3 or first <= 0 or last < WIDE * first:
+            return False
+        steps, ratios = np.diff(self.values), np.diff(np.log(self.values))
+        return bool(np.std(ratios) / np.mean(ratios) < np.std(steps) / np.mean(steps) / 2)
+
+    @property
+    def edges(self) -> Floats:
+        """Borders half-way between the numbers and as far beyond the outer ones, not beyond 0."""
+        x = np.log(self.numbers) if self.is_log else self.numbers
+        middle = (x[:-1] + x[1:]) / 2
+        edges = np.concatenate(([2 * x[0] - middle[0]], middle, [2 * x[-1] - middle[-1]]))
+        if self.is_log:
+            return np.exp(edges)
+        return np.maximum(edges, 0.0) if x[0] >= 0 else edges
+
+
+class Shown(NamedTuple):
+    """What is drawn, in the unit of the scale."""
+
+    quantity: str
+    values: Floats
+    scale: Scale
+    is_count: bool
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """What the counts 0, 1, ... stand for, if they are no numbers."""
+        return {"final": ("not proved", "proved"), "status": STATUS}.get(self.quantity, ())
 
 
 @style.picture
@@ -129,8 +179,8 @@ def sweep(
     theory = None if family is None else family.each(arranged)
     shown = Shown(quantity, values * scale.factor, scale, column.dtype.kind in "iub")
     if len(sides) == 1:
-        return draw_curve(style.axes(ax, 5.6, 3.6), sides[0], shown, theory)
-    return draw_map(style.axes(ax, 6.0, 4.6), sides[0], sides[1], shown, theory)
+        return _curve(style.axes(ax, 5.6, 3.6), sides[0], shown, theory)
+    return _map(style.axes(ax, 6.0, 4.6), sides[0], sides[1], shown, theory)
 
 
 def _column(result: SweepResult, quantity: str) -> NDArray[Any]:
@@ -166,15 +216,15 @@ def _dimensions(result: SweepResult) -> list[int]:
     return wide
 
 
-def draw_curve(ax: Axes, side: Side, shown: Shown, theory: PairTheory | None) -> Curve:
+def _curve(ax: Axes, side: Side, shown: Shown, theory: PairTheory | None) -> Curve:
     """Draw values over one axis."""
-    dress_side(ax, "x", side)
+    _dress_side(ax, "x", side)
     ink = style.colours().ink
     law = None if theory is None else _law(ax, side, shown, theory)
     drawn: Line2D | patches.StepPatch
     if shown.is_count:
         drawn = ax.stairs(shown.values, side.edges, baseline=None, color=ink, linewidth=1.4)
-        count_ticks(ax.yaxis, shown)
+        _count_ticks(ax.yaxis, shown)
     else:
         x, y = _broken(side.numbers, shown.values)
         gaps = np.isnan(np.pad(y, 1, constant_values=np.nan))
@@ -209,11 +259,11 @@ def _law(ax: Axes, side: Side, shown: Shown, theory: PairTheory) -> Line2D:
 
 def _broken(x: Floats, y: Floats) -> tuple[Floats, Floats]:
     """A curve with NaN inserted where it jumps."""
-    after = np.flatnonzero(jumps(y)) + 1
+    after = np.flatnonzero(_jumps(y)) + 1
     return np.insert(x, after, (x[after - 1] + x[after]) / 2), np.insert(y, after, np.nan)
 
 
-def jumps(values: Floats) -> NDArray[np.bool_]:
+def _jumps(values: Floats) -> NDArray[np.bool_]:
     """Whether each difference along the first axis is a jump: far larger than those around it."""
     steps = np.abs(np.diff(values, axis=0))
     outside = [(AROUND, AROUND), *[(0, 0)] * (steps.ndim - 1)]
@@ -225,13 +275,13 @@ def jumps(values: Floats) -> NDArray[np.bool_]:
     return np.asarray(steps > np.maximum(LEAP * np.nanmedian(around, axis=-1), least))
 
 
-def draw_map(ax: Axes, across: Side, up: Side, shown: Shown, theory: PairTheory | None) -> Map:
+def _map(ax: Axes, across: Side, up: Side, shown: Shown, theory: PairTheory | None) -> Map:
     """Draw values over two axes, the first one to the right."""
     palette, norm = _colours(shown)
     cells = ax.pcolormesh(across.edges, up.edges, np.ma.masked_invalid(shown.values.T),
                           cmap=palette, norm=norm, shading="flat", rasterized=True, zorder=1)
-    dress_side(ax, "x", across)
-    dress_side(ax, "y", up)
+    _dress_side(ax, "x", across)
+    _dress_side(ax, "y", up)
     i, j = (evenly(side.values.size, LINES) for side in (across, up))
     plane = across.numbers[i], up.numbers[j]
     contours, labels = (None, []) if shown.is_count else _contours(
@@ -251,7 +301,7 @@ def draw_map(ax: Axes, across: Side, up: Side, shown: Shown, theory: PairTheory 
         handles.append(patches.Patch(facecolor=paper, edgecolor=faint, label="no value"))
     bar = style.colour_bar(ax, cells, shown.scale.label)
     if shown.is_count:
-        count_ticks(bar.ax.yaxis, shown)
+        _count_ticks(bar.ax.yaxis, shown)
     style.dress(ax, handles)
     return Map(ax, cells, contours, labels, lines, bar)
 
@@ -289,7 +339,7 @@ def _contours(
     ]
     smooth = np.isfinite(values)
     for axis in (0, 1):
-        i, j = np.nonzero(jumps(values) if axis == 0 else jumps(values.T).T)
+        i, j = np.nonzero(_jumps(values) if axis == 0 else _jumps(values.T).T)
         smooth[i, j] = smooth[i + 1 - axis, j + axis] = False
     if not levels or not smooth.any():
         return None, []
@@ -311,6 +361,51 @@ def _equalities(
         np.log(left / right) if is_log else (left - right) / np.max(left)
         for left, right in (theory.transit_time, theory.impedance))
     return [("equal transit times: e = 1", "-", transits), ("equal impedances", "--", impedances)]
+
+
+def side_of(result: SweepResult, dimension: int) -> Side:
+    """What lies along a dimension of the family; members are counted if that is all the same."""
+    name, values = result.axes[dimension]
+    values = np.asarray(values, dtype=float)
+    if values.min() == values.max():
+        name, values = f"axis {dimension}", np.arange(values.size, dtype=float)
+    order = np.argsort(values, kind="stable")
+    quantity = parameter(result.system, name)
+    from_end = len(result.shape) - dimension
+    beside = [parameter(result.system, path).name for path, numbers in result.parameters.items()
+              if path != name and numbers.ndim >= from_end and numbers.shape[-from_end] > 1]
+    return Side(order, values[order], scale_of(quantity, float(np.abs(values).max())), beside)
+
+
+def _dress_side(ax: Axes, which: Literal["x", "y"], side: Side) -> None:
+    """Limits, label and ticks of an axis of the family."""
+    label = side.scale.label
+    if side.beside:
+        more = f" and {len(side.beside) - 2} more" if len(side.beside) > 2 else ""
+        label += f"\nwith {', '.join(side.beside[:2])}{more}"
+    first, last = side.edges[[0, -1]]
+    ax.set(**{f"{which}scale": "log" if side.is_log else "linear", f"{which}label": label,
+              f"{which}lim": (first, last)})
+    if side.is_log:
+        axis = ax.xaxis if which == "x" else ax.yaxis
+        subs = (1.0, 2.0, 5.0) if last < 2e3 * first else (1.0,)
+        axis.set_major_locator(ticker.LogLocator(subs=subs, numticks=15))
+        axis.set_major_formatter(ticker.FuncFormatter(lambda value, _: _plain(value)))
+        axis.set_minor_formatter(ticker.NullFormatter())
+
+
+def _plain(value: float) -> str:
+    """A tick of a logarithmic axis: a number, or a power of ten if it is small."""
+    return format_factor(value) if value > 0.9e-3 else format_power(round(math.log10(value)))
+
+
+def _count_ticks(axis: Axis, shown: Shown) -> None:
+    """Ticks at whole numbers, or what they stand for."""
+    if shown.words:
+        axis.set_ticks(range(len(shown.words)), shown.words)
+    else:
+        axis.set_major_locator(ticker.MaxNLocator(12, integer=True))
+        axis.set_minor_locator(ticker.NullLocator())
 
 
 @style.styled
