@@ -108,7 +108,7 @@ function centreOfGrids({ place, tiling, bodies, begin, row: { magnification, fra
 function marksOf({ bodies, contacts, end }) {
   const first = contacts.length === 1 && contacts[0].spells.find(({ state }) => state === "pressing");
   const found = !first ? [] : bodies.filter(({ pieces }) => pieces.length === 1)
-    .map(({ name, pieces }) => ({ t: first.from + 2 * pieces[0][3], text: `2l${"₀₁₂"[name.slice(-1)]}/c` })).filter(({ t }) => t <= end);
+    .map(({ name, pieces }) => ({ t: first.from + 2 * pieces[0][3], text: `2l${"₀₁₂"[name.slice(-1)]}/c` })).filter(({ t }) => t <= end).sort((a, b) => a.t - b.t);
   const same = found.length === 2 && Math.abs(found[0].t - found[1].t) < 1e-6 * end;
   return same ? [{ ...found[0], text: "2l/c" }] : found;
 }

@@ -31,7 +31,7 @@ function beginning(scene) {
 function ending(scene) {
   const leave = scene.results.flatMap(([name, value]) => {
     const [, body] = /^velocity of (\w+ \d+)/.exec(name) || [];
-    return body ? [`${body} has ${value}`] : [];
+    return body ? [`${body} has ${minus(value)}`] : [];
   });
   return leave.length ? `In the end ${leave.join(", ")} on average.` : "";
 }

@@ -212,10 +212,10 @@ function drawDiagram(pen, scene, look, now, mark, theme) {
       for (const [colour, width] of [[theme.paper, 3], [theme.ink, 1.2]]) pen.line(path, colour, width, [7, 5]);
     }
     if (scene.tiling.body.length <= FEW) writeValues(pen, scene, frame, name, theme);
-    if (shown.guessing) hideFuture(pen, scene, frame, theme);
     if (now !== null) pen.line([[frame.x, frame.up(now)], [frame.right, frame.up(now)]], theme.wrong, 1.6);
     if (mark) drawMark(pen, frame, mark, theme);
   });
+  if (shown.guessing) pen.inside(frame.x, 0, pen.width, frame.bottom, () => hideFuture(pen, scene, frame, theme));
   const springs = scene.contacts.some((contact) => contact.room) ? "springs drawn wide" : "";
   const note = displaced ? `${scene.row.note}, dashed: centres of mass` : "before it moves";
   drawFrame(pen, frame, theme.size, theme, {
@@ -268,9 +268,9 @@ function drawFrame(pen, frame, size, theme, axes) {
   }
   const unit = xs.unit ? `, ${xs.unit}` : "";
   const note = axes.note ? ` (${axes.note})` : "";
-  const name = xName + unit + note;
-  pen.text((frame.x + frame.right) / 2, frame.bottom + 1.5 * size, name,
-    { ...ink, size: Math.min(ink.size, pen.width / (0.55 * name.length)), align: "center", baseline: "top" });
+  const [name, middle] = [xName + unit + note, (frame.x + frame.right) / 2];
+  pen.text(middle, frame.bottom + 1.5 * size, name,
+    { ...ink, size: Math.min(ink.size, 2 * Math.min(middle, pen.width - middle) / (0.55 * name.length)), align: "center", baseline: "top" });
   const [y0, y1, yUnit, yName] = axes.y;
   const ys = labelledTicks(y0, y1, Math.max(2, frame.height / (2.6 * size)), yUnit);
   for (const [value, label] of ys.ticks) {

@@ -37,7 +37,7 @@ function drawPlot(pen, plot, { begin, end }, now, theme) {
 function drawCurves(scene, theme) {
   const { curve, ratio, roundness } = scene;
   drawCurve("curve", curve && {
-    ...curve, here: ratio, from: 0, title: "e over l₁/l₂", name: "l₁/l₂", said: `here ${plainNumber(ratio, 4)}` }, scene, theme);
+    ...curve, here: ratio, from: 0, title: "e over l₁/l₂", name: "l₁/l₂", said: `here l₁/l₂ = ${plainNumber(ratio, 4)}` }, scene, theme);
   drawCurve("roundness", roundness && {
     ...roundness, title: "e over the roundness of the ends", name: "log₁₀ κ, κ = k (V T)^½ T/Z: 2 is nearly flat",
     said: roundness.here === null ? "rigid ends: κ is infinite" : `here κ = ${plainNumber(10 ** roundness.here, 3)}` }, scene, theme);

@@ -10,7 +10,6 @@ const TOUR = [
   ["wall", 1, "A rod on a rigid wall: the wave runs to the free end and back, and the rod leaves as fast as it came. Again e = 1. Both examples mislead: elastic rods rarely collide like that."],
   ["unequal", 1, "Rods of different length: the short rod stops when its wave is back, but the long one keeps waves that run up and down. That energy is lost to its motion as a whole, so e = l₁/l₂ < 1, though nothing is lost in the material."],
 ];
-
 let tourStep = -1;
 
 function showTour(k) {
@@ -18,6 +17,7 @@ function showTour(k) {
   byId("tour").hidden = k < 0;
   byId("tour-open").setAttribute("aria-pressed", String(k >= 0));
   if (k < 0) return;
+  hideResult(false); // the tour tells e
   const [key, moment, text] = TOUR[k];
   byId("tour-text").textContent = `${k + 1} of ${TOUR.length}. ${text}`;
   byId("tour-back").disabled = k === 0;
