@@ -40,6 +40,7 @@ RULES: dict[str, dict[str, tuple[str, str]]] = {
     )
 }
 """By table and field its sign, and what it must be."""
+NUMBERS = {law.law: list(law.fields) for law in LAWS}
 PROFILES = "profiles in one row with compliant contacts or rigid masses"
 SCALE = OUT_OF_SCALE[:-11]
 MOST_EVENTS = 20_000  # fronts that arrive at an end: an answer comes while a slider is dragged
@@ -89,7 +90,7 @@ def lacking(case: Any) -> tuple[str, str]:
     for i, contact in enumerate(case.get("contacts", [])):
         law = contact.get("law", "rigid")
         rods = any(body["kind"] == "rod" for body in case["bodies"][i : i + 2])
-        numbers = entries_of(law, rods)
+        numbers = [] if law == "rigid" and rods else NUMBERS.get(law)  # waves decide e of rods
         if numbers is None:
             names = {"joint": JOINTS, "own": OWN_LAWS}
             return f"contacts.{i}", names.get(law, f'the contact law "{law}"')
@@ -116,19 +117,6 @@ def lacking(case: Any) -> tuple[str, str]:
         if smooth and isinstance(value, dict):
             return f"ends.{side}", PROFILES
     return "", ""
-
-
-def entries_of(law: str, rods: bool) -> Any:
-    """Numbers of a contact law, between rods or rigid bodies; None of a law that is not solved."""
-    if law == "rigid":
-        return [] if rods else ["restitution"]
-    if law == "bonded":
-        return []
-    if law in ("spring", "hertz"):
-        return ["stiffness"]
-    if law in ("spring-dashpot", "hunt-crossley"):
-        return ["stiffness", "damping"]
-    return ["stiffness", "exponent"] if law == "power" else None
 
 
 def other_key(table: Any, known: tuple[str, ...]) -> str:
@@ -158,7 +146,7 @@ def mistakes(case: Any, gauges: Any, library: Any, rules: Any) -> list[Any]:
     pairs = len(case["bodies"]) - 1
     if len(rods) == 0:
         found.append(("bodies", "needs at least one rod"))
-    if len(case.get("contacts", [{} for _ in range(pairs)])) != pairs:
+    if len(contacts_in(case)) != pairs:
         found.append(("contacts", f"needs one entry for each neighbouring pair, {pairs} in all"))
     for i, gauge in enumerate(gauges):
         check(found, f"gauges.{i}", gauge, rules["gauge"])
@@ -188,7 +176,7 @@ def mistakes(case: Any, gauges: Any, library: Any, rules: Any) -> list[Any]:
         if law == "rigid" and not waves and contact.get("restitution") is None:
             message = "no wave decides this contact: give its restitution, or a compliant law"
             found.append((f"contacts.{i}", message))
-        if contact.get("law", "rigid") == "bonded" and contact.get("gap", 0) != 0:
+        if law == "bonded" and contact.get("gap", 0) != 0:
             found.append((f"contacts.{i}.gap", "must be 0 where bodies are bonded"))
     return found
 
