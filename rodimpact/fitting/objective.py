@@ -25,7 +25,7 @@ from ..records.signal import Signal
 from ..results.solution import Solution
 from .measured import Measured
 from .parameters import Parameter, changed
-from .ties import KINDS, RecordNumber
+from .ties import KINDS
 
 CHANGE = 1e-3  # of the plateau, by which signals are to change for a quotient of differences
 FIRST, LEAST, MOST = 1e-4, 1e-6, 1e-2  # steps between the bounds for that
@@ -76,10 +76,11 @@ class Objective:
 
     def __init__(
         self, system: System, measured: Sequence[Measured], parameters: Sequence[Parameter],
-        of_records: Sequence[RecordNumber], options: Options, interval: float,
+        of_records: Sequence[Parameter], options: Options, interval: float,
         executor: Executor | None,
     ) -> None:
         self.system, self.measured, self.parameters = system, measured, parameters
+        self.all = [*parameters, *of_records]  # in the order of the point
         self.run: Callable[[System], list[Signal]] = partial(
             computed, options=options, gauges=[m.gauge for m in measured], interval=interval
         )
@@ -91,26 +92,9 @@ class Objective:
         self.places = np.zeros((len(measured), len(KINDS)), int)  # in the point
         for i, number in enumerate(of_records, len(parameters)):
             self.places[list(number.records), KINDS.index(number.kind)] = i
-        limits = [(0.0, 1.0)] * len(parameters) + [(n.low, n.high) for n in of_records]
-        self.low, self.high = np.array(limits).T
+        self.low, self.high = np.array([n.ends for n in self.all]).T
         self.free = self.low < self.high
         self.middle = [(n.low + n.high) / 2 if math.isfinite(n.high) else 0.0 for n in of_records]
-        self.names = [p.path for p in parameters] + [n.name for n in of_records]
-        self.units = [p.unit for p in parameters] + [n.unit for n in of_records]
-
-    def numbers(self, point: Floats) -> Floats:
-        """A point in SI units: parameter values instead of shares."""
-        values = point.copy()
-        for i, p in enumerate(self.parameters):
-            values[i] = p.value(float(point[i]))
-        return values
-
-    def slopes(self, point: Floats) -> Floats:
-        """Derivatives of `numbers` with respect to each number of the point."""
-        slopes = np.ones_like(point)
-        for i, p in enumerate(self.parameters):
-            slopes[i] = p.slope(float(point[i]))
-        return slopes
 
     def system_at(self, point: Floats) -> System:
         """The system with the parameter values of a point, or of its shares alone."""

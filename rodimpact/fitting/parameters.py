@@ -1,4 +1,4 @@
-"""Parameters of a fit: numbers of a system with bounds, named by the paths of a case file."""
+"""Parameters of a fit: numbers of a system, by the paths of a case file, or of its records."""
 
 from __future__ import annotations
 
@@ -18,21 +18,32 @@ RATIO = 10.0  # of bounds from which on what lies between is divided in equal ra
 
 
 class Parameter(NamedTuple):
-    """A number that a fit varies.
+    """A number that a fit varies; infinite bounds leave it free.
 
-    path : of a case file; places : in ``System.to_dict()``, all with this number; start : that of
-    the system; low, high : bounds; unit : of SI.
+    path : its name; low, high : bounds; unit : of SI; start : the value of the system; places : in
+    ``System.to_dict()``, all with this number; kind : "shift", "gain" or "blur" if it belongs to
+    `records`, by their index. A number of the system is scaled to 0 at `low` and 1 at `high`, one
+    of records is not scaled.
     """
 
     path: str
-    places: list[str]
-    start: float
     low: float
     high: float
     unit: str
+    start: float = 0.0
+    places: Sequence[str] = ()
+    kind: str = ""
+    records: tuple[int, ...] = ()
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The scaled bounds."""
+        return (self.low, self.high) if self.kind else (0.0, 1.0)
 
     def value(self, share: float) -> float:
-        """The number at this share of the way from `low` to `high`."""
+        """The number at this share of the way from `low` to `high`, or where it is not scaled."""
+        if self.kind:
+            return share
         if self.by_ratio:
             return float(self.low * (self.high / self.low) ** share)
         return float(self.low + (self.high - self.low) * share)
@@ -45,7 +56,9 @@ class Parameter(NamedTuple):
         return (value - self.low) / (self.high - self.low)
 
     def slope(self, share: float) -> float:
-        """Derivative of the number with respect to the share."""
+        """Derivative of `value`."""
+        if self.kind:
+            return 1.0
         if self.by_ratio:
             return self.value(share) * math.log(self.high / self.low)
         return self.high - self.low
@@ -77,7 +90,7 @@ def parameters_of(
                 problems.append((f"vary.{path}", message))
                 break
         start = float(numbers[known[path][0]])
-        found.append(Parameter(path, known[path], start, *ends, unit))
+        found.append(Parameter(path, *ends, unit, start, known[path]))
     return found
 
 

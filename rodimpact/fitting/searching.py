@@ -155,10 +155,8 @@ def fit(
     least = [min(swept[k::begins], key=lambda one: one[0])[1]
              for k in range(min(begins, len(swept)))]
     lasting = max(m.signal.end - m.signal.start for m in records)
-    sizes = np.array([1.0] * len(parameters) + [lasting] * len(of_records))
-    for i, of in enumerate(of_records, len(parameters)):
-        if of.kind == "gain":
-            sizes[i] = abs(least[0][i])
+    sizes = np.array([{"": 1.0, "gain": abs(x)}.get(n.kind, lasting)
+                      for n, x in zip(objective.all, least[0], strict=True)])
     ends = [_descend(objective, point, sizes) for point in least]
     return _result(objective, sorted(ends, key=lambda end: end.misfit), sizes)
 
@@ -211,20 +209,17 @@ def _result(objective: Objective, ends: Sequence[End], sizes: Floats) -> Fit:
     jacobian *= ranges
     lengths = [len(m.signal) for m in records]
     relative = covariance(jacobian, residuals, lengths)
-    units = ranges * objective.slopes(best)[free]
-    errors = np.sqrt(np.diag(relative))
-
-    def numbers(point: Floats) -> Any:
-        return objective.numbers(point)[free].tolist()
-
-    names, of = (np.array(x)[free].tolist() for x in (objective.names, objective.units))
-    fitted = tuple(map(
-        Fitted, names, of, numbers(best), (errors * units).tolist(), numbers(objective.low),
-        numbers(objective.high),
-    ))
+    varied = [n for n, is_free in zip(objective.all, free, strict=True) if is_free]
     descents = tuple(
-        Descent(misfit, dict(zip(names, numbers(point), strict=True)), complete)
-        for misfit, point, complete in ends
+        Descent(end.misfit, {n.path: n.value(x) for n, x in
+                             zip(varied, end.point[free].tolist(), strict=True)}, end.complete)
+        for end in ends
+    )
+    units = ranges * [n.slope(x) for n, x in zip(varied, best[free].tolist(), strict=True)]
+    errors = np.sqrt(np.diag(relative)) * units
+    fitted = tuple(
+        Fitted(n.path, n.unit, descents[0].values[n.path], error, *map(n.value, n.ends))
+        for n, error in zip(varied, errors.tolist(), strict=True)
     )
     spread = np.sqrt(np.einsum("ij,jk,ik->i", jacobian, relative, jacobian))
     predicted, bands, misfits = [], [], []

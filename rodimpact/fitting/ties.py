@@ -5,32 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from fnmatch import fnmatchcase
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..model import System
 from ..model.frozen import Problems
 from .measured import Measured
-from .parameters import ends_of
+from .parameters import Parameter, ends_of
 
 HEAD = "records."
 KINDS = "shift", "gain", "blur"
 
 
-class RecordNumber(NamedTuple):
-    """A number of one record, or common to several records; infinite bounds leave it free."""
-
-    name: str
-    kind: str
-    records: tuple[int, ...]
-    low: float
-    high: float
-    unit: str
-
-
 def record_numbers(
     problems: Problems, system: System, measured: Sequence[Measured], vary: Mapping[str, Any],
     until: float,
-) -> list[RecordNumber]:
+) -> list[Parameter]:
     """Shift, gain and blur of every record, once each; errors are added to `problems`.
 
     A name in `vary` may hold the wildcards ``*`` and ``[01]``: all matching numbers become one.
@@ -67,13 +56,13 @@ def record_numbers(
 def _number(
     system: System, measured: Sequence[Measured], until: float, name: str, kind: str,
     records: tuple[int, ...], unit: str, ends: tuple[float, float] | None,
-) -> RecordNumber:
+) -> Parameter:
     """With these bounds; without, with those within which it makes sense."""
     low, high = ends or (-math.inf, math.inf)
     if ends is None and kind == "shift":
         spans = [measured[k].shifts(until, system) for k in records]
         low, high = min(first for first, _ in spans), max(last for _, last in spans)
-    return RecordNumber(name, kind, records, low, high, unit)
+    return Parameter(name, low, high, unit, kind=kind, records=records)
 
 
 def _unit(measured: Measured, kind: str) -> str:
