@@ -97,10 +97,12 @@ def test_records_share_what_is_tied():
     """One pulse passes two gauges of one amplifier, whose clock and blur are not known."""
     solution = ri.solve(rods(), until=UNTIL)
     random, places = np.random.default_rng(3), ((1, 0.2), (1, 0.4))
-    records = []
+    records, squares = [], {"gain": 0.0, "shift": 0.0}  # of what a record changes with each
     for place in places:
         strain = solution.gauge(*place).signal(5e-7).low_pass(0.1325 / 3e-6).shifted(4e-6) * 1.5
         noise = 2e-5 * random.standard_normal(len(strain))
+        squares["gain"] += float(np.sum((strain.values / 1.5) ** 2))
+        squares["shift"] += float(np.sum(np.gradient(strain.values, 5e-7) ** 2))
         records.append(ri.Measured(strain.replace(values=strain.values + noise), place))
     tied = {PATHS[0]: (0.1, 0.4), "records.*.gain": None, "records.*.shift": (-1e-5, 1e-5),
             "records.[01].blur": (0.0, 1e-5)}
@@ -114,6 +116,8 @@ def test_records_share_what_is_tied():
     alone = ri.fit(rods(), records, {PATHS[0]: (0.1, 0.4), "records.*.blur": (0.0, 1e-5)}, UNTIL)
     assert {"records.0.shift", "records.1.shift", "records.1.gain"} < alone.values.keys()
     assert found.standard_errors["records.*.gain"] < alone.standard_errors["records.0.gain"]
+    for name, total in squares.items():  # the others are known nearly as well without this one
+        assert 1 <= found.standard_errors[f"records.*.{name}"] / (2e-5 / total**0.5) < 1.5, name
 
 
 def objective_of(records, vary):

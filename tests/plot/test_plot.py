@@ -400,6 +400,13 @@ def test_restitution_notes_the_residual():
         plot.restitution([0.1], [np.nan], axes())
 
 
+def test_a_driven_end_is_marked_in_space_and_time():
+    solution = ri.solve(ri.System([rod()], ends=(ri.Pushed(1e3), ri.Absorbing())), until=5e-4)
+    ax = axes()
+    plot.spacetime(solution, ax)
+    assert [line.get_marker() for line in ax.get_lines()] == [">"]  # it is pushed to the right
+
+
 @pytest.mark.parametrize("body", [rod(0.4, 1.0), ri.RigidMass(0.3, velocity=1.0)])
 def test_a_solution_without_duration_has_a_snapshot_but_no_history(body):
     solution = ri.solve(ri.System([body, rod()], ends=(ri.Free(), ri.Fixed())), until=0.0)
