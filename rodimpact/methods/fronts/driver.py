@@ -30,10 +30,9 @@ PAIR_TIME = 4e-7  # s, about what plain Python takes to compare two durations
 FIRST_BLOCK, LAST_BLOCK = 32, 2048  # members of a block
 RECORDS = {"run": RUN, "segment": SEGMENT, "node": NODE, "line": LINE, "log": ROW, "piece": PIECE,
            "body": BODY}
-BLANK = ("segment", "line", "piece")
-now = getattr(time, "thread_time", time.perf_counter)  # a browser has no clock of threads
 FOLLOWED = ("run", "body", "given", "piece", "segment", "node", "line", "log", "tree")
 PATIENCE = 0.1  # s; about how long a block runs before `stop` is asked again
+now = getattr(time, "thread_time", time.perf_counter)  # a browser has no clock of threads
 
 
 class Members:
@@ -62,8 +61,6 @@ class Members:
             setattr(one, name, value)
         self.records["run"] = [one]
         if fast:
-            for name in BLANK:  # quicker than field by field
-                self.records[name] = np.zeros(len(self.records[name]), RECORDS[name])
             self.records["log"] = np.zeros(plan.fronts + ROOM, ROW)
             self.on_arrays()
         for name in ("run", "segment", "node") if count > 1 else ():

@@ -44,7 +44,7 @@ def signals_of(row: Row, clock: Clock, end: int, records: dict[str, Any]) -> Sig
             masses[body] = Pieces.through([0, end], np.full(2, value)) - frame
         elif m >= 0:
             masses[body] = lines[records["mass"]["line"][m]]
-            if struck or end == 0:  # as it was before, for the tick of the blow
+            if struck or end == 0:  # as it was before, for the tick of the blow, or where none ran
                 before = float(row.mass_velocity[m]) - float(row.frame)
                 masses[body] = _at_once(masses[body], 0, before)
     contacts = [
