@@ -49,7 +49,7 @@ def take_apart(run: Run) -> tuple[dict[str, Any], Arrays]:
             return {"class": "System", "system": value.for_file()}
         kind = Clock if isinstance(value, Clock) else type(value)  # what else an assembly has goes
         if kind in KINDS.values():
-            entries = {key: plain(getattr(value, key)) for key in _names(kind)}
+            entries = {key: plain(getattr(value, key)) for key in names_of(kind)}
             return {"class": kind.__name__, **entries}
         if isinstance(value, Mapping):
             return {"class": "map", "items": [[plain(k), plain(v)] for k, v in value.items()]}
@@ -109,7 +109,7 @@ def _motion(**values: Any) -> GridMotion:
     return GridMotion(**values)
 
 
-def _names(kind: Any) -> list[str]:
+def names_of(kind: Any) -> list[str]:
     """Fields of a class, by which it is made again."""
     if kind is Run:
         return ["signals", *(f.name for f in fields(Run) if f.name != "make_signals")]

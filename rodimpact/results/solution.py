@@ -58,7 +58,8 @@ class Solution:
         When the run proved that no contact can follow, s; nan without proof. With `until` the
         proof is tried at the end only.
     stopped_by : str
-        ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``.
+        ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``. Without `until` a run that is
+        proved final ended so, even if the cap on events cut the round trip that follows the proof.
     status : str
         The same in a sentence, with the remedy.
     t_end : float
@@ -92,7 +93,9 @@ class Solution:
 
     def __init__(self, run: Run) -> None:
         self.run, self.system, self.method, self.until = run, run.system, run.method, run.until
-        self.stopped_by, self.events = run.stopped_by, run.events
+        # the cap may end what follows the proof, in which nothing more can happen
+        proved = run.final and run.until is None
+        self.stopped_by, self.events = "final" if proved else run.stopped_by, run.events
         self.t_end, self.t_final, self.final = run.t_end, run.t_final, run.final
         self.t_proved = run.t_proved
         self.accuracy, self.transit_error = dict(run.accuracy), run.clock.transit_error

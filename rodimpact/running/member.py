@@ -16,11 +16,10 @@ from . import sweep_result as table
 def row_of(solution: Solution, readings: table.Readings) -> dict[str, Any]:
     """Columns of a member, by name."""
     o, also, system = solution.outcome, readings.also, solution.system
-    stopped_by = "final" if o.final and solution.until is None else solution.stopped_by
     row = {
         "restitution": math.nan if o.why_no_restitution() else o.restitution,
         "vibration": sum(o.vibration_after), "final": o.final,
-        "status": table.STATUS.index(stopped_by),
+        "status": table.STATUS.index(solution.stopped_by),
         **{f"velocity_after.{i}": v for i, v in enumerate(o.velocities_after)},
         **{f"{name}.{k}": getattr(tally, name) for k, tally in enumerate(o.contacts)
            for name in table.ContactColumns._fields},

@@ -29,7 +29,7 @@ PathLike: TypeAlias = "str | os.PathLike[str]"
 Arrays: TypeAlias = dict[str, Any]
 
 FORMAT = "rodimpact"
-SCHEMA, OLDEST = 4, 3
+SCHEMA, OLDEST = 5, 3
 """Version of what a saved file holds, and the oldest that is read; readers refuse newer ones."""
 MOST_DOCUMENT = 1 << 28
 """Bytes of the document of a saved file, four to a character."""

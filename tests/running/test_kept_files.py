@@ -1,5 +1,6 @@
 """Files that earlier versions saved open in this one, and say what they said then."""
 
+import hashlib
 import json
 from pathlib import Path
 
@@ -68,3 +69,22 @@ def test_cells_of_a_grid_are_read_as_older_files_have_them():
     older = ri.Solution(put_together(document, arrays))
     assert repr(older.energy(3e-5)) == repr(solution.energy(3e-5))
     assert older.strain(0, 0.1, 3e-5) == solution.strain(0, 0.1, 3e-5)
+
+
+def test_an_older_version_says_that_it_cannot_read_a_newer_file(tmp_path, monkeypatch):
+    solution = ri.solve(
+        ri.System([ri.Rod(0.2, area=1e-4, material=ri.materials.steel, velocity=1.0), ri.Wall()]),
+        method="finite-difference", cells=20, until=5e-5)
+    solution.save(tmp_path / "run.npz")
+    monkeypatch.setattr("rodimpact.storage.reading.SCHEMA", 4)  # whose motion had no cells
+    with pytest.raises(ri.FileFormatError, match=r"of schema 5.*which reads 3 to 4"):
+        ri.load(tmp_path / "run.npz")
+
+
+def test_what_files_hold_changes_with_the_number_of_their_schema():
+    """Else an older version would call a newer file damaged: raise SCHEMA, and tell both here."""
+    from rodimpact.results.run_file import KINDS, names_of
+    from rodimpact.storage.writing import SCHEMA
+
+    held = json.dumps({name: names_of(kind) for name, kind in KINDS.items()})
+    assert (SCHEMA, hashlib.sha256(held.encode()).hexdigest()[:8]) == (5, "63c6c7d5")

@@ -252,9 +252,9 @@ def solve_family(
     contacts = {"episodes": [run["episodes"][:, k] for k in plan.contacts]}
     for name in ("impulse", "peak_force", "duration"):
         contacts[name] = [unknown + run[name][:, k] for k in plan.contacts]
-    capped = (run["stop"] == Stop.CAP) & (~final | (until is not None))
-    reasons = [capped, run["stop"] == Stop.CLOCK, refused, final & (until is None)]
-    places = [runs.STOPPED_BY.index(name) for name in ("max_events", "clock", "refused", "final")]
+    stop = run["stop"]
+    reasons = [refused, final & (until is None), stop == Stop.CAP, stop == Stop.CLOCK]
+    places = [runs.STOPPED_BY.index(name) for name in ("refused", "final", "max_events", "clock")]
     return runs.FamilyRun(
         before, after, unknown + run["vibration"], contacts, final,
         np.select(reasons, places, runs.STOPPED_BY.index("until")),

@@ -239,8 +239,8 @@ def _family_run(layout: Layout, refused: Any) -> runs.FamilyRun:
         "episodes": [it["episodes"].copy() for it in links],
     }
     final = (run["proved"] >= 0) & ~refused
-    reasons = [refused, run["stop"] == Stop.CAP, final & (until is None)]
-    places = [runs.STOPPED_BY.index(name) for name in ("refused", "max_events", "final")]
+    reasons = [refused, final & (until is None), run["stop"] == Stop.CAP]
+    places = [runs.STOPPED_BY.index(name) for name in ("refused", "final", "max_events")]
     otherwise = runs.STOPPED_BY.index("clock" if until is None else "until")
     vibration = sum(vibration_of(layout), unknown)
     stopped_by = np.select(reasons, places, otherwise)
