@@ -262,7 +262,8 @@ def test_a_cap_after_the_proof_is_not_why_a_run_ended(method, cap):
     solution = ri.solve(system[0], method=method, max_events=cap)
     assert f"The cap of {cap}" in solution.status
     assert solution.stopped_by == result.status[0] == "final"
-    assert solution.final and result.final[0]
+    assert solution.final
+    assert result.final[0]
 
 
 def test_a_cap_before_the_time_asked_for_is_no_end():
