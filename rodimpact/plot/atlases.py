@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from contextlib import suppress
 from textwrap import wrap
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from matplotlib import collections, colorbar, colors, patches
+from matplotlib import collections, colors, patches
 from matplotlib.axes import Axes
 
 from ..algebra.atlas import Atlas
@@ -23,18 +23,8 @@ WHOLE = 1e-9  # of e: as good as 1
 DERIVED = {"transit_time": ("transit time", "s"), "impedance": ("impedance", "kg/s")}
 
 
-@style.picture
-class AtlasPicture(NamedTuple):
-    """Artists of an atlas: colours of e, and borders by the kind of change."""
-
-    ax: Axes
-    cells: collections.QuadMesh
-    borders: list[collections.LineCollection]
-    colour_bar: colorbar.Colorbar
-
-
 @style.styled
-def atlas(found: Atlas, ax: Axes | None = None) -> AtlasPicture:
+def atlas(found: Atlas, ax: Axes | None = None) -> style.Picture:
     """Draw the regions of a plane: e from their formulas, and the changes at their borders.
 
     The largest regions are numbered, and their formulas are written below (extra ``sympy``).
@@ -48,7 +38,8 @@ def atlas(found: Atlas, ax: Axes | None = None) -> AtlasPicture:
 
     Returns
     -------
-    AtlasPicture
+    Picture
+        With the `cells` of e, the `borders` by the kind of change, and `colour_bar`.
 
     Examples
     --------
@@ -91,7 +82,7 @@ def atlas(found: Atlas, ax: Axes | None = None) -> AtlasPicture:
     bar = style.colour_bar(ax, cells, "coefficient of restitution e")
     style.dress(ax, handles, xlim=x[[0, -1]], ylim=y[[0, -1]], xlabel=scales[0].label,
                 ylabel=scales[1].label)
-    return AtlasPicture(ax, cells, drawn, bar)
+    return style.Picture(ax=ax, cells=cells, borders=drawn, colour_bar=bar)
 
 
 def _name_largest(ax: Axes, found: Atlas, scales: list[Scale]) -> None:

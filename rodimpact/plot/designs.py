@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,25 +13,15 @@ from ..design.pulses import PulseDesign
 from ..design.rebound import RestitutionDesign
 from ..model import Rod
 from ..model.arguments import of_kind
-from .families import Curve, side_of, sweep
+from .families import side_of, sweep
 from .scales import engineering, place_scale, time_scale
-from .style import SMALL, axes, colours, dress, legend_above, new_figure, picture, styled
+from .style import SMALL, Picture, axes, colours, dress, legend_above, new_figure, styled
 
 HARDLY = 1e-4  # a misfit that is not to be seen
 
 
-@picture
-class Design(NamedTuple):
-    """Artists of a design; `outline` is the silhouette of a stepped body, if it is drawn."""
-
-    ax: Axes
-    wanted: Line2D
-    reached: Line2D
-    outline: StepPatch | None
-
-
 @styled
-def design(found: PulseDesign | RestitutionDesign, ax: Axes | None = None) -> Design:
+def design(found: PulseDesign | RestitutionDesign, ax: Axes | None = None) -> Picture:
     """Draw the wanted result of a design and the result that its system reaches.
 
     For a pulse, both forces are drawn over time. Their misfit is the root mean square of the
@@ -48,7 +38,9 @@ def design(found: PulseDesign | RestitutionDesign, ax: Axes | None = None) -> De
 
     Returns
     -------
-    Design
+    Picture
+        With the lines `wanted` and `reached`, and the silhouette `outline` of a stepped body or
+        None.
 
     Examples
     --------
@@ -58,7 +50,7 @@ def design(found: PulseDesign | RestitutionDesign, ax: Axes | None = None) -> De
     >>> family = ri.System([left, ri.Rod(1.0, area=1e-4, material=steel)])
     >>> picture = ri.plot.design(ri.design.restitution(0.5, family))
     >>> type(picture).__name__
-    'Design'
+    'Picture'
     """
     if isinstance(found, RestitutionDesign):
         return _restitution(found, ax)
@@ -86,7 +78,7 @@ def design(found: PulseDesign | RestitutionDesign, ax: Axes | None = None) -> De
     ax.axhline(0.0, color=colours().faint, linewidth=0.6, zorder=0)
     dress(ax, [wanted, reached], xlim=(0, end * time.factor), xlabel=time.label,
           ylabel=force.label)
-    return Design(ax, wanted, reached, outline)
+    return Picture(ax=ax, wanted=wanted, reached=reached, outline=outline)
 
 
 def _silhouette(ax: Axes, rod: Rod) -> StepPatch:
@@ -108,10 +100,9 @@ def _silhouette(ax: Axes, rod: Rod) -> StepPatch:
     return body
 
 
-def _restitution(found: RestitutionDesign, ax: Axes | None) -> Design:
+def _restitution(found: RestitutionDesign, ax: Axes | None) -> Picture:
     """Draw e along the family, the wanted one, and where the system lies."""
     curve = sweep(found.family, axes(ax, 5.6, 3.6))
-    assert isinstance(curve, Curve)
     side = side_of(found.family, 0)
     values = np.asarray(found.family.axes[0][1], dtype=float)
     x = float(np.interp(found.place, np.arange(values.size), values)) * side.scale.factor
@@ -123,4 +114,4 @@ def _restitution(found: RestitutionDesign, ax: Axes | None) -> Design:
                                linestyle="", zorder=4, label=label)
     known = [each for each in (curve.theory, curve.values) if each is not None]
     legend_above(curve.ax, [*known, wanted, reached])
-    return Design(curve.ax, wanted, reached, None)
+    return Picture(ax=curve.ax, wanted=wanted, reached=reached, outline=None)

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
-from matplotlib import artist, collections, colorbar, patches
+from matplotlib import artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.text import Text
 
 from ..model import Absorbing
 from ..model.frozen import refusal
@@ -21,32 +19,8 @@ from .placing import placing
 from .plane import Plane
 from .polygons import Polygons, Raster
 from .sampling import is_stepped
-from .scales import FIELDS, Scale, axis_scales, field_scale, written
-from .style import axes, centred, check_choice, colour_bar, legend_above, picture, styled
-
-
-@picture
-class SpaceTime(NamedTuple):
-    """Artists of a space-time diagram; `ends` are the ends of the rods.
-
-    `regions` are polygons of constant state, triangles between whose corners displacements are
-    linear, or the flat cells [times, places] of a solution without fronts, masked between the rods;
-    `scale` makes the numbers of the colour bar from SI values; `walls` are fixed ends too.
-    """
-
-    ax: Axes
-    regions: collections.PolyCollection | collections.TriMesh | collections.QuadMesh
-    ends: collections.LineCollection
-    pressing: collections.LineCollection
-    touching: collections.LineCollection
-    apart: collections.LineCollection
-    walls: list[patches.Polygon]
-    labels: list[Text]
-    colour_bar: colorbar.Colorbar
-    masses: list[patches.Polygon]
-    scale: Scale
-    gauges: list[Line2D]
-    centres: list[Line2D]
+from .scales import FIELDS, axis_scales, field_scale, written
+from .style import Picture, axes, centred, check_choice, colour_bar, legend_above, styled
 
 
 @styled
@@ -55,7 +29,7 @@ def spacetime(
     dimensionless: bool = False, start: float = 0.0, stop: float | None = None,
     magnification: float | None = None, coordinates: str = "body", across: bool = False,
     *, gauges: Mapping[str, Gauge] | None = None,
-) -> SpaceTime:
+) -> Picture:
     """Draw where every piece of rod is at every time, coloured by its state.
 
     Each polygon is a region of constant velocity and strain with its exact corners. The thin lines
@@ -100,7 +74,12 @@ def spacetime(
 
     Returns
     -------
-    SpaceTime
+    Picture
+        With `regions`, polygons of constant state, triangles between whose corners displacements
+        are linear, or the flat cells [times, places] of a solution without fronts, masked between
+        the rods; collections of the `ends` of the rods, of contacts `pressing`, `touching` and
+        `apart`; lists of `walls`, which are fixed ends too, `masses`, `labels`, `gauges` and
+        `centres`; `colour_bar`; and `scale`, which makes its numbers from SI values.
 
     Raises
     ------
@@ -158,5 +137,6 @@ def spacetime(
         named.append(Line2D([], [], label="absorbing end", **mark("open")))
     legend_above(ax, named)
     pressing, touching, apart = contacts
-    return SpaceTime(ax, drawn, ends, pressing, touching, apart, walls, cut.finish(ax), bar,
-                     masses, scale, paths, centres)
+    return Picture(ax=ax, regions=drawn, ends=ends, pressing=pressing, touching=touching,
+                   apart=apart, walls=walls, labels=cut.finish(ax), colour_bar=bar, masses=masses,
+                   scale=scale, gauges=paths, centres=centres)

@@ -14,7 +14,7 @@ from itertools import groupby
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
-from matplotlib import artist, collections, colorbar, colors, contour, patches, patheffects, ticker
+from matplotlib import artist, colors, contour, patches, patheffects, ticker
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.lines import Line2D
@@ -94,41 +94,10 @@ class Shown(NamedTuple):
         return {"final": ("not proved", "proved"), "status": STATUS}.get(self.quantity, ())
 
 
-@style.picture
-class Curve(NamedTuple):
-    """Artists of a family with one axis; `theory` is the closed form, if there is one."""
-
-    ax: Axes
-    values: Line2D | patches.StepPatch
-    theory: Line2D | None
-
-
-@style.picture
-class Map(NamedTuple):
-    """Artists of a family with two axes; `theory` holds lines of equal times and impedances."""
-
-    ax: Axes
-    cells: collections.QuadMesh
-    contours: contour.QuadContourSet | None
-    labels: list[Text]
-    theory: list[contour.QuadContourSet]
-    colour_bar: colorbar.Colorbar
-
-
-@style.picture
-class Restitution(NamedTuple):
-    """Artists of restitution against the ratio of lengths."""
-
-    ax: Axes
-    law: Line2D
-    points: Line2D
-    residual: Text
-
-
 @style.styled
 def sweep(
     result: SweepResult, ax: Axes | None = None, quantity: str = "restitution"
-) -> Curve | Map:
+) -> style.Picture:
     """Draw one quantity of a family of collisions: a curve over one axis, a map over two.
 
     An axis is logarithmic if its values are closer to a geometric than to an arithmetic sequence.
@@ -147,7 +116,9 @@ def sweep(
 
     Returns
     -------
-    Curve or Map
+    Picture
+        Over one axis with the curve `values` and the closed form `theory` or None; over two with
+        `cells`, `contours` or None, their `labels`, the lines `theory` and `colour_bar`.
 
     Raises
     ------
@@ -216,7 +187,7 @@ def _dimensions(result: SweepResult) -> list[int]:
     return wide
 
 
-def _curve(ax: Axes, side: Side, shown: Shown, theory: PairTheory | None) -> Curve:
+def _curve(ax: Axes, side: Side, shown: Shown, theory: PairTheory | None) -> style.Picture:
     """Draw values over one axis."""
     _dress_side(ax, "x", side)
     ink = style.colours().ink
@@ -240,7 +211,7 @@ def _curve(ax: Axes, side: Side, shown: Shown, theory: PairTheory | None) -> Cur
     style.grid(ax)
     style.dress(ax, () if law is None else (law, drawn), ylabel=shown.scale.label,
                 ylim=(low if least > low + room else low - room, high + room))
-    return Curve(ax, drawn, law)
+    return style.Picture(ax=ax, values=drawn, theory=law)
 
 
 def _law(ax: Axes, side: Side, shown: Shown, theory: PairTheory) -> Line2D:
@@ -275,7 +246,9 @@ def _jumps(values: Floats) -> NDArray[np.bool_]:
     return np.asarray(steps > np.maximum(LEAP * np.nanmedian(around, axis=-1), least))
 
 
-def _map(ax: Axes, across: Side, up: Side, shown: Shown, theory: PairTheory | None) -> Map:
+def _map(
+    ax: Axes, across: Side, up: Side, shown: Shown, theory: PairTheory | None
+) -> style.Picture:
     """Draw values over two axes, the first one to the right."""
     palette, norm = _colours(shown)
     cells = ax.pcolormesh(across.edges, up.edges, np.ma.masked_invalid(shown.values.T),
@@ -303,7 +276,8 @@ def _map(ax: Axes, across: Side, up: Side, shown: Shown, theory: PairTheory | No
     if shown.is_count:
         _count_ticks(bar.ax.yaxis, shown)
     style.dress(ax, handles)
-    return Map(ax, cells, contours, labels, lines, bar)
+    return style.Picture(ax=ax, cells=cells, contours=contours, labels=labels, theory=lines,
+                         colour_bar=bar)
 
 
 def _colours(shown: Shown) -> tuple[colors.Colormap, colors.Normalize]:
@@ -409,7 +383,7 @@ def _count_ticks(axis: Axis, shown: Shown) -> None:
 
 
 @style.styled
-def restitution(ratios: ArrayLike, values: ArrayLike, ax: Axes | None = None) -> Restitution:
+def restitution(ratios: ArrayLike, values: ArrayLike, ax: Axes | None = None) -> style.Picture:
     """Draw computed coefficients of restitution against the law e = l1/l2, and note the residual.
 
     The law holds for two rods of one material and cross-section, the second at rest inside and
@@ -426,7 +400,8 @@ def restitution(ratios: ArrayLike, values: ArrayLike, ax: Axes | None = None) ->
 
     Returns
     -------
-    Restitution
+    Picture
+        With `law`, `points` and the text `residual`.
 
     Raises
     ------
@@ -459,4 +434,4 @@ def restitution(ratios: ArrayLike, values: ArrayLike, ax: Axes | None = None) ->
     ax.legend(loc="upper left", frameon=False, fontsize=style.SMALL + 1)
     style.dress(ax, xlim=(0, reach), ylim=(0, max(reach, 1.05 * float(e.max()))), aspect="equal",
                 xlabel="ratio of lengths ℓ₁/ℓ₂", ylabel="coefficient of restitution e")
-    return Restitution(ax, law, points, residual)
+    return style.Picture(ax=ax, law=law, points=points, residual=residual)

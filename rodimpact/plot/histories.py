@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle, StepPatch
 from matplotlib.text import Annotation
 
@@ -35,21 +34,10 @@ MICROSECONDS = (1e-6, 0.05)  # the same for times, s
 FAINTEST = 0.01  # of the largest strain that a wave carries: less is no pulse
 
 
-@style.picture
-class Contact(NamedTuple):
-    """Artists of the history of contacts: steps of force, lines of gap, marked times."""
-
-    force_ax: Axes
-    gap_ax: Axes
-    forces: list[StepPatch]
-    gaps: list[Line2D]
-    marks: list[Annotation]
-
-
 @style.styled
 def contact(
     solution: Solution, ax: Sequence[Axes] | None = None, contact: int | Sequence[int] = 0
-) -> Contact:
+) -> style.Picture:
     """Draw force and gap of a contact, or of several together, against time.
 
     A negative gap is the overlap of a compliant contact; the gap of a joint is its extension. The
@@ -68,7 +56,9 @@ def contact(
 
     Returns
     -------
-    Contact
+    Picture
+        With `force_ax` and `gap_ax`, a step patch for each of `forces`, lines of `gaps`, and the
+        annotations `marks`.
 
     Raises
     ------
@@ -118,7 +108,8 @@ def contact(
         style.dress(each, named, ylabel=style.broken(label, style.extent(each)[1]),
                     xlim=(0, solution.t_end * time), ylim=(1.1 * low, high))
     marks = [] if len(gaps) > 1 else _marks(solution, drawn, force_ax, gap_ax)
-    return Contact(force_ax, gap_ax, forces, gaps, marks)
+    return style.Picture(ax=force_ax, force_ax=force_ax, gap_ax=gap_ax, forces=forces, gaps=gaps,
+                         marks=marks)
 
 
 class Forces:
@@ -221,22 +212,10 @@ def _marks(
     return marks
 
 
-@style.picture
-class GaugeRecord(NamedTuple):
-    """Artists of a strain gauge's record; `windows` are shaded, by name."""
-
-    ax: Axes
-    strain: StepPatch
-    rightward: StepPatch
-    leftward: StepPatch
-    transmitted: StepPatch | None
-    windows: dict[str, Rectangle]
-
-
 @style.styled
 def gauge(
     record: Gauge, ax: Axes | None = None, transmitted: Gauge | None = None
-) -> GaugeRecord:
+) -> style.Picture:
     """Draw the record of a strain gauge, its two waves, and its pulses.
 
     The first wave at the gauge is the incident pulse. The first later wave in the opposite
@@ -260,7 +239,9 @@ def gauge(
 
     Returns
     -------
-    GaugeRecord
+    Picture
+        With the steps `strain`, `rightward`, `leftward`, and `transmitted` or None; the rectangles
+        `windows` of the pulses by name.
 
     Raises
     ------
@@ -321,7 +302,8 @@ def gauge(
     lines = (strain, rightward, leftward, beyond, *windows.values())
     places = listed([f"{r.name} at {place_scale(r.x).write(r.x)}" for r in records])
     style.legend_above(ax, [line for line in lines if line is not None], title=f"gauge on {places}")
-    return GaugeRecord(ax, strain, rightward, leftward, beyond, windows)
+    return style.Picture(ax=ax, strain=strain, rightward=rightward, leftward=leftward,
+                         transmitted=beyond, windows=windows)
 
 
 class _Pulse(NamedTuple):

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from typing import NamedTuple
 
 import numpy as np
-from matplotlib import artist, collections
+from matplotlib import artist
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
 from ..methods.groups import movable
@@ -20,7 +18,7 @@ from .moments import contact_turns
 from .placing import placing
 from .sampling import is_stepped
 from .scales import ROUND_OFF, engineering, listed, time_scale, written
-from .style import INK, SMALL, axes, dress, legend_above, picture, styled
+from .style import INK, SMALL, Picture, axes, dress, legend_above, styled
 
 SAMPLES = 41  # energies bend like parabolas where a force acts
 STATES_SUMMED = 60_000  # of segments at all samples together
@@ -37,18 +35,8 @@ ALWAYS = ("kinetic", "vibrational_kinetic", "strain")
 WORKS = {"wall_work": "the walls", "drive_work": "the driven ends", "gravity_work": "gravity"}
 
 
-@picture
-class Energy(NamedTuple):
-    """Artists of an energy ledger; `work` is the line of what works add, if any."""
-
-    ax: Axes
-    bands: list[collections.PolyCollection]
-    labels: list[Text]
-    work: Line2D | None
-
-
 @styled
-def energy(solution: Solution, ax: Axes | None = None) -> Energy:
+def energy(solution: Solution, ax: Axes | None = None) -> Picture:
     """Draw the energy of all bodies against time: moving as a whole, vibration, and strain.
 
     Further bands show the energy stored in compliant contacts, lost in contacts and in damped
@@ -65,7 +53,8 @@ def energy(solution: Solution, ax: Axes | None = None) -> Energy:
 
     Returns
     -------
-    Energy
+    Picture
+        With the stacked `bands`, their `labels`, and the line `work` of what works add, or None.
 
     Raises
     ------
@@ -115,7 +104,7 @@ def energy(solution: Solution, ax: Axes | None = None) -> Energy:
         elif part.max() > ROUND_OFF * total.max():
             missing.append(band)
     legend_above(ax, missing)
-    return Energy(ax, bands, labels, work)
+    return Picture(ax=ax, bands=bands, labels=labels, work=work)
 
 
 def _times(solution: Solution) -> Floats:

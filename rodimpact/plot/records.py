@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
 from matplotlib.lines import Line2D
 
 from ..fitting.result import Fit
@@ -20,27 +19,14 @@ from ..records.signal import Signal
 from ..units import TIMES, shown
 from .sampling import telling
 from .scales import engineering, signed
-from .style import SMALL, colours, dress, grid, new_figure, picture, styled, two_axes
-
-
-@picture
-class Comparison(NamedTuple):
-    """Artists of a comparison, and its numbers; the band is there if it was given."""
-
-    ax: Axes
-    residual_ax: Axes
-    measured: Line2D
-    predicted: Line2D
-    residual: Line2D
-    band: PolyCollection | None
-    misfit: Misfit
+from .style import SMALL, Picture, colours, dress, grid, new_figure, styled, two_axes
 
 
 @styled
 def comparison(
     measured: Signal, predicted: Signal, ax: Sequence[Axes] | None = None, *,
     shift: Bounds | None = None, scale: Bounds | None = None, band: Signal | None = None,
-) -> Comparison:
+) -> Picture:
     """Draw a record over its prediction, and below the residual, measured minus predicted.
 
     The prediction is drawn with the given shift and scale, by default with those of the smallest
@@ -63,7 +49,9 @@ def comparison(
 
     Returns
     -------
-    Comparison
+    Picture
+        With `residual_ax`, the lines `measured`, `predicted` and `residual`, the `band` or None,
+        and the numbers `misfit`.
 
     Raises
     ------
@@ -122,10 +110,11 @@ def comparison(
     lower.set_ylim(-reach, reach)
     lower.text(0.01, 0.97, f"misfit {100 * found.rms:.3g} % of the plateau",
                transform=lower.transAxes, va="top", fontsize=SMALL + 1, color=colours().ink)
-    return Comparison(upper, lower, one, other, left, area, found)
+    return Picture(ax=upper, residual_ax=lower, measured=one, predicted=other, residual=left,
+                   band=area, misfit=found)
 
 
-def fit(found: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Comparison:
+def fit(found: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Picture:
     """Draw a record over its prediction with a band of two standard errors, the residual below.
 
     The band follows from the standard errors of the fitted numbers; it does not include model
@@ -141,7 +130,8 @@ def fit(found: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Compar
 
     Returns
     -------
-    Comparison
+    Picture
+        That of `comparison`.
 
     Raises
     ------
@@ -160,7 +150,7 @@ def fit(found: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Compar
     ...                {"bodies.0.velocity": (1.0, 20.0)}, until=2e-4, starts=1)
     >>> picture = ri.plot.fit(found)
     >>> type(picture).__name__
-    'Comparison'
+    'Picture'
     """
     of_kind("found", found, Fit, "fit(system, measured, vary, until)")
     if type(record) is not int or not 0 <= record < len(found.measured):
@@ -195,20 +185,8 @@ def _adjusted(measured: Signal, predicted: Signal, found: Misfit) -> str:
     return text
 
 
-@picture
-class Reduced(NamedTuple):
-    """Artists of a reduction."""
-
-    ax: Axes
-    rate_ax: Axes
-    stress: Line2D
-    two_wave: Line2D
-    band: PolyCollection
-    rate: Line2D
-
-
 @styled
-def reduction(found: Reduction, ax: Sequence[Axes] | None = None) -> Reduced:
+def reduction(found: Reduction, ax: Sequence[Axes] | None = None) -> Picture:
     """Draw the stress of a specimen over its strain up to the largest, and below the strain rate.
 
     The stress from the transmitted wave has an error band. Where the stress from the incident and
@@ -222,7 +200,8 @@ def reduction(found: Reduction, ax: Sequence[Axes] | None = None) -> Reduced:
 
     Returns
     -------
-    Reduced
+    Picture
+        With `rate_ax`, the lines `stress`, `two_wave` and `rate`, and the `band`.
 
     Raises
     ------
@@ -265,4 +244,4 @@ def reduction(found: Reduction, ax: Sequence[Axes] | None = None) -> Reduced:
     for each in (upper, lower):
         grid(each)
         each.set_ylim(bottom=0)
-    return Reduced(upper, lower, one, two, band, rate)
+    return Picture(ax=upper, rate_ax=lower, stress=one, two_wave=two, band=band, rate=rate)

@@ -5,12 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from itertools import compress
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from matplotlib import collections, colorbar, patches
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
 from ..methods.signals import Floats
@@ -29,30 +27,11 @@ from .sampling import is_stepped
 ALIKE = 0.02  # velocities of a stretch that bears one label, in parts of the largest
 
 
-@style.picture
-class Snapshots(NamedTuple):
-    """Artists of snapshots; `bars` holds a polygon for each uniform piece, row by row.
-
-    Without fronts, each rod consists of many pieces with an outline, and there is a colour bar;
-    `walls` are fixed ends too.
-    """
-
-    ax: Axes
-    times: Floats
-    bars: collections.PolyCollection
-    labels: list[Text]
-    fronts: list[Line2D]
-    walls: list[patches.Rectangle]
-    masses: list[patches.Rectangle]
-    outlines: collections.LineCollection | None
-    colour_bar: colorbar.Colorbar | None
-
-
 @style.styled
 def snapshots(
     solution: Solution, ax: Axes | None = None, times: Sequence[float] | Floats | None = None,
     magnification: float | None = None, gauges: Mapping[str, Gauge] | None = None,
-) -> Snapshots:
+) -> style.Picture:
     """Draw the row at chosen times, one below the other, coloured by velocity.
 
     Every uniform piece is labelled with its velocity in the frame of the picture, as a multiple of
@@ -78,7 +57,10 @@ def snapshots(
 
     Returns
     -------
-    Snapshots
+    Picture
+        With `bars`, a polygon for each uniform piece, row by row (without fronts, many pieces to a
+        rod, with `outlines` and a `colour_bar`, otherwise None); `times`, `labels`, `fronts`,
+        `walls`, which are fixed ends too, and `masses`.
 
     Raises
     ------
@@ -141,7 +123,8 @@ def snapshots(
         if wide and isinstance(body, Rod):
             middle = float(plan.middle(i, when[0])) * place.factor
             _write(ax, middle, 0.5, names[i], ink, "bottom")
-    return Snapshots(ax, when, bars, labels, fronts, walls, masses, outlines, bar)
+    return style.Picture(ax=ax, times=when, bars=bars, labels=labels, fronts=fronts, walls=walls,
+                         masses=masses, outlines=outlines, colour_bar=bar)
 
 
 class Speeds:

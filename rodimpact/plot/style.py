@@ -15,6 +15,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import wraps
+from types import SimpleNamespace
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
@@ -48,7 +49,6 @@ ON_DARK = colors.LinearSegmentedColormap.from_list(
 
 P = ParamSpec("P")
 R = TypeVar("R")
-Kind = TypeVar("Kind", bound=type)
 
 
 class Colours(NamedTuple):
@@ -166,10 +166,16 @@ class Sheet(Figure):
         return memory.getvalue()
 
 
-def picture(kind: Kind) -> Kind:
-    """Class decorator: in a notebook such a picture shows its figure instead of its artists."""
-    kind._repr_png_ = lambda drawn: Sheet._repr_png_(figure_of(drawn))  # type: ignore[attr-defined]
-    return kind
+class Picture(SimpleNamespace):
+    """The Axes `ax` and the artists that a function has drawn, by name.
+
+    A notebook shows its figure.
+    """
+
+    ax: Axes
+
+    def _repr_png_(self) -> bytes:
+        return Sheet._repr_png_(figure_of(self))
 
 
 def figure_of(drawn: Any) -> Any:
@@ -180,7 +186,7 @@ def figure_of(drawn: Any) -> Any:
     ValueError
         If it has none.
     """
-    axes = getattr(drawn, "ax", getattr(drawn, "force_ax", drawn))
+    axes = getattr(drawn, "ax", drawn)
     figure = getattr(axes, "figure", axes)
     if not isinstance(figure, Figure):
         raise refusal("picture", f"must be a figure, axes or a picture of them, got {drawn!r}")
