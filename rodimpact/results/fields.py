@@ -6,7 +6,6 @@ A method that finds end signals has `WaveFields`, one that finds states on a gri
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
 from functools import cached_property
 from itertools import accumulate
 from typing import Any, NamedTuple
@@ -15,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods.clock import Clock
+from ..methods.run import Signals
 from ..methods.signals import Floats, Ints, Pieces, Side
 from ..model import Material, Rod, Wall
 from ..model.arguments import array
@@ -55,12 +55,6 @@ def to_side(ticks: Ints, side: Side) -> Ints:
     return ticks + (ticks >> 51) if side == "right" else ticks - (ticks >> 51)
 
 
-def nearest(marks: Ints, ticks: Ints) -> Ints:
-    """The nearest of increasing marks to ticks."""
-    middles = (marks[1:] + marks[:-1]) / 2
-    return np.asarray(marks[np.searchsorted(middles, ticks, "right")])
-
-
 class Fields(ABC):
     """What a solution asks of the state of a row: at any place and time, and of whole bodies.
 
@@ -69,20 +63,14 @@ class Fields(ABC):
     clock : Clock
     end : int
         Last tick.
-    masses : mapping of int to Pieces
-        Velocities of rigid masses, by body, m/s, in the frame `clock.frame`, which falls with
-        `clock.gravity`.
-    edges : [n] array of int, optional
-        Ticks from 0 to `end` at which energies are known, where signals are means over time steps:
-        of a grid, and of characteristics in files of schema 3.
+    signals : Signals
+        Its motion, and the velocities of rigid masses, by body, m/s, in the frame `clock.frame`,
+        which falls with `clock.gravity`.
     """
 
-    def __init__(
-        self, clock: Clock, end: int, masses: Mapping[int, Pieces] | None = None,
-        edges: Ints | None = None,
-    ) -> None:
-        self.clock, self.end = clock, end
-        self.masses, self.steps = masses or {}, edges
+    def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
+        self.clock, self.end, self.signals = clock, end, signals
+        self.motion, self.masses = signals.motion, signals.masses
 
     resolution = 1
     """Ticks in which nothing is resolved: of a grid those of its step."""
@@ -139,9 +127,19 @@ class Fields(ABC):
     def profile(self, body: int, tick: int) -> Profile:
         """State just after `tick`, in pieces of constant velocity and strain."""
 
+    @property
+    def known(self) -> Ints | None:
+        """Increasing ticks at which alone energies are known; None where they are at all ticks.
+
+        Signals are means over time steps on a grid, and of characteristics in files of schema 3.
+        """
+        return self.signals.edges
+
     def nearest_known(self, ticks: Ints) -> Ints:
         """The nearest ticks at which energies are known."""
-        return ticks if self.steps is None else nearest(self.steps, ticks)
+        if (known := self.known) is None:
+            return ticks
+        return known[np.searchsorted((known[1:] + known[:-1]) / 2, ticks, "right")]
 
     def damped(self, ticks: Ints) -> Floats:
         """Energy lost in damped material since t = 0, J, at whole ticks."""

@@ -18,13 +18,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..methods.clock import Clock
-from ..methods.grid.mesh import STEP_TICKS, GridMotion
-from ..methods.run import Signals
+from ..methods.grid.mesh import STEP_TICKS
 from ..methods.signals import Floats, Ints, Pieces, Side
 from ..model import Material, Rod
 from ..model.profiles import Samples
-from .fields import Fields, Profile, Trace, nearest
+from .fields import Fields, Profile, Trace
 
 _FAINT = np.errstate(under="ignore")  # ahead of the waves strains are next to nothing
 
@@ -41,11 +39,11 @@ class GridFields(Fields):
         Whose motion is a `GridMotion`.
     """
 
-    def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
-        super().__init__(clock, end, signals.masses, signals.edges)
-        self.motion: GridMotion = signals.motion
-
     resolution = STEP_TICKS
+
+    @property
+    def known(self) -> Ints:
+        return np.asarray(self.motion.when * STEP_TICKS)
 
     @property
     def _step(self) -> float:
@@ -55,7 +53,7 @@ class GridFields(Fields):
 
     def _when(self, ticks: Ints) -> tuple[Ints, Floats]:
         """The state before each tick, and the share of the next one."""
-        when = self.motion.when * STEP_TICKS
+        when = self.known
         if len(when) == 1:
             return np.zeros(np.shape(ticks), np.int64), np.zeros(np.shape(ticks))
         i = np.clip(np.searchsorted(when, ticks, "right") - 1, 0, len(when) - 2)
@@ -235,7 +233,7 @@ class GridFields(Fields):
     @_FAINT
     def trace(self, body: int, x: float) -> Trace:
         a = self.clock
-        ticks = self.motion.when * STEP_TICKS
+        ticks = self.known
         c = a.wave_speed[int(self.locate(body, x)[0])]
         v = self._at_nodes(self.motion.velocity, body, x, ticks)
         stretch = c * self._at_cells(self._stretch, body, x, ticks)
@@ -277,9 +275,6 @@ class GridFields(Fields):
         if float(material.viscosity):
             stress = stress + float(material.viscosity) * self._stretching[:, columns]
         return float(np.abs(stress).max())
-
-    def nearest_known(self, ticks: Ints) -> Ints:
-        return nearest(self.motion.when * STEP_TICKS, ticks)
 
     def damped(self, ticks: Ints) -> Floats:
         place = np.searchsorted(self.motion.when, ticks // STEP_TICKS)

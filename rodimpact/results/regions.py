@@ -158,9 +158,9 @@ def _rods(solution: Solution, fields: WaveFields) -> list[dict[str, Any]]:
     """The rods with their waves, as `polygons_of` has them."""
     a = fields.clock
     return [{"body": body, "pieces": [
-        {"ticks": a.ticks[s], "length": a.length[s], "wave_speed": a.wave_speed[s],
+        {"ticks": T, "length": a.length[s], "wave_speed": a.wave_speed[s],
          "youngs_modulus": float(rod.segments[s - a.spans[body][0]].material.youngs_modulus),
          **{name: wave_of(wave.ticks.tolist(), wave.values.tolist())
-            for name, wave in zip(("rightward", "leftward"), fields.waves(s), strict=True)}}
-        for s in range(a.spans[body][0], a.spans[body][1] + 1)
+            for name, wave in (("rightward", A), ("leftward", B))}}
+        for s, T, A, B in fields.along(body)
     ]} for body, rod in enumerate(solution.system.bodies) if isinstance(rod, Rod)]

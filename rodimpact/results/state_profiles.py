@@ -37,12 +37,12 @@ def state_profiles(fields: Fields, body: int, tick: int) -> tuple[Number | Steps
 
 def _distances(fields: WaveFields, body: int, tick: int) -> tuple[int, float]:
     """How many distances between samples the waves in a rod need, 0 if none; the largest wave."""
-    a, (first, last) = fields.clock, fields.clock.spans[body]
+    a, length = fields.clock, float(fields.edges(body)[-1])
     scale = swing = bend = 0.0
-    for s in range(first, last + 1):
-        speed = a.ticks[s] / a.length[s]  # ticks a m
-        for wave in fields.waves(s):
-            inside = wave.within(tick - a.ticks[s], tick)
+    for s, T, *waves in fields.along(body):
+        speed = T / a.length[s]  # ticks a m
+        for wave in waves:
+            inside = wave.within(tick - T, tick)
             scale = max(scale, float(np.abs(inside.coefficients).sum(axis=1).max()))
             swings = np.abs(inside.coefficients[:, 1:]).sum(axis=1)
             swing = max(swing, float(swings.max(initial=0.0)))
@@ -50,7 +50,6 @@ def _distances(fields: WaveFields, body: int, tick: int) -> tuple[int, float]:
     if swing <= FLAT * scale:
         return 0, scale
     # a straight line over h is off by h^2/8 of the second derivative, a mean over h by h^2/24
-    length = math.fsum(a.length[first : last + 1])
     needed = length * math.sqrt(bend / (6 * ACCURACY * scale))
     return int(min(max(FEWEST, math.ceil(needed)), MOST)), scale
 
@@ -61,10 +60,10 @@ def _samples(fields: WaveFields, body: int, tick: int, count: int) -> tuple[Samp
     borders = corners[-1] / count * (np.arange(count + 2) - 0.5)
     borders[[0, -1]] = 0.0, corners[-1]
     moved = stretched = np.zeros(count + 2)
-    for i, s in enumerate(range(a.spans[body][0], a.spans[body][1] + 1)):
-        T, share = a.ticks[s], (borders - corners[i]) / a.length[s]
+    for (s, T, *waves), corner in zip(fields.along(body), corners, strict=False):
+        share = (borders - corner) / a.length[s]
         offset = np.rint(np.clip(share, 0.0, 1.0) * T).astype(np.int64)
-        A, B = (wave.within(tick - T, tick) for wave in fields.waves(s))
+        A, B = (wave.within(tick - T, tick) for wave in waves)
         right, left = A.integral(tick - offset, tick), B.integral(tick - T, tick - T + offset)
         moved = moved + (left + right) / 2 * (a.length[s] / T)
         stretched = stretched + (left - right) / 2 * (a.length[s] / T / a.wave_speed[s])

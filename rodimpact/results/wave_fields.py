@@ -7,19 +7,18 @@ momentum and energy. Times are rounded to the nearest tick, so that one-sided li
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods import kernels
-from ..methods.clock import Clock
 from ..methods.compiling import as_objects
 from ..methods.fronts.records import NONE, ROW
 from ..methods.fronts.stock import largest_difference
-from ..methods.run import Signals
 from ..methods.signals import (
     Floats,
     Ints,
@@ -48,20 +47,20 @@ class WaveFields(Fields):
         Whose motion is `Waves`.
     """
 
-    def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
-        super().__init__(clock, end, signals.masses, signals.edges)
-        self.signals: Sequence[Pieces | None] = signals.motion.lines
-
     def waves(self, segment: int) -> tuple[Pieces, Pieces]:
         """Signals leaving the left and the right end of a segment."""
-        a, b = self.signals[2 * segment], self.signals[2 * segment + 1]
-        assert a is not None
-        assert b is not None
-        return a, b
+        left, right = self.motion.lines[2 * segment : 2 * segment + 2]
+        return left, right
+
+    def along(self, body: int) -> Iterator[tuple[int, int, Pieces, Pieces]]:
+        """Segments of a rod from left to right: place in the row, transit time, both signals."""
+        first, last = self.clock.spans[body]
+        for s in range(first, last + 1):
+            yield s, self.clock.ticks[s], *self.waves(s)
 
     @cached_property
     def constant_between_fronts(self) -> bool:
-        return all(wave is None or wave.size == 1 for wave in self.signals)
+        return all(wave is None or wave.size == 1 for wave in self.motion.lines)
 
     # Where ------------------------------------------------------------------------------------
 
@@ -89,13 +88,12 @@ class WaveFields(Fields):
         ticks = self.to_ticks(t, side)
         if (side == "right" and self.constant_between_fronts and ticks.ndim == 1
                 and np.shape(x) == (np.size(x) or 1, 1) and np.all(ticks[1:] >= ticks[:-1])):
-            segment, offset = self._offset(body, x)
-            rows = {s: np.flatnonzero(segment == s) for s in np.unique(segment).tolist()}
-            grids = [self._on_grid(s, offset[here, 0], ticks, sign, factor(s), shift)
-                     for s, here in rows.items()]
-            if len(grids) == 1:
-                return grids[0]
-            return np.concatenate(grids)[np.argsort(np.concatenate([*rows.values()]))]
+            segment, offset = (of[:, 0] for of in self._offset(body, x))
+            out = np.empty((len(segment), len(ticks)))
+            for s in np.unique(segment).tolist():
+                here = segment == s
+                out[here] = self._on_grid(s, offset[here], ticks, sign, factor(s), shift)
+            return out
 
         def both(s: int, p: Ints, q: Ints) -> Floats:
             A, B = self.waves(s)
@@ -152,12 +150,11 @@ class WaveFields(Fields):
         """Initial displacement of each segment's left end."""
         a = self.clock
         starts = [0.0] * len(a.ticks)
-        for first, last in a.spans:
-            for s in range(first, last):
-                A, B = self.waves(s)
-                T = a.ticks[s]
-                stretch = float(A.integral(0, -T) + B.integral(-T, 0)) / 2
-                starts[s + 1] = starts[s] + stretch * a.tick
+        for body in range(len(a.spans)):
+            left = 0.0
+            for s, T, A, B in self.along(body):
+                starts[s] = left
+                left += float(A.integral(0, -T) + B.integral(-T, 0)) / 2 * a.tick
         return starts
 
     def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:
@@ -175,14 +172,10 @@ class WaveFields(Fields):
         a = self.clock
         segment, offset = (int(v) for v in self._offset(body, x))
         A, B = self.waves(segment)
-        T = a.ticks[segment]
-        delays = offset, T - offset
-        ticks = each_once([0], A.breaks + offset, B.breaks + (T - offset))
+        right, left = A.later(offset), B.later(a.ticks[segment] - offset)
+        ticks = each_once([0], right.breaks, left.breaks)
         ticks = ticks[(ticks >= 0) & (ticks <= self.end)]
-        right, left = (
-            wave.later(delay).cut(ticks, self.end)
-            for wave, delay in zip((A, B), delays, strict=True)
-        )
+        right, left = right.cut(ticks, self.end), left.cut(ticks, self.end)
         return Trace(right, left, difference(left, right), a.wave_speed[segment])
 
     # Integrals over bodies ----------------------------------------------------------------------
@@ -190,23 +183,16 @@ class WaveFields(Fields):
     def momentum(self, body: int, t: ArrayLike) -> Floats:
         ticks, a = self.to_ticks(t), self.clock
         total: Any = 0.0
-        first, last = a.spans[body]
-        for s in range(first, last + 1):
-            A, B = self.waves(s)
-            T = a.ticks[s]
+        for s, T, A, B in self.along(body):
             inside = A.integral(ticks - T, ticks) + B.integral(ticks - T, ticks)
             total = total + a.impedance[s] * (inside / 2 + a.frame * T) * a.tick
-        if a.gravity:
-            total = total + a.mass(body) * self._fallen(t)
-        return np.asarray(total)
+        return np.asarray(total + a.mass(body) * self._fallen(t))
 
     def energy(self, body: int, tick: int, velocity: float) -> tuple[float, float]:
         a = self.clock
         kinetic = strain = 0.0
-        first, last = a.spans[body]
-        for s in range(first, last + 1):
-            A, B = self.waves(s)
-            T, V = a.ticks[s], velocity - a.frame - a.gravity * tick * a.tick
+        V = velocity - a.frame - a.gravity * tick * a.tick
+        for s, T, A, B in self.along(body):
             A, B = (wave.within(tick - T, tick).plus(-V) for wave in (A, B))
             both = sum(integral_of_product(w, w, tick - T, tick) for w in (A, B)) / 4
             crossed = integral_of_product(A, B, tick - T, tick, about=2 * tick - T) / 2
@@ -233,23 +219,19 @@ class WaveFields(Fields):
         return float(material.youngs_modulus * parted / (2 * self.clock.wave_speed[segment]))
 
     def profile(self, body: int, tick: int) -> Profile:
-        a = self.clock
-        first, last = a.spans[body]
-        starts = self.edges(body)
-        edges, velocity, strain, segments = [0.0], [], [], []
-        for s in range(first, last + 1):
-            A, B = self.waves(s)
-            T = a.ticks[s]
+        a, places, segments = self.clock, [np.zeros(1)], list[Ints]()
+        velocity, strain = list[Floats](), list[Floats]()
+        drift = a.frame + a.gravity * tick * a.tick
+        ends = pairwise(self.edges(body))
+        for (s, T, A, B), (start, stop) in zip(self.along(body), ends, strict=True):
             cuts = each_once(tick - A.within(tick - T, tick).marks,
                              B.within(tick - T, tick).marks - tick + T)
             unsure = tick >> 51  # it comes from a time: what left within that has just left
             bounds = np.concatenate(([0], cuts[(cuts > unsure) & (cuts < T - unsure)], [T]))
             right = A.means(tick - bounds[1:], tick - bounds[:-1])
             left = B.means(tick - T + bounds[:-1], tick - T + bounds[1:])
-            x0, L = starts[s - first], a.length[s]
-            edges += [*(x0 + L * (bounds[1:-1] / T)).tolist(), float(starts[s - first + 1])]
-            drift = a.frame + a.gravity * tick * a.tick
-            velocity += ((right + left) / 2 + drift).tolist()
-            strain += ((left - right) * (0.5 / a.wave_speed[s])).tolist()
-            segments += [s] * (len(bounds) - 1)
-        return Profile(np.array(edges), np.array(velocity), np.array(strain), np.array(segments))
+            places += [start + a.length[s] * (bounds[1:-1] / T), [stop]]
+            velocity.append((right + left) / 2 + drift)
+            strain.append((left - right) * (0.5 / a.wave_speed[s]))
+            segments.append(np.full(len(right), s))
+        return Profile(*map(np.concatenate, (places, velocity, strain, segments)))
