@@ -1,16 +1,17 @@
-"""Where the energy is, and what brought it there."""
+"""Where the energy is, and what brought it there: at any times, and over a whole run."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..methods.run import INWARD, Outside
-from ..methods.signals import Floats, product
-from .bonded_groups import BondedGroups
+from ..methods.groups import groups, movable, velocities_in_group
+from ..methods.run import INWARD, Run, Totals
+from ..methods.signals import Floats, Ints, product
+from ..model import Rod
 from .contacts import ContactHistory
 from .fields import Fields
 
@@ -79,38 +80,81 @@ class EnergyLedger:
         return self.kinetic + self.vibration + self.contact
 
 
+class BondedGroups(NamedTuple):
+    """Groups of bonded bodies at some times; without walls and what is bonded to them.
+
+    ticks [time]; bodies [group]: the bodies that can move against the walls; mass [group] in kg;
+    velocity [group, time] of the centre of mass, momentum over mass, in m/s; moving, strained
+    [body, time]: kinetic energy relative to that velocity, and strain energy, in J, 0 for a wall.
+    """
+
+    ticks: Ints
+    bodies: list[list[int]]
+    mass: Floats
+    velocity: Floats
+    moving: Floats
+    strained: Floats
+
+    @property
+    def momentum(self) -> Floats:
+        """Of all groups together, by time, kg m/s."""
+        return np.asarray(np.sum(self.mass[:, None] * self.velocity, axis=0))
+
+    @property
+    def kinetic(self) -> Floats:
+        """Energy of the motion of the centres of mass, by time, J."""
+        return np.asarray(np.sum(self.mass[:, None] * self.velocity**2, axis=0) / 2)
+
+
+def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
+    """Velocities and energies of the groups at [n] ticks at which the fields know energies."""
+    a, system, times = fields.clock, fields.clock.system, ticks * fields.clock.tick
+    free, rods = movable(system), [isinstance(body, Rod) for body in system.bodies]
+    bodies = [inside for group in groups(system) if (inside := [i for i in group if i in free])]
+    masses, velocities = [], np.zeros((len(bodies), len(ticks)))
+    moving, strained = np.zeros((2, len(system.bodies), len(ticks)))
+    for velocity, inside in zip(velocities, bodies, strict=True):
+        masses.append(sum(a.mass(i) for i in inside))
+        velocity[:] = sum(
+            fields.momentum(i, times) if rods[i] else a.mass(i) * fields.rigid_velocity(i, times)
+            for i in inside) / masses[-1]
+        for i in inside:
+            if rods[i]:
+                known = zip(ticks.tolist(), velocity.tolist(), strict=True)
+                moving[i], strained[i] = np.transpose([fields.energy(i, *at) for at in known])
+            else:
+                off = fields.rigid_velocity(i, times) - velocity
+                moving[i] = a.mass(i) * off * off / 2
+    return BondedGroups(ticks, bodies, np.array(masses), velocities, moving, strained)
+
+
 def stored(law: Any, gap: Floats) -> Floats:
     """Energy in a contact whose gap is minus the indentation, or in a joint, J."""
-    x = -np.asarray(gap)
-    if law.opens:
-        x = np.maximum(x, 0.0)
+    x = np.maximum(-gap, 0.0) if law.opens else -gap
     return np.asarray(law.stored(x)) if hasattr(law, "stored") else np.zeros(x.shape)
 
 
 def ledger(
-    fields: Fields, contacts: Sequence[ContactHistory],
-    outside: tuple[Outside | None, Outside | None], states: BondedGroups,
+    fields: Fields, contacts: Sequence[ContactHistory], states: BondedGroups
 ) -> EnergyLedger:
     """Energy ledger at the ticks of the states, the first of which is 0."""
     a, ticks = fields.clock, states.ticks
     t = ticks * a.tick
     works = {kind: np.zeros(t.shape) for kind in ("wall", "drive", "absorbing")}
     path = (states.mass.sum() * a.gravity * t / 2 + states.momentum[0]) * t
-    for side, sign in zip(outside, INWARD, strict=True):
+    for side, sign in zip(fields.signals.outside, INWARD, strict=True):
         if side is not None:
             power = product(side.push, side.speed)
             works[side.kind] += sign * power.integral(0, ticks) * a.tick
             path = path + sign * side.push.integrated_twice(ticks) * a.tick * a.tick
     fallen = a.gravity * path if a.gravity else np.zeros(t.shape)
-    contact, dissipated, numerical = (np.zeros(t.shape) for _ in range(3))
+    contact, dissipated, numerical = np.zeros((3, *t.shape))
     for history in contacts:
         energy = stored(history.law, history.gap(t))
-        lost = history.work_until(t) - (energy - energy[0])
         contact += energy
-        if getattr(history.law, "restitution", 0.0) is None:
-            numerical += lost
-        else:
-            dissipated += lost
+        meets = getattr(history.law, "restitution", 0.0) is None
+        lost = numerical if meets else dissipated
+        lost += history.work_until(t) - (energy - energy[0])
     damped = fields.damped(ticks)
     in_bodies = states.kinetic, states.moving.sum(axis=0), states.strained.sum(axis=0)
     missing = sum(x - x[0] for x in in_bodies) + contact - contact[0]
@@ -120,4 +164,48 @@ def ledger(
     return EnergyLedger(
         *in_bodies, contact, dissipated, damped, numerical, -works["absorbing"], works["wall"],
         works["drive"], fallen, missing,
+    )
+
+
+WORKS = ("wall_work", "drive_work", "gravity_work", "radiated", "dissipated", "damped", "numerical")
+"""Entries of a ledger that count from t = 0."""
+
+
+def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> Totals:
+    """Read the totals off the fields of a finished run: the ledger at its beginning and its end."""
+    system, clock, bodies = run.system, run.clock, range(len(run.system.bodies))
+    ticks = np.unique(fields.nearest_known(np.array([0, run.end])))
+    states, last = bonded_groups(fields, ticks), float(ticks[-1])
+    book = ledger(fields, contacts, states)
+    works = {name: float(getattr(book, name)[-1]) for name in WORKS}
+    velocity, vibration = np.zeros((2, len(bodies))), (states.moving + states.strained).T
+    nothing: tuple[list[int], Floats] = [], np.zeros(1)
+    for g, group in enumerate(groups(system)):
+        of = zip(states.bodies, states.velocity, strict=True)
+        inside, mean = next((at for at in of if at[0][0] in group), nothing)
+        ends = (run.groups.before[g], run.groups.after[g]) if run.groups else mean[[0, -1]]
+        for place, own in zip((0, -1), ends, strict=True):
+            velocity[place, group] = velocities_in_group(system, group, inside, own)
+    if run.groups:
+        vibration[-1] = run.groups.vibration
+    impulse = sum(
+        sign * float(side.push.integral(0, ticks[-1])) * clock.tick
+        for side, sign in zip(fields.signals.outside, INWARD, strict=True) if side is not None
+    )
+    total = float(states.mass.sum())
+    gained = float(states.momentum[-1] - states.momentum[0])
+    missing = gained - impulse - total * clock.gravity * last * clock.tick
+    pushed = sum(abs(tally.impulse) for tally in run.contacts if tally.impulse == tally.impulse)
+    turnover = float(book.total[0]) + abs(works["gravity_work"]) + sum(
+        abs(works[name]) for name in ("wall_work", "drive_work", "radiated")
+    ) + total * clock.scale**2 / 2
+    return Totals(
+        masses=[clock.mass(i) for i in bodies],
+        velocities=(velocity[0].tolist(), velocity[-1].tolist()),
+        kinetic=(float(book.kinetic[0]), float(book.kinetic[-1])),
+        vibration=(vibration[0].tolist(), vibration[-1].tolist()),
+        momentum=(missing, total * clock.scale + pushed),
+        energy=(float(book.residual[-1]), turnover),
+        works={**works, "contact_energy": float(book.contact[-1]),
+               "contact_energy_before": float(book.contact[0])},
     )

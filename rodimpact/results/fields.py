@@ -70,7 +70,8 @@ class Fields(ABC):
 
     def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
         self.clock, self.end, self.signals = clock, end, signals
-        self.motion, self.masses = signals.motion, signals.masses
+        self.motion: Any = signals.motion
+        self.masses = signals.masses
 
     resolution = 1
     """Ticks in which nothing is resolved: of a grid those of its step."""

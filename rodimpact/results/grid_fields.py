@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..methods.grid.mesh import STEP_TICKS
+from ..methods.grid.mesh import STEP_TICKS, GridMotion
 from ..methods.signals import Floats, Ints, Pieces, Side
 from ..model import Material, Rod
 from ..model.profiles import Samples
@@ -39,6 +39,7 @@ class GridFields(Fields):
         Whose motion is a `GridMotion`.
     """
 
+    motion: GridMotion
     resolution = STEP_TICKS
 
     @property

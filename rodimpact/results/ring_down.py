@@ -19,7 +19,7 @@ from ..methods.grid.mesh import lasting_mode
 from ..methods.signals import Floats
 from ..model import Rod, System
 from ..model.frozen import refusal
-from .bonded_groups import bonded_groups
+from .energy import bonded_groups
 from .fields import Fields
 
 SAMPLES, FEWEST = 400, 50
@@ -78,7 +78,7 @@ class RingDown:
 
 
 def ring_down(
-    system: System, fields: Fields, masses: Sequence[float], start: float, end: float
+    fields: Fields, masses: Sequence[float], start: float, end: float
 ) -> RingDown:
     """Read how vibration dies out from `start` to `end`, s; see `Solution.ring_down`."""
     even = np.linspace(start, end, SAMPLES + 1)
@@ -87,13 +87,13 @@ def ring_down(
         message = f"only {len(ticks)} states were kept after the collision"
         raise refusal("ring_down", f"{message}; leave snapshots out, or give more of them")
     times = ticks * fields.clock.tick
-    states = bonded_groups(system, fields, ticks)
+    states = bonded_groups(fields, ticks)
     rigid, vibration = states.kinetic, (states.moving + states.strained).sum(axis=0)
     scale = sum(
         masses[i] * math.sqrt(2 * (rigid + vibration).max() / masses[i])
         for group in states.bodies for i in group
     )
-    modal, body, frequency = _longest_mode(system)
+    modal, body, frequency = _longest_mode(fields.clock.system)
     return RingDown(
         times, vibration, float(rigid[-1]),
         float(np.ptp(states.momentum)) / scale if scale else 0.0,

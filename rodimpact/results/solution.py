@@ -20,9 +20,8 @@ from ..model.numbering import body_names
 from ..storage.extras import optional
 from ..storage.writing import write_npz
 from . import notebook
-from .bonded_groups import bonded_groups
 from .contacts import ContactHistory
-from .energy import EnergyLedger, ledger
+from .energy import EnergyLedger, bonded_groups, ledger, totals_of
 from .fields import Fields, check_side
 from .gauges import Gauge
 from .grid_fields import GridFields
@@ -31,7 +30,6 @@ from .outcome import Outcome, outcome_of
 from .ring_down import RingDown, ring_down
 from .run_file import take_apart
 from .state_profiles import state_profiles
-from .totals import totals_of
 from .wave_fields import WaveFields
 
 _FAINT = np.errstate(under="ignore")  # squares of round-off, and of very slow motion, may vanish
@@ -310,8 +308,8 @@ class Solution:
     def energy(self, t: ArrayLike) -> EnergyLedger:
         """Energy ledger at times t in s."""
         ticks = self.fields.nearest_known(self.fields.to_ticks(t))
-        states = bonded_groups(self.system, self.fields, np.concatenate(([0], ticks.ravel())))
-        from_start = ledger(self.fields, self.contacts, self.run.signals.outside, states)
+        states = bonded_groups(self.fields, np.concatenate(([0], ticks.ravel())))
+        from_start = ledger(self.fields, self.contacts, states)
         return EnergyLedger(**{
             name: entry[1:].reshape(ticks.shape) for name, entry in vars(from_start).items()
         })
@@ -349,7 +347,7 @@ class Solution:
         if self.outcome.driven:
             raise refusal("ring_down", "gravity or a driven end acts on and on")
         return ring_down(
-            self.system, self.fields, self.outcome.masses,
+            self.fields, self.outcome.masses,
             self.t_final if self.t_final < self.t_end else self.t_proved, self.t_end,
         )
 

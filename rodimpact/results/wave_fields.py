@@ -219,7 +219,7 @@ class WaveFields(Fields):
         return float(material.youngs_modulus * parted / (2 * self.clock.wave_speed[segment]))
 
     def profile(self, body: int, tick: int) -> Profile:
-        a, places, segments = self.clock, [np.zeros(1)], list[Ints]()
+        a, places, segments = self.clock, list[Any]([[0.0]]), list[Ints]()
         velocity, strain = list[Floats](), list[Floats]()
         drift = a.frame + a.gravity * tick * a.tick
         ends = pairwise(self.edges(body))
@@ -234,4 +234,5 @@ class WaveFields(Fields):
             velocity.append((right + left) / 2 + drift)
             strain.append((left - right) * (0.5 / a.wave_speed[s]))
             segments.append(np.full(len(right), s))
-        return Profile(*map(np.concatenate, (places, velocity, strain, segments)))
+        return Profile(np.concatenate(places), np.concatenate(velocity), np.concatenate(strain),
+                       np.concatenate(segments))

@@ -252,8 +252,8 @@ def solve_family(
     contacts = {"episodes": [run["episodes"][:, k] for k in plan.contacts]}
     for name in ("impulse", "peak_force", "duration"):
         contacts[name] = [unknown + run[name][:, k] for k in plan.contacts]
-    stop = run["stop"]
-    reasons = [refused, final & (until is None), stop == Stop.CAP, stop == Stop.CLOCK]
+    why = run["stop"]
+    reasons = [refused, final & (until is None), why == Stop.CAP, why == Stop.CLOCK]
     places = [runs.STOPPED_BY.index(name) for name in ("refused", "final", "max_events", "clock")]
     return runs.FamilyRun(
         before, after, unknown + run["vibration"], contacts, final,
