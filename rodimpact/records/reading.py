@@ -10,9 +10,9 @@ import codecs
 import csv
 import os
 import re
-import time as clock
 import warnings
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from itertools import islice
 from typing import Any, BinaryIO, NamedTuple
 
@@ -53,7 +53,7 @@ _THOUSANDS = {".": re.compile(r"[+-]?[1-9]\d{0,2}(\.\d{3})+"),
               ",": re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")}
 _PARTED = re.compile(r"[+-]?\d{1,3}([,.'\N{RIGHT SINGLE QUOTATION MARK}\s]\d{3})+([.,]\d+)?")
 _QUOTED = re.compile(r'"[+-]?\d*,\d+(?:[eE][+-]?\d+)?"')
-_NO_DECIMAL = re.compile(r",(?!\d)")
+_LINE = re.compile(r".*\n|.+")
 _NUMBERS = {".": re.compile(_NUMBER.format(r"\.\d*", r"\.\d+")),
             ",": re.compile(_NUMBER.format(r",\d+", r",\d+"))}
 
@@ -81,20 +81,28 @@ class _Form(NamedTuple):
     delimiter: str
     decimal: str
 
+    @property
+    def to_points(self) -> dict[int, int]:
+        """For `str.translate`: commas and points change places if the comma is the decimal sign."""
+        return str.maketrans(",.", ".,") if self.decimal == "," else {}
+
+    def row(self, line: str) -> str:
+        """The line without delimiters at its end."""
+        return line.rstrip(f"{self.delimiter} \t\n")
+
     def cells(self, line: str) -> list[str]:
+        line = self.row(line)
         if not self.delimiter:
             return line.split()
-        if '"' not in line:
-            return [cell.strip() for cell in line.split(self.delimiter)]
-        try:
-            row = next(csv.reader([line], delimiter=self.delimiter), [])
-        except csv.Error:  # a cell without an end
-            row = [line]
+        row = line.split(self.delimiter)
+        if '"' in line:
+            with suppress(csv.Error):  # a cell without an end
+                row = next(csv.reader([line], delimiter=self.delimiter), [])
         return [cell.strip() for cell in row]
 
     def numbers(self, line: str) -> int:
         """How many numbers the line has; 0 if it has anything else."""
-        cells = _without_end(self.cells(line))
+        cells = self.cells(line)
         return len(cells) if all(map(self.is_number, cells)) else 0
 
     def is_number(self, cell: str) -> bool:
@@ -200,145 +208,104 @@ class _Table:
 
     def __init__(self, text: str, decimal: str | None, progress: Any) -> None:
         text, said = as_table(text)
-        last = text.find("\n", len(text.rstrip("\t ;,\n")))
-        self.text = text if last < 0 else text[:last]  # lines of delimiters may follow the table
-        lines = self.text[:BLOCK].split("\n", MOST_HEAD + 2 * SURE)
-        if len(self.text) > BLOCK or len(lines) > MOST_HEAD + 2 * SURE:
+        self.text = text
+        lines = text[:BLOCK].split("\n", MOST_HEAD + 2 * SURE)
+        if len(text) > BLOCK or len(lines) > MOST_HEAD + 2 * SURE:
             lines.pop()  # it goes on
-        self.form, start = _form_of(lines, self.text, decimal)
-        cells = _without_end(self.form.cells(lines[start]))
-        self.count, self.first = len(cells), start + 1
-        self.start = sum(len(line) + 1 for line in lines[:start])
-        before = [*lines[:start], said] if said else lines[:start]
-        self.names, self.units = _heads(before, self.form, self.count)
-        del lines, cells
-        self._read(progress)
+        self.form, before = _form_of(lines, text, decimal)
+        self.count, self.first = self.form.numbers(lines[before]), before + 1
+        self.start = sum(len(line) + 1 for line in lines[:before])
+        heads = [*lines[:before], said] if said else lines[:before]
+        self.names, self.units = _heads(heads, self.form, self.count)
+        self.columns = self._read(progress).T
         if decimal is None and self.form != COMMAS:
             self._check_decimal()
 
-    def _read(self, progress: Any) -> None:
-        """Numbers of all columns; each is the first entries of an array that has room for all."""
-        size = len(self.text) - self.start
-        most = min(self.text.count("\n", self.start) + 1, size // (2 * self.count) + 1)
-        self.columns = [np.empty(most) for _ in range(self.count)]
-        forecast = Forecast(_announce, "a record of fewer samples or channels")
-        began, rows, line = clock.monotonic(), 0, self.first
-        for end, block in self._blocks():
-            numbers = self._fast(block)
-            if numbers is None:
-                numbers = self._strict(block, line)
-            for column, values in zip(self.columns, numbers.T, strict=True):
-                column[rows : rows + len(values)] = values
-            rows += len(numbers)
-            line += block.count("\n") + 1
-            rate = (end - self.start) / max(clock.monotonic() - began, 1e-9)
-            forecast.expect((len(self.text) - end) / rate, f"a table of {size / 1e6:.3g} MB")
-            if progress is not None:
-                progress(end, len(self.text))
-        self.rows = rows
-        self.columns = [column[:rows] for column in self.columns]
+    def _rows(self) -> Iterator[tuple[int, str]]:
+        """Number and text of each line from the first row on that is not empty."""
+        for i, line in enumerate(_LINE.finditer(self.text, self.start), self.first):
+            if row := self.form.row(line[0]):
+                yield i, row
 
-    def _blocks(self) -> Iterator[tuple[int, str]]:
-        """Whole lines, and where they end."""
-        start = self.start
-        while start < len(self.text):
-            end = self.text.find("\n", min(start + BLOCK, len(self.text)))
-            end = len(self.text) if end < 0 else end
-            if end - start > 2 * BLOCK:
-                line = self.text.count("\n", 0, start + BLOCK) + 1
-                raise FileFormatError(f"line {line}: has more than {BLOCK} characters; remove it")
-            yield end, self.text[start:end]
-            start = end + 1
-
-    def _fast(self, block: str) -> Any:
-        """Rows of numbers; None if anything in the block is not as it mostly is."""
-        if self.form.decimal == ",":
-            parts = block.split('"') if self.form == QUOTED else ["", block]
-            if "." in block or any(map(_NO_DECIMAL.search, parts[1::2])):
-                return None
-            parts[1::2] = [part.replace(",", ".") for part in parts[1::2]]
-            block = "".join(parts)
-        lines = block.split("\n")
-        if lines[0].endswith(self.form.delimiter or " "):  # as in all lines of some recorders
-            lines = [line.rstrip(self.form.delimiter + " ") for line in lines]
-        if not any(lines):
-            return np.empty((0, self.count))
+    def _read(self, progress: Any) -> Any:
+        """Rows of numbers."""
+        delimiter = self.form.delimiter.translate(self.form.to_points) or None
         try:
-            numbers = np.loadtxt(lines, delimiter=self.form.delimiter or None, comments=None,
+            numbers = np.loadtxt(self._plain(progress), delimiter=delimiter, comments=None,
                                  quotechar='"', ndmin=2)
         except ValueError:
-            return None
-        whole = numbers.shape[1] == self.count and np.isfinite(numbers).all()
-        return numbers if whole else None
+            numbers = np.empty((0, 0))
+        if numbers.shape[1] != self.count or not np.isfinite(numbers).all():
+            numbers = np.array([self._checked(i, row) for i, row in self._rows()])
+        return numbers
 
-    def _strict(self, block: str, line: int) -> Any:
-        """Rows of numbers, read cell by cell; FileFormatError with the place of what is none."""
-        good, rows = _NUMBERS[self.form.decimal].fullmatch, []
-        for i, text in enumerate(block.split("\n"), line):
-            if not text.strip():
-                continue
-            cells = self.form.cells(text)
-            if len(cells) > self.count and not any(cells[self.count :]):
-                cells = cells[: self.count]
-            if len(cells) != self.count:
-                raise FileFormatError(
-                    f"line {i}: has {len(cells)} columns, the lines above have {self.count}; "
-                    "complete or remove it"
-                )
-            row = []
-            for name, cell in zip(self.names, cells, strict=True):
-                place = f"line {i}, column {shown(name)}"
-                if not good(cell):
-                    what = f"must be a number, got {shown(cell)}" if cell else "is empty"
-                    raise FileFormatError(f"{place}: {what}; complete or remove the line")
-                row.append(float(cell.replace(",", ".")))
-                if not np.isfinite(row[-1]):
-                    raise FileFormatError(
-                        f"{place}: must be a finite number, got {shown(cell)}; cut the record "
-                        "there, or fill in the sample"
-                    )
-            rows.append(row)
-        return np.array(rows).reshape(-1, self.count)
+    def _plain(self, progress: Any) -> Iterator[str]:
+        """Rows with decimal points."""
+        forecast = Forecast(_announce, "a record of fewer samples or channels")
+        told, done, size = 0, self.start, len(self.text)
+        for _, row in self._rows():
+            yield row.translate(self.form.to_points)
+            done += len(row) + 1
+            if done > told + BLOCK:
+                told = done
+                forecast.extrapolate(done, size, f"a table of {size / 1e6:.3g} MB")
+                if progress is not None:
+                    progress(done, size)
+        if progress is not None:
+            progress(size, size)
+
+    def _checked(self, i: int, text: str) -> list[float]:
+        """Numbers of line i; FileFormatError with the place of what is none."""
+        if len(text) > BLOCK:
+            raise FileFormatError(f"line {i}: has more than {BLOCK} characters; remove it")
+        cells = self.form.cells(text)
+        if len(cells) > self.count:
+            raise FileFormatError(f"line {i}: has {len(cells)} columns, the lines above have "
+                                  f"{self.count}; complete or remove it")
+        cells += [""] * (self.count - len(cells))
+        for name, cell in zip(self.names, cells, strict=True):
+            place = f"line {i}, column {shown(name)}"
+            if not self.form.is_number(cell):
+                what = f"must be a number, got {shown(cell)}" if cell else "is empty"
+                raise FileFormatError(f"{place}: {what}; complete or remove the line")
+            if not np.isfinite(float(cell.replace(",", "."))):
+                raise FileFormatError(f"{place}: must be a finite number, got {shown(cell)}; cut "
+                                      "the record there, or fill in the sample")
+        return [float(cell.replace(",", ".")) for cell in cells]
 
     def _check_decimal(self) -> None:
         """Refuse numbers that may be thousands or parts of one: all are like 1,234."""
-        sign, odd = self.form.decimal, ""
-        for _, block in self._blocks():
-            for line in block.split("\n") if sign in block else []:
-                for cell in self.form.cells(line):
-                    if sign in cell and not _THOUSANDS[sign].fullmatch(cell):
-                        return
-                    odd = odd or (cell if sign in cell else "")
-        if odd:
+        sign = self.form.decimal
+        whole = _THOUSANDS[sign].fullmatch
+        cells = (cell for _, row in self._rows() if sign in row
+                 for cell in self.form.cells(row) if sign in cell)
+        first = next(cells, "")
+        if whole(first) and all(map(whole, cells)):
             raise FileFormatError(
-                f'has numbers such as {shown(odd)}: "{sign}" may be a decimal sign or separate '
+                f'has numbers such as {shown(first)}: "{sign}" may be a decimal sign or separate '
                 f'thousands; give decimal="{sign}" if a decimal sign, otherwise write the '
                 "numbers without it"
             )
 
     def _line(self, row: int) -> int:
         """Number of the line in which a row stands."""
-        lines = (i for _, block in self._blocks() for i in map(str.strip, block.split("\n")))
-        return next(islice((i for i, text in enumerate(lines, self.first) if text), row, None))
+        return next(islice(self._rows(), row, None))[0]
 
     def signals(
         self, time: str | None, time_unit: str | None, rate: float | None, units: Any
     ) -> dict[str, Signal]:
         """Signal of each channel."""
-        named = [j for j, name in enumerate(self.names) if TIMES.fullmatch(name)]
-        if rate is not None:
-            if named:
-                remedy = "leave rate out" if self.count > 1 else "add a column of values"
-                raise FileFormatError(
-                    f"has a column of times, {shown(self.names[named[0]])}; {remedy}"
-                )
-            times = np.arange(self.rows) / rate
-            channels = list(range(self.count))
-        else:
+        named = [name for name in self.names if TIMES.fullmatch(name)]
+        if rate is None:
             clock = self._clock(time, named)
             times = self._times(clock, time_unit)
-            channels = [j for j in range(self.count) if j != clock]
-        if self.rows < 2:
+        elif named:
+            remedy = "leave rate out" if self.count > 1 else "add a column of values"
+            raise FileFormatError(f"has a column of times, {shown(named[0])}; {remedy}")
+        else:
+            clock, times = -1, np.arange(self.columns.shape[1]) / rate
+        channels = [j for j in range(self.count) if j != clock]
+        if len(times) < 2:
             raise FileFormatError("has one line of numbers; a signal needs two samples or more")
         wanted = self._wanted_units(units, [self.names[j] for j in channels])
         signals = {}
@@ -351,34 +318,26 @@ class _Table:
                 raise FileFormatError(f"column {shown(name)}: {error}; give units=") from None
             self._warn_if_clipped(j)
             signals[name] = Signal(values, times, unit=si, name=name)
-            self.columns[j] = np.empty(0)  # the signal has its own
         return signals
 
-    def _clock(self, time: str | None, named: list[int]) -> int:
+    def _clock(self, time: str | None, named: list[str]) -> int:
         """Which column has the times."""
         if self.count < 2:
             raise FileFormatError("has one column and no times; give rate, the sampling rate in Hz")
-        if time is not None:
-            if time not in self.names:
-                message = f"has no column {shown(time)}; {nearest(time, self.names)}"
-                raise FileFormatError(message)
-            return self.names.index(time)
-        if len(named) > 1:
+        if time is None and len(named) == 1:
+            time = named[0]
+        elif time is None and self.names[0] == "1":  # without heads
+            time = "1"
+        elif time is None:
+            found = "several columns" if named else "no column"
+            heads = ", ".join(map(shown, named or self.names[:8]))
             raise FileFormatError(
-                f"has several columns of times, {', '.join(shown(self.names[j]) for j in named)}; "
-                "give the head of one of them as time="
+                f"has {found} called time (its columns are {heads}); give the head of one as "
+                "time=, or give rate=, the sampling rate in Hz"
             )
-        if named or not self.headed:
-            return named[0] if named else 0
-        raise FileFormatError(
-            f"has no column called time (its columns are {', '.join(map(shown, self.names[:8]))}); "
-            "give its head as time=, or give rate=, the sampling rate in Hz"
-        )
-
-    @property
-    def headed(self) -> bool:
-        """Whether the columns have names of their own."""
-        return self.names != [str(j + 1) for j in range(self.count)]
+        if time not in self.names:
+            raise FileFormatError(f"has no column {shown(time)}; {nearest(time, self.names)}")
+        return self.names.index(time)
 
     def _times(self, column: int, unit: str | None) -> Floats:
         """Times in s, increasing and without gaps."""
@@ -435,27 +394,18 @@ class _Table:
     def _warn_if_clipped(self, column: int) -> None:
         values = self.columns[column]
         limit = ((values == values.max()) | (values == values.min())) & (values != values[0])
-        if np.count_nonzero(limit) < HELD:
+        if np.count_nonzero(limit) < HELD:  # and what follows needs no memory
             return
-        starts, lengths = _runs(values, np.flatnonzero(limit))
-        i = int(lengths.argmax())
-        if lengths[i] < HELD:  # and the others need no memory
-            return
-        _, others = _runs(values, np.flatnonzero(~limit))
-        if lengths[i] >= LONGER * others.max():
-            name = shown(self.names[column])
+        starts = np.flatnonzero(np.diff(values, prepend=np.nan))
+        lengths, values, limit = np.diff(starts, append=len(values)), values[starts], limit[starts]
+        held = np.where(limit, lengths, 0)
+        i = int(held.argmax())
+        if held[i] >= max(HELD, LONGER * lengths[~limit].max()):
             warnings.warn(
-                f"column {name} stays at {values[starts[i]]:.6g} for {lengths[i]} samples from "
-                f"line {self._line(int(starts[i]))} on: the recorder may have clipped it",
-                ClippedSignal, stacklevel=4,
+                f"column {shown(self.names[column])} stays at {values[i]:.6g} for {held[i]} "
+                f"samples from line {self._line(int(starts[i]))} on: the recorder may have "
+                "clipped it", ClippedSignal, stacklevel=4,
             )
-
-
-def _runs(values: Floats, places: Any) -> tuple[Any, Any]:
-    """Where equal values begin, one behind the other, among those at some places; and how many."""
-    apart = (np.diff(places) > 1) | (np.diff(values[places]) != 0)
-    first = np.concatenate(([0], np.flatnonzero(apart) + 1))
-    return places[first], np.diff(first, append=places.size)
 
 
 def _announce(sentence: str) -> None:
@@ -497,20 +447,15 @@ def _form_of(lines: list[str], text: str, decimal: str | None) -> tuple[_Form, i
     line = lines[start]
     # where the first rows are whole numbers, later ones tell the decimal sign
     sign = "," if text.find(",", sum(map(len, lines[:start])) + start) >= 0 else "."
-    several = [form for form in found if form.numbers(line) > 1]
-    if not several:
-        form = next((form for form in found if form.decimal == sign), found[0])
-    elif len({form.delimiter for form in found}) == 1 or "," not in line:
-        wanted = "." if several[0] == COMMAS else sign
-        form = next((f for f in several if f.decimal == wanted), several[0])
-    elif (several[0] == QUOTED or len(several) == len(found)
-          or _named(lines[:start], several[0].numbers(line))):
-        form = several[0]
-    else:
-        raise FileFormatError(
-            f"line {start + 1}: {shown(line)} may be two numbers or a decimal comma; "
-            'give decimal="." or decimal=","'
-        )
+    # a line of one number is that number only if no form finds more
+    several = [form for form in found if form.numbers(line) > 1] or found
+    form = next((form for form in several if form.decimal == sign), several[0])
+    if several[0] == COMMAS:
+        form = COMMAS
+        last = next(filter(str.strip, reversed(lines[:start])), "")  # of the heads
+        if len(several) < len(found) and last.count(",") != form.numbers(line) - 1:
+            raise FileFormatError(f"line {start + 1}: {shown(line)} may be two numbers or a "
+                                  'decimal comma; give decimal="." or decimal=","')
     count = form.numbers(line)
     alike = (i for i in range(start) if form.numbers(lines[i]) == count > 1)
     return form, next(alike, start)
@@ -518,10 +463,10 @@ def _form_of(lines: list[str], text: str, decimal: str | None) -> tuple[_Form, i
 
 def _why_none(lines: list[str], forms: list[_Form]) -> str:
     """What keeps a line in the middle of the file from being numbers, and the remedy."""
-    last = min(len(lines), MOST_HEAD)
-    i = next((i for i in range(last // 2, last) if lines[i].strip()), -1)
-    if i < 0:
+    filled = [i for i, line in enumerate(lines[:MOST_HEAD]) if line.strip()]
+    if not filled:
         return "; export it as text, with one row for each sample"
+    i = filled[len(filled) // 2]
     form = max(forms, key=lambda form: sum(map(form.is_number, form.cells(lines[i]))))
     if count := form.numbers(lines[i]):  # then a line below it keeps it from being the first row
         below = (j for j in range(i + 1, min(len(lines), i + 2 * SURE)) if lines[j].strip())
@@ -549,12 +494,6 @@ def _begins(lines: list[str], start: int, form: _Form) -> bool:
         return False
     rows = [line for line in lines[start : start + 2 * SURE] if line.strip()][:SURE]
     return all(form.numbers(row) == count for row in rows)
-
-
-def _named(lines: list[str], count: int) -> bool:
-    """Whether the last line before the numbers names so many columns between commas."""
-    last = next((line for line in reversed(lines) if line.strip()), "")
-    return len(COMMAS.cells(last)) == count
 
 
 def _heads(lines: list[str], form: _Form, count: int) -> tuple[list[str], list[str]]:
@@ -589,7 +528,7 @@ def _heads(lines: list[str], form: _Form, count: int) -> tuple[list[str], list[s
 
 def _head_cells(text: str, form: _Form, count: int) -> list[str]:
     """Heads in a line; between blanks, a unit in brackets belongs to what is before it."""
-    cells = _without_end(form.cells(text))
+    cells = form.cells(text)
     if not form.delimiter and len(cells) != count:
         joined = re.sub(r"\s+([\[(])", r"\1", text).split()
         cells = joined if len(joined) == count else re.split(r"\s{2,}|\t", text)
@@ -613,10 +552,3 @@ def _name_and_unit(head: str) -> tuple[str, str]:
         if si and known_units.dimension_of(si.unit) in MEASURED and unit != "1":
             return one_line(found[1]), unit
     return one_line(head), ""
-
-
-def _without_end(cells: list[str]) -> list[str]:
-    """Cells of a line, without the empty ones behind delimiters at its end."""
-    while len(cells) > 1 and not cells[-1]:
-        cells = cells[:-1]
-    return cells

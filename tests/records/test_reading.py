@@ -83,7 +83,7 @@ def test_units_and_rates_that_the_file_does_not_say(read):
     ("time [min],a\n0,1\n1,2\n", {}, "column 'time': unknown unit 'min'"),
     ("time [V],a\n0,1\n1,2\n", {}, "must be times, but 'V' is no unit of time"),
     ("time_s,a [furlong]\n0,1\n1,2\n", {}, "column 'a': unknown unit 'furlong'"),
-    ("a,b\n0,1\n1,2\n", {}, "has no column called time (its columns are 'a', 'b'); give its"),
+    ("a,b\n0,1\n1,2\n", {}, "has no column called time (its columns are 'a', 'b'); give the"),
     ("a,b\n0,1\n1,2\n", {"time": "c"}, "has no column 'c'; use one of a, b"),
     ("time_s,a\n0,1\n1,2\n", {"rate": 1.0}, "has a column of times, 'time'; leave rate out"),
     ("1\n2\n3\n", {}, "has one column and no times; give rate"),
@@ -223,7 +223,7 @@ def test_blocks_leave_no_trace(read, monkeypatch):
     for instead, said in [
         ("298,4", f"line {line}, column 'time': times must increase"),
         ("299,x", f"line {line}, column 'a': must be a number, got 'x'"),
-        ("299," + "0" * 200, f"line {line}: has more than 50 characters"),
+        ("299,x" + "0" * 200, f"line {line}: has more than 50 characters"),
     ]:
         with pytest.raises(FileFormatError, match=said):
             read(text.replace("\n299,4", f"\n{instead}"))
@@ -231,6 +231,7 @@ def test_blocks_leave_no_trace(read, monkeypatch):
 
 def test_a_table_that_takes_long_is_announced(read, monkeypatch):
     monkeypatch.setattr("rodimpact.methods.duration.LONG", 0.0)
+    monkeypatch.setattr("rodimpact.methods.duration.SOON", 0.0)
     with pytest.warns(ri.LongRun, match="a table of .* MB.*fewer samples or channels takes less"):
         read("time_s,a\n" + "".join(f"{i},{i}\n" for i in range(300_000)))
 
