@@ -25,7 +25,8 @@ def run(system, transits=15.0):
 
 
 def waves(solution, sign=1.0):
-    return [w and (w.ticks.tolist(), (sign * w.values).tolist()) for w in solution.fields.signals]
+    lines = solution.fields.motion.lines
+    return [w and (w.ticks.tolist(), (sign * w.values).tolist()) for w in lines]
 
 
 @given(seeds)

@@ -66,7 +66,7 @@ def _halved(chosen: Floats, first: float, last: float, most: int, shortest: floa
 def _reflections(solution: Solution, last: float) -> Floats:
     """Times up to `last` at which a changed wave leaves an end of a segment."""
     fields: Any = solution.fields
-    ticks = np.unique(np.concatenate([s.ticks for s in fields.signals if s is not None]))
+    ticks = np.unique(np.concatenate([s.ticks for s in fields.motion.lines if s is not None]))
     times: Floats = ticks[ticks > 0] * fields.clock.tick
     return times[times <= last]
 

@@ -215,7 +215,7 @@ def test_driven_rows_are_never_final():
 
 
 def gaps_between_fronts(solution):
-    found = [np.diff(w.ticks) for w in solution.fields.signals if w]
+    found = [np.diff(w.ticks) for w in solution.fields.motion.lines if w]
     return min(int(spans.min()) for spans in found if len(spans))
 
 
@@ -234,7 +234,7 @@ def test_a_drive_that_ends_as_a_wave_returns_leaves_no_sliver(trips):
     force = ri.Pushed(ri.Steps([1e3, 0.0], [2 * trips * T]))
     system = ri.System(row, contacts=[ri.Bonded()], ends=(force, ri.Absorbing()))
     solution = ri.solve(system, until=2.5 * trips * T)
-    ticks = solution.fields.signals[2].ticks.tolist()
+    ticks = solution.fields.motion.lines[2].ticks.tolist()
     assert 2 * trips * solution.fields.clock.ticks[1] in ticks
     assert gaps_between_fronts(solution) > 2**20
 
