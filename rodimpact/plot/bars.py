@@ -17,7 +17,7 @@ from ..model.profiles import extremes
 from ..results.gauges import Gauge
 from .borders import DRIVEN, WALL, mark
 from .placing import Placing, is_compliant
-from .sampling import is_stepped, mean_areas, sampled
+from .sampling import is_stepped, mean_areas, state_at
 from .scales import Scale
 from .style import SMALL, colours
 
@@ -54,6 +54,8 @@ class Bars:
     ----------
     pieces : list of Piece
         Of all rods, row by row.
+    rows : array
+        Heights of the rows in the picture.
     largest : float
         The strain at which a bar is drawn thickest.
     """
@@ -67,29 +69,24 @@ class Bars:
 
     def at(self, times: Floats) -> None:
         """Draw other times, with the same thickening of the bars."""
-        self.times = times
-        fields = self.plan.solution.fields
+        self.times, self.rows = times, -np.arange(times.size)
         rods = [(i, body) for i, body in enumerate(self.system.bodies) if isinstance(body, Rod)]
-        states = [(row, i, rod, sampled(self.plan.solution, i, t) if self.stepped
-                   else fields.profile(i, int(fields.to_ticks(t))))
+        states = [(row, i, rod, state_at(self.plan.solution, i, t))
                   for row, t in enumerate(np.maximum(times, 0.0).tolist()) for i, rod in rods]
         self.largest = self.largest or max(
             float(np.abs(profile.strain).max()) for *_, profile in states) or 1.0
         widest = max(extremes(s.area)[1] for _, rod in rods for s in rod.segments)
         self.pieces: list[Piece] = []
         for row, i, rod, profile in states:
-            x, t = profile.edges, times[row]
-            places = self.plan.point(i, x, t) * self.place.factor
-            segment = profile.segment - profile.segment[0]
-            areas = mean_areas(rod, x, segment)
-            thick = THICKNESS * np.maximum(THINNEST, np.sqrt(areas / widest))
+            x, segment = profile.edges, profile.segment - profile.segment[0]
+            places = self.plan.point(i, x, times[row]) * self.place.factor
+            thick = THICKNESS * np.maximum(THINNEST, np.sqrt(mean_areas(rod, x, segment) / widest))
             half = thick / 2 * (1 - SWELLING * profile.strain / self.largest)
             moduli = np.array([float(s.material.youngs_modulus) for s in rod.segments])[segment]
-            columns = np.column_stack((places[:-1], places[1:], half, profile.velocity,
-                                       profile.strain, moduli * profile.strain))
+            columns = (segment, places[:-1], places[1:], half, profile.velocity, profile.strain,
+                       moduli * profile.strain)
             wide = np.diff(x) > NARROWEST * x[-1]
-            found = [Piece(row, i, int(segment[j]), *columns[j].tolist())
-                     for j in np.flatnonzero(wide).tolist()]
+            found = [Piece(row, i, *each) for each in zip(*(c[wide] for c in columns), strict=True)]
             crowd = not self.stepped and len(found) > MANY
             room = ALIKE * float(np.ptp(profile.velocity))
             self.pieces += joined(found, room) if crowd else found
@@ -120,10 +117,10 @@ class Bars:
         self.ax.add_collection(bars)
         return bars
 
-    def outlines(self) -> list[collections.LineCollection]:
+    def outlines(self) -> collections.LineCollection | None:
         """Lines round the rods where pieces are many."""
         if not self.stepped:
-            return []
+            return None
         lines = []
         for (row, _), rod in groupby(self.pieces, lambda piece: piece[:2]):
             upper = [(x, p.half - row) for p in rod for x in (p.left, p.right)]
@@ -132,87 +129,73 @@ class Bars:
         drawn = collections.LineCollection(
             lines, colors=self.colours.ink, linewidths=0.6, zorder=2.5)
         self.ax.add_collection(drawn)
-        return [drawn]
+        return drawn
 
-    def walls(self) -> tuple[list[patches.Rectangle], list[Line2D]]:
-        """A hatched block beyond the face of each wall and fixed end, and the faces."""
-        depth = WALL * self.plan.row * self.place.factor
-        blocks, faces = [], []
+    def walls(self) -> list[patches.Rectangle]:
+        """A hatched block beyond the face of each wall and fixed end."""
+        depth, blocks = WALL * self.plan.row * self.place.factor, []
         for i, right in self.plan.walls():
-            for row, face in enumerate(self._end(i, right)):
-                blocks.append(self._block(face if right else face - depth, row, depth, 0.9,
-                                          **mark("wall")))
-                faces += self._upright(face, row, 0.45, linewidth=1.5)
-        return blocks, faces
+            faces = self._end(i, right)
+            blocks += self.ax.barh(self.rows, depth, 0.9, faces if right else faces - depth,
+                                   **mark("wall"))
+            self._upright(faces, self.rows, 0.45, linewidth=1.5)
+        return blocks
 
     def masses(self) -> list[patches.Rectangle]:
         """A block for each rigid mass."""
         width = self.plan.block * self.place.factor
-        return [self._block(left, row, width, THICKNESS, zorder=3, **mark("mass"))
-                for i, body in enumerate(self.system.bodies) if isinstance(body, RigidMass)
-                for row, left in enumerate(self._end(i, False))]
+        return [block for i, body in enumerate(self.system.bodies) if isinstance(body, RigidMass)
+                for block in self.ax.barh(self.rows, width, THICKNESS, self._end(i, False),
+                                          zorder=3, **mark("mass"))]
 
-    def ends(self) -> list[Line2D]:
+    def ends(self) -> None:
         """Dashes at absorbing ends, and arrow heads at driven ones."""
-        drawn: list[Line2D] = []
         for side, end in enumerate(self.system.ends):
-            for row, x in enumerate(self._end(side * (len(self.system.bodies) - 1), bool(side))):
-                if isinstance(end, Absorbing):
-                    drawn += self._upright(x, row, 0.4, **mark("open"))
-                elif type(end) in DRIVEN:
-                    drawn += self.ax.plot(x, -row, marker="<" if side else ">", markersize=6.0,
-                                          zorder=4, **mark("drive"))
-        return drawn
+            places = self._end(side * (len(self.system.bodies) - 1), bool(side))
+            if isinstance(end, Absorbing):
+                self._upright(places, self.rows, 0.4, **mark("open"))
+            elif type(end) in DRIVEN:
+                self.ax.plot(places, self.rows, marker="<" if side else ">", markersize=6.0,
+                             zorder=4, **mark("drive"))
 
-    def springs(self) -> list[Line2D]:
+    def springs(self) -> None:
         """Zigzags at compliant contacts, each on the face to its left, as long as there is room."""
         up = np.concatenate([[0.0, 0.0], 0.12 * np.resize([1.0, -1.0], TURNS), [0.0, 0.0]])
         along = np.concatenate([[0.0], np.linspace(0.12, 0.88, TURNS + 2), [1.0]])
-        return [line for _, *faces in self.plan.springs(self.times)
-                for row, (start, stop) in enumerate(np.transpose(faces) * self.place.factor)
-                for line in self.ax.plot(start + (stop - start) * along, up - row, zorder=3,
-                                         color=self.colours.ink, linewidth=0.9)]
+        for _, start, stop in self.plan.springs(self.times):
+            x = start + np.outer(along, stop - start)
+            self.ax.plot(x * self.place.factor, np.add.outer(up, self.rows), zorder=3,
+                         color=self.colours.ink, linewidth=0.9)
 
-    def contacts(self) -> list[Line2D]:
-        """A thick line where bodies press."""
-        drawn: list[Line2D] = []
+    def contacts(self) -> bool:
+        """A thick line where bodies press; whether any do."""
+        pressing = []
         for history in self.plan.solution.contacts:
             if history.law.opens and not is_compliant(history):
                 presses = (history.force(np.maximum(self.times, 0.0)) > 0) & (self.times >= 0)
-                for row in np.flatnonzero(presses).tolist():
-                    drawn += self._upright(self._end(history.index, True)[row], row, PRESSING,
-                                           linewidth=2.6, zorder=4)
-        return drawn
+                self._upright(self._end(history.index, True)[presses], self.rows[presses],
+                              PRESSING, linewidth=2.6, zorder=4)
+                pressing.append(presses.any())
+        return any(pressing)
 
-    def gauges(self, records: Mapping[str, Gauge]) -> list[Line2D]:
+    def gauges(self, records: Mapping[str, Gauge]) -> None:
         """Squares where strain gauges are, with their names at the first time."""
-        drawn: list[Line2D] = []
-        rows = -np.arange(self.times.size) - THICKNESS / 2
+        rows = self.rows - THICKNESS / 2
         for name, record in records.items():
             places = self.plan.point(record.body, record.x, self.times) * self.place.factor
-            drawn += self.ax.plot(places, rows, linestyle="", marker="s", markersize=4.5, zorder=5,
-                                  color=self.colours.series[4], label=name)
+            self.ax.plot(places, rows, linestyle="", marker="s", markersize=4.5, zorder=5,
+                         color=self.colours.series[4], label=name)
             self.ax.annotate(name, (places[0], rows[0]), (0, -4), textcoords="offset points",
                              ha="center", va="top", fontsize=SMALL + 1, color=self.colours.ink,
                              parse_math=False)
-        return drawn
 
     def _end(self, body: int, right: bool) -> Floats:
         """Places of an end of a body, in the unit of the picture."""
         return self.plan.end(body, right, self.times) * self.place.factor
 
-    def _upright(self, x: float, row: int, half: float, **how: Any) -> list[Line2D]:
-        """An upright line in a row, by default of the colour of ink."""
-        return self.ax.plot([x, x], [-row - half, -row + half],
-                            **{"color": self.colours.ink, **how})
-
-    def _block(
-        self, left: float, row: int, width: float, height: float, **how: Any
-    ) -> patches.Rectangle:
-        """A rectangle in a row."""
-        block = patches.Rectangle((left, -row - height / 2), width, height, **how)
-        self.ax.add_patch(block)
-        return block
+    def _upright(self, x: Floats, rows: Floats, half: float, **how: Any) -> None:
+        """Upright lines in rows, by default of the colour of ink."""
+        self.ax.vlines(x, rows - half, rows + half, **{"color": self.colours.ink, **how})
 
 
 def joined(pieces: list[Piece], room: float) -> list[Piece]:

@@ -8,10 +8,8 @@ interpolation. Each count has its own colour; counts have no contour lines.
 
 from __future__ import annotations
 
-import difflib
 import math
-from itertools import groupby
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib import artist, colors, contour, patches, patheffects, ticker
@@ -24,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..methods.signals import Floats
 from ..model.arguments import array, of_kind
-from ..model.frozen import refusal
+from ..model.frozen import nearest, refusal
 from ..results.labels import outcome, parameter
 from ..results.pair_theory import COLUMNS, PairTheory, pair_theory
 from ..running.sweep_result import STATUS, SweepResult
@@ -43,8 +41,10 @@ LINES = 150  # points a side, at most, from which lines are drawn
 PLATEAU = 3  # rows of points on which values equal: no line follows such a plateau
 WIDE = 3.0  # last over first value from which an axis may be logarithmic
 COLOURS = 24  # counts that have a colour each, at most
-
-Plane: TypeAlias = tuple[Floats, Floats]  # numbers on the axes from which lines are drawn
+EQUALITIES = {
+    "equal transit times: e = 1": ("-", "transit_time"), "equal impedances": ("--", "impedance"),
+}
+"""Lines of a map on which a number of both rods is equal: dashes, and the number."""
 
 
 class Side(NamedTuple):
@@ -151,20 +151,14 @@ def sweep(
     shown = Shown(quantity, values * scale.factor, scale, column.dtype.kind in "iub")
     if len(sides) == 1:
         return _curve(style.axes(ax, 5.6, 3.6), sides[0], shown, theory)
-    return _map(style.axes(ax, 6.0, 4.6), sides[0], sides[1], shown, theory)
+    return _map(style.axes(ax, 6.0, 4.6), sides, shown, theory)
 
 
 def _column(result: SweepResult, quantity: str) -> NDArray[Any]:
     """Values of a quantity; ValueError if there is none of this name, or no value at all."""
     if not isinstance(quantity, str) or quantity not in result.columns:
-        near = [name for name in result.columns if name.startswith(f"{quantity}.")]
-        near = near or difflib.get_close_matches(shown_text(quantity), result.columns, n=1)
-        hint = f"; perhaps {near[0]!r} is meant" if near else ""
-        groups = [list(g) for _, g in groupby(result.columns, lambda name: name.partition(".")[0])]
-        known = [f"{first} to {others[-1].partition('.')[2]}" if others else first
-                 for first, *others in groups]
-        raise refusal("quantity",
-                      f"must be one of {', '.join(known)}, got {shown_text(quantity)}{hint}")
+        raise refusal("quantity", f"no result is called {shown_text(quantity)}; "
+                                  f"{nearest(quantity, result.columns)}")
     column: NDArray[Any] = result.columns[quantity]
     if not np.isfinite(column).any():
         raise refusal("quantity", f"{quantity!r} has no value anywhere in this family; "
@@ -189,7 +183,7 @@ def _dimensions(result: SweepResult) -> list[int]:
 
 def _curve(ax: Axes, side: Side, shown: Shown, theory: PairTheory | None) -> style.Picture:
     """Draw values over one axis."""
-    _dress_side(ax, "x", side)
+    _dress_side(ax.xaxis, side)
     ink = style.colours().ink
     law = None if theory is None else _law(ax, side, shown, theory)
     drawn: Line2D | patches.StepPatch
@@ -200,11 +194,10 @@ def _curve(ax: Axes, side: Side, shown: Shown, theory: PairTheory | None) -> sty
         x, y = _broken(side.numbers, shown.values)
         gaps = np.isnan(np.pad(y, 1, constant_values=np.nan))
         few = side.values.size <= FEW
-        single = np.flatnonzero(~gaps[1:-1] & gaps[:-2] & gaps[2:]).tolist()
+        marked = np.flatnonzero(~gaps[1:-1] & (few | (gaps[:-2] & gaps[2:]))).tolist()
         (drawn,) = ax.plot(
-            x, y, color=ink, linewidth=1.2, linestyle="-" if law is None or not few else "",
-            markevery=1 if few else single or None,
-            **style.COMPUTED | {"marker": "o" if few or single else ""})
+            x, y, color=ink, linewidth=1.2, linestyle="" if few and law else "-", markevery=marked,
+            **style.COMPUTED | {"marker": "o" if marked else ""})
     least = float(np.nanmin(shown.values))
     low, high = min(0.0, least), max(0.0, float(np.nanmax(shown.values)))
     room = 0.05 * (high - low) or 1.0
@@ -246,28 +239,30 @@ def _jumps(values: Floats) -> NDArray[np.bool_]:
     return np.asarray(steps > np.maximum(LEAP * np.nanmedian(around, axis=-1), least))
 
 
-def _map(
-    ax: Axes, across: Side, up: Side, shown: Shown, theory: PairTheory | None
-) -> style.Picture:
+def _map(ax: Axes, sides: list[Side], shown: Shown, theory: PairTheory | None) -> style.Picture:
     """Draw values over two axes, the first one to the right."""
     palette, norm = _colours(shown)
-    cells = ax.pcolormesh(across.edges, up.edges, np.ma.masked_invalid(shown.values.T),
-                          cmap=palette, norm=norm, shading="flat", rasterized=True, zorder=1)
-    _dress_side(ax, "x", across)
-    _dress_side(ax, "y", up)
-    i, j = (evenly(side.values.size, LINES) for side in (across, up))
-    plane = across.numbers[i], up.numbers[j]
-    contours, labels = (None, []) if shown.is_count else _contours(
-        ax, plane, shown.values[np.ix_(i, j)], palette, norm)
     paper, ink, faint, *_ = style.colours()
-    handles: list[artist.Artist] = []
+    cells = ax.pcolormesh(*(side.edges for side in sides), np.ma.masked_invalid(shown.values.T),
+                          cmap=palette, norm=norm, shading="flat", rasterized=True, zorder=1)
+    _dress_side(ax.xaxis, sides[0])
+    _dress_side(ax.yaxis, sides[1])
+    few = [evenly(side.values.size, LINES) for side in sides]
+    plane = [side.numbers[i] for side, i in zip(sides, few, strict=True)]
+    values = shown.values[np.ix_(*few)]
+    contours, labels = (None, []) if shown.is_count else _contours(
+        ax, plane, values, palette, norm)
     lines: list[contour.QuadContourSet] = []
-    for name, dash, excess in _equalities(theory, across.is_log or up.is_log):
-        where_met = np.where(np.isfinite(shown.values), np.round(excess, 12), np.nan)[np.ix_(i, j)]
-        if (where_met < 0).any() and (where_met > 0).any():
-            lines.append(ax.contour(
-                *plane, np.ma.masked_invalid(where_met.T), levels=[0.0], colors=ink,
-                linewidths=1.4, linestyles=dash, zorder=4))
+    handles: list[artist.Artist] = []
+    rods = theory is not None and np.isfinite(theory.impedance).all()
+    for name, (dash, number) in EQUALITIES.items() if rods else ():
+        left, right = (each[np.ix_(*few)] for each in getattr(theory, number))
+        log = any(side.is_log for side in sides)
+        excess = np.log(left / right) if log else (left - right) / np.max(left)
+        excess = np.where(np.isfinite(values), np.round(excess, 12), np.nan)
+        if (excess < 0).any() and (excess > 0).any():
+            lines.append(ax.contour(*plane, np.ma.masked_invalid(excess.T), levels=[0.0],
+                                    colors=ink, linewidths=1.4, linestyles=dash, zorder=4))
             lines[-1].set_path_effects([patheffects.withStroke(linewidth=2.6, foreground=paper)])
             handles.append(Line2D([], [], color=ink, linewidth=1.4, linestyle=dash, label=name))
     if np.isnan(shown.values).any():
@@ -298,7 +293,7 @@ def _colours(shown: Shown) -> tuple[colors.Colormap, colors.Normalize]:
 
 
 def _contours(
-    ax: Axes, plane: Plane, values: Floats, palette: colors.Colormap, norm: colors.Normalize
+    ax: Axes, plane: list[Floats], values: Floats, palette: colors.Colormap, norm: colors.Normalize
 ) -> tuple[contour.QuadContourSet | None, list[Text]]:
     """Draw lines at round values, each with its value, up to the jumps and not across them."""
     known = values[np.isfinite(values)]
@@ -324,19 +319,6 @@ def _contours(
                                  inline_spacing=3))
 
 
-def _equalities(
-    theory: PairTheory | None, is_log: bool
-) -> list[tuple[str, Literal["-", "--"], Floats]]:
-    """Lines from theory: name, dashes, and the difference of left and right rod, 0 on the line."""
-    if theory is None or np.isinf(theory.impedance).any():
-        return []
-
-    transits, impedances = (
-        np.log(left / right) if is_log else (left - right) / np.max(left)
-        for left, right in (theory.transit_time, theory.impedance))
-    return [("equal transit times: e = 1", "-", transits), ("equal impedances", "--", impedances)]
-
-
 def side_of(result: SweepResult, dimension: int) -> Side:
     """What lies along a dimension of the family; members are counted if that is all the same."""
     name, values = result.axes[dimension]
@@ -351,17 +333,17 @@ def side_of(result: SweepResult, dimension: int) -> Side:
     return Side(order, values[order], scale_of(quantity, float(np.abs(values).max())), beside)
 
 
-def _dress_side(ax: Axes, which: Literal["x", "y"], side: Side) -> None:
+def _dress_side(axis: Axis, side: Side) -> None:
     """Limits, label and ticks of an axis of the family."""
     label = side.scale.label
     if side.beside:
         more = f" and {len(side.beside) - 2} more" if len(side.beside) > 2 else ""
         label += f"\nwith {', '.join(side.beside[:2])}{more}"
     first, last = side.edges[[0, -1]]
-    ax.set(**{f"{which}scale": "log" if side.is_log else "linear", f"{which}label": label,
-              f"{which}lim": (first, last)})
+    axis.set_label_text(label)
+    axis.axes.set(**{f"{axis.axis_name}scale": "log" if side.is_log else "linear",
+                     f"{axis.axis_name}lim": (first, last)})
     if side.is_log:
-        axis = ax.xaxis if which == "x" else ax.yaxis
         subs = (1.0, 2.0, 5.0) if last < 2e3 * first else (1.0,)
         axis.set_major_locator(ticker.LogLocator(subs=subs, numticks=15))
         axis.set_major_formatter(ticker.FuncFormatter(lambda value, _: _plain(value)))

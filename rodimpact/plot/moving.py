@@ -137,22 +137,24 @@ class Animation:
         for text in (self._clock, self._caption):
             text.axes.draw_artist(text)
         with style.coloured(self.colours):
-            actors = self._actors(t)
-        for actor in actors:
+            self._draw_bodies(t)
+        for actor in sorted([*self._row.collections, *self._row.patches, *self._row.lines],
+                            key=artist.Artist.get_zorder):
             self._row.draw_artist(actor)
             actor.remove()
         size = self._canvas.get_width_height()
         drawn = Image.frombuffer("RGBA", size, self._canvas.buffer_rgba(), "raw", "RGBA", 0, 1)
         return np.asarray(drawn.convert("RGB"))
 
-    def _actors(self, t: float) -> list[artist.Artist]:
-        """The bodies at a time, in the order in which they are drawn."""
+    def _draw_bodies(self, t: float) -> None:
+        """Draw the bodies at a time; nothing else is on their Axes."""
         bars = self._bars
         bars.at(np.array([t]))
         values = np.array([getattr(piece, self.field) for piece in bars.pieces]) * self._factor
-        blocks, faces = bars.walls()
-        return [*blocks, *faces, bars.rods(values, self._norm), *bars.masses(), *bars.ends(),
-                *bars.outlines(), *bars.springs(), *bars.contacts()]
+        bars.rods(values, self._norm)
+        for draw in (bars.walls, bars.masses, bars.ends, bars.outlines, bars.springs,
+                     bars.contacts):
+            draw()
 
     def clock(self, number: int) -> str:
         """Time of a frame, in words."""

@@ -35,8 +35,11 @@ def pieces(solution: Solution, body: int) -> tuple[Floats, Ints]:
         first + np.arange(counts.size), counts)
 
 
-def sampled(solution: Solution, body: int, t: float) -> Profile:
-    """State of a rod at t, s, as that in the middle of each piece."""
+def state_at(solution: Solution, body: int, t: float) -> Profile:
+    """State of a rod at t, s: between its fronts, or as that in the middle of each piece."""
+    fields = solution.fields
+    if not is_stepped(solution):
+        return fields.profile(body, int(fields.to_ticks(t)))
     edges, segment = pieces(solution, body)
     middle = (edges[:-1] + edges[1:]) / 2
     return Profile(edges, solution.velocity(body, middle, t),

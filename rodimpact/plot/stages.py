@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import compress
 from typing import Any
 
@@ -91,32 +91,45 @@ def snapshots(
     drawn = Bars(ax, plan, when, place)
     velocities = np.array([piece.velocity for piece in drawn.pieces])
     norm = style.centred(velocities, plan.frame)
-    bars, (outlines, *_) = drawn.rods(velocities, norm), [*drawn.outlines(), None]
-    (walls, _), masses, fronts = drawn.walls(), drawn.masses(), drawn.fronts()
+    bars, outlines, fronts = drawn.rods(velocities, norm), drawn.outlines(), drawn.fronts()
+    walls, masses, presses = drawn.walls(), drawn.masses(), drawn.contacts()
     drawn.ends()
     drawn.springs()
-    lines = drawn.contacts(), drawn.gauges({} if gauges is None else check_gauges(gauges))
-    ax.autoscale_view()
+    drawn.gauges(check_gauges(gauges or {}))
+    ax.use_sticky_edges = False
     ax.margins(x=0.1 if masses else 0.03)  # room for velocities below masses
+    ax.autoscale_view()
     ax.set_ylim(0.45 - when.size, 0.8)
     for i in range(len(solution.system.bodies) - 1):
         x = plan.end(i, True, when[0]) * place.factor
         ax.axvline(float(x), color=faint, linewidth=0.6, linestyle=(0, (4, 4)), zorder=1)
 
     _name_rows(ax, solution, when)
-    speeds = Speeds(plan, float(np.abs(velocities).max()))
+    largest, closing = float(np.abs(velocities).max()), scales.closing_speed(solution)
+    scale = scales.engineering("velocity", largest, "m/s")
+    unit = f"closing speed v = {scales.written(closing, 'm/s')}" if closing else (
+        f"velocities ({scale.unit})")
     marks = [THICKNESS_TOLD, "thick line: pressing", "square: strain gauge"]
-    seen = [any(piece.strain for piece in drawn.pieces), *map(bool, lines)]
+    seen = [any(piece.strain for piece in drawn.pieces), presses, bool(gauges)]
     ax.set_xlabel("\n".join(style.broken(label, style.extent(ax)[0]) for label in (
-        scales.place_label(plan, place), speeds.label, ", ".join(compress(marks, seen))) if label))
+        scales.place_label(plan, place), unit, ", ".join(compress(marks, seen))) if label))
     bar = None
     if stepped:
         bar = style.colour_bar(
-            ax, bars, speeds.scale.label, plan.frame, location="bottom", fraction=0.03, aspect=50,
-            shrink=0.6, format=lambda value, _: scales.digits(value * speeds.scale.factor, 0.0))
+            ax, bars, scale.label, plan.frame, location="bottom", fraction=0.03, aspect=50,
+            shrink=0.6, format=lambda value, _: scales.digits(value * scale.factor, 0.0))
     style.figure_of(ax).draw_without_rendering()  # so that it is known how wide the Axes are
-    labels = _labels(ax, drawn.pieces, norm, speeds)
-    labels += _mass_labels(ax, plan, when, place, speeds)
+
+    def write(velocity: float) -> str:  # where it varies along the rods, to two digits
+        if closing:
+            part = (velocity - plan.frame) / closing
+            return scales.multiple(round(part, 2) if stepped else part, "v")
+        if stepped:
+            velocity = float(f"{velocity:.2g}") if abs(velocity) > 0.01 * largest else 0.0
+        return scales.digits(velocity * scale.factor, largest * scale.factor)
+
+    labels = _labels(ax, drawn.pieces, norm, write, stepped)
+    labels += _mass_labels(ax, plan, when, place, write)
     names = body_names(solution.system.kinds)
     for i, body in enumerate(solution.system.bodies):
         wide = plan.width(i) * place.factor > _width(ax, names[i])
@@ -125,35 +138,6 @@ def snapshots(
             _write(ax, middle, 0.5, names[i], ink, "bottom")
     return style.Picture(ax=ax, times=when, bars=bars, labels=labels, fronts=fronts, walls=walls,
                          masses=masses, outlines=outlines, colour_bar=bar)
-
-
-class Speeds:
-    """How velocities are written: as parts of the closing speed v if there is one, or by a scale.
-
-    Where they vary along the rods, to two digits.
-    """
-
-    def __init__(self, plan: Placing, largest: float) -> None:
-        self.rest, self.largest = plan.frame, largest
-        self.closing = scales.closing_speed(plan.solution)
-        self.scale = scales.engineering("velocity", largest, "m/s")
-        self.rounded = is_stepped(plan.solution)
-
-    @property
-    def label(self) -> str:
-        """What is written, in words."""
-        if self.closing:
-            return f"closing speed v = {scales.written(self.closing, 'm/s')}"
-        return f"velocities ({self.scale.unit})"
-
-    def write(self, velocity: float) -> str:
-        """A velocity, m/s."""
-        if self.closing:
-            part = (velocity - self.rest) / self.closing
-            return scales.multiple(round(part, 2) if self.rounded else part, "v")
-        if self.rounded:
-            velocity = float(f"{velocity:.2g}") if abs(velocity) > 0.01 * self.largest else 0.0
-        return scales.digits(velocity * self.scale.factor, self.largest * self.scale.factor)
 
 
 def _name_rows(ax: Axes, solution: Solution, when: Floats) -> None:
@@ -177,7 +161,8 @@ def _name_rows(ax: Axes, solution: Solution, when: Floats) -> None:
 
 
 def _mass_labels(
-    ax: Axes, plan: Placing, times: Floats, place: scales.Scale, speeds: Speeds
+    ax: Axes, plan: Placing, times: Floats, place: scales.Scale,
+    write: Callable[[float], str],
 ) -> list[Text]:
     """Velocity of each mass, below it; of every second of neighbours above it."""
     labels, above = [], True
@@ -186,28 +171,30 @@ def _mass_labels(
         up, va = (0.33, "bottom") if above else (-0.33, "top")
         if isinstance(body, RigidMass):
             middle = plan.middle(i, times) * place.factor
-            labels += [_write(ax, middle[row], up - row, speeds.write(v), style.colours().ink, va)
+            labels += [_write(ax, middle[row], up - row, write(v), style.colours().ink, va)
                        for row, v in enumerate(plan.solution.velocity(i, 0.0, times).tolist())]
     return labels
 
 
-def _labels(ax: Axes, pieces: list[Piece], norm: Any, speeds: Speeds) -> list[Text]:
+def _labels(
+    ax: Axes, pieces: list[Piece], norm: Any, write: Callable[[float], str], stepped: bool
+) -> list[Text]:
     """Write the velocity into each piece, or below it where it is too narrow.
 
     Where velocities vary along the rods, into stretches in which they hardly do, and never below.
     """
     labels: list[Text] = []
     row, taken = -1, -math.inf
-    if speeds.rounded:
+    if stepped:
         pieces = joined(pieces, ALIKE * float(norm.vmax - norm.vmin) / 2)
     for piece in pieces:
-        text = speeds.write(piece.velocity)
+        text = write(piece.velocity)
         width = _width(ax, text)
         x = (piece.left + piece.right) / 2
         if piece.right - piece.left > width:
             labels.append(_write(ax, x, float(-piece.row), text, style.ink_on(norm, piece.velocity),
                                  "center_baseline"))
-        elif not speeds.rounded and (row != piece.row or x - width / 2 > taken):
+        elif not stepped and (row != piece.row or x - width / 2 > taken):
             labels.append(_write(ax, x, -piece.row - 0.33, text, style.colours().ink, "top"))
             row, taken = piece.row, x + width / 2
     return labels
