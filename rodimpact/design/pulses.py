@@ -18,7 +18,7 @@ from ..model.frozen import refusal
 from ..model.profiles import Steps
 from ..model.quantities import Floats
 from ..records.signal import Signal
-from ..results import notebook
+from ..results.notebook import Shown
 from ..storage.tables import align
 from ..units import format_si, shown
 
@@ -26,7 +26,7 @@ INSTANT = 2.0**-40  # of a pulse: what is shorter is round-off of its times
 
 
 @dataclass(frozen=True)
-class PulseDesign:
+class PulseDesign(Shown):
     """A body that was designed for a pulse.
 
     Attributes
@@ -94,9 +94,6 @@ class PulseDesign:
                 "the pulse nearer to it."
             )
         return "\n\n".join(blocks)
-
-    def _repr_html_(self) -> str:
-        return notebook.html(self)
 
 
 def staircase(times: Any, values: Any, end: float, name: str) -> Signal:

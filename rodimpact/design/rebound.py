@@ -14,7 +14,7 @@ from ..model import System
 from ..model.arguments import of_kind, single
 from ..model.frozen import refusal
 from ..model.quantities import Floats
-from ..results import notebook
+from ..results.notebook import Shown
 from ..results.pair_theory import pair_theory
 from ..running.sweep_result import SweepResult
 from ..running.sweeping import sweep
@@ -24,7 +24,7 @@ NEAR_ENOUGH = 1e-6  # to the wanted e, where it is a largest or a least one
 
 
 @dataclass(frozen=True)
-class RestitutionDesign:
+class RestitutionDesign(Shown):
     """A collision that was designed for a coefficient of restitution.
 
     Attributes
@@ -71,9 +71,6 @@ class RestitutionDesign:
         rows = [[path, f"{value:.6g}"] for path, value in self.values.items()]
         rows += [["e wanted", f"{self.wanted:.6g}"], ["e reached", f"{self.reached:.6g}"]]
         return align(rows)
-
-    def _repr_html_(self) -> str:
-        return notebook.html(self)
 
 
 def restitution(wanted: float, family: System) -> RestitutionDesign:

@@ -13,7 +13,7 @@ from ..model.arguments import of_kind
 from ..model.frozen import refusal
 from ..model.quantities import Floats
 from ..records.signal import Signal
-from ..results import notebook
+from ..results.notebook import Shown
 from ..storage.tables import align
 from ..storage.writing import PathLike, write_text
 from ..units import format_si
@@ -94,7 +94,7 @@ class Descent(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class Fit(Shown):
     """Result of `fit`.
 
     Attributes
@@ -215,9 +215,6 @@ class Fit:
                     for m, misfit in zip(self.measured, self.misfits, strict=True)]
         tables = [numbers, *([matrix] if last else []), misfits]
         return "\n\n".join([*map(align, tables), "\n".join([*self.notes, MODEL_ERROR])])
-
-    def _repr_html_(self) -> str:
-        return notebook.html(self)
 
 
 def correlation_of(covariance: Floats) -> Floats:

@@ -11,3 +11,10 @@ def _table(result: Any) -> str:
 
 
 html: Callable[[Any], str] = _table
+
+
+class Shown:
+    """A result that a notebook shows."""
+
+    def _repr_html_(self) -> str:
+        return html(self)

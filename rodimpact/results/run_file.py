@@ -16,15 +16,29 @@ from ..methods import run as runs
 from ..methods.clock import Clock
 from ..methods.grid.mesh import Cells, GridMotion
 from ..methods.run import Run
-from ..methods.signals import Pieces
+from ..methods.signals import Floats, Pieces
 from ..model import System
 from ..storage.writing import Arrays
-from . import steps_file
 
 KINDS = {kind.__name__: kind for kind in (
     Cells, Clock, GridMotion, Pieces, Run, runs.ContactSignal, runs.ContactTally,
     runs.Episode, runs.Outside, runs.Signals, runs.Totals, runs.Waves,
 )}
+
+
+STEPS = 3
+"""Schema of files whose signals were all constant between jumps; they are made into pieces.
+
+There a contact had the gap as each piece of its force began, m, its rate, m per tick, and the power
+of the force, J per tick; the outside had its power, W, and masses their velocities at the edges of
+steps.
+"""
+STEP_KINDS: dict[str, Any] = {
+    "StepSignal": lambda ticks, values: Pieces(ticks, values),
+    "ContactSignal": dict, "Outside": dict, "Signals": dict,
+    "Clock": lambda **values: Clock(**{k: v for k, v in values.items() if k != "grain"}),
+}
+"""What the classes of such a file are read as, where they have changed."""
 
 
 def take_apart(run: Run) -> tuple[dict[str, Any], Arrays]:
@@ -62,9 +76,9 @@ def take_apart(run: Run) -> tuple[dict[str, Any], Arrays]:
 def put_together(document: Mapping[str, Any], arrays: Arrays) -> Run:
     """Make again what `take_apart` took apart."""
     parts: dict[tuple[Any, ...], Any] = {}
-    older = document.get("schema") == steps_file.SCHEMA
+    older = document.get("schema") == STEPS
     kinds = {**KINDS, "GridMotion": _motion, "RadialMotion": dict,
-             **(steps_file.KINDS if older else {})}
+             **(STEP_KINDS if older else {})}
 
     def array_of(name: str, start: int, shape: list[int]) -> Any:
         key = (name, start, *shape)
@@ -88,7 +102,7 @@ def put_together(document: Mapping[str, Any], arrays: Arrays) -> Run:
         if value["class"] == "Run":
             signals = values.pop("signals")
             if older:
-                signals = steps_file.signals_of(signals, values["clock"], values["end"])
+                signals = _signals(signals, values["clock"], values["end"])
             return Run(**values, make_signals=lambda: signals)
         return kinds[value["class"]](**values)
 
@@ -107,6 +121,33 @@ def _motion(**values: Any) -> GridMotion:
         values |= {"cells": cells, "shear": shear, "radial": old["strain"],
                    "radial_rate": old["rate"]}
     return GridMotion(**values)
+
+
+def _signals(old: Mapping[str, Any], clock: Clock, end: int) -> runs.Signals:
+    """Signals to the tick `end`, of what a file of steps has under that name."""
+    outside = [
+        side and runs.Outside(side["kind"], side["push"], _ratio(side["power"], side["push"], sign))
+        for side, sign in zip(old["outside"], runs.INWARD, strict=True)
+    ]
+    masses = {body: Pieces.through(old["edges"], V) for body, V in old["masses"].items()}
+    contacts = tuple(_contact(contact, clock.tick, end) for contact in old["contacts"])
+    return runs.Signals(old["motion"], contacts, (outside[0], outside[1]), old["edges"], masses)
+
+
+def _contact(old: Mapping[str, Any], tick: float, end: int) -> runs.ContactSignal:
+    force, gap, rate = old["force"], old["gap"], old["rate"]
+    until = gap + rate * np.diff(force.ticks, append=end)
+    return runs.ContactSignal(
+        force, Pieces.lines(force.ticks, gap, until, end),
+        _ratio(old["power"], force, 1 / tick, -rate / tick), old["episodes"],
+    )
+
+
+def _ratio(power: Pieces, force: Pieces, factor: float, otherwise: Floats | float = 0.0) -> Pieces:
+    """The velocity power/force times a factor, and another one where there is no force."""
+    velocity = np.zeros(len(force.ticks)) + otherwise
+    np.divide(power.values * factor, force.values, out=velocity, where=force.values != 0)
+    return Pieces(force.ticks, velocity)
 
 
 def names_of(kind: Any) -> list[str]:

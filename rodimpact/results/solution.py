@@ -19,13 +19,13 @@ from ..model.frozen import refusal
 from ..model.numbering import body_names
 from ..storage.extras import optional
 from ..storage.writing import write_npz
-from . import notebook
 from .contacts import ContactHistory
 from .energy import EnergyLedger, bonded_groups, ledger, totals_of
 from .fields import Fields, check_side
 from .gauges import Gauge
 from .grid_fields import GridFields
 from .labels import outcome
+from .notebook import Shown
 from .outcome import Outcome, outcome_of
 from .ring_down import RingDown, ring_down
 from .run_file import take_apart
@@ -35,7 +35,7 @@ from .wave_fields import WaveFields
 _FAINT = np.errstate(under="ignore")  # squares of round-off, and of very slow motion, may vanish
 
 
-class Solution:
+class Solution(Shown):
     """Everything about one collision, as functions of place and time.
 
     Made by `rodimpact.solve`; places are m from the left end of a body, times s from 0 to `t_end`.
@@ -407,9 +407,6 @@ class Solution:
     def __repr__(self) -> str:
         n = len(self.system.bodies)
         return f"<Solution of {n} bodies to t = {self.t_end:.6g} s, stopped by {self.stopped_by}>"
-
-    def _repr_html_(self) -> str:
-        return notebook.html(self)
 
     # Bodies -------------------------------------------------------------------------------------
 

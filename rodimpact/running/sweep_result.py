@@ -20,8 +20,8 @@ from ..methods.registry import Options
 from ..methods.run import STOPPED_BY
 from ..model import Plastic, Rod, System
 from ..model.frozen import InvalidModel, refusal
-from ..results import notebook
 from ..results.labels import outcome, parameter
+from ..results.notebook import Shown
 from ..results.outcome import OnlyContact
 from ..results.solution import Solution
 from ..storage.extras import optional
@@ -80,7 +80,7 @@ class ContactColumns(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class SweepResult(OnlyContact[Any]):
+class SweepResult(Shown, OnlyContact[Any]):
     """Outcomes of a family of collisions; every array has its `shape`.
 
     Attributes
@@ -376,9 +376,6 @@ class SweepResult(OnlyContact[Any]):
     def __repr__(self) -> str:
         what = ", ".join(self.parameters) or "nothing"
         return f"<SweepResult of shape {self.shape} over {what}>"
-
-    def _repr_html_(self) -> str:
-        return notebook.html(self)
 
 
 def arrays_of(system: System, readings: Readings) -> dict[str, tuple[Any, tuple[int, ...]]]:
