@@ -169,17 +169,12 @@ def collide(
     before = V2 - V1
     after = -e * before
     W1, W2 = V_cm - share_2 * after, V_cm + share_1 * after
-    return RigidCollision(
-        velocity_1=plain(W1),
-        velocity_2=plain(W2),
-        impulse=plain(M * (after - before)),
-        centre_of_mass_velocity=plain(V_cm),
-        relative_velocity_before=plain(before),
-        relative_velocity_after=plain(after),
-        energy_before=plain(_kinetic_energy(M1, V1) + _kinetic_energy(M2, V2)),
-        energy_after=plain(_kinetic_energy(M1, W1) + _kinetic_energy(M2, W2)),
-        energy_lost=plain((1 - e) * (1 + e) * _kinetic_energy(M, before)),
-    )
+    return RigidCollision(*map(plain, (
+        W1, W2, M * (after - before), V_cm, before, after,
+        _kinetic_energy(M1, V1) + _kinetic_energy(M2, V2),
+        _kinetic_energy(M1, W1) + _kinetic_energy(M2, W2),
+        (1 - e) * (1 + e) * _kinetic_energy(M, before),
+    )))
 
 
 def restitution_from_velocities(

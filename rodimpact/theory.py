@@ -15,7 +15,7 @@ Arguments broadcast as in NumPy; results are floats where every argument is a si
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -60,20 +60,6 @@ class PairCollision(NamedTuple):
     opening: Number
     peak_force: Number
     vibration_energy: Number
-
-
-class _Pair(NamedTuple):
-    """What the result and the force history of a pair have in common."""
-
-    mass: Array
-    closing_speed: Array
-    short_time: Array
-    long_time: Array
-    q: Array
-    p: Array  # 1 - |q|
-    log_q: Array  # 0 where q <= 0
-    peak_force: Array
-    duration: Array
 
 
 @np.errstate(under="ignore")  # q^K may vanish
@@ -135,18 +121,7 @@ vibration_energy=0.25)
     >>> round(saint_venant(5.0, 3.0, 1.0, 10.0).restitution, 6)
     0.841564
     """
-    pair = _pair(impedance_1, transit_time_1, impedance_2, transit_time_2, closing_speed)
-    q = pair.q
-    e = pair_restitution(pair.short_time, pair.long_time, q, pair.p, pair.log_q)
-    m, V = pair.mass, pair.closing_speed
-    return PairCollision(
-        restitution=plain(e),
-        impulse=plain((1 + e) * m * V),
-        duration=plain(pair.duration),
-        opening=plain(np.where(q == 0, 2 * pair.long_time, pair.duration)),
-        peak_force=plain(pair.peak_force),
-        vibration_energy=plain((1 - e) * (1 + e) * m * V * V / 2),
-    )
+    return _pair(impedance_1, transit_time_1, impedance_2, transit_time_2, closing_speed)[0]
 
 
 @np.errstate(under="ignore")
@@ -189,10 +164,11 @@ def saint_venant_force(
     [0.75, 0.375, 0.1875, 0.0]
     """
     t = array("time", time, "s", "any")
-    pair = _pair(impedance_1, transit_time_1, impedance_2, transit_time_2, closing_speed)
-    k = np.floor(np.clip(t, 0.0, pair.duration) / (2 * pair.short_time))
+    pair, short_time, log_q = _pair(
+        impedance_1, transit_time_1, impedance_2, transit_time_2, closing_speed)
+    k = np.floor(np.clip(t, 0.0, pair.duration) / (2 * short_time))
     pressing = (t >= 0) & (t < pair.duration)
-    return plain(np.where(pressing, pair.peak_force * np.exp(k * pair.log_q), 0.0))
+    return plain(np.where(pressing, pair.peak_force * np.exp(k * log_q), 0.0))
 
 
 def rod_on_wall(impedance: ArrayLike, transit_time: ArrayLike, speed: ArrayLike) -> PairCollision:
@@ -229,13 +205,9 @@ def rod_on_wall(impedance: ArrayLike, transit_time: ArrayLike, speed: ArrayLike)
 peak_force=120.0, vibration_energy=0.0)
     """
     Z, T, V = _checked(impedance=impedance, transit_time=transit_time, speed=speed)
-    return PairCollision(
-        restitution=plain(np.ones_like(Z)),
-        impulse=plain(2 * Z * V * T),
-        duration=plain(2 * T),
-        opening=plain(2 * T),
-        peak_force=plain(Z * V),
-        vibration_energy=plain(np.zeros_like(Z)),
+    return _collision(
+        restitution=np.ones_like(Z), impulse=2 * Z * V * T, duration=2 * T, opening=2 * T,
+        peak_force=Z * V, vibration_energy=np.zeros_like(Z),
     )
 
 
@@ -281,13 +253,9 @@ def mass_on_rod(
     mu = Z * T / M
     lost = -np.expm1(-2 * mu)  # share of its momentum that the mass hands over
     e = lost / mu - 1 + lost
-    return PairCollision(
-        restitution=plain(e),
-        impulse=plain(M * V * lost),
-        duration=plain(2 * T),
-        opening=plain(2 * T),
-        peak_force=plain(Z * V),
-        vibration_energy=plain((1 - e * e) * contact_mass(M, Z * T) * V * V / 2),
+    return _collision(
+        restitution=e, impulse=M * V * lost, duration=2 * T, opening=2 * T, peak_force=Z * V,
+        vibration_energy=(1 - e * e) * contact_mass(M, Z * T) * V * V / 2,
     )
 
 
@@ -456,18 +424,26 @@ def rayleigh_love_speed(
 def _pair(
     impedance_1: ArrayLike, transit_time_1: ArrayLike, impedance_2: ArrayLike,
     transit_time_2: ArrayLike, closing_speed: ArrayLike,
-) -> _Pair:
+) -> tuple[PairCollision, Array, Array]:
+    """What `saint_venant` says, the shorter transit time, and ln q, which is 0 where q <= 0."""
     Z1, T1, Z2, T2, V = _checked(
         impedance_1=impedance_1, transit_time_1=transit_time_1, impedance_2=impedance_2,
         transit_time_2=transit_time_2, closing_speed=closing_speed)
     short_time, long_time, q, p, log_q = pair_numbers(Z1, T1, Z2, T2)
     low, high = np.minimum(Z1, Z2), np.maximum(Z1, Z2)
-    return _Pair(
-        mass=np.asarray(contact_mass(Z1 * T1, Z2 * T2)), closing_speed=V,
-        short_time=short_time, long_time=long_time, q=q, p=p, log_q=log_q,
+    m, e = contact_mass(Z1 * T1, Z2 * T2), pair_restitution(short_time, long_time, q, p, log_q)
+    duration = 2 * np.where(q > 0, long_time, short_time)
+    opening = np.where(q == 0, 2 * long_time, duration)
+    return _collision(
+        restitution=e, impulse=(1 + e) * m * V, duration=duration, opening=opening,
         peak_force=V * low * (high / (high + low)),
-        duration=2 * np.where(q > 0, long_time, short_time),
-    )
+        vibration_energy=(1 - e) * (1 + e) * m * V * V / 2,
+    ), short_time, log_q
+
+
+def _collision(**found: Any) -> PairCollision:
+    """Arrays without dimensions become floats."""
+    return PairCollision(**{name: plain(np.asarray(entry)) for name, entry in found.items()})
 
 
 def pair_numbers(Z1: Array, T1: Array, Z2: Array, T2: Array) -> tuple[Array, ...]:

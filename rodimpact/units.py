@@ -14,6 +14,7 @@ import difflib
 import math
 import re
 import reprlib
+from collections.abc import Iterable
 from decimal import Decimal
 from fractions import Fraction
 from numbers import Real
@@ -53,6 +54,8 @@ UNITS: dict[str, dict[str, str]] = {
     "inverse velocity": {"s/m": "1", "s/cm": "1e2", "s/mm": "1e3"},
 }
 """For each dimension its units, each with what it is in the SI unit, exactly."""
+
+DIMENSION = {unit: dimension for dimension, units in UNITS.items() for unit in units}
 
 _QUANTITY = re.compile(
     r"(?P<number>[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE](?P<power>[+-]?[0-9]+))?)"
@@ -161,10 +164,9 @@ def conversion(unit: str) -> Conversion | None:
     spelt = _spelt(unit)
     if not spelt:
         return Conversion("", Fraction(1))
-    for dimension, known in UNITS.items():
-        if spelt in known:
-            return Conversion(si_unit(dimension), Fraction(known[spelt]))
-    return None
+    if not (dimension := DIMENSION.get(spelt, "")):
+        return None
+    return Conversion(si_unit(dimension), Fraction(UNITS[dimension][spelt]))
 
 
 def in_si(values: Any, unit: Any) -> tuple[Any, str]:
@@ -177,11 +179,7 @@ def in_si(values: Any, unit: Any) -> tuple[Any, str]:
     """
     known = conversion(unit) if isinstance(unit, str) else None
     if known is None:
-        near = [name for names in UNITS.values() for name in names]
-        word = shown(unit)[1:-1]
-        close = [name for name in near if name.casefold() == word.casefold()]
-        close = close or difflib.get_close_matches(word, near, n=1)
-        hint = f"; perhaps {close[0]!r} is meant" if close else "; use one such as 'V', 'mV' or 'N'"
+        hint = _meant(shown(unit)[1:-1], DIMENSION) or "; use one such as 'V', 'mV' or 'N'"
         raise ValueError(f"unknown unit {shown(unit)}{hint}")
     # one operation, which rounds once
     factor = known.factor
@@ -217,13 +215,16 @@ def _spelt(unit: str) -> str:
 
 def _explain(unit: str, units: dict[str, str]) -> str:
     """Why `unit` is not among `units`: of another dimension, or unknown and perhaps misspelt."""
-    for dimension, others in UNITS.items():
-        if unit in others:
-            return f"{unit!r} is a unit of {dimension}"
-    near = [name for name in units if name.casefold() == unit.casefold()]
-    near = near or difflib.get_close_matches(unit[:MOST_SHOWN], units, n=1)
-    hint = f"; perhaps {' or '.join(near)} is meant" if near else ""
-    return f"unknown unit {shown(unit)}{hint}"
+    if unit in DIMENSION:
+        return f"{unit!r} is a unit of {DIMENSION[unit]}"
+    return f"unknown unit {shown(unit)}{_meant(unit, units)}"
+
+
+def _meant(word: str, units: Iterable[str]) -> str:
+    """Which of the units may be meant: all that differ by capitals alone, or the nearest one."""
+    near = [repr(name) for name in units if name.casefold() == word.casefold()]
+    near = near or list(map(repr, difflib.get_close_matches(word[:MOST_SHOWN], units, n=1)))
+    return f"; perhaps {' or '.join(near)} is meant" if near else ""
 
 
 def shown(value: Any) -> str:
