@@ -23,12 +23,11 @@ from ..storage.writing import PathLike, write_text
 from ..units import shown
 from ..version import __version__
 from .design import LIBRARY, tables_of, with_gauges
-from .motion import end_of_picture, rods_of
+from .fronts import motion_of, run_of, space_of
 from .page_files import packed, standalone
+from .pieces import refused
 from .presets import presets
-from .runs import run_of, space_of
 from .scene import scene
-from .smooth import refused
 from .tables import RULES, asked_of, is_smooth, lacking, system_of
 
 FRAME = "width: 100%; height: 58rem; border: 0"
@@ -156,5 +155,4 @@ def page_solves(tables: dict[str, Any]) -> bool:
     if is_smooth(tables):
         return refused(row, asked) is None
     run = run_of(asked, True, space_of(plan_of(row)))
-    return run["run"].stop in (Stop.DONE, Stop.FINAL) and end_of_picture(
-        rods_of(run), run["run"].now) > 0
+    return run["run"].stop in (Stop.DONE, Stop.FINAL) and motion_of(run)["now"] > 0

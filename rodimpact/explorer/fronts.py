@@ -1,69 +1,221 @@
-"""What is known of a collision that fronts carry, as `picture` shows it.
+"""A collision that fronts carry: runs of the kernels, and what they come to.
 
-Plain Python, which the page has as JavaScript.
+Plain Python around the kernels, which the page has as JavaScript. Tests hold all of it against
+`Solution` and `Outcome`.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from ..methods.fronts.plan import plan_of
+from ..methods.abilities import has_driven_end
+from ..methods.clock import most_rounded
+from ..methods.compiling import blank
+from ..methods.fronts import events, layout, march
+from ..methods.fronts.layout import round_trip
+from ..methods.fronts.method import last_of, status_of, tally_of
+from ..methods.fronts.plan import blank_records, plan_of
+from ..methods.fronts.records import IDLE, NONE, ROW
+from ..methods.groups import body_velocities, heads
 from ..methods.laws import Stop
-from ..methods.walk import walk
-from ..results.front_polygons import polygons_of, stretch_of
+from ..methods.pieces import reading
+from ..methods.pieces.layout import piece_of
+from ..methods.pieces.records import NEVER
+from ..methods.status import DRIVEN, is_held, rounding, strain_warning
+from ..methods.walk import smallest, walk
+from ..model.numbering import contact_names
+from ..results.front_polygons import count_of, polygons_of, wave_of
+from ..theory import pair_numbers, pair_restitution
 from ..units import format_si
-from .known import curves_of, described, gauge_of, positions_of
-from .motion import contact_curves, end_of_picture, energy_curves, gauge_curve, rods_of
-from .outcome import closed_form_of, outcome_of
-from .runs import run_of, space_of
+from .known import outcome_told
 
+ROOM = 256  # rows of the log at first
+FINE = 1.0  # share of the usual room of the clock that is tried first, where it has few bits
+MOST_REGIONS = 3000  # that are drawn
 TOO_FAR_APART = "times too far apart for the clock of this page; rodimpact run may solve it"
 
 
-def known_of(system: Any, asked: Any, gauges: Any) -> Any:
-    """What `picture` shows of a system that fronts can carry.
+# Runs ---------------------------------------------------------------------------------------------
 
-    Parameters
-    ----------
-    system : Row
-    asked : Asked
-    gauges : list of dict
-        Each with its ``body`` and ``fraction`` of the length.
+
+def run_of(asked: Any, further: bool, space: Any) -> Any:
+    """Run a plan to its end; `further` goes on for a round trip after the proof of finality.
 
     Returns
     -------
     dict
-        Or one with a ``problem``, path and sentence, where there is nothing to show.
+        The `space`, whose records the kernels have left: ``run``, and lists of the others.
     """
+    run, share = space["run"], FINE
+    run.limit, run.further, run.until = asked.max_events, 1 if further else 0, asked.until
+    if asked.until < 0:
+        run.until = -share
+    go(space)
+    while asked.until < 0 and run.stop == Stop.CLOCK and share < 1:
+        share = min(4 * share, 1.0)
+        run.until = -share
+        go(space)
+    return space
+
+
+def go(space: Any) -> None:
+    """Run from t = 0 on, on the clock that `until` asks for."""
+    space["run"].stop = Stop.NONE.value
+    while march.follow(
+        [space["run"]], space["body"], space["plan"].numbers, space["piece"], space["segment"],
+        space["node"], space["line"], space["log"], space["tree"]) != NONE:
+        space["log"].extend(blank(3 * len(space["log"]), ROW))
+
+
+def space_of(plan: Any) -> Any:
+    """Space for runs of a plan, and of others that differ from it in numbers only."""
+    return {"plan": plan, **blank_records(plan, ROOM)}
+
+
+# What moves ---------------------------------------------------------------------------------------
+
+
+def motion_of(run: Any) -> Any:
+    """A run as `motion` has it, whose waves are constant pieces; it ends where too much is drawn.
+
+    ``rods`` are its waves as `polygons_of` has them.
+    """
+    it, row, pieces, tail = run["run"], run["plan"].row, [], [NONE for _ in run["line"]]
+    for r in range(it.rows):
+        front = run["log"][r]
+        if front.line > 1:
+            piece = piece_of(front.tick, NEVER, [front.value])
+            piece.line, piece.order = front.line - 2, 0
+            if tail[front.line] != NONE:
+                pieces[tail[front.line]].stop = front.tick
+                pieces[tail[front.line]].after = len(pieces)
+            tail[front.line] = len(pieces)
+            pieces.append(piece)
+    waves = reading.waves_of(pieces, len(run["line"]) - 2)
+    transits = [at.transit for at in run["segment"][1 : len(row.segments) + 1]]
+    rods = [{"body": i, "pieces": [
+        {"length": row.segments[s].length, "wave_speed": row.segments[s].wave_speed,
+         "youngs_modulus": row.segments[s].material.youngs_modulus, "ticks": transits[s],
+         "rightward": between_fronts(waves[2 * s]), "leftward": between_fronts(waves[2 * s + 1])}
+        for s in range(first - 1, last)
+    ]} for i, (first, last) in enumerate(row.spans)]
+    now: int = it.now
+    while now > 0 and count_of(rods, 0, now, MOST_REGIONS) > MOST_REGIONS:
+        now //= 2
+    return {"row": row, "tick": it.tick, "frame": it.frame, "transits": transits, "now": now,
+            "waves": waves, "masses": [], "springs": [], "exact": True, "draft": False,
+            "rods": rods}
+
+
+def between_fronts(wave: Any) -> Any:
+    """A wave of constant pieces as `polygons_of` has it."""
+    return wave_of(wave["start"], [piece.coefficient[0] for piece in wave["piece"]])
+
+
+def contact_curves(run: Any, stop: int) -> list[Any]:
+    """Force, N, and gap, m, of each contact, at the times at which the contact changes.
+
+    The kernel runs again, event by event, to `stop`.
+    """
+    again, tick, now = space_of(run["plan"]), run["run"].tick, 0
+    it, given, piece = again["run"], run["plan"].numbers, again["piece"]
+    segment, node, line = again["segment"], again["node"], again["line"]
+    log, tree = again["log"], again["tree"]
+    it.until, it.limit, it.further = run["run"].until, run["run"].limit, 1
+    layout.choose_clock([it], 0, again["body"], given, piece, segment, node)
+    layout.lay_out(it, again["body"], given, piece, segment, node, line, log)
+    events.begin(it, segment, node, line, log, tree)
+    it.rest = IDLE  # nothing is to be proved
+    contacts, laws = run["plan"].contacts, run["plan"].row.system.contacts
+    curves: list[Any] = [
+        {"force": ([], []), "gap": ([], []) if law.opens else None} for law in laws]
+    while now < stop:
+        now = min(tree[1], stop)
+        while events.advance(it, segment, node, line, log, tree, now) == Stop.FULL:
+            log.extend(blank(len(log), ROW))
+        for i, k in enumerate(contacts):
+            at, (times, force) = node[k], curves[i]["force"]
+            if at.since == now or now in (0, stop):
+                times.extend([now * tick for _ in ((0,) if now == 0 else (0, 1))])
+                force.extend([at.force] if now == 0 else [force[-1], at.force])
+                if laws[i].opens:
+                    gap = at.gap + at.rate * (now - at.since)
+                    curves[i]["gap"][0].append(now * tick)
+                    curves[i]["gap"][1].append(max(gap, 0.0) * tick)
+    return curves
+
+
+# What it comes to ---------------------------------------------------------------------------------
+
+
+def outcome_of(run: Any) -> Any:
+    """What the collision did, as `outcome_told` has it."""
+    it, segment, row = run["run"], run["segment"], run["plan"].row
+    first, longest = heads(row.system, row.spans), 1
+    kinetic = vibration_before = vibration_after = 0.0
+    for s, piece in enumerate(row.segments):
+        at = segment[s + 1]
+        longest = max(longest, at.transit)
+        kinetic += piece.mass * (at.initial + it.frame) ** 2 / 2
+        vibration_before += at.initial_vibration * it.tick
+        vibration_after += at.vibration * it.tick
+    proved = it.proved != NONE and not (it.until >= 0 and has_driven_end(row.system))
+    ticks = [at.transit for at in segment[1 : len(row.segments) + 1]]
+    rounded, worst = most_rounded(row, ticks, it.tick)
+    trip, contacts = round_trip(run["body"], segment) * it.tick, run["plan"].contacts
+    text = status_of(it, run["node"], contacts, {
+        "proved": proved, "t_final": last_of(it, run["node"], contacts, trip),
+        "acting": DRIVEN if has_driven_end(row.system) else "", "held": is_held(row.system),
+        "names": contact_names([body.kind for body in row.system.bodies]),
+    })
+    strain = it.fastest / smallest([piece.wave_speed for piece in row.segments])
+    return outcome_told(row.system, {
+        "before": body_velocities(row.system, [segment[s].initial + it.frame for s in first]),
+        "after": body_velocities(row.system, [segment[s].velocity + it.frame for s in first]),
+        "contacts": [tally_of(run["node"][k], it.tick) for k in contacts],
+        "final": proved, "status": text + rounding(rounded, worst) + strain_warning(strain),
+        "errors": {"velocity": (rounded + 1 / longest) * it.events * it.scale},
+        "energy_before": kinetic + vibration_before, "vibration_after": vibration_after,
+    })
+
+
+def solved_by_fronts(system: Any, asked: Any) -> Any:
+    """A collision as `solved.known_of` takes it; or a ``problem``, path and sentence."""
     run = run_of(asked, True, space_of(plan_of(walk(system))))
-    it = run["run"]
-    if it.stop >= Stop.OVERFLOW:
+    if run["run"].stop >= Stop.OVERFLOW:
         return {"problem": ("bodies", TOO_FAR_APART)}
-    outcome, rods, tick = outcome_of(run), rods_of(run), it.tick
-    stop = end_of_picture(rods, it.now)
+    outcome, motion = outcome_of(run), motion_of(run)
+    stop, tick = motion["now"], motion["tick"]
     if stop == 0:
-        message = "lasts no time to show" if it.now == 0 else "has too many fronts to show"
+        message = "lasts no time to show" if run["run"].now == 0 else "has too many fronts to show"
         return {"problem": ("solve", f"{message}. {outcome['status']}")}
-    notes, lengths, end = [outcome["status"]], [], stop * tick
-    if stop < it.now:
-        notes.append(f"The picture ends at {format_si(end, 's', 4)}: too many regions later.")
-    for rod in rods:
-        length = 0.0
-        for piece in rod["pieces"]:
-            length += piece["length"] + stretch_of(piece) * tick
-        lengths.append(length)
-    polygons = polygons_of(rods, tick, it.frame, 0, stop)
-    curves, energy = contact_curves(run, stop), energy_curves(system, rods, polygons)
-    paths = [{"t": [0.0, end], "displacement": [0.0, body.velocity * end]}
-             if body.kind == "wall" else None for body in system.bodies]
-    records = []
-    for gauge in gauges:
-        s, x, name = gauge_of(system, gauge)
-        t, strain = gauge_curve(rods[gauge["body"]]["pieces"][s], tick, x, stop)
-        records.append((name, t, strain))
+    notes = [outcome["status"]]
+    if stop < run["run"].now:
+        end = format_si(stop * tick, "s", 4)
+        notes.append(f"The picture ends at {end}: too many regions later.")
     return {
-        **described(system, paths, positions_of(system, lengths), polygons, outcome),
-        "method": "fronts", "exact": True, "notes": notes, "gauges": gauges,
+        "motion": motion, "outcome": outcome, "method": "fronts", "notes": notes,
         "closed_form": closed_form_of(system, outcome["before"]),
-        "plots": curves_of(system, curves, energy, records, True),
+        "contacts": contact_curves(run, stop),
+        "polygons": polygons_of(motion["rods"], tick, motion["frame"], 0, stop),
     }
+
+
+def closed_form_of(system: Any, before: list[float]) -> Any:
+    """e of a pair for which theory knows it, and the source; None for any other row."""
+    pieces, walls = [], 0
+    if len(system.bodies) != 2 or not system.contacts[0].opens or before[0] <= before[1]:
+        return None
+    for body, end in zip(system.bodies, system.ends, strict=True):
+        walls += 1 if body.kind == "wall" else 0
+        pieces.extend(body.segments)
+        even = isinstance(body.velocity, float) and body.strain == 0.0
+        if not even or end.kind != "free" or len(body.segments) > 1:
+            return None
+    if walls > 0:
+        return {"restitution": 1.0, "source": "textbook, box 10.4"}
+    left, right = pieces
+    short_time, long_time, q, p, log_q = pair_numbers(
+        left.impedance, left.transit_time, right.impedance, right.transit_time)
+    e = pair_restitution(short_time, long_time, q, p, log_q) * 1.0
+    return {"restitution": e, "source": "Saint-Venant 1867"}

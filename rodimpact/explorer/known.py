@@ -114,12 +114,12 @@ def plot_of(key: str, title: str, unit: str, series: list[Any]) -> Any:
     return {"key": key, "title": title, "unit": unit, "series": series}
 
 
-def series_of(name: str, t: list[float], y: list[float], steps: bool) -> Any:
-    """A curve over time; with `steps` each value holds until the next time."""
-    return {"name": name, "t": [*t], "y": y, "steps": steps}
+def series_of(name: str, t: list[float], y: list[float]) -> Any:
+    """A curve over time, of straight lines; where it jumps, it has two values at one time."""
+    return {"name": name, "t": [*t], "y": y}
 
 
-def curves_of(system: Any, contacts: Any, energy: Any, gauges: Any, steps: bool) -> Any:
+def curves_of(system: Any, contacts: Any, energy: Any, gauges: Any) -> Any:
     """The figures: force, gap, energy, gauges.
 
     Parameters
@@ -131,8 +131,6 @@ def curves_of(system: Any, contacts: Any, energy: Any, gauges: Any, steps: bool)
         Times ``t``, and energies by their names.
     gauges : list
         Name of each gauge, times and strains.
-    steps : bool
-        Whether forces and strains hold from time to time.
     """
     names = [f"contact {name}" for name in contact_names([body.kind for body in system.bodies])]
     title = "Gap"
@@ -142,17 +140,17 @@ def curves_of(system: Any, contacts: Any, energy: Any, gauges: Any, steps: bool)
         title = f"{title}, or stretch of joints"
     forces, gaps = [], []
     for i, curve in enumerate(contacts):
-        forces.append(series_of(names[i], curve["force"][0], curve["force"][1], steps))
+        forces.append(series_of(names[i], curve["force"][0], curve["force"][1]))
         if curve["gap"] is not None:
-            gaps.append(series_of(names[i], curve["gap"][0], curve["gap"][1], False))
+            gaps.append(series_of(names[i], curve["gap"][0], curve["gap"][1]))
     return [
         plot_of("force", "Contact force", "N", forces),
         plot_of("gap", title, "m", gaps),
         plot_of("energy", "Energy", "J", [
-            series_of(name, energy["t"], values, False)
+            series_of(name, energy["t"], values)
             for name, values in energy.items() if name != "t"]),
         plot_of("gauge", "Strain, below 0 compressed", "µε", [
-            series_of(name, t, [1e6 * e for e in strain], steps) for name, t, strain in gauges]),
+            series_of(name, t, [1e6 * e for e in strain]) for name, t, strain in gauges]),
     ]
 
 

@@ -1,132 +1,186 @@
-"""What moves in a run of fronts: polygons of constant state, forces, gaps, gauges and energies.
+"""What moves in a run of any method: grids of cells, paths, curves, gauges and energies.
 
-Plain Python, which the page has as JavaScript. Tests hold all of it against `Solution`.
+A run is a table: its ``row``; ``tick``, s, and velocity of its ``frame``; ``transits`` of the
+segments and the last tick ``now``; ``waves``, two a segment, to the right and to the left, as
+`reading.waves_of` has them; waves of the velocities of ``masses``; ``springs``, pairs of the link
+and the wave of its overlap. It is ``exact`` if waves are constant between their jumps, and a
+``draft`` if it is to be quick. Plain Python, which the page has as JavaScript.
 """
 
 from __future__ import annotations
 
-import math
-from bisect import bisect_right
 from typing import Any
 
-from ..methods.fronts.records import CHANGE
 from ..methods.groups import groups
-from ..results.front_polygons import at, count_of, wave_of
-from .runs import advance, begun
+from ..methods.pieces import lines, reading
+from ..storage.tables import clean
+from .tiling import ROWS, across_of, add_cells, no_cells
 
-MOST_REGIONS = 3000  # that are drawn
-MOST_TIMES = 400  # of a curve of energy
-PARTS = 6  # lines that a parabola is drawn with, at least
-POINTS = 240  # of a curve of energy, about
-
-
-def rods_of(run: Any) -> Any:
-    """The bodies with their waves, as `polygons_of` has them; walls have no pieces."""
-    ticks: list[list[int]] = [[] for _ in run["line"]]
-    values: list[list[float]] = [[] for _ in run["line"]]
-    for r in range(run["run"].rows):
-        front = run["log"][r]
-        if front.line != CHANGE:
-            ticks[front.line].append(front.tick)
-            values[front.line].append(front.value)
-    row = run["plan"].row
-    return [{"body": i, "pieces": [
-        {"length": row.segments[s - 1].length, "wave_speed": row.segments[s - 1].wave_speed,
-         "area": row.segments[s - 1].area, "mass": row.segments[s - 1].mass,
-         "youngs_modulus": row.segments[s - 1].material.youngs_modulus,
-         "ticks": run["segment"][s].transit, "rightward": wave_of(ticks[2 * s], values[2 * s]),
-         "leftward": wave_of(ticks[2 * s + 1], values[2 * s + 1])}
-        for s in range(first, last + 1)
-    ]} for i, (first, last) in enumerate(row.spans)]
+SAMPLES = 400  # of a path
+INSIDE = 8  # points of a curve in one piece
+FINEST = 5e-5  # of the run, between two of them
+MOMENTS, FEW = 100, 30  # of the energy: of a solution, and of a draft
+MOST_TIMES = 400  # of the energy, with those at which something changes
+SAME = 1e-9  # of the run: times that are one
+POINTS = 32  # of a segment, for its strain energy
 
 
-def end_of_picture(rods: Any, stop: int) -> int:
-    """Last tick up to which there are few enough regions to draw; 0 if there is none."""
-    while stop > 0 and count_of(rods, 0, stop, MOST_REGIONS) > MOST_REGIONS:
-        stop //= 2
-    return stop
-
-
-def contact_curves(run: Any, stop: int) -> list[Any]:
-    """Force, N, and gap, m, of each contact, at the times at which the contact changes.
-
-    The kernel runs again, event by event, to `stop`.
-    """
-    again, tick = begun(run), run["run"].tick
-    contacts, laws = run["plan"].contacts, run["plan"].row.system.contacts
-    curves: list[Any] = [
-        {"force": ([], []), "gap": ([], []) if law.opens else None} for law in laws]
-    now = 0
-    while now < stop:
-        now = min(again["tree"][1], stop)
-        advance(again, now)
-        for i, k in enumerate(contacts):
-            at = again["node"][k]
-            if at.since == now or now in (0, stop):
-                curves[i]["force"][0].append(now * tick)
-                curves[i]["force"][1].append(at.force)
-                if laws[i].opens:
-                    gap = at.gap + at.rate * (now - at.since)
-                    curves[i]["gap"][0].append(now * tick)
-                    curves[i]["gap"][1].append(max(gap, 0.0) * tick)
-    return curves
-
-
-def gauge_curve(piece: Any, tick: float, x: float, stop: int) -> Any:
-    """Times, s, and strains from then on, at a place of a segment, m from its left end."""
-    a, b, T = piece["rightward"], piece["leftward"], piece["ticks"]
-    offset = max(0, min(T, round(x / piece["length"] * T)))
-    arrivals = [sent + offset for sent in a["tick"]]
-    arrivals.extend([0, *[sent + T - offset for sent in b["tick"]]])
-    times, strains, before = [], [], -1
-    for arrival in sorted(arrivals):
-        if before < arrival < stop:
-            strain = at(b, arrival - T + offset) - at(a, arrival - offset)
-            times.append(arrival * tick)
-            strains.append(strain * (0.5 / piece["wave_speed"]))
-            before = arrival
-    times.append(stop * tick)
-    strains.append(strains[-1])
-    return times, strains
-
-
-def energy_curves(system: Any, rods: Any, tiling: Any) -> Any:
-    """Energy by kind over time, J, from the widths of the polygons.
-
-    Between the times of all corners the widths are linear, so momentum, kinetic and strain energy
-    are; the rest is their parabolas.
-    """
-    knots = times_of(tiling["t"])
-    moving, strained = [0.0 for _ in knots], [0.0 for _ in knots]
-    momenta = [[0.0 for _ in knots] for _ in system.bodies]
-    for i, body in enumerate(tiling["body"]):
-        piece = rods[body]["pieces"][tiling["segment"][i]]
-        first, end = tiling["start"][i], tiling["start"][i + 1]
-        per_length, v = piece["mass"] / piece["length"], tiling["velocity"][i]
-        x, t = tiling["x"][first:end], tiling["t"][first:end]
-        low, high = t[0], t[0]
-        for when in t:
-            low, high = min(low, when), max(high, when)
-        for k in range(max(0, bisect_right(knots, low) - 1), bisect_right(knots, high)):
-            width = width_at(x, t, knots[k])
-            moving[k] += per_length * v * v / 2 * width
-            strained[k] += piece["area"] * tiling["stress"][i] * tiling["strain"][i] / 2 * width
-            momenta[body][k] += per_length * v * width
-    parts = max(PARTS, POINTS // len(knots)) if len(knots) <= MOST_TIMES else 1
-    found: Any = {"t": [], "moving as a whole": [], "vibration": [], "strain": [], "total": []}
-    for k in range(len(knots)):
-        for part in range(parts if k < len(knots) - 1 else 1):
-            share, after = part / parts, min(k + 1, len(knots) - 1)
-            whole = energy_as_a_whole(system, [
-                p[k] + (p[after] - p[k]) * share for p in momenta])
-            kinetic = moving[k] + (moving[after] - moving[k]) * share
-            strain = strained[k] + (strained[after] - strained[k]) * share
-            found["t"].append(knots[k] + (knots[after] - knots[k]) * share)
-            found["moving as a whole"].append(whole)
-            found["vibration"].append(kinetic - whole)
-            found["strain"].append(strain)
-            found["total"].append(kinetic + strain)
+def grids_of(run: Any) -> Any:
+    """Grids of equal height, as of `tiling`."""
+    row, tick, frame, found = run["row"], run["tick"], run["frame"], no_cells()
+    for i, body in enumerate(row.system.bodies):
+        left, moved = 0.0, 0.0
+        for j, piece in enumerate(body.segments):
+            s = row.spans[i][0] - 1 + j
+            T, a, b = run["transits"][s], run["waves"][2 * s], run["waves"][2 * s + 1]
+            begun, across = reading.passed_by(a, 0)[0], across_of(row.system, piece)
+            rows: list[list[float]] = []
+            for k in range(ROWS + 1):
+                now = run["now"] * k / ROWS
+                rows.append([
+                    ((reading.passed_by(a, now - T * m / across)[0] - begun
+                      + reading.passed_by(b, now - T + T * m / across)[0]) / 2
+                     + frame * now) * tick + moved for m in range(across + 1)])
+            add_cells(found, i, piece, left, run["now"] * tick, rows)
+            left += piece.length
+            moved += body.strain * piece.length
     return found
+
+
+def length_of(run: Any, i: int) -> float:
+    """Length of a body at t = 0, m."""
+    length = 0.0
+    for s in range(run["row"].spans[i][0] - 1, run["row"].spans[i][1]):
+        T, a, b = run["transits"][s], run["waves"][2 * s], run["waves"][2 * s + 1]
+        passed = (reading.passed_by(b, 0)[0] - reading.passed_by(b, -T)[0]
+                  - reading.passed_by(a, 0)[0] + reading.passed_by(a, -T)[0])
+        length += run["row"].segments[s].length + passed / 2 * run["tick"]
+    return length
+
+
+def path_of(run: Any, i: int) -> Any:
+    """Times, s, and displacement of a body without inside, m; None for a rod."""
+    body, tick = run["row"].system.bodies[i], run["tick"]
+    if body.kind == "rod":
+        return None
+    if body.kind == "wall":
+        end = run["now"] * tick
+        return {"t": [0.0, end], "displacement": [0.0, body.velocity * end]}
+    even = [run["now"] * k / SAMPLES for k in range(SAMPLES + 1)]
+    wave = run["masses"][run["row"].mass_of[i]]
+    return {"t": [at * tick for at in even], "displacement": [
+        (reading.passed_by(wave, at)[0] + run["frame"] * at) * tick for at in even]}
+
+
+def curve_of(run: Any, terms: Any) -> Any:
+    """Times, s, and sum of waves, each with its delay, ticks, and its factor.
+
+    As close as pieces bend; where the sum jumps there are two values at one time.
+    """
+    now, breaks = run["now"], [0, run["now"]]
+    for wave, delay, _ in terms:
+        breaks.extend([start + delay for start in wave["start"] if 0 < start + delay < now])
+    breaks = sorted(breaks)
+    times, values, last, least = [], [], -now, 0.0 if run["exact"] else FINEST * now
+    for i in range(len(breaks) - 1):
+        low, high = breaks[i], breaks[i + 1]
+        if high > low and high - last > least:
+            parts = 1 if run["exact"] else INSIDE
+            for k in range(parts + 1):
+                at, value = low + (high - low) * k / parts, 0.0
+                if k in (0, parts) or at - last > least:
+                    for wave, delay, factor in terms:
+                        piece = wave["piece"][reading.place_of(wave, low - delay)]
+                        share = reading.share_of(piece, at - delay)
+                        value += factor * lines.at(piece, share)
+                    times.append(at * run["tick"])
+                    values.append(value)
+                    last = at
+    return times, values
+
+
+def gauge_curve(run: Any, s: int, x: float) -> Any:
+    """Times, s, and strains at a place of segment s, m from its left end."""
+    piece, T = run["row"].segments[s], run["transits"][s]
+    after, factor = max(0, min(T, round(x / piece.length * T))), 0.5 / piece.wave_speed
+    return curve_of(run, [(run["waves"][2 * s + 1], T - after, factor),
+                          (run["waves"][2 * s], after, -factor)])
+
+
+def energy_curves(run: Any, corners: list[float]) -> Any:
+    """Energy by kind over time, J, at even times and at `corners`, s, if they are few."""
+    row, frame, moments = run["row"], run["frame"], FEW if run["draft"] else MOMENTS
+    times = sorted([*corners, *[run["now"] * k / moments * run["tick"]
+                                for k in range(moments + 1)]])
+    least = SAME * times[-1]
+    times = [t for i, t in enumerate(times) if i == 0 or t > times[i - 1] + least]
+    if len(times) > MOST_TIMES:
+        times = [times[-1] * i / MOST_TIMES for i in range(MOST_TIMES + 1)]
+    soft = "in compliant contacts"
+    found: Any = {"t": times, "moving as a whole": [], "vibration": [], "strain": [], "total": []}
+    if len(run["springs"]) > 0:
+        found[soft] = []
+    for t in times:
+        now, inside, contact, momenta = t / run["tick"], 0.0, 0.0, []
+        for i, body in enumerate(row.system.bodies):
+            momentum, m = body.mass * frame, row.mass_of[i]
+            for s in range(row.spans[i][0] - 1, row.spans[i][1]):
+                mean, square = means_of(run, s, now)
+                momentum += row.segments[s].mass * mean
+                inside += row.segments[s].mass * (square + frame * (mean + frame / 2))
+            if m >= 0:
+                v = reading.value_at(run["masses"][m], now)
+                momentum += body.mass * v
+                inside += body.mass * (v + frame) ** 2 / 2
+            momenta.append(momentum)
+        for link, overlap in run["springs"]:
+            d, power = max(0.0, reading.value_at(overlap, now)), 1 + link.exponent
+            contact += link.stiffness * d**power / power
+        whole, strain = energy_as_a_whole(row.system, momenta), strain_energy(run, now)
+        found["moving as a whole"].append(whole)
+        found["vibration"].append(max(0.0, clean(inside - whole - strain, inside)))
+        found["strain"].append(strain)
+        if len(run["springs"]) > 0:
+            found[soft].append(contact)
+        found["total"].append(inside + contact)
+    return found
+
+
+def means_of(run: Any, s: int, now: float) -> Any:
+    """Mean velocity of a segment in the frame, and energy over mass, (m/s)^2."""
+    T, mean, square = run["transits"][s], 0.0, 0.0
+    for wave in run["waves"][2 * s : 2 * s + 2]:
+        passed, squares = reading.passed_by(wave, now)
+        before, squares_before = reading.passed_by(wave, now - T)
+        mean += (passed - before) / T / 2
+        square += (squares - squares_before) / T / 4
+    return mean, square
+
+
+def strain_energy(run: Any, now: float) -> float:
+    """Strain energy of all rods at a tick, J: from states at even places between jumps."""
+    total = 0.0
+    for s, piece in enumerate(run["row"].segments):
+        a, b, T = run["waves"][2 * s], run["waves"][2 * s + 1], run["transits"][s]
+        edges = [0.0, *[now - tick for tick in jumps_between(run, a, now - T, now)]]
+        edges.extend([tick - now + T for tick in jumps_between(run, b, now - T, now)])
+        edges = [*sorted(edges), T]
+        for i in range(len(edges) - 1):
+            wide, square = edges[i + 1] - edges[i], 0.0
+            count = 1 if run["exact"] else 1 + int(POINTS * wide / T)
+            for k in range(count):
+                after = edges[i] + wide * (k + 0.5) / count
+                square += (reading.value_at(b, now - T + after)
+                           - reading.value_at(a, now - after)) ** 2
+            total += piece.mass * wide / T * square / count / 8
+    return total
+
+
+def jumps_between(run: Any, wave: Any, start: float, stop: float) -> list[float]:
+    """Ticks between two at which a wave jumps."""
+    first, last = reading.place_of(wave, start) + 1, reading.place_of(wave, stop)
+    found = [piece.start for piece in wave["piece"][first : last + 1] if piece.order == 0]
+    return found if run["exact"] or len(found) < POINTS else []
 
 
 def energy_as_a_whole(system: Any, momenta: list[float]) -> float:
@@ -139,28 +193,3 @@ def energy_as_a_whole(system: Any, momenta: list[float]) -> float:
             momentum += momenta[i]
         whole += momentum * momentum / (2 * mass) if mass > 0 else 0.0
     return whole
-
-
-def times_of(corners: list[float]) -> list[float]:
-    """Each time once, in order; even ones, if they are too many."""
-    found: list[float] = []
-    for t in sorted(corners):
-        if len(found) == 0 or t > found[-1]:
-            found.append(t)
-    if len(found) <= MOST_TIMES:
-        return found
-    return [found[-1] * i / MOST_TIMES for i in range(MOST_TIMES + 1)]
-
-
-def width_at(x: list[float], t: list[float], when: float) -> float:
-    """Width of a polygon at a time, m."""
-    low, high = math.inf, -math.inf
-    for k in range(len(t)):
-        after = (k + 1) % len(t)
-        if min(t[k], t[after]) <= when <= max(t[k], t[after]):
-            share = 0.0 if t[k] == t[after] else (when - t[k]) / (t[after] - t[k])
-            place = x[k] + (x[after] - x[k]) * share
-            low, high = min(low, place), max(high, place)
-            if t[k] == t[after]:
-                low, high = min(low, x[after]), max(high, x[after])
-    return high - low if high > low else 0.0

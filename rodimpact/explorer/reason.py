@@ -56,7 +56,7 @@ def value_at(series: Any, t: float) -> float:
     i = bisect_right(times, t) - 1
     if i < 0:
         return float(y[0])
-    if i == len(times) - 1 or series["steps"]:
+    if i == len(times) - 1:
         return float(y[i])
     return float(y[i] + (y[i + 1] - y[i]) * (t - times[i]) / (times[i + 1] - times[i]))
 

@@ -76,7 +76,7 @@ def scene(case: Case, solution: Solution) -> Scene:
         "notes": [solution.status,
                   "The picture shows means over cells, not the fronts themselves."],
         "gauges": [{"body": body, "fraction": at} for body, at, _ in case.gauges],
-        "plots": curves_of(system, contacts, _energy(solution), records, True),
+        "plots": curves_of(system, contacts, _energy(solution), records),
     }))
 
 

@@ -10,11 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from ..methods.fronts.plan import plan_of
+from ..methods.laws import Stop
 from ..methods.pieces.method import RTOL
-from .fronts import known_of
-from .outcome import changed, restitutions
+from ..methods.walk import walk
+from . import fronts, pieces
+from .known import curves_of, described, gauge_of, positions_of
+from .motion import energy_curves, gauge_curve, length_of, path_of
 from .picture import picture, ratio_of
-from .smooth import smooth_known, smooth_restitution
 from .tables import asked_of, contacts_in, is_smooth, system_of
 
 LEAST, MOST = -2.0, 4.0  # log10 of kappa, on the curve of e over the roundness of the ends
@@ -33,9 +36,9 @@ def scene_of(case: Any, gauges: Any, library: Any, tolerance: float = RTOL) -> A
     """
     system, asked = system_of(case, library), asked_of(case)
     if is_smooth(case):
-        known = smooth_known(system, asked, gauges, tolerance)
+        known = known_of(system, gauges, pieces.solved_by_pieces(system, asked, tolerance))
     else:
-        known = known_of(system, asked, gauges)
+        known = known_of(system, gauges, fronts.solved_by_fronts(system, asked))
     if "problem" in known:
         return known
     ratio = ratio_of(known)
@@ -46,11 +49,62 @@ def scene_of(case: Any, gauges: Any, library: Any, tolerance: float = RTOL) -> A
     return {**picture(known), "roundness": begin_roundness(case, system)}
 
 
+def known_of(system: Any, gauges: Any, found: Any) -> Any:
+    """What `picture` shows of a collision that is solved.
+
+    Parameters
+    ----------
+    system : Row
+    gauges : list of dict
+        Each with its ``body`` and ``fraction`` of the length.
+    found : dict
+        The ``motion``, the ``outcome``, ``method``, ``notes``, ``closed_form``, curves of the
+        ``contacts`` and ``polygons``, or grids; or a ``problem``, which is returned.
+    """
+    if "problem" in found:
+        return found
+    motion, records, bodies = found["motion"], [], range(len(system.bodies))
+    for gauge in gauges:
+        s, x, name = gauge_of(system, gauge)
+        t, strain = gauge_curve(motion, motion["row"].spans[gauge["body"]][0] - 1 + s, x)
+        records.append((name, t, strain))
+    corners = found["polygons"]["t"] if motion["exact"] else []
+    return {
+        **described(
+            system, [path_of(motion, i) for i in bodies], positions_of(
+                system, [length_of(motion, i) for i in bodies]),
+            found["polygons"], found["outcome"]),
+        "method": found["method"], "exact": motion["exact"], "notes": found["notes"],
+        "closed_form": found["closed_form"], "gauges": gauges,
+        "plots": curves_of(system, found["contacts"], energy_curves(motion, corners), records),
+    }
+
+
 def e_over(case: Any, library: Any, path: list[Any], values: list[float]) -> list[Any]:
     """e for each value of a number of a case; None where there is none."""
-    if not is_smooth(case):
-        return restitutions(case, library, path, values)
-    return [smooth_restitution(changed(case, path, value), library) for value in values]
+    smooth, asked, found = is_smooth(case), asked_of(case), []
+    space = None if smooth else fronts.space_of(plan_of(walk(system_of(case, library))))
+    for value in values:
+        system, e = system_of(changed(case, path, value), library), None
+        if smooth:
+            e = pieces.restitution_of(system, asked)
+        else:
+            space["plan"] = plan_of(walk(system))
+            run = fronts.run_of(asked, False, space)
+            if run["run"].stop < Stop.OVERFLOW:
+                outcome = fronts.outcome_of(run)
+                e = outcome["restitution"] if outcome["why"] == "" else None
+        found.append(e)
+    return found
+
+
+def changed(tree: Any, path: list[Any], value: float) -> Any:
+    """The tables with another number at a path."""
+    if len(path) == 0:
+        return value
+    copy = [*tree] if isinstance(tree, list) else {**tree}
+    copy[path[0]] = changed(tree[path[0]], path[1:], value)
+    return copy
 
 
 def curve_of(case: Any, library: Any, ratio: float) -> Any:
@@ -111,5 +165,6 @@ def roundness_of(case: Any, library: Any) -> Any:
     contact, values = contacts_in(case)[0], []
     for log in logs:
         hertz = {**contact, "law": "hertz", "stiffness": unit * np.exp(log * math.log(10.0))}
-        values.append(smooth_restitution({**case, "contacts": [hertz]}, library))
+        system = system_of({**case, "contacts": [hertz]}, library)
+        values.append(pieces.restitution_of(system, asked_of(case)))
     return {"ratios": logs, "values": values, "source": f"solved at {FEW} stiffnesses"}

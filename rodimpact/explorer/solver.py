@@ -13,9 +13,8 @@ from ..methods.compiling import blank
 from ..model.profiles import extremes
 from ..units import format_factor, format_si
 from .javascript import javascript
-from .outcome import changed
 from .reason import spells_of, value_at
-from .solved import curve_of, e_over, roundness_of, scene_of
+from .solved import changed, curve_of, e_over, roundness_of, scene_of
 from .tables import lacking, mistakes, steps
 from .texts import contacts_of, name_of, numbers_of, written
 

@@ -14,11 +14,10 @@ from systems import random_system
 
 import rodimpact as ri
 from rodimpact.explorer.design import LIBRARY, tables_of, with_gauges
+from rodimpact.explorer.fronts import outcome_of, run_of, space_of
 from rodimpact.explorer.javascript import Untranslatable, javascript
-from rodimpact.explorer.outcome import outcome_of
 from rodimpact.explorer.page_files import read
 from rodimpact.explorer.presets import presets
-from rodimpact.explorer.runs import run_of, space_of
 from rodimpact.explorer.solved import scene_of
 from rodimpact.explorer.solver import CONSTANTS, KNOWN
 from rodimpact.explorer.tables import RULES, asked_of, system_of

@@ -45,7 +45,7 @@ function prepare(scene) {
 
 /** Path of a point of a body, displaced: places over time. */
 function pathOf(scene, body, x, { t, displacement }) {
-  return { t, y: t.map((at, k) => placeOf(scene.row, body, x, at, displacement[k])), steps: false };
+  return { t, y: t.map((at, k) => placeOf(scene.row, body, x, at, displacement[k])) };
 }
 
 /** Path of the face at x of a body. */
@@ -60,7 +60,7 @@ function faceOf(scene, body, x) {
     }
   });
   const times = [...found.keys()].sort((a, b) => a - b);
-  return { t: times, y: times.map((at) => found.get(at)), steps: false };
+  return { t: times, y: times.map((at) => found.get(at)) };
 }
 
 /** Paths of the centres of mass of rods and masses: the middles of pieces, weighed by their masses. */
@@ -77,7 +77,7 @@ function centresOf(scene) {
     sum[1] += mass * (low + high) / 2;
   }));
   return bodies.flatMap(({ kind, path, width }, i) => (kind === "wall" ? []
-    : [path ? pathOf(scene, i, width / 2, path) : { t, y: sums[i].map(([mass, moment]) => moment / mass), steps: false }]));
+    : [path ? pathOf(scene, i, width / 2, path) : { t, y: sums[i].map(([mass, moment]) => moment / mass) }]));
 }
 
 /** Path of the centre of mass of a rod, from the rows of its grids, which are of one height. */
@@ -101,7 +101,7 @@ function centreOfGrids({ place, tiling, bodies, begin, row: { magnification, fra
     t.unshift(begin);
     y.unshift(y[0] + magnification * (bodies[grids[0].body].approach - frame) * begin);
   }
-  return { t, y, steps: false };
+  return { t, y };
 }
 
 /** When the wave that a contact sends into a rod of one piece is back: 2 l/c after it begins to press. */
@@ -192,8 +192,8 @@ function approach(scene, contacts) {
       const first = key === "energy" ? curve.y[0] : 0;
       const gap = contacts.find((contact) => contact.gap === curve);
       const apart = gap ? bodies[gap.index + 1].approach - bodies[gap.index].approach : 0;
-      curve.t.unshift(before);
-      curve.y.unshift(gap ? curve.y[0] + apart * before : first);
+      curve.y.unshift(gap ? curve.y[0] + apart * before : first, gap ? curve.y[0] : first);
+      curve.t.unshift(before, 0);
     }
   }
 }

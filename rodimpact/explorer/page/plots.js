@@ -21,11 +21,7 @@ function drawPlot(pen, plot, { begin, end }, now, theme) {
   pen.inside(frame.x, frame.y - 2, frame.width, frame.height + 4, () => {
     pen.line([[frame.x, frame.up(0)], [frame.right, frame.up(0)]], theme.line, 1);
     plot.series.forEach((series, k) => {
-      const points = [];
-      series.t.forEach((t, i) => {
-        if (series.steps && i) points.push([frame.across(t), frame.up(series.y[i - 1])]);
-        points.push([frame.across(t), frame.up(series.y[i])]);
-      });
+      const points = series.t.map((t, i) => [frame.across(t), frame.up(series.y[i])]);
       pen.line(points, theme.series[k % theme.series.length], 2, k >= theme.series.length ? [6, 3] : []);
     });
     pen.line([[frame.across(now), frame.y], [frame.across(now), frame.bottom]], theme.wrong, 1.6);

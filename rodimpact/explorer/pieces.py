@@ -1,0 +1,231 @@
+"""A collision that characteristics carry: runs of the kernels, and what they come to.
+
+Plain Python around the kernels, which the page has as JavaScript.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..methods.abilities import has_driven_end
+from ..methods.compiling import blank
+from ..methods.groups import body_velocities
+from ..methods.laws import Law, Stop
+from ..methods.pieces import accuracy, layout, march, reading
+from ..methods.pieces.accuracy import Ended, size_of
+from ..methods.pieces.layout import Asked, Clock
+from ..methods.pieces.method import RTOL
+from ..methods.pieces.records import NONE, PIECE, TURN
+from ..methods.pieces.series import N
+from ..methods.pieces.totals import stated, status_of, tally_of, told_of, why_stopped
+from ..methods.row import STIFFEST
+from ..methods.status import DRIVEN, is_held, strain_warning
+from ..methods.walk import frame_of, largest, scale_of, smallest, walk, wave_of_strain
+from .fronts import TOO_FAR_APART
+from .known import outcome_told
+from .motion import curve_of, grids_of
+
+ROOM = 512  # of the log at first
+QUICK = 1e-6  # tolerance of curves and maps
+
+
+def clock_of(row: Any, until: Any) -> Any:
+    """The clock of a row with rods; None where times are too far apart for it."""
+    transits, scale = [s.transit_time for s in row.segments], scale_of(row)
+    reference, scale = largest(transits), scale if scale > 0 else 1.0
+    end = layout.horizon_of(row, reference, scale) if until is None else until
+    total, made = layout.count_ticks(transits, reference, end)
+    if total == 0 or any(ticks <= 4096 for ticks in made):
+        return None
+    tick = reference / total
+    return Clock(tick, made, round(end / tick), reference, frame_of(row), scale)
+
+
+def waves_at_start(row: Any, clock: Clock) -> Any:
+    """Pieces of all lines that are known at t = 0, and lines of what comes from outside."""
+    pieces, outside, last = [], [], len(row.segments) - 1
+    for i, body in enumerate(row.system.bodies):
+        for s in range(row.spans[i][0] - 1, row.spans[i][1]):
+            stretch = body.strain * row.segments[s].wave_speed
+            pieces.extend(layout.under_way(
+                body.velocity - clock.frame, stretch, clock.transits[s]))
+    for side, (kind, value) in enumerate(row.outside):
+        k, came, factor = side * (last + 1), 0.0, 1.0
+        if kind == "none" and row.first[k] == row.first[k + 1]:
+            outside.append(NONE)
+            continue
+        if kind == "velocity":
+            came = -clock.frame
+        elif kind == "absorbing":
+            came = pieces[2 * last + 1 if side == 1 else 0].coefficient[0]
+            factor = wave_of_strain(row, side)
+        outside.append(len(pieces))
+        pieces.append(layout.steady(came + value * factor))
+    return pieces, outside
+
+
+def run_of(row: Any, asked: Any, tolerance: float, keep: bool, earlier: Any) -> Any:
+    """Run a row; like an `earlier` run at a finer tolerance, where there is one.
+
+    Returns
+    -------
+    dict
+        The `row`, ``ended``, the records of `Ended`; ``line``, ``mass``, ``log``,
+        ``turn``, ``clock``; or None where times are too far apart for the clock.
+    """
+    until = asked.until if asked.until >= 0 else None
+    clock = clock_of(row, until)
+    if clock is None:
+        return None
+    log, outside = waves_at_start(row, clock)
+    for l in range(len(log)):
+        log[l].line = l
+    wanted = Asked(until, tolerance, asked.max_events, keep, not has_driven_end(row.system))
+    runs, node, link, mass, line, part = layout.lay_out(row, clock, wanted, log, outside)
+    run, turn = runs[0], blank(ROOM + march.FLIPS, TURN)
+    log.extend(blank(ROOM, PIECE))
+    if earlier is not None:
+        accuracy.compare(earlier["ended"].run, run)
+    longest = 1
+    for at in node:
+        longest = max(longest, at.links)
+    size = N * longest
+    matrix = [[0.0] * (size + 1) for _ in range(size)]
+    while march.follow(
+        runs, node, link, mass, line, part, log, turn, matrix
+    ) == Stop.FULL:
+        log.extend(blank(len(log), PIECE))
+        turn.extend(blank(len(turn), TURN))
+    now = run.end
+    for at in node:
+        now = min(now, at.now)
+    return {"row": row, "ended": Ended(run, link, part),
+            "line": line, "mass": mass, "log": log, "turn": turn, "clock": clock,
+            "now": now, "until": asked.until}
+
+
+def solved(row: Any, asked: Any, tolerance: float) -> Any:
+    """A run with the stated ``errors`` of the `MEASURES`; None as of `run_of`."""
+    fine, coarser = run_of(row, asked, tolerance, True, None), accuracy.COARSER * tolerance
+    errors = [0.0 for _ in range(5)]
+    if fine is None or fine["ended"].run.stop == Stop.STUCK:
+        return fine
+    while all(error == 0 for error in errors) and coarser <= accuracy.COARSEST:
+        coarse = run_of(row, asked, coarser, False, fine)
+        errors = accuracy.apart(fine["ended"], coarse["ended"])
+        coarser *= accuracy.COARSER  # the same steps tell nothing
+    left = accuracy.left_open(fine["ended"].run, 0.0)
+    for T in fine["clock"].transits:  # which are rounded to whole ticks
+        left = max(left, 1 / T)
+    return {**fine, "errors": [error + left for error in errors], "goal": tolerance}
+
+
+def refused(row: Any, asked: Any) -> Any:
+    """Path and sentence of what nobody can solve; None if there is nothing."""
+    for i, place in enumerate(row.contact_link):
+        if is_beyond(row, place):
+            return (f"contacts.{i}.stiffness", "is as good as rigid here; make it less stiff")
+    if has_driven_end(row.system) and asked.until < 0:
+        return ("solve.until", "must be given where an end is driven")
+    return None
+
+
+def is_beyond(row: Any, i: int) -> bool:
+    """Whether a link is too stiff to be told from a rigid one."""
+    T, scale = largest([s.transit_time for s in row.segments]), scale_of(row)
+    stiff = row.stiffness[i] * (T / smallest([s.impedance for s in row.segments]))
+    return not stiff * ((scale if scale > 0 else 1.0) * T) ** (row.exponent[i] - 1) <= STIFFEST
+
+
+def outcome_of(run: Any) -> Any:
+    """What the collision did, as `outcome_told` has it."""
+    row, ended, tick, frame = run["row"], run["ended"], run["clock"].tick, run["clock"].frame
+    heads, it = [part for part in ended.part if part.parts > 0], ended.run
+    contacts = [tally_of(ended.link[i], tick, run["now"]) for i in row.contact_link]
+    vibration, energy, momentum = 0.0, 0.0, 0.0  # momentum: what a velocity can make of energy
+    for part in ended.part:
+        vibration += part.energy
+    for body in row.system.bodies:
+        energy += body.mass * body.velocity**2 / 2
+        momentum += body.mass * it.scale
+        for piece in body.segments:
+            energy += piece.mass * (piece.wave_speed * body.strain) ** 2 / 2
+    speed = run["errors"][0] * it.scale
+    return outcome_told(row.system, {
+        "before": body_velocities(row.system, [part.initial + frame for part in heads]),
+        "after": body_velocities(row.system, [part.mean + frame for part in heads]),
+        "contacts": contacts, "final": it.proved >= 0, "status": sentence_of(run),
+        "energy_before": energy, "vibration_after": vibration,
+        "errors": {
+            "velocity": speed, "energy": momentum * speed,
+            "impulse": run["errors"][1] * size_of([c.impulse for c in contacts]),
+            "peak_force": run["errors"][2] * size_of([c.peak_force for c in contacts]),
+            "duration": run["errors"][3] * size_of([c.duration for c in contacts]),
+        },
+    })
+
+
+def sentence_of(run: Any) -> str:
+    """Why the run ended, as `Solution.status` has it."""
+    row, ended, tick, fastest = run["row"], run["ended"], run["clock"].tick, 0.0
+    it = ended.run
+    for piece in run["log"][: it.pieces]:
+        if piece.line < 2 * len(row.segments):
+            speed = 0.0
+            for c in piece.coefficient:
+                speed += abs(c)
+            fastest = max(fastest, speed / row.segments[piece.line // 2].wave_speed)
+    sentence = status_of(it, ended.link, {
+        "stopped_by": why_stopped(it, run["until"] >= 0), "end": run["now"] * tick,
+        "round_trip": 2 * layout.longest_of(row, run["clock"], 0) * tick,
+        "acting": DRIVEN if has_driven_end(row.system) else "", "held": is_held(row.system),
+    })
+    return sentence + stated(size_of(run["errors"][:3]), run["goal"]) + told_of(it) + (
+        strain_warning(fastest))
+
+
+def restitution_of(system: Any, asked: Any) -> Any:
+    """e of a collision, as quickly as a curve needs it; None where there is none."""
+    row = walk(system)
+    stiff = any(is_beyond(row, i) for i in row.contact_link)
+    run = None if stiff else run_of(row, asked, QUICK, False, None)
+    if run is None or run["ended"].run.stop == Stop.STUCK:
+        return None
+    outcome = outcome_of({**run, "errors": [0.0 for _ in range(5)], "goal": QUICK})
+    return outcome["restitution"] if outcome["why"] == "" else None
+
+
+def solved_by_pieces(system: Any, asked: Any, tolerance: float) -> Any:
+    """A collision as `solved.known_of` takes it; or a ``problem``, path and sentence."""
+    row = walk(system)
+    problem = refused(row, asked)
+    if problem is not None:
+        return {"problem": problem}
+    run = solved(row, asked, tolerance)
+    if run is None:
+        return {"problem": ("bodies", TOO_FAR_APART)}
+    if run["ended"].run.stop == Stop.STUCK:
+        message = "a rigid mass is squeezed between walls; give a contact there a compliant law"
+        return {"problem": ("contacts", message)}
+    outcome, link, clock = outcome_of(run), run["ended"].link, run["clock"]
+    if run["now"] == 0:
+        return {"problem": ("solve", f"lasts no time to show. {outcome['status']}")}
+    waves = reading.waves_of(run["log"][: run["ended"].run.pieces], len(run["line"]))
+    motion = {
+        "row": row, "tick": clock.tick, "frame": clock.frame, "transits": clock.transits,
+        "now": run["now"], "waves": waves, "masses": [waves[mass.line] for mass in run["mass"]],
+        "springs": [(link[i], waves[link[i].overlap_line]) for i in row.contact_link
+                    if link[i].law >= Law.SPRING],
+        "exact": False, "draft": tolerance > RTOL,
+    }
+    contacts = []
+    for i, law in enumerate(system.contacts):
+        it = link[row.contact_link[i]]
+        contacts.append({
+            "force": curve_of(motion, [(waves[it.force_line], 0, 1.0)]),
+            "gap": curve_of(motion, [(waves[it.overlap_line], 0, -1.0)]) if law.opens else None})
+    return {
+        "motion": motion, "outcome": outcome, "method": "characteristics", "closed_form": None,
+        "notes": [outcome["status"], "The picture shows means over cells."],
+        "contacts": contacts, "polygons": grids_of(motion),
+    }
