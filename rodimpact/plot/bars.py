@@ -69,7 +69,7 @@ class Bars:
 
     def at(self, times: Floats) -> None:
         """Draw other times, with the same thickening of the bars."""
-        self.times, self.rows = times, -np.arange(times.size)
+        self.times, self.rows = times, -np.arange(float(times.size))
         rods = [(i, body) for i, body in enumerate(self.system.bodies) if isinstance(body, Rod)]
         states = [(row, i, rod, state_at(self.plan.solution, i, t))
                   for row, t in enumerate(np.maximum(times, 0.0).tolist()) for i, rod in rods]
@@ -133,7 +133,8 @@ class Bars:
 
     def walls(self) -> list[patches.Rectangle]:
         """A hatched block beyond the face of each wall and fixed end."""
-        depth, blocks = WALL * self.plan.row * self.place.factor, []
+        depth = WALL * self.plan.row * self.place.factor
+        blocks: list[patches.Rectangle] = []
         for i, right in self.plan.walls():
             faces = self._end(i, right)
             blocks += self.ax.barh(self.rows, depth, 0.9, faces if right else faces - depth,

@@ -41,7 +41,7 @@ LINES = 150  # points a side, at most, from which lines are drawn
 PLATEAU = 3  # rows of points on which values equal: no line follows such a plateau
 WIDE = 3.0  # last over first value from which an axis may be logarithmic
 COLOURS = 24  # counts that have a colour each, at most
-EQUALITIES = {
+EQUALITIES: dict[str, tuple[Any, str]] = {
     "equal transit times: e = 1": ("-", "transit_time"), "equal impedances": ("--", "impedance"),
 }
 """Lines of a map on which a number of both rods is equal: dashes, and the number."""
@@ -333,7 +333,7 @@ def side_of(result: SweepResult, dimension: int) -> Side:
     return Side(order, values[order], scale_of(quantity, float(np.abs(values).max())), beside)
 
 
-def _dress_side(axis: Axis, side: Side) -> None:
+def _dress_side(axis: Any, side: Side) -> None:
     """Limits, label and ticks of an axis of the family."""
     label = side.scale.label
     if side.beside:

@@ -18,12 +18,12 @@ from ..model import Bonded, Joint, Rigid
 from ..model.arguments import array, of_kind
 from ..model.frozen import refusal
 from ..model.numbering import contact_names
-from ..results.contacts import ContactHistory
 from ..results.gauges import Gauge
 from ..results.solution import Solution, check_solution
+from ..units import shown
 from . import style
 from .moments import round_trips
-from .sampling import INTERVALS, evenly, steps_until, telling
+from .sampling import INTERVALS, evenly, steps_until, telling, thinned_steps
 from .scales import Scale, engineering, listed, place_scale, time_scale, written
 
 MARKED_UP_TO = 3  # episodes of contact
@@ -74,20 +74,16 @@ def contact(
     'contact force (kN)'
     """
     check_solution(solution)
-    chosen = array("contact", contact, "").ravel().tolist()
-    count = len(solution.contacts)
-    if not chosen:
-        raise refusal("contact", "must be one or more indices, got none")
-    for index in chosen:
-        if index not in range(count):
-            have = f"from 0 to {count - 1}" if count else "given only where there are two bodies"
-            raise refusal("contact", f"must be {have}, got {index:g}")
+    chosen, count = array("contact", contact, "").ravel().tolist(), len(solution.contacts)
+    if not chosen or not set(chosen) <= set(range(count)):
+        have = f"from 0 to {count - 1}" if count else "given only where there are two bodies"
+        raise refusal("contact", f"must be {have}, got {shown(contact)}")
     if ax is None:
         ax = style.new_figure(5.6, 4.2).subplots(2, 1, sharex=True).tolist()
     force_ax, gap_ax = style.two_axes(ax, "force and gap")
-    drawn = Forces(solution, [int(index) for index in chosen])
-    low = min(float(gap.min()) for *_, gap in drawn.records)
-    high = max(float(gap.max()) for *_, gap in drawn.records)
+    drawn = Forces(solution, list(map(int, chosen)))
+    low = min(float(gap.min()) for _, gap in drawn.gaps)
+    high = max(float(gap.max()) for _, gap in drawn.gaps)
     laws = {type(history.law) for history in drawn.histories}
     overlaps = low < 0 and not laws <= {Rigid, Bonded, Joint}
     word = "gap, below 0\noverlap" if overlaps else "gap"
@@ -96,8 +92,8 @@ def contact(
     scale = engineering(word, max(-low, high), "m")
 
     forces, time = drawn.draw(force_ax), drawn.time.factor
-    gaps = [gap_ax.plot(times[at] * time, gap[at] * scale.factor, linewidth=1.5, **_line(i))[0]
-            for i, (times, _, gap) in enumerate(drawn.records) for at in [telling(gap)]]
+    gaps = [line for i, (times, gap) in enumerate(drawn.gaps)
+            for line in gap_ax.plot(times * time, gap * scale.factor, linewidth=1.5, **_line(i))]
     if overlaps or Joint in laws:
         gap_ax.axhline(0.0, color=style.colours().faint, linewidth=0.6, zorder=0)
     gap_ax.set_xlabel(drawn.time.label)
@@ -118,7 +114,9 @@ class Forces:
     Attributes
     ----------
     histories : list of ContactHistory
-    records : list of (times [n + 1], force between them [n], gap at them [n + 1])
+    forces : list of (force [n], edges of its steps [n + 1])
+        SI values.
+    gaps : list of (times, gap at them)
         SI values.
     time, scale : Scale
         Of times and forces; its name says so if some forces are means over a time.
@@ -128,42 +126,41 @@ class Forces:
         self.histories = [solution.contacts[k] for k in contacts]
         names, self.end = contact_names(solution.system.kinds), solution.t_end
         self.names = [f"contact {names[k]}" for k in contacts]
-        self.time = time_scale(self.end)
-        self.records = [_record(history, self.end) for history in self.histories]
-        fields, mean = solution.fields, ""
-        if any(map(_is_impact, self.histories)):
-            step = fields.resolution * fields.clock.tick
-            mean = f",\nmean over {written(max(step, self.end / INTERVALS), 's')}"
-        self.largest = max(float(np.abs(force).max()) for _, force, _ in self.records)
+        self.time, fields, mean = time_scale(self.end), solution.fields, ""
+        self.forces, self.gaps = [], []
+        for history in self.histories:
+            times, force, _ = history.breakpoints()
+            if getattr(history.law, "restitution", None) is not None:  # an impact takes no time
+                edges: Floats = np.linspace(0.0, self.end, INTERVALS + 1)
+                force = np.diff(history.impulse_until(edges)) / np.diff(edges)
+                step = max(fields.resolution * fields.clock.tick, self.end / INTERVALS)
+                mean = f",\nmean over {written(step, 's')}"
+            else:
+                edges, force = steps_until(self.end, times, force, smooth=history.push.size > 1)
+            gap = history.gap(edges)
+            self.forces.append(thinned_steps(edges, force))
+            self.gaps.append((edges[telling(gap)], gap[telling(gap)]))
+        self.largest = max(float(np.abs(force).max()) for force, _ in self.forces)
         self.scale = engineering(f"contact force{mean}", self.largest, "N")
-
-    def _steps(self) -> list[tuple[Floats, Floats]]:
-        """Forces and the edges of their steps, in the units of the scales."""
-        return [(force[kept] * self.scale.factor,
-                 np.append(times[kept], times[-1]) * self.time.factor)
-                for times, force, _ in self.records for kept in [telling(force)]]
 
     def draw(self, ax: Axes, up: bool = False) -> list[StepPatch]:
         """Draw the forces over each other, against time to the right, or upward."""
         way: Any = {"baseline": 0.0, "orientation": "horizontal" if up else "vertical"}
-        drawn = []
-        for i, (values, edges) in enumerate(self._steps()):
-            line = _line(i)
-            drawn.append(ax.stairs(
-                values, edges, fill=True, facecolor=(line["color"], 0.15), edgecolor=line["color"],
-                linestyle=line["linestyle"], linewidth=1.5, label=self.names[i], **way))
-        return drawn
+        return [ax.stairs(force * self.scale.factor, edges * self.time.factor, fill=True,
+                          facecolor=(_line(i)["color"], 0.15), edgecolor=_line(i)["color"],
+                          linestyle=_line(i)["linestyle"], linewidth=1.5, label=self.names[i],
+                          **way)
+                for i, (force, edges) in enumerate(self.forces)]
 
     def draw_rows(self, ax: Axes) -> None:
         """Draw the forces of many contacts one above the other, to one scale."""
-        largest = self.largest * self.scale.factor or 1.0
-        for i, (values, edges) in enumerate(self._steps()):
-            ax.stairs(i + 0.85 * values / largest, edges, baseline=i, fill=True, alpha=0.35,
-                      color=_line(i)["color"])
+        for i, (force, edges) in enumerate(self.forces):
+            ax.stairs(i + 0.85 * force / (self.largest or 1.0), edges * self.time.factor,
+                      baseline=i, fill=True, alpha=0.35, color=_line(i)["color"])
             ax.axhline(i, color=style.colours().faint, linewidth=0.6, zorder=0)
-        shown = evenly(len(self.records), NAMED_UP_TO)
-        ax.set_yticks(shown, [self.names[i] for i in shown])
-        style.dress(ax, xlim=(0, self.end * self.time.factor), ylim=(0, len(self.records)),
+        named = evenly(len(self.forces), NAMED_UP_TO)
+        ax.set_yticks(named, [self.names[i] for i in named])
+        style.dress(ax, xlim=(0, self.end * self.time.factor), ylim=(0, len(self.forces)),
                     xlabel=self.time.label)
         ax.set_title(f"{self.scale.name}, largest {self.scale.write(self.largest)}", loc="left",
                      fontsize=style.SMALL + 1)
@@ -173,21 +170,6 @@ def _line(i: int) -> dict[str, Any]:
     """Colour and dashes of the i-th of several curves."""
     series = style.colours().series
     return {"color": series[i % len(series)], "linestyle": style.DASHES[i % len(style.DASHES)]}
-
-
-def _is_impact(history: ContactHistory) -> bool:
-    """Whether two rigid bodies collide, which takes no time."""
-    return getattr(history.law, "restitution", None) is not None
-
-
-def _record(history: ContactHistory, end: float) -> tuple[Floats, Floats, Floats]:
-    """Break times with the end [n + 1], force between them [n], and gap at them [n + 1]."""
-    if _is_impact(history):
-        edges: Floats = np.linspace(0.0, end, INTERVALS + 1)
-        return edges, np.diff(history.impulse_until(edges)) / np.diff(edges), history.gap(edges)
-    times, force, _ = history.breakpoints()
-    edges, force = steps_until(end, times, force, smooth=history.push.size > 1)
-    return edges, force, history.gap(edges)
 
 
 def _marks(
@@ -272,10 +254,9 @@ def gauge(
     scale = Scale(1e6, "strain", "microstrain") if usual else engineering("strain", largest, "")
 
     def steps(of: Gauge, values: Floats, name: str, **how: Any) -> StepPatch:
-        edges, values = steps_until(of.end, of.times, values, smooth=of.record.size > 2)
-        kept = telling(values)  # waves of a grid are drawn state by state
-        edges = np.append(edges[kept], of.end) * time.factor
-        return ax.stairs(values[kept] * scale.factor, edges, baseline=None, label=name,
+        smooth = of.record.size > 2  # waves of a grid are drawn state by state
+        values, edges = thinned_steps(*steps_until(of.end, of.times, values, smooth))
+        return ax.stairs(values * scale.factor, edges * time.factor, baseline=None, label=name,
                          **{"linewidth": 1.4, **how})
 
     faint, series = style.colours().faint, style.colours().series
@@ -291,14 +272,12 @@ def gauge(
     style.dress(ax, xlim=(0, record.end * time.factor), ylim=(low, high), xlabel=time.label,
                 ylabel=scale.label)
     windows = {
-        pulse.name: Rectangle(
+        name: ax.add_patch(Rectangle(
             (pulse.start * time.factor, 0.0), (pulse.stop - pulse.start) * time.factor,
-            high if pulse.tension else low, color=shades[pulse.name], alpha=0.18, linewidth=0,
-            zorder=0, label=pulse.name)
-        for pulse in _pulses(record, transmitted)
+            high if pulse.tension else low, color=shades[name], alpha=0.18, linewidth=0,
+            zorder=0, label=name))
+        for name, pulse in _pulses(record, transmitted).items()
     }
-    for window in windows.values():
-        ax.add_patch(window)
     lines = (strain, rightward, leftward, beyond, *windows.values())
     places = listed([f"{r.name} at {place_scale(r.x).write(r.x)}" for r in records])
     style.legend_above(ax, [line for line in lines if line is not None], title=f"gauge on {places}")
@@ -312,32 +291,30 @@ class _Pulse(NamedTuple):
     start: float
     stop: float
     tension: bool
-    name: str
 
 
-def _pulses(record: Gauge, transmitted: Gauge | None) -> list[_Pulse]:
-    """The pulses in one record, or two."""
-    passing = [_pulse(record, wave, "incident") for wave in (record.rightward, record.leftward)]
-    incident, reflected = sorted(passing, key=lambda pulse: pulse.start)
-    others = [reflected._replace(name="reflected")]
+def _pulses(record: Gauge, transmitted: Gauge | None) -> dict[str, _Pulse]:
+    """The pulses in one record, or two, by name."""
+    incident, reflected = _passing(record)
+    later = {"reflected": reflected}
     if transmitted is not None:
-        waves = transmitted.rightward, transmitted.leftward
-        others.append(min(_pulse(transmitted, wave, "transmitted") for wave in waves))
-    if any(pulse.start == 0 for pulse in others):
-        return []
-    last = incident.stop - incident.start
-    pulses = [incident, *(p._replace(stop=min(p.start + last, record.end)) for p in others)]
-    return [pulse for pulse in pulses if pulse.start < record.end]
+        later["transmitted"] = _passing(transmitted)[0]
+    if any(pulse.start == 0 for pulse in later.values()):
+        return {}
+    lasts = incident.stop - incident.start
+    pulses = {"incident": incident, **{
+        name: pulse._replace(stop=min(pulse.start + lasts, record.end))
+        for name, pulse in later.items()}}
+    return {name: pulse for name, pulse in pulses.items() if pulse.start < record.end}
 
 
-def _pulse(record: Gauge, wave: Floats, name: str) -> _Pulse:
-    """The first time a wave is more than faint; it begins at the end if it never is."""
-    largest = max(np.abs(record.rightward).max(), np.abs(record.leftward).max())
-    strong = np.abs(wave) > FAINTEST * largest
-    if not strong.any():
-        return _Pulse(record.end, record.end, False, name)
-    first = int(strong.argmax())
-    length = int(np.append(strong[first:], False).argmin())
-    here, times = wave[first : first + length], np.append(record.times, record.end)
-    return _Pulse(float(times[first]), float(times[first + length]),
-                  bool(here[np.abs(here).argmax()] > 0), name)
+def _passing(record: Gauge) -> list[_Pulse]:
+    """The first time each wave is more than faint, the earlier first; the end if it never is."""
+    waves, times = (record.rightward, record.leftward), np.append(record.times, record.end)
+    least, pulses = FAINTEST * np.abs(waves).max(), []
+    for wave in waves:
+        strong = np.concatenate(([False], np.abs(wave) > least, [False]))
+        first, after, *_ = [*np.flatnonzero(np.diff(strong)), wave.size, wave.size]
+        largest = max(wave[first:after], key=abs, default=0.0)
+        pulses.append(_Pulse(float(times[first]), float(times[after]), bool(largest > 0)))
+    return sorted(pulses, key=lambda pulse: pulse.start)
