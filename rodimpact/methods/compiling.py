@@ -35,7 +35,7 @@ INNER = OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 """Of what kernels call: nothing else does, so it needs no door to Python, and compiles faster."""
 
 ONE_AT_A_TIME = threading.RLock()
-"""Of threads that start numba, or would compile the same twice."""
+"""Of threads that start numba or compile; who forks waits for it, too."""
 
 
 def start() -> None:
@@ -80,10 +80,17 @@ class Compiled:
             with contextlib.suppress(RuntimeError):  # there is no place for a cache
                 self._fast = numba.njit(cache=True, no_cfunc_wrapper=True, **OPTIONS)(self._twin)
         self.place: str = self._fast.stats.cache_path or ""
+        self._made = False
 
     def __call__(self, *given: Any) -> Any:
         """Run it."""
         try:
+            if not self._made:  # with our lock, which a fork waits for; numba's own is private
+                import numba
+
+                with ONE_AT_A_TIME:
+                    self._fast.compile(tuple(map(numba.typeof, given)))
+                self._made = True
             return self._fast(*given)
         except Exception as error:
             if not self.place or type(error).__module__.startswith("numba"):

@@ -13,7 +13,6 @@ import os
 import sys
 import warnings
 from collections.abc import Iterator
-from typing import Any
 
 from . import compiling
 from .compiling import ONE_AT_A_TIME, Kernel, compiled
@@ -148,30 +147,12 @@ def _tell_of_compiling() -> None:
 _told: list[bool] = []
 
 
-_held: list[Any] = []  # locks of the thread that forks
-
-
-def _hold() -> None:
-    """Wait for what starts numba or compiles: a child that is forked then would wait for ever."""
-    ONE_AT_A_TIME.acquire()
-    _held.append(ONE_AT_A_TIME)
-    if loaded := sys.modules.get("numba.core.compiler_lock"):
-        loaded.global_compiler_lock.acquire()
-        _held.append(loaded.global_compiler_lock)
-
-
-def _let_go() -> None:
-    """In the parent and in the child: each has its own copy of the locks."""
-    held = _held[::-1]
-    _held.clear()
-    for lock in held:
-        lock.release()
-
-
 if hasattr(os, "register_at_fork"):
-    import logging  # noqa: F401 - its lock is taken after these, as numba does: else both would wait
+    import logging  # noqa: F401 - its lock is taken after this one, as numba does: else both wait
 
-    os.register_at_fork(before=_hold, after_in_parent=_let_go, after_in_child=_let_go)
+    # a child that is forked while a thread starts numba or compiles would wait for ever
+    os.register_at_fork(before=ONE_AT_A_TIME.acquire, after_in_parent=ONE_AT_A_TIME.release,
+                        after_in_child=ONE_AT_A_TIME.release)
 
 
 def cache_directory(kernel: Kernel) -> str:
