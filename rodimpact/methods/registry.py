@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..model import System
 from ..model.arguments import array
-from ..model.frozen import Field, InvalidModel, Problems
+from ..model.frozen import Field, Problems, raise_noted, refusal
 from ..units import shown
 from . import abilities
 from .fronts import method as fronts
@@ -19,6 +19,9 @@ from .grid import method as grid
 from .pieces import method as pieces
 from .row import Row
 from .run import MAX_EVENTS, READ, FamilyRun, Run
+
+Needs = list[tuple[str, str]]
+"""Path and name of physics that a system has."""
 
 
 class Method(NamedTuple):
@@ -31,9 +34,9 @@ class Method(NamedTuple):
     together: Callable[[Row], int] = lambda _: 0  # how many; 0 where each runs alone
     also: tuple[str, ...] = ()  # what its family finds if asked; the rest is read member by member
 
-    def lacking(self, system: System) -> list[tuple[str, str]]:
-        """Path and name of everything in the system that the method cannot do."""
-        return [need for need in abilities.needs(system) if need[1] in self.lacks]
+    def lacking(self, needs: Needs) -> Needs:
+        """What of these the method cannot do."""
+        return [need for need in needs if need[1] in self.lacks]
 
 
 METHODS = {
@@ -101,9 +104,6 @@ class Options:
         problems: Problems = []
         for name, field in NUMBERS.items():
             self._set(name, field.checked(problems, name, getattr(self, name)))
-        for name in ("dt", "cells"):
-            if getattr(self, name) is not None and self.rtol is not None:
-                problems.append((name, "fixes the step, rtol chooses it; give one of them"))
         if not isinstance(self.method, str) or self.method not in METHOD_NAMES:
             known = ", ".join(f'"{m}"' for m in METHOD_NAMES)
             problems.append(("method", f"must be one of {known}, got {shown(self.method)}"))
@@ -112,8 +112,12 @@ class Options:
             self._set("cells", count(problems, "cells", self.cells))
         if self.snapshots is not None:
             self._set("snapshots", _snapshots(problems, self.snapshots, self.until))
-        if problems:
-            raise InvalidModel(problems)
+        told = [path for path, _ in problems]
+        problems += [
+            (name, "fixes the step, rtol chooses it; give one of them") for name in ("dt", "cells")
+            if self.rtol is not None and getattr(self, name) is not None and name not in told
+        ]
+        raise_noted(problems)
 
     def _set(self, name: str, value: Any) -> None:
         object.__setattr__(self, name, value)
@@ -133,24 +137,19 @@ class Options:
             method, or `until` is missing.
         """
         check_system(system)
-        given = self._given()
-        needs = {what for _, what in abilities.needs(system)}
-        able = [name for name, method in METHODS.items() if needs.isdisjoint(method.lacks)]
+        needs = abilities.needs(system)
+        able = [name for name, method in METHODS.items() if not method.lacking(needs)]
         method = self._first(needs) if self.method == "auto" else self.method
-        problems: Problems = []
-        if method not in able:
-            missing = METHODS[method].lacking(system)
-            remedy = f'method "{able[0]}" has'
-            if all(what == abilities.TAPER for _, what in missing):
-                remedy += ", or give rod.in_steps(n)"
-            problems = [
-                (path, f'method "{method}" has no {what}; {remedy}') for path, what in missing
-            ]
-        else:
-            for name in sorted(given - {*METHODS[method].takes}, key=OWN.index):
-                problems.append((name, self._misplaced(name, method, able)))
-        if problems:
-            raise InvalidModel(problems)
+        if method in able:
+            own = METHODS[method].takes
+            raise_noted([(name, self._misplaced(name, method, able)) for name in OWN
+                         if getattr(self, name) is not None and name not in own])
+        missing = METHODS[method].lacking(needs)
+        remedy = f'method "{able[0]}" has'
+        if all(what == abilities.TAPER for _, what in missing):
+            remedy += ", or give rod.in_steps(n)"
+        raise_noted([(path, f'method "{method}" has no {what}; {remedy}')
+                     for path, what in missing])
         abilities.require_end(system, self.until)
         return method
 
@@ -167,11 +166,9 @@ class Options:
         """
         own = {name: getattr(self, name) for name in METHODS[method].takes}
         run = METHODS[method].run(Row(system), self.until, self.max_events, **own, **calls)
-        why = self._why(method, system) if self.method == "auto" else ""
+        slower = self.method == "auto" and method != next(iter(METHODS))
+        why = self._why(method, system) if slower else ""
         return replace(run, status=f"{run.status} {why}") if why else run
-
-    def _given(self) -> set[str]:
-        return {name for name in OWN if getattr(self, name) is not None}
 
     def _misplaced(self, name: str, method: str, able: Sequence[str]) -> str:
         """What is wrong with an option that this method does not take, and the remedy."""
@@ -184,20 +181,19 @@ class Options:
         return (f'is for a grid, and method "auto" takes "{method}" for this row; '
                 + ", or ".join(remedies))
 
-    def _first(self, needs: Collection[str]) -> str:
+    def _first(self, needs: Needs) -> str:
         """The first method that has this physics, and an accuracy if one is asked for."""
-        return next(name for name, method in METHODS.items() if not {*needs} & {*method.lacks}
+        return next(name for name, method in METHODS.items() if not method.lacking(needs)
                     and (self.rtol is None or "rtol" in method.takes))
 
     def _why(self, method: str, system: System) -> str:
         """Sentence on what keeps a system from a faster method, if single entries do."""
         needs = abilities.needs(system)
-        faster = self._first([what for _, what in needs if what not in abilities.SINGLE])
-        causes = [need for need in needs if need[1] in METHODS[faster].lacks]
+        faster = self._first([need for need in needs if need[1] not in abilities.SINGLE])
         if faster == method:
             return ""
-        path, what = causes[0]
-        more = f" and {len(causes) - 1} more" if causes[1:] else ""
+        (path, what), *others = METHODS[faster].lacking(needs)
+        more = f" and {len(others)} more" if others else ""
         return (f'Solved by the slower method "{method}" because of {path}{more}: the method '
                 f'"{faster}" has no {what}.')
 
@@ -206,7 +202,7 @@ def check_system(system: Any) -> None:
     """Raise InvalidModel for what is no System."""
     if not isinstance(system, System):
         message = f"must be a System, such as System([rod, Wall()]), got {shown(system)}"
-        raise InvalidModel([("system", message)])
+        raise refusal("system", message)
 
 
 def count(problems: Problems, name: str, value: Any) -> int:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..materials import steel
 from ..methods import kernels
+from ..methods.abilities import needs
 from ..methods.registry import METHODS
 from ..model import RigidMass, Rod, System
 from ..model.laws import Spring
@@ -59,7 +60,7 @@ def warm_method(name: str) -> None:
     ]
     with kernels.forced(True):
         for family in families:
-            if not method.lacking(family):
+            if not method.lacking(needs(family)):
                 sweep(family, name, cells=cells, workers=1)
                 sweep(family, name, until=1e-3, cells=cells, workers=1, also=["largest_stress"])
                 solution = solve(family[0], method=name, cells=cells)

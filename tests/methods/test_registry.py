@@ -33,6 +33,15 @@ def test_all_mistakes_are_reported_together():
     assert set(refused("until: ", Options, **wrong)) == {*wrong} - {"rtol"}
 
 
+@pytest.mark.parametrize("wrong", [
+    {"dt": 0.0, "rtol": 1.0}, {"cells": 0, "rtol": 1.0}, {"dt": 1.0, "cells": 0, "rtol": 1.0},
+])
+def test_no_path_is_told_twice(wrong):
+    with pytest.raises(ri.InvalidModel) as caught:
+        Options(**wrong)
+    assert sorted(path for path, _ in caught.value.problems) == sorted({*wrong} - {"rtol"})
+
+
 @pytest.mark.parametrize(("given", "path", "said"), [
     ({"method": "fronts", "dt": 1e-6}, "dt", 'is for method "finite-difference", not "fronts"'),
     ({"method": "fronts", "rtol": 1e-3}, "rtol", '"characteristics" or "finite'),
