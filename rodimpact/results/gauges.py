@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods.signals import Floats, Ints, Pieces, Side, quadrature
-from ..model.arguments import array, demand
-from ..model.frozen import InvalidModel, Problems, number, raise_noted
+from ..model.arguments import array, demand, single
+from ..model.frozen import raise_noted, refusal
 from ..records.signal import Signal
 from ..storage.tables import heading, misnamed, write_table
 from ..units import shown
@@ -122,7 +122,7 @@ class Gauge:
         step = _interval(interval, self.end)
         if self.end < step:
             message = f"must not be longer than the record, {self.end!r} s, got {step!r}"
-            raise InvalidModel([("interval", message)])
+            raise refusal("interval", message)
         rows = _rows(self.end, step)
         means = [self._means(step / self.tick, start, min(start + TOGETHER, rows))
                  for start in range(0, rows, TOGETHER)]
@@ -210,17 +210,12 @@ def gauges_to_csv(
     ...     pathlib.Path(f"{folder}/bars.csv").read_text().splitlines()[0]
     'time [s],incident [1],transmitted [1]'
     """
-    problems: Problems = []
     check_gauges(gauges)
     if not gauges:
-        problems.append(("gauges", "needs at least one record, such as solution.gauge(1, 0.5)"))
-    problems += [("gauges", sentence) for name in gauges if (sentence := misnamed(name))]
-    end = min((record.end for record in gauges.values()), default=0.0)
-    try:
-        step = _interval(interval, end)
-    except InvalidModel as error:
-        problems += error.problems
-    raise_noted(problems)
+        raise refusal("gauges", "needs at least one record, such as solution.gauge(1, 0.5)")
+    raise_noted([("gauges", sentence) for name in gauges if (sentence := misnamed(name))])
+    end = min(record.end for record in gauges.values())
+    step = _interval(interval, end)
     rows = _rows(end, step)
     blocks = (step * np.arange(start, min(start + TOGETHER, rows))
               for start in range(0, rows, TOGETHER))
@@ -234,7 +229,7 @@ def check_gauges(gauges: Any) -> Mapping[str, Gauge]:
     """Gauges by name; InvalidModel for anything else."""
     if not isinstance(gauges, Mapping) or not all(isinstance(g, Gauge) for g in gauges.values()):
         message = "must be records by name, such as {'incident': solution.gauge(1, 0.5)}"
-        raise InvalidModel([("gauges", f"{message}, got {shown(gauges)}")])
+        raise refusal("gauges", f"{message}, got {shown(gauges)}")
     return gauges
 
 
@@ -242,15 +237,10 @@ def _interval(interval: Any, end: float) -> float:
     """Seconds between samples of a record; InvalidModel if they are none, or make too many."""
     if interval is None:
         return end / SAMPLES if end else 1.0
-    problems: Problems = []
-    step = number(problems, "interval", interval, "s", "positive")
-    if not isinstance(step, float):
-        problems.append(("interval", f"must be a single number, got {interval!r}"))
-    elif not problems and end / step > MOST_ROWS:
+    step = single("interval", interval, "s", "positive")
+    if end / step > MOST_ROWS:
         message = f"gives {end / step:.3g} rows, more than {MOST_ROWS}; take at least"
-        problems.append(("interval", f"{message} {end / MOST_ROWS:.3g} s, got {step!r}"))
-    if problems or not isinstance(step, float):
-        raise InvalidModel(problems)
+        raise refusal("interval", f"{message} {end / MOST_ROWS:.3g} s, got {step!r}")
     return step
 
 

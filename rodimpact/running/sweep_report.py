@@ -13,7 +13,7 @@ from ..model import Wall
 from ..results.labels import outcome
 from ..storage.tables import SCHEMA_VERSION, align, clean, joules
 from ..units import format_si
-from .sweep_result import SweepResult, further_columns
+from .sweep_result import SweepResult, columns_of
 
 MOST_MEMBERS, SOME_MEMBERS = 20, 12  # listed one by one, picked from a larger family
 MOST_BODIES = 8  # whose velocities are listed for each member
@@ -111,7 +111,7 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
         else [f"velocity {i} after" for i in bodies]
     )
     also = {name: outcome(result.system, name)
-            for name in further_columns(result.system, result.readings.also)}
+            for name in columns_of(result.system, result.readings.also)}
     rows = [[*(path for path, _, _ in varied), *names, "vibration energy",
              *(quantity.name for quantity in also.values())]]
     for flat in shown:

@@ -79,6 +79,13 @@ class ContactColumns(NamedTuple):
     episodes: Any
 
 
+ALWAYS = (
+    "restitution", "velocity_after", *ContactColumns._fields, "vibration", "final", "status")
+"""Names of the columns that every family has."""
+KINDS: dict[str, Any] = {"episodes": np.int32, "final": np.bool_, "status": np.int8}
+"""Types of columns, where they are not numbers."""
+
+
 @dataclass(frozen=True, eq=False)
 class SweepResult(Shown, OnlyContact[Any]):
     """Outcomes of a family of collisions; every array has its `shape`.
@@ -229,7 +236,7 @@ class SweepResult(Shown, OnlyContact[Any]):
         """Columns of that name by body or contact, 0 where it is of the whole row."""
         if name not in self.readings.also:
             raise refusal(name, f'was not asked for; give sweep(..., also=["{name}"])')
-        columns = further_columns(self.system, [name])
+        columns = columns_of(self.system, [name])
         return {int(column.partition(".")[2] or 0): self.columns[column] for column in columns}
 
     def explain(self, index: Any) -> str:
@@ -380,28 +387,25 @@ class SweepResult(Shown, OnlyContact[Any]):
 
 def arrays_of(system: System, readings: Readings) -> dict[str, tuple[Any, tuple[int, ...]]]:
     """Columns that each member has, with types and shapes beyond the family's, by name."""
-    contacts = range(len(system.contacts))
-    kinds: dict[str, Any] = {"restitution": np.float64}
-    kinds |= {f"velocity_after.{i}": np.float64 for i in range(len(system.bodies))}
-    for name in ContactColumns._fields:
-        kind = np.int32 if name == "episodes" else np.float64
-        kinds |= {f"{name}.{k}": kind for k in contacts}
-    kinds |= {"vibration": np.float64, "final": np.bool_, "status": np.int8}
-    kinds |= dict.fromkeys(further_columns(system, readings.also), np.float64)
-    arrays: dict[str, tuple[Any, tuple[int, ...]]] = {name: (k, ()) for name, k in kinds.items()}
+    arrays: dict[str, tuple[Any, tuple[int, ...]]] = {
+        column: (KINDS.get(column.partition(".")[0], np.float64), ())
+        for column in columns_of(system, (*ALWAYS, *readings.also))
+    }
     if readings.gauges:
         arrays["strain"] = np.float64, (len(readings.gauges), len(readings.times))
     return arrays
 
 
-def further_columns(system: System, also: Sequence[str]) -> list[str]:
-    """Columns of what was asked for of `ALSO`."""
-    owners = {
-        "set": [k for k, law in enumerate(system.contacts) if isinstance(law, Plastic)],
-        "largest_stress": [i for i, body in enumerate(system.bodies) if isinstance(body, Rod)],
-        "displacement": range(len(system.bodies)),
+def columns_of(system: System, names: Sequence[str]) -> list[str]:
+    """Columns of `ALWAYS` and `ALSO`: those of bodies and contacts have one for each of them."""
+    bodies, contacts = range(len(system.bodies)), range(len(system.contacts))
+    owners: dict[str, Sequence[int]] = {
+        "velocity_after": bodies, "displacement": bodies,
+        "largest_stress": [i for i in bodies if isinstance(system.bodies[i], Rod)],
+        "set": [k for k in contacts if isinstance(system.contacts[k], Plastic)],
+        **dict.fromkeys(ContactColumns._fields, contacts),
     }
-    return [column for name in also for column in (
+    return [column for name in names for column in (
         [f"{name}.{i}" for i in owners[name]] if name in owners else [name])]
 
 
