@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from ..methods.run import Run, Totals, Waves
 from ..methods.signals import Floats, Side, each_once
-from ..model import Body, RigidMass, Rod, Samples, Segment, Steps, System, Wall
+from ..model import Body, RigidMass, Rod, Samples, Steps, System, Wall
 from ..model.arguments import array, demand, of_kind, single
 from ..model.frozen import refusal
 from ..model.numbering import body_names
@@ -171,18 +171,16 @@ class Solution(Shown):
     @_FAINT
     def stress(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         """Stress E eps + eta d(eps)/dt in Pa, positive in tension; arguments as in `velocity`."""
-        rod = self.system.bodies[self._index(body)]
-        stress = self.strain(body, x, t, side) * self._along(
-            body, x, lambda segment, _: float(segment.material.youngs_modulus))
-        if isinstance(rod, Rod) and any(float(s.material.viscosity) for s in rod.segments):
-            stress = stress + self.fields.strain_rate(body, x, t) * self._along(
-                body, x, lambda segment, _: float(segment.material.viscosity))
+        stress = self.strain(body, x, t, side) * self._along(body, x, "youngs_modulus")
+        viscosity = self._along(body, x, "viscosity")
+        if viscosity.any():
+            stress = stress + self.fields.strain_rate(body, x, t) * viscosity
         return stress
 
     @_FAINT
     def axial_force(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         """Stress times area in N, positive in tension; arguments as in `velocity`."""
-        return self.stress(body, x, t, side) * self._along(body, x, _area)
+        return self.stress(body, x, t, side) * self._along(body, x, "area")
 
     @_FAINT
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
@@ -418,25 +416,17 @@ class Solution(Shown):
             raise refusal("body", f"must be from 0 to {count - 1} (walls counted), got {body}")
         return int(body)
 
-    def _along(
-        self, body: int, x: ArrayLike, value: Callable[[Segment, Floats], Floats | float]
-    ) -> Floats:
-        """What segments have at places x, m from the left end of a rod."""
+    def _along(self, body: int, x: ArrayLike, name: str) -> Floats:
+        """Area or a number of the material at places x, m from the left end of a rod."""
         segment, inside = self.fields.locate(body, x)
-        values = np.empty(segment.shape)
-        rod = self.system.bodies[body]
+        values, rod = np.empty(segment.shape), self.system.bodies[body]
         assert isinstance(rod, Rod)
         for s, piece in enumerate(rod.segments, self.fields.clock.spans[body][0]):
-            here = segment == s
-            values[here] = value(piece, inside[here])
+            held: Any = piece.area if name == "area" else getattr(piece.material, name)
+            even = np.atleast_1d(held.values if isinstance(held, Samples) else held)
+            here, places = segment == s, np.linspace(0.0, float(piece.length), len(even))
+            values[here] = np.interp(inside[here], places, even)
         return values
-
-
-def _area(segment: Segment, x: Floats) -> Floats | float:
-    if isinstance(segment.area, Samples):
-        places = np.linspace(0.0, float(segment.length), len(segment.area.values))
-        return np.asarray(np.interp(x, places, segment.area.values))
-    return float(segment.area)
 
 
 def check_solution(value: Any) -> None:
