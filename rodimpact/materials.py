@@ -39,10 +39,7 @@ glass = Material("glass", youngs_modulus=71.3e9, density=2500.0, poisson_ratio=0
 oak = Material("oak", youngs_modulus=12.5e9, density=700.0)
 acrylic = Material("acrylic", youngs_modulus=3.0e9, density=1190.0, poisson_ratio=0.37)
 
-TABLE: dict[str, Material] = {
-    m.name: m
-    for m in (steel, aluminium, brass, copper, titanium, tungsten, glass, oak, acrylic)
-}
+TABLE = {m.name: m for m in list(globals().values()) if isinstance(m, Material)}
 
 
 def __getattr__(name: str) -> Any:

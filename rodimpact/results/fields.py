@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike
 from ..methods.clock import Clock
 from ..methods.run import Signals
 from ..methods.signals import Floats, Ints, Pieces, Side
-from ..model import Material, Rod, Wall
-from ..model.arguments import array
+from ..model import Material, Rod
+from ..model.arguments import array, demand
 from ..model.frozen import refusal
 from ..units import shown
 
@@ -156,9 +156,7 @@ class Fields(ABC):
         t = array("t", t, "s")
         end = self.end * self.clock.tick
         inside = np.isfinite(t) & (t >= 0) & (t <= end * (1 + 1e-12) + self.clock.tick)
-        if not inside.all():
-            bad = float(t[~inside].flat[0])
-            raise refusal("t", f"must lie in the solution, 0 to {end:.9g} s, got {bad!r}")
+        demand(inside, "t", f"must lie in the solution, 0 to {end:.9g} s, got {{0!r}}", t)
         ticks: Ints = np.minimum(np.rint(t / self.clock.tick).astype(np.int64), self.end)
         if side is None:
             return ticks
@@ -180,9 +178,8 @@ class Fields(ABC):
             raise refusal("body", f"{body} is {kind} and has no inside; ask for a rod")
         x, edges = array("x", x, "m"), self.edges(body)
         inside = np.isfinite(x) & (x >= 0) & (x <= edges[-1] * (1 + 1e-12))
-        if not inside.all():
-            bad = float(x[~inside].flat[0])
-            raise refusal("x", f"must lie in body {body}, 0 to {edges[-1]:.9g} m, got {bad!r}")
+        message = f"must lie in body {body}, 0 to {edges[-1]:.9g} m, got {{0!r}}"
+        demand(inside, "x", message, x)
         piece = np.clip(np.searchsorted(edges, x, "right") - 1, 0, last - first)
         return np.asarray(piece + first), np.asarray(x - edges[piece])
 
@@ -203,7 +200,8 @@ class Fields(ABC):
     def rigid_velocity(self, body: int, t: ArrayLike, side: Side = "right") -> Floats:
         """Velocity of a rigid mass or a wall, m/s."""
         if body not in self.masses:
-            return self._wall_velocity(body) + 0.0 * self.to_ticks(t)
+            wall: Any = self.clock.system.bodies[body]
+            return np.asarray(wall.velocity + 0.0 * self.to_ticks(t))
         in_frame = self.masses[body].at(self.to_ticks(t, side), side)
         velocity: Floats = in_frame + self.clock.frame + self._fallen(t)
         return velocity
@@ -212,14 +210,10 @@ class Fields(ABC):
         """Displacement of a rigid mass or a wall, m."""
         a, ticks = self.clock, self.to_ticks(t)
         if body not in self.masses:
-            return np.asarray(self._wall_velocity(body) * ticks * a.tick)
+            wall: Any = a.system.bodies[body]
+            return np.asarray(wall.velocity * ticks * a.tick)
         time, moved = ticks * a.tick, self.masses[body].integral(0, ticks) * a.tick
         return np.asarray(moved + a.frame * time + a.gravity * time * time / 2)
-
-    def _wall_velocity(self, body: int) -> float:
-        wall = self.clock.system.bodies[body]
-        assert isinstance(wall, Wall)
-        return float(wall.velocity)
 
     @cached_property
     def positions(self) -> list[float]:

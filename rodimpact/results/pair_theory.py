@@ -7,7 +7,7 @@ which do not vibrate before and on which nothing else acts.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -16,12 +16,6 @@ from ..model import Body, Rigid, RigidMass, Rod, System
 from ..theory import PairCollision, mass_on_rod, rod_on_wall, saint_venant
 
 Two: TypeAlias = tuple[Floats, Floats]
-COLUMNS = (
-    "restitution", "velocity_after.0", "velocity_after.1", "impulse.0", "peak_force.0",
-    "duration.0", "vibration",
-)
-"""Columns of a sweep that have a closed form."""
-
 
 class PairTheory(NamedTuple):
     """A family of two bodies, the left and the right one, whose collision has a closed form.
@@ -75,18 +69,19 @@ class PairTheory(NamedTuple):
 
     def column(self, name: str) -> Floats:
         """Results of one of `COLUMNS`, nan where the bodies do not approach each other."""
-        (m1, m2), (v1, v2) = self.mass, self.velocity
-        pair = self.collision()
-        value = {
-            "restitution": pair.restitution,
-            "velocity_after.0": v1 - pair.impulse / m1,
-            "velocity_after.1": v2 + pair.impulse / m2,
-            "impulse.0": pair.impulse,
-            "peak_force.0": pair.peak_force,
-            "duration.0": pair.duration,
-            "vibration": pair.vibration_energy,
-        }[name]
-        return np.where(v1 > v2, value, np.nan)
+        return np.where(np.greater(*self.velocity), COLUMNS[name](self, self.collision()), np.nan)
+
+
+COLUMNS: dict[str, Callable[[PairTheory, PairCollision], Any]] = {
+    "restitution": lambda _, pair: pair.restitution,
+    "velocity_after.0": lambda family, pair: family.velocity[0] - pair.impulse / family.mass[0],
+    "velocity_after.1": lambda family, pair: family.velocity[1] + pair.impulse / family.mass[1],
+    "impulse.0": lambda _, pair: pair.impulse,
+    "peak_force.0": lambda _, pair: pair.peak_force,
+    "duration.0": lambda _, pair: pair.duration,
+    "vibration": lambda _, pair: pair.vibration_energy,
+}
+"""Columns of a sweep that have a closed form."""
 
 
 def pair_theory(system: System) -> PairTheory | None:

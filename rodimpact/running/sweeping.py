@@ -36,6 +36,7 @@ from . import sweep_result as table
 from .jobs import Jobs, pool_of
 from .member import row_of
 
+FORECAST = warn, "a smaller family", None, "this sweep"
 TOGETHER = 4096  # members that are kept, or run again, as one where they run in compiled code
 
 
@@ -213,12 +214,12 @@ def sweep(
         }
         keep = Checkpoint(checkpoint, described, of, size, unit)
     with contextlib.closing(keep), pool_of(executor, workers) as pool:
-        news = _News(keep, pool.workers, together > 0, progress)
+        tell = _news_of(keep, pool.workers, together > 0, progress)
         jobs = Jobs(pool, lambda start, stop: pool.executor.submit(
             run_job, _members(system, start, stop), options, readings,
             *([*pool.asking, size - stop] if pool.asking else ()),
         ), keep.spans(~keep.done), unit, together or TOGETHER)
-        _collect(jobs, keep, news, on_error == "raise")
+        _collect(jobs, keep, tell, on_error == "raise")
     if jobs.end < size:
         _raise_for(int(jobs.end), system, options)
     shaped = {name: column.reshape((*system.shape, *column.shape[1:]))
@@ -227,7 +228,7 @@ def sweep(
     return table.SweepResult(system, options, shaped, readings, strain)
 
 
-def _collect(jobs: Jobs, keep: InMemory, news: _News, raises: bool) -> None:
+def _collect(jobs: Jobs, keep: InMemory, tell: Callable[[int], None], raises: bool) -> None:
     """Put what jobs bring where it is kept, until all is there or, if it `raises`, one is bad."""
     def look(start: int, status: Any) -> None:
         if raises and (bad := np.flatnonzero(~np.isin(status, table.ENDED))).size:
@@ -240,36 +241,28 @@ def _collect(jobs: Jobs, keep: InMemory, news: _News, raises: bool) -> None:
             for start, stop, part in parts:
                 keep.put(start, stop, part)
                 look(start, part["status"])
-            news.tell(sum(stop - start for start, stop, _ in parts))
+            tell(sum(stop - start for start, stop, _ in parts))
 
 
-class _News:
-    """Tells how far a sweep is, and how long it takes."""
+def _news_of(
+    keep: InMemory, workers: int, compiles: bool, progress: Progress | None
+) -> Callable[[int], None]:
+    """Function that tells how far a sweep is, and how long it takes, as so many more have ended."""
+    ended = counted = sum(stop - start for start, stop in keep.spans(keep.done))
+    to_do, forecast = keep.size - ended, Forecast(*FORECAST)
 
-    def __init__(
-        self, keep: InMemory, workers: int, compiles: bool, progress: Progress | None
-    ) -> None:
-        self._size, self._progress = keep.size, progress
-        self._ended = sum(stop - start for start, stop in keep.spans(keep.done))
-        self._to_do, self._workers, self._compiles = self._size - self._ended, workers, compiles
-        self._count_from_here()
-
-    def _count_from_here(self) -> None:
-        self._counted = self._ended
-        self._forecast = Forecast(warn, "a smaller family", work="this sweep")
-
-    def tell(self, members: int) -> None:
-        """So many more members have ended."""
-        self._ended += members
-        if not self._compiles:  # what runs is all that has been done in this time, at most
-            done = max(self._ended - self._counted, self._workers)
-            total = self._size - self._counted
-            self._forecast.extrapolate(done, total, f"{self._to_do} collisions")
+    def tell(members: int) -> None:
+        nonlocal ended, counted, forecast, compiles
+        ended += members
+        if not compiles:  # what runs is all that has been done in this time, at most
+            done = max(ended - counted, workers)
+            forecast.extrapolate(done, keep.size - counted, f"{to_do} collisions")
         elif members:  # the first waited for machine code
-            self._compiles = False
-            self._count_from_here()
-        if self._progress is not None:
-            self._progress(self._ended, self._size)
+            counted, compiles, forecast = ended, False, Forecast(*FORECAST)
+        if progress is not None:
+            progress(ended, keep.size)
+
+    return tell
 
 
 def run_job(*of_chunk: Any) -> tuple[float, table.Columns]:
