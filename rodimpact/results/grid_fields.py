@@ -69,35 +69,26 @@ class GridFields(Fields):
 
     # Between the nodes ----------------------------------------------------------------------------
 
-    def _cells(self, body: int, x: ArrayLike) -> tuple[Ints, Floats]:
-        """Segment of each place, and cells between the left end of that and the place."""
-        segment, inside = self.locate(body, x)
-        share = inside / np.array(self.clock.length)[segment]
-        return segment, np.asarray(share * self._counts[segment])
+    def _at(
+        self, table: Floats, starts: Any, body: int, x: ArrayLike, ticks: Ints,
+        cells: bool = False,
+    ) -> Floats:
+        """Values at places of a table [state, column]; a segment's columns begin at its start.
 
-    def _at(self, table: Floats, y: Floats, base: Ints, count: Ints, ticks: Ints) -> Floats:
-        """Values of `count` columns of [state, column] from `base` on, at y columns from there."""
-        i = np.clip(np.floor(y), 0.0, count - 2.0)
+        They are those of its nodes, or of its `cells` and their ends as in `_stretch`.
+        """
+        segment, inside = self.locate(body, x)
+        N = self._counts[segment]
+        y = inside / np.array(self.clock.length)[segment] * N
+        if cells:
+            y = np.where(y < 0.5, 2 * y, np.where(y > N - 0.5, 2 * y - N + 1, y + 0.5))
+        i = np.clip(np.floor(y), 0.0, N - 1.0 + cells)
         share = np.clip(y - i, 0.0, 1.0)
-        place = base + i.astype(np.int64)
+        place = np.asarray(starts)[segment] + i.astype(np.int64)
         self._together(place, ticks)
         before, after = (self._in_time(table, at, ticks) for at in (place, place + 1))
         between: Floats = before * (1 - share) + after * share
         return between
-
-    def _at_nodes(
-        self, table: Floats, body: int, x: ArrayLike, ticks: Ints, first: int = 0
-    ) -> Floats:
-        segment, y = self._cells(body, x)
-        base = np.array(self.motion.first)[segment] - first
-        return self._at(table, y, base, self._counts[segment] + 1, ticks)
-
-    def _at_cells(self, table: Floats, body: int, x: ArrayLike, ticks: Ints) -> Floats:
-        """Values at places of a table like `_stretch`."""
-        segment, y = self._cells(body, x)
-        N = self._counts[segment]
-        y = np.where(y < 0.5, 2 * y, np.where(y > N - 0.5, 2 * y - N + 1, y + 0.5))
-        return self._at(table, y, self._edge[segment], N + 2, ticks)
 
     @cached_property
     def _counts(self) -> Ints:
@@ -208,19 +199,20 @@ class GridFields(Fields):
     # Fields ---------------------------------------------------------------------------------------
 
     def velocity(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
-        v = self._at_nodes(self.motion.velocity, body, x, self.to_ticks(t, side))
+        ticks = self.to_ticks(t, side)
+        v = self._at(self.motion.velocity, self.motion.first, body, x, ticks)
         return v + self.clock.frame + self._fallen(t)
 
     def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
-        return self._at_cells(self._stretch, body, x, self.to_ticks(t, side))
+        return self._at(self._stretch, self._edge, body, x, self.to_ticks(t, side), True)
 
     def strain_rate(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
-        return self._at_cells(self._stretching, body, x, self.to_ticks(t))
+        return self._at(self._stretching, self._edge, body, x, self.to_ticks(t), True)
 
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         a, ticks = self.clock, self.to_ticks(t)
-        time = ticks * a.tick
-        moved = self._at_nodes(self._displaced[body], body, x, ticks, self._span(body)[0].start)
+        time, starts = ticks * a.tick, np.array(self.motion.first) - self._span(body)[0].start
+        moved = self._at(self._displaced[body], starts, body, x, ticks)
         return moved + a.frame * time + a.gravity * time * time / 2
 
     @_FAINT
@@ -236,8 +228,8 @@ class GridFields(Fields):
         a = self.clock
         ticks = self.known
         c = a.wave_speed[int(self.locate(body, x)[0])]
-        v = self._at_nodes(self.motion.velocity, body, x, ticks)
-        stretch = c * self._at_cells(self._stretch, body, x, ticks)
+        v = self._at(self.motion.velocity, self.motion.first, body, x, ticks)
+        stretch = c * self._at(self._stretch, self._edge, body, x, ticks, True)
         right, left, change = (
             Pieces.through(ticks, values) for values in (v - stretch, v + stretch, 2 * stretch)
         )
