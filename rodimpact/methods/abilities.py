@@ -16,7 +16,6 @@ SMOOTH_STATES, SMOOTH_DRIVES = "profiles other than steps", "drives other than s
 DAMPING, LATERAL, TAPER = "damping", "lateral inertia", "tapered rods"
 RODLESS = "rows without a rod"
 SINGLE = (GRAVITY, DAMPING, LATERAL)  # which one entry of a rod or of the system switches on
-_DRIVEN = (model.Pushed, model.Moved, model.Incoming)
 
 
 def needs(system: model.System) -> list[tuple[str, str]]:
@@ -35,7 +34,7 @@ def needs(system: model.System) -> list[tuple[str, str]]:
             what = OWN_LAWS if isinstance(law, model.Law) else what
             found.append((f"contacts.{i}.law", what))
     for side, end in zip(("left", "right"), system.ends, strict=True):
-        if isinstance(end, _DRIVEN) and isinstance(end.value, model.Samples):
+        if isinstance(getattr(end, "value", None), model.Samples):
             found.append((f"ends.{side}.value", SMOOTH_DRIVES))
     return found
 
@@ -56,13 +55,9 @@ def _of_rod(rod: model.Rod) -> list[tuple[str, str]]:
 
 def driven(system: model.System) -> bool:
     """Whether forces from outside act: no bound says when the last contact is over."""
-    left, right = system.ends
-    if has_driven_end(system):
-        return True
-    if vanishes(system.gravity):
-        return False
-    walls = isinstance(system.bodies[0], model.Wall) or isinstance(system.bodies[-1], model.Wall)
-    return walls or not (isinstance(left, model.Free) and isinstance(right, model.Free))
+    kinds = {system.bodies[0].kind, system.bodies[-1].kind, *(end.kind for end in system.ends)}
+    held = not kinds.isdisjoint(("wall", "fixed", "absorbing"))
+    return has_driven_end(system) or (held and not vanishes(system.gravity))
 
 
 def has_driven_end(system: Any) -> bool:

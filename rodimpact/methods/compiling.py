@@ -222,26 +222,19 @@ def digest_of(module: ModuleType) -> str:
 
 @functools.cache
 def _kind(record: Any) -> Any:
-    """A class with the fields of a record, plain numbers 0 at first."""
-    zeros = [(name, Any, None if record[name].subdtype else np.zeros((), record[name]).item())
-             for name in record.names]
+    """A class with the fields of a record, numbers and lists of numbers, 0 at first."""
+    zeros = []
+    for name in record.names:
+        zero = np.zeros((), record[name]).tolist
+        new = dataclasses.field(default_factory=zero) if record[name].subdtype else zero()
+        zeros.append((name, Any, new))
     return dataclasses.make_dataclass("Record", zeros, slots=True)
 
 
 def blank(count: int, record: Any) -> list[Any]:
     """Return objects with the fields of a record, numbers and lists of numbers, all 0."""
     kind = _kind(record)
-    made = [kind() for _ in range(count)]
-    for name, size in _lists(record):
-        for one in made:
-            setattr(one, name, [0.0] * size)
-    return made
-
-
-@functools.cache
-def _lists(record: Any) -> list[tuple[str, int]]:
-    """Fields of a record that hold lists of numbers, and their lengths."""
-    return [(name, record[name].shape[0]) for name in record.names if record[name].subdtype]
+    return [kind() for _ in range(count)]
 
 
 def objects(rows: Iterable[Sequence[Any]], record: Any) -> list[Any]:

@@ -136,15 +136,11 @@ def _tell_of_no_compiler() -> None:
     warnings.warn(message, NoCompiler, stacklevel=2)
 
 
+@functools.cache
 def _tell_of_compiling() -> None:
     """Tell who waits, once; not a program whose messages go to a file."""
-    watched = "ipykernel" in sys.modules or (sys.stderr and sys.stderr.isatty())
-    if not _told and watched:
+    if "ipykernel" in sys.modules or (sys.stderr and sys.stderr.isatty()):
         sys.stderr.write("compiling once, for this and all later runs; up to half a minute\n")
-        _told.append(True)
-
-
-_told: list[bool] = []
 
 
 if hasattr(os, "register_at_fork"):

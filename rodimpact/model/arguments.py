@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..units import shown
 from .frozen import (
+    InvalidModel,
     Problems,
     broadcast_shape,
     has_sign,
@@ -47,7 +48,14 @@ def single(name: str, value: Any, unit: str, sign: str = "any") -> float:
 
 def together(**arguments: tuple[Any, str, str]) -> tuple[Array, ...]:
     """Arguments, each with its unit and sign, as arrays that are broadcast."""
-    arrays = {name: array(name, *given) for name, given in arguments.items()}
+    problems: Problems = []
+    arrays = {}
+    for name, given in arguments.items():
+        try:
+            arrays[name] = array(name, *given)
+        except InvalidModel as error:
+            problems += error.problems
+    raise_noted(problems)
     broadcast_shape(arrays.items())
     return np.broadcast_arrays(*arrays.values())
 

@@ -10,14 +10,14 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 from numbers import Integral
-from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..units import shown
 from . import frozen, profiles
-from .arguments import array, demand
+from .arguments import array, demand, together
 from .frozen import Declared, Frozen, Number, Numeric, NumericOrNone, Problems, note, quantity
 from .lateral_inertia import MINDLIN_HERRMANN, RAYLEIGH_LOVE, THEORIES
 from .profiles import Floats, Profile, ProfileLike, Samples, Steps
@@ -115,16 +115,12 @@ class Material(Declared):
         >>> round(rubber.damped(loss_factor=0.1, frequency=1e3).viscosity, 3)
         79.577
         """
-        problems: Problems = []
-        tangent = frozen.number(problems, "loss_factor", loss_factor, "", "non-negative")
-        f = frozen.number(problems, "frequency", frequency, "Hz", "positive")
-        frozen.raise_noted(problems)
-        frozen.family_shape([
-            ("youngs_modulus", self.youngs_modulus), ("loss_factor", tangent), ("frequency", f)
-        ])
+        tangent, f, E = together(
+            loss_factor=(loss_factor, "", "non-negative"), frequency=(frequency, "Hz", "positive"),
+            youngs_modulus=(self.youngs_modulus, "Pa", ""),
+        )
         with np.errstate(all="ignore"):  # what is out of range, the material will refuse
-            eta = self.youngs_modulus * tangent / (2 * math.pi * np.asarray(f))
-        return self.replace(viscosity=eta)
+            return self.replace(viscosity=E * tangent / (2 * math.pi * f))
 
 
 class Segment(Frozen):
@@ -630,4 +626,4 @@ class Wall(Declared):
 
 
 Body: TypeAlias = Rod | RigidMass | Wall
-BODIES: dict[str, type[Body]] = {body.kind: body for body in (Rod, RigidMass, Wall)}
+BODIES: dict[str, type[Body]] = {body.kind: body for body in get_args(Body)}

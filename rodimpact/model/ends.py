@@ -6,7 +6,7 @@ array, which makes a family.
 
 from __future__ import annotations
 
-from typing import ClassVar, TypeAlias
+from typing import ClassVar, TypeAlias, get_args
 
 from .frozen import Frozen, Problems, quantity, raise_noted
 from .profiles import Profile, ProfileLike, in_time
@@ -164,7 +164,5 @@ class Incoming(_Driven, Absorbing):
 
 
 End: TypeAlias = Free | Fixed | Absorbing | Pushed | Moved | Incoming
-ENDS: dict[str, type[End]] = {
-    end.kind: end for end in (Free, Fixed, Absorbing, Pushed, Moved, Incoming)
-}
+ENDS: dict[str, type[End]] = {end.kind: end for end in get_args(End)}
 FREE = Free()

@@ -130,12 +130,9 @@ class Field(NamedTuple):
         return held
 
 
-def quantity(
-    unit: str = "", sign: str = "any", label: str = "", *, default: Any = REQUIRED,
-    along: str = "", word: str = "", single: bool = False,
-) -> Any:
+def quantity(*said: str, default: Any = REQUIRED, **more: Any) -> Any:
     """Declare a number of a class by its `Field`."""
-    return Field(unit, sign, label, default, along, word, single)
+    return Field(*said, default=default, **more)
 
 
 class Numeric:
@@ -377,9 +374,7 @@ class Frozen:
     def digest(self) -> str:
         """SHA-256 of the description: the same for equal objects in any process."""
         arrays = [v for _, v in self._numbers() if isinstance(v, np.ndarray)]
-        outline = self._mapped(lambda array: list(array.shape)).to_dict() if arrays else (
-            self.to_dict()
-        )
+        outline = self._mapped(lambda array: list(array.shape)).to_dict()
         sha = hashlib.sha256(json.dumps(outline, sort_keys=True).encode())
         for array in arrays:
             sha.update(array.tobytes())

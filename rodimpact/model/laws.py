@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import reduce
 from itertools import pairwise
-from typing import Any, ClassVar, Self, TypeAlias
+from typing import Any, ClassVar, Self, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -581,8 +581,5 @@ ContactLaw: TypeAlias = (
     | Tabulated | Law
 )
 CONTACT_LAWS: dict[str, type[ContactLaw]] = {
-    law.law: law for law in (
-        Rigid, Bonded, Joint, Spring, SpringDashpot, Hertz, HuntCrossley, PowerLaw, Yielding,
-        Tabulated)
-}
+    law.law: law for law in get_args(ContactLaw) if law is not Law}
 RIGID = Rigid()

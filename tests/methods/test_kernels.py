@@ -162,7 +162,7 @@ def fresh(monkeypatch):
     monkeypatch.delenv("NUMBA_DISABLE_JIT", raising=False)
     monkeypatch.setattr(kernels, "_spent", {})
     monkeypatch.setattr(kernels, "_ready", set())
-    monkeypatch.setattr(kernels, "_told", [])
+    kernels._tell_of_compiling.cache_clear()
     monkeypatch.setattr(kernels, "_fault", lambda: "")
     kept_on_disk(monkeypatch, set())
     return monkeypatch
