@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..methods.run import largest_error
+from ..methods.run import INWARD, largest_error
 from ..model import Plastic, Rod
 from ..results.solution import Solution
 from . import sweep_result as table
@@ -57,18 +57,14 @@ def _set(solution: Solution, contact: int) -> float:
 
 def _moved(solution: Solution, body: int) -> float:
     """How far the centre of mass of a body has moved at the end, m."""
-    fields = solution.fields
-    end, tick = fields.end, fields.clock.tick
+    signals, end, tick = solution.run.signals, solution.fields.end, solution.fields.clock.tick
     time = end * tick
     if not isinstance(solution.system.bodies[body], Rod):
         return float(solution.displacement(body, 0.0, time))
-    left, right = (
-        solution.contacts[k].push if 0 <= k < len(solution.contacts)
-        else outside.push if (outside := solution.run.signals.outside[side]) else None
-        for side, k in enumerate((body - 1, body))
-    )
-    moved = 0.0  # by the two forces: Newton's law, integrated twice
-    for push, sign in ((left, 1), (right, -1)):
+    left, right = (side and side.push for side in signals.outside)
+    pushes = [left, *(contact.force for contact in signals.contacts), right]
+    moved = 0.0  # by the forces on its two faces: Newton's law, integrated twice
+    for push, sign in zip(pushes[body : body + 2], INWARD, strict=True):
         if push is not None:
             moved += sign * float(push.integrated_twice(end)) * tick * tick
     start = float(solution.mean_velocity(body, 0.0)) * time

@@ -133,8 +133,8 @@ def test_questions_outside_the_solution_are_refused(mixed, call, name):
 
 
 def test_regions_tile_the_plane_and_agree_with_the_fields(mixed):
-    stop = 2e-4
-    regions = regions_of(mixed, stop=stop)
+    start, stop = 1e-5, 2e-4
+    regions = regions_of(mixed, start, stop)
     for body, length in ((1, 0.4), (2, 0.8), (3, 0.25)):
         area = 0.0
         for i in np.flatnonzero(regions.body == body):
@@ -147,7 +147,7 @@ def test_regions_tile_the_plane_and_agree_with_the_fields(mixed):
             assert mixed.stress(body, *inside) == pytest.approx(regions.stress[i], rel=1e-14)
             assert mixed.displacement(body, x, t) == pytest.approx(
                 regions.displacement[corners], abs=1e-15)
-        assert area == pytest.approx(length * stop, rel=1e-12)
+        assert area == pytest.approx(length * (stop - start), rel=1e-12)
 
 
 @pytest.mark.parametrize("limit", [100, 8, 4])
@@ -201,19 +201,12 @@ def test_rods_squeezed_between_walls_for_good():
 
 
 def test_transit_error_is_reported():
-    ratio = 2.0**-20 * 1.1
-    solution = ri.solve(ri.System([rod(1.0, 1.0), rod(ratio**1.5)]), until=1e-3)
-    assert solution.transit_error > 0
     awkward = ri.solve(ri.System([rod(1.0, 1.0), rod(1.2345678901234e-9)]), until=1e-5)
     assert awkward.transit_error > 2.0**-36
     assert "The clock rounds the transit time of bodies.1" in awkward.status
 
 
-def test_public_names():
-    for name in ri.__all__:
-        if name != "plot":
-            assert getattr(ri, name) is not None
-            assert name in dir(ri)
+def test_an_unknown_name_is_said():
     with pytest.raises(AttributeError, match="nonsense"):
         _ = ri.nonsense
 
@@ -244,10 +237,6 @@ def test_bodies_moving_apart_over_any_distance():
     far = ri.solve(ri.System([rod(0.4, -1.0), rod(1.0, 1.0)], gaps=[1e13]))
     assert far.final
     assert far.outcome.velocities_after == pytest.approx((-1.0, 1.0))
-
-
-def test_a_numpy_integer_caps_events():
-    assert ri.solve(ri.System([rod(1.0)]), max_events=np.int64(1000)).final
 
 
 def test_the_residual_of_a_rod_swinging_on_a_moving_wall_is_small():
@@ -328,9 +317,7 @@ def test_the_effect_of_rounded_transits_is_stated(short, ratio):
     assert ri.solve(ri.System([rod(0.4, 1.0), rod(1.0)])).accuracy == {}
 
 
-def test_regions_of_an_interval(unequal):
-    regions = regions_of(unequal, 1e-5, 3e-5)
-    assert (regions.t.min(), regions.t.max()) == pytest.approx((1e-5, 3e-5))
+def test_intervals_without_regions_or_with_too_many_are_refused(unequal):
     for name, wrong in (("limit", {"limit": 3}), ("stop", {"start": 1e-5, "stop": 1e-5})):
         with pytest.raises(ValueError, match=name):
             regions_of(unequal, **wrong)
