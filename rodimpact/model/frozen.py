@@ -130,9 +130,9 @@ class Field(NamedTuple):
         return held
 
 
-def quantity(*said: str, default: Any = REQUIRED, **more: Any) -> Any:
+def quantity(unit: str = "", sign: str = "any", label: str = "", **more: Any) -> Any:
     """Declare a number of a class by its `Field`."""
-    return Field(*said, default=default, **more)
+    return Field(unit, sign, label, **more)
 
 
 class Numeric:

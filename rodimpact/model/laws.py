@@ -266,31 +266,29 @@ class Hertz(_Compliant):
         '1.4558e+10'
         """
         problems: Problems = []
-        radii = []
-        meeting: list[tuple[str, Number]] = []
+        meeting: dict[str, Number] = {}
         yielding = []
         faces: Any = (("left", left_radius, left_material), ("right", right_radius, right_material))
         for side, radius, material in faces:
-            R = FACE.checked(problems, f"{side}_radius", radius)
-            radii.append(R)
-            meeting.append((f"{side}_radius", R))
-            if isinstance(material, Material) and material.poisson_ratio is not None:
-                E, nu = material.youngs_modulus, material.poisson_ratio
-                yielding.append((E, nu))
-                meeting += [(f"{side}_material.youngs_modulus", E),
-                            (f"{side}_material.poisson_ratio", nu)]
-            elif isinstance(material, Material):
+            R, path = f"{side}_radius", f"{side}_material"
+            meeting[R] = FACE.checked(problems, R, radius)
+            if material is None:
+                continue
+            if not isinstance(material, Material):
+                note(problems, path, "must be a Material, or None for a rigid face", material)
+            elif material.poisson_ratio is None:
                 message = f"needs a poisson_ratio for Hertz contact, {shown(material.name)} has"
-                problems.append((f"{side}_material", f"{message} none"))
-            elif material is not None:
-                message = "must be a Material, or None for a rigid face"
-                note(problems, f"{side}_material", message, material)
+                problems.append((path, f"{message} none"))
+            else:
+                E, nu = material.youngs_modulus, material.poisson_ratio
+                meeting |= {f"{path}.youngs_modulus": E, f"{path}.poisson_ratio": nu}
+                yielding.append((E, nu))
         if left_material is right_material is None:
             message = "is None, and so is the left one; one of the faces must be elastic"
             problems.append(("right_material", message))
         frozen.raise_noted(problems)
-        frozen.family_shape(meeting)
-        curvature = 1 / radii[0] + 1 / radii[1]
+        frozen.family_shape(meeting.items())
+        curvature = 1 / meeting["left_radius"] + 1 / meeting["right_radius"]
         message = "is infinite, and so is the left one; two flat faces make no Hertz contact"
         demand(curvature > 0, "right_radius", message)
         with np.errstate(all="ignore"):  # what is out of range, the law will refuse

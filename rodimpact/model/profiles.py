@@ -178,14 +178,11 @@ def in_time(problems: Problems, path: str, value: Any, field: Field, duration: A
         problems.append(("duration", message))
         return 0.0
     before = len(problems)
-    end = frozen.number(problems, "duration", duration, "s", "positive")
-    if isinstance(end, np.ndarray):
-        message = "must be a single number of seconds; members of a family share a function"
-        problems.append(("duration", message))
-    elif len(problems) == before:
-        times, step = np.linspace(0.0, end, IN_TIME), end / (IN_TIME - 1)
-        return _curve(problems, path, value, times, field, step)
-    return 0.0
+    end: Any = Field("s", "positive", single=True).checked(problems, "duration", duration)
+    if len(problems) > before:
+        return 0.0
+    times, step = np.linspace(0.0, end, IN_TIME), end / (IN_TIME - 1)
+    return _curve(problems, path, value, times, field, step)
 
 
 def negative(profile: Profile) -> Profile:
