@@ -32,9 +32,8 @@ const py = {
       return made;
     });
   },
-  pow: (base, exponent) => (exponent === 2 ? base * base : base ** exponent),
+  pow: (base, exponent) => (exponent === 2 ? base * base : base === 10 && Number.isInteger(exponent) ? Number(`1e${exponent}`) : base ** exponent),
   pow2: (exponent) => 2 ** exponent,
-  pow10: (exponent) => Number(`1e${exponent}`),
   min: (a, b) => (b < a ? b : a),
   where: (test, a, b) => (test ? a : b),
   spacing: (x) => 2 ** (py.frexp(x)[1] - 53),
@@ -86,10 +85,6 @@ const py = {
   zip(...lists) {
     if (lists.some((list) => list.length !== lists[0].length)) throw new RangeError("lists of unequal lengths");
     return Array.from(lists[0], (_, i) => lists.map((list) => list[i]));
-  },
-  named(fields, values) {
-    if (fields.length !== values.length) throw new TypeError(`${fields} need as many values`);
-    return Object.fromEntries(fields.map((field, i) => [field, values[i]]));
   },
   /** First place in a sorted list whose item is not below x, or is above it. */
   bisect(list, x, low, high, above) {
