@@ -112,6 +112,5 @@ def _restitution(found: RestitutionDesign, ax: Axes | None) -> Picture:
     label = f"reached at {x:.4g} {side.scale.unit}".rstrip()
     (reached,) = curve.ax.plot(x, found.reached, color=colour, marker="o", markersize=7.0,
                                linestyle="", zorder=4, label=label)
-    known = [each for each in (curve.theory, curve.values) if each is not None]
-    legend_above(curve.ax, [*known, wanted, reached])
+    legend_above(curve.ax, [curve.theory, curve.values, wanted, reached])
     return Picture(ax=curve.ax, wanted=wanted, reached=reached, outline=None)

@@ -280,7 +280,7 @@ def gauge(
     }
     lines = (strain, rightward, leftward, beyond, *windows.values())
     places = listed([f"{r.name} at {place_scale(r.x).write(r.x)}" for r in records])
-    style.legend_above(ax, [line for line in lines if line is not None], title=f"gauge on {places}")
+    style.legend_above(ax, lines, title=f"gauge on {places}")
     return style.Picture(ax=ax, strain=strain, rightward=rightward, leftward=leftward,
                          transmitted=beyond, windows=windows)
 

@@ -92,7 +92,7 @@ def energy(solution: Solution, ax: Axes | None = None) -> Picture:
         (work,) = ax.plot(x, supplied * scale.factor, color=INK, linewidth=1.2, linestyle="--",
                           label=f"initial energy and work of {listed(workers)}")
     labels: list[Text] = []
-    missing: list[artist.Artist] = [] if work is None else [work]
+    missing: list[artist.Artist | None] = [work]
     stacked = np.cumsum(list(parts.values()), axis=0)
     for band, upper, (entry, part) in zip(bands, stacked, parts.items(), strict=True):
         name = ENERGIES[entry]

@@ -42,6 +42,8 @@ class Placing:
         Velocity of the frame of the picture, m/s.
     left : array
         Left end of each body in the row of unstrained rods without gaps, m.
+    widths : array
+        Of each body in the picture before it moves, m.
     apart : array
         Additional place of the left end of each body from gaps and strain at t = 0, m.
     block : float
@@ -52,13 +54,14 @@ class Placing:
     magnification: float
     frame: float
     left: Floats
+    widths: Floats
     apart: Floats
     block: float
 
     @property
     def row(self) -> float:
         """Length of all rods and blocks together, m."""
-        return float(self.left[-1]) + self.width(len(self.left) - 1)
+        return float(self.left[-1] + self.widths[-1])
 
     @property
     def scale(self) -> str:
@@ -66,12 +69,6 @@ class Placing:
         if self.magnification == 1:
             return "true to scale"
         return f"displacements {TIMES} {format_factor(self.magnification)}"
-
-    def width(self, body: int) -> float:
-        """Width of a body in the picture before it moves, m."""
-        if isinstance(self.solution.system.bodies[body], RigidMass):
-            return self.block
-        return _length(self.solution, body)
 
     def place(self, body: int | Ints, x: ArrayLike, t: ArrayLike, displacement: Any) -> Floats:
         """Place X in the picture, m, of points x (m) of bodies at t (s), displaced (m)."""
@@ -99,7 +96,7 @@ class Placing:
 
     def end(self, body: int, right: bool, t: ArrayLike) -> Floats:
         """Place X of the left or right end of a body at t."""
-        return self.point(body, self.width(body) if right else 0.0, t)
+        return self.point(body, self.widths[body] if right else 0.0, t)
 
     def middle(self, body: int, t: ArrayLike) -> Floats:
         """Place X half-way between the ends of a body at t."""
@@ -116,13 +113,12 @@ class Placing:
         segment = segment - segment[0]
         density = np.array([float(s.material.density) for s in rod.segments])[segment]
         mass = density * mean_areas(rod, edges, segment) * np.diff(edges)
-        x, t = np.broadcast_arrays((edges[:-1, None] + edges[1:, None]) / 2, t)
         part: Floats = mass / mass.sum()
-        return part @ self.point(body, x, t)
+        return part @ self.point(body, (edges[:-1, None] + edges[1:, None]) / 2, t)
 
     def spring(self, contact: int) -> float:
         """Length of the spring at a contact before it is pressed, m; 0 without one."""
-        free = float(self.left[contact + 1] - self.left[contact]) - self.width(contact)
+        free = float(self.left[contact + 1] - self.left[contact] - self.widths[contact])
         compliant = is_compliant(self.solution.contacts[contact])
         return free if compliant and free > ROUND_OFF * self.row else 0.0
 
@@ -175,37 +171,30 @@ def placing(
     """
     if magnification is not None:
         magnification = single("magnification", magnification, "", "positive")
-    bodies = range(len(solution.system.bodies))
-    lengths = [_length(solution, body) for body in bodies]
+    bodies = solution.system.bodies
+    lengths = [float(body.length) if isinstance(body, Rod) else 0.0 for body in bodies]
     begin = np.cumsum([0.0, *lengths[:-1]])
     apart = np.array(solution.fields.positions) - begin
     times = np.linspace(start, stop, 101)
     moved = np.array([
         apart[body] + solution.displacement(body, x, times)
-        for body in bodies for x in (0.0, lengths[body])
+        for body, length in enumerate(lengths) for x in (0.0, length)
     ])
     slowest = _slowest(solution)
     relative = float(np.ptp(moved - slowest * times))
     reach = float(np.ptp(moved))
     row = sum(lengths) or reach or 1.0  # the scale of masses alone is how far they move
-    masses = np.array([isinstance(body, RigidMass) for body in solution.system.bodies])
+    masses = np.array([isinstance(body, RigidMass) for body in bodies])
     block = round_down(BLOCK * row) if masses.any() else 0.0
     left = begin + block * (np.cumsum(masses) - masses)
     if magnification is None:
-        strain = 0.0
-        for body in bodies:
-            if lengths[body]:
-                x, t = np.broadcast_arrays(np.linspace(0, lengths[body], 33)[:, None], times)
-                strain = max(strain, float(np.abs(solution.strain(body, x, t)).max()))
-        magnification = magnified(row, reach, relative, strain)
+        strain = max((
+            np.abs(solution.strain(body, np.linspace(0, length, 33)[:, None], times)).max()
+            for body, length in enumerate(lengths) if length), default=0.0)
+        magnification = magnified(row, reach, relative, float(strain))
     frame = slowest if drifts(reach, relative) else 0.0
-    return Placing(solution, magnification, frame, left, apart, block)
-
-
-def _length(solution: Solution, body: int) -> float:
-    """Length of a body, m; 0 for a wall or a mass."""
-    rod = solution.system.bodies[body]
-    return float(rod.length) if isinstance(rod, Rod) else 0.0
+    widths = np.where(masses, block, lengths)
+    return Placing(solution, magnification, frame, left, widths, apart, block)
 
 
 def _slowest(solution: Solution) -> float:

@@ -41,7 +41,7 @@ class Plane(NamedTuple):
 
     def points(self, places: Floats, times: Floats) -> Floats:
         """Points [..., 2] of the picture, from places, m, and times, s."""
-        both = (places * self.place.factor, times * self.time.factor)
+        both = np.broadcast_arrays(places * self.place.factor, times * self.time.factor)
         return np.stack(both[::-1] if self.across else both, axis=-1)
 
     def dress(self, ax: Axes, plan: Placing) -> None:

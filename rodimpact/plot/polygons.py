@@ -179,20 +179,18 @@ class Raster:
         edges, segment = pieces(self.solution, body)
         if field == "displacement":
             middle, t = (edges[:-1] + edges[1:]) / 2, (self.times[:-1] + self.times[1:]) / 2
-            x, t = np.broadcast_arrays(middle[:, None], t)
-            return self.solution.displacement(body, x, t) - frame * t
+            return self.solution.displacement(body, middle[:, None], t) - frame * t
         velocity, strain = averaged(self.solution, body, self.times)
-        if field in ("velocity", "strain"):
-            return velocity if field == "velocity" else strain
         rod: Any = self.solution.system.bodies[body]
         which = segment - segment[0]
         materials = [rod.segments[i].material for i in which.tolist()]
-        stress = strain * np.array([[float(m.youngs_modulus)] for m in materials])
-        if field == "stress":
-            return np.asarray(stress)
+        modulus = np.array([[float(m.youngs_modulus)] for m in materials])
         density = np.array([[float(m.density)] for m in materials])
-        area = mean_areas(rod, edges, which)[:, None]
-        return np.asarray(area * (density * (velocity - frame) ** 2 + stress * strain) / 2)
+        area, stress = mean_areas(rod, edges, which)[:, None], modulus * strain
+        energy = area * (density * (velocity - frame) ** 2 + stress * strain) / 2
+        values: dict[str, Floats] = {
+            "velocity": velocity, "strain": strain, "stress": stress, "energy": energy}
+        return values[field]
 
     def bends(self, body: int, x: float) -> Floats:  # noqa: ARG002  (as in `Polygons`)
         """Times between which the path of a rod's end is drawn straight."""
@@ -202,13 +200,9 @@ class Raster:
         self, ax: Axes, plan: Placing, plane: Plane, numbers: Floats, norm: colors.Normalize
     ) -> collections.QuadMesh:
         """Draw the cells with these numbers, as pixels in vector files too."""
-        places = []
-        for body in self._rods:
-            edges, _ = pieces(self.solution, body)
-            x, t = np.broadcast_arrays(edges, self.times[:, None])
-            places.append(plan.place(body, x, t, self.solution.displacement(body, x, t)))
-        across = np.concatenate(places, axis=1)
-        when = np.broadcast_to(self.times[:, None], across.shape)
+        when = self.times[:, None]
+        across = np.concatenate([plan.point(body, pieces(self.solution, body)[0], when)
+                                 for body in self._rods], axis=1)
         return ax.pcolormesh(
             *np.moveaxis(plane.points(across, when), -1, 0), np.ma.masked_invalid(numbers),
             cmap=colours().signed, norm=norm, zorder=2, shading="flat", rasterized=True,

@@ -71,13 +71,6 @@ def comparison(
     found = measured.misfit(predicted, shift=shift, scale=scale)
     t, values = measured.times, measured.values
     model: Floats = found.scale * np.interp(t - found.shift, predicted.times, predicted.values)
-    wide: Floats | None = None
-    if band is not None:
-        of_kind("band", band, Signal, "0.02 * predicted")
-        if band.unit != predicted.unit:
-            raise refusal("band", f"must be in the unit of the prediction, {predicted.unit!r}, "
-                             f"got {band.unit!r}")
-        wide = abs(found.scale) * np.interp(t - found.shift, band.times, np.abs(band.values))
     upper, lower = side_by_side(1)[0] if ax is None else two_axes(ax, "signals and residual")
 
     time = engineering("time t", float(np.abs(t).max()), "s")
@@ -85,12 +78,16 @@ def comparison(
     percent = 100 / plateau(values)
     series, faint = colours().series, colours().faint
     area = None
-    if wide is not None:
-        x = t * time.factor
-        area = upper.fill_between(x, (model - wide) * unit.factor, (model + wide) * unit.factor,
-                                  color=series[1], alpha=0.25, linewidth=0, label="its band")
-        lower.fill_between(x, -wide * percent, wide * percent, color=series[1], alpha=0.25,
-                           linewidth=0)
+    if band is not None:
+        of_kind("band", band, Signal, "0.02 * predicted")
+        if band.unit != predicted.unit:
+            raise refusal("band", f"must be in the unit of the prediction, {predicted.unit!r}, "
+                             f"got {band.unit!r}")
+        wide = abs(found.scale) * np.interp(t - found.shift, band.times, np.abs(band.values))
+        filled: Any = {"color": series[1], "alpha": 0.25, "linewidth": 0}
+        area = upper.fill_between(t * time.factor, (model - wide) * unit.factor,
+                                  (model + wide) * unit.factor, label="its band", **filled)
+        lower.fill_between(t * time.factor, -wide * percent, wide * percent, **filled)
 
     def line(on: Axes, y: Floats, factor: float, **how: Any) -> Line2D:
         kept = telling(y)
@@ -100,7 +97,7 @@ def comparison(
     other = line(upper, model, unit.factor, color=series[1], linewidth=1.2, linestyle="--",
                  label=f"predicted{_adjusted(measured, predicted, found)}")
     left = line(lower, values - model, percent, color=colours().ink, linewidth=0.9)
-    for each, named in ((upper, [one, other, *([] if area is None else [area])]), (lower, ())):
+    for each, named in ((upper, [one, other, area]), (lower, ())):
         each.axhline(0.0, color=faint, linewidth=0.6, zorder=0)
         grid(each)
         dress(each, named, xlim=(t[0] * time.factor, t[-1] * time.factor))

@@ -132,7 +132,7 @@ def snapshots(
     labels += _mass_labels(ax, plan, when, place, write)
     names = body_names(solution.system.kinds)
     for i, body in enumerate(solution.system.bodies):
-        wide = plan.width(i) * place.factor > _width(ax, names[i])
+        wide = plan.widths[i] * place.factor > _width(ax, names[i])
         if wide and isinstance(body, Rod):
             middle = float(plan.middle(i, when[0])) * place.factor
             _write(ax, middle, 0.5, names[i], ink, "bottom")

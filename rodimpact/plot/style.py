@@ -222,7 +222,7 @@ def two_axes(ax: Any, what: str) -> tuple[Axes, Axes]:
     return upper, lower
 
 
-def dress(ax: Axes, named: Sequence[artist.Artist] = (), **settings: Any) -> None:
+def dress(ax: Axes, named: Sequence[artist.Artist | None] = (), **settings: Any) -> None:
     """Settings, ticks and frame of an Axes, and the names of artists above it."""
     ax.set(**settings)
     legend_above(ax, named)
@@ -256,8 +256,11 @@ def broken(label: str, room: float) -> str:
     return "\n".join(lines)
 
 
-def legend_above(ax: Axes, shown: Sequence[artist.Artist], title: str | None = None) -> None:
+def legend_above(
+    ax: Axes, artists: Sequence[artist.Artist | None], title: str | None = None
+) -> None:
     """Name artists, if any, above an Axes, in as many columns as it has room for."""
+    shown = [each for each in artists if each is not None]
     if not shown:
         return
     letters = [len(str(each.get_label())) for each in shown]

@@ -68,10 +68,10 @@ def test_the_page_and_the_figures_draw_bodies_at_the_same_places(solution):
 def test_magnification_is_round_and_moves_bodies_no_farther_than_a_part_of_the_row(solution):
     plan = placing(solution, 0.0, solution.t_end)
     assert re.fullmatch(r"[125]0*", f"{plan.magnification:g}")
-    total = sum(plan.width(i) for i, body in enumerate(solution.system.bodies)
+    total = sum(plan.widths[i] for i, body in enumerate(solution.system.bodies)
                 if isinstance(body, ri.Rod))
     times = np.linspace(0.0, solution.t_end, 101)
-    ends = np.array([plan.end(i, right, times) - plan.left[i] - right * plan.width(i)
+    ends = np.array([plan.end(i, right, times) - plan.left[i] - right * plan.widths[i]
                      for i in range(len(solution.system.bodies)) for right in (False, True)])
     assert np.ptp(ends) <= REACH * total * (1 + 1e-9)
 
