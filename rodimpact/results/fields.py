@@ -17,7 +17,7 @@ from ..methods.clock import Clock
 from ..methods.run import Signals
 from ..methods.signals import Floats, Ints, Pieces, Side
 from ..model import Material, Rod
-from ..model.arguments import array, demand
+from ..model.arguments import array
 from ..model.frozen import refusal
 from ..units import shown
 
@@ -156,7 +156,9 @@ class Fields(ABC):
         t = array("t", t, "s")
         end = self.end * self.clock.tick
         inside = np.isfinite(t) & (t >= 0) & (t <= end * (1 + 1e-12) + self.clock.tick)
-        demand(inside, "t", f"must lie in the solution, 0 to {end:.9g} s, got {{0!r}}", t)
+        if not inside.all():
+            bad = float(t[~inside].flat[0])
+            raise refusal("t", f"must lie in the solution, 0 to {end:.9g} s, got {bad!r}")
         ticks: Ints = np.minimum(np.rint(t / self.clock.tick).astype(np.int64), self.end)
         if side is None:
             return ticks
@@ -178,8 +180,9 @@ class Fields(ABC):
             raise refusal("body", f"{body} is {kind} and has no inside; ask for a rod")
         x, edges = array("x", x, "m"), self.edges(body)
         inside = np.isfinite(x) & (x >= 0) & (x <= edges[-1] * (1 + 1e-12))
-        message = f"must lie in body {body}, 0 to {edges[-1]:.9g} m, got {{0!r}}"
-        demand(inside, "x", message, x)
+        if not inside.all():
+            bad = float(x[~inside].flat[0])
+            raise refusal("x", f"must lie in body {body}, 0 to {edges[-1]:.9g} m, got {bad!r}")
         piece = np.clip(np.searchsorted(edges, x, "right") - 1, 0, last - first)
         return np.asarray(piece + first), np.asarray(x - edges[piece])
 

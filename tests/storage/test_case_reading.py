@@ -250,7 +250,7 @@ def test_a_case_is_frozen():
         (HEAD + A_ROD + "polar_moment = 'circular'\nlateral_inertia = 'mindlin'",
          "bodies.0.lateral_inertia",
          "unknown lateral_inertia 'mindlin'; perhaps 'mindlin-herrmann' is meant"),
-        (HEAD + A_ROD + "polar_moment = '1 cm^3'", "bodies.0.polar_moment", "perhaps cm^4 is"),
+        (HEAD + A_ROD + "polar_moment = '1 cm^3'", "bodies.0.polar_moment", "perhaps 'cm^4' is"),
         (HEAD + "[[bodies]]\nkind='rod'\n[[bodies.segments]]\nlength=1\nmaterial='steel'\n"
          "area={values=[1, 2], at=[0.5]}", "bodies.0.segments.0.area", "jumps inside a segment"),
         # segments
