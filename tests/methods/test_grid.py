@@ -299,8 +299,8 @@ def test_mirror(seed):
     inside = run.mesh.mass > 0
     assert image.track.velocity[:, ::-1][:, inside] == pytest.approx(
         -run.track.velocity[:, inside], abs=1e-9 * scale)
-    assert np.array_equal(image.grid.link["episodes"][::-1],
-                          run.grid.link["episodes"])
+    forces = run.track.signal["force"]
+    assert np.array_equal(image.track.signal["force"][:, ::-1] > 0, forces > 0)
     for k in range(len(system.contacts)):
         if run.row.contact_link[k] >= 0 and isinstance(system.contacts[k], ri.Bonded):
             force = run.bond(run.row.contact_link[k])

@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from rodimpact.methods.grid.measures import largest_force
 from rodimpact.methods.grid.refinement import DOUBT, PART, factor_of, refined
 from rodimpact.methods.memory import TooLong
 
@@ -88,19 +87,3 @@ def test_a_first_run_that_is_too_long_is_refused():
 
     with pytest.raises(TooLong, match="no room"):
         refined(level, lambda _: {"impulse": np.ones(1)}, 1.0, 1e-3, 64)
-
-
-def means(force, edges):
-    """Mean values between edges of a polynomial."""
-    return np.diff(np.polyval(np.polyint(force), edges)) / np.diff(edges)
-
-
-def test_peaks_behind_averages():
-    edges = np.arange(101.0)
-    top = [-1 / 1600, 2 * 50.3 / 1600, 1 - 50.3**2 / 1600]
-    assert largest_force(means(top, edges)) == pytest.approx(1.0, abs=1e-12)
-    assert largest_force(np.zeros(3)) == 0.0
-    jump = means([1e-4, -0.02, 1.0], edges)
-    for force in (jump, jump[::-1]):
-        padded = np.concatenate(([0.0, 0.0], force, [0.0, 0.0]))
-        assert largest_force(padded) == pytest.approx(1.0, abs=1e-12)

@@ -30,14 +30,6 @@ NEWTON = 100  # iterations of one contact: a bound that is not met in practice
 SWEEPS = 1000  # of one chain, see `balance`
 
 
-def stored(law: int, k: float, p: float, gap: float) -> float:
-    """Energy stored in a compliant contact."""
-    if law != Law.JOINT and (gap >= 0 or law < Law.SPRING):
-        return 0.0
-    energy: float = k * abs(gap) ** (p + 1) / (p + 1)
-    return energy
-
-
 def mean_spring(k: float, d: float, x0: float, x1: float) -> tuple[float, float]:
     """Mean of k x + d dx/dt from x0 to x1 as long as x > 0 and this presses; derivative by x1."""
     w = x1 - x0
@@ -163,26 +155,17 @@ def solve_link(at: Any, c: float) -> tuple[float, float, float]:
 
 
 def indent(at: Any) -> float:
-    """Enter what a compliant contact loses on its way to `at.place` under the mean force.
+    """Return the gap of a compliant contact at `at.place`.
 
     One that yields hardens, and its faces move for good.
-
-    Returns
-    -------
-    float
-        Its gap.
     """
-    k, p, x = at.stiffness, at.exponent, at.place
-    rest: float = -x
-    if at.law == Law.YIELD and x > at.strength / k:
-        at.strength, _, knot = loaded(at, -at.gap, x)
+    depth: float = at.place
+    if at.law == Law.YIELD and depth > at.strength / at.stiffness:
+        at.strength, _, knot = loaded(at, -at.gap, depth)
         if knot > at.knot:
             at.knot, at.damping = knot, at.shares[knot - 1]
-        rest = -at.strength / k
-    if at.damping > 0 or at.law == Law.YIELD:
-        energy = stored(at.law, k, p, at.gap) - stored(at.law, k, p, rest)
-        at.lost += at.force * (at.gap + x) + energy
-    return rest
+        depth = at.strength / at.stiffness
+    return -depth
 
 
 def pushed(link: Any, i: int, first: int, last: int) -> float:
@@ -280,40 +263,19 @@ def start_impacts(link: Any, first: int, last: int, tol: float) -> bool:
 
 
 def settle(at: Any, w: float, tol: float) -> float:
-    """Enter what a link loses while it closes by w; return its gap at the end of the step."""
-    F: float = at.force
+    """Return the gap of a link at the end of a step in which it closes by w."""
     rest: float = at.gap - w
     if at.law == Law.RIGID:
-        at.numerical += F * w
-        shut = at.shut > 0
-        at.shut = 1
-        if shut and F <= 0 and 2 * w - at.before < -tol:
+        if at.shut == 0:
+            at.shut = 1 if at.force > 0 else 0
+        elif at.force <= 0 and 2 * w - at.before < -tol:
             at.shut = 0
             rest = at.before / 2 - w
-        elif shut:
+        else:
             rest = 0.0
-        elif F <= 0:
-            at.shut = 0
     elif at.law == Law.IMPACT:
-        if F > 0:
-            at.lost += F * at.limit
-            rest = at.gap - at.limit
-        elif at.gap <= 0 and abs(w) <= tol:
+        if at.force <= 0 and at.gap <= 0 and abs(w) <= tol:
             rest = at.gap
     else:
         rest = indent(at)
     return rest
-
-
-def count(at: Any, resolution: float) -> None:
-    """Enter the force of a step in the totals of a link; a joint never opens."""
-    F = at.force
-    if F > 0 or at.law == Law.JOINT:
-        at.impulse += F
-    if at.law == Law.JOINT:
-        return
-    if F > 0:
-        at.episodes += at.open
-        at.open = 0
-    elif at.gap > resolution:
-        at.open = 1

@@ -221,16 +221,15 @@ def resolve(
     for i in range(first, last + 1):
         at, before = link[i], link[i].gap
         at.closing = (at.before + v[at.left] - v[at.right]) / 2
-        if at.law == Law.RIGID and at.force > 0:
+        if (at.law == Law.RIGID or at.law == Law.IMPACT) and at.force > 0:
             at.closing = at.limit
         at.gap = contacts.settle(at, at.closing, run.tolerance)
-        contacts.count(at, run.resolution)
         entry = signal[(run.step - run.first) * len(link) + i]
         entry.force, entry.gap, entry.closing = at.force, at.gap, before - at.gap
         if at.law == Law.RIGID or at.law == Law.YIELD:
             entry.closing = at.closing
-        if at.law == Law.RIGID and run.step == 0 and at.force > 0:  # with what the start has lost
-            entry.closing = at.numerical / at.force
+        if at.law == Law.RIGID and run.step == 0 and at.force > 0:
+            entry.closing = (at.early + at.force * at.closing) / at.force
     return True
 
 

@@ -10,7 +10,8 @@ import math
 
 import numpy as np
 
-from ..signals import Floats, Ints
+from ..run import Episode
+from ..signals import Floats
 
 LATEST = 2.0  # steps, by which a gap can close later than its contact first presses
 FAINT = 1e-6  # of the next mean force: what presses less is round-off
@@ -20,58 +21,61 @@ FLAT = 1e-9  # relative change of forces from step to step that is round-off
 
 
 def largest_force(force: Floats) -> float:
-    """Largest force behind averages, in the step of the largest one."""
+    """Largest force behind averages, in the step of the largest one.
+
+    It is that of the parabola with the averages of this step and of those around it; or, where that
+    spans a jump or a kink, of this step and two before or behind it: if that has much less
+    curvature, and is less curved than steep, or flat.
+    """
     if np.max(force, initial=0.0) <= 0:
         return 0.0
     top = int(np.argmax(force))
-    a, b, c, central = force_in_step(force, top)
-    F = force[top] if central else max(a, a + b + c)
-    if c < 0 and 0 < -b / (2 * c) < 1:
-        F = a - b * b / (4 * c)
-    return float(F)
+    earlier, before, F, after, later = np.pad(force, 2)[top : top + 5].tolist()
+    value, slope, curve = _parabola(before, F, after)
+    begin, largest, least = 1, F, abs(curve)  # the step begins one behind the first
+    for second, third in ((after, later), (before, earlier)):
+        a, b, c = _parabola(F, second, third)
+        if KINK * abs(c) < least and (abs(c) < abs(F - second) / 2 or abs(c) <= FLAT * F):
+            value, slope, curve, begin, least = a, b, c, 0, KINK * abs(c)
+            largest = max(a, a + b + c)
+    if curve < 0 and begin < -slope / (2 * curve) < begin + 1:
+        largest = value - slope * slope / (4 * curve)
+    return float(largest)
 
 
-def force_in_step(force: Floats, j: int) -> tuple[float, float, float, bool]:
-    """Coefficients of a parabola for the force from where step j begins, from averages.
-
-    That with the averages of step j and of those around it; or, where that spans a jump or a kink,
-    of step j and two before or behind it: if that has much less curvature, and is less curved than
-    steep, or flat.
-
-    Returns
-    -------
-    value, slope, curve : float
-        Of value + slope x + curve x^2.
-    central : bool
-        Whether step j is in the middle.
-    """
-    a, b, c = parabola(force, j - 1, 1)
-    best, central, least = (a + b + c, b + 2 * c, c), True, abs(c)
-    for way in (1, -1):
-        first, second, third = (mean_force(force, j + n * way) for n in range(3))
-        rate, bend = (first - second) / 2, abs(first - 2 * second + third) / 2
-        value, slope, curve = parabola(force, j, way)
-        if KINK * abs(curve) < least and (bend < abs(rate) or bend <= FLAT * first):
-            best, central, least = (value, slope, curve), False, KINK * abs(curve)
-            if way < 0:
-                best = (value + slope + curve, -slope - 2 * curve, curve)
-    return *best, central
-
-
-def mean_force(force: Floats, j: int) -> float:
-    """Force in step j, 0 before the first and behind the last."""
-    return float(force[j]) if 0 <= j < len(force) else 0.0
-
-
-def parabola(force: Floats, j: int, way: int) -> tuple[float, float, float]:
-    """Coefficients of the parabola with the averages of three steps, from where step j begins.
-
-    With way -1 from its end, backwards.
-    """
-    first, second, third = (mean_force(force, j + n * way) for n in range(3))
+def _parabola(first: float, second: float, third: float) -> tuple[float, float, float]:
+    """Value, slope and curvature, where the first step begins, for averages of three steps."""
     curve = (first - 2 * second + third) / 2
     slope = second - first - 2 * curve
     return first - slope / 2 - curve / 3, slope, curve
+
+
+def pressings(force: Floats, gap: Floats, least: float) -> Floats:
+    """[n, 3] when a contact begins and ceases to press, and has opened before it presses again.
+
+    A gap has opened once it passes `least`, m. What does not come is nan.
+    """
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], force > 0, [False])))).tolist()
+    far, ends, found = np.flatnonzero(gap > least), [*edges, len(force)], []
+    for i, j, following in zip(edges[::2], edges[1::2], ends[2::2], strict=True):
+        begin, end, opening = begin_of_force(force, gap, i), math.nan, math.nan
+        if j < len(force):
+            end = max(begin, end_of_force(force, gap, i, j))
+        opened = far[np.searchsorted(far, j) :][:1]
+        if opened.size and opened[0] <= following:
+            opening = _parting(gap, int(opened[0]), least, end)
+        found.append((begin, end, opening))
+    return np.array(found).reshape(-1, 3)
+
+
+def touchings(pressed: Floats) -> tuple[Episode, ...]:
+    """From the first force until a gap has opened."""
+    found: list[Episode] = []
+    for start, end, opening in pressed.tolist():
+        if found and math.isnan(found[-1].opening):
+            start = found.pop().start
+        found.append(Episode(start, end, opening))
+    return tuple(found)
 
 
 def begin_of_force(force: Floats, gap: Floats, i: int) -> float:
@@ -89,115 +93,59 @@ def begin_of_force(force: Floats, gap: Floats, i: int) -> float:
 def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
     """When the force ends that presses in the steps i to j - 1.
 
-    That of a compliant contact ends where its indentation does. The force of a rigid one ends with
-    a jump inside its last step: after that share of it which its mean is of what the means before
-    lead to. If it falls evenly, it ends where the line through the last means reaches 0. A dashpot
-    lets go while there is an indentation, where the force has fallen to 0 from what means lead to.
+    That of a compliant contact ends where its indentation does, on the parabola through the last
+    three step ends. The force of a rigid one ends with a jump inside its last step: after that
+    share of it which its mean is of what the means before lead to. If it falls evenly, it ends
+    where the line through the last means reaches 0. A dashpot lets go while there is an
+    indentation, where the force has fallen to 0 from what means lead to.
     """
     begin, start, stop = j - 1, float(gap[j - 1]), float(gap[j])
     if start < 0 < stop:
-        rate, curve = stop - start, 0.0
-        if j - i >= 3:
-            curve = (rate - (start - float(gap[j - 2]))) / 2
-        x = line = -start / rate
-        for _ in range(4):  # where the parabola through three step ends is 0
-            slope = rate + curve * (x - 1)
-            x = -start / slope if slope > 0 else line
-        return begin + (x if 0 < x < 1 else line)
+        rate = stop - start
+        curve = (1 - (start - float(gap[j - 2])) / rate) / 2 if j - i >= 3 else 0.0
+        slope, depth = 1 - curve, -start / rate
+        root = math.sqrt(max(slope * slope + 4 * curve * depth, 0.0))
+        return begin + 2 * depth / (slope + root)
     if j - i >= 3:
-        fall = float(force[j - 3] - force[j - 2])
+        third, second, last = force[j - 3 : j].tolist()
+        fall, last_fall = third - second, second - last
         if start < 0:
-            led = float(force[j - 2]) - fall / 2
-            return begin + min(1.0, 2 * float(force[j - 1]) / led) if led > 0 else begin
-        last_fall = float(force[j - 2] - force[j - 1])
-        if 0 < fall <= 2 * last_fall <= 4 * fall and force[j - 1] <= last_fall:
-            return begin + 0.5 + float(force[j - 1]) / last_fall
-    return begin + (1.0 if start < 0 else share_of_jump(force, i, j))
+            led = second - fall / 2
+            return begin + min(1.0, 2 * last / led) if led > 0 else begin
+        if 0 < fall <= 2 * last_fall <= 4 * fall and last <= last_fall:
+            return begin + 0.5 + last / last_fall
+    return begin + (1.0 if start < 0 else share_of_jump(force[max(i, j - 4) : j]))
 
 
-def share_of_jump(force: Floats, i: int, j: int) -> float:
-    """Share of step j - 1 that a force presses which jumps, from up to four means.
+def share_of_jump(force: Floats) -> float:
+    """Share of the last step that a force presses which jumps, from up to four means.
 
     All of it where the mean differs from what those before lead to by no more than their curvature.
     """
-    count = min(j - i, 4)
-    if count < 2:
-        return 1.0
-    own, first = force[j - 1], force[j - 2]
-    if count == 2:
-        return 1.0 if first <= own else own / first
-    second, third = force[j - 3], force[j - 3] if count == 3 else force[j - 4]
-    spread = max(first, second, third) - min(first, second, third)
-    if spread > SMOOTH * first:
-        return 1.0 if first <= own else own / first
-    led = 2 * first - second
-    curvature = 0.0 if count == 3 else abs(first - 2 * second + third)
-    return 1.0 if led - own <= 2 * curvature else own / led
+    *before, last = force.tolist()
+    led, curvature = before[-1] if before else 0.0, 0.0
+    if len(before) > 1 and max(before) - min(before) <= SMOOTH * led:
+        led, curvature = 2 * led - before[-2], float(np.abs(np.diff(before, 2)).sum())
+    return 1.0 if led - last <= 2 * curvature else last / led
 
 
-def pressed_spans(force: Floats, gap: Floats) -> list[tuple[float, float]]:
-    """When a contact begins and ceases to press; nan for an end that does not come."""
-    spans = []
-    for i, j in _pressing(force):
-        begin = begin_of_force(force, gap, i)
-        end = math.nan if j == len(force) else max(begin, end_of_force(force, gap, i, j))
-        spans.append((begin, end))
-    return spans
-
-
-def _pressing(force: Floats) -> list[tuple[int, int]]:
-    """First and behind the last of the steps in which a contact presses without a break."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], force > 0, [False]))))
-    return [(int(i), int(j)) for i, j in edges.reshape(-1, 2)]
-
-
-def episodes_of_steps(
-    force: Floats, gap: Floats, least: float, spans: list[tuple[float, float]]
-) -> list[tuple[float, float, float]]:
-    """Touchings that carried force, from the first force until a gap has opened: an `Episode` each.
-
-    A gap has opened once it passes `least`, m, if it does so before the next force; `spans` are
-    those of `pressed_spans`.
-    """
-    steps = _pressing(force)
-    far, shut = np.flatnonzero(gap > least), np.flatnonzero(gap <= 0)
-    episodes: list[tuple[float, float, float]] = []
-    for n, ((_, j), (begin, end)) in enumerate(zip(steps, spans, strict=True)):
-        if episodes and math.isnan(episodes[-1][2]):
-            begin = episodes.pop()[0]
-        k = int(np.searchsorted(far, j))
-        last = steps[n + 1][0] if n + 1 < len(steps) else len(force)
-        opening = math.nan
-        if k < len(far) and far[k] <= last:
-            left = max(_opening(gap, shut, int(far[k])), end)
-            opening = _parting(gap, int(far[k]), least, left)
-        episodes.append((begin, end, opening))
-    return episodes
-
-
-def _parting(gap: Floats, k: int, least: float, left: float) -> float:
-    """When bodies part whose gap left 0 at the time `left` and passes `least` before step end k.
+def _parting(gap: Floats, k: int, least: float, end: float) -> float:
+    """When bodies part whose force ends, and whose gap passes `least` before step end k.
 
     Dispersed waves hold bodies that touch a little apart: a gap that has not grown faster and
     faster since it left 0 was of their making. Bodies then part at t - (t - s)/(1 - sqrt(1/2)), t
     and s when the gap passed `least` and half of it, as on a parabola.
     """
-    passed = [k - 1.0] * 2
-    for i, level in enumerate((least, least / 2)):
-        j = k
-        while j > 0 and gap[j - 1] > level:
-            j -= 1
-        if j > 0:
-            passed[i] = j - 1 + float((level - gap[j - 1]) / (gap[j] - gap[j - 1]))
-    parting = passed[0] - (passed[0] - passed[1]) / (1 - math.sqrt(0.5))
+    left, half, passed = (_passed(gap, k, level) for level in (0.0, least / 2, least))
+    left = max(left, end)
+    parting = passed - (passed - half) / (1 - math.sqrt(0.5))
     halfway, then = np.interp([(left + parting) / 2, parting], np.arange(len(gap)), gap)
     return parting if parting > left and 3 * halfway > then else left
 
 
-def _opening(gap: Floats, shut: Ints, k: int) -> float:
-    """When a gap that is open at step end k was 0 for the last time; `shut` are all such ends."""
-    last = int(np.searchsorted(shut, k)) - 1
-    if last < 0:
-        return max(k - 1.0, 0.0)
-    i = int(shut[last])
-    return i + float(gap[i] / (gap[i] - gap[i + 1]))
+def _passed(gap: Floats, k: int, level: float) -> float:
+    """When a gap that is more at step end k was at this level for the last time."""
+    i = k - 1
+    while i >= 0 and gap[i] > level:
+        i -= 1
+    return k - 1.0 if i < 0 else i + float((level - gap[i]) / (gap[i + 1] - gap[i]))

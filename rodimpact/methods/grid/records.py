@@ -24,7 +24,6 @@ RUN = np.dtype([
     ("swells", "i8"),  # 1: cells have radial strains
     ("implicit", "i8"),  # 1: there is damping or lateral inertia
     ("tolerance", "f8"),  # velocity below which contacts graze and impacts rest
-    ("resolution", "f8"),  # gap that counts as no opening: the mesh does not see it
 ], align=True)
 PIECE = np.dtype([("start", "i8"), ("place", "f8")], align=True)  # first node, its displacement
 LINK = np.dtype([  # a contact or joint
@@ -39,7 +38,6 @@ LINK = np.dtype([  # a contact or joint
     ("own", "f8"),  # half the mobility of both sides together
     ("shared", "f8"),  # half the mobility that it shares with the link before
     ("gap", "f8"), ("force", "f8"), ("closing", "f8"),  # mean closing velocity of the last step
-    ("open", "i8"),  # 1 if the gap has opened since the contact last pressed
     ("shut", "i8"),  # 1 while a rigid contact is closed
     ("before", "f8"),  # closing velocity at the start of the step
     ("free", "f8"),  # by how much it would close without forces
@@ -48,10 +46,7 @@ LINK = np.dtype([  # a contact or joint
     ("slope", "f8"),  # dF/dw, -1 where the closing w is fixed
     ("kept", "f8"),  # force before a Newton step
     ("upper", "f8"),  # for the elimination
-    ("impulse", "f8"),  # sum of forces
-    ("lost", "f8"),  # turned to heat by dashpots and impacts
-    ("numerical", "f8"),  # lost by rigid contacts that close within a step
-    ("episodes", "i8"),  # number of times an open contact began to press
+    ("early", "f8"),  # energy that a rigid contact has lost as it shut before the first kick
 ], align=True)
 END = np.dtype([  # left or right
     ("kind", "i8"), ("node", "i8"), ("impedance", "f8"),  # of an endless bar

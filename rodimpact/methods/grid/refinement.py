@@ -13,7 +13,7 @@ from ..laws import Law
 from ..memory import TooLong
 from ..row import Array, Row
 from ..run import DURATION, IMPULSE, PEAK_FORCE, VELOCITY
-from .measures import largest_force, pressed_spans
+from .measures import largest_force
 from .run import GridRun
 
 FEWEST = 4  # levels
@@ -134,15 +134,13 @@ def measures_of(run: GridRun) -> dict[str, Array]:
             for a, b in mesh.groups if not mesh.held[a : b + 1].any()]
     impulses, peaks, durations = [], [], []
     for k, link in row.by_law.items():
-        force, gap = run.contact(k)
-        impulse = float(force.sum() * run.step)
+        force, _ = run.contact(k)
         if k in row.opening:
-            lasting = (row.laws[link] != Law.IMPACT) * force
-            impulses.append(impulse)
-            peaks.append(largest_force(lasting))
-            durations.append(run.step * sum(
-                (run.steps if math.isnan(end) else end) - begin
-                for begin, end in pressed_spans(lasting, gap)))
+            lasting = row.laws[link] != Law.IMPACT
+            begins, ends = run.spans(k)
+            impulses.append(force.sum() * run.step)
+            peaks.append(lasting * largest_force(force))
+            durations.append(lasting * (ends - begins).sum())
         elif run.stopped_by == "until":
             passed = np.cumsum(force * run.step)
             impulses += [*passed[-1:], np.abs(passed).max(initial=0.0)]

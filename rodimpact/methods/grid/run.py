@@ -15,10 +15,11 @@ from ..laws import Law
 from ..memory import ask
 from ..row import Array, squeezed
 from . import grid_kernel, scheme, start
-from .measures import largest_force
+from .measures import largest_force, pressings
 from .mesh import STEP_TICKS, GridMotion, Mesh
 from .records import PER_STATE, SIGNAL, Track
 
+GAP_RESOLUTION = 1.0  # of what bodies cover in a step: dispersed waves open smaller gaps
 RINGING = 8  # steps in which waves beside a jump swing about their mean
 ROUND = 0.25  # s between two looks at the clock
 STATES_BYTES = 64 << 20  # of kept states, where their number is not given
@@ -182,11 +183,6 @@ class GridRun:
     # What passed ----------------------------------------------------------------------------------
 
     @property
-    def resolved(self) -> float:
-        """Gap that counts as an opening, m."""
-        return scheme.GAP_RESOLUTION * float(self.row.scale) * self.step
-
-    @property
     def edges(self) -> Array:
         """Ticks [steps + 1] from 0 on, between which signals are averages."""
         return STEP_TICKS * np.arange(self.steps + 1)
@@ -218,6 +214,18 @@ class GridRun:
         before = float(self.row.gap[self.row.contact_link[contact]])
         gap = self._entered(place, "gap") * self.step
         return self._entered(place, "force"), np.concatenate(([before], gap))
+
+    def pressed(self, contact: int) -> Array:
+        """[n, 3] as of `pressings`, s; none of a contact that cannot open."""
+        if contact not in self.row.opening:
+            return np.zeros((0, 3))
+        least = GAP_RESOLUTION * float(self.row.scale) * self.step
+        return self.step * pressings(*self.contact(contact), least)
+
+    def spans(self, contact: int) -> tuple[Array, Array]:
+        """When a contact begins and ceases to press, or the run ends, s."""
+        begins, ends, _ = self.pressed(contact).T
+        return begins, np.nan_to_num(ends, nan=self.times[-1])
 
     def path(self, contact: int) -> Array:
         """How far a contact that is not bonded closes in each step, m."""

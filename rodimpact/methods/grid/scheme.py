@@ -19,7 +19,6 @@ from .records import NONE, Grid
 
 LEAST = 2.0**-800  # stiffness, where time is counted in steps
 TOLERANCE = 2.0**-40  # of the velocities, below which contacts graze: round-off of many steps
-GAP_RESOLUTION = 1.0  # of what bodies cover in a step: dispersed waves open smaller gaps
 KINDS = {"none": Beyond.STEADY, "force": Beyond.PUSHED, "velocity": Beyond.MOVED,
          "absorbing": Beyond.ENDLESS}
 
@@ -39,8 +38,7 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
     swells = cells.swelling > 0
     constant = np.where(cells.stiffness > 0, cells.stiffness, 1.0)
     return Grid(
-        run=filled(records.RUN, 1, tolerance=TOLERANCE * row.scale,
-                   resolution=GAP_RESOLUTION * row.scale, swells=mesh.swells,
+        run=filled(records.RUN, 1, tolerance=TOLERANCE * row.scale, swells=mesh.swells,
                    implicit=mesh.implicit),
         velocity=np.zeros(n), force=np.zeros(n + 1), **multipliers,
         by_first=by_first, by_last=by_last, stiffness=stiffness,
@@ -127,7 +125,7 @@ def _links(mesh: Mesh, h: float, by_first: Array, by_last: Array) -> Array:
         leftmost=mesh.starts[:-1] if mesh.implicit else left,
         rightmost=mesh.stops[1:] if mesh.implicit else right,
         last=last, own=by_last[left] / 2 + by_first[right] / 2, shared=shared, gap=gap, knots=knots,
-        shares=shares, open=1, shut=gap == 0, **columns,
+        shares=shares, shut=gap == 0, **columns,
     )
 
 

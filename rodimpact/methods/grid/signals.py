@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ...units import format_si
 from ..groups import fill_bonds
-from ..run import INWARD, ContactSignal, ContactTally, Episode, Outside, Run, Signals
+from ..run import INWARD, ContactSignal, ContactTally, Outside, Run, Signals
 from ..signals import Floats, Pieces
 from ..status import acting_and_held, ending, last_contact, proof_sentence, strain_warning
-from .measures import episodes_of_steps, largest_force, pressed_spans
+from .measures import largest_force, touchings
 from .mesh import STEP_TICKS
 from .refinement import ROUGH
 from .run import RINGING, GridRun
@@ -20,32 +20,18 @@ from .run import RINGING, GridRun
 LARGE_CHANGE = 1e-2  # of the peak force, from which it is said
 
 
-class Contact(NamedTuple):
-    """What passed at a contact: means over steps, and what is between them.
-
-    force [steps] N; gap [steps + 1] m; path [steps] m by which the bodies approach under the force:
-    beside the change of the gap what a grid loses as it shuts; spans [n, 2] in which it pressed, s,
-    and episodes, none of a contact that cannot open.
-    """
-
-    force: Floats
-    gap: Floats
-    path: Floats
-    spans: Floats
-    episodes: tuple[Episode, ...]
-
-
 def hand_over(run: GridRun, until: float | None) -> Run:
     """What every method hands back, of a run to `until`, s."""
-    outside, size = _outside(run), sum(run.mesh.counts)
-    contacts = _contacts(run, outside[0].push.values if outside[0] else np.zeros(run.steps))
+    outside, size = (_outside(run, 0), _outside(run, 1)), sum(run.mesh.counts)
+    forces = _forces(run, outside[0].push.values if outside[0] else np.zeros(run.steps))
+    contacts = tuple(_tally(run, k, force) for k, force in enumerate(forces))
     final, t_final = run.proved >= 0, math.nan
     t_end = until if until is not None else float(run.times[-1])
     t_proved = float(run.times[run.proved]) if final else math.nan
     if final:
-        ends = [contact.episodes[-1][1:] for contact in contacts if contact.episodes]
+        ends = [last[1:] for k in run.row.opening for last in run.pressed(k)[-1:].tolist()]
         t_final = last_contact(ends, t_end, 2 * run.clock.longest * run.clock.tick)
-    proof = proof_sentence(any(run.grid.link["episodes"]), t_final) if final else ""
+    proof = proof_sentence(any(x.episodes for x in contacts), t_final) if final else ""
     events = run.steps * len(run.row.laws)
     status = ending(run.stopped_by, proof, format_si(t_end, "s"), f"{events} steps times ends",
                     *acting_and_held(run.row.system))
@@ -59,8 +45,8 @@ def hand_over(run: GridRun, until: float | None) -> Run:
     return Run(
         method="finite-difference", until=until, clock=run.clock, end=end, t_end=t_end,
         t_final=t_final, t_proved=t_proved, stopped_by=run.stopped_by, status=status,
-        events=events, contacts=tuple(_tally(run, k, x) for k, x in enumerate(contacts)),
-        accuracy=run.estimates, make_signals=lambda: _signals(run, contacts, outside),
+        events=events, contacts=contacts, accuracy=run.estimates,
+        make_signals=lambda: _signals(run, forces, outside),
     )
 
 
@@ -97,9 +83,9 @@ def _accuracy(run: GridRun) -> str:
     )
 
 
-def _contacts(run: GridRun, pushed: Floats) -> list[Contact]:
-    """What passed at each contact; `pushed` is the force of what is outside the left end."""
-    row, still = run.row, np.zeros(run.steps)
+def _forces(run: GridRun, pushed: Floats) -> list[Floats]:
+    """Mean force of each contact in each step, N; `pushed` is that of what is on the far left."""
+    row = run.row
     known = [run.contact(k)[0] if k in row.by_law else None if link < 0 else run.bond(link)
              for k, link in enumerate(row.contact_link)]
 
@@ -107,79 +93,52 @@ def _contacts(run: GridRun, pushed: Floats) -> list[Contact]:
         mass = float(row.system.bodies[body].mass)
         return np.asarray(mass * np.diff(run.speed(row.mass_of[body])) / run.step)
 
-    found = []
-    for k, force in enumerate(fill_bonds(row.system, known, spent, pushed)):
-        contact = Contact(force, np.zeros(run.steps + 1), still, np.zeros((0, 2)), ())
-        if k in row.by_law:
-            contact = contact._replace(gap=run.contact(k)[1], path=run.path(k))
-        if k in row.opening:
-            spans = pressed_spans(force, contact.gap)
-            episodes = episodes_of_steps(force, contact.gap, run.resolved, spans)
-            times = (run.step * np.array(episodes).reshape(-1, 3)).tolist()
-            contact = contact._replace(
-                spans=run.step * np.array(spans).reshape(-1, 2),
-                episodes=tuple(Episode(*steps) for steps in times))
-        found.append(contact)
-    return found
+    return fill_bonds(row.system, known, spent, pushed)
 
 
-def _tally(run: GridRun, k: int, contact: Contact) -> ContactTally:
+def _tally(run: GridRun, k: int, force: Floats) -> ContactTally:
     """Totals of contact k in SI units."""
-    law, force = run.row.system.contacts[k], contact.force
-    if not law.opens:
-        return ContactTally(float(force.sum() * run.step), float(np.max(force, initial=0.0)), 0.0,
-                            math.nan, math.nan, 0)
-    link, sudden = run.grid.link[run.place(k)], getattr(law, "restitution", None) is not None
-    begins, ends = contact.spans.T
-    ends = np.nan_to_num(ends, nan=run.times[-1])
-    if sudden:  # an impact takes no time, though it takes a step here
-        ends = np.where(ends - begins <= run.step * (1 + 1e-9), begins, ends)
+    law, (begins, ends) = run.row.system.contacts[k], run.spans(k)
+    peak = largest_force(force) if law.opens else float(np.max(force, initial=0.0))
+    if getattr(law, "restitution", None) is not None:  # takes no time, though it takes a step here
+        peak, ends = math.nan, np.where(ends - begins <= run.step * (1 + 1e-9), begins, ends)
     return ContactTally(
-        impulse=float(link["impulse"]) * run.step, duration=float((ends - begins).sum()),
-        peak_force=math.nan if sudden else largest_force(force),
-        first=float(begins[0]) if len(begins) else math.nan,
-        last=float(ends[-1]) if len(ends) else math.nan, episodes=int(link["episodes"]),
+        float(force.sum() * run.step), peak, float((ends - begins).sum()),
+        *(float(times[0]) if len(times) else math.nan for times in (begins, ends[::-1])),
+        len(touchings(run.pressed(k))),
     )
 
 
-def _outside(run: GridRun) -> tuple[Outside | None, Outside | None]:
-    """What acted on the left and on the right end."""
-    found: list[Outside | None] = []
-    for side, (kind, _) in enumerate(run.row.outside):
-        if kind == "none" or not run.steps:
-            found.append(None)
-            continue
-        force, speed = (Pieces(run.edges[:-1], means) for means in run.outer(side))
-        found.append(Outside(run.row.outside_name(side), force, speed))
-    return found[0], found[1]
+def _outside(run: GridRun, side: int) -> Outside | None:
+    """What acted on the left or right end."""
+    if run.row.outside[side][0] == "none" or not run.steps:
+        return None
+    return Outside(run.row.outside_name(side), *(_over(run, means) for means in run.outer(side)))
 
 
-def _signals(run: GridRun, contacts: list[Contact], outside: Any) -> Signals:
-    row, edges, still = run.row, run.edges, Pieces([0], [0.0])
-
-    def over(means: Floats) -> Pieces:
-        return Pieces(edges[:-1], means) if run.steps else still
-
-    signals = tuple(
-        ContactSignal(over(contact.force), Pieces.through(edges, contact.gap),
-                      over(contact.path / run.step), contact.episodes) for contact in contacts)
-    masses = {
-        body: Pieces.through(edges, run.speed(m)) for body, m in enumerate(row.mass_of) if m >= 0
-    }
-    motion = run.motion(pushes=_pushes(run, contacts, outside))
-    return Signals(motion, signals, outside, edges, masses)
+def _over(run: GridRun, means: Floats) -> Pieces:
+    """A signal with these means over steps."""
+    return Pieces(run.edges[:-1], means) if run.steps else Pieces([0], [0.0])
 
 
-def _pushes(run: GridRun, contacts: list[Contact], outside: Any) -> dict[int, Floats]:
-    """By node: forces to the right of contacts that are not bonded and of what is outside, N."""
-    row, mesh = run.row, run.mesh
-    pushes: dict[int, Floats] = {}
-    for contact, link in zip(contacts, row.contact_link, strict=True):
+def _signals(run: GridRun, forces: list[Floats], outside: Any) -> Signals:
+    row, mesh, edges, contacts = run.row, run.mesh, run.edges, []
+    pushes: dict[int, Floats] = {}  # by node
+    for k, (force, link) in enumerate(zip(forces, row.contact_link, strict=True)):
+        gap, path = np.zeros(run.steps + 1), np.zeros(run.steps)
+        if k in row.by_law:
+            gap, path = run.contact(k)[1], run.path(k)
+        contacts.append(ContactSignal(
+            _over(run, force), Pieces.through(edges, gap), _over(run, path / run.step),
+            touchings(run.pressed(k))))
         for node, sign in zip(mesh.touching.get(link, ()), INWARD[::-1], strict=False):
-            pushes[node] = pushes.get(node, 0.0) + sign * contact.force
+            pushes[node] = pushes.get(node, 0.0) + sign * force
     for node, sign, link, end in zip(
         mesh.ends, INWARD, (0, len(row.laws) - 1), outside, strict=True
     ):
         if end is not None and link not in mesh.touching:
             pushes[node] = pushes.get(node, 0.0) + sign * end.push.values
-    return pushes
+    masses = {
+        body: Pieces.through(edges, run.speed(m)) for body, m in enumerate(row.mass_of) if m >= 0
+    }
+    return Signals(run.motion(pushes=pushes), tuple(contacts), outside, edges, masses)

@@ -137,5 +137,5 @@ def part(grid: Grid, overlaps: Overlaps) -> None:
     for i, stretch, link in overlaps:
         k = grid.stiffness[i]
         tension = force[i] + k * (v[i] - v[i - 1]) / 2
-        grid.link["numerical"][link] -= stretch * (tension + k * stretch / 2)
+        grid.link["early"][link] -= stretch * (tension + k * stretch / 2)
         force[i] += k * stretch
