@@ -22,8 +22,8 @@ from ..methods.duration import Forecast, Progress, warn
 from ..model import System
 from ..model.frozen import InvalidModel, listed, number, raise_noted
 from ..units import shown
-from .cell import ABOVE, Cell, Check, Floats
-from .conditions import spells_and_conditions
+from .cell import Cell, Floats
+from .conditions import conditions
 from .field import Field
 from .formula import FEW, LINE
 from .naming import Naming
@@ -34,7 +34,7 @@ FINE = 1 << 12  # steps a side to which these are rounded, so that fractions are
 PLACES = 3 * LATTICE**2 + 2 * LATTICE * (LATTICE + 1)  # at random, of the lattice; its edges
 CLOSE = 1e-11  # of the way between two places: as good as touching
 MOST_BETWEEN = 12  # times that an edge is cut where there is room for another cell
-MOST_CELLS = 300
+MOST_CELLS = 500
 SAMPLES = 60  # places a side at which the sizes of regions are taken
 NOWHERE = -2  # the cell of a place in which floats do not see the place
 SIGNS = {"velocity": "any", "gap": "non-negative"}  # of the ends of axes, where they may be 0
@@ -338,12 +338,7 @@ class _Search:
         )
         values = self.naming.values(dict(zip(self.names, exact, strict=True)))
         run = self.naming.run(values, self.max_events)
-        if not run.final:
-            return None
-        spells, above = spells_and_conditions(run)
-        checks: list[Check] = [(ABOVE, [f]) for f in above]
-        checks += [(spell.status, spell.numbers) for spell in spells if spell.waves]
-        return Cell(self.naming, run, checks, names=self.names)
+        return Cell(self.naming, run, conditions(run), names=self.names) if run.final else None
 
     def _solve(self, place: Floats) -> int:
         """Add the cell of a place, if its collision comes to an end and floats tell the cell."""

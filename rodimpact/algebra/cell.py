@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..methods.laws import Status
 from .field import Field
 from .inequalities import factors, reduced
 from .naming import Naming
@@ -22,11 +21,8 @@ from .numbers import Number, Program, evaluate, mark
 from .rows import ExactRun, each
 
 Floats = NDArray[np.float64]
-ABOVE = -1  # what a number has to be
 CUTS = 64  # in which a way is cut where a border is looked for, and each of these again
 ROUNDS = 8
-Check = tuple[int, list[Number]]
-"""`ABOVE` and a number, or the status of a contact and the numbers of a spell of it."""
 
 
 class Cell:
@@ -37,8 +33,8 @@ class Cell:
     naming : Naming
         That of the run, which was its last.
     run : ExactRun
-    checks : list of Check
-        What must hold.
+    conditions : list of Number
+        What must be positive.
     names : list of str, optional
         Of the two numbers whose plane is looked at in floats.
     field : Field, optional
@@ -46,11 +42,11 @@ class Cell:
     """
 
     def __init__(
-        self, naming: Naming, run: ExactRun, checks: list[Check], *,
+        self, naming: Naming, run: ExactRun, conditions: list[Number], *,
         names: list[str] | None = None, field: Field | None = None,
     ) -> None:
         self.results, self.place = run.results, {**naming.base, **naming.place}
-        self._checks, self._names, self._speeds = checks, names or [], naming.speeds
+        self._conditions, self._names, self._speeds = conditions, names or [], naming.speeds
         self._field: Any = field
 
     def mark(self, *, times: bool) -> tuple[Any, ...]:
@@ -63,18 +59,17 @@ class Cell:
 
     def inside(self, x: Floats, y: Floats) -> Any:
         """Whether places lie in the cell."""
-        return self._hold(self._checks, self._program, x, y).all(axis=0)
+        return self._hold(self._program, x, y).all(axis=0)
 
     def end(self, x: Floats, y: Floats, across: Floats, up: Floats) -> Floats:
         """Share of ways from places inside at which the cell ends, by cutting them again."""
-        holds = self._hold(self._checks, self._program, x + across, y + up)
-        broken = [check for check, good in zip(self._checks, holds, strict=True) if not good.all()]
-        program = _program(broken)
+        holds = self._hold(self._program, x + across, y + up).all(axis=1)
+        broken = Program([self._conditions[i] for i in np.flatnonzero(~holds)], float)
         x, y, across, up = (of[:, None] for of in (x, y, across, up))
         low = np.zeros(x.shape)
         for n in range(1, ROUNDS + 1):
             shares = low + np.arange(1, CUTS + 1) / CUTS**n
-            inside = self._hold(broken, program, x + across * shares, y + up * shares).all(axis=0)
+            inside = self._hold(broken, x + across * shares, y + up * shares).all(axis=0)
             inside[:, -1] = False
             low += inside.argmin(axis=1, keepdims=True) / CUTS**n
         return low[:, 0]
@@ -87,16 +82,14 @@ class Cell:
 
     @cached_property
     def _program(self) -> Program:
-        return _program(self._checks)
+        return Program(self._conditions, float)
 
-    def _hold(self, checks: list[Check], program: Program, x: Floats, y: Floats) -> Any:
-        """Which checks hold; [check][place]."""
+    def _hold(self, program: Program, x: Floats, y: Floats) -> Any:
+        """Which conditions hold; [condition][place]."""
         with np.errstate(all="ignore"):
-            values = iter(program(self._at(x, y)))
-            return np.array([
-                np.broadcast_to(_good(status, [next(values) for _ in of]), x.shape)
-                for status, of in checks
-            ] or [np.full(x.shape, True)])
+            values = program(self._at(x, y))
+            there = np.array([np.broadcast_to(v, x.shape) for v in values])
+            return there.reshape(len(values), *x.shape) > 0
 
     def _at(self, x: Floats, y: Floats) -> dict[str, Any]:
         """All numbers of the run at places of the plane, wave speeds of its materials too."""
@@ -145,10 +138,6 @@ class Cell:
         rows = [self._field.slope(p) for p in self.ties]
         return [row / np.linalg.norm(row) for row in rows if row.any()]
 
-    @property
-    def _conditions(self) -> list[Number]:
-        return [x for _, (x,) in self._checks]
-
     def _zero(self, found: list[Fraction]) -> list[Number]:
         return [x for x, value in zip(self._conditions, found, strict=True) if value == 0]
 
@@ -168,23 +157,3 @@ class Cell:
                 except ZeroDivisionError:
                     found.append(Fraction(0))
             return found
-
-
-def _program(checks: list[Check]) -> Program:
-    return Program([number for _, of in checks for number in of], float)
-
-
-def _good(status: int, values: list[Any]) -> Any:
-    """Whether a number is above 0, or a contact presses or is open throughout a spell."""
-    if status == ABOVE:
-        return values[0] > 0
-    start, gap, closing, *rest = np.broadcast_arrays(*values)
-    times, jumps = np.split(np.array(rest), 2)
-    good = np.full(start.shape, True)
-    for t in times:
-        if status == Status.PRESS:
-            good &= closing + (jumps * (times <= t)).sum(axis=0) > 0
-        else:
-            closed = closing * (t - start) + (jumps * np.maximum(t - times, 0)).sum(axis=0)
-            good &= gap > closed
-    return good

@@ -47,20 +47,6 @@ class Spell(NamedTuple):
         known: dict[int, list[Number]] = {Status.PRESS: [self.closing], Status.OPEN: [apart]}
         return known.get(self.status, [])
 
-    @property
-    def bounds(self) -> list[Number]:
-        """What is positive as it ends after it starts, and waves come in between."""
-        return [later - earlier
-                for earlier in (self.start, *(t for t, _ in self.waves)) for later in self.end
-                ] + [t - self.start for t, _ in self.waves]
-
-    @property
-    def numbers(self) -> list[Number]:
-        """Its start, gap and closing there, times of waves, and what each adds to the closing."""
-        closing = [self.closing, *(then for _, then in self.waves)]
-        jumps = [after - before for before, after in pairwise(closing)]
-        return [self.start, self.gap, self.closing, *(t for t, _ in self.waves), *jumps]
-
 
 def conditions(run: ExactRun) -> list[Number]:
     """Numbers that are positive throughout the cell of this run; those that depend on names."""
@@ -68,24 +54,7 @@ def conditions(run: ExactRun) -> list[Number]:
     for spell in spells:
         found += _in_order(spell)
     ordered = {x.value for x in found}
-    return _distinct(found + [x for pair in loops for x in _apart(*pair, ordered)])
-
-
-def spells_and_conditions(run: ExactRun) -> tuple[list[Spell], list[Number]]:
-    """Spells in which waves come in any order, and numbers that are positive.
-
-    They make the larger cell in which every contact presses, or is open, throughout its spells.
-    """
-    spells, found, loops = _history(run)
-    for left, right in loops:
-        order = [later - t for loop in (left, right) for (_, t), (_, later) in pairwise(loop)]
-        found += order + _apart(left, right, {x.value for x in order})
-    found += [x for spell in spells for x in (*spell.at_the_start, *spell.bounds)]
-    lasting = [spell for spell in spells if spell.status in (Status.PRESS, Status.OPEN)]
-    return lasting, _distinct(found)
-
-
-def _distinct(found: list[Number]) -> list[Number]:
+    found += [x for pair in loops for x in _apart(*pair, ordered)]
     return list({x.value: x for x in found if x.made and x.value}.values())
 
 
