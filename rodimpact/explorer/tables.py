@@ -7,7 +7,8 @@ named.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from collections import namedtuple
+from typing import Any
 
 from ..methods.abilities import (
     COMPLIANCE,
@@ -65,71 +66,55 @@ def lacking(case: Any) -> tuple[str, str]:
     asked = case.get("solve", {}).get("method", "auto")
     if asked not in ("auto", "fronts", "characteristics"):
         return "solve.method", f'the method "{asked}"'
-    smooth = is_smooth(case)
     if case.get("gravity", 0) != 0:
         return "gravity", GRAVITY
+    smooth, ends = is_smooth(case), case.get("ends", {})
+    profiles, entries = [], []  # with their paths, and what may be in them
     for i, body in enumerate(case["bodies"]):
+        path = f"bodies.{i}"
         if body["kind"] == "mass" and not smooth:
-            return f"bodies.{i}", MASSES
-        for key in ("velocity", "strain"):
-            if sampled(body.get(key, 0)):
-                return f"bodies.{i}.{key}", SMOOTH_STATES
-            if smooth and isinstance(body.get(key, 0), dict):
-                return f"bodies.{i}.{key}", PROFILES
+            return path, MASSES
         for piece in pieces_of(body):
             if piece.get("lateral_inertia", piece.get("polar_moment")) is not None:
-                return f"bodies.{i}", LATERAL
+                return path, LATERAL
             if isinstance(piece.get("area"), dict):
-                return f"bodies.{i}", TAPER
-        key = other_key(
-            body, ("kind", "segments", "velocity", "strain", "length", "area", "material", "mass"))
-        for piece in body.get("segments", []):
-            key = other_key(piece, ("length", "area", "material")) if key == "" else key
-        if key != "":
-            return f"bodies.{i}.{key}", f"the entry {key}"
+                return path, TAPER
+        profiles.extend([(f"{path}.{key}", body.get(key, 0), SMOOTH_STATES)
+                         for key in ("velocity", "strain")])
+        entries.append((path, body, (
+            "kind", "segments", "velocity", "strain", "length", "area", "material", "mass")))
+        entries.extend([(path, piece, ("length", "area", "material"))
+                        for piece in body.get("segments", [])])
     for i, contact in enumerate(case.get("contacts", [])):
-        law = contact.get("law", "rigid")
+        path, law = f"contacts.{i}", contact.get("law", "rigid")
         rods = any(body["kind"] == "rod" for body in case["bodies"][i : i + 2])
         numbers = [] if law == "rigid" and rods else NUMBERS.get(law)  # waves decide e of rods
         if numbers is None:
             names = {"joint": JOINTS, "own": OWN_LAWS}
-            return f"contacts.{i}", names.get(law, f'the contact law "{law}"')
+            return path, names.get(law, f'the contact law "{law}"')
         if law not in ("rigid", "bonded") and not smooth:
-            return f"contacts.{i}", COMPLIANCE
+            return path, COMPLIANCE
         if law == "bonded" and not rods:
-            return f"contacts.{i}", "rigid bodies that are bonded"
-        key = other_key(contact, ("gap", "law", *numbers))
-        if key != "":
-            return f"contacts.{i}.{key}", f"the entry {key}"
+            return path, "rigid bodies that are bonded"
+        entries.append((path, contact, ("gap", "law", *numbers)))
     used = [piece.get("material", "") for body in case["bodies"] for piece in pieces_of(body)]
     for name, material in case.get("materials", {}).items():
+        path = f"materials.{name}"
         for key in ("viscosity", "loss_factor"):
             if material.get(key, 0) != 0 and any(name == one for one in used):
-                return f"materials.{name}", DAMPING
-        key = other_key(material, ("youngs_modulus", "density", "poisson_ratio", "viscosity"))
-        if key != "":
-            return f"materials.{name}.{key}", f"the entry {key}"
-    ends = case.get("ends", {})
-    for side in ("left", "right"):
-        value = ends.get(side, {}).get("value", 0)
-        if sampled(value):
-            return f"ends.{side}", SMOOTH_DRIVES
-        if smooth and isinstance(value, dict):
-            return f"ends.{side}", PROFILES
+                return path, DAMPING
+        entries.append((
+            path, material, ("youngs_modulus", "density", "poisson_ratio", "viscosity")))
+    profiles.extend([(f"ends.{side}", ends.get(side, {}).get("value", 0), SMOOTH_DRIVES)
+                     for side in ("left", "right")])
+    for path, profile, what in profiles:
+        if isinstance(profile, dict) and ("samples" in profile or smooth):
+            return path, what if "samples" in profile else PROFILES
+    for path, table, known in entries:
+        for key, value in table.items():
+            if value is not None and all(key != name for name in known):
+                return f"{path}.{key}", f"the entry {key}"
     return "", ""
-
-
-def other_key(table: Any, known: tuple[str, ...]) -> str:
-    """An entry that the page would not know what to do with; "" if there is none."""
-    for key, value in table.items():
-        if value is not None and all(key != name for name in known):
-            return f"{key}"
-    return ""
-
-
-def sampled(profile: Any) -> bool:
-    """Whether a profile varies between its values."""
-    return isinstance(profile, dict) and "samples" in profile
 
 
 def pieces_of(body: Any) -> Any:
@@ -205,69 +190,16 @@ def check(found: list[Any], path: str, table: Any, rules: Any) -> None:
 # A case as a system -------------------------------------------------------------------------------
 
 
-class Stuff(NamedTuple):
-    """A material."""
+# What stands in a row, by the names of the model.
+Stuff = namedtuple("Stuff", "name density youngs_modulus")
+Piece = namedtuple("Piece", "length area material wave_speed impedance transit_time mass")
+Body = namedtuple("Body", "kind segments mass velocity strain")  # a wall has no mass
+Contact = namedtuple("Contact", "law opens restitution stiffness exponent damping")
+End = namedtuple("End", "kind value")
+Row = namedtuple("Row", "bodies gaps contacts gravity ends")
 
-    name: str
-    density: float
-    youngs_modulus: float
-
-
-class Piece(NamedTuple):
-    """A segment, with what follows from its numbers."""
-
-    length: float
-    area: float
-    material: Stuff
-    wave_speed: float
-    impedance: float
-    transit_time: float
-    mass: float
-
-
-class Body(NamedTuple):
-    """A body; one that is no rod has no segments, and a wall no mass."""
-
-    kind: str
-    segments: Any
-    mass: float
-    velocity: Any
-    strain: Any
-
-
-class Contact(NamedTuple):
-    """A contact law."""
-
-    law: str
-    opens: bool
-    restitution: Any
-    stiffness: float
-    exponent: float
-    damping: float
-
-
-class End(NamedTuple):
-    """An end of the row."""
-
-    kind: str
-    value: Any
-
-
-class Row(NamedTuple):
-    """A system, by the names of `model.System`."""
-
-    bodies: Any
-    gaps: Any
-    contacts: Any
-    gravity: float
-    ends: Any
-
-
-class Asked(NamedTuple):
-    """What a case asks of a run: its end, s, negative where there is none; the cap on events."""
-
-    until: float
-    max_events: int
+Asked = namedtuple("Asked", "until max_events")
+"""What a case asks of a run: its end, s, negative where there is none; the cap on events."""
 
 
 def system_of(case: Any, library: Any) -> Row:
