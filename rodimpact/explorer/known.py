@@ -109,11 +109,6 @@ def slowest_of(system: Any, before: list[float]) -> float:
 # Curves -------------------------------------------------------------------------------------------
 
 
-def plot_of(key: str, title: str, unit: str, series: list[Any]) -> Any:
-    """A figure of curves over time."""
-    return {"key": key, "title": title, "unit": unit, "series": series}
-
-
 def series_of(name: str, t: list[float], y: list[float]) -> Any:
     """A curve over time, of straight lines; where it jumps, it has two values at one time."""
     return {"name": name, "t": [*t], "y": y}
@@ -143,15 +138,14 @@ def curves_of(system: Any, contacts: Any, energy: Any, gauges: Any) -> Any:
         forces.append(series_of(names[i], curve["force"][0], curve["force"][1]))
         if curve["gap"] is not None:
             gaps.append(series_of(names[i], curve["gap"][0], curve["gap"][1]))
-    return [
-        plot_of("force", "Contact force", "N", forces),
-        plot_of("gap", title, "m", gaps),
-        plot_of("energy", "Energy", "J", [
-            series_of(name, energy["t"], values)
-            for name, values in energy.items() if name != "t"]),
-        plot_of("gauge", "Strain, below 0 compressed", "µε", [
-            series_of(name, t, [1e6 * e for e in strain]) for name, t, strain in gauges]),
-    ]
+    energies = [series_of(name, energy["t"], values)
+                for name, values in energy.items() if name != "t"]
+    strains = [series_of(name, t, [1e6 * e for e in strain]) for name, t, strain in gauges]
+    return [{"key": key, "title": title, "unit": unit, "series": series}
+            for key, title, unit, series in (
+                ("force", "Contact force", "N", forces), ("gap", title, "m", gaps),
+                ("energy", "Energy", "J", energies),
+                ("gauge", "Strain, below 0 compressed", "µε", strains))]
 
 
 def gauge_of(system: Any, gauge: Any) -> Any:

@@ -60,7 +60,7 @@ def scene(case: Case, solution: Solution) -> Scene:
     known["polygons"].pop("strain")
     times = np.linspace(0.0, solution.t_end, SAMPLES + 1)
     contacts = [{
-        "force": (times.tolist(), _mean_force(contact, times).tolist()),
+        "force": _mean_force(contact, times),
         "gap": None if isinstance(contact.law, Bonded) else (
             times.tolist(), contact.gap(times).tolist()),
     } for contact in solution.contacts]
@@ -99,10 +99,10 @@ def _path(solution: Solution, i: int) -> Any:
         "t": times.tolist(), "displacement": solution.displacement(i, 0.0, times).tolist()}
 
 
-def _mean_force(contact: ContactHistory, times: Floats) -> Floats:
-    """Mean force from each time to the next; the last one again at the end."""
-    mean = np.diff(contact.impulse_until(times)) / np.diff(times)
-    return np.append(mean, mean[-1])
+def _mean_force(contact: ContactHistory, times: Floats) -> tuple[list[float], list[float]]:
+    """Mean force between times that follow each other, at the middle between them."""
+    mean, middles = np.diff(contact.impulse_until(times)) / np.diff(times), times[1:] + times[:-1]
+    return (middles / 2).tolist(), mean.tolist()
 
 
 def _energy(solution: Solution) -> Any:
