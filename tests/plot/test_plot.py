@@ -335,6 +335,7 @@ def test_force_and_gap_are_exact_steps_and_lines(solved):
     first = STEEL.density * C * 1e-4 * 0.75
     assert data.edges[:5] == pytest.approx([0, 2 * transit, 4 * transit, 6 * transit, 8 * transit])
     assert data.values[:4] * 1e3 == pytest.approx(first / 2.0 ** np.arange(4))
+    assert data.edges[-1] == pytest.approx(solution.t_end * 1e6)
     times, gap = drawn.gaps[0].get_data()
     assert gap[-1] * 1e-6 == pytest.approx(float(solution.contacts[0].gap(solution.t_end)))
     assert times[-1] * 1e-6 == pytest.approx(solution.t_end)

@@ -298,59 +298,55 @@ def test_every_quantity_of_every_family_is_drawn(swept, name):
 # Words ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("path", "largest", "label"), [
-    ("bodies.0.length", 2.0, "length of rod 1 (m)"),
-    ("bodies.0.area", 1e-3, "area of rod 1 (mm²)"),
-    ("bodies.1.segments.2.area", 1e-4, "area of segment 3 of rod 2 (mm²)"),
-    ("bodies.0.polar_moment", 1e-9, "polar moment of rod 1 (m⁴)"),
-    ("bodies.1.segments.0.material.youngs_modulus", 2e11,
-     "Young's modulus of segment 1 of rod 2 (GPa)"),
-    ("bodies.2.velocity", 0.5, "velocity of wall (mm/s)"),
-    ("bodies.0.strain", 2e-4, "strain of rod 1 (10⁻⁶)"),
-    ("bodies.0.velocity.values.1", 3.0, "velocity of piece 2 of rod 1 (m/s)"),
-    ("bodies.0.strain.at.0", 0.5, "place of jump 1 of strain, rod 1 (m)"),
-    ("contacts.0.gap", 3e-5, "gap 1-2 (µm)"),
-    ("contacts.1.stiffness", 3e5, "contacts.1.stiffness"),
-])
-def test_parameters_in_words(path, largest, label):
-    system = ri.System([rod(), rod(), ri.Wall()])
-    assert scale_of(labels.parameter(system, path), largest).label == label
+WALLED = ri.System([rod(), rod(), ri.Wall()])
+MASSES = ri.System(
+    [rod(), *[ri.RigidMass(1.0)] * 3, rod()],
+    contacts=[ri.SpringDashpot(1e8, 1e3), ri.HuntCrossley(1e9, 0.1), ri.Rigid(0.5), ri.Rigid()],
+    ends=(ri.Pushed(1e3), ri.Moved(1.0)))
+WORDS = {
+    (labels.parameter, WALLED): [
+        ("bodies.0.length", 2.0, "length of rod 1 (m)"),
+        ("bodies.0.area", 1e-3, "area of rod 1 (mm²)"),
+        ("bodies.1.segments.2.area", 1e-4, "area of segment 3 of rod 2 (mm²)"),
+        ("bodies.0.polar_moment", 1e-9, "polar moment of rod 1 (m⁴)"),
+        ("bodies.1.segments.0.material.youngs_modulus", 2e11,
+         "Young's modulus of segment 1 of rod 2 (GPa)"),
+        ("bodies.2.velocity", 0.5, "velocity of wall (mm/s)"),
+        ("bodies.0.strain", 2e-4, "strain of rod 1 (10⁻⁶)"),
+        ("bodies.0.velocity.values.1", 3.0, "velocity of piece 2 of rod 1 (m/s)"),
+        ("bodies.0.strain.at.0", 0.5, "place of jump 1 of strain, rod 1 (m)"),
+        ("contacts.0.gap", 3e-5, "gap 1-2 (µm)"),
+        ("contacts.1.stiffness", 3e5, "contacts.1.stiffness"),
+    ],
+    (labels.parameter, MASSES): [
+        ("gravity", 9.81, "gravity (m/s²)"),
+        ("bodies.1.mass", 0.05, "mass 2 (g)"),
+        ("bodies.1.velocity", 0.5, "velocity of mass 2 (mm/s)"),
+        ("contacts.0.stiffness", 3e8, "stiffness of contact 1-2 (MN/m)"),
+        ("contacts.1.damping", 0.2, "damping of contact 2-3 (s/m)"),
+        ("contacts.2.restitution", 1.0, "coefficient of restitution of contact 3-4"),
+        ("contacts.3.stiffness", 1.0, "contacts.3.stiffness"),
+        ("ends.left.value.values.1", 2e3, "piece 2 of force on the left end (kN)"),
+        ("ends.left.value.at.0", 1e-4, "time of jump 1 of force on the left end (µs)"),
+        ("ends.right.value", 2.0, "velocity of the right end (m/s)"),
+        ("ends.right.value.step", 1e-6, "time between samples of velocity of the right end (µs)"),
+    ],
+    (labels.outcome, WALLED): [
+        ("restitution", 1.0, "coefficient of restitution e"),
+        ("velocity_after.2", 2.0, "velocity of wall after (m/s)"),
+        ("impulse.1", 0.3, "impulse at contact 2-wall (mN s)"),
+        ("peak_force.0", 2e3, "peak force at contact 1-2 (kN)"),
+        ("duration.0", 4e-4, "force duration at contact 1-2 (µs)"),
+        ("episodes.1", 3, "episodes of contact at contact 2-wall"),
+    ],
+    (labels.outcome, ri.System([rod(), rod()])): [("impulse.0", 0.3, "impulse (mN s)")],
+}
 
 
-@pytest.mark.parametrize(("path", "largest", "label"), [
-    ("gravity", 9.81, "gravity (m/s²)"),
-    ("bodies.1.mass", 0.05, "mass 2 (g)"),
-    ("bodies.1.velocity", 0.5, "velocity of mass 2 (mm/s)"),
-    ("contacts.0.stiffness", 3e8, "stiffness of contact 1-2 (MN/m)"),
-    ("contacts.1.damping", 0.2, "damping of contact 2-3 (s/m)"),
-    ("contacts.2.restitution", 1.0, "coefficient of restitution of contact 3-4"),
-    ("contacts.3.stiffness", 1.0, "contacts.3.stiffness"),
-    ("ends.left.value.values.1", 2e3, "piece 2 of force on the left end (kN)"),
-    ("ends.left.value.at.0", 1e-4, "time of jump 1 of force on the left end (µs)"),
-    ("ends.right.value", 2.0, "velocity of the right end (m/s)"),
-    ("ends.right.value.step", 1e-6, "time between samples of velocity of the right end (µs)"),
-])
-def test_parameters_of_masses_laws_and_ends_in_words(path, largest, label):
-    system = ri.System(
-        [rod(), ri.RigidMass(1.0), ri.RigidMass(1.0), ri.RigidMass(1.0), rod()],
-        contacts=[ri.SpringDashpot(1e8, 1e3), ri.HuntCrossley(1e9, 0.1), ri.Rigid(0.5),
-                  ri.Rigid()],
-        ends=(ri.Pushed(1e3), ri.Moved(1.0)))
-    assert scale_of(labels.parameter(system, path), largest).label == label
-
-
-@pytest.mark.parametrize(("column_name", "largest", "label"), [
-    ("restitution", 1.0, "coefficient of restitution e"),
-    ("velocity_after.2", 2.0, "velocity of wall after (m/s)"),
-    ("impulse.1", 0.3, "impulse at contact 2-wall (mN s)"),
-    ("peak_force.0", 2e3, "peak force at contact 1-2 (kN)"),
-    ("duration.0", 4e-4, "force duration at contact 1-2 (µs)"),
-    ("episodes.1", 3, "episodes of contact at contact 2-wall"),
-])
-def test_results_in_words(column_name, largest, label):
-    system = ri.System([rod(), rod(), ri.Wall()])
-    assert scale_of(labels.outcome(system, column_name), largest).label == label
-    assert labels.outcome(ri.System([rod(), rod()]), "impulse.0").name == "impulse"
+@pytest.mark.parametrize(("words", "system", "name", "largest", "label"), [
+    (*what, *case) for what, cases in WORDS.items() for case in cases])
+def test_numbers_and_results_in_words(words, system, name, largest, label):
+    assert scale_of(words(system, name), largest).label == label
 
 
 # Errors, manners --------------------------------------------------------------------------------
