@@ -19,15 +19,7 @@ from ..methods import kernels
 from ..methods.compiling import as_objects
 from ..methods.fronts.records import NONE, ROW
 from ..methods.fronts.stock import largest_difference
-from ..methods.signals import (
-    Floats,
-    Ints,
-    Pieces,
-    Side,
-    difference,
-    each_once,
-    integral_of_product,
-)
+from ..methods.signals import Floats, Ints, Pieces, Side, difference, each_once, integral_of_product
 from ..model import Material
 from .fields import Fields, Profile, Trace
 
