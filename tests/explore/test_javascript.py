@@ -24,7 +24,6 @@ from rodimpact.explorer.tables import RULES, asked_of, system_of
 from rodimpact.methods import compiling, tick_rule
 from rodimpact.methods.fronts.plan import plan_of
 from rodimpact.methods.pieces import driver, finality, layout, march
-from rodimpact.methods.pieces.rows import lay_out
 from rodimpact.methods.row import Row
 from rodimpact.methods.walk import walk
 from rodimpact.storage.casefile import case_from
@@ -202,7 +201,7 @@ RECORDED = {
 def recorded(system):
     """The records of a system on the clock of the page, as objects."""
     until = 4e-4 if system.ends != (ri.Free(), ri.Free()) else None
-    records = driver.Machine(lay_out(Row(system), until, 1e-8, 3000, True)).start()
+    records = driver.Members(Row(system), until, 1e-8, 3000, True).start()
     for name in ("log", "turn"):
         records[name] = np.concatenate([records[name]] * 4)
     return {name: x.tolist() if name == "matrix" else compiling.as_objects(x)

@@ -9,9 +9,8 @@ import rodimpact as ri
 from rodimpact.methods import compiling
 from rodimpact.methods.laws import Law, Status
 from rodimpact.methods.pieces import finality
-from rodimpact.methods.pieces.driver import Machine
+from rodimpact.methods.pieces.driver import Members
 from rodimpact.methods.pieces.records import LINK, PART, RUN
-from rodimpact.methods.pieces.rows import lay_out
 from rodimpact.methods.row import Row
 
 
@@ -28,7 +27,7 @@ def stepped(rng, velocity, n=3):
 
 def surveyed(system):
     """The parts of a row at t = 0."""
-    r = Machine(lay_out(Row(system), 8.0, 1e-8, 10**6, keep=True)).start()
+    r = Members(Row(system), 8.0, 1e-8, 10**6, keep=True).start()
     link, mass, line, log, part = (
         compiling.as_objects(r[name]) for name in ("link", "mass", "line", "log", "part"))
     finality.survey(link, mass, line, log, part, float(r["run"][0]["tick"]), 0)

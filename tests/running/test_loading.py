@@ -202,7 +202,7 @@ def test_loading_gives_the_saved_solution_bit_for_bit(tmp_path, name, monkeypatc
     system, options = RUNS[name]
     solution = ri.solve(system, **options)
     solution.save(tmp_path / "run.npz")
-    for solver in ("fronts.driver.solve_one", "pieces.driver.Machine.go"):
+    for solver in ("fronts.driver.solve_one", "pieces.driver.Members.go"):
         monkeypatch.setattr(f"rodimpact.methods.{solver}", fail(AssertionError("solved again")))
     loaded = load(tmp_path / "run.npz")
     assert facts(loaded) == facts(solution)

@@ -1,4 +1,7 @@
-"""Runs of the kernels on records: plain Python first, compiled where that pays."""
+"""From a row, or a family of them, to the records of the kernels, and their runs.
+
+Plain Python goes first, machine code where that pays.
+"""
 
 from __future__ import annotations
 
@@ -8,15 +11,21 @@ from typing import Any
 import numpy as np
 
 from .. import compiling, kernels
+from ..abilities import driven
 from ..duration import Forecast
 from ..laws import Stop
 from ..memory import ask
+from ..row import Row
 from ..run import Stopped
-from . import march
-from .records import NEVER, PIECE, TURN
-from .rows import RECORDS, Layout
+from . import layout, march
+from .accuracy import Ended
+from .known import Known
+from .layout import Asked
+from .records import LINE, LINK, MASS, NEVER, NODE, PART, PIECE, RUN, TURN
+from .rows import as_family, clock_of, own_laws
 from .series import N
 
+RECORDS = {"run": RUN, "node": NODE, "link": LINK, "mass": MASS, "line": LINE, "part": PART}
 LISTS = {"log": PIECE, "turn": TURN}
 ROOM, TURNS = 256, 2048  # pieces of the log, and changes of contacts, at first
 CALL = 64  # members between two looks whether to stop
@@ -26,26 +35,68 @@ BRIEF = 0.02  # s that a run takes at least: many short ones are worth machine c
 SLICE = 100_000  # compiled steps between two looks at the clock
 
 
-def matrix_of(node: Any) -> Any:
-    """Room for the equations of the longest chain."""
-    unknowns = N * int(node["links"].max())
-    return np.zeros((unknowns, unknowns + 1))
+class Members:
+    """Every member of a family on records, [member, i]; a single collision is a family of one.
 
+    They run one after the other, on their own records and one log.
 
-class Machine:
-    """Runs members of a layout, one after the other, on their own records and one log.
+    Parameters
+    ----------
+    row : Row
+        Or a family of even ones.
+    until : float or None
+        s.
+    tolerance : float
+        Of pieces, relative to the velocity scale.
+    max_events : int
+        Cap on steps of nodes.
+    keep : bool
+        Whether to keep forces, overlaps and velocities of masses.
 
     Attributes
     ----------
-    layout : Layout
+    run, node, link, mass, line, part : [member, i] array
+        Records; there is one run of each member.
+    first : [member, piece] PIECE
+        Pieces that are known at t = 0.
+    fit : float
+        By how much they miss what was given, relative to the velocity scale.
+    own : tuple of (int, function)
+        Laws of the user, by link.
     log, turn : array
         Pieces and changes of contacts of the member that ran last, as many as its run says.
+
+    Raises
+    ------
+    InvalidModel
+        If transit times are too far apart for one clock, or the run is too long for it.
     """
 
-    def __init__(self, layout: Layout) -> None:
-        self.layout, self.turn = layout, np.zeros(TURNS, TURN)
-        self.log = np.zeros(ROOM + 2 * layout.first.shape[1], PIECE)
-        self._matrix = matrix_of(layout.node)
+    def __init__(
+        self, row: Row, until: float | None, tolerance: float, max_events: int, keep: bool
+    ) -> None:
+        self.row, self.own = row, own_laws(row)
+        self.asked = Asked(until, tolerance, max_events, keep, not driven(row.system))
+        self.clock, jumps = clock_of(row, until)
+        known = Known(row, self.clock, jumps, tolerance, until)
+        laid = layout.lay_out(row, self.clock, self.asked, known.log, known.outside)
+        self.first, self.fit = as_family(known.log, PIECE, row), known.fit
+        self.run, self.node, self.link, self.mass, self.line, self.part = (
+            as_family(objects, kind, row)
+            for kind, objects in zip(RECORDS.values(), laid, strict=True))
+        self.log, self.turn = np.zeros(ROOM + 2 * len(known.log), PIECE), np.zeros(TURNS, TURN)
+        unknowns = N * int(self.node["links"].max())  # of the longest chain
+        self._matrix = np.zeros((unknowns, unknowns + 1))
+
+    def run_of(self, member: int) -> Any:
+        """The record of the run of a member, by names of its fields."""
+        return self.run[member].view(np.recarray)[0]
+
+    def ended(self, member: int) -> Ended:
+        """What a member came to, as objects."""
+        run, link, part = map(compiling.as_objects, (
+            self.run[member], self.link[member], self.part[member]))
+        return Ended(run[0], link, part)
 
     def run_all(
         self, members: Iterable[int], stop: Callable[[], bool] = lambda: False,
@@ -59,29 +110,28 @@ class Machine:
 
     def records(self, member: int = 0) -> dict[str, Any]:
         """Arrays of the records of a member, in the order of the kernel's arguments."""
-        own = {name: getattr(self.layout, name)[member] for name in RECORDS}
+        own = {name: getattr(self, name)[member] for name in RECORDS}
         return own | {"log": self.log, "turn": self.turn, "matrix": self._matrix}
 
     def start(self, member: int = 0) -> dict[str, Any]:
         """Enter what is known of a member at t = 0 in the log; return its records."""
-        known = self.layout.first[member]
-        self.log[: len(known)] = known
+        self.log[: self.first.shape[1]] = self.first[member]
         return self.records(member)
 
     def go(self, member: int = 0, forecast: Forecast | None = None) -> None:
         """Run a member to its end, in slices."""
         self.start(member)
-        own, run = self.layout.own, self.layout.run_of(member)
+        run = self.run_of(member)
         limit, spent, stop = int(run.limit), BRIEF, Stop.CAP
         while stop == Stop.CAP and run.steps < limit:
             taken = int(run.steps)
-            fast = compiling.can_be(own) and kernels.worth_compiling(spent, march.follow)
+            fast = compiling.can_be(self.own) and kernels.worth_compiling(spent, march.follow)
             plain = max(PLAIN, taken // 2)  # as all records change their form each time
             run.limit = min(limit, taken + (SLICE if fast else plain))
             stop = self._slice(member, fast)
             spent = (int(run.steps) - taken) * STEP_TIME
             if stop == Stop.CAP and forecast:
-                self._tell(forecast, run, limit, int(self.layout.node[member]["now"].min()))
+                self._tell(forecast, run, limit, int(self.node[member]["now"].min()))
         run.limit = limit
 
     def _tell(self, forecast: Forecast, run: Any, limit: int, now: int) -> None:
@@ -95,12 +145,12 @@ class Machine:
 
     def _slice(self, member: int, fast: bool) -> Stop:
         """Run on: on arrays of records, or on lists of objects in plain Python."""
-        own, held = self.layout.own, self.records(member)
+        held = self.records(member)
         matrix = held.pop("matrix")
         if fast:
-            follow: Any = compiling.compiled(march.follow, own)
+            follow: Any = compiling.compiled(march.follow, self.own)
         else:
-            follow, matrix = compiling.interpreted(march.follow, own), matrix.tolist()
+            follow, matrix = compiling.interpreted(march.follow, self.own), matrix.tolist()
             held = {name: compiling.as_objects(array) for name, array in held.items()}
         while (stop := Stop(follow(*held.values(), matrix))) == Stop.FULL:
             pieces = len(held["log"])
@@ -113,6 +163,6 @@ class Machine:
             held = {name: compiling.as_records(held[name], kind)
                     for name, kind in (RECORDS | LISTS).items()}
             for name in RECORDS:
-                getattr(self.layout, name)[member] = held[name]
+                getattr(self, name)[member] = held[name]
         self.log, self.turn = held["log"], held["turn"]
         return stop

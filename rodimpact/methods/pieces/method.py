@@ -28,9 +28,9 @@ from ..run import ContactTally, Run
 from ..status import acting_and_held, last_contact, rounding, strain_warning
 from . import march, totals
 from .accuracy import COARSER, COARSEST, SHOWN, apart, compare, left_open
-from .driver import Machine
+from .driver import Members
 from .records import Part
-from .rows import Layout, is_even, lay_out, own_laws
+from .rows import is_even, own_laws
 from .signals import signals_of
 
 LACKS = (physics.DAMPING, physics.LATERAL, physics.TAPER)
@@ -48,14 +48,14 @@ def solve(
     """Run a single collision to `until`, s, or to its proof of finality and one round trip more."""
     if row.segments:
         row.check_scales()
-    fine = lay_out(row, until, tolerance_of(rtol), max_events, keep=True)
-    machine, forecast = Machine(fine), Forecast(announce, LESS, progress)
-    machine.go(forecast=forecast)
+    fine = Members(row, until, tolerance_of(rtol), max_events, keep=True)
+    forecast = Forecast(announce, LESS, progress)
+    fine.go(forecast=forecast)
     if fine.run_of(0).stop == Stop.STUCK:
         raise squeezed(float(fine.clock.tick * fine.node["now"].min()))
     (errors,) = stated_errors(fine, np.array([0]), COARSEST, forecast=forecast).tolist()
     accuracy = dict(zip(runs.MEASURES, errors, strict=True))
-    return _hand_over(machine, accuracy, RTOL if rtol is None else rtol)
+    return _hand_over(fine, accuracy, RTOL if rtol is None else rtol)
 
 
 def together(row: Row) -> int:
@@ -98,8 +98,8 @@ def solve_family(
     for bad, _, _ in row.beyond_scales() if row.segments else ():
         refused |= bad
     tolerance, members = tolerance_of(rtol), np.flatnonzero(~refused)
-    fine = lay_out(row, until, tolerance, max_events, keep=False)
-    Machine(fine).run_all(members, stop)
+    fine = Members(row, until, tolerance, max_events, keep=False)
+    fine.run_all(members, stop)
     found = _family_run(fine, refused.ravel() | (fine.run["stop"][:, 0] == Stop.STUCK))
     if "accuracy" not in also:
         return found
@@ -108,7 +108,7 @@ def solve_family(
 
 
 def stated_errors(
-    fine: Layout, members: Any, coarsest: float, stop: Callable[[], bool] = lambda: False,
+    fine: Members, members: Any, coarsest: float, stop: Callable[[], bool] = lambda: False,
     forecast: Forecast | None = None,
 ) -> Any:
     """Relative error of each of the `MEASURES`, [member, measure], of members that have run.
@@ -119,9 +119,9 @@ def stated_errors(
     tolerance = COARSER * fine.asked.tolerance
     while len(alike) and tolerance <= coarsest:
         asked = fine.asked
-        coarse = lay_out(fine.row, asked.until, tolerance, asked.limit, keep=False)
+        coarse = Members(fine.row, asked.until, tolerance, asked.limit, keep=False)
         compare(fine.run.view(np.recarray), coarse.run.view(np.recarray))
-        Machine(coarse).run_all(alike, stop, forecast)
+        coarse.run_all(alike, stop, forecast)
         for m in alike:
             errors[m] = apart(fine.ended(m), coarse.ended(m))
         alike, tolerance = alike[~errors[alike].any(axis=1)], COARSER * tolerance
@@ -135,12 +135,12 @@ def tolerance_of(rtol: float | None) -> float:
     return max(FINEST, min(RTOL if rtol is None else rtol, LOOSEST))
 
 
-def _hand_over(machine: Machine, accuracy: dict[str, float], goal: float) -> Run:
-    """What every method hands back, of a layout of one collision that has run."""
-    layout, r, ended = machine.layout, machine.records(), machine.layout.ended(0)
-    row, run, until = layout.row, ended.run, layout.asked.until
+def _hand_over(one: Members, accuracy: dict[str, float], goal: float) -> Run:
+    """What every method hands back, of a family of one that has run."""
+    r, ended, row, until = one.records(), one.ended(0), one.row, one.asked.until
+    run = ended.run
     clock = clock_of(
-        row, [int(T) for T in layout.clock.transits], run.tick, scale=float(layout.clock.scale))
+        row, [int(T) for T in one.clock.transits], run.tick, scale=float(one.clock.scale))
     end, tick = min(int(r["node"]["now"].min()), run.end), clock.tick
     stopped_by = totals.why_stopped(run, until is not None)
     t_end = until if until is not None and stopped_by == "until" else end * tick
@@ -158,13 +158,13 @@ def _hand_over(machine: Machine, accuracy: dict[str, float], goal: float) -> Run
     status += _struck_together(row) + rounding(clock.transit_error, clock.worst)
     status += strain_warning(float(strains.max(initial=0.0)))
     signals = cache(partial(signals_of, row, clock, end, r))
-    before, after = _velocities(layout)
+    before, after = _velocities(one)
     return Run(
         method="characteristics", until=until, clock=clock, end=end, t_end=t_end, t_final=t_final,
         t_proved=run.proved * tick if proved else math.nan, stopped_by=stopped_by,
         status=status, events=run.steps,
         contacts=_tallies(row, ended.link, tick, end, signals),
-        groups=runs.GroupTotals(np.array(before), np.array(after), np.ravel(vibration_of(layout))),
+        groups=runs.GroupTotals(np.array(before), np.array(after), np.ravel(vibration_of(one))),
         accuracy=accuracy, make_signals=signals,
     )
 
@@ -194,18 +194,18 @@ def _tallies(
     return tuple(tallies)
 
 
-def _velocities(layout: Layout) -> tuple[list[Any], list[Any]]:
+def _velocities(family: Members) -> tuple[list[Any], list[Any]]:
     """Velocities of groups before and after, m/s, [group] by the shape of the family."""
-    row, part, shape = layout.row, layout.part, layout.row.system.shape
-    run = layout.run[:, 0].reshape(shape)
+    row, part, shape = family.row, family.part, family.row.system.shape
+    run = family.run[:, 0].reshape(shape)
     fallen = row.frame + row.gravity * run["surveyed"] * run["tick"]
     own = [part[:, head].reshape(shape) for head in np.flatnonzero(part["parts"][0] > 0)]
     return [it["initial"] + row.frame for it in own], [it["mean"] + fallen for it in own]
 
 
-def vibration_of(layout: Layout) -> list[Any]:
+def vibration_of(family: Members) -> list[Any]:
     """Energy of each body about the velocity of its group, J, [body] by member."""
-    row, part, found = layout.row, layout.part, list[Any]()
+    row, part, found = family.row, family.part, list[Any]()
     energies = {(kind, index): part["energy"][:, p] for p, (kind, index) in enumerate(
         zip(part["kind"][0].tolist(), part["index"][0].tolist(), strict=True))}
     for body, (first, last), m in zip(row.system.bodies, row.spans, row.mass_of, strict=True):
@@ -219,14 +219,14 @@ def vibration_of(layout: Layout) -> list[Any]:
     return found
 
 
-def _family_run(layout: Layout, refused: Any) -> runs.FamilyRun:
+def _family_run(family: Members, refused: Any) -> runs.FamilyRun:
     """What the members came to."""
-    row, run, link = layout.row, layout.run[:, 0], layout.link
-    system, until, unknown = row.system, layout.asked.until, np.where(refused, math.nan, 0.0)
+    row, run, link = family.row, family.run[:, 0], family.link
+    system, until, unknown = row.system, family.asked.until, np.where(refused, math.nan, 0.0)
     free = movable(system)
     before: list[Any] = []
     after: list[Any] = []
-    for found, groups_own in zip((before, after), _velocities(layout), strict=True):
+    for found, groups_own in zip((before, after), _velocities(family), strict=True):
         for group, own in zip(groups(system), groups_own, strict=True):
             inside = [i for i in group if i in free]
             found += [unknown + row.of(v) for v in velocities_in_group(system, group, inside, own)]
@@ -242,6 +242,6 @@ def _family_run(layout: Layout, refused: Any) -> runs.FamilyRun:
     reasons = [refused, final & (until is None), run["stop"] == Stop.CAP]
     places = [runs.STOPPED_BY.index(name) for name in ("refused", "final", "max_events")]
     otherwise = runs.STOPPED_BY.index("clock" if until is None else "until")
-    vibration = sum(vibration_of(layout), unknown)
+    vibration = sum(vibration_of(family), unknown)
     stopped_by = np.select(reasons, places, otherwise)
     return runs.FamilyRun(before, after, vibration, contacts, final, stopped_by)

@@ -1,8 +1,7 @@
-"""From a row, or a family of them, to the records that the kernels of this method work on."""
+"""Of a row, or a family of them: its clock and scales, and its numbers as records."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,61 +9,14 @@ import numpy as np
 from ... import model
 from ...model.frozen import InvalidModel
 from ...model.profiles import extremes
-from ..abilities import driven
 from ..clock import too_long, too_short
-from ..compiling import Functions, as_objects
+from ..compiling import Functions
 from ..laws import Law
 from ..row import Row
 from ..walk import largest, smallest, velocities_of
 from . import layout
-from .accuracy import Ended
-from .known import Known, jumps_of, segments_of, varies
-from .layout import Asked, Clock
-from .records import LINE, LINK, MASS, NODE, PART, PIECE, RUN
-
-RECORDS = {"run": RUN, "node": NODE, "link": LINK, "mass": MASS, "line": LINE, "part": PART}
-
-
-@dataclass(frozen=True, kw_only=True)
-class Layout:
-    """Records of every member of a family, [member, ...]; a single collision is a family of one.
-
-    Attributes
-    ----------
-    row : Row
-    clock : Clock
-    run, node, link, mass, line, part : [member, i] array
-        Records; there is one run of each member.
-    first : [member, piece] PIECE
-        Pieces that are known at t = 0.
-    fit : float
-        By how much they miss what was given, relative to the velocity scale.
-    own : tuple of (int, function)
-        Laws of the user, by link.
-    asked : Asked
-    """
-
-    row: Row
-    clock: Clock
-    run: Any
-    node: Any
-    link: Any
-    mass: Any
-    line: Any
-    part: Any
-    first: Any
-    fit: float
-    own: Functions
-    asked: Asked
-
-    def run_of(self, member: int) -> Any:
-        """The record of the run of a member, by names of its fields."""
-        return self.run[member].view(np.recarray)[0]
-
-    def ended(self, member: int) -> Ended:
-        """What a member came to, as objects."""
-        run, link, part = (as_objects(x[member]) for x in (self.run, self.link, self.part))
-        return Ended(run[0], link, part)
+from .known import jumps_of, segments_of, varies
+from .layout import Clock
 
 
 def own_laws(row: Row) -> Functions:
@@ -77,38 +29,6 @@ def is_even(row: Row) -> bool:
     """Whether all that moves at t = 0, and all that acts from outside, is a number."""
     states = [(rod.velocity, rod.strain) for rod, _, _ in segments_of(row)]
     return not any(varies(*profiles) for profiles in (*states, [value for _, value in row.outside]))
-
-
-def lay_out(
-    row: Row, until: float | None, tolerance: float, max_events: int, keep: bool
-) -> Layout:
-    """Put a row, or a family of even ones, on records.
-
-    Parameters
-    ----------
-    row : Row
-    until : float or None
-        s.
-    tolerance : float
-        Of pieces, relative to the velocity scale.
-    max_events : int
-        Cap on steps of nodes.
-    keep : bool
-        Whether to keep forces, overlaps and velocities of masses.
-
-    Raises
-    ------
-    InvalidModel
-        If transit times are too far apart for one clock, or the run is too long for it.
-    """
-    clock, jumps = clock_of(row, until)
-    known = Known(row, clock, jumps, tolerance, until)
-    asked = Asked(until, tolerance, max_events, keep, not driven(row.system))
-    laid = layout.lay_out(row, clock, asked, known.log, known.outside)
-    records = {name: as_family(objects, kind, row)
-               for (name, kind), objects in zip(RECORDS.items(), laid, strict=True)}
-    return Layout(row=row, clock=clock, first=as_family(known.log, PIECE, row), fit=known.fit,
-                  own=own_laws(row), asked=asked, **records)
 
 
 def as_family(objects: list[Any], record: Any, row: Row) -> Any:
