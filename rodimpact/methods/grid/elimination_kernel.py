@@ -10,36 +10,28 @@ from __future__ import annotations
 from typing import Any
 
 
-def factor(into: Any, inverse: Any, back: Any, bound: Any, diagonal: Any, held: Any) -> None:
-    """Enter the multipliers of the elimination; `held` nodes have given values.
+def factor(bound: Any, diagonal: Any, held: Any) -> tuple[list[float], ...]:
+    """Multipliers `into`, `inverse` and `back` of the elimination; `held` nodes have given values.
 
     Those of the middle are for its neighbours: `into` for the left one, `back` for the right one.
     """
     n = len(diagonal)
     m = (n - 1) // 2
-    for i in range(n):
-        into[i] = back[i] = 0.0
+    into, inverse, back = ([0.0] * (n + 1) for _ in range(3))  # the last is beside both ends
+    for i in (*range(m), *range(n - 1, m, -1), m):
         inverse[i] = 1.0
-    for i, step in ((0, 1), (n - 1, -1)):
-        nearer, farther = (0, 1) if step > 0 else (1, 0)
-        while i != m:
-            if held[i] == 0:
-                pivot, before = diagonal[i], i - step
-                if 0 <= before < n:  # not at the end of the row
-                    into[i] = bound[i + nearer] * inverse[before]
-                    pivot -= bound[i + nearer] * back[before]
-                inverse[i] = 1 / pivot
-                back[i] = bound[i + farther] * inverse[i]
-            i += step
-    if held[m] == 0:
-        pivot = diagonal[m]
-        if m > 0:
-            into[m] = bound[m] * inverse[m - 1]
-            pivot -= bound[m] * back[m - 1]
-        if m < n - 1:
-            back[m] = bound[m + 1] * inverse[m + 1]
-            pivot -= bound[m + 1] * back[m + 1]
-        inverse[m] = 1 / pivot
+        if held[i]:
+            continue
+        before, near, far = (i - 1, i, i + 1) if i <= m else (i + 1, i + 1, i)
+        into[i] = bound[near] * inverse[before]
+        pivot = diagonal[i] - bound[near] * back[before]
+        if i == m:
+            back[i] = bound[far] * inverse[far]
+            pivot -= bound[far] * back[far]
+        inverse[i] = 1 / pivot
+        if i != m:
+            back[i] = bound[far] * inverse[i]
+    return into[:n], inverse[:n], back[:n]
 
 
 def substitute(into: Any, inverse: Any, back: Any, x: Any) -> None:

@@ -205,7 +205,7 @@ def resolve(
         speed = max(speed, abs(u) + abs(w) + abs(at.before))
         at.free, at.slope = (at.before + u - w) / 2, 0.0
         at.place = at.closing - at.gap
-        at.limit = greatest_closing(at)
+        limit_closing(at)
     struck = True
     while struck:
         if not contacts.balance(link, first, last, speed):
@@ -233,16 +233,13 @@ def resolve(
     return True
 
 
-def greatest_closing(at: Any) -> float:
-    """By how much a rigid contact that presses may close; an impact waits until it happens."""
-    limit = 0.0
+def limit_closing(at: Any) -> None:
+    """Set by how much a rigid contact that presses may close; an impact waits until it happens."""
+    at.limit = max(at.before, 0.0) / 2
     if at.law == Law.IMPACT:
-        limit = math.inf
-    elif at.law == Law.RIGID and at.shut == 0:
-        limit = max(at.gap / 2 + at.before / 4, 0.0)
-    elif at.law == Law.RIGID:
-        limit = max(at.before, 0.0) / 2
-    return limit
+        at.limit = math.inf
+    elif at.shut == 0:
+        at.limit = max(at.gap / 2 + at.before / 4, 0.0)
 
 
 def dissipate(v: Any, old: Any, viscous: Any, lost: Any) -> None:

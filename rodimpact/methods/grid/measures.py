@@ -107,7 +107,7 @@ def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
         root = math.sqrt(max(slope * slope + 4 * curve * depth, 0.0))
         return begin + 2 * depth / (slope + root)
     if j - i >= 3:
-        third, second, last = force[j - 3 : j].tolist()
+        third, second, last = (float(F) for F in force[j - 3 : j])
         fall, last_fall = third - second, second - last
         if start < 0:
             led = second - fall / 2

@@ -23,8 +23,6 @@ class Side(NamedTuple):
     """One side of a contact, SI."""
 
     mean: float  # velocity
-    low: float  # bounds of the end's velocity as long as it is free; infinite if not known
-    high: float
     deviation: float  # of the end from the mean motion, positive to the right
     bound: float  # that it can ever reach
 
@@ -34,16 +32,18 @@ def finality_time(run: GridRun) -> float:
     if abilities.driven(run.row.system):
         return math.inf
     wait, tol, now = 0.0, float(run.grid.run["tolerance"][0]), present(run)
+    still = tol * run.step  # a bound up to which ends move as their groups do
     for place, (link, (left, right)) in enumerate(run.mesh.touching.items()):
         if run.row.laws[link] != Law.JOINT:
             gap = float(run.grid.link["gap"][place]) * run.step
             if gap < 0:
                 return math.inf
             one, other = side_of(run, left, True, now), side_of(run, right, False, now)
-            reach = one.bound + other.bound
+            reach, opening = one.bound + other.bound, other.mean - one.mean
+            least = opening if max(one.bound, other.bound) <= still else -math.inf
+            apart = gap + one.deviation - other.deviation
             wait = max(wait, finality_kernel.separation_time(
-                other.mean - one.mean, other.low - one.high,
-                gap + one.deviation - other.deviation, reach * reach, tol))
+                opening, least, apart, reach * reach, tol))
     return wait
 
 
@@ -72,7 +72,7 @@ def side_of(
         if kind == "absorbing" and mesh.ends[side] == far:
             Z, mean = (float(run.grid.end[name][side]) for name in ("impedance", "rest"))
     if a == b:
-        return Side(mean, mean, mean, 0.0, 0.0)
+        return Side(mean, 0.0, 0.0)
     beyond = np.cumsum(m[:-1]) / m.sum()
     g = np.ones(b - a) if mesh.held[far] or Z else beyond if right_end else 1 - beyond
     energy = sum(motion.energies(nodes, m, 0, v - mean, h))
@@ -97,6 +97,4 @@ def side_of(
         yielding = 2 * (yielding + m.sum() * loose * loose)
     energy = max(energy, 0.0)
     bound = math.sqrt(2 * energy * yielding) + h * math.sqrt(energy / (2 * mesh.mass[node]))
-    if bound <= float(run.grid.run["tolerance"][0]) * h:
-        return Side(mean, mean, mean, d, bound)
-    return Side(mean, -math.inf, math.inf, d, bound)
+    return Side(mean, d, bound)

@@ -200,20 +200,16 @@ class GridRun:
         return GridMotion(mesh.counts, mesh.first, mesh.last, mesh.starts, mesh.mass, mesh.shear,
                           mesh.cells, **kept, pushes=pushes or {})
 
-    def place(self, contact: int) -> int:
-        """Which of the kernel's links a contact is that is not bonded."""
-        return list(self.mesh.touching).index(self.row.contact_link[contact])
-
-    def _entered(self, place: int, field: str) -> Array:
-        """What a link of the kernel entered in each step."""
+    def _entered(self, link: int, field: str) -> Array:
+        """What a link that is not bonded entered in each step."""
+        place = list(self.mesh.touching).index(link)
         return np.ascontiguousarray(self.track.signal[:, place][field])
 
     def contact(self, contact: int) -> tuple[Array, Array]:
         """Mean force in each step, N, and gap at the ends of steps, m; not of a bonded contact."""
-        place = self.place(contact)
-        before = float(self.row.gap[self.row.contact_link[contact]])
-        gap = self._entered(place, "gap") * self.step
-        return self._entered(place, "force"), np.concatenate(([before], gap))
+        link = self.row.contact_link[contact]
+        gap = self._entered(link, "gap") * self.step
+        return self._entered(link, "force"), np.append(float(self.row.gap[link]), gap)
 
     def pressed(self, contact: int) -> Array:
         """[n, 3] as of `pressings`, s; none of a contact that cannot open."""
@@ -229,7 +225,7 @@ class GridRun:
 
     def path(self, contact: int) -> Array:
         """How far a contact that is not bonded closes in each step, m."""
-        return self._entered(self.place(contact), "closing") * self.step
+        return self._entered(self.row.contact_link[contact], "closing") * self.step
 
     def velocity(self, node: int) -> Array:
         """Velocity of a watched node at the ends of the steps, the first at t = 0, in the frame."""
@@ -264,7 +260,7 @@ class GridRun:
         v = self.velocity(self.mesh.ends[side])
         speed, force = (v[:-1] + v[1:]) / 2, self.track.given[:, side]
         if link in self.mesh.touching:
-            force = self._entered(list(self.mesh.touching).index(link), "force")
+            force = self._entered(link, "force")
         elif row.outside[side][0] == "velocity":
             force = self.bond(link)
         elif row.outside[side][0] == "absorbing":

@@ -79,14 +79,12 @@ def impedance(mesh: Mesh, side: int) -> float:
 def eliminated(mesh: Mesh, mass: Array, bound: Array) -> dict[str, Array]:
     """Multipliers of the elimination for nodes of these masses and cells that bind them."""
     diagonal = mass + bound[:-1] + bound[1:]
-    into, inverse, back = np.zeros((3, len(mass)))
     if bound.any():
-        lists = into.tolist(), inverse.tolist(), back.tolist()
-        elimination.factor(*lists, bound.tolist(), diagonal.tolist(), mesh.held.tolist())
-        into, inverse, back = map(np.array, lists)
+        found: Any = elimination.factor(bound.tolist(), diagonal.tolist(), mesh.held.tolist())
     else:
-        inverse = 1 / np.where(mesh.held == 1, 1.0, diagonal)
-    return {"into": into, "inverse": inverse, "back": back}
+        none = np.zeros(len(mass))
+        found = none, 1 / np.where(mesh.held == 1, 1.0, diagonal), none
+    return dict(zip(("into", "inverse", "back"), map(np.array, found), strict=True))
 
 
 def answered(multipliers: dict[str, Array], push: Array) -> Array:

@@ -36,12 +36,11 @@ def hand_over(run: GridRun, until: float | None) -> Run:
     status = ending(run.stopped_by, proof, format_si(t_end, "s"), f"{events} steps times ends",
                     *acting_and_held(run.row.system))
     status += f" Time step {format_si(run.step, 's')}, {size} cells."
-    if until and not run.steps:
-        status += " The run ends before half a step, and none was taken. More cells shorten it."
-    status += _accuracy(run) + _own_peak(run) + strain_warning(run.largest_strain)
     end = run.steps * STEP_TICKS
     if until and not run.steps:
+        status += " The run ends before half a step, and none was taken. More cells shorten it."
         end = math.ceil(until / run.clock.tick)
+    status += _accuracy(run) + _own_peak(run) + strain_warning(run.largest_strain)
     return Run(
         method="finite-difference", until=until, clock=run.clock, end=end, t_end=t_end,
         t_final=t_final, t_proved=t_proved, stopped_by=run.stopped_by, status=status,
@@ -102,9 +101,9 @@ def _tally(run: GridRun, k: int, force: Floats) -> ContactTally:
     peak = largest_force(force) if law.opens else float(np.max(force, initial=0.0))
     if getattr(law, "restitution", None) is not None:  # takes no time, though it takes a step here
         peak, ends = math.nan, np.where(ends - begins <= run.step * (1 + 1e-9), begins, ends)
+    first, last = (float(t[0]) if len(t) else math.nan for t in (begins, ends[::-1]))
     return ContactTally(
-        float(force.sum() * run.step), peak, float((ends - begins).sum()),
-        *(float(times[0]) if len(times) else math.nan for times in (begins, ends[::-1])),
+        float(force.sum() * run.step), peak, float((ends - begins).sum()), first, last,
         len(touchings(run.pressed(k))),
     )
 
