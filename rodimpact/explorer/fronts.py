@@ -80,7 +80,8 @@ def motion_of(run: Any) -> Any:
 
     ``rods`` are its waves as `polygons_of` has them.
     """
-    it, row, pieces, tail = run["run"], run["plan"].row, [], [NONE for _ in run["line"]]
+    it, row, tail = run["run"], run["plan"].row, [NONE for _ in run["line"]]
+    pieces: list[Any] = []
     for r in range(it.rows):
         front = run["log"][r]
         if front.line > 1:

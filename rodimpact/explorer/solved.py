@@ -83,7 +83,7 @@ def known_of(system: Any, gauges: Any, found: Any) -> Any:
 def e_over(case: Any, library: Any, path: list[Any], values: list[float]) -> list[Any]:
     """e for each value of a number of a case; None where there is none."""
     smooth, asked, found = is_smooth(case), asked_of(case), []
-    space = None if smooth else fronts.space_of(plan_of(walk(system_of(case, library))))
+    space: Any = None if smooth else fronts.space_of(plan_of(walk(system_of(case, library))))
     for value in values:
         system, e = system_of(changed(case, path, value), library), None
         if smooth:

@@ -69,7 +69,8 @@ def lacking(case: Any) -> tuple[str, str]:
     if case.get("gravity", 0) != 0:
         return "gravity", GRAVITY
     smooth, ends = is_smooth(case), case.get("ends", {})
-    profiles, entries = [], []  # with their paths, and what may be in them
+    profiles: list[Any] = []
+    entries: list[Any] = []  # with their paths, and what may be in them
     for i, body in enumerate(case["bodies"]):
         path = f"bodies.{i}"
         if body["kind"] == "mass" and not smooth:
