@@ -155,7 +155,7 @@ def ratio_of(known: Any) -> Any:
 def restitution_of(known: Any) -> Any:
     """e beside its closed form."""
     outcome, closed, why = known["outcome"], known["closed_form"], known["outcome"]["why"]
-    value, digits, text = None, 9 if known["method"] == "fronts" else 5, "-"
+    value, digits, text = None, 6 if known["method"] == "fronts" else 5, "-"
     if why == "":
         value, error = outcome["restitution"], outcome.get("error", 0.0)
         text = stated(
@@ -169,7 +169,7 @@ def restitution_of(known: Any) -> Any:
     if closed is not None:
         entry = {
             **entry, "closed_form": closed["restitution"], "source": closed["source"],
-            "closed_text": f"{closed['restitution']:.9g}",
+            "closed_text": f"{closed['restitution']:.6g}",
         }
         if value is not None:
             entry["difference"] = f"{abs(value - closed['restitution']):.1g}"

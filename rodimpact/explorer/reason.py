@@ -12,6 +12,7 @@ from ..storage.tables import clean
 from .texts import capital, name_of, numbers_of, written
 
 SMALL = 1e-6  # of the peak force, the largest gap or the time since the first touch: none
+MOST = 0.99  # of an impulse
 
 
 def reason_of(known: Any, e: str) -> list[str]:
@@ -120,7 +121,9 @@ def of_contact(known: Any, i: int, forces: Any, gaps: Any) -> str:
             lasted = known["outcome"]["contacts"][i]["duration"]
         text = f"The force has fallen to zero {written(lasted, 's', 4)} after the first touch"
         end = "; no single wave ends it" if known["contacts"][i]["compliant"] else ""
-        text = f"{text}{in_transits(known, i, lasted)}{end}"
+        most = time_of_most(forces[i]) - begun
+        early = f"; {100 * MOST:.3g} % of the impulse came in the first {written(most, 's', 4)}"
+        text = f"{text}{in_transits(known, i, lasted)}{end}{early if most < 0.75 * lasted else ''}"
     elif any(spell["state"] == "open" and begun < spell["from"] < ended for spell in spells):
         text = f"{capital(pair_of(known, i))} part and meet again; the last force ends at "
         text = f"{text}{written(ended, 's', 4)}"
@@ -136,6 +139,16 @@ def of_contact(known: Any, i: int, forces: Any, gaps: Any) -> str:
     if opened > ended + SMALL * lasted:
         text = f"{text}; the faces touch without force until they part at {written(opened, 's', 4)}"
     return f"{text}."
+
+
+def time_of_most(force: Any) -> float:
+    """When `MOST` of the impulse of a force has come: a stiff contact has a long weak tail."""
+    times, y = force["t"], force["y"]
+    sums = [0.0]
+    for k in range(1, len(times)):
+        sums.append(sums[k - 1] + (y[k] + y[k - 1]) * (times[k] - times[k - 1]) / 2)
+    k = bisect_right(sums, MOST * sums[len(sums) - 1])
+    return float(times[min(k, len(times) - 1)])
 
 
 def falls_of(force: Any, begun: float, ended: float) -> list[Any]:

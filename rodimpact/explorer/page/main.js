@@ -87,7 +87,7 @@ function showNumbers(scene) {
   if (e.value === null) hideResult(false);
   askOrJudge(scene);
   const beside = e.closed_form === null ? "" : `Closed form (${e.source}): ${e.closed_text}`;
-  const off = e.difference === undefined ? "" : `; difference ${minus(e.difference)}`;
+  const off = e.difference === undefined ? "" : Number(e.difference) < 1e-12 ? ", the same to 12 digits" : `; difference ${minus(e.difference)}`;
   byId("theory").textContent = (e.why ? `${e.why}. ` : "") + beside + off;
   fillTable(byId("results"), scene.results);
   write(byId("reason"), minus(micro(scene.reason.join(" "))));

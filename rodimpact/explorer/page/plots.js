@@ -35,7 +35,7 @@ function drawCurves(scene, theme) {
   drawCurve("curve", curve && {
     ...curve, here: ratio, from: 0, title: "e over l₁/l₂", name: "l₁/l₂", said: `here l₁/l₂ = ${plainNumber(ratio, 4)}` }, scene, theme);
   drawCurve("roundness", roundness && {
-    ...roundness, title: "e over the roundness of the ends", name: "log₁₀ κ, κ = k (V T)^½ T/Z: 2 is nearly flat",
+    ...roundness, title: "e over the roundness of the ends", name: "log₁₀ κ; κ: stiffness of the ends / of the longer rod",
     said: roundness.here === null ? "rigid ends: κ is infinite" : `here κ = ${plainNumber(10 ** roundness.here, 3)}` }, scene, theme);
   const slider = byId("ends");
   if (!roundness) return;

@@ -102,9 +102,9 @@ function drawSlices(pen, scene, { frame, middle, half, ends, outlines }, name, n
   }
 }
 
-/** Names above the rods; numbers where names would overlap. */
+/** Names above the rods; numbers where names would overlap, and of those only what has room. */
 function nameBodies(pen, scene, frame, ends, y, theme) {
-  const size = 0.8 * theme.size;
+  let [size, reached] = [0.8 * theme.size, -Infinity]; // reached: the right end of the label before
   const seen = scene.bodies.map((_, i) => {
     const [x0, x1] = ends.get(i).map(frame.across);
     return [Math.max(x0, frame.x), Math.min(x1, frame.right)];
@@ -112,12 +112,12 @@ function nameBodies(pen, scene, frame, ends, y, theme) {
   const fit = scene.bodies.every(({ path, title }, i) => path || 0.6 * size * title.length < seen[i][1] - seen[i][0]);
   scene.bodies.forEach(({ title }, i) => {
     const [from, to] = seen[i];
-    if (fit || to - from > size) {
-      const text = fit ? title : title.replace(/\D+/, "");
-      const half = 0.3 * size * text.length;
-      const middle = Math.max(frame.x + half, Math.min(frame.right - half, (from + to) / 2));
-      pen.text(middle, y, text, { size, colour: theme.faint, align: "center" });
-    }
+    const text = fit ? title : title.replace(/\D+/, "");
+    const half = 0.3 * size * text.length;
+    const middle = Math.max(frame.x + half, Math.min(frame.right - half, (from + to) / 2));
+    if (to < from || middle - half < reached) return;
+    pen.text(middle, y, text, { size, colour: theme.faint, align: "center" });
+    reached = middle + half;
   });
 }
 
