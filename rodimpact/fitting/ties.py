@@ -24,45 +24,40 @@ def record_numbers(
 
     A name in `vary` may hold the wildcards ``*`` and ``[01]``: all matching numbers become one.
     """
+    def number(
+        name: str, kind: str, records: tuple[int, ...], ends: tuple[float, float] | None
+    ) -> Parameter:
+        """With these bounds; without, with those within which it makes sense."""
+        if ends is None and kind == "shift":
+            first, last = zip(*(measured[k].shifts(until, system) for k in records), strict=True)
+            ends = min(first), max(last)
+        low, high = ends or (-math.inf, math.inf)
+        unit = _unit(measured[records[0]], kind)
+        return Parameter(name, low, high, unit, kind=kind, records=records)
+
     paths = {f"{HEAD}{k}.{kind}": (k, kind) for kind in KINDS for k in range(len(measured))}
     free = dict(paths)
     found = []
     for name, bounds in vary.items():
-        tied = [path for path in paths if fnmatchcase(path, name)]
-        kinds = {paths[path][1] for path in tied}
-        units = {_unit(measured[k], kind) for k, kind in map(paths.__getitem__, tied)}
+        tied = {path: own for path, own in paths.items() if fnmatchcase(path, name)}
+        kinds = {kind for _, kind in tied.values()}
+        units = {_unit(measured[k], kind) for k, kind in tied.values()}
         if len(kinds) != 1:
             problems.append((f"vary.{name}", "is not a number of a record; give a name such as "
                              f"{HEAD}0.shift, or {HEAD}*.gain for one gain of all records"))
         elif len(units) != 1:
             both = " and ".join(sorted(unit or "1" for unit in units))
             problems.append((f"vary.{name}", f"ties records in {both}; convert them to one unit"))
-        elif not free.keys() >= {*tied}:
+        elif not free.keys() >= tied.keys():
             problems.append((f"vary.{name}", "names a number that another name includes; leave "
                              "one of them out"))
         else:
-            records = tuple(free.pop(path)[0] for path in tied)
             (kind,), (unit,) = kinds, units
-            ends = None
-            if bounds is not None or kind == "blur":
-                ends = ends_of(problems, name, bounds, unit)
-            found.append(_number(system, measured, until, name, kind, records, unit, ends))
-    for path, (k, kind) in free.items():
-        unit, ends = _unit(measured[k], kind), measured[k].limits[kind]
-        found.append(_number(system, measured, until, path, kind, (k,), unit, ends))
-    return found
-
-
-def _number(
-    system: System, measured: Sequence[Measured], until: float, name: str, kind: str,
-    records: tuple[int, ...], unit: str, ends: tuple[float, float] | None,
-) -> Parameter:
-    """With these bounds; without, with those within which it makes sense."""
-    low, high = ends or (-math.inf, math.inf)
-    if ends is None and kind == "shift":
-        spans = [measured[k].shifts(until, system) for k in records]
-        low, high = min(first for first, _ in spans), max(last for _, last in spans)
-    return Parameter(name, low, high, unit, kind=kind, records=records)
+            bounded = bounds is not None or kind == "blur"
+            ends = ends_of(problems, name, bounds, unit) if bounded else None
+            found.append(number(name, kind, tuple(free.pop(path)[0] for path in tied), ends))
+    return found + [number(path, kind, (k,), measured[k].limits[kind])
+                    for path, (k, kind) in free.items()]
 
 
 def _unit(measured: Measured, kind: str) -> str:
