@@ -105,7 +105,6 @@ def settle(run: Any, turn: Any, it: Any, i: int, tick: int, closing: float) -> N
         run.rested += struck
     if struck:
         it.impulse += it.force[0]
-        it.work += 0.5 * it.force[0] * (it.closing[0] + closing)
         change(run, turn, it, i, tick, Status.PRESS.value)
         new = turn[run.turns - 1]
         new.impulse, new.closing = it.force[0], 0.5 * (it.closing[0] + closing)
@@ -129,7 +128,7 @@ def record(
         it.bend = 2 * (it.rate - before) / (h * (X[N] - X[N - 1]))
         touch = Status.OPEN.value if it.status == Status.OPEN else Status.GRAZE.value
         if it.status != Status.OPEN and it.status != Status.GRAZE:
-            count(it, at.rate, h)
+            it.impulse += 0.5 * h * series.integral(it.force)
             top = series.largest(it.force)
             if ticks > run.window and top > NEAR * it.peak:  # shorter is where breaks nearly meet
                 it.peak = max(it.peak, series.maximum(it.force, at.series, it.peak))
@@ -150,15 +149,6 @@ def presses(run: Any, it: Any, top: float) -> bool:
     if it.law >= Law.SPRING:
         return top > 0 and series.largest(it.overlaps) > run.graze * run.shortest * run.tick
     return top * it.ease > run.graze
-
-
-def count(it: Any, power: Any, h: float) -> None:
-    """Add the impulse of a piece, and the work that the bodies did on the link."""
-    half = 0.5 * h
-    it.impulse += half * series.integral(it.force)
-    for j in range(series.POINTS):
-        power[j] = it.force[j] * (it.closing[j] - it.mobility * it.force[j])
-    it.work += half * series.integral(power)
 
 
 def change(run: Any, turn: Any, it: Any, i: int, tick: int, touch: int) -> None:

@@ -60,7 +60,7 @@ LINK = np.dtype([
     ("rate_after", "f8"),  # of an impact: closing that it leaves
     ("force_line", "i8"), ("overlap_line", "i8"), ("closing_line", "i8"),
     ("left_group", "i8"), ("right_group", "i8"),  # their first parts
-    ("touch", "i8"), ("unknown", "i8"), ("impulse", "f8"), ("work", "f8"), ("peak", "f8"),
+    ("touch", "i8"), ("unknown", "i8"), ("impulse", "f8"), ("peak", "f8"),
     ("first", "i8"), ("last", "i8"), ("apart", "i8"), ("opened", "i8"), ("pressed", "i8"),
     ("episodes", "i8"),
     ("overlaps", "f8", (POINTS,)), ("closing", "f8", (POINTS,)), ("force", "f8", (POINTS,)),
