@@ -62,6 +62,21 @@ def test_what_is_linear_is_met_exactly_inside():
     assert float(inside) == pytest.approx(0.2 * 1.8, abs=1e-14)
 
 
+@pytest.mark.parametrize("share", [0.02, 0.3, 0.48, 0.7])
+def test_fields_of_the_mirrored_row_are_those_of_the_row(row, share):
+    """Also within half a cell of either end of a rod, where its end has values of its own."""
+    image = ri.solve(ROW.mirrored(), 3.0, METHOD, cells=64)
+    t, last = np.linspace(0.2, 3.0, 9), len(ROW.bodies) - 1
+    for body in (0, 2, 5):
+        length = ROW.bodies[body].length
+        x = length * share / 32 * np.array([1.0, 3.0, 20.0])[:, None]
+        for name, sign in (("velocity", -1), ("displacement", -1), ("stress", 1), ("strain", 1)):
+            here, there = getattr(row, name), getattr(image, name)
+            for place, opposite in ((x, length - x), (length - x, x)):
+                assert there(last - body, opposite, t) == pytest.approx(
+                    sign * here(body, place, t), rel=1e-8, abs=1e-8)
+
+
 # At the ends --------------------------------------------------------------------------------------
 
 
