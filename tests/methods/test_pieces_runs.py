@@ -102,3 +102,21 @@ def test_random_rows_are_those_of_finite_differences(plain, seed):
     book = s.energy(np.linspace(0, 1.0, 33))
     moved = np.abs(book.kinetic).max() + np.abs(book.vibration).max() + 1.0
     assert np.abs(book.residual).max() <= 1e-8 * moved + np.abs(book.numerical).max()
+
+
+# Waves too dense to be followed -------------------------------------------------------------------
+
+
+def test_waves_that_are_smoothed_keep_their_momentum():
+    """What the two contacts of a rod give it is its change of momentum."""
+    rng = np.random.default_rng(22)
+    lengths, areas = rng.uniform(0.11, 1.3, 4), rng.uniform(0.3, 2.0, 4)
+    bodies = [unit_rod(length, area, velocity=v)
+              for length, area, v in zip(lengths, areas, (1.0, 0.2, -0.1, -0.7), strict=True)]
+    found = ri.solve(ri.System(bodies, ends=(ri.Fixed(), ri.Fixed())), 15.0, METHOD)
+    assert "Such waves are smoothed" in found.status
+    impulses = [contact.impulse for contact in found.contacts]
+    changes = np.subtract(found.outcome.velocities_after, found.outcome.velocities_before)
+    for i in (1, 2):
+        assert impulses[i - 1] - impulses[i] == pytest.approx(
+            bodies[i].mass * changes[i], abs=1e-8)
