@@ -81,11 +81,11 @@ class WaveFields(Fields):
         if (side == "right" and self.constant_between_fronts and ticks.ndim == 1
                 and np.shape(x) == (np.size(x) or 1, 1) and np.all(ticks[1:] >= ticks[:-1])):
             segment, offset = (of[:, 0] for of in self._offset(body, x))
-            out = np.empty((len(segment), len(ticks)))
-            for s in np.unique(segment).tolist():
-                here = segment == s
-                out[here] = self._on_grid(s, offset[here], ticks, sign, factor(s), shift)
-            return out
+            grids = [self._on_grid(s, offset[segment == s], ticks, sign, factor(s), shift)
+                     for s in np.unique(segment).tolist()]
+            if len(grids) == 1:  # copying a large one takes longer than finding it
+                return grids[0]
+            return np.concatenate(grids)[np.argsort(np.argsort(segment, kind="stable"))]
 
         def both(s: int, p: Ints, q: Ints) -> Floats:
             A, B = self.waves(s)
