@@ -68,10 +68,10 @@ def bound_deviation(segment: Any, node: Any, line: Any, log: Any, k: int, s: int
     most sqrt(2 E integral(g^2 dx/(E A))), E the energy of vibration. A wall at the far end has all
     the mass. A far endless bar of mobility Y gives way by Y p, p the momentum that it has taken; as
     p <= sqrt(2 m E), m Y^2 adds to the integral. Entered at the segment s beside the contact are
-    the deviation now, positive to the right, and the square of the bound.
+    the deviation now, positive to the right, the integral, and the square of the bound.
     """
     it, right, zero = segment[s], s > k, 0 * segment[s].mean
-    it.deviation = it.bound = zero
+    it.deviation = it.bound = it.slack = zero
     first, last = it.first, it.last
     if last == 0:
         return
@@ -107,7 +107,7 @@ def bound_deviation(segment: Any, node: Any, line: Any, log: Any, k: int, s: int
                     edge, wave, r = low, log[r].value - it.mean, log[r].after
     it.deviation = (-d if right else d) - give * taken
     if not quiet(line, first, last) or (give > 0 and node[k].status == Status.PRESS):
-        it.bound = 2 * energy * slack
+        it.bound, it.slack = 2 * energy * slack, slack
 
 
 def still(segment: Any, node: Any, line: Any, k: int) -> bool:

@@ -37,6 +37,7 @@ SEGMENT = np.dtype([
     ("mean", "f8"), ("low", "f8"), ("high", "f8"),  # its velocity, and bounds of its end's
     ("bounded", "i8"),  # 1: they hold
     ("deviation", "f8"), ("bound", "f8"),  # of the end from its mean motion, and its square
+    ("slack", "f8"),  # this over twice the energy of vibration
 ], align=True)
 NODE = np.dtype([
     ("kind", "i8"),  # its status while the gap is 0, before anything is solved
