@@ -65,6 +65,8 @@ METHODS = {
     "pop": "{}.pop()", "items": "Object.entries({})", "upper": "{}.toUpperCase()",
     "update": "Object.assign({},{})", "join": "{1}.join({0})",
 }
+ARRAYS = set(dir(np.ndarray)) - {"base", "mean"}
+"""What arrays have and nothing in JavaScript, but for the names of fields of records."""
 
 
 class Untranslatable(ValueError):
@@ -288,6 +290,8 @@ class _Translator(ast.NodeVisitor):
         value = self.known(node)
         if value is not None:
             return self.held(node, node.attr, value)
+        if node.attr in ARRAYS:
+            self.refuse(node, f"the attribute {node.attr}")
         return f"{self.visit(node.value)}.{node.attr}"
 
     def visit_Subscript(self, node: ast.Subscript) -> str:

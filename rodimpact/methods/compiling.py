@@ -96,7 +96,7 @@ class Compiled:
             if not self.place or type(error).__module__.startswith("numba"):
                 raise
             self._start_again(error)
-            return self._fast(*given)
+            return self(*given)  # which has no place now
 
     def _start_again(self, error: Exception) -> None:
         """Do without what is on disk: it is full, or what is read there is no machine code."""

@@ -66,13 +66,16 @@ def velocities_in_group(system: Any, group: list[int], inside: list[int], own: A
 def movable(system: System) -> list[int]:
     """Bodies that can move against the walls: all but the walls and the masses bonded to them."""
     count, held = len(system.bodies), set[int]()
-    for order in (range(count), range(count - 1, -1, -1)):
-        for i in order:
-            first = i == order[0]
-            bonded = first or isinstance(system.contacts[min(i, i - order.step)], Bonded)
-            if not bonded or not isinstance(system.bodies[i], Wall if first else RigidMass):
-                break
+    for start, step in ((0, 1), (count - 1, -1)):
+        i, bonded = start, isinstance(system.bodies[start], Wall)
+        while bonded:
             held.add(i)
+            i += step
+            bonded = (
+                0 <= i < count
+                and isinstance(system.bodies[i], RigidMass)
+                and isinstance(system.contacts[min(i, i - step)], Bonded)
+            )
     return [i for i in range(count) if i not in held]
 
 

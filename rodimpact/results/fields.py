@@ -128,7 +128,7 @@ class Fields(ABC):
     def profile(self, body: int, tick: int) -> Profile:
         """State just after `tick`, in pieces of constant velocity and strain."""
 
-    @property
+    @cached_property
     def known(self) -> Ints | None:
         """Increasing ticks at which alone energies are known; None where they are at all ticks.
 

@@ -42,7 +42,7 @@ class GridFields(Fields):
     motion: GridMotion
     resolution = STEP_TICKS
 
-    @property
+    @cached_property
     def known(self) -> Ints:
         return np.asarray(self.motion.when * STEP_TICKS)
 

@@ -156,6 +156,10 @@ def twice_called(a):
     return 0 < abs(a) < 3
 
 
+def of_an_array(a):
+    return a.shape[0]
+
+
 def formatted(a):
     return f"{a!r}"
 
@@ -166,6 +170,7 @@ def formatted(a):
     (with_statement, 1, "With"),
     (from_the_end, 1, "such an index"),
     (twice_called, 1, "a call between"), (formatted, 1, "such a format"),
+    (of_an_array, 1, "the attribute shape"),
 ])
 def test_what_is_not_translated_is_named_with_its_line(function, line, what):
     with pytest.raises(Untranslatable) as error:

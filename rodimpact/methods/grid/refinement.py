@@ -137,7 +137,7 @@ def measures_of(run: GridRun) -> dict[str, Array]:
         force, _ = run.contact(k)
         if k in row.opening:
             lasting = row.laws[link] != Law.IMPACT
-            begins, ends = run.spans(k)
+            begins, ends = run.spans(run.pressed(k))
             impulses.append(force.sum() * run.step)
             peaks.append(lasting * largest_force(force))
             durations.append(lasting * (ends - begins).sum())

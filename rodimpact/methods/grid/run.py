@@ -218,9 +218,9 @@ class GridRun:
         least = GAP_RESOLUTION * float(self.row.scale) * self.step
         return self.step * pressings(*self.contact(contact), least)
 
-    def spans(self, contact: int) -> tuple[Array, Array]:
-        """When a contact begins and ceases to press, or the run ends, s."""
-        begins, ends, _ = self.pressed(contact).T
+    def spans(self, pressed: Array) -> tuple[Array, Array]:
+        """When a contact that has `pressed` so begins and ceases to, or the run ends, s."""
+        begins, ends, _ = pressed.T
         return begins, np.nan_to_num(ends, nan=self.times[-1])
 
     def path(self, contact: int) -> Array:

@@ -24,12 +24,13 @@ def hand_over(run: GridRun, until: float | None) -> Run:
     """What every method hands back, of a run to `until`, s."""
     outside, size = (_outside(run, 0), _outside(run, 1)), sum(run.mesh.counts)
     forces = _forces(run, outside[0].push.values if outside[0] else np.zeros(run.steps))
-    contacts = tuple(_tally(run, k, force) for k, force in enumerate(forces))
+    pressed = [run.pressed(k) for k in range(len(forces))]
+    contacts = tuple(_tally(run, k, *of) for k, of in enumerate(zip(forces, pressed, strict=True)))
     final, t_final = run.proved >= 0, math.nan
     t_end = until if until is not None else float(run.times[-1])
     t_proved = float(run.times[run.proved]) if final else math.nan
     if final:
-        ends = [last[1:] for k in run.row.opening for last in run.pressed(k)[-1:].tolist()]
+        ends = [last[1:] for of in pressed for last in of[-1:].tolist()]
         t_final = last_contact(ends, t_end, 2 * run.clock.longest * run.clock.tick)
     proof = proof_sentence(any(x.episodes for x in contacts), t_final) if final else ""
     events = run.steps * len(run.row.laws)
@@ -45,7 +46,7 @@ def hand_over(run: GridRun, until: float | None) -> Run:
         method="finite-difference", until=until, clock=run.clock, end=end, t_end=t_end,
         t_final=t_final, t_proved=t_proved, stopped_by=run.stopped_by, status=status,
         events=events, contacts=contacts, accuracy=run.estimates,
-        make_signals=lambda: _signals(run, forces, outside),
+        make_signals=lambda: _signals(run, forces, pressed, outside),
     )
 
 
@@ -95,16 +96,16 @@ def _forces(run: GridRun, pushed: Floats) -> list[Floats]:
     return fill_bonds(row.system, known, spent, pushed)
 
 
-def _tally(run: GridRun, k: int, force: Floats) -> ContactTally:
+def _tally(run: GridRun, k: int, force: Floats, pressed: Floats) -> ContactTally:
     """Totals of contact k in SI units."""
-    law, (begins, ends) = run.row.system.contacts[k], run.spans(k)
+    law, (begins, ends) = run.row.system.contacts[k], run.spans(pressed)
     peak = largest_force(force) if law.opens else float(np.max(force, initial=0.0))
     if getattr(law, "restitution", None) is not None:  # takes no time, though it takes a step here
         peak, ends = math.nan, np.where(ends - begins <= run.step * (1 + 1e-9), begins, ends)
     first, last = (float(t[0]) if len(t) else math.nan for t in (begins, ends[::-1]))
     return ContactTally(
         float(force.sum() * run.step), peak, float((ends - begins).sum()), first, last,
-        len(touchings(run.pressed(k))),
+        len(touchings(pressed)),
     )
 
 
@@ -120,7 +121,9 @@ def _over(run: GridRun, means: Floats) -> Pieces:
     return Pieces(run.edges[:-1], means) if run.steps else Pieces([0], [0.0])
 
 
-def _signals(run: GridRun, forces: list[Floats], outside: Any) -> Signals:
+def _signals(
+    run: GridRun, forces: list[Floats], pressed: list[Floats], outside: Any
+) -> Signals:
     row, mesh, edges, contacts = run.row, run.mesh, run.edges, []
     pushes: dict[int, Floats] = {}  # by node
     for k, (force, link) in enumerate(zip(forces, row.contact_link, strict=True)):
@@ -129,7 +132,7 @@ def _signals(run: GridRun, forces: list[Floats], outside: Any) -> Signals:
             gap, path = run.contact(k)[1], run.path(k)
         contacts.append(ContactSignal(
             _over(run, force), Pieces.through(edges, gap), _over(run, path / run.step),
-            touchings(run.pressed(k))))
+            touchings(pressed[k])))
         for node, sign in zip(mesh.touching.get(link, ()), INWARD[::-1], strict=False):
             pushes[node] = pushes.get(node, 0.0) + sign * force
     for node, sign, link, end in zip(
