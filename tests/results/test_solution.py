@@ -135,6 +135,7 @@ def test_questions_outside_the_solution_are_refused(mixed, call, name):
 def test_regions_tile_the_plane_and_agree_with_the_fields(mixed):
     start, stop = 1e-5, 2e-4
     regions = regions_of(mixed, start, stop)
+    assert (regions.t.min(), regions.t.max()) == pytest.approx((start, stop))
     for body, length in ((1, 0.4), (2, 0.8), (3, 0.25)):
         area = 0.0
         for i in np.flatnonzero(regions.body == body):
@@ -206,7 +207,8 @@ def test_transit_error_is_reported():
     assert "The clock rounds the transit time of bodies.1" in awkward.status
 
 
-def test_an_unknown_name_is_said():
+def test_public_names_are_listed_and_an_unknown_one_is_said():
+    assert set(ri.__all__) <= set(dir(ri))
     with pytest.raises(AttributeError, match="nonsense"):
         _ = ri.nonsense
 
