@@ -308,7 +308,7 @@ def format_power(exponent: int) -> str:
 
 def format_factor(number: float) -> str:
     """Write a factor 1, 2 or 5 times a power of ten, or any other."""
-    if number < 1e5:
+    if 1e-3 <= number < 1e5:
         return f"{number:g}"
     exponent = math.floor(math.log10(number) + 1e-9)
     lead = f"{number / 10.0**exponent:.3g}"

@@ -8,7 +8,6 @@ interpolation. Each count has its own colour; counts have no contour lines.
 
 from __future__ import annotations
 
-import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,8 +16,8 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike, NDArray
+from scipy.ndimage import median_filter
 
 from ..methods.signals import Floats
 from ..model.arguments import array, of_kind
@@ -26,21 +25,18 @@ from ..model.frozen import nearest, refusal
 from ..results.labels import outcome, parameter
 from ..results.pair_theory import COLUMNS, PairTheory, pair_theory
 from ..running.sweep_result import STATUS, SweepResult
-from ..units import format_factor, format_power
+from ..units import format_factor
 from ..units import shown as shown_text
 from . import style
-from .sampling import evenly
 from .scales import MINUS, ROUND_OFF, Scale, scale_of, signed
 
 FEW = 40  # points of a curve that are marked
 SMOOTH = 400  # points of a curve of theory, at least
-AROUND = 3  # differences on either side of one whose median is the usual difference there
+AROUND = 7  # differences about one, itself among them, whose median is the usual difference there
 LEAP = 8.0  # usual differences that a jump surpasses
 SEEN = 0.02  # of a quantity's range: a smaller jump is not seen
-LINES = 150  # points a side, at most, from which lines are drawn
 PLATEAU = 3  # rows of points on which values equal: no line follows such a plateau
 WIDE = 3.0  # last over first value from which an axis may be logarithmic
-COLOURS = 24  # counts that have a colour each, at most
 EQUALITIES: dict[str, tuple[Any, str]] = {
     "equal transit times: e = 1": ("-", "transit_time"), "equal impedances": ("--", "impedance"),
 }
@@ -169,15 +165,11 @@ def _column(result: SweepResult, quantity: str) -> NDArray[Any]:
 def _dimensions(result: SweepResult) -> list[int]:
     """Dimensions with more than one value; ValueError unless they are one or two."""
     wide = [i for i, count in enumerate(result.shape) if count > 1]
-    if not wide:
+    if not 1 <= len(wide) <= 2:
         raise refusal(
-            "result", f"has shape {result.shape}, a single collision, and therefore no axis; "
-            "give an array for a number of the system, such as length=np.linspace(0.1, 1, 50)"
-        )
-    if len(wide) > 2:
-        raise refusal(
-            "result", f"has shape {result.shape}, but a map has two axes; sweep a smaller family, "
-            f"such as system[{', '.join('0' * (len(result.shape) - 2))}]")
+            "result", f"has shape {result.shape}, but a curve has one axis and a map two; give an "
+            "array for one or two numbers of the system, such as length=np.linspace(0.1, 1, 50), "
+            "or draw part of the family, such as sweep(system[0])")
     return wide
 
 
@@ -191,13 +183,10 @@ def _curve(ax: Axes, side: Side, shown: Shown, theory: PairTheory | None) -> sty
         drawn = ax.stairs(shown.values, side.edges, baseline=None, color=ink, linewidth=1.4)
         _count_ticks(ax.yaxis, shown)
     else:
-        x, y = _broken(side.numbers, shown.values)
-        gaps = np.isnan(np.pad(y, 1, constant_values=np.nan))
         few = side.values.size <= FEW
-        marked = np.flatnonzero(~gaps[1:-1] & (few | (gaps[:-2] & gaps[2:]))).tolist()
-        (drawn,) = ax.plot(
-            x, y, color=ink, linewidth=1.2, linestyle="" if few and law else "-", markevery=marked,
-            **style.COMPUTED | {"marker": "o" if marked else ""})
+        marks: dict[str, Any] = {} if few else {"marker": ".", "markersize": 0.8}
+        (drawn,) = ax.plot(*_broken(side.numbers, shown.values), color=ink, linewidth=1.2,
+                           linestyle="" if few and law else "-", **style.COMPUTED | marks)
     least = float(np.nanmin(shown.values))
     low, high = min(0.0, least), max(0.0, float(np.nanmax(shown.values)))
     room = 0.05 * (high - low) or 1.0
@@ -230,13 +219,10 @@ def _broken(x: Floats, y: Floats) -> tuple[Floats, Floats]:
 def _jumps(values: Floats) -> NDArray[np.bool_]:
     """Whether each difference along the first axis is a jump: far larger than those around it."""
     steps = np.abs(np.diff(values, axis=0))
-    outside = [(AROUND, AROUND), *[(0, 0)] * (steps.ndim - 1)]
-    around = sliding_window_view(
-        np.pad(steps, outside, constant_values=np.nan), 2 * AROUND + 1, axis=0).copy()
-    around[..., AROUND] = np.nan_to_num(steps)
+    usual = median_filter(np.nan_to_num(steps), (AROUND, 1)[: values.ndim])
     least = max(SEEN * (np.nanmax(values) - np.nanmin(values)),
                 ROUND_OFF * np.nanmax(np.abs(values)))
-    return np.asarray(steps > np.maximum(LEAP * np.nanmedian(around, axis=-1), least))
+    return np.asarray(steps > np.maximum(LEAP * usual, least))
 
 
 def _map(ax: Axes, sides: list[Side], shown: Shown, theory: PairTheory | None) -> style.Picture:
@@ -247,19 +233,17 @@ def _map(ax: Axes, sides: list[Side], shown: Shown, theory: PairTheory | None) -
                           cmap=palette, norm=norm, shading="flat", rasterized=True, zorder=1)
     _dress_side(ax.xaxis, sides[0])
     _dress_side(ax.yaxis, sides[1])
-    few = [evenly(side.values.size, LINES) for side in sides]
-    plane = [side.numbers[i] for side, i in zip(sides, few, strict=True)]
-    values = shown.values[np.ix_(*few)]
+    plane = [side.numbers for side in sides]
     contours, labels = (None, []) if shown.is_count else _contours(
-        ax, plane, values, palette, norm)
+        ax, plane, shown.values, palette, norm)
     lines: list[contour.QuadContourSet] = []
     handles: list[artist.Artist] = []
     rods = theory is not None and np.isfinite(theory.impedance).all()
     for name, (dash, number) in EQUALITIES.items() if rods else ():
-        left, right = (each[np.ix_(*few)] for each in getattr(theory, number))
+        left, right = getattr(theory, number)
         log = any(side.is_log for side in sides)
         excess = np.log(left / right) if log else (left - right) / np.max(left)
-        excess = np.where(np.isfinite(values), np.round(excess, 12), np.nan)
+        excess = np.where(np.isfinite(shown.values), np.round(excess, 12), np.nan)
         if (excess < 0).any() and (excess > 0).any():
             lines.append(ax.contour(*plane, np.ma.masked_invalid(excess.T), levels=[0.0],
                                     colors=ink, linewidths=1.4, linestyles=dash, zorder=4))
@@ -280,9 +264,9 @@ def _colours(shown: Shown) -> tuple[colors.Colormap, colors.Normalize]:
     low, high = float(np.nanmin(shown.values)), float(np.nanmax(shown.values))
     if shown.words:
         low, high = 0.0, len(shown.words) - 1.0
-    count = int(high - low) + 1
-    if shown.is_count and count <= COLOURS:
-        borders = low - 0.5 + np.arange(count + 1)
+    if shown.is_count:
+        borders = np.arange(low - 0.5, high + 1.0)
+        count = borders.size - 1
         return style.RISING.resampled(count), colors.BoundaryNorm(borders, count)
     largest = max(-low, high)
     if low < -ROUND_OFF * largest and high > ROUND_OFF * largest:
@@ -337,8 +321,8 @@ def _dress_side(axis: Any, side: Side) -> None:
     """Limits, label and ticks of an axis of the family."""
     label = side.scale.label
     if side.beside:
-        more = f" and {len(side.beside) - 2} more" if len(side.beside) > 2 else ""
-        label += f"\nwith {', '.join(side.beside[:2])}{more}"
+        more = len(side.beside) - 1
+        label += f"\nwith {side.beside[0]}" + f" and {more} more" * (more > 0)
     first, last = side.edges[[0, -1]]
     axis.set_label_text(label)
     axis.axes.set(**{f"{axis.axis_name}scale": "log" if side.is_log else "linear",
@@ -346,13 +330,8 @@ def _dress_side(axis: Any, side: Side) -> None:
     if side.is_log:
         subs = (1.0, 2.0, 5.0) if last < 2e3 * first else (1.0,)
         axis.set_major_locator(ticker.LogLocator(subs=subs, numticks=15))
-        axis.set_major_formatter(ticker.FuncFormatter(lambda value, _: _plain(value)))
+        axis.set_major_formatter(ticker.FuncFormatter(lambda value, _: format_factor(value)))
         axis.set_minor_formatter(ticker.NullFormatter())
-
-
-def _plain(value: float) -> str:
-    """A tick of a logarithmic axis: a number, or a power of ten if it is small."""
-    return format_factor(value) if value > 0.9e-3 else format_power(round(math.log10(value)))
 
 
 def _count_ticks(axis: Axis, shown: Shown) -> None:

@@ -175,7 +175,7 @@ def test_what_varies_along_with_it_is_named():
     result = ri.sweep(ri.System([rod(1.0, 1.0), *[rod(lengths)] * 4]))
     picture = plot.sweep(result, axes(), "velocity_after.4")
     assert picture.ax.get_xlabel() == (
-        "length of rod 2 (m)\nwith length of rod 3, length of rod 4 and 1 more")
+        "length of rod 2 (m)\nwith length of rod 3 and 2 more")
     assert picture.ax.get_ylabel() == "velocity of rod 5 after (m/s)"
 
 
@@ -371,7 +371,7 @@ def test_a_quantity_without_values_is_refused(swept):
 
 def test_families_without_axis_or_with_three_are_refused():
     for system in (ri.System([rod(0.4, 1.0), rod()]), ri.System([rod([0.4], 1.0), rod()])):
-        with pytest.raises(ValueError, match=r"single collision.*give an array"):
+        with pytest.raises(ValueError, match=r"one axis and a map two; give an array"):
             plot.sweep(ri.sweep(system), axes())
     cube = ri.System([rod(np.array([0.3, 0.4])[:, None, None], column([1.0, 2.0])),
                       rod(area=[1e-4, 2e-4])])
