@@ -123,18 +123,18 @@ def solved(row: Any, asked: Any, tolerance: float) -> Any:
 def refused(row: Any, asked: Any) -> Any:
     """Path and sentence of what nobody can solve; None if there is nothing."""
     for i, place in enumerate(row.contact_link):
-        if is_beyond(row, place):
+        if is_beyond(row, row.links[place]):
             return (f"contacts.{i}.stiffness", "is as good as rigid here; make it less stiff")
     if has_driven_end(row.system) and asked.until < 0:
         return ("solve.until", "must be given where an end is driven")
     return None
 
 
-def is_beyond(row: Any, i: int) -> bool:
+def is_beyond(row: Any, link: Any) -> bool:
     """Whether a link is too stiff to be told from a rigid one."""
     T, scale = largest([s.transit_time for s in row.segments]), scale_of(row)
-    stiff = row.stiffness[i] * (T / smallest([s.impedance for s in row.segments]))
-    return not stiff * ((scale if scale > 0 else 1.0) * T) ** (row.exponent[i] - 1) <= STIFFEST
+    stiff = link.stiffness * (T / smallest([s.impedance for s in row.segments]))
+    return not stiff * ((scale if scale > 0 else 1.0) * T) ** (link.exponent - 1) <= STIFFEST
 
 
 def outcome_of(run: Any) -> Any:
@@ -187,7 +187,7 @@ def sentence_of(run: Any) -> str:
 def restitution_of(system: Any, asked: Any) -> Any:
     """e of a collision, as quickly as a curve needs it; None where there is none."""
     row = walk(system)
-    stiff = any(is_beyond(row, i) for i in row.contact_link)
+    stiff = any(is_beyond(row, row.links[i]) for i in row.contact_link)
     run = None if stiff else run_of(row, asked, QUICK, False, None)
     if run is None or run["ended"].run.stop == Stop.STUCK:
         return None

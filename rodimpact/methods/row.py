@@ -48,11 +48,7 @@ class Row(Walk):
     mass_of : list of int
         Mass of each body; len(masses) + 0 or 1 if bonded to the left or right wall, -1 for a rod or
         a wall.
-    laws, stiffness, exponent, damping, strength, gap : list
-        By link; where it yields `damping` is the hardening, as a share of the stiffness; the gap of
-        a joint is its stretch.
-    table : list of list of (float, float)
-        By link: forces from which on what yields has another hardening, and these.
+    links : list of walk.LINK
     contact_link : list of int
         Link of each contact, -1 where it joins rigid bodies for good.
     outside : list of (str, value)
@@ -102,12 +98,12 @@ class Row(Walk):
     def by_law(self) -> dict[int, int]:
         """Links of the contacts whose force follows from a law, all but the bonded, by contact."""
         links = enumerate(self.contact_link)
-        return {k: i for k, i in links if i >= 0 and self.laws[i] > Law.BOND}
+        return {k: i for k, i in links if i >= 0 and self.links[i].law > Law.BOND}
 
     @cached_property
     def opening(self) -> dict[int, int]:
         """Links of the contacts that can open, by contact."""
-        return {k: i for k, i in self.by_law.items() if self.laws[i] >= Law.RIGID}
+        return {k: i for k, i in self.by_law.items() if self.links[i].law >= Law.RIGID}
 
     # Scales ---------------------------------------------------------------------------------------
 
@@ -148,14 +144,14 @@ class Row(Walk):
                     partial(_beyond_numbers, speed, square, what),
                 ))
             for i, link in self.by_law.items():
-                if self.laws[link] >= Law.SPRING or self.laws[link] == Law.JOINT:
-                    k, p = self.stiffness[link], np.asarray(self.exponent[link])
-                    stiff = k * (T / least_impedance(self)) * np.power(speed * T, p - 1)
-                    beyond.append((
-                        ~np.less_equal(stiff, STIFFEST), f"contacts.{i}.stiffness",
-                        partial(AS_GOOD_AS_RIGID.format, k,
-                                "Bonded" if self.laws[link] == Law.JOINT else "Rigid"),
-                    ))
+                it = self.links[link]
+                stiff = it.stiffness * (T / least_impedance(self)) * np.power(
+                    speed * T, np.asarray(it.exponent) - 1)
+                beyond.append((
+                    ~np.less_equal(stiff, STIFFEST), f"contacts.{i}.stiffness",
+                    partial(AS_GOOD_AS_RIGID.format, it.stiffness,
+                            "Bonded" if it.law == Law.JOINT else "Rigid"),
+                ))
         return beyond
 
     def check_scales(self) -> None:

@@ -10,13 +10,29 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..model.profiles import extremes
-from .laws import Law as Kind
+from .compiling import blank
+from .laws import KNOTS, UNREACHED, Law
 
 ENDS = {
     "free": "none", "fixed": "velocity", "velocity": "velocity", "force": "force",
     "absorbing": "absorbing", "incoming": "absorbing",
 }
 """What is outside the ends of a row, by their kind."""
+
+LAWS = {
+    "bonded": Law.BOND, "joint": Law.JOINT, "rigid": Law.RIGID, "spring": Law.SPRING,
+    "spring-dashpot": Law.SPRING, "hertz": Law.POWER, "power": Law.POWER, "own": Law.OWN,
+    "hunt-crossley": Law.POWER, "yielding": Law.YIELD, "tabulated": Law.YIELD,
+}
+"""What acts in a contact, by the name of its law; an impact where a rigid one has a restitution."""
+
+LINK = np.dtype([
+    ("law", "i8"), ("stiffness", "f8"), ("exponent", "f8"), ("strength", "f8"),
+    ("damping", "f8"),  # the restitution of an impact; the hardening, as a share of the stiffness
+    ("gap", "f8"),  # of a joint its stretch
+    ("knots", "f8", (KNOTS,)), ("shares", "f8", (KNOTS,)),  # forces of other hardenings, and these
+])
+"""A link of a row; in a family numbers are arrays."""
 
 
 class Walk(NamedTuple):
@@ -30,13 +46,7 @@ class Walk(NamedTuple):
     masses: list[Any]
     mass_velocity: list[Any]
     mass_of: list[int]
-    laws: list[Any]
-    stiffness: list[Any]
-    exponent: list[Any]
-    damping: list[Any]
-    strength: list[Any]
-    gap: list[Any]
-    table: list[Any]
+    links: list[Any]
     contact_link: list[int]
     outside: list[tuple[str, Any]]
 
@@ -44,8 +54,7 @@ class Walk(NamedTuple):
 def walk(system: Any) -> Walk:
     """Walk through a system from left to right."""
     bodies, last = system.bodies, len(system.bodies) - 1
-    row = Walk(system, [], [""], [], [0], [], [], [], [], [], [], [], [], [], [], [],
-               [("none", 0.0), ("none", 0.0)])
+    row = Walk(system, [], [""], [], [0], [], [], [], [], [], [("none", 0.0), ("none", 0.0)])
     for i, body in enumerate(bodies):
         rigid = body.kind != "rod"
         if i > 0 and rigid and bodies[i - 1].kind != "rod" and is_bonded(system, i - 1):
@@ -54,7 +63,7 @@ def walk(system: Any) -> Walk:
             row.spans.append((1, 0))
             continue
         if i > 0:
-            row.contact_link.append(len(row.laws))
+            row.contact_link.append(len(row.links))
             add_contact(row, system.contacts[i - 1], system.gaps[i - 1])
         elif body.kind != "wall":
             add_end(row, 0, system.ends[0])
@@ -88,46 +97,40 @@ def add_rod(row: Walk, path: str, rod: Any) -> None:
     """Add the segments of a rod, bonded to each other."""
     for j, segment in enumerate(rod.segments):
         if j > 0:
-            add(row, Kind.BOND, 0.0, 0.0, 0.0, 1.0, 0.0)
+            add(row, Law.BOND)
         row.segments.append(segment)
         row.paths.append(f"{path}.segments.{j}" if len(rod.segments) > 1 else path)
         row.first.append(len(row.masses))
 
 
-def add(
-    row: Walk, law: Any, damping: Any, gap: Any, stiffness: Any, exponent: Any, strength: Any
-) -> None:
-    """Add a link."""
-    row.laws.append(law)
-    row.damping.append(damping)
-    row.gap.append(gap)
-    row.stiffness.append(stiffness)
-    row.exponent.append(exponent)
-    row.strength.append(strength)
-    row.table.append([])
+def add(row: Walk, law: Any) -> Any:
+    """Add a link, and return it."""
+    it = blank(1, LINK)[0]
+    it.law, it.exponent = law, 1.0
+    row.links.append(it)
+    return it
 
 
 def add_contact(row: Walk, law: Any, gap: Any) -> None:
     """Add the link of a contact."""
-    if law.law == "bonded":
-        add(row, Kind.BOND, 0.0, 0.0, 0.0, 1.0, 0.0)
-    elif law.law == "rigid" and law.restitution is None:
-        add(row, Kind.RIGID, 0.0, gap, 0.0, 1.0, 0.0)
-    elif law.law == "rigid":
-        add(row, Kind.IMPACT, law.restitution, gap, 0.0, 1.0, 0.0)
-    elif law.law == "joint":
-        add(row, Kind.JOINT, law.damping, law.stretch, law.stiffness, 1.0, 0.0)
-    elif law.law in ("yielding", "tabulated"):
-        add(row, Kind.YIELD, law.hardening / law.stiffness, gap, law.stiffness, 1.0,
-            law.yield_force)
-        if law.law == "tabulated":
-            row.table[len(row.table) - 1] = law.table
-    elif law.law == "own":
-        add(row, Kind.OWN, 1.0, gap, 0.0, 1.0, 0.0)  # whatever it is, it may depend on the rate
-    else:
-        kind = Kind.SPRING if law.law in ("spring", "spring-dashpot") else Kind.POWER
-        damping = law.damping if law.law in ("spring-dashpot", "hunt-crossley") else 0.0
-        add(row, kind, damping, gap, law.stiffness, law.exponent, 0.0)
+    it = add(row, LAWS[law.law])
+    it.gap = law.stretch if it.law == Law.JOINT else gap
+    if it.law == Law.OWN:
+        it.damping = 1.0  # whatever it is, it may depend on the rate
+    elif it.law == Law.RIGID:
+        if law.restitution is not None:
+            it.law, it.damping = Law.IMPACT, law.restitution
+    elif it.law != Law.BOND:
+        it.stiffness = law.stiffness
+    if law.law in ("joint", "spring-dashpot", "hunt-crossley"):
+        it.damping = law.damping
+    if it.law == Law.POWER:
+        it.exponent = law.exponent
+    elif it.law == Law.YIELD:
+        it.damping, it.strength = law.hardening / law.stiffness, law.yield_force
+        it.knots = [UNREACHED for _ in range(KNOTS)]
+        for j, entry in enumerate(law.table if law.law == "tabulated" else []):
+            it.knots[j], it.shares[j] = entry[0], entry[1]
 
 
 def add_end(row: Walk, side: int, end: Any) -> None:
@@ -136,8 +139,8 @@ def add_end(row: Walk, side: int, end: Any) -> None:
     if end.kind in ("velocity", "force", "incoming"):
         value = end.value
     row.outside[side] = (kind, value)
-    push = Kind.PUSH_RIGHT if side > 0 else Kind.PUSH_LEFT
-    add(row, push if kind in ("none", "force") else Kind.BOND, 0.0, 0.0, 0.0, 1.0, 0.0)
+    push = Law.PUSH_RIGHT if side > 0 else Law.PUSH_LEFT
+    add(row, push if kind in ("none", "force") else Law.BOND)
 
 
 def merge(row: Walk, body: Any) -> None:
@@ -227,12 +230,11 @@ def scale_of(row: Any) -> Any:
             pushed.extend([abs(F) for F in extremes(value)])
         elif kind == "absorbing":
             strained.extend([abs(e * wave_of_strain(row, side)) for e in extremes(value)])
-    for i in row.contact_link:
-        if i >= 0 and row.laws[i] == Kind.JOINT:
-            pushed.append(abs(row.stiffness[i] * row.gap[i]))
-        elif i >= 0 and row.laws[i] >= Kind.SPRING:  # it may be given with an overlap
-            overlap = np.maximum(0.0 - row.gap[i], 0.0)
-            pushed.append(row.stiffness[i] * overlap ** row.exponent[i])
+    for it in row.links:
+        if it.law == Law.JOINT:
+            pushed.append(abs(it.stiffness * it.gap))
+        elif it.law >= Law.SPRING:  # it may be given with an overlap
+            pushed.append(it.stiffness * np.maximum(0.0 - it.gap, 0.0) ** it.exponent)
     fall = abs(row.system.gravity) * largest([s.transit_time for s in row.segments])
     spread = largest(velocities) - smallest(velocities)
     return spread + largest(strained) + largest(pushed) / least_impedance(row) + fall

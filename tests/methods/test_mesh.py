@@ -57,7 +57,7 @@ def test_every_row(seed, driven):
     assert mesh.starts[0] == 0
     assert mesh.starts[1:] == [b + 1 for b in mesh.stops[:-1]]
     assert mesh.stops[-1] + 1 == len(mesh.mass) == len(mesh.stiffness) - 1
-    assert set(mesh.touching) == {i for i, law in enumerate(plan.laws) if law >= Law.JOINT}
+    assert set(mesh.touching) == {i for i, law in enumerate(plan.links) if law.law >= Law.JOINT}
     assert len(mesh.touching) == len(mesh.starts) - 1
     for (left, right), a, b in zip(
         mesh.touching.values(), mesh.stops[:-1], mesh.starts[1:], strict=True
@@ -74,7 +74,7 @@ def test_every_row(seed, driven):
     for a, b in zip(mesh.starts, mesh.stops, strict=True):
         between[a + 1 : b + 1] = False
     assert not np.any(mesh.stiffness[between])
-    bonds = {i for i in plan.contact_link if i >= 0 and plan.laws[i] == Law.BOND}
+    bonds = {i for i in plan.contact_link if i >= 0 and plan.links[i].law == Law.BOND}
     assert bonds <= set(mesh.bonds)
     image = Mesh(Row(system.mirrored()), counts[::-1])
     assert image.mass[::-1] == pytest.approx(mesh.mass, rel=1e-12)

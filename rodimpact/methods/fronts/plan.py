@@ -61,7 +61,7 @@ def plan_of(row: Any) -> Plan:
     for body, span in zip(system.bodies, row.spans, strict=True):
         strain = body.strain if body.kind == "rod" else 0.0
         bodies.append(enter(numbers, span, (body.velocity, strain), Beyond.STEADY.value))
-    kinds = [STATUS[law] for law in row.laws]
+    kinds = [STATUS[it.law] for it in row.links]
     for side, end in enumerate(system.ends):
         if row.outside[side][0] == "none":
             kinds[side * (len(kinds) - 1)] = Status.FREE.value

@@ -150,9 +150,9 @@ class Mesh:
         self.node_of_mass: list[int] = []
         self.starts: list[int] = []
         self.touching: dict[int, tuple[int, int]] = {}
-        node, parts, last = -1, list[Cells](), len(row.laws) - 1
+        node, parts, last = -1, list[Cells](), len(row.links) - 1
         for i, (_, (kind, s)) in enumerate(row.beside):
-            apart = row.laws[i] >= Law.JOINT
+            apart = row.links[i].law >= Law.JOINT
             for _ in range((i == 0) + apart):  # what lies outside begins the first piece
                 node += 1
                 self.starts.append(node)
@@ -180,7 +180,7 @@ class Mesh:
             (0, last), self.ends, row.outside, strict=True) if kind == "velocity"}
         self.held[list(driven.values())] = 1
         self.bonds = {i: self._bond(i) for i in sorted({*row.contact_link, *driven})
-                      if i >= 0 and row.laws[i] == Law.BOND}
+                      if i >= 0 and row.links[i].law == Law.BOND}
 
     def _bond(self, link: int) -> tuple[int, int]:
         """Node of a bond and the cell beside it: one of its sides is a rod, or it is one body."""
@@ -213,7 +213,8 @@ class Mesh:
     @cached_property
     def groups(self) -> list[tuple[int, int]]:
         """First and last node of all that hangs together: pieces, with the joints between them."""
-        joined = {left for i, (left, _) in self.touching.items() if self.row.laws[i] == Law.JOINT}
+        links = self.row.links
+        joined = {left for i, (left, _) in self.touching.items() if links[i].law == Law.JOINT}
         first = [a for a in self.starts if a - 1 not in joined]
         last = [b for b in self.stops if b not in joined]
         return list(zip(first, last, strict=True))

@@ -180,7 +180,7 @@ def _go(run: GridRun, until: float | None, max_events: int, forecast: Forecast) 
     """Run to the end, or to the proof."""
     room, longest = run.room, run.round_trip // 2
     steps = 0 if until is None else round(until / run.step)
-    last = max(1, max_events // len(run.row.laws)) if until is None else steps
+    last = max(1, max_events // len(run.row.links)) if until is None else steps
     per_step = cost(run.mesh, plain=not kernels.enabled())
 
     def tell(taken: int) -> None:

@@ -34,7 +34,7 @@ def finality_time(run: GridRun) -> float:
     wait, tol, now = 0.0, float(run.grid.run["tolerance"][0]), present(run)
     still = tol * run.step  # a bound up to which ends move as their groups do
     for place, (link, (left, right)) in enumerate(run.mesh.touching.items()):
-        if run.row.laws[link] != Law.JOINT:
+        if run.row.links[link].law != Law.JOINT:
             gap = float(run.grid.link["gap"][place]) * run.step
             if gap < 0:
                 return math.inf
@@ -82,13 +82,13 @@ def side_of(
     loose = 0.0
     for place, (link, (_, right)) in enumerate(mesh.touching.items()):
         if a < right <= b:
-            cell, k = right - a - 1, float(run.row.stiffness[link])
+            cell, k = right - a - 1, float(run.row.links[link].stiffness)
             if k > 0:
                 stretch[cell] = run.grid.link["gap"][place] * h
                 slack[cell] = 1 / k
                 energy += k * stretch[cell] ** 2 / 2
             else:
-                loose += 2 * g[cell] / float(run.row.damping[link])
+                loose += 2 * g[cell] / float(run.row.links[link].damping)
     d, yielding = float(stretch @ g) * (1 if right_end else -1), float(g * g @ slack)
     if Z > 0:
         d -= float(m @ (v - mean)) / Z

@@ -136,7 +136,7 @@ def measures_of(run: GridRun) -> dict[str, Array]:
     for k, link in row.by_law.items():
         force, _ = run.contact(k)
         if k in row.opening:
-            lasting = row.laws[link] != Law.IMPACT
+            lasting = row.links[link].law != Law.IMPACT
             begins, ends = run.spans(run.pressed(k))
             impulses.append(force.sum() * run.step)
             peaks.append(lasting * largest_force(force))

@@ -209,7 +209,7 @@ class GridRun:
         """Mean force in each step, N, and gap at the ends of steps, m; not of a bonded contact."""
         link = self.row.contact_link[contact]
         gap = self._entered(link, "gap") * self.step
-        return self._entered(link, "force"), np.append(float(self.row.gap[link]), gap)
+        return self._entered(link, "force"), np.append(float(self.row.links[link].gap), gap)
 
     def pressed(self, contact: int) -> Array:
         """[n, 3] as of `pressings`, s; none of a contact that cannot open."""
@@ -256,7 +256,7 @@ class GridRun:
 
         N and m/s, in the laboratory; positive to the inside, and to the right.
         """
-        row, link = self.row, (0, len(self.row.laws) - 1)[side]
+        row, link = self.row, (0, len(self.row.links) - 1)[side]
         v = self.velocity(self.mesh.ends[side])
         speed, force = (v[:-1] + v[1:]) / 2, self.track.given[:, side]
         if link in self.mesh.touching:
@@ -285,7 +285,7 @@ class GridRun:
         """
         peaks, less = [0.0], [0.0]
         for contact, link in self.row.opening.items():
-            if self.row.laws[link] == Law.RIGID:
+            if self.row.links[link].law == Law.RIGID:
                 force = self.contact(contact)[0]
                 passed = np.concatenate((np.zeros(RINGING), np.cumsum(force)))
                 means = (passed[RINGING:] - passed[:-RINGING]) / RINGING
@@ -297,7 +297,7 @@ class GridRun:
     def peak_error(self) -> float:
         """Error of the peak force that no finer mesh makes less; relative."""
         steep = self.mesh.viscous.any() or self.mesh.lateral.any() or self.mesh.swells
-        if steep and Law.RIGID in self.row.laws:
+        if steep and any(it.law == Law.RIGID for it in self.row.links):
             return math.inf  # of flat ends that meet, any finer mesh finds a larger force
         return 2 * float(self.overshoot)
 

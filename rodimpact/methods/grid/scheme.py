@@ -9,9 +9,10 @@ import numpy as np
 
 from ...model.frozen import InvalidModel
 from ...model.profiles import averages
-from ..laws import KNOTS, UNREACHED, Beyond
+from .. import walk
+from ..compiling import as_records
+from ..laws import Beyond
 from ..row import Array, Row
-from ..walk import wave_of_strain
 from . import elimination_kernel as elimination
 from . import records
 from .mesh import Mesh
@@ -102,39 +103,27 @@ def answered(multipliers: dict[str, Array], push: Array) -> Array:
 
 def _links(mesh: Mesh, h: float, by_first: Array, by_last: Array) -> Array:
     """Links, each between two neighbouring pieces."""
-    row, chosen = mesh.row, list(mesh.touching)
+    given = as_records([mesh.row.links[i] for i in mesh.touching], walk.LINK)
+    count, k, p = len(given), given["stiffness"], given["exponent"]
+    stiffness, gap = k * h**p, given["gap"] / h
+    if np.any(vanishing := (k > 0) & (stiffness < LEAST)):
+        i = int(np.argmax(vanishing))
+        message = f"a force of {float(k[i])!r} times the indentation to the {p[i]:g} vanishes in"
+        raise InvalidModel([("contacts", f"{message} steps of {h:.3g} s; use a lower power")])
     left, right = np.array(mesh.stops[:-1], np.int64), np.array(mesh.starts[1:], np.int64)
     # two links feel each other through a piece of one node, or one that answers as a whole
-    shared = np.zeros(len(chosen))
+    shared = np.zeros(count)
     shared[1:] = by_first[left[1:]] / 2
     begins = np.flatnonzero(shared == 0)
-    last = np.full(len(chosen), NONE)
-    last[begins] = np.append(begins[1:], len(chosen)) - 1
-    gap = np.array(row.gap, float)[chosen] / h
-    columns = {name: np.array(getattr(row, name))[chosen]
-               for name in ("exponent", "damping", "strength")}
-    knots, shares = np.full((len(chosen), KNOTS), UNREACHED), np.zeros((len(chosen), KNOTS))
-    for i, k in enumerate(chosen):
-        for j, (force, hardening) in enumerate(row.table[k]):
-            knots[i, j], shares[i, j] = force, hardening
+    last = np.full(count, NONE)
+    last[begins] = np.append(begins[1:], count) - 1
     return filled(
-        records.LINK, len(chosen), law=np.array(row.laws)[chosen],
-        stiffness=stiffness_in_steps(row, h)[chosen], left=left, right=right,
-        leftmost=mesh.starts[:-1] if mesh.implicit else left,
-        rightmost=mesh.stops[1:] if mesh.implicit else right,
-        last=last, own=by_last[left] / 2 + by_first[right] / 2, shared=shared, gap=gap, knots=knots,
-        shares=shares, shut=gap == 0, **columns,
-    )
-
-
-def stiffness_in_steps(row: Row, step: float) -> Array:
-    """Stiffness of each link where time is counted in steps, s, and lengths as velocities."""
-    scaled = [k * step**p for k, p in zip(row.stiffness, row.exponent, strict=True)]
-    for k, p, small in zip(row.stiffness, row.exponent, scaled, strict=True):
-        if k > 0 and small < LEAST:
-            message = f"a force of {k!r} times the indentation to the {p:g} vanishes in steps"
-            raise InvalidModel([("contacts", f"{message} of {step:.3g} s; use a lower power")])
-    return np.array(scaled)
+        records.LINK, count, **{name: given[name] for name in given.dtype.names} | {
+            "stiffness": stiffness, "gap": gap, "shut": gap == 0, "last": last,
+            "left": left, "leftmost": mesh.starts[:-1] if mesh.implicit else left,
+            "right": right, "rightmost": mesh.stops[1:] if mesh.implicit else right,
+            "own": by_last[left] / 2 + by_first[right] / 2, "shared": shared,
+        })
 
 
 # What drives the ends -----------------------------------------------------------------------------
@@ -148,7 +137,7 @@ def driven(mesh: Mesh, step: float, side: int, steps: int) -> Array:
     if kind == "none":
         return np.zeros(steps)
     pushes = pushed(step, value, steps)
-    return pushes if kind == "force" else wave_of_strain(mesh.row, side) * pushes
+    return pushes if kind == "force" else walk.wave_of_strain(mesh.row, side) * pushes
 
 
 def pushed(step: float, value: Any, steps: int) -> Array:

@@ -33,7 +33,7 @@ def hand_over(run: GridRun, until: float | None) -> Run:
         ends = [last[1:] for of in pressed for last in of[-1:].tolist()]
         t_final = last_contact(ends, t_end, 2 * run.clock.longest * run.clock.tick)
     proof = proof_sentence(any(x.episodes for x in contacts), t_final) if final else ""
-    events = run.steps * len(run.row.laws)
+    events = run.steps * len(run.row.links)
     status = ending(run.stopped_by, proof, format_si(t_end, "s"), f"{events} steps times ends",
                     *acting_and_held(run.row.system))
     status += f" Time step {format_si(run.step, 's')}, {size} cells."
@@ -136,7 +136,7 @@ def _signals(
         for node, sign in zip(mesh.touching.get(link, ()), INWARD[::-1], strict=False):
             pushes[node] = pushes.get(node, 0.0) + sign * force
     for node, sign, link, end in zip(
-        mesh.ends, INWARD, (0, len(row.laws) - 1), outside, strict=True
+        mesh.ends, INWARD, (0, len(row.links) - 1), outside, strict=True
     ):
         if end is not None and link not in mesh.touching:
             pushes[node] = pushes.get(node, 0.0) + sign * end.push.values

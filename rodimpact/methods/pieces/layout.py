@@ -12,7 +12,7 @@ import numpy as np
 
 from .. import tick_rule as rule
 from ..compiling import blank
-from ..laws import KNOTS, UNREACHED, Law, Status
+from ..laws import Law, Status
 from . import finality
 from .records import HARD, LINE, LINK, MASS, NEVER, NODE, NONE, PART, PIECE, RUN, SMOOTH, Part
 from .series import POINTS, N
@@ -66,8 +66,8 @@ def horizon_of(row: Any, reference: Any, scale: Any) -> Any:
     total, flight = 0.0, 0.0
     for segment in row.segments:
         total = total + segment.transit_time
-    for gap in row.gap:
-        flight = flight + np.maximum(gap, 0.0)
+    for it in row.links:
+        flight = flight + np.maximum(it.gap, 0.0)
     horizon = np.maximum(rule.HORIZON * reference, 16 * total)
     horizon = np.maximum(horizon, 4 * flight / scale)
     return np.minimum(horizon, reference * 2.0 ** (rule.CLOCK_BITS - 1 - rule.COARSEST))
@@ -216,11 +216,11 @@ def nodes_of(row: Any, outside: Any) -> list[Any]:
 
 def links_of(row: Any, clock: Clock, node: list[Any], time: Any) -> list[Any]:
     """Links; `ease` is the velocity that a force makes in this time."""
-    link = blank(len(row.laws), LINK)
+    link = blank(len(row.links), LINK)
     for at in node:
         for q in range(at.links):
             it = link[at.first + q]
-            set_law(it, row, at.first + q)
+            set_law(it, row.links[at.first + q], at.first + q)
             if q == 0:
                 it.mobility = it.mobility + at.mobility_left
             if q == at.links - 1:
@@ -237,25 +237,23 @@ def links_of(row: Any, clock: Clock, node: list[Any], time: Any) -> list[Any]:
     return link
 
 
-def set_law(it: Any, row: Any, i: int) -> None:
-    """Set the law of link i, its numbers and its status."""
+def set_law(it: Any, given: Any, i: int) -> None:
+    """Set the law of link i of a row, its numbers and its status."""
     it.force_line = it.overlap_line = it.closing_line = it.left_group = it.right_group = NONE
     it.first = it.last = it.apart = NONE
-    it.order, it.opened, it.law, it.function = SMOOTH, 1, int(row.laws[i]), i
+    it.order, it.opened, it.law, it.function = SMOOTH, 1, int(given.law), i
     it.status, it.touch = Status.BOND.value, Status.OPEN.value
-    it.stiffness, it.exponent = row.stiffness[i], row.exponent[i]
-    it.strength, it.overlap = row.strength[i], -row.gap[i]
+    it.stiffness, it.exponent = given.stiffness, given.exponent
+    it.strength, it.overlap = given.strength, -given.gap
     if it.law == Law.IMPACT:  # what touches is struck by the first look at it
-        it.restitution, it.status = row.damping[i], Status.OPEN.value
+        it.restitution, it.status = given.damping, Status.OPEN.value
         return
     if it.law == Law.YIELD:
-        it.hardening, it.knots = row.damping[i], [UNREACHED for _ in range(KNOTS)]
-        for j, entry in enumerate(row.table[i]):
-            it.knots[j], it.shares[j] = entry[0], entry[1]
+        it.hardening, it.knots, it.shares = given.damping, given.knots, given.shares
     else:
-        it.damping = row.damping[i]
+        it.damping = given.damping
     if it.law >= Law.RIGID:
-        it.status = np.where(row.gap[i] > 0, Status.OPEN.value, Status.PRESS.value)
+        it.status = np.where(given.gap > 0, Status.OPEN.value, Status.PRESS.value)
 
 
 def keep_lines(link: list[Any], mass: list[Any], first: int) -> int:

@@ -171,8 +171,8 @@ def _hand_over(one: Members, accuracy: dict[str, float], goal: float) -> Run:
 
 def _struck_together(row: Row) -> str:
     """What is told of rigid bodies that touch at t = 0."""
-    touching = [i for i, (law, gap) in enumerate(zip(row.laws, row.gap, strict=True))
-                if law == Law.IMPACT and float(gap) == 0]
+    touching = [i for i, it in enumerate(row.links)
+                if it.law == Law.IMPACT and float(it.gap) == 0]
     if any(j == i + 1 for i, j in pairwise(touching)):
         return " Rigid bodies that touch are struck together; with gaps the outcome differs."
     return ""

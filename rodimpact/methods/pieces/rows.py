@@ -55,11 +55,11 @@ def reference_time(row: Row, until: float | None) -> Any:
         return until
     speeds = velocities_of(row)
     v = np.maximum(largest(speeds) - smallest(speeds), 1e-300)
-    m, times = largest(row.masses), [gap / v for gap in row.gap]
-    for k, exponent in zip(row.stiffness, row.exponent, strict=True):
-        if np.any(np.asarray(k) > 0):
-            power = exponent + 1
-            times.append(3 * (power / 2 * m * v * v / k) ** (1 / power) / v)
+    m, times = largest(row.masses), [it.gap / v for it in row.links]
+    for it in row.links:
+        if np.any(np.asarray(it.stiffness) > 0):
+            power = it.exponent + 1
+            times.append(3 * (power / 2 * m * v * v / it.stiffness) ** (1 / power) / v)
     longest = largest(times)
     return np.where(longest > 0, longest, 1.0)
 
@@ -74,11 +74,11 @@ def velocity_scale(row: Row, time: Any) -> Any:
         if kind == "force":
             scale = scale + largest(np.abs(extremes(value))) * time / least
     scale = scale + largest(speeds) - smallest(speeds)
-    for i, law in enumerate(row.laws):
-        if law == Law.JOINT or law >= Law.SPRING:  # what is stored in it at t = 0 moves a mass
-            gap = np.asarray(row.gap[i])
-            d = np.abs(gap) if law == Law.JOINT else np.maximum(-gap, 0.0)
-            scale = scale + np.sqrt(row.stiffness[i] * d ** (row.exponent[i] + 1) / least)
+    for it in row.links:
+        if it.law == Law.JOINT or it.law >= Law.SPRING:  # what it stores at t = 0 moves a mass
+            gap = np.asarray(it.gap)
+            d = np.abs(gap) if it.law == Law.JOINT else np.maximum(-gap, 0.0)
+            scale = scale + np.sqrt(it.stiffness * d ** (it.exponent + 1) / least)
     return np.where(scale > 0, scale, 1.0)
 
 
