@@ -24,13 +24,16 @@ from .style import SMALL, colours
 THICKNESS = 0.5  # of the thickest bar, in distances between rows
 SWELLING = 0.25  # relative thickening at the largest strain
 THINNEST = 0.35  # thinnest bar beside the thickest
-THICKNESS_TOLD = "thick: compressed, thin: stretched"
-PRESSING = 0.36  # half height of the line of a contact that presses
+TOLD = "thick: compressed, thin: stretched, thick line: pressing"
+TALL = 0.32  # half height of walls, and of what is drawn across the end of a bar
 MANY = 16  # pieces of a rod from which those alike are drawn as one
 ALIKE = 0.1  # of the range of a rod's velocities: how much they differ at most
 ONE_WAY = 0.1  # how much velocity and stretch may differ across a front that has a direction
 NARROWEST = 1e-9  # part of a rod that is drawn: fronts leave an end at no exact floating-point time
 TURNS = 8  # of a spring
+UP = np.concatenate([[0.0, 0.0], 0.12 * np.resize([1.0, -1.0], TURNS), [0.0, 0.0]])
+ALONG = np.concatenate([[0.0], np.linspace(0.12, 0.88, TURNS + 2), [1.0]])
+"""A spring from 0 to 1: a zigzag between two straight ends."""
 
 
 class Piece(NamedTuple):
@@ -137,9 +140,9 @@ class Bars:
         blocks: list[patches.Rectangle] = []
         for i, right in self.plan.walls():
             faces = self._end(i, right)
-            blocks += self.ax.barh(self.rows, depth, 0.9, faces if right else faces - depth,
+            blocks += self.ax.barh(self.rows, depth, 2 * TALL, faces if right else faces - depth,
                                    **mark("wall"))
-            self._upright(faces, self.rows, 0.45, linewidth=1.5)
+            self._upright(faces, linewidth=1.5)
         return blocks
 
     def masses(self) -> list[patches.Rectangle]:
@@ -149,35 +152,24 @@ class Bars:
                 for block in self.ax.barh(self.rows, width, THICKNESS, self._end(i, False),
                                           zorder=3, **mark("mass"))]
 
-    def ends(self) -> None:
-        """Dashes at absorbing ends, and arrow heads at driven ones."""
+    def marks(self) -> None:
+        """Dashes at absorbing ends, arrow heads at driven ones, springs, lines that press."""
         for side, end in enumerate(self.system.ends):
             places = self._end(side * (len(self.system.bodies) - 1), bool(side))
             if isinstance(end, Absorbing):
-                self._upright(places, self.rows, 0.4, **mark("open"))
+                self._upright(places, **mark("open"))
             elif type(end) in DRIVEN:
                 self.ax.plot(places, self.rows, marker="<" if side else ">", markersize=6.0,
                              zorder=4, **mark("drive"))
-
-    def springs(self) -> None:
-        """Zigzags at compliant contacts, each on the face to its left, as long as there is room."""
-        up = np.concatenate([[0.0, 0.0], 0.12 * np.resize([1.0, -1.0], TURNS), [0.0, 0.0]])
-        along = np.concatenate([[0.0], np.linspace(0.12, 0.88, TURNS + 2), [1.0]])
-        for _, start, stop in self.plan.springs(self.times):
-            x = start + np.outer(along, stop - start)
-            self.ax.plot(x * self.place.factor, np.add.outer(up, self.rows), zorder=3,
+        for _, start, stop in self.plan.springs(self.times):  # from face to face, while there is room
+            x = start + np.outer(ALONG, stop - start)
+            self.ax.plot(x * self.place.factor, np.add.outer(UP, self.rows), zorder=3,
                          color=self.colours.ink, linewidth=0.9)
-
-    def contacts(self) -> bool:
-        """A thick line where bodies press; whether any do."""
-        pressing = []
         for history in self.plan.solution.contacts:
             if history.law.opens and not is_compliant(history):
                 presses = (history.force(np.maximum(self.times, 0.0)) > 0) & (self.times >= 0)
-                self._upright(self._end(history.index, True)[presses], self.rows[presses],
-                              PRESSING, linewidth=2.6, zorder=4)
-                pressing.append(presses.any())
-        return any(pressing)
+                self._upright(np.where(presses, self._end(history.index, True), np.nan),
+                              linewidth=2.6, zorder=4)
 
     def gauges(self, records: Mapping[str, Gauge]) -> None:
         """Squares where strain gauges are, with their names at the first time."""
@@ -194,9 +186,10 @@ class Bars:
         """Places of an end of a body, in the unit of the picture."""
         return self.plan.end(body, right, self.times) * self.place.factor
 
-    def _upright(self, x: Floats, rows: Floats, half: float, **how: Any) -> None:
-        """Upright lines in rows, by default of the colour of ink."""
-        self.ax.vlines(x, rows - half, rows + half, **{"color": self.colours.ink, **how})
+    def _upright(self, x: Floats, **how: Any) -> None:
+        """An upright line in each row, by default of the colour of ink."""
+        self.ax.vlines(x, self.rows - TALL, self.rows + TALL,
+                       **{"color": self.colours.ink, **how})
 
 
 def joined(pieces: list[Piece], room: float) -> list[Piece]:

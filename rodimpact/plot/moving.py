@@ -29,7 +29,7 @@ from ..model.frozen import refusal
 from ..results.solution import Solution, check_waves
 from ..storage import writing
 from . import files, style
-from .bars import THICKNESS_TOLD, Bars
+from .bars import TOLD, Bars
 from .diagram import spacetime
 from .histories import Forces
 from .moments import contact_turns, happening
@@ -114,7 +114,7 @@ class Animation:
         words = [f"slowed down {rounded} times"] * (slowness > 1)
         words += [f"first {written(stop, 's')} of {written(solution.t_end, 's')}"] * (
             stop < solution.t_end)
-        words.append(THICKNESS_TOLD.replace(", ", ",\n"))
+        words.append(TOLD.replace(", ", ",\n"))
         ax.text(0.0, 0.0, "\n".join(words), transform=ax.transAxes, va="bottom",
                 fontsize=style.SMALL + 1, color=self.colours.faint, linespacing=1.4)
         how: Any = {"transform": ax.transAxes, "color": self.colours.ink, "animated": True}
@@ -152,8 +152,7 @@ class Animation:
         bars.at(np.array([t]))
         values = np.array([getattr(piece, self.field) for piece in bars.pieces]) * self._factor
         bars.rods(values, self._norm)
-        for draw in (bars.walls, bars.masses, bars.ends, bars.outlines, bars.springs,
-                     bars.contacts):
+        for draw in (bars.walls, bars.masses, bars.outlines, bars.marks):
             draw()
 
     def clock(self, number: int) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from itertools import compress
 from typing import Any
 
 import numpy as np
@@ -19,11 +18,12 @@ from ..model.numbering import body_names
 from ..results.gauges import Gauge, check_gauges
 from ..results.solution import Solution, check_waves
 from . import scales, style
-from .bars import THICKNESS_TOLD, Bars, Piece, joined
+from .bars import TOLD, Bars, Piece, joined
 from .moments import happening, moments
 from .placing import Placing, placing
 from .sampling import is_stepped
 
+BESIDE = 0.36  # from the middle of a row to numbers that have no room in a bar, up or down
 ALIKE = 0.02  # velocities of a stretch that bears one label, in parts of the largest
 
 
@@ -92,9 +92,8 @@ def snapshots(
     velocities = np.array([piece.velocity for piece in drawn.pieces])
     norm = style.centred(velocities, plan.frame)
     bars, outlines, fronts = drawn.rods(velocities, norm), drawn.outlines(), drawn.fronts()
-    walls, masses, presses = drawn.walls(), drawn.masses(), drawn.contacts()
-    drawn.ends()
-    drawn.springs()
+    walls, masses = drawn.walls(), drawn.masses()
+    drawn.marks()
     drawn.gauges(check_gauges(gauges or {}))
     ax.use_sticky_edges = False
     ax.margins(x=0.1 if masses else 0.03)  # room for velocities below masses
@@ -109,10 +108,8 @@ def snapshots(
     scale = scales.engineering("velocity", largest, "m/s")
     unit = f"closing speed v = {scales.written(closing, 'm/s')}" if closing else (
         f"velocities ({scale.unit})")
-    marks = [THICKNESS_TOLD, "thick line: pressing", "square: strain gauge"]
-    seen = [any(piece.strain for piece in drawn.pieces), presses, bool(gauges)]
     ax.set_xlabel("\n".join(style.broken(label, style.extent(ax)[0]) for label in (
-        scales.place_label(plan, place), unit, ", ".join(compress(marks, seen))) if label))
+        scales.place_label(plan, place), unit, TOLD)))
     bar = None
     if stepped:
         bar = style.colour_bar(
@@ -120,13 +117,11 @@ def snapshots(
             shrink=0.6, format=lambda value, _: scales.digits(value * scale.factor, 0.0))
     style.figure_of(ax).draw_without_rendering()  # so that it is known how wide the Axes are
 
-    def write(velocity: float) -> str:  # where it varies along the rods, to two digits
-        if closing:
-            part = (velocity - plan.frame) / closing
-            return scales.multiple(round(part, 2) if stepped else part, "v")
-        if stepped:
-            velocity = float(f"{velocity:.2g}") if abs(velocity) > 0.01 * largest else 0.0
-        return scales.digits(velocity * scale.factor, largest * scale.factor)
+    def write(velocity: float) -> str:  # where it varies along the rods, to hundredths
+        part = (velocity - plan.frame * bool(closing)) / (closing or largest or 1.0)
+        part = round(part, 2) if stepped else part
+        return scales.multiple(part, "v") if closing else scales.digits(
+            part * largest * scale.factor, largest * scale.factor)
 
     labels = _labels(ax, drawn.pieces, norm, write, stepped)
     labels += _mass_labels(ax, plan, when, place, write)
@@ -145,12 +140,9 @@ def _name_rows(ax: Axes, solution: Solution, when: Floats) -> None:
     style.dress(ax)
     time = scales.engineering("time", solution.t_end, "s")
     rod, length = scales.first_rod(solution)
-    values = when * time.factor
-    count = next((n for n in range(3, 9) if len({f"{t:.{n}g}" for t in values.tolist()})
-                  == np.unique(values).size), 3)
     ax.set_yticks(-np.arange(when.size), [
-        f"{t * time.factor:.{count}g} {time.unit}\n"
-        f"{t / float(rod.transit_time):.{count}g} {length}/c" for t in when.tolist()])
+        f"{t * time.factor:.4g} {time.unit}\n{t / float(rod.transit_time):.3g} {length}/c"
+        for t in when.tolist()])
     ax.tick_params(axis="y", length=0)
     ax.spines["left"].set_visible(False)
     for row, t in enumerate(when.tolist()):
@@ -168,7 +160,7 @@ def _mass_labels(
     labels, above = [], True
     for i, body in enumerate(plan.solution.system.bodies):
         above = not (above and isinstance(body, RigidMass))
-        up, va = (0.33, "bottom") if above else (-0.33, "top")
+        up, va = (BESIDE, "bottom") if above else (-BESIDE, "top")
         if isinstance(body, RigidMass):
             middle = plan.middle(i, times) * place.factor
             labels += [_write(ax, middle[row], up - row, write(v), style.colours().ink, va)
@@ -195,7 +187,7 @@ def _labels(
             labels.append(_write(ax, x, float(-piece.row), text, style.ink_on(norm, piece.velocity),
                                  "center_baseline"))
         elif not stepped and (row != piece.row or x - width / 2 > taken):
-            labels.append(_write(ax, x, -piece.row - 0.33, text, style.colours().ink, "top"))
+            labels.append(_write(ax, x, -piece.row - BESIDE, text, style.colours().ink, "top"))
             row, taken = piece.row, x + width / 2
     return labels
 

@@ -301,7 +301,7 @@ def test_pieces_bear_their_velocity_in_parts_of_the_closing_speed(solved):
         "v", "0", "v", "v/2", "v/2", "0", "0", "v"]
     assert "v = 1 m/s" in picture.ax.get_xlabel()
     assert [t.get_text() for t in picture.ax.get_yticklabels()] == [
-        "0 µs\n0 ℓ₁/c", "99.1 µs\n0.5 ℓ₁/c", "594 µs\n3 ℓ₁/c"]
+        "0 µs\n0 ℓ₁/c", "99.06 µs\n0.5 ℓ₁/c", "594.3 µs\n3 ℓ₁/c"]
     picture = plot.snapshots(solved["receding"], times=[0.0])
     assert [t.get_text() for t in picture.labels] == [MINUS + "1", "0.5"]
     assert picture.ax.get_xlabel().endswith("velocities (m/s)")

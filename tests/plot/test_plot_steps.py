@@ -182,7 +182,7 @@ def test_pieces_have_the_velocity_and_outline_of_the_rods(solved):
 
 def test_labels_of_neighbouring_masses_do_not_meet(solved):
     picture = plot.snapshots(solved["masses"], axes(), [0.0])
-    assert [text.get_position()[1] for text in picture.labels[-2:]] == [-0.33, 0.33]
+    assert [text.get_position()[1] for text in picture.labels[-2:]] == [-0.36, 0.36]
 
 
 # Histories --------------------------------------------------------------------------------------
