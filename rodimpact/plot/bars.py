@@ -161,7 +161,7 @@ class Bars:
             elif type(end) in DRIVEN:
                 self.ax.plot(places, self.rows, marker="<" if side else ">", markersize=6.0,
                              zorder=4, **mark("drive"))
-        for _, start, stop in self.plan.springs(self.times):  # from face to face, while there is room
+        for _, start, stop in self.plan.springs(self.times):
             x = start + np.outer(ALONG, stop - start)
             self.ax.plot(x * self.place.factor, np.add.outer(UP, self.rows), zorder=3,
                          color=self.colours.ink, linewidth=0.9)
