@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -73,6 +74,13 @@ def of_kind(name: str, value: Any, kind: type, example: str) -> None:
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
         message = f"must be {article} {kind.__name__}, such as {example}, got {shown(value)}"
         raise refusal(name, message)
+
+
+def one_of(name: str, value: Any, choices: Collection[str]) -> None:
+    """InvalidModel if the argument is none of these words."""
+    if not isinstance(value, str) or value not in choices:
+        known = ", ".join(map(repr, choices))
+        raise refusal(name, f"must be one of {known}, got {shown(value)}")
 
 
 def plain(value: Array) -> Number:

@@ -483,11 +483,14 @@ class Declared(Frozen):
             held[name] = value
         if varies and not problems:
             family_shape((name, held[name]) for name in fields)
-        self._check(problems)
+        try:
+            self._check(problems)
+        except InvalidModel as error:
+            problems += error.problems
         raise_noted(problems)
 
     def _check(self, problems: Problems) -> None:
-        """Note what is wrong besides single numbers."""
+        """Note, or raise, what is wrong besides single numbers."""
 
 
 def _constructor(cls: type[Declared], taken: dict[str, str]) -> Any:

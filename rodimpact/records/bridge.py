@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..model.arguments import of_kind
+from ..model.arguments import of_kind, one_of
 from ..model.frozen import Declared, Problems, quantity, refusal
 from ..units import shown
 from .signal import Signal
@@ -64,10 +64,8 @@ class Bridge(Declared):
     def _check(self, problems: Problems) -> None:
         if isinstance(self.gain, float) and self.gain == 0:
             problems.append(("gain", "must not be 0"))
-        if not isinstance(self.kind, str) or self.kind not in ALONG:
-            message = f"must be one of {', '.join(map(repr, ALONG))}, got {shown(self.kind)}"
-            problems.append(("kind", message))
-        elif self.kind == "full" and self.poisson_ratio is None:
+        one_of("kind", self.kind, ALONG)
+        if self.kind == "full" and self.poisson_ratio is None:
             message = "is missing; a full bridge needs it, two gauges lie across the bar"
             problems.append(("poisson_ratio", message))
         elif self.kind == "quarter" and self.poisson_ratio is not None:

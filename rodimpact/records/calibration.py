@@ -9,19 +9,18 @@ and cross-section with the speed V causes the strain V/(2 c0).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..model.arguments import single
+from ..model.arguments import of_kind, single
 from ..model.bodies import Rod
 from ..model.frozen import refusal
 from ..model.quantities import Floats
 from ..storage.tables import align
-from . import bars as measuring
-from .bars import Compression, Side
+from .bars import EXAMPLE, BarGauge, Compression, Side, sides_of
 from .signal import Signal
 
 SLACK = 0.1  # of a travel time: how far the wave speed that was given may be off
@@ -76,35 +75,30 @@ class Calibration:
     noise: tuple[float, float]
     bending: tuple[float | None, float | None]
 
-    def applied(self, sides: tuple[Side, Side]) -> tuple[Side, Side]:
+    def applied(self, sides: tuple[Side, ...]) -> tuple[Side, ...]:
         """Sides of a shot with the gains applied."""
-        first, second = (_scaled(side, gain) for side, gain in zip(sides, self.gains, strict=True))
-        return first, second
+        return tuple(side._replace(strains=gain * side.strains)
+                     for side, gain in zip(sides, self.gains, strict=True))
 
-    def off_by_one_error(self, sides: tuple[Side, Side]) -> Iterator[tuple[Side, Side]]:
+    def off_by_one_error(self, sides: tuple[Side, ...]) -> Iterator[tuple[Side, ...]]:
         """Sides in which one gain or one wave speed is changed by its standard error."""
-        for i in range(2):
-            changed = [
-                _scaled(sides[i], 1 + self.gain_errors[i] / self.gains[i]),
-                sides[i]._replace(rod=with_speed(sides[i].rod,
-                                                 sides[i].speed + self.speed_errors[i])),
-            ]
-            for side in changed:
-                yield (side, sides[1]) if i == 0 else (sides[0], side)
+        for i, side in enumerate(sides):
+            gain = 1 + self.gain_errors[i] / self.gains[i]
+            faster = with_speed(side.rod, side.speed + self.speed_errors[i])
+            for changed in (side._replace(strains=gain * side.strains), side._replace(rod=faster)):
+                yield (*sides[:i], changed, *sides[i + 1 :])
 
     def __str__(self) -> str:
         """Table with a column for each bar, then the reflection at the joint."""
-        speeds = [float(rod.segments[0].wave_speed) for rod in self.bars]
-        cells: list[list[str]] = [
-            ["wave speed", *(f"{c:.1f} +- {e:.1f} m/s" for c, e in
-                             zip(speeds, self.speed_errors, strict=True))],
-            ["gain", *(f"{g:.4f} +- {e:.4f}" for g, e in
-                       zip(self.gains, self.gain_errors, strict=True))],
-            ["noise/plateau", *(f"{100 * n:.2f} %" for n in self.noise)],
-            ["bending/plateau", *("-" if b is None else f"{100 * b:.1f} %"
-                                       for b in self.bending)],
-        ]
-        return align([["", "input bar", "output bar"], *cells]) + (
+        rows = [["", "wave speed", "gain", "noise/plateau", "bending/plateau"]]
+        for k, title in enumerate(("input bar", "output bar")):
+            bending, speed = self.bending[k], self.bars[k].segments[0].wave_speed
+            rows.append([
+                title, f"{speed:.1f} +- {self.speed_errors[k]:.1f} m/s",
+                f"{self.gains[k]:.4f} +- {self.gain_errors[k]:.4f}",
+                f"{100 * self.noise[k]:.2f} %",
+                "-" if bending is None else f"{100 * bending:.1f} %"])
+        return align(list(zip(*rows, strict=True))) + (
             f"\nreflected at the joint: {100 * self.reflected:.2f} % of the incident strain; "
             f"expected from the impedances: {100 * self.expected:.2f} %")
 
@@ -158,26 +152,25 @@ def calibrate(
     >>> [round(gain, 2) for gain in found.gains]
     [1.0, 1.0]
     """
-    first, second = measuring.sides_of(
-        _one("input_gauges", input_gauges), _one("output_gauges", output_gauges), bars, compression)
+    for name, given in (("input_gauges", input_gauges), ("output_gauges", output_gauges)):
+        of_kind(name, given, BarGauge, EXAMPLE)  # each gauge of a bar is calibrated alone
+    first, second = sides_of(input_gauges, output_gauges, bars, compression)
     second, error2 = _timed_back(second)
     first, error1 = _timed_through(first, second, error2)
-    impedances = [side.stiffness / side.speed for side in (first, second)]
-    total = sum(impedances)
-    plateaus = [side.front.plateau for side in (first, second)]
-    passed = 2 * impedances[1] / total * first.stiffness / second.stiffness
+    Z1, Z2 = (side.stiffness / side.speed for side in (first, second))
+    struck, passed = first.front.plateau, second.front.plateau
     gain = 1.0
     if striker_speed is not None:
-        gain = single("striker_speed", striker_speed, "m/s", "positive") / (
-            2 * first.speed) / plateaus[0]
-    gains = gain, gain * passed * plateaus[0] / plateaus[1]
-    noise = [float(side.strains[0][: side.quiet].std()) / side.front.plateau
-             for side in (first, second)]
-    errors = [noise[k] / math.sqrt(max(1.0, side.front.width / side.dt)) * gains[k]
-              for k, side in enumerate((first, second))]
+        V = single("striker_speed", striker_speed, "m/s", "positive")
+        gain = V / (2 * first.speed) / struck
+    transmitted = 2 * Z2 / (Z1 + Z2) * first.stiffness / second.stiffness
+    gains = gain, gain * transmitted * struck / passed
+    noise = _noise(first) / struck, _noise(second) / passed
+    errors = [share / math.sqrt(max(1.0, side.front.width / side.dt)) * gain
+              for share, side, gain in zip(noise, (first, second), gains, strict=True)]
     return Calibration(
         (first.rod, second.rod), gains, (error1, error2), (errors[0], errors[1]),
-        _reflected(first), (impedances[1] - impedances[0]) / total, (noise[0], noise[1]),
+        _reflected(first), (Z2 - Z1) / (Z1 + Z2), noise,
         (_bending(input_gauges, first), _bending(output_gauges, second)))
 
 
@@ -189,65 +182,54 @@ def with_speed(rod: Rod, speed: float) -> Rod:
     return rod.replace(segments=[segment.replace(material=changed)])
 
 
-def _one(name: str, gauge: Any) -> Any:
-    """A single gauge, which a calibration wants."""
-    if isinstance(gauge, tuple | list):
-        raise refusal(name, f"must be one BarGauge, got {len(gauge)}; calibrate each gauge alone")
-    return gauge
-
-
-def _scaled(side: Side, factor: float) -> Side:
-    return side._replace(strains=tuple(factor * strain for strain in side.strains))
+def _noise(side: Side) -> float:
+    """Standard deviation before the pulse."""
+    return float(side.strains[0, : side.quiet].std())
 
 
 def _timed_back(side: Side) -> tuple[Side, float]:
     """The output bar with the wave speed by which its pulse comes back, and its error, m/s."""
-    path = 2 * (float(side.rod.length) - side.distances[0])
+    path = 2 * (float(side.rod.length) - float(side.distances[0]))
     pulse = _passing(side)
-    return _timed(side, path, lambda now: -measuring.carrier(now, path)(pulse))
+    return _timed(side, path, side, lambda now: -now.carried(pulse, path))
 
 
 def _timed_through(first: Side, second: Side, error: float) -> tuple[Side, float]:
     """The input bar with the wave speed by which its pulse reaches the output gauge."""
     pulse = np.interp(second.times, first.times, _passing(first), left=0.0, right=0.0)
-    rest = second.distances[0]
+    path, rest = float(first.distances[0]), float(second.distances[0])
 
     def arriving(now: Side) -> Floats:
-        here = now._replace(strains=second.strains, start=second.start, dt=second.dt)
-        return measuring.carrier(second, rest)(measuring.carrier(here, now.distances[0])(pulse))
+        return second.carried(now._replace(dt=second.dt).carried(pulse, path), rest)
 
-    found, own = _timed(first, first.distances[0], arriving, second)
+    found, own = _timed(first, path, second, arriving)
     other = error / second.speed * rest / second.speed  # s, by which the second bar may be off
-    return found, math.hypot(own, found.speed**2 / first.distances[0] * other)
+    return found, math.hypot(own, found.speed**2 / path * other)
 
 
 def _timed(
-    side: Side, path: float, predicted: Any, record: Side | None = None
+    side: Side, path: float, seen: Side, predicted: Callable[[Side], Floats]
 ) -> tuple[Side, float]:
-    """A bar with the wave speed by which a prediction comes when the record has it.
+    """A bar with the wave speed by which a prediction comes when the record of `seen` has it.
 
     The standard error of the arrival is s sqrt(2)/sqrt(sum of slope^2), with s the noise.
     """
-    seen = record or side
     for _ in range(PASSES):
         travel = path / side.speed
         lag = predicted(side)
         there = np.flatnonzero(np.abs(lag) > FAINT * np.abs(lag).max())
-        low, high = seen.times[there[0]], seen.times[there[-1]]
-        low, high = low - SLACK * travel, high + SLACK * travel
+        low, high = seen.times[there[[0, -1]]] + SLACK * travel * np.array([-1, 1])
         if high > seen.times[-1]:
             message = f"the record ends at {seen.times[-1]:.4g} s, before the pulse returns"
             raise refusal("output_gauges", f"{message} from the far end; record up to {high:.4g} s")
-        model = Signal(lag, seen.times)
         found = Signal(seen.strains[0], seen.times).window(low, high).misfit(
-            model, shift=(-SLACK * travel, SLACK * travel))
+            Signal(lag, seen.times), shift=(-SLACK * travel, SLACK * travel))
         if found.at_limit:
             message = f"the travel time is more than {100 * SLACK:g} % off the expected one"
             raise refusal("bars", f"{message}; correct wave speed, length or distances")
         side = side._replace(rod=with_speed(side.rod, path / (travel + found.shift)))
     slopes = np.diff(lag)[there[0] : there[-1]] / seen.dt
-    noise = float(seen.strains[0][: seen.quiet].std())
-    late = noise * math.sqrt(2) / math.sqrt(float(slopes @ slopes))
+    late = _noise(seen) * math.sqrt(2) / math.sqrt(float(slopes @ slopes))
     return side, late * side.speed**2 / path
 
 
@@ -260,18 +242,17 @@ def _passing(side: Side) -> Floats:
 
 def _reflected(side: Side) -> float:
     """Strain that comes back from the joint over the incident one, by least squares."""
-    sent = measuring.carrier(side, 2 * side.distances[0])(_passing(side))
-    rest = side.strains[0] - _passing(side)
+    passing = _passing(side)
+    sent = side.carried(passing, 2 * float(side.distances[0]))
     where = np.abs(sent) > FAINT * np.abs(sent).max()
-    return float(sent[where] @ rest[where] / (sent[where] @ sent[where]))
+    back = (side.strains[0] - passing)[where]
+    return float(sent[where] @ back / (sent[where] @ sent[where]))
 
 
-def _bending(gauge: Any, side: Side) -> float | None:
+def _bending(gauge: BarGauge, side: Side) -> float | None:
     """Largest bending strain while the pulse passes, over its plateau."""
-    bending = gauge.bending
-    if bending is None:
+    if (bending := gauge.bending) is None:
         return None
-    start = side.front.start
-    passing = bending.window(start, start + side.front.width)
-    rest = bending.window(bending.start, start).values.mean()
-    return float(np.abs(passing.values - rest).max() / abs(side.front.plateau))
+    start, width, _, plateau = side.front
+    passing = bending.baseline(bending.start, start).window(start, start + width)
+    return float(np.abs(passing.values).max() / abs(plateau))

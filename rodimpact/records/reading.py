@@ -21,7 +21,7 @@ import numpy as np
 from .. import units as known_units
 from ..methods import memory
 from ..methods.duration import Forecast, LongRun
-from ..model.arguments import single
+from ..model.arguments import one_of, single
 from ..model.frozen import nearest, refusal
 from ..model.quantities import Floats
 from ..storage.reading import FileFormatError, open_regular
@@ -186,8 +186,8 @@ def read_signals(
     for name, word in (("time", time), ("time_unit", time_unit)):
         if word is not None and not isinstance(word, str):
             raise refusal(name, f"must be a word, got {shown(word)}")
-    if decimal is not None and (not isinstance(decimal, str) or decimal not in (".", ",")):
-        raise refusal("decimal", f'must be "." or ",", got {shown(decimal)}')
+    if decimal is not None:
+        one_of("decimal", decimal, (".", ","))
     if rate is not None:
         rate = single("rate", rate, "Hz", "positive")
         if time is not None or time_unit is not None:

@@ -27,8 +27,7 @@ from ..model.frozen import Declared, Problems, quantity, refusal
 from ..model.quantities import Floats
 from ..storage.tables import align
 from ..units import format_si, shown
-from . import bars as measuring
-from .bars import Compression, Side
+from .bars import QUIET, Compression, Side, sides_of
 from .calibration import Calibration
 from .signal import Signal
 from .together import signals_to_xarray, write_signals
@@ -80,9 +79,6 @@ class Specimen(Declared):
     def _check(self, problems: Problems) -> None:
         if (self.area is None) == (self.diameter is None):
             problems.append(("area", "give either area or diameter"))
-        if not isinstance(self.incompressible, bool | np.bool_):
-            message = f"must be True or False, got {shown(self.incompressible)}"  # type: ignore[unreachable]
-            problems.append(("incompressible", message))
 
     @property
     def section(self) -> float:
@@ -93,19 +89,38 @@ class Specimen(Declared):
         return math.pi * self.diameter**2 / 4
 
 
-class Curve(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Curve:
     """Columns of `Reduction` that are linear in the gauge strains; shape (n,) each."""
 
+    times: Floats
     strain: Floats
     strain_rate: Floats
     input_force: Floats
     output_force: Floats
     input_velocity: Floats
     output_velocity: Floats
+    specimen: Specimen
+
+    @property
+    def stress(self) -> Floats:
+        """Nominal stress from the transmitted wave alone, Pa, shape (n,)."""
+        return self.output_force / self.specimen.section
+
+    @property
+    def loading(self) -> slice:
+        """Samples up to the largest strain."""
+        return slice(0, int(self.strain.argmax()) + 1)
+
+    def at_strain(self, strain: Any, column: Floats) -> Floats:
+        """A column while loading, over strain instead of time."""
+        up = self.loading
+        found: Floats = np.interp(strain, np.maximum.accumulate(self.strain[up]), column[up])
+        return found
 
 
 @dataclass(frozen=True, eq=False)
-class Reduction:
+class Reduction(Curve):
     """Stress and strain of a specimen over time, compression positive; made by `reduce`.
 
     Attributes
@@ -151,27 +166,14 @@ class Reduction:
     20
     """
 
-    times: Floats
-    strain: Floats
-    strain_rate: Floats
-    input_force: Floats
-    output_force: Floats
-    input_velocity: Floats
-    output_velocity: Floats
     stress_band: Floats
     strain_band: Floats
     one_sample: Floats
     shifts: tuple[float, float]
-    specimen: Specimen
     disperses: bool
 
     def __repr__(self) -> str:
         return f"<Reduction of {len(self.times)} samples, strain up to {self.strain.max():.3g}>"
-
-    @property
-    def stress(self) -> Floats:
-        """Nominal stress from the transmitted wave alone, Pa, shape (n,)."""
-        return self.output_force / self.specimen.section
 
     @property
     def two_wave_stress(self) -> Floats:
@@ -187,9 +189,8 @@ class Reduction:
     def equilibrium(self) -> Floats:
         """Difference of the forces over their mean, 2 (F1 - F2)/(F1 + F2); nan without force."""
         total = self.input_force + self.output_force
-        faint = np.abs(total) < 1e-2 * np.abs(total).max()
-        return np.where(faint, np.nan,
-                        2 * (self.input_force - self.output_force) / np.where(faint, 1, total))
+        total[np.abs(total) < 1e-2 * np.abs(total).max()] = np.nan
+        return 2 * (self.input_force - self.output_force) / total
 
     @property
     def energy(self) -> Floats:
@@ -234,30 +235,23 @@ class Reduction:
         """Return all columns as a Dataset over ``time`` (extra ``xarray``)."""
         return signals_to_xarray(self.signals)
 
-    @property
-    def loading(self) -> slice:
-        """Samples up to the largest strain."""
-        return slice(0, int(self.strain.argmax()) + 1)
-
     def __str__(self) -> str:
         """Table of stress at several strains, then alignment and energy."""
-        up = self.loading
-        strain = np.maximum.accumulate(self.strain[up])
+        strain = np.maximum.accumulate(self.strain[self.loading])
         rows = [["strain", "strain rate", "stress", "+-", "one sample", "(F1 - F2)/mean"]]
         for at in (*(e for e in SHOWN if e < strain[-1]), strain[-1]):
             i = int(np.searchsorted(strain, at))
             rows.append([
                 f"{100 * self.strain[i]:.3g} %", f"{self.strain_rate[i]:.0f} 1/s",
-                *(format_si(column[i], "Pa", 4 - 2 * (k > 0))
-                  for k, column in enumerate((self.stress, self.stress_band, self.one_sample))),
-                f"{100 * self.equilibrium[i]:.1f} %"])
+                format_si(self.stress[i], "Pa", 4), format_si(self.stress_band[i], "Pa", 2),
+                format_si(self.one_sample[i], "Pa", 2), f"{100 * self.equilibrium[i]:.1f} %"])
         way = "with the exact first mode" if self.disperses else "without dispersion"
         reflected, transmitted = (f"{1e6 * shift:.3g} us" for shift in self.shifts)
         return align(rows) + (
             f"\nstress from the transmitted wave; waves propagated {way}; reflected wave moved "
             f"{reflected} earlier, transmitted wave {transmitted}\n"
-            f"energy absorbed: {format_si(self.energy[up][-1], 'J', 3)}; the waves are separated "
-            f"until {1e6 * (self.times[-1] - self.times[0]):.4g} us after they arrive")
+            f"energy absorbed: {format_si(self.energy[self.loading][-1], 'J', 3)}; the waves are "
+            f"separated until {1e6 * (self.times[-1] - self.times[0]):.4g} us after they arrive")
 
 
 def reduce(
@@ -312,23 +306,24 @@ def reduce(
     of_kind("specimen", specimen, Specimen, "ri.Specimen(length=5e-3, diameter=8e-3)")
     limit = single("align_within", align_within, "s", "non-negative")
     known = bars if isinstance(bars, Calibration) else None
-    sides = measuring.sides_of(
-        input_gauges, output_gauges, known.bars if known else bars, compression)
-    shot = _Shot.of(sides, specimen)
+    shot = _Shot.of(
+        sides_of(input_gauges, output_gauges, known.bars if known else bars, compression), specimen)
     if known:
         shot = replace(shot, sides=known.applied(shot.sides))
-    shot = shot.aligned(limit) if limit else shot
+    if limit:
+        shot = shot.aligned(limit)
     curve = shot.curve()
-    stress_band, strain_band = shot.band(curve, known)
-    return Reduction(shot.times, *curve, stress_band, strain_band, shot.one_sample(curve),
-                     shot.shifts, specimen, all(side.disperses for side in shot.sides))
+    stress_band, strain_band = shot.bands(curve, known)
+    disperses = all(side.mode for side in shot.sides)
+    return Reduction(**vars(curve), stress_band=stress_band, strain_band=strain_band,
+                     one_sample=shot.one_sample(curve), shifts=shot.shifts, disperses=disperses)
 
 
 @dataclass(frozen=True)
 class _Shot:
     """Both bars of a shot, the times at which both faces are known, and the alignment."""
 
-    sides: tuple[Side, Side]
+    sides: tuple[Side, ...]
     specimen: Specimen
     times: Floats
     shifts: tuple[float, float] = (0.0, 0.0)
@@ -336,11 +331,11 @@ class _Shot:
     @classmethod
     def of(cls, sides: tuple[Side, Side], specimen: Specimen) -> _Shot:
         """A shot from the arrival at the specimen as long as the records separate the waves."""
-        first, second = sides
-        start = first.foot + first.distances[0] / first.speed
-        end = min(measuring.clean_until(first, False), measuring.clean_until(second, True))
+        first, _ = sides
+        start = first.foot + float(first.distances[0]) / first.speed
+        end = min(side.clean_until() for side in sides)
         count = int((end - start) / first.dt)
-        if count < measuring.QUIET:
+        if count < QUIET:
             message = f"the wave reaches the specimen at {start:.6g} s, but from {end:.6g} s on the"
             raise refusal("input_gauges", f"{message} records do not separate the waves; use "
                           "longer records or bars, and check the distances")
@@ -348,32 +343,22 @@ class _Shot:
 
     def curve(self) -> Curve:
         """Forces, velocities and strain of the strains that the sides hold."""
-        first, second = self.sides
-        incident, reflected = measuring.at_face(first, False)
-        back, transmitted = measuring.at_face(second, True)
-        early, late = self.shifts
-
-        def at(side: Side, wave: Floats, shift: float = 0.0) -> Floats:
-            taken: Floats = np.interp(self.times + shift, side.times, wave)
-            return taken
-
-        i, r = at(first, incident), at(first, reflected, early)
-        b, t = at(second, back, late), at(second, transmitted, late)
+        (first, second), (early, late) = self.sides, self.shifts
+        shifts = (0.0, early), (late, late)
+        i, r, b, t = (
+            np.interp(self.times + shift, side.times, wave)
+            for side, moved in zip(self.sides, shifts, strict=True)
+            for wave, shift in zip(side.at_face(), moved, strict=True))
         v1, v2 = first.speed * (i - r), second.speed * (t - b)
         rate = (v1 - v2) / self.specimen.length
-        return Curve(_integral(rate, self.times), rate, first.stiffness * (i + r),
-                     second.stiffness * (t + b), v1, v2)
-
-    def stress(self, curve: Curve) -> Floats:
-        """Nominal stress from the transmitted wave, Pa."""
-        stress: Floats = curve.output_force / self.specimen.section
-        return stress
+        F1, F2 = first.stiffness * (i + r), second.stiffness * (t + b)
+        return Curve(self.times, _integral(rate, self.times), rate, F1, F2, v1, v2, self.specimen)
 
     def aligned(self, limit: float) -> _Shot:
         """The shot with the shifts that make its start elastic and its forces alike."""
         from scipy.optimize import least_squares
 
-        force = self.stress(self.curve())
+        force = self.curve().stress
         start = slice(0, int(np.argmax(force > ELASTIC * force.max())) + 1)
         largest, modulus = force.max(), self.specimen.youngs_modulus
 
@@ -381,47 +366,39 @@ class _Shot:
             curve = replace(self, shifts=tuple(shifts)).curve()
             apart = [(curve.input_force - curve.output_force)[start] / self.specimen.section]
             if modulus is not None:
-                apart.append(self.stress(curve)[start] - modulus * curve.strain[start])
+                apart.append((curve.stress - modulus * curve.strain)[start])
             over: Floats = np.concatenate(apart) / largest
             return over
 
         found = least_squares(left, (0.0, 0.0), bounds=(-limit, limit), diff_step=1e-3,
                               x_scale=self.sides[0].dt)
-        return replace(self, shifts=(float(found.x[0]), float(found.x[1])))
+        return replace(self, shifts=tuple(found.x.tolist()))
 
     def one_sample(self, curve: Curve) -> Floats:
         """Change of the stress at equal strain by a sample of the transmitted wave, Pa."""
-        stress, (early, late) = self.stress(curve), self.shifts
-        up = int(curve.strain.argmax()) + 1
-        change = np.zeros(len(stress))
-        for step in (-self.sides[1].dt, self.sides[1].dt):
-            moved = replace(self, shifts=(early, late + step)).curve()
-            order = np.maximum.accumulate(moved.strain[:up])
-            there = np.interp(curve.strain, order, self.stress(moved)[:up])
-            change = np.maximum(change, np.abs(there - stress))
-        return change
+        (early, late), dt = self.shifts, self.sides[1].dt
+        moved = [replace(self, shifts=(early, late + step)).curve() for step in (-dt, dt)]
+        at_strain = [one.at_strain(curve.strain, one.stress) for one in moved]
+        return np.abs(np.array(at_strain) - curve.stress).max(axis=0)  # type: ignore[no-any-return]
 
-    def band(self, curve: Curve, known: Calibration | None) -> tuple[Floats, Floats]:
-        """Bands of 95 % of stress and strain."""
+    def bands(self, curve: Curve, known: Calibration | None) -> tuple[Floats, Floats]:
+        """Bands of 95 % of stress and strain: from noise, and from other constants of the bars."""
         rng = np.random.default_rng(0)
-        first, second = self.sides
-        two = len(first.distances) + len(second.distances) > 2
-        drawn = [replace(self, sides=(_noise(first, rng), _noise(second, rng))).curve()
+        two = max(len(side.distances) for side in self.sides) > 1
+        drawn = [replace(self, sides=tuple(_noise(side, rng) for side in self.sides)).curve()
                  for _ in range(TWO_GAUGE_DRAWS if two else DRAWS)]
         off = [replace(self, sides=sides).curve()
                for sides in (known.off_by_one_error(self.sides) if known else ())]
         stress, strain = (
-            self._band(column(curve), [column(each) for each in drawn],
-                       [column(each) for each in off])
-            for column in (self.stress, lambda each: each.strain)
-        )
+            self._band(*([getattr(each, name) for each in curves]
+                         for curves in ([curve], drawn, off))) for name in ("stress", "strain"))
         return stress, strain
 
-    def _band(self, column: Floats, drawn: list[Floats], off: list[Floats]) -> Floats:
+    def _band(self, column: list[Floats], drawn: list[Floats], off: list[Floats]) -> Floats:
         """Band of one column, from what noise makes of it and what it is with other constants."""
         variance = np.mean(np.square(drawn), axis=0)
-        variance += sum((other - column) ** 2 for other in off)
-        lost = self._fine(column) - np.mean([self._fine(each) for each in drawn], axis=0)
+        variance += sum((other - column[0]) ** 2 for other in off)
+        lost = self._fine(column[0]) - np.mean([self._fine(each) for each in drawn], axis=0)
         band: Floats = COVER * np.sqrt(variance + np.maximum(lost, 0.0))
         return band
 
@@ -444,14 +421,14 @@ def _noise(side: Side, rng: np.random.Generator) -> Side:
     Pieces, not samples, since noise may be coloured; short ones, since the mean of all of the rest
     is 0, as that of the noise is not.
     """
+    piece, count = max(2, side.quiet // PIECES), len(side.times)
     drawn = []
     for strain in side.strains:
-        piece = max(2, side.quiet // PIECES)
-        starts = rng.integers(0, side.quiet - piece + 1, len(strain) // piece + 1)
-        noise = strain[starts[:, None] + np.arange(piece)].ravel()[: len(strain)]
-        noise = noise - noise[: side.quiet].mean()
-        drawn.append(noise / math.sqrt(1 - piece / side.quiet))  # their sums vary less by so much
-    return side._replace(strains=tuple(drawn))
+        starts = rng.integers(0, side.quiet - piece + 1, count // piece + 1)
+        noise = strain[starts[:, None] + np.arange(piece)].ravel()[:count]
+        drawn.append(noise - noise[: side.quiet].mean())
+    less = math.sqrt(1 - piece / side.quiet)  # by so much the sums of pieces vary less
+    return side._replace(strains=np.array(drawn) / less)
 
 
 def _integral(rate: Floats, times: Floats) -> Floats:
@@ -533,11 +510,8 @@ def mean_of_shots(shots: Sequence[Reduction], points: int = 201) -> Shots:
     if not given or not all(isinstance(each, Reduction) for each in shots):
         raise refusal("shots", f"must be two or more Reductions from ri.reduce, got {shown(shots)}")
     strain = np.linspace(0, min(float(each.strain.max()) for each in shots), points)
-    columns: list[Any] = []
-    for each in shots:
-        order = np.maximum.accumulate(each.strain[each.loading])
-        columns.append([np.interp(strain, order, column[each.loading])
-                        for column in (each.stress, each.strain_rate)])
-    stress, rate = np.mean(columns, axis=0)
-    scatter = np.std([column[0] for column in columns], axis=0, ddof=1)
+    columns = np.array([[each.at_strain(strain, each.stress),
+                         each.at_strain(strain, each.strain_rate)] for each in shots])
+    stress, rate = columns.mean(axis=0)
+    scatter = columns[:, 0].std(axis=0, ddof=1)
     return Shots(strain, stress, rate, scatter, len(shots))

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import units
-from ..model.arguments import Array, array, demand, of_kind, plain, single
+from ..model.arguments import Array, array, demand, of_kind, one_of, plain, single
 from ..model.bodies import Rod, Segment
 from ..model.frozen import Frozen, InvalidModel, Number, Problems, refusal
 from ..model.quantities import Floats, floats
@@ -256,9 +256,7 @@ class Signal(Frozen):
         >>> round(step.low_pass(100e3, "first-order").at(50e-7), 3)
         0.955
         """
-        if not isinstance(kind, str) or kind not in filters.LOW_PASS:
-            known = ", ".join(map(repr, filters.LOW_PASS))
-            raise refusal("kind", f"must be one of {known}, got {shown(kind)}")
+        one_of("kind", kind, filters.LOW_PASS)
         f = single("frequency", frequency, "Hz", "positive")
         if f * self.dt >= 0.5:
             rate = units.format_si(1 / self.dt, "Hz")

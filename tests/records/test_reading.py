@@ -133,7 +133,7 @@ def test_what_is_no_record_is_refused_with_the_place(read, text, options, said):
 
 @pytest.mark.parametrize(("options", "said"), [
     ({"rate": 1.0, "time": "a"}, "rate: give either rate or a column of times"),
-    ({"rate": -1.0}, "rate: must be .*, got -1.0"), ({"decimal": ";"}, 'decimal: must be "."'),
+    ({"rate": -1.0}, "rate: must be .*, got -1.0"), ({"decimal": ";"}, "decimal: must be one of"),
     ({"units": {"c": "V"}}, "units: there is no channel 'c'; use one of a"),
     ({"units": 3}, "units: must be a unit, or a unit for each channel name, got 3"),
     ({"units": {"a": 3}}, "unknown unit 3"),
