@@ -1,6 +1,6 @@
 """The command line: `rodimpact COMMAND ...`, one file a command, imported only when it is called.
 
-A command is a module with `add_arguments(parser)` and `run(arguments)`, which returns the text for
+A command is a module with `add_arguments(parser)` and `run(given)`, which returns the text for
 standard output, or its lines, and the exit status, one of `STATUSES`.
 """
 
@@ -140,6 +140,7 @@ def _run(argv: list[str]) -> tuple[str | Iterable[str], int]:
     except FileNotFoundError:
         message = "the current directory has been deleted; change to another"
         raise FileNotFoundError(message) from None
+    asking = import_module(".asking", __name__)  # which imports this package
     command = import_module(f".{called.command}", __name__)
     own = argparse.ArgumentParser(
         prog=f"rodimpact {called.command}", description=command.__doc__,
@@ -149,7 +150,7 @@ def _run(argv: list[str]) -> tuple[str | Iterable[str], int]:
     # what begins as a number is a value, such as -20cm/s or -5.npz; no option does
     own._negative_number_matcher = re.compile(r"-\.?[0-9]")
     os.environ["MPLBACKEND"] = "agg"  # no command opens a window
-    given = own.parse_args(called.rest)
+    given = own.parse_args(called.rest, asking.Given(own))
     with _signals_interrupt():
         text, status = command.run(given)
     return text, status

@@ -11,20 +11,17 @@ from __future__ import annotations
 
 import argparse
 
-from ..model.frozen import InvalidModel, Problems
+from ..model.frozen import InvalidModel
 from ..results.regions import nothing_to_draw
-from ..storage.casefile import read_case
 from ..units import format_si
 from . import DONE
-from .asking import attempt, check_outputs, naming, note, numbers
+from .asking import Given, Number, note
 from .options import as_keys
 from .progress import progress_bar, solved, status_of
 from .run_options import add_run_options, run_options
 
-_OPTIONS = {"path": "--output", "field": "--field", "frames": "--frames", "fps": "--fps",
-            "magnification": "--magnify", "limit": "--until", "stop": "--until",
-            "solution": "CASE.toml"}
-_NUMBERS = {"frames": "", "fps": "dimensionless", "magnify": "dimensionless"}
+_NAMES = {"path": "--output", "magnification": "--magnify", "limit": "--until", "stop": "--until",
+          "solution": "CASE.toml"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -34,46 +31,43 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help="the picture: .gif or .mp4")
     parser.add_argument("--field", choices=("velocity", "stress", "strain"), default="velocity",
                         help="quantity shown in colour; default velocity")
-    parser.add_argument("--frames", metavar="N", default="120", help="2 to 10000; default 120")
-    parser.add_argument("--fps", metavar="N", default="25", help="frames a second; default 25")
-    parser.add_argument("--magnify", metavar="X",
+    parser.add_argument("--frames", action=Number, default=120, help="2 to 10000; default 120")
+    parser.add_argument("--fps", action=Number, dimension="dimensionless", default=25.0,
+                        help="frames a second; default 25")
+    parser.add_argument("--magnify", action=Number, dimension="dimensionless",
                         help="magnification of displacements and gaps; chosen by default")
     parser.add_argument("--dark", action="store_true", help="light lines on dark paper")
     add_run_options(parser, ("until",))
     parser.add_argument("--force", action="store_true", help="replace an existing file")
 
 
-def run(arguments: argparse.Namespace) -> tuple[str, int]:
+def run(given: Given) -> tuple[str, int]:
     """Check everything, solve, draw, and tell what was made."""
     from .. import plot
     from ..plot.files import check_film
     from ..plot.moving import check_frames
 
-    problems: Problems = []
-    shown = numbers(problems, arguments, _NUMBERS)
-    case = attempt(problems, read_case, arguments.case)
-    options = run_options(problems, arguments, case)
-    if arguments.output.lower().endswith((".html", ".htm")):
-        message = f"must end in .gif or .mp4, got {arguments.output!r}"
-        problems.append(("--output", f"{message}; a page that plays is made by rodimpact export"))
-    attempt(problems, check_film, arguments.output, options=_OPTIONS)
-    attempt(problems, check_frames, shown["frames"], shown["fps"], options=_OPTIONS)
-    check_outputs(problems, {"--output": arguments.output}, arguments.force)
-    assert case is not None  # or there were problems
+    case = given.read_case()
+    options = run_options(given, case)
+    if given.output.lower().endswith((".html", ".htm")):
+        message = f"must end in .gif or .mp4, got {given.output!r}"
+        given.note("--output", f"{message}; a page that plays is made by rodimpact export")
+    given.attempt(check_film, given.output, names=_NAMES)
+    given.attempt(check_frames, given.frames, given.fps)
+    given.check_outputs("output")
 
     solution = solved(case.system, **options)
-    too_short = arguments.until is not None and solution.stopped_by == "until"  # that is told below
+    too_short = given.until is not None and solution.stopped_by == "until"  # that is told below
     if not too_short and (reason := nothing_to_draw(solution)):
         raise InvalidModel([(case.path, as_keys(reason))])
     note("drawing")
-    with (naming(_OPTIONS),
-          plot.look("dark" if arguments.dark else "light")):
-        film = plot.animation(solution, arguments.field, shown["frames"], shown["fps"],
-                              magnification=shown.get("magnify"))
+    with given.naming(names=_NAMES), plot.look("dark" if given.dark else "light"):
+        film = plot.animation(solution, given.field, given.frames, given.fps,
+                              magnification=given.magnify)
     with progress_bar("frames") as bar:
-        film.save(arguments.output, force=arguments.force, progress=bar)
+        film.save(given.output, force=given.force, progress=bar)
     start, stop = (format_si(float(t), "s") for t in film.times[[0, -1]])
     text = (f"{len(film)} frames from {start} to {stop}, {len(film) / film.fps:.3g} s to watch: "
-            f"{arguments.output}")
+            f"{given.output}")
     status = status_of(solution)
     return text if status == DONE else f"{text}\n{solution.status}", status

@@ -1,7 +1,4 @@
-"""What the user gave on the command line: numbers with units, files to write, mistakes in them.
-
-Mistakes are collected in a list of (path, message) and reported together, like those of a model.
-"""
+"""What the user gave on the command line: numbers with units, files to write, mistakes in them."""
 
 from __future__ import annotations
 
@@ -9,138 +6,169 @@ import argparse
 import math
 import re
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from types import MappingProxyType
 from typing import Any, TypeVar
 
 from ..methods.memory import LargeFile
 from ..model.frozen import InvalidModel, Problems, raise_noted
+from ..storage.casefile import read_case
 from ..storage.reading import FileFormatError
 from ..storage.writing import check_target
 from ..units import parse
 from . import DONE, FAULT, complain
-from .options import flag
 
 Made = TypeVar("Made")
+Names = Mapping[str, str]
+NONE: Names = MappingProxyType({})
 
 
-def attempt(
-    problems: Problems, make: Callable[..., Made], *given: object,
-    options: Mapping[str, str] = MappingProxyType({}), **more: object,
-) -> Made | None:
-    """What `make` makes of what was given; None, and its mistakes noted, if it refuses.
+class Given(argparse.Namespace):
+    """What a call gives, with the mistakes in it, which are reported together.
 
-    `options` names the options that gave its arguments.
+    Attributes
+    ----------
+    problems : list of (path, message)
+        Mistakes that were found so far, as in a model.
+    options : dict of str
+        The option that gives each argument.
     """
-    try:
-        return make(*given, **more)
-    except (InvalidModel, FileFormatError, LargeFile) as error:
-        known = dict(problems)  # what cannot be read cannot be right
-        found = [(options.get(path, path), message) for path, message in error.problems]
-        problems += [told for told in found if told[0] not in known]
-        return None
+
+    def __init__(self, parser: argparse.ArgumentParser) -> None:
+        super().__init__()
+        self.problems: Problems = []
+        self.options = {action.dest: action.option_strings[-1]
+                        for action in parser._actions if action.option_strings}
+
+    def note(self, path: str, message: str) -> None:
+        """Note a mistake, unless there is one already: what cannot be read cannot be right."""
+        if path not in dict(self.problems):
+            self.problems.append((path, message))
+
+    def number(self, option: str, text: str, dimension: str) -> float:
+        """A number with or without a unit, whole if it has no dimension; nan and a mistake."""
+        try:
+            return parse(text, dimension) if dimension else _whole(text)
+        except ValueError as error:
+            self.note(option, str(error))
+            return math.nan
+
+    def attempt(
+        self, make: Callable[..., Made], *given: object, names: Names = NONE, **more: object
+    ) -> Made | None:
+        """What `make` makes of what was given; None, and its mistakes noted, if it refuses.
+
+        Arguments are named by the options of these names, but for those that `names` names.
+        """
+        try:
+            return make(*given, **more)
+        except (InvalidModel, FileFormatError, LargeFile) as error:
+            known = dict(self.problems)
+            found = self._by_option(error.problems, names)
+            self.problems += [problem for problem in found if problem[0] not in known]
+            return None
+
+    @contextmanager
+    def naming(self, every: str = "", names: Names = NONE) -> Iterator[None]:
+        """Mistakes bear the options that gave the arguments, or `every` one the same.
+
+        A mistake that names no argument has the path "".
+        """
+        try:
+            yield
+        except ValueError as error:
+            found = self._by_option(getattr(error, "problems", [("", str(error))]), names)
+            raise InvalidModel([(every or path, message) for path, message in found]) from error
+
+    def _by_option(self, problems: Problems, names: Names) -> Problems:
+        """Mistakes with the names of options in place of those of arguments."""
+        known = {**self.options, **names}
+        return [(known.get(path, path), message) for path, message in problems]
+
+    def read_case(self, vary: Mapping[str, str] | None = None) -> Any:
+        """The case; None, and its mistakes noted by their keys, if it is none."""
+        try:
+            return read_case(self.case, vary)
+        except InvalidModel as error:
+            self.problems += error.problems
+            return None
+
+    def check_outputs(self, *names: str, figure: str = "") -> None:
+        """Refuse, before any work, files that must not or cannot be written.
+
+        Parameters
+        ----------
+        *names : str
+            Arguments that name files.
+        figure : str
+            The one whose file must be in the format of a figure.
+
+        Raises
+        ------
+        InvalidModel
+            If there are mistakes, these or earlier ones: a file that exists without --force, or is
+            there for two outputs, is one.
+        OSError
+            If there are none, but a file cannot be written.
+        """
+        if figure and getattr(self, figure) is not None:
+            from ..plot.files import FORMATS, format_of
+
+            names_of = {"path": self.options[figure]}
+            self.attempt(format_of, getattr(self, figure), FORMATS, names=names_of)
+        unwritable = None
+        option_of: dict[object, str] = {}
+        for option, path in ((self.options[name], getattr(self, name)) for name in names):
+            try:
+                if path is not None:
+                    first = option_of.setdefault(check_target(path, force=self.force), option)
+                    if first != option:
+                        self.note(option, f"{path!r} is the file of {first} too; name another")
+            except FileExistsError as error:
+                self.note(option, str(error))
+            except OSError as error:
+                unwritable = unwritable or error
+        raise_noted(self.problems)
+        if unwritable:
+            raise unwritable
+
+    def write(self, **writers: Callable[..., object]) -> int:
+        """Write the outputs that are asked for; the exit status, of a fault if one is empty."""
+        status = DONE
+        for name, make in writers.items():
+            if (path := getattr(self, name)) is None:
+                continue
+            try:
+                make(path, force=self.force)
+                note(f"wrote {path}")
+            except ValueError as error:
+                status = complain(f"{self.options[name]}: {error}", FAULT)
+        return status
 
 
-@contextmanager
-def naming(options: Mapping[str, str], every: str = "") -> Iterator[None]:
-    """Mistakes bear the options that gave the arguments, or every one the same.
+class Number(argparse.Action):
+    """An option that is a number of a dimension; its mistakes are noted in what is given."""
 
-    An error that names no argument has the path "".
-    """
-    try:
-        yield
-    except ValueError as error:
-        found = getattr(error, "problems", [("", str(error))])
-        raise InvalidModel([(every or options.get(path, path), message)
-                            for path, message in found]) from error
+    def __init__(
+        self, option_strings: Sequence[str], dest: str, dimension: str = "", **more: Any
+    ) -> None:
+        names = {"": "N", "dimensionless": "X"}
+        metavar = names.get(dimension, dimension.upper())
+        super().__init__(option_strings, dest, **{"metavar": metavar, **more})
+        self.dimension = dimension
 
-
-def quantity(problems: Problems, option: str, text: str, dimension: str) -> float:
-    """A number with or without a unit; nan and a problem if it is none."""
-    try:
-        return parse(text, dimension)
-    except ValueError as error:
-        problems.append((option, str(error)))
-        return math.nan
+    def __call__(self, _: object, given: Any, text: Any, *__: object) -> None:
+        """Read the number."""
+        number = given.number(self.option_strings[-1], text, self.dimension)
+        setattr(given, self.dest, number)
 
 
-def numbers(
-    problems: Problems, arguments: argparse.Namespace, dimensions: Mapping[str, str]
-) -> dict[str, Any]:
-    """The numbers that options give, by their names; without a dimension they are whole."""
-    return {
-        name: quantity(problems, flag(name), text, dimension) if dimension
-        else whole_number(problems, flag(name), text)
-        for name, dimension in dimensions.items()
-        if (text := getattr(arguments, name, None)) is not None
-    }
-
-
-def whole_number(problems: Problems, option: str, text: str) -> int:
-    """A positive whole number that a register can hold; 0 and a problem if it is none."""
+def _whole(text: str) -> int:
+    """A positive whole number that a register can hold."""
     if re.fullmatch("0*[1-9][0-9]{0,17}", text.strip()):
         return int(text)
-    problems.append((option, f"must be a positive whole number below 10^18, got {text.strip()!r}"))
-    return 0
-
-
-def check_outputs(
-    problems: Problems, files: Mapping[str, str | None], force: bool, figure: str = ""
-) -> None:
-    """Refuse, before any work, files that must not or cannot be written.
-
-    Parameters
-    ----------
-    problems : list
-        An existing file without `force`, and a file for two outputs, are added here.
-    files : mapping of option to path or None
-    force : bool
-    figure : str
-        Option of a figure, which must be in a format that can be written.
-
-    Raises
-    ------
-    InvalidModel
-        If there are problems, these or earlier ones.
-    OSError
-        If there are none, but a file cannot be written.
-    """
-    if files.get(figure) is not None:
-        from ..plot.files import FORMATS, format_of
-
-        attempt(problems, format_of, files[figure], FORMATS, options={"path": figure})
-    unwritable = None
-    option_of: dict[object, str] = {}
-    for option, path in files.items():
-        try:
-            if path is not None:
-                first = option_of.setdefault(check_target(path, force=force), option)
-                if first != option:
-                    problems.append((option, f"{path!r} is the file of {first} too; name another"))
-        except FileExistsError as error:
-            problems.append((option, str(error)))
-        except OSError as error:
-            unwritable = unwritable or error
-    raise_noted(problems)
-    if unwritable:
-        raise unwritable
-
-
-def write(
-    files: Mapping[str, str | None], writers: Mapping[str, Callable[..., object]], force: bool
-) -> int:
-    """Write the outputs that are asked for; the exit status, of a fault if one holds nothing."""
-    status = DONE
-    for option, make in writers.items():
-        if (path := files[option]) is None:
-            continue
-        try:
-            make(path, force=force)
-            note(f"wrote {path}")
-        except ValueError as error:
-            status = complain(f"{option}: {error}", FAULT)
-    return status
+    raise ValueError(f"must be a positive whole number below 10^18, got {text.strip()!r}")
 
 
 def note(text: str) -> None:

@@ -9,15 +9,14 @@ from __future__ import annotations
 
 import argparse
 import math
-import textwrap
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from ..materials import TABLE
 from ..model import Material, Rod, System, Wall
-from ..model.frozen import Problems, raise_noted
+from ..model.frozen import raise_noted
 from ..results.pair_theory import pair_theory
 from ..results.solution import Solution
 from ..running.solving import collide, solve
@@ -25,40 +24,42 @@ from ..storage.tables import align, as_html, clean
 from ..storage.writing import write_text
 from ..units import format_si
 from . import DONE
-from .asking import note, quantity
+from .asking import Given, Number, note
 from .stages import LEGEND, tell
 
-if TYPE_CHECKING:
-    from ..plot.style import Colours
-
-KEYS = ("identical", "wall", "unequal", "dowel")
 VIEWS = ("velocity", "stress", "stages", "contact", "energy")
 PAGE = "index.html"
-PAIRS = 60  # length ratios at which e is compared with l1/l2
+RATIOS = [i / 60 for i in range(1, 61)]  # at which e is compared with l1/l2
 AREA = 1e-4  # m^2
 DOWEL = 0.9144, math.pi / 4 * 0.0127**2  # 3 ft, m, and half an inch thick, m^2
 STAGES = 6  # in a figure
-STYLE = """\
+HEAD = """\
+<!doctype html>
+<html lang="en">
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>%s</title>
+<style>
 body { max-width: 64rem; margin: 2rem auto; padding: 0 1rem; font: 1rem/1.5 sans-serif;
        background: %s; color: %s; }
 figure { margin: 1.5rem 0; }
 img { max-width: 100%%; }
 a { color: inherit; }
-"""
+</style>"""
 
 
 class Replay(NamedTuple):
-    """One collision of the box: what it is called, what its bodies are, and its solution."""
+    """One collision of the box."""
 
     key: str  # in the names of its figures
     title: str
-    names: tuple[str, str]
+    names: tuple[str, str]  # of the bodies
     solution: Solution
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """A ratio of lengths, and where the figures go."""
-    parser.add_argument("--ratio", default="0.4", metavar="R",
+    parser.add_argument("--ratio", action=Number, dimension="dimensionless", default=0.4,
                         help="l1/l2 of the rods of different length, up to 1; default 0.4")
     parser.add_argument("--material", choices=TABLE, default="steel", metavar="NAME",
                         help="of the rods, from rodimpact materials; default steel")
@@ -72,50 +73,42 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--force", action="store_true", help="replace existing figures")
 
 
-def run(arguments: argparse.Namespace) -> tuple[str, int]:
+def run(given: Given) -> tuple[str, int]:
     """Solve, tell, and draw."""
-    problems: Problems = []
-    ratio = quantity(problems, "--ratio", arguments.ratio, "dimensionless")
-    if not problems and not 0 < ratio <= 1:
-        message = f"must be above 0 and at most 1, the left rod being the shorter, got {ratio!r}"
-        problems.append(("--ratio", message))
-    suffix, keys = arguments.format, KEYS if arguments.dowel else KEYS[:-1]
-    figures = {key: [f"{key}-{view}.{suffix}" for view in VIEWS] for key in keys}
-    figures["restitution"] = [f"restitution.{suffix}"]
-    names = [name for group in figures.values() for name in group]
-    directory = Path(arguments.output)
-    if directory.exists() and not directory.is_dir():
-        problems.append(("--output", f"{arguments.output!r} is not a directory; name another"))
-    elif not arguments.force and (there := [
-            name for name in (*names, PAGE) if (directory / name).exists()]):
-        message = f"{directory} holds {', '.join(there)} already"
-        problems.append(("--output", f"{message}; give --force to replace them, or name another"))
-    raise_noted(problems)
-    directory.mkdir(parents=True, exist_ok=True)
+    from .. import plot
 
-    material = TABLE[arguments.material]
-    replays = solve_all(ratio, material, keys)
-    ratios, struck = [i / PAIRS for i in range(1, PAIRS + 1)], rod(material, 1.0)
-    values = [collide(rod(material, r, 1.0), struck).restitution for r in ratios]
+    if not 0 < given.ratio <= 1:
+        message = "must be above 0 and at most 1, the left rod being the shorter"
+        given.note("--ratio", f"{message}, got {given.ratio!r}")
+    keys = ("identical", "wall", "unequal", "dowel")[: 4 if given.dowel else 3]
+    groups = [[f"{key}-{view}.{given.format}" for view in VIEWS] for key in keys]
+    groups.append([f"restitution.{given.format}"])
+    names = [name for group in groups for name in group]
+    folder = Path(given.output)
+    there = [name for name in (*names, PAGE) if (folder / name).exists()]
+    if folder.exists() and not folder.is_dir():
+        given.note("--output", f"{given.output!r} is not a directory; name another")
+    elif there and not given.force:
+        message = f"{folder} holds {', '.join(there)} already"
+        given.note("--output", f"{message}; give --force to replace them, or name another")
+    raise_noted(given.problems)
+    folder.mkdir(parents=True, exist_ok=True)
+
+    material = TABLE[given.material]
+    replays = solve_all(given.ratio, material, keys)
+    struck = rod(material, 1.0)
+    values = [collide(rod(material, r, 1.0), struck).restitution for r in RATIOS]
+    largest = max(abs(e - r) for e, r in zip(values, RATIOS, strict=True))
+    law = (f"Length ratios from {RATIOS[0]:.3g} to 1\n"
+           f"{len(RATIOS)} pairs of rods solved: e agrees with l1/l2 to {largest:.1e}.")
+    texts = [*map(describe, replays), law]
     note("drawing")
-    draw(replays, ratios, values, [directory / name for name in names], arguments)
-    largest = max(abs(e - r) for e, r in zip(values, ratios, strict=True))
-    law = (f"Length ratios from {ratios[0]:.3g} to 1\n"
-           f"{PAIRS} pairs of rods solved: e agrees with l1/l2 to {largest:.1e}.")
-    parts = [(introduction(material), []),
-             *((describe(replay), figures[replay.key]) for replay in replays),
-             (law, figures["restitution"])]
-    write_text(directory / PAGE, box_page(parts, look_of(arguments)), force=arguments.force)
-    listed = (f"{len(names)} figures in {directory}, and {PAGE}, which shows them\n"
-              + textwrap.fill(", ".join(names), 98, break_on_hyphens=False))
-    return "\n\n\n".join([*(text for text, _ in parts), listed]), DONE
-
-
-def look_of(arguments: argparse.Namespace) -> Colours:
-    """Colours of the figures and of their page."""
-    from ..plot.style import LOOKS
-
-    return LOOKS["dark" if arguments.dark else "light"]
+    with plot.look("dark" if given.dark else "light"):
+        draw(replays, values, [folder / name for name in names], given.force)
+        page = box_page(introduction(material), texts, groups)
+    write_text(folder / PAGE, page, force=given.force)
+    listed = f"{len(names)} figures in {folder}, and {PAGE}, which shows them"
+    return "\n\n\n".join([introduction(material), *texts, listed]), DONE
 
 
 def rod(material: Material, length: float, velocity: float = 0.0) -> Rod:
@@ -125,18 +118,19 @@ def rod(material: Material, length: float, velocity: float = 0.0) -> Rod:
 
 def solve_all(ratio: float, material: Material, keys: Sequence[str]) -> list[Replay]:
     """Solve these collisions of the box."""
-    title, both = f"Rods of different length, l1/l2 = {ratio:g}", ("left rod", "right rod")
+    both = "left rod", "right rod"
     metre, struck = rod(material, 1.0, 1.0), rod(material, 1.0)
-    length, area = DOWEL
-    wood = Rod(length, area=area, material=TABLE["oak"], velocity=1.0)
+    dowel = Rod(DOWEL[0], area=DOWEL[1], material=TABLE["oak"], velocity=1.0)
     rows: dict[str, tuple[str, tuple[str, str], list[Rod | Wall]]] = {
         "identical": ("Identical rods", both, [metre, struck]),
         "wall": ("A rod on a rigid wall", ("rod", "wall"), [metre, Wall()]),
-        "unequal": (title, both, [rod(material, ratio, 1.0), struck]),
+        "unequal": (f"Rods of different length, l1/l2 = {ratio:g}", both,
+                    [rod(material, ratio, 1.0), struck]),
         "dowel": ("A wooden dowel, 3 ft long, on a stone floor", ("dowel", "floor"),
-                  [wood, Wall()]),
+                  [dowel, Wall()]),
     }
-    return [Replay(key, *rows[key][:2], solve(System(rows[key][2]))) for key in keys]
+    return [Replay(key, title, names, solve(System(bodies)))
+            for key, (title, names, bodies) in rows.items() if key in keys]
 
 
 def introduction(material: Material) -> str:
@@ -156,100 +150,72 @@ def introduction(material: Material) -> str:
 
 
 def describe(replay: Replay) -> str:
-    """The stages of a collision, and its result beside theory."""
-    story = tell(replay.solution, replay.names)
-    return f"{replay.title}\n\n{story}\n\n{results(replay)}"
-
-
-def results(replay: Replay) -> str:
-    """What the collision did, beside the closed form."""
+    """The stages of a collision, and its result beside the closed form."""
     o, system = replay.solution.outcome, replay.solution.system
-    theory: Any = pair_theory(system)
-    theory = theory.collision()
+    family: Any = pair_theory(system)
+    theory = family.collision()
     episode = replay.solution.contacts[0].episodes[0]
-    compared = (
+    opens = episode.opening - episode.start
+    vibration = clean(sum(o.vibration_after), o.kinetic_before)
+    rows = [["", "found", "theory"]]
+    for what, unit, *numbers in (
+        ("coefficient of restitution e", "", o.restitution, theory.restitution),
         ("contact force lasts", "s", o.duration, theory.duration),
-        ("gap opens after", "s", episode.opening - episode.start, theory.opening),
+        ("gap opens after", "s", opens, theory.opening),
         ("contact force", "N", o.peak_force, theory.peak_force),
-        ("energy left in vibration", "J", sum(o.vibration_after), theory.vibration_energy),
-    )
-    table = align([
-        ["", "found", "theory"],
-        ["coefficient of restitution e", f"{o.restitution:.9g}", f"{theory.restitution:.9g}"],
-        *([name, *(format_si(clean(float(x), o.kinetic_before if unit == "J" else 0.0), unit)
-                   for x in numbers)] for name, unit, *numbers in compared),
-        *([f"velocity of the {name} afterwards", f"{clean(v, 1.0):.6g} m/s", ""]
-          for name, v in zip(replay.names, o.velocities_after, strict=True)),
-        ["momentum balance, relative error", f"{abs(o.momentum_residual):.2g}", "0"],
-        ["energy balance, relative error", f"{abs(o.energy_residual):.2g}", "0"],
-    ])
-    trips = [f"of the {name} {'' if i else 'is '}{format_si(2 * float(body.transit_time), 's')}"
-             for i, (name, body) in enumerate(zip(replay.names, system.bodies, strict=True))
+        ("energy left in vibration", "J", vibration, theory.vibration_energy),
+    ):
+        rows.append([what, *(format_si(float(x), unit) for x in numbers)])
+    for name, v in zip(replay.names, o.velocities_after, strict=True):
+        rows.append([f"velocity of the {name} afterwards", f"{clean(v, 1.0):.6g} m/s", ""])
+    rows += [["momentum balance, relative error", f"{abs(o.momentum_residual):.2g}", "0"],
+             ["energy balance, relative error", f"{abs(o.energy_residual):.2g}", "0"]]
+    trips = [f"{format_si(2 * float(body.transit_time), 's')} for the {name}"
+             for name, body in zip(replay.names, system.bodies, strict=True)
              if isinstance(body, Rod)]
-    remark = f"2 l/c {', '.join(trips)}"
+    remark = f"2 l/c is {' and '.join(trips)}"
     if episode.opening > episode.force_end:
         remark += (
             f".\nThe force ends after {format_si(o.duration, 's')}. In the textbook the rods part "
             "then. In fact they touch\nwithout force until the wave of the long rod is back; the "
-            f"gap opens after {format_si(episode.opening - episode.start, 's')}")
-    return f"{table}\n{remark}.\nThe vibration energy is (1 - e^2) m_coll v^2/2."
+            f"gap opens after {format_si(opens, 's')}")
+    remark += ".\nThe vibration energy is (1 - e^2) m_coll v^2/2."
+    story = tell(replay.solution, replay.names)
+    return f"{replay.title}\n\n{story}\n\n{align(rows)}\n{remark}"
 
 
-def draw(
-    replays: list[Replay], ratios: list[float], values: list[float], paths: list[Path],
-    arguments: argparse.Namespace,
-) -> None:
+def draw(replays: list[Replay], values: list[float], paths: list[Path], force: bool) -> None:
     """Draw every collision, and e against the ratio of lengths."""
     from .. import plot
     from ..plot.moments import moments
 
-    with plot.style.coloured(look_of(arguments)):
-        figures: list[Any] = []
-        for replay in replays:
-            solution = replay.solution
-            axes = (
-                plot.spacetime(solution, field="velocity").ax,
-                plot.spacetime(solution, field="stress").ax,
-                plot.snapshots(solution, times=moments(solution, STAGES)).ax,
-                plot.contact(solution).force_ax,
-                plot.energy(solution).ax,
-            )
-            for ax in axes:
-                ax.set_title(replay.title.replace("l1/l2", "ℓ₁/ℓ₂"), loc="left", pad=18)
-            figures += axes
-        figures.append(plot.restitution(ratios, values).ax)
-        for path, figure in zip(paths, figures, strict=True):
-            plot.save(figure, path, force=arguments.force)
+    figures: list[Any] = []
+    for _, title, _, solution in replays:
+        axes = (
+            plot.spacetime(solution, field="velocity").ax,
+            plot.spacetime(solution, field="stress").ax,
+            plot.snapshots(solution, times=moments(solution, STAGES)).ax,
+            plot.contact(solution).force_ax,
+            plot.energy(solution).ax,
+        )
+        for ax in axes:
+            ax.set_title(title.replace("l1/l2", "ℓ₁/ℓ₂"), loc="left", pad=18)
+        figures += axes
+    figures.append(plot.restitution(RATIOS, values).ax)
+    for path, figure in zip(paths, figures, strict=True):
+        plot.save(figure, path, force=force)
 
 
-def box_page(parts: Sequence[tuple[str, list[str]]], colours: Colours) -> str:
-    """Write the page.
+def box_page(head: str, texts: list[str], groups: list[list[str]]) -> str:
+    """The page, in HTML: texts whose first line is a heading, each with its figures beside it."""
+    from ..plot.style import colours
 
-    Parameters
-    ----------
-    parts : sequence of (str, list of str)
-        Text, whose first line is a heading, and names of figures, which lie beside the page.
-    colours : Colours
-        Of paper and letters.
-
-    Returns
-    -------
-    str
-        HTML.
-    """
-    titles = [escape(text.partition("\n")[0]) for text, _ in parts]
-    lines = [
-        '<!doctype html>', '<html lang="en">', '<meta charset="utf-8">',
-        '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        f"<title>{titles[0]}</title>", f"<style>\n{STYLE % colours[:2]}</style>",
-    ]
-    for level, title, (text, figures) in zip("1" + "2" * len(parts), titles, parts, strict=False):
-        lines += [f"<h{level}>{title}</h{level}>", as_html(text.partition("\n")[2].strip("\n"))]
-        lines += [_figure(name, f"{title}: {name.rpartition('.')[0]}") for name in figures]
+    title, _, text = head.partition("\n")
+    lines = [HEAD % (title, *colours()[:2]), f"<h1>{title}</h1>", as_html(text)]
+    for text, figures in zip(texts, groups, strict=True):
+        title, _, text = text.partition("\n")
+        lines += [f"<h2>{escape(title)}</h2>", as_html(text.strip("\n"))]
+        for name in figures:
+            picture = f'<img src="{name}" alt="{escape(title)}: {Path(name).stem}">'
+            lines.append(f'<figure><a href="{name}">{picture}</a></figure>')
     return "\n".join([*lines, "</html>", ""])
-
-
-def _figure(name: str, words: str) -> str:
-    """A figure, or a link to one that no page shows."""
-    shown = name if name.endswith(".pdf") else f'<img src="{name}" alt="{words}">'
-    return f'<figure><a href="{name}">{shown}</a></figure>'

@@ -34,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
-def run(arguments: argparse.Namespace) -> tuple[str, int]:
+def run(given: argparse.Namespace) -> tuple[str, int]:
     """Table or JSON of the findings."""
     versions = {
         "rodimpact": __version__,
@@ -43,8 +43,8 @@ def run(arguments: argparse.Namespace) -> tuple[str, int]:
     }
     cache, agrees, verdict = try_compiled()
     status = UNVERIFIED if agrees is False else DONE
-    seconds = warm() if arguments.warm and agrees else None
-    if arguments.json:
+    seconds = warm() if given.warm and agrees else None
+    if given.json:
         return as_json(versions=versions, cache_directory=cache, agrees=agrees, status=verdict,
                        seconds_to_compile_all=seconds), status
     rows = [

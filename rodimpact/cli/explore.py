@@ -23,10 +23,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-browser", action="store_true", help="print the path, open nothing")
 
 
-def run(arguments: argparse.Namespace) -> tuple[str, int]:
+def run(given: argparse.Namespace) -> tuple[str, int]:
     """Write the page and open it."""
-    if arguments.case is None:
+    if given.case is None:
         case = next(preset.case for preset in presets() if preset.key == FIRST)
     else:
-        case = read_case(arguments.case)
-    return page_of(case, solved).open(not arguments.no_browser), DONE
+        case = read_case(given.case)
+    return page_of(case, solved).open(not given.no_browser), DONE

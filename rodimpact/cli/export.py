@@ -9,10 +9,8 @@ from __future__ import annotations
 import argparse
 
 from ..explorer.exploring import page_of
-from ..model.frozen import Problems
-from ..storage.casefile import read_case
 from . import DONE
-from .asking import attempt, check_outputs
+from .asking import Given
 from .progress import solved, status_of
 
 
@@ -23,14 +21,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--force", action="store_true", help="replace an existing file")
 
 
-def run(arguments: argparse.Namespace) -> tuple[str, int]:
+def run(given: Given) -> tuple[str, int]:
     """Write the page."""
-    problems: Problems = []
-    case = attempt(problems, read_case, arguments.case)
-    check_outputs(problems, {"--output": arguments.output}, arguments.force)
-    assert case is not None  # or there were problems
+    case = given.read_case()
+    given.check_outputs("output")
     page = page_of(case, solved)
-    page.save(arguments.output, force=arguments.force)
+    page.save(given.output, force=given.force)
     shown = "solves the collision itself" if page.solution is None else "shows a stored solution"
-    text = f"{arguments.output}: {len(page.html.encode()) / 1000:.0f} kB, {shown}"
+    text = f"{given.output}: {len(page.html.encode()) / 1000:.0f} kB, {shown}"
     return text, DONE if page.solution is None else status_of(page.solution)

@@ -27,21 +27,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--latex", action="store_true", help="print LaTeX")
 
 
-def run(arguments: argparse.Namespace) -> tuple[str, int]:
+def run(given: argparse.Namespace) -> tuple[str, int]:
     """Formulas in the cell of the case and, if it lies on a border, in those beside it."""
-    case = read_case(arguments.case)
-    symbols = arguments.symbols.replace(" ", "").split(",")
+    case = read_case(given.case)
+    symbols = given.symbols.replace(" ", "").split(",")
     with progress_bar("polynomials") as bar:
         try:
             found = closed_form(case.system, symbols, progress=bar)
         except ImportError as error:
             return "", complain(str(error), MISTAKE)
         forms = [found, *found.sides]
-        if arguments.latex:
+        if given.latex:
             return "\n".join(form._repr_latex_() for form in forms), DONE
         names = "\n".join(f"{name}: {path}" for name, path in found.symbols.items())
         kinds = case.system.kinds
-        told = [_told(form, kinds, arguments.conditions) for form in forms]
+        told = [_told(form, kinds, given.conditions) for form in forms]
         return "\n\n".join([names, *told]), DONE
 
 

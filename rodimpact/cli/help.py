@@ -16,9 +16,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         f"{topic}: {(tell.__doc__ or '').rstrip('.')}" for topic, tell in TOPICS.items()))
 
 
-def run(arguments: argparse.Namespace) -> tuple[str, int]:
+def run(given: argparse.Namespace) -> tuple[str, int]:
     """The text on this topic."""
-    return TOPICS[arguments.topic](), DONE
+    return TOPICS[given.topic](), DONE
 
 
 def topics() -> str:

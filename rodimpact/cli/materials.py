@@ -15,9 +15,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
-def run(arguments: argparse.Namespace) -> tuple[str, int]:
+def run(given: argparse.Namespace) -> tuple[str, int]:
     """Table or JSON of the materials."""
-    if arguments.json:
+    if given.json:
         entries = [
             {**material.to_dict(), "wave_speed": material.wave_speed, "source": SOURCES[name]}
             for name, material in TABLE.items()

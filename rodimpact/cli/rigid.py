@@ -9,13 +9,11 @@ import argparse
 import math
 
 from .. import rigid
-from ..model.frozen import Problems, raise_noted
+from ..model.frozen import raise_noted
 from ..storage.tables import align, as_json, clean, finite
 from ..units import format_si
 from . import DONE
-from .asking import attempt, quantity
-
-OPTIONS = {"restitution": "-e", **{name: f"--{name}" for name in ("m1", "v1", "m2", "v2")}}
+from .asking import Given, Number
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -23,9 +21,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for i, where in ((1, "left"), (2, "right")):
         parser.add_argument(f"--m{i}", required=True, metavar="MASS",
                             help=f'mass of the {where} body, "2 kg", or inf for a wall')
-        parser.add_argument(f"--v{i}", required=True, metavar="VELOCITY",
+        parser.add_argument(f"--v{i}", required=True, action=Number, dimension="velocity",
                             help='its velocity, "0.5 m/s", positive to the right')
-    parser.add_argument("-e", "--restitution", required=True, metavar="E",
+    parser.add_argument("--restitution", "-e", required=True, action=Number,
+                        dimension="dimensionless", metavar="E",
                         help="coefficient of restitution: 0 they stick, 1 no energy is lost; "
                         "below 0 one passes through the other")
     parser.add_argument("--energy-release", action="store_true",
@@ -33,25 +32,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
-def run(arguments: argparse.Namespace) -> tuple[str, int]:
+def run(given: Given) -> tuple[str, int]:
     """Table or JSON of the collision."""
-    given = vars(arguments)
-    problems: Problems = []
-    m1, m2 = (
-        math.inf if given[name].strip().lower() == "inf"
-        else quantity(problems, f"--{name}", given[name], "mass")
-        for name in ("m1", "m2")
-    )
-    v1, v2 = (quantity(problems, f"--{n}", given[n], "velocity") for n in ("v1", "v2"))
-    e = quantity(problems, "-e", given["restitution"], "dimensionless")
-    raise_noted(problems)
-    collision = attempt(problems, rigid.collide, m1, v1, m2, v2, e, options=OPTIONS,
-                        allow_energy_release=arguments.energy_release)
+    m1, m2 = (math.inf if text.strip().lower() == "inf" else given.number(option, text, "mass")
+              for option, text in (("--m1", given.m1), ("--m2", given.m2)))
+    v1, v2, e = given.v1, given.v2, given.restitution
+    raise_noted(given.problems)
+    collision = given.attempt(rigid.collide, m1, v1, m2, v2, e,
+                              allow_energy_release=given.energy_release)
     raise_noted([(option, message.replace("set allow_energy_release=True", "give --energy-release")
-                  .replace("m1", "--m1")) for option, message in problems])
+                  .replace("m1", "--m1")) for option, message in given.problems])
     assert collision is not None  # or there were problems
     after = {name: float(value) for name, value in collision._asdict().items()}
-    if arguments.json:
+    if given.json:
         inputs = {"m1": m1, "v1": v1, "m2": m2, "v2": v2, "restitution": e}
         numbers = {name: finite(value) for name, value in {**inputs, **after}.items()}
         return as_json(**numbers), DONE

@@ -10,18 +10,16 @@ import argparse
 import json
 from functools import partial
 
-from ..model.frozen import Problems
 from ..results.gauges import Gauge, gauges_to_csv
 from ..results.regions import nothing_to_draw
 from ..results.solution import Solution
-from ..storage.casefile import read_case
 from ..storage.report import solution_dict, solution_table
 from ..storage.tables import misnamed
-from .asking import attempt, check_outputs, write
+from .asking import Given
 from .options import as_options
 from .progress import solved, status_of
 from .record_options import FORM, Places, add_gauge_option, gauge_places
-from .run_options import NUMBERS, add_run_options, run_options
+from .run_options import add_run_options, run_options
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,38 +31,33 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--gauges", metavar="FILE.csv",
                         help="write strains against time, as tools for Hopkinson bars read them")
     add_gauge_option(parser, "a column of --gauges and a station in --plot")
-    add_run_options(parser, tuple(NUMBERS))
+    add_run_options(parser)
     parser.add_argument("--force", action="store_true", help="replace existing files")
 
 
-def run(arguments: argparse.Namespace) -> tuple[str, int]:
+def run(given: Given) -> tuple[str, int]:
     """Check everything, solve, write the files, and hand back the table or JSON."""
-    problems: Problems = []
-    case = attempt(problems, read_case, arguments.case)
-    options = run_options(problems, arguments, case)
-    places = gauge_places(problems, arguments.gauge, case)
-    problems += [("--gauge" if arguments.gauge else "gauges", sentence)
-                 for name in places
-                 if (arguments.gauge or arguments.gauges) and (sentence := misnamed(name))]
-    if arguments.gauges is not None and not places:
+    case = given.read_case()
+    options = run_options(given, case)
+    places = gauge_places(given, case)
+    if given.gauge or given.gauges:
+        given.problems += [("--gauge" if given.gauge else "gauges", sentence)
+                           for name in places if (sentence := misnamed(name))]
+    if given.gauges is not None and not places:
         message = f"goes with --gauge {FORM}, one for each column, or [[gauges]] of the case"
-        problems.append(("--gauges", message))
-    names = ("save", "plot", "gauges")
-    own = case.output if case else {}
-    where = {name: f"output.{name}" if getattr(arguments, name) is None and name in own
-             else f"--{name}" for name in names}
-    files = {where[name]: getattr(arguments, name) or own.get(name) for name in names}
-    if files[where["plot"]] is None and arguments.gauge and arguments.gauges is None:
-        problems.append(("--gauge", "goes with --gauges or --plot, which show its record"))
-    check_outputs(problems, files, arguments.force, figure=where["plot"])
-    assert case is not None  # or there were problems
+        given.problems.append(("--gauges", message))
+    for name, path in case.output.items() if case else ():
+        if getattr(given, name) is None:
+            setattr(given, name, path)
+            given.options[name] = f"output.{name}"
+    if given.gauge and given.plot is given.gauges is None:
+        given.problems.append(("--gauge", "goes with --gauges or --plot, which show its record"))
+    given.check_outputs("save", "plot", "gauges", figure="plot")
     solution = solved(case.system, **options)
-    wrote = write(files, {
-        where["save"]: solution.save, where["plot"]: partial(_draw, solution, places),
-        where["gauges"]: partial(_record, solution, places),
-    }, arguments.force)
+    wrote = given.write(save=solution.save, plot=partial(_draw, solution, places),
+                        gauges=partial(_record, solution, places))
     status = status_of(solution) or wrote  # a run that stopped early also tells why a file lacks
-    if arguments.json:
+    if given.json:
         told = solution_dict(solution)
         return as_options(json.dumps(told, indent=2, allow_nan=False)), status
     return as_options(solution_table(solution)), status

@@ -19,22 +19,20 @@ from typing import Any
 
 from ..methods.abilities import driven
 from ..methods.run import ALSO
-from ..model.frozen import InvalidModel, Problems
+from ..model.frozen import InvalidModel
 from ..model.paths import suggestion
 from ..running.sweep_report import sweep_json, sweep_table
 from ..running.sweep_result import Readings, SweepResult, arrays_of
 from ..running.sweeping import SweepError, sweep
-from ..storage.casefile import Case, read_case
+from ..storage.casefile import Case
 from ..storage.reading import FileFormatError
 from . import INCOMPLETE
-from .asking import attempt, check_outputs, note, numbers, write
+from .asking import Given, Number, note
 from .options import as_options
 from .progress import a_second, progress_bar
 from .run_options import add_run_options, run_options
 
 EXAMPLE = "bodies.0.length=0.05:1:200"
-
-
 MORE = "--csv prints all, --save keeps them"
 
 
@@ -43,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("case", metavar="CASE.toml", help="the case file")
     parser.add_argument("--vary", metavar="PATH=GRID", action="append", default=[],
                         help=f"a number and its values, {EXAMPLE}; once for each axis")
-    parser.add_argument("--workers", metavar="N", help="threads; default one a processor")
+    parser.add_argument("--workers", action=Number, help="threads; default one a processor")
     parser.add_argument("--checkpoint", metavar="DIR",
                         help="keep finished parts here, and go on from those of an earlier run")
     parser.add_argument("--on-error", choices=("record", "raise"), default="record",
@@ -66,30 +64,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--force", action="store_true", help="replace existing files")
 
 
-def run(arguments: argparse.Namespace) -> tuple[str | Iterable[str], int]:
+def run(given: Given) -> tuple[str | Iterable[str], int]:
     """Check everything, solve, write the files, and hand back the table, CSV or JSON."""
-    problems: Problems = []
-    vary = _vary(problems, arguments.vary)
-    how = {"on_error": arguments.on_error, "checkpoint": arguments.checkpoint,
-           "also": arguments.also, **numbers(problems, arguments, {"workers": ""})}
-    case = attempt(problems, read_case, arguments.case, vary)
+    case = given.read_case(_vary(given))
     if case:
-        _check_case(problems, case, arguments.plot and arguments.quantity)
-    options = run_options(problems, arguments, case)
-    if "displacement" in arguments.also and options.get("until") is None:
+        _check_case(given, case)
+    how = {name: getattr(given, name) for name in ("on_error", "checkpoint", "also", "workers")}
+    options = run_options(given, case)
+    if "displacement" in given.also and options.get("until") is None:
         message = "displacement is that at the end of the run; give the end, --until"
-        problems.append(("--also", message))
-    files = {"--save": arguments.save, "--plot": arguments.plot}
-    check_outputs(problems, files, arguments.force, figure="--plot")
-    assert case is not None  # or there were problems
+        given.problems.append(("--also", message))
+    given.check_outputs("save", "plot", figure="plot")
 
     result = _sweep(case, {**options, **how})
-    draw = partial(_draw, result, arguments.quantity)
-    wrote = write(files, {"--save": result.save, "--plot": draw}, arguments.force)
+    wrote = given.write(save=result.save, plot=partial(_draw, result, given.quantity))
     status = INCOMPLETE if result.incomplete.any() else wrote
-    if arguments.csv:
+    if given.csv:
         return result.csv_lines(), status
-    if arguments.json:
+    if given.json:
         return sweep_json(result, case.varied), status
     return as_options(sweep_table(result, case.varied, MORE)), status
 
@@ -101,41 +93,43 @@ def _draw(result: SweepResult, quantity: str, path: str, force: bool) -> None:
     plot.save(plot.sweep(result, quantity=quantity), path, force=force)
 
 
-def _vary(problems: Problems, given: list[str]) -> dict[str, str]:
+def _vary(given: Given) -> dict[str, str]:
     """Grids by path."""
     vary: dict[str, str] = {}
-    if not given:
-        problems.append(("--vary", f"name what to vary: --vary {EXAMPLE}"))
-    for item in given:
-        path, equals, grid = (part.strip() for part in item.rpartition("="))
-        if not path or not equals:
-            problems.append(("--vary", f"must be PATH=GRID, such as {EXAMPLE}, got {item!r}"))
+    if not given.vary:
+        given.problems.append(("--vary", f"name what to vary: --vary {EXAMPLE}"))
+    for item in given.vary:
+        path, _, grid = (part.strip() for part in item.rpartition("="))
+        if not path:
+            given.problems.append(("--vary", f"must be PATH=GRID, such as {EXAMPLE}, got {item!r}"))
         elif path in vary:
-            problems.append((path, "is varied twice; write one list or one range"))
+            given.problems.append((path, "is varied twice; write one list or one range"))
         else:
             vary[path] = grid
     return vary
 
 
-def _check_case(problems: Problems, case: Case, drawn: str | None) -> None:
+def _check_case(given: Given, case: Case) -> None:
     """Refuse what only a single run takes, and a figure that cannot be drawn."""
     if "snapshots" in case.solve:
         message = "a sweep keeps no states; take snapshots out of the case"
-        problems.append(("solve.snapshots", message))
+        given.problems.append(("solve.snapshots", message))
+    if given.plot is None:
+        return
     wide = sum(len(axis.values) > 1 for axis in case.varied)
     contacts = sum(law.opens for law in case.system.contacts)
     known = arrays_of(case.system, Readings())
-    if drawn is not None and drawn not in known:
-        message = f"there is no {drawn!r}; {suggestion(drawn, known)}"
-        problems.append(("--quantity", message))
-    if drawn is not None and case.varied and not 1 <= wide <= 2:
+    if given.quantity not in known:
+        message = f"there is no {given.quantity!r}; {suggestion(given.quantity, known)}"
+        given.problems.append(("--quantity", message))
+    if case.varied and not 1 <= wide <= 2:
         message = f"a figure has one or two axes, and {wide} numbers vary; leave it out"
-        problems.append(("--plot", message))
-    elif drawn == "restitution" and (contacts != 1 or driven(case.system)):
+        given.problems.append(("--plot", message))
+    elif given.quantity == "restitution" and (contacts != 1 or driven(case.system)):
         why = ("which gravity or a driven end leaves undefined" if contacts == 1
                else f"and a row with {contacts} contacts has no e")
         remedy = "name another --quantity, such as velocity_after.0"
-        problems.append(("--plot", f"a figure shows e, {why}; {remedy}"))
+        given.problems.append(("--plot", f"a figure shows e, {why}; {remedy}"))
 
 
 def _sweep(case: Case, options: dict[str, Any]) -> SweepResult:

@@ -13,12 +13,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
-def run(arguments: argparse.Namespace) -> tuple[str, int]:
+def run(given: argparse.Namespace) -> tuple[str, int]:
     """Table or JSON of the residuals."""
     checks = selfcheck.checks()
     failed = sum(not check.passed for check in checks)
     status = UNVERIFIED if failed else DONE
-    if arguments.json:
+    if given.json:
         rows = [{"name": c.name, "expected": c.expected, "got": finite(c.got), "bound": c.bound,
                  "residual": finite(c.residual), "passed": c.passed} for c in checks]
         return as_json(passed=not failed, checks=rows), status

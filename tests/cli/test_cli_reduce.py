@@ -63,7 +63,7 @@ def test_it_writes_a_table_and_a_figure(refuses):
 
 
 @pytest.mark.parametrize(("options", "said"), [
-    ([*GAUGES, *BRIDGE, "--area", "-1"], "--length: is missing"),
+    ([*GAUGES, *BRIDGE, "--area", "-1"], "are required: --length"),
     ([*GAUGES, *SPECIMEN, *BRIDGE, "--area", "1 mm^2"], "--area: give either"),
     ([*GAUGES[:2], *SPECIMEN, *BRIDGE], "neighbouring rods"),
     ([*GAUGES, *SPECIMEN], "--bridge: is missing; the channel 'incident' is in V"),

@@ -310,7 +310,7 @@ def test_the_options_reach_the_sweep(case, monkeypatch):
     case.write_text(CASE + "[solve]\nmethod = 'fronts'\nmax_events = 7\n")
     assert sweep("--vary", LENGTHS) == 0
     assert given == {"shape": (5,), "method": "fronts", "max_events": 7, "on_error": "record",
-                     "checkpoint": None, "progress": None, "also": []}
+                     "checkpoint": None, "progress": None, "also": [], "workers": None}
     assert sweep("--vary", LENGTHS, "--workers", "2", "--max-events", "8", "--on-error", "raise",
                  "--checkpoint", "d") == 0
     assert given == {"shape": (5,), "method": "fronts", "max_events": 8, "on_error": "raise",
