@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import KW_ONLY
 from itertools import pairwise
 from numbers import Integral
-from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias, get_args
+from typing import Any, ClassVar, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,9 +22,6 @@ from .arguments import array, demand, together
 from .frozen import Declared, Frozen, Number, Numeric, NumericOrNone, Problems, note, quantity
 from .lateral_inertia import MINDLIN_HERRMANN, RAYLEIGH_LOVE, THEORIES
 from .profiles import Floats, Profile, ProfileLike, Samples, Steps
-
-if TYPE_CHECKING:
-    from dataclasses import KW_ONLY
 
 MOST_STEPS = 100_000  # of a taper
 CIRCULAR = "circular"  # the cross-section is a solid disc
@@ -71,10 +69,8 @@ class Material(Declared):
             problems.insert(0, ("name", f"must be a word, got {shown(self.name)}"))
         if not problems:
             E, rho = self.youngs_modulus, self.density
-            with np.errstate(all="ignore"):
-                ratio = E / rho
             message = "gives no finite wave speed with density {1!r}, got {0!r}"
-            frozen.require(problems, frozen.in_range(ratio), "youngs_modulus", message, E, rho)
+            frozen.require(problems, frozen.in_range(E / rho), "youngs_modulus", message, E, rho)
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
         described = super().to_dict()

@@ -15,6 +15,7 @@ import json
 import math
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator
+from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeAlias, dataclass_transform
@@ -294,8 +295,6 @@ def raise_noted(problems: Problems) -> None:
     """Raise InvalidModel if there are problems."""
     if problems:
         raise InvalidModel(problems)
-_TAKEN = {"Numeric": "ArrayLike", "NumericOrNone": "ArrayLike | None"}
-"""How `help` shows what a constructor takes for such an attribute."""
 
 
 class Frozen:
@@ -311,14 +310,16 @@ class Frozen:
     _instead: ClassVar[dict[str, tuple[str, ...]]] = {}
     """Parameters that stand for others: ``{"diameter": ("area",)}``."""
     _whole: ClassVar[tuple[str, ...]] = ()
-    """Fields whose array is one thing: the members of a family share it."""
+    """Fields that are no numbers of a family: its members share them."""
 
     def __init_subclass__(cls) -> None:
         cls._tag = {name: getattr(cls, name) for name in ("kind", "law") if hasattr(cls, name)}
         if declared := {name: v for name, v in vars(cls).items() if isinstance(v, Field)}:
             cls.fields = declared
-            for name in declared:
-                delattr(cls, name)
+        for name, field in declared.items():
+            delattr(cls, name)
+            if field.default is not REQUIRED:
+                setattr(cls, name, field.default)
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError(f"{type(self).__name__} is frozen; make a new one with another {name}")
@@ -329,7 +330,7 @@ class Frozen:
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Become what was pickled or copied; arrays are read-only again."""
         self.__dict__.update(state)
-        for _, _, item in self._parts():
+        for _, item in self._parts():
             if isinstance(item, np.ndarray):
                 item.flags.writeable = False
 
@@ -351,12 +352,11 @@ class Frozen:
         """
         kind: Any = type(self)
         known = defaults_of(kind)
-        if unknown := [name for name in changes if name not in known]:
-            where = f"is no parameter of {kind.__name__}"
-            raise InvalidModel([
-                (name, f"{where}; {nearest(name, known) if known else 'it has none'}")
-                for name in unknown
-            ])
+        wrong = f"is no parameter of {kind.__name__}"
+        raise_noted([
+            (name, f"{wrong}; {nearest(name, known) if known else 'it has none'}")
+            for name in changes if name not in known
+        ])
         gone = {other for name in changes for other in self._instead.get(name, ())}
         kept = {name: v for name, v in self._parameters().items() if name not in gone}
         return kind(**{**kept, **changes})  # type: ignore[no-any-return]
@@ -393,14 +393,13 @@ class Frozen:
         fields = ", ".join(f"{name}={short(v)}" for name, v in given if v is not None)
         return f"{type(self).__name__}({fields})"
 
-    def _parts(self) -> Iterator[tuple[str, str, Any]]:
-        """What it holds, with the name of the attribute, and the place in it: ``".0"``."""
-        for name, value in self.__dict__.items():
+    def _parts(self) -> Iterator[tuple[str, Any]]:
+        """What it holds, each with its place in a case file: ``"values.0"``."""
+        for name, value in self._parameters().items():
             if isinstance(value, tuple):
-                for i, item in enumerate(value):
-                    yield name, f".{i}", item
+                yield from ((f"{name}.{i}", item) for i, item in enumerate(value))
             else:
-                yield name, "", value
+                yield name, value
 
     @cached_property
     def _varies(self) -> bool:
@@ -413,18 +412,18 @@ class Frozen:
         return False
 
     def _numbers(self, path: str = "") -> list[tuple[str, Number]]:
-        """Every number of this object and of what it holds, with its path."""
+        """Every number of this object and of what it holds, with its path in a case file."""
         numbers: list[tuple[str, Number]] = []
-        for name, place, item in self._parts():
-            where = f"{path}.{name}{place}" if path else name + place
+        for place, item in self._parts():
+            where = f"{path}.{place}" if path else place
             if isinstance(item, Frozen):
                 numbers += item._numbers(where)
-            elif isinstance(item, float | np.ndarray) and name not in self._whole:
+            elif isinstance(item, float | np.ndarray) and place not in self._whole:
                 numbers.append((where, item))
         return numbers
 
     def _mapped(self, change: Callable[[Any], Any]) -> Self:
-        """The same object with every array replaced by what `change` makes of it."""
+        """The same object with every array of numbers replaced by what `change` makes of it."""
 
         def mapped(value: Any) -> Any:
             if isinstance(value, np.ndarray):
@@ -440,49 +439,29 @@ class Frozen:
         })
         return twin
 
-    def _member(self, shape: tuple[int, ...], index: Any, lean: bool) -> Self:
-        """The same object with every array, broadcast to `shape`, replaced by its `index`.
 
-        A `lean` one keeps an array only along the axes along which it varies.
-        """
-
-        def pick(array: Any) -> Any:
-            view = np.broadcast_to(array, shape)[index]
-            if lean and view.ndim:
-                view = view[tuple(slice(0, 1) if s == 0 else slice(None) for s in view.strides)]
-            chosen = np.array(view)
-            if chosen.ndim == 0 or (lean and chosen.size == 1):
-                return float(chosen.item())
-            chosen.flags.writeable = False
-            return chosen
-
-        return self._mapped(pick)
+_TAKEN = {"Numeric": "ArrayLike", "NumericOrNone": "ArrayLike | None"}
+"""How `help` shows what a constructor takes for such an attribute."""
 
 
 @dataclass_transform(eq_default=False, field_specifiers=(quantity,))
 class Declared(Frozen):
-    """A value whose constructor takes what its class declares, in that order.
-
-    What stands below ``_: KW_ONLY``, as in a dataclass, is taken by name only.
-    """
+    """A value whose constructor takes what its class declares: a dataclass that is checked."""
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
-        kinds = inspect.get_annotations(cls).items()
-        if taken := {name: kind for name, kind in kinds if not kind.startswith("ClassVar")}:
-            cls.__init__ = _constructor(cls, taken)  # type: ignore[method-assign]
+        shown = cls.__annotations__
+        cls.__annotations__ = {name: _TAKEN.get(kind, kind) for name, kind in shown.items()}
+        dataclass(repr=False, eq=False, frozen=True)(cls)
 
-    def _take(self, **given: Any) -> None:
-        """Become what is given; InvalidModel with all mistakes in it."""
+    def __post_init__(self) -> None:
+        """Check everything that was given; InvalidModel with all mistakes in it."""
         problems: Problems = []
-        held, fields, varies = self.__dict__, self.fields, False
-        for name, value in given.items():
-            if name in fields:
-                value = fields[name].checked(problems, name, value)
-                varies = varies or type(value) is np.ndarray
-            held[name] = value
-        if varies and not problems:
-            family_shape((name, held[name]) for name in fields)
+        held = self.__dict__
+        for name, field in self.fields.items():
+            held[name] = field.checked(problems, name, held[name])
+        if not problems:
+            family_shape((name, held[name]) for name in self.fields)
         try:
             self._check(problems)
         except InvalidModel as error:
@@ -491,24 +470,6 @@ class Declared(Frozen):
 
     def _check(self, problems: Problems) -> None:
         """Note, or raise, what is wrong besides single numbers."""
-
-
-def _constructor(cls: type[Declared], taken: dict[str, str]) -> Any:
-    """Constructor of a class, spelt out so that it is as fast as one written by hand."""
-    header, passed = "self", ""
-    for name, kind in taken.items():
-        if name == "_":
-            header += ", *"
-        else:
-            declared = cls.fields.get(name)
-            default = declared.default if declared else getattr(cls, name, REQUIRED)
-            header += f", {name}: {_TAKEN.get(kind, kind)}"
-            header += "" if default is REQUIRED else f" = {default!r}"
-            passed += f"{name}={name}, "
-    made: dict[str, Any] = {}
-    exec(f"def __init__({header}) -> None: self._take({passed})", made)
-    made["__init__"].__qualname__ = f"{cls.__qualname__}.__init__"
-    return made["__init__"]
 
 
 @cache

@@ -33,7 +33,7 @@ FIELDS = {
 
 def numbers_of(system: System) -> dict[str, Number]:
     """Every number that can vary, by its place in ``System.to_dict()``."""
-    numbers = dict(system._named_numbers())
+    numbers = dict(system._numbers())
     for place, value in list(numbers.items()):
         owner, _, field = place.rpartition(".")
         if field == MODULUS:

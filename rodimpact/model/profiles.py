@@ -7,9 +7,10 @@ the drive is made: what is stored and compared are numbers only.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import KW_ONLY
 from functools import reduce
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,9 +20,6 @@ from . import frozen
 from .frozen import Declared, Field, Number, NumericOrNone, Problems, note, quantity
 from .quantities import Floats as Floats
 from .quantities import floats
-
-if TYPE_CHECKING:
-    from dataclasses import KW_ONLY
 
 ALONG_ROD = 1025  # places at which a function along a rod is sampled
 IN_TIME = 4097  # times at which a function of time is sampled
@@ -100,7 +98,7 @@ class Samples(Declared):
     _: KW_ONLY
     smooth: bool = False
     error: float = 0.0
-    _whole: ClassVar[tuple[str, ...]] = ("values",)
+    _whole: ClassVar[tuple[str, ...]] = ("values", "error")
 
     def _check(self, problems: Problems) -> None:
         given, before = self.values, len(problems)

@@ -9,7 +9,7 @@ Axis x points to the right; velocity is positive to the right, strain positive i
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import zip_longest
 from typing import Any
 
@@ -23,7 +23,7 @@ from .ends import ENDS, FREE, Absorbing, End, Fixed, Free, Incoming, Moved, Push
 from .frozen import Frozen, Number, Problems, note, plain, quantity
 from .lateral_inertia import RAYLEIGH_LOVE
 from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Law, Plastic, Rigid
-from .profiles import flipped, negative, profile_from
+from .profiles import Floats, flipped, negative, profile_from
 
 SIDES = ("left", "right")
 _BODIES, _LAWS, _ENDS = (frozenset(d.values()) for d in (BODIES, CONTACT_LAWS, ENDS))
@@ -121,7 +121,7 @@ class System(Frozen):
         frozen.raise_noted(problems)
         self._set(bodies=tuple(bodies), gaps=widths, contacts=tuple(laws), gravity=g,
                   ends=tuple(both))
-        self._set(_shape=frozen.family_shape(self._named_numbers()) if self._varies else ())
+        self._set(_shape=frozen.family_shape(self._numbers()) if self._varies else ())
         _check_joined(self)
 
     @property
@@ -140,25 +140,17 @@ class System(Frozen):
 
         Arrays as they were given: they broadcast to `shape`.
         """
-        return {path: v for path, v in self._named_numbers() if isinstance(v, np.ndarray)}
+        return {path: v for path, v in self._numbers() if isinstance(v, np.ndarray)}
 
-    def _named_numbers(self) -> list[tuple[str, Number]]:
-        """Every number with the path that it has in a case file."""
-        named = []
-        for path, value in self._numbers():
-            match path.split("."):
-                case ["gaps", i]:
-                    path = f"contacts.{i}.gap"
-                case ["ends", i, *rest]:
-                    path = ".".join(["ends", SIDES[int(i)], *rest])
-                case ["bodies", i, "segments", _, *rest] if self._is_uniform(int(i)):
-                    path = ".".join(["bodies", i, *rest])
-            named.append((path, value))
-        return named
-
-    def _is_uniform(self, body: int) -> bool:
-        rod = self.bodies[body]
-        return isinstance(rod, Rod) and len(rod.segments) == 1
+    def _parts(self) -> Iterator[tuple[str, Any]]:
+        for name, value in super()._parts():
+            kind, _, place = name.partition(".")
+            match kind:
+                case "gaps":
+                    name = f"contacts.{place}.gap"
+                case "ends":
+                    name = f"ends.{SIDES[int(place)]}"
+            yield name, value
 
     def __getitem__(self, index: Any) -> System:
         """Member of a family, or a smaller family, by NumPy's rules of indexing."""
@@ -167,12 +159,17 @@ class System(Frozen):
         except (IndexError, OverflowError, ValueError) as error:
             message = f"{shown(index)} picks nothing of a family of shape {self.shape}: {error}"
             raise IndexError(message) from None
-        for lean in (True, False):
-            member = self._member(self.shape, index, lean)
-            arrays = [v for _, v in member._numbers() if isinstance(v, np.ndarray)]
-            member._set(_shape=np.broadcast_shapes(*(v.shape for v in arrays)))
-            if member.shape == wanted:
-                break
+
+        def pick(array: Floats) -> Number:
+            view = np.broadcast_to(array, self.shape)[index]
+            # an array is kept along the axes along which it varies
+            lean = tuple(slice(None) if stride else slice(1) for stride in view.strides)
+            chosen = np.array(view[lean])
+            chosen.flags.writeable = False
+            return chosen if chosen.ndim else chosen.item()
+
+        member = self._mapped(pick)
+        member._set(_shape=wanted)
         return member
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
@@ -223,7 +220,7 @@ class System(Frozen):
             damping, a restitution below 1, absorbing or driven ends.
         """
         problems: Problems = []
-        for path, value in self._named_numbers():
+        for path, value in self._numbers():
             if path.endswith((".viscosity", ".damping")) and np.any(value):
                 problems.append((path, "must be 0"))
             if path.endswith(".restitution") and np.any(np.less(value, 1)):

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import KW_ONLY
 
 from ..model.arguments import of_kind, one_of
 from ..model.frozen import Declared, Problems, quantity, refusal
 from ..units import shown
 from .signal import Signal
-
-if TYPE_CHECKING:
-    from dataclasses import KW_ONLY
 
 ALONG = {"quarter": 1, "half": 2, "full": 2}
 """Gauges along the bar, for each bridge."""

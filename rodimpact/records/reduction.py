@@ -16,8 +16,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from dataclasses import KW_ONLY, dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,9 +31,6 @@ from .bars import QUIET, Compression, Side, sides_of
 from .calibration import Calibration
 from .signal import Signal
 from .together import signals_to_xarray, write_signals
-
-if TYPE_CHECKING:
-    from dataclasses import KW_ONLY
 
 DRAWS = 24  # of the noise; 8 where two gauges make each of them costly
 TWO_GAUGE_DRAWS = 8
