@@ -12,7 +12,6 @@ import os
 import re
 import shutil
 import subprocess
-import tempfile
 from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -74,9 +73,9 @@ def save(picture: Any, path: str | os.PathLike[str], force: bool = False) -> Non
     memory = io.BytesIO()
     about = FORMATS[kind]
     if kind == "svg":  # what a screen reader says of the picture
-        labels = [(ax.get_ylabel(), ax.get_xlabel()) for ax in figure.axes[:1]]
-        words = " over ".join(label for pair in labels for label in pair if label)
-        about = {**about, "Title": " ".join((figure.get_suptitle() or words).split())}
+        words = [word for ax in figure.axes[:1] for word in (ax.get_ylabel(), ax.get_xlabel())]
+        title = figure.get_suptitle() or " over ".join(filter(None, words))
+        about = {**about, "Title": " ".join(title.split())}
     with rc_context({"svg.hashsalt": "rodimpact", "svg.fonttype": "none", "pdf.fonttype": 42}):
         figure.savefig(memory, format=kind, dpi=DOTS_PER_INCH, metadata=about)
     data = memory.getvalue()
@@ -117,49 +116,34 @@ def check_film(path: str | os.PathLike[str]) -> str:
 
 
 def write_gif(file: BinaryIO, film: Any, progress: Progress) -> None:
-    """Write the frames of an Animation, in the colours of the last one."""
-    pictures = _few_colours(film, progress)
+    """Write the frames of an Animation, in the colours of the last one, which shows all of it."""
+    last = Image.fromarray(film.frame(len(film) - 1))
+    palette: Any = last.quantize(SHADES)
+    shades, paper = np.reshape(palette.getpalette(), (-1, 3)), last.getpixel((0, 0))
+    shades[np.abs(shades - paper).max(axis=1) < ALIKE] = paper
+    palette.putpalette(shades.ravel().tolist())
+    pictures = (Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
+                for frame in film.frames(progress))
     next(pictures).save(file, format="GIF", save_all=True, append_images=pictures, loop=0,
                         duration=10 * max(2, round(100 / film.fps)))
 
 
 def _write_mp4(file: BinaryIO, film: Any, progress: Progress) -> None:
     height, width, _ = film.frame(0).shape
-    with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile() as errors:
-        target = Path(folder) / "film.mp4"
-        command = [
-            "ffmpeg", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24",
-            "-s", f"{width}x{height}", "-r", f"{film.fps:g}", "-i", "-",
-            "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2",  # the format takes even numbers of pixels
-            "-pix_fmt", "yuv420p", "-movflags", "+faststart", str(target),
-        ]
-        with (
-            contextlib.suppress(BrokenPipeError),  # the errors tell why
-            subprocess.Popen(command, stdin=subprocess.PIPE, stderr=errors) as process,
-        ):
-            assert process.stdin is not None
-            try:
-                for picture in film.frames(progress):
-                    process.stdin.write(picture.tobytes())
-            except KeyboardInterrupt:
-                process.kill()
-                raise
-        errors.seek(0)
-        reason = errors.read().decode(errors="replace").strip()
-        if process.returncode or not target.exists():
-            raise OSError(f"ffmpeg failed: {reason or f'status {process.returncode}'}")
-        file.write(target.read_bytes())
-
-
-def _few_colours(film: Any, progress: Progress) -> Any:
-    """Frames with the colours of the last one, in which everything is seen."""
-    last = Image.fromarray(film.frame(len(film) - 1))
-    palette: Any = last.quantize(SHADES)
-    shades, paper = np.reshape(palette.getpalette(), (-1, 3)), last.getpixel((0, 0))
-    shades[np.abs(shades - paper).max(axis=1) < ALIKE] = paper
-    palette.putpalette(shades.ravel().tolist())
-    for picture in film.frames(progress):
-        yield Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE)
+    command = [
+        "ffmpeg", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24",
+        "-s", f"{width}x{height}", "-r", f"{film.fps:g}", "-i", "-",
+        "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2",  # the format takes even numbers of pixels
+        "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4", "-y", file.name,
+    ]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdin is not None
+        with contextlib.suppress(BrokenPipeError):  # the errors tell why
+            for picture in film.frames(progress):
+                process.stdin.write(picture.tobytes())
+        reason = process.communicate()[1].decode(errors="replace").strip()
+    if process.returncode:
+        raise OSError(f"ffmpeg failed: {reason or f'status {process.returncode}'}")
 
 
 WRITERS = {"gif": write_gif, "mp4": _write_mp4}

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from textwrap import wrap
+from typing import Any
 
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import SubplotSpec
 
 from ..model import RigidMass, Rod, Wall
 from ..results.gauges import Gauge
@@ -18,11 +19,13 @@ from .polygons import drawn_until
 from .scales import closing_speed, digits, engineering, listed, time_scale, written
 from .style import LETTER, NORMAL, SMALL, broken, colours, new_figure, styled, wanted_width
 
-PAGE, COLUMN = (11.7, 8.3), (4.3, 10.8)  # inches; the column has its panels one below the other
+PAGE, COLUMN = (11.7, 8.3), 4.3  # inches; a column has its panels one below the other
 NARROW = 5.5  # inches, below which a page is a column
-WAVES, CONTACT, ENERGY = 1.5, 1.5, 1.0  # relative heights of panels
+ROW = 1.96  # height of the lowest row of a column, inches
+TALLER = 1.5  # of the rows above it, relatively
 TOGETHER = 3  # contacts whose forces and gaps are drawn over each other; more have a line each
 NAMED_UP_TO = 6  # bodies whose velocities fit into the headline
+KINDS = {Rod: ("rod", "rods"), RigidMass: ("rigid mass", "rigid masses"), Wall: ("wall", "walls")}
 
 
 @styled
@@ -62,19 +65,20 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
     time_scale(solution.t_end)  # refuses what lasts no time
     able, stop = solution.outcome.unilateral, solution.t_end
     waves = any(isinstance(body, Rod) for body in solution.system.bodies)  # masses have none
-    figure, panels = _panels(waves, bool(able))
+    many = len(able) > TOGETHER
+    contacts: list[Any] = ["force" if many else [["force"], ["gap"]]] if able else []
+    figure, panels = _panels([*["velocity", "stress"] * waves, *contacts, "energy"])
     if waves:
         stop = drawn_until(solution)
         for field in ("velocity", "stress"):
-            spacetime(solution, figure.add_subplot(panels.pop(0)), field, stop=stop, gauges=gauges)
-    if len(able) > TOGETHER:
-        Forces(solution, able).draw_rows(figure.add_subplot(panels.pop(0)))
+            spacetime(solution, panels[field], field, stop=stop, gauges=gauges)
+    if many:
+        Forces(solution, able).draw_rows(panels["force"])
     elif able:
-        both = panels.pop(0).subgridspec(2, 1)
-        force_ax = figure.add_subplot(both[0])
-        contact(solution, (force_ax, figure.add_subplot(both[1], sharex=force_ax)), able)
-        force_ax.tick_params(labelbottom=False)
-    energy(solution, figure.add_subplot(panels.pop(0)))
+        panels["gap"].sharex(panels["force"])
+        contact(solution, (panels["force"], panels["gap"]), able)
+        panels["force"].tick_params(labelbottom=False)
+    energy(solution, panels["energy"])
     room = 72 * figure.get_figwidth()
     figure.suptitle(broken(headline(solution), room / 1.3), fontsize=NORMAL + 2,
                     color=colours().ink)
@@ -88,28 +92,21 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
     return figure
 
 
-def _panels(waves: bool, contacts: bool) -> tuple[Figure, list[SubplotSpec]]:
-    """A figure with places for two pictures of waves, one of contacts, and one of energy."""
-    if wanted_width(PAGE[0]) < NARROW:
-        heights = [WAVES] * 2 * waves + [CONTACT] * contacts + [ENERGY]
-        figure = new_figure(COLUMN[0], COLUMN[1] * sum(heights) / (2 * WAVES + CONTACT + ENERGY))
-        grid = figure.add_gridspec(len(heights), 1, height_ratios=heights)
-        return figure, [grid[i, 0] for i in range(len(heights))]
-    figure = new_figure(*PAGE)
-    grid = figure.add_gridspec(1 + waves, 2, height_ratios=[WAVES] * waves + [ENERGY])
-    return figure, [*([grid[0, 0], grid[0, 1]] if waves else []),
-                    *([grid[-1, 0], grid[-1, 1]] if contacts else [grid[-1, :]])]
+def _panels(names: list[Any]) -> tuple[Figure, dict[str, Axes]]:
+    """A figure with panels of these names, the last of them below or in the last row."""
+    columns = 1 if wanted_width(PAGE[0]) < NARROW else 2
+    names = names + names[-1:] * (len(names) % columns)
+    rows = [names[i : i + columns] for i in range(0, len(names), columns)]
+    heights = [*[TALLER] * (len(rows) - 1), 1.0]
+    figure = new_figure(*PAGE if columns == 2 else (COLUMN, ROW * sum(heights)))
+    return figure, figure.subplot_mosaic(rows, height_ratios=heights)
 
 
 def headline(solution: Solution) -> str:
     """Bodies, closing speed, and results of the collision."""
     bodies = solution.system.bodies
-    rods, masses, walls = (sum(isinstance(body, kind) for body in bodies)
-                           for kind in (Rod, RigidMass, Wall))
-    row = ["One rod" if rods == 1 else f"{rods} rods"]
-    row += ["a rigid mass" if masses == 1 else f"{masses} rigid masses"] if masses else []
-    row += ["a wall"] if walls == 1 else []
-    parts = [listed(row) + (" between two walls" if walls == 2 else "")]
+    counts = {kind: sum(isinstance(body, kind) for body in bodies) for kind in KINDS}
+    parts = [listed([f"{n} {KINDS[kind][n > 1]}" for kind, n in counts.items() if n])]
     v, outcome = closing_speed(solution), solution.outcome
     if v:
         parts.append(f"closing speed {written(v, 'm/s')}")
@@ -122,8 +119,8 @@ def headline(solution: Solution) -> str:
     elif len(bodies) <= NAMED_UP_TO:
         largest = max(map(abs, outcome.velocities_after))
         scale = engineering("", largest, "m/s")
-        values = [digits(v * scale.factor, largest * scale.factor)
-                  for v in outcome.velocities_after]
+        values = ", ".join(digits(v * scale.factor, largest * scale.factor)
+                           for v in outcome.velocities_after)
         when = "after" if solution.final else "at the end"
-        parts.append(f"velocities {when} {', '.join(values)} {scale.unit}")
+        parts.append(f"velocities {when} {values} {scale.unit}")
     return ", ".join(parts)
