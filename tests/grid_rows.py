@@ -8,7 +8,7 @@ from networks import STEP, logarithmic, random_network
 import rodimpact as ri
 from rodimpact.methods.grid.mesh import Mesh
 from rodimpact.methods.grid.method import _mesh_size, follow
-from rodimpact.methods.grid.run import GridRun, Keeper
+from rodimpact.methods.grid.run import GridRun
 from rodimpact.methods.row import Row
 
 SECONDS = 3.0
@@ -47,7 +47,7 @@ def grid_run(system, room, snapshots=None, step=STEP):
     """A run that has not begun."""
     plan = Row(system)
     counts, step = _mesh_size(plan, None, step, None)
-    return GridRun(Mesh(plan, counts), step, Keeper(snapshots), room)
+    return GridRun(Mesh(plan, counts), step, snapshots, room)
 
 
 def run_row(system, until=SECONDS, step=STEP):

@@ -33,7 +33,7 @@ from rodimpact.methods.fronts import driver
 from rodimpact.methods.fronts.plan import plan_of
 from rodimpact.methods.grid.mesh import Mesh, stable_step
 from rodimpact.methods.grid.method import COURANT
-from rodimpact.methods.grid.run import GridRun, Keeper
+from rodimpact.methods.grid.run import GridRun
 from rodimpact.methods.laws import Stop
 from rodimpact.methods.row import Row
 from rodimpact.methods.run import MAX_EVENTS
@@ -267,7 +267,7 @@ def cell_on_grid(material: ri.Material, theory: str | None = None) -> float:
            for v in (1.0, 0.0)]
     mesh = Mesh(Row(ri.System(row)), [cells] * 2)
     step = COURANT * stable_step(row[0].segments[0], cells)
-    run = GridRun(mesh, step, Keeper(4), 9 * steps)
+    run = GridRun(mesh, step, 4, 9 * steps)
     run.advance(steps)  # so that machine code is there
     seconds = median(lambda: run.advance(run.steps + steps))
     assert len(run.pressed(0)) == 1

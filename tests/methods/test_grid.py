@@ -341,11 +341,11 @@ def test_cells_and_steps():
 
 def test_an_unstable_step_is_refused():
     row = [unit_rod(velocity=1.0), unit_rod(0.37)]
-    said = r"unstable: waves would cross 1\.5 cells of bodies\.0 in a step; at most 0\.1 s, got 0"
+    said = r"would be unstable in bodies\.0, where 10 cells allow 0\.1 s, got 0\.15; take"
     assert refused(said, solved, row, 2.0, 10, dt=0.15) == ["dt"]
-    said = r"must not exceed the shortest transit time, 0\.37 s of bodies\.1, got 0\.5"
+    said = r"must be 0\.37 s or less for a cell in bodies\.1, which waves cross in 0\.37 s"
     assert refused(said, solved, row, 2.0, dt=0.5) == ["dt"]
-    said = "must be 3 or more for a cell in the shortest.*got 2"
+    said = "must be 3 or more for a cell in bodies.1, which waves cross in"
     assert refused(said, solved, row, 2.0, 2) == ["cells"]
 
 
@@ -353,12 +353,12 @@ def test_an_overlong_or_too_fine_run_is_refused():
     row = [unit_rod(velocity=1.0), unit_rod()]
     assert refused(r"asks for 2000000 cells, of 1048576", solved, row, 2.0, 10**6) == ["cells"]
     assert refused(r"asks for .* cells, of", solved, row, 2.0, dt=1e-7) == ["dt"]
-    said = r"a run of \S+ steps .* needs .* GB .*, more than .* GB; stop earlier, or take fewer"
+    said = r"a run of \S+ steps .* needs .* GB .*, more than .* GB; stop earlier, keep fewer"
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # before any word on how long it takes
         assert refused(said, solved, row, 1e8, 100) == ["until"]
     short = ri.Rod(segments=[ri.Segment(1.0, 1.0, UNIT), ri.Segment(1e-7, 1.0, UNIT)])
-    said = r"its transit time is so short beside the longest, 1 s"
+    said = r"its transit time, 1e-07 s, asks for .* cells, of 1048576 at most; leave this segment"
     assert refused(said, solved, [short], 1.0) == ["bodies.0.segments.1"]
 
 

@@ -62,7 +62,7 @@ def test_the_stable_step_holds_where_sections_and_theories_differ():
 
 
 def test_a_step_beyond_the_radial_motion_is_refused():
-    with pytest.raises(ri.InvalidModel, match=r"radial motion of bodies\.0 is .* times too fast"):
+    with pytest.raises(ri.InvalidModel, match=r"would be unstable in bodies\.0, where"):
         solved([rod(segment(1.0))], dt=0.06)
 
 

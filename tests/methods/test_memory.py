@@ -64,7 +64,7 @@ def test_the_estimate_bounds_what_is_taken(monkeypatch, name):
 
 
 @pytest.mark.parametrize(
-    ("until", "snapshots"), [(1.0, 10**15), (0.1, np.linspace(0, 0.1, 300_000))])
+    ("until", "snapshots"), [(1.0, 10**15), (1.0, np.linspace(0, 1, 500_000))])
 def test_what_is_too_much_is_refused_with_figure_and_remedy(until, snapshots):
     tracemalloc.start()
     try:

@@ -18,17 +18,15 @@ from typing import Any
 import numpy as np
 
 from ...model.frozen import InvalidModel
-from ...model.lateral_inertia import MINDLIN_HERRMANN
 from .. import abilities as physics
 from .. import kernels
 from ..duration import Forecast, Progress
-from ..memory import ask
 from ..row import Row
 from ..run import PEAK_FORCE, Run
 from . import refinement
 from .mesh import Mesh, crossing_time, most_cells, stable_step
 from .proof import finality_time
-from .run import GridRun, Keeper, cost
+from .run import GridRun, cost
 from .signals import hand_over
 
 RTOL = 1e-3
@@ -102,7 +100,7 @@ def follow(
     def level(factor: int) -> GridRun:
         mesh, h = Mesh(row, [factor * N for N in counts]), step / factor
         room = None if until is None else max(1, round(until / h))
-        run = GridRun(mesh, h, Keeper(snapshots), room)
+        run = GridRun(mesh, h, snapshots, room)
         _go(run, until, max_events, forecast)
         return run
 
@@ -125,53 +123,43 @@ def _mesh_size(
     """Cells of each segment, and the step, s, that is stable for them."""
     T = np.array([crossing_time(s) for s in row.segments])
     longest, shortest = int(np.argmax(T)), int(np.argmin(T))
-    if cells is None and dt is None:
+    given = "cells" if cells is not None else "dt" if dt is not None else ""
+    if not given:
         least = max(FIRST, math.ceil(FEWEST * T[longest] / T[shortest]))
-        if least > MOST_CELLS:
-            message = (
-                f"its transit time is so short beside the longest, {T[longest]:.3g} s, that the "
-                f"grid needs {least:.3g} cells, more than {MOST_CELLS}; leave this segment out"
-            )
-            raise InvalidModel([(row.paths[shortest + 1], message)])
         if until:
             least = max(least, math.ceil(min(FINEST / 4, FEWEST * float(T[longest]) / until)))
-        remedy = "give cells, or dt"
-        ask(4.0 * least * len(T), "cells", f"choosing those of {len(T)} segments", remedy)
         # of the numbers up to twice as many, the first for which all segments run nearest to 1
-        numbers = np.arange(least, 2 * least)
+        numbers = float(least) + np.arange(min(least, 1 + MOST_CELLS // len(T)))
         steps = numbers[:, None] * (T / T[longest])
         waste = (1 - np.floor(steps * STABLE) / steps).max(axis=1)
         cells = int(numbers[int(np.argmax(waste <= waste.min() + 2.0**-20))])
-    base = float(T[longest]) / cells if cells is not None else dt
+    base = dt if cells is None else float(T[longest]) / cells
     assert base is not None
     counts = np.floor(T / base * STABLE)
     if cells is not None:
         counts[longest] = cells
+    name, path = given or row.paths[shortest + 1], row.paths[shortest + 1]
     if counts.min() < 1:
-        where = f"transit time, {T[shortest]:.6g} s of {row.paths[shortest + 1]}"
-        if cells is None:
-            message = f"must not exceed the shortest {where}, got {dt!r}"
-            raise InvalidModel([("dt", message)])
-        least = math.ceil(T[longest] / T[shortest] / STABLE)
-        message = f"must be {least} or more for a cell in the shortest {where}, got {cells!r}"
-        raise InvalidModel([("cells", message)])
+        bound = f"{T[shortest]:.6g} s or less"
+        if cells is not None:
+            bound = f"{math.ceil(T[longest] / T[shortest] / STABLE)} or more"
+        message = f"must be {bound} for a cell in {path}, which waves cross in {T[shortest]:.6g} s"
+        raise InvalidModel([(name, message)])
     if counts.sum() > MOST_CELLS:
         message = f"asks for {counts.sum():.10g} cells, of {MOST_CELLS} at most"
-        raise InvalidModel([("cells" if dt is None else "dt", message)])
-    if dt is not None and cells is None:  # the most cells for which it is stable
-        counts = np.array([most_cells(s, int(N), dt / STABLE)
+        if not given:
+            message = f"its transit time, {T[shortest]:.3g} s, {message}; leave this segment out"
+        raise InvalidModel([(name, message)])
+    if cells is None:  # the most for which it is stable
+        counts = np.array([most_cells(s, int(N), base / STABLE)
                            for s, N in zip(row.segments, counts, strict=True)])
     stable = np.array([
         stable_step(s, int(N)) for s, N in zip(row.segments, counts, strict=True)])
     step = float(stable.min()) * COURANT if dt is None else dt
-    courant = step / stable
-    if courant.max() > STABLE:
-        worst = int(np.argmax(courant))
-        many, path = f"{courant.max():.6g}", row.paths[worst + 1]
-        cause = f"waves would cross {many} cells of {path} in a step"
-        if row.segments[worst].lateral_inertia == MINDLIN_HERRMANN:
-            cause = f"radial motion of {path} is {many} times too fast for it"
-        message = f"would be unstable: {cause}; at most {stable[worst]:.6g} s, got {dt!r}"
+    worst = int(np.argmin(stable))
+    if step > STABLE * stable[worst]:
+        message = (f"would be unstable in {row.paths[worst + 1]}, where {counts[worst]:g} cells "
+                   f"allow {stable[worst]:.6g} s, got {dt!r}; take a smaller dt or fewer cells")
         raise InvalidModel([("dt", message)])
     return counts.astype(int).tolist(), step
 
@@ -179,8 +167,8 @@ def _mesh_size(
 def _go(run: GridRun, until: float | None, max_events: int, forecast: Forecast) -> None:
     """Run to the end, or to the proof."""
     room, longest = run.room, run.round_trip // 2
-    steps = 0 if until is None else round(until / run.step)
-    last = max(1, max_events // len(run.row.links)) if until is None else steps
+    last = round(until / run.step) if until is not None else max(
+        1, max_events // len(run.row.links))
     per_step = cost(run.mesh, plain=not kernels.enabled())
 
     def tell(taken: int) -> None:
@@ -189,7 +177,6 @@ def _go(run: GridRun, until: float | None, max_events: int, forecast: Forecast) 
         forecast.reached(taken, room)
 
     tell(0)
-    run.advance(0)
     while run.proved < 0:
         wait = finality_time(run) / run.step
         if wait == 0:

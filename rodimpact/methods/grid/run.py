@@ -29,33 +29,6 @@ STEP_TIMES = 3e-7, 1e-5
 """Time of a step beside that of its cells, with what results take."""
 
 
-class Keeper:
-    """Which states are kept: at chosen times, s, or so many at equal distances, all if they fit."""
-
-    def __init__(self, snapshots: int | tuple[float, ...] | None) -> None:
-        self.times = None if snapshots is None or isinstance(snapshots, int) else snapshots
-        self.most = snapshots if isinstance(snapshots, int) else 0
-        self.stride = 1
-
-    def count(self, mesh: Mesh, steps: float) -> float:
-        """How many states of a run are kept at most."""
-        if self.times is not None:
-            return 2.0 * len(self.times) + 2
-        self.most = self.most or max(
-            64, STATES_BYTES // (16 * len(mesh.mass) * (1 + mesh.swells)))
-        return min(steps, max(self.most, 3)) + 2
-
-    def when(self, step: float, end: int) -> Array:
-        """Steps at whose ends states are kept, of a run to step `end`."""
-        if self.times is not None:
-            steps = np.array(self.times) / step
-            both = np.concatenate((np.floor(steps), np.ceil(steps), [0.0]))
-            return np.unique(np.append(both[both <= end].astype(int), end))
-        while end // self.stride + 2 > max(self.most, 3):
-            self.stride *= 2
-        return np.append(np.arange(0, end, self.stride), end)
-
-
 class GridRun:
     """A run on a mesh with a step, s, of so many steps as far as is known.
 
@@ -83,15 +56,26 @@ class GridRun:
     rtol = 0.0
 
     def __init__(
-        self, mesh: Mesh, step: float, keep: Keeper, room: int | None = None
+        self, mesh: Mesh, step: float, snapshots: int | tuple[float, ...] | None = None,
+        room: int | None = None,
     ) -> None:
-        self.mesh, self.step, self.row, self.keep = mesh, step, mesh.row, keep
+        self.mesh, self.step, self.row = mesh, step, mesh.row
         self.clock, self.estimates = clock_on(mesh, step), dict[str, float]()
+        self._chosen, self._stride = None, 1  # steps after which states are kept, or how many apart
+        if snapshots is None or isinstance(snapshots, int):
+            fitting = max(64, STATES_BYTES // (16 * len(mesh.mass) * (1 + mesh.swells)))
+            self._most = max(snapshots or fitting, 3)
+        else:
+            at = np.array(snapshots) / step
+            self._chosen = np.concatenate((np.floor(at), np.ceil(at), [0.0]))
+            self._most = len(self._chosen)
         self._ask(room or 4 * self.round_trip)
-        keep.when(step, self.room)  # sets the distance of states, so that few are kept in vain
+        self._when(self.room)  # sets the distance of states, so that few are kept in vain
         self.grid = scheme.grid_of(mesh, step)
-        self._overlaps = start.begin(mesh, step, self.grid)
+        overlaps = start.begin(mesh, step, self.grid)
         self.track = self._blank(0, 0)
+        self.advance(0)
+        start.part(self.grid, overlaps)
 
     @property
     def steps(self) -> int:
@@ -107,23 +91,25 @@ class GridRun:
 
     def _ask(self, steps: int) -> None:
         """Raise TooLong where so many steps, with states and results, take too much memory."""
-        mesh, row, states = self.mesh, self.row, self.keep.count(self.mesh, steps)
-        self.room = steps
-        contacts, masses = len(row.contact_link), sum(m >= 0 for m in row.mass_of)
-        ends = sum(kind != "none" for kind, _ in row.outside)
+        mesh, row, states, self.room = self.mesh, self.row, min(steps, self._most) + 2.0, steps
         kept = 3 * len(mesh.touching) + 2 + len(mesh.watched) + len(mesh.pulled)
-        # what the kernel enters; force, gap, path, rate and power with integrals; edges and times
-        record = steps * (2.0 * kept + 10 * contacts + 5 * masses + 8 * ends + 10)
+        # what the kernel enters; force, gap, path, rate and power with integrals; ends and times
+        record = steps * (2.0 * kept + 10 * len(row.contact_link) + 5 * len(row.masses) + 26)
         # two of each, while they are joined or fields are made of them
         fields = 2 * states * (2 * len(mesh.mass) * (1 + mesh.swells) + len(mesh.starts) + 3)
         if not kernels.enabled():  # lists take four times what arrays take, and stand beside them
             record, fields = record + 4.0 * steps * kept, 3 * fields
-        if record > fields:
-            field, remedy = "until", "stop earlier, or take fewer cells"
-        else:
-            field, remedy = "snapshots", "keep fewer, or take fewer cells"
         what = f"a run of {steps:.4g} steps of {self.step:.3g} s with {states:.4g} states"
-        ask(record + fields, field, what, remedy)
+        ask(record + fields, "until" if record > fields else "snapshots", what,
+            "stop earlier, keep fewer states, or take fewer cells")
+
+    def _when(self, end: int) -> Array:
+        """Steps at whose ends states are kept, of a run to step `end`."""
+        if self._chosen is not None:
+            return np.union1d(self._chosen[self._chosen <= end], end).astype(int)
+        while end // self._stride + 2 > self._most:
+            self._stride *= 2
+        return np.append(np.arange(0, end, self._stride), end)
 
     def _blank(self, steps: int, states: int) -> Track:
         """Room for what the kernel enters."""
@@ -139,13 +125,9 @@ class GridRun:
 
     def advance(self, end: int, tell: Callable[[int], None] | None = None) -> None:
         """Run to step `end`; `tell` hears of the steps taken, several times a second."""
-        if not self.steps and end and self._overlaps:
-            self.advance(0)
-            start.part(self.grid, self._overlaps)
-            self._overlaps = []
         if end > self.room:
             self._ask(max(end, 2 * self.room))
-        when, first = self.keep.when(self.step, end), self.steps
+        when, first = self._when(end), self.steps
         left = np.isin(self.track.when, when, assume_unique=True)
         new = when[left.sum() :]  # both increase, and all states left are among them
         window = self._blank(end - first, len(new))
