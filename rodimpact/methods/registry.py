@@ -141,9 +141,11 @@ class Options:
         able = [name for name, method in METHODS.items() if not method.lacking(needs)]
         method = self._first(needs) if self.method == "auto" else self.method
         if method in able:
-            own = METHODS[method].takes
-            raise_noted([(name, self._misplaced(name, method, able)) for name in OWN
-                         if getattr(self, name) is not None and name not in own])
+            used = f'"{method}"' + (', which "auto" takes' if self.method == "auto" else "")
+            raise_noted([
+                (name, f"is for method {_takers(name)}, not {used}; leave it out, or give another")
+                for name in OWN
+                if getattr(self, name) is not None and name not in METHODS[method].takes])
         missing = METHODS[method].lacking(needs)
         remedy = f'method "{able[0]}" has'
         if all(what == abilities.TAPER for _, what in missing):
@@ -170,17 +172,6 @@ class Options:
         why = self._why(method, system) if slower else ""
         return replace(run, status=f"{run.status} {why}") if why else run
 
-    def _misplaced(self, name: str, method: str, able: Sequence[str]) -> str:
-        """What is wrong with an option that this method does not take, and the remedy."""
-        owners = [n for n, m in METHODS.items() if name in m.takes]
-        if self.method != "auto":
-            named = " or ".join(f'"{n}"' for n in owners)
-            return f'is for method {named}, not "{method}"; leave it out'
-        remedies = ["leave it out" if name == "snapshots" else "give rtol= for another accuracy"]
-        remedies += [f'give method="{n}"' for n in owners if n in able]
-        return (f'is for a grid, and method "auto" takes "{method}" for this row; '
-                + ", or ".join(remedies))
-
     def _first(self, needs: Needs) -> str:
         """The first method that has this physics, and an accuracy if one is asked for."""
         return next(name for name, method in METHODS.items() if not method.lacking(needs)
@@ -196,6 +187,11 @@ class Options:
         more = f" and {len(others)} more" if others else ""
         return (f'Solved by the slower method "{method}" because of {path}{more}: the method '
                 f'"{faster}" has no {what}.')
+
+
+def _takers(option: str) -> str:
+    """Methods that take an option."""
+    return " or ".join(f'"{name}"' for name, method in METHODS.items() if option in method.takes)
 
 
 def check_system(system: Any) -> None:
@@ -227,17 +223,12 @@ def _snapshots(problems: Problems, value: Any, until: float | None) -> int | tup
         return most
     try:
         times = array("snapshots", value, "s")
-    except (TypeError, ValueError):
-        times = np.zeros(0)
-    if times.ndim != 1 or not times.size or isinstance(value, str):
-        message = f"must be a positive whole number, or a list of times, got {shown(value)}"
-        problems.append(("snapshots", message))
-        return 0
-    good = np.isfinite(times) & (times >= 0)
-    if not good.all():
-        bad = float(times[~good][0])
-        problems.append(("snapshots", f"must be times of 0 s or more, got {bad!r}"))
-    elif until is not None and times.max() > until:
-        message = f"must lie before until = {until!r} s, got {float(times.max())!r}"
-        problems.append(("snapshots", message))
-    return tuple(times.tolist())
+        good = times.ndim == 1 and np.isfinite(times).all() and times.min() >= 0
+    except (TypeError, ValueError):  # of what is no array, or empty
+        good = False
+    if good and (until is None or times.max() <= until):
+        return tuple(times.tolist())
+    before = "" if until is None else f" up to until = {until!r} s"
+    message = f"must be a positive whole number, or a list of times from 0 s on{before}"
+    problems.append(("snapshots", f"{message}, got {shown(value)}"))
+    return 0
