@@ -2,6 +2,7 @@
 
 import math
 import warnings
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ import rodimpact as ri
 from rodimpact.methods.duration import LongRun
 from rodimpact.methods.grid import method as finite_difference
 from rodimpact.methods.grid.mesh import STEP_TICKS
+from rodimpact.methods.grid.signals import _accuracy
 
 seeds = st.integers(0, 10**6)
 METHOD = "finite-difference"
@@ -413,17 +415,32 @@ def test_max_events_caps_a_run_that_does_not_end():
     assert s.fields.end == STEP_TICKS
 
 
+@pytest.mark.parametrize(("velocity", "peak", "stated", "late"), [
+    (1e-3, math.inf, " Stated relative error: velocity 0.001, duration 0.02.", ""),
+    (2e-3, 0.03, " Stated relative error: velocity 0.002, peak force 0.03, duration 0.02.",
+     " Not converged to 0.001. Take a larger rtol, or give more cells."),
+    (math.inf, math.inf, " Stated relative error: duration 0.02.",
+     " Not converged to 0.001. Take a larger rtol, or give more cells."),
+])
+def test_every_known_error_is_stated_and_rough_ones_are_not_waited_for(
+    velocity, peak, stated, late
+):
+    run = SimpleNamespace(rtol=1e-3, row=SimpleNamespace(by_law={0: 1}), estimates={
+        "velocity": velocity, "peak force": peak, "duration": 0.02})
+    assert _accuracy(run) == stated + late
+
+
 def test_rtol_tells_how_still_the_outcome_stands(monkeypatch):
     row = [unit_rod(0.7, velocity=1.0), unit_rod(1.1, 0.5)]
     e = ri.collide(*row).restitution
     monkeypatch.setattr(finite_difference, "FIRST", 20)
     s = solved(row, rtol=2e-2)
-    assert "Stated relative error: " in s.status
     assert s.outcome.restitution == pytest.approx(e, abs=2e-2)
     monkeypatch.setattr(finite_difference, "FINEST", 40)
     s = solved(row, rtol=1e-9)
-    assert "Not converged to 1e-09: velocity to " in s.status
-    assert "give more cells" in s.status
+    stated, late = s.status.split(" Stated relative error: ")[1].split(". Not converged to ")
+    assert stated == ", ".join(f"{name} {error:.1g}" for name, error in s.accuracy.items())
+    assert late.startswith("1e-09. Take a larger rtol, or give more cells.")
 
 
 @pytest.mark.parametrize("rods", [((0.5, 0.786, 0.674), (0.1875, 1.176, -0.255)),

@@ -271,6 +271,16 @@ def test_what_stops_no_more_than_the_tolerance_is_no_force(pair):
         assert (run.track.signal["force"][0, 0] > 0) == pressed
 
 
+@pytest.mark.parametrize("share", [0.4, 0.9, 1.5])
+def test_a_gap_closes_at_its_time_but_not_before_the_first_kick(share):
+    """The kicks are in the middle of steps; from then on the force of equal bars is Z v/2."""
+    run = grid_run(ri.System([unit_rod(velocity=1.0), unit_rod(1.3)], [share * STEP]), 20)
+    run.advance(20)
+    pressed = run.track.signal["force"].sum() / 0.5  # steps
+    assert pressed == pytest.approx(20 - max(share, 0.5), abs=0.01)
+    assert run.track.signal["gap"].min() == 0
+
+
 @pytest.mark.parametrize("law", [ri.Rigid(), ri.Rigid(restitution=0.5)])
 def test_a_mass_squeezed_between_walls_stops_the_run(law):
     """A rod whose end is nailed down from within is the second wall."""
