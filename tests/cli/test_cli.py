@@ -16,7 +16,7 @@ from case_texts import UNEQUAL_RODS as CASE
 import rodimpact as ri
 from rodimpact.cli import COMMANDS, main
 from rodimpact.cli.doctor import version_of
-from rodimpact.cli.selfcheck import Check, checks
+from rodimpact.cli.verify import Check, checks
 from rodimpact.methods import kernels
 
 ROOT = Path(ri.__file__).parent.parent
@@ -107,7 +107,7 @@ def test_an_internal_fault_ends_with_1_and_shows_where(monkeypatch, capsys):
     def broken():
         raise RuntimeError("boiler")
 
-    monkeypatch.setattr("rodimpact.cli.selfcheck.checks", broken)
+    monkeypatch.setattr("rodimpact.cli.verify.checks", broken)
     assert main(["verify"]) == 1
     err = capsys.readouterr().err
     assert "RuntimeError: boiler" in err
@@ -118,7 +118,7 @@ def test_an_interrupt_ends_with_130(monkeypatch, capsys):
     def interrupted():
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("rodimpact.cli.selfcheck.checks", interrupted)
+    monkeypatch.setattr("rodimpact.cli.verify.checks", interrupted)
     assert main(["verify"]) == 130
     assert capsys.readouterr().err == "rodimpact: interrupted\n"
 
@@ -472,7 +472,7 @@ def test_verify_prints_every_check(capsys):
 @pytest.mark.parametrize("got", [1.5, float("nan")])
 def test_verify_ends_with_4_if_a_number_is_off(monkeypatch, capsys, got):
     found = [Check("a", 1.0, 1.0), Check("b", 1.0, got)]
-    monkeypatch.setattr("rodimpact.cli.selfcheck.checks", lambda: found)
+    monkeypatch.setattr("rodimpact.cli.verify.checks", lambda: found)
     assert main(["verify"]) == 4
     out = capsys.readouterr().out
     assert "1 checks FAILED" in out

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from rodimpact.cli import selfcheck as verify
-from rodimpact.cli.selfcheck import Check, checks
+from rodimpact.cli import verify
+from rodimpact.cli.verify import Check, checks
 
 
 @pytest.mark.parametrize("check", checks(), ids=lambda check: check.name)
@@ -34,7 +34,7 @@ def test_a_wrong_number_fails():
 
 def test_a_number_that_is_missing_fails():
     assert not Check("x", 1.0, math.nan).passed
-    assert not verify._worst("family", [1.0, 2.0, 3.0], [1.0, math.nan, 3.5]).passed
+    assert not verify.worst("family", [1.0, 2.0, 3.0], [1.0, math.nan, 3.5]).passed
 
 
 def test_a_wrong_solver_is_noticed(monkeypatch):
