@@ -10,12 +10,11 @@ import argparse
 import difflib
 import os
 import re
-import signal
 import sys
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+import traceback
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from importlib import import_module
-from typing import Any
 
 from ..version import __version__
 from .options import as_options
@@ -70,47 +69,22 @@ def main(argv: Sequence[str] | None = None) -> int:
         except SystemExit as stop:  # argparse has printed help or a mistake
             text, status = "", int(stop.code or DONE)
         return status if _print(text) else FAULT
-    except KeyboardInterrupt as stop:
-        ours = str(stop).startswith("interrupted")  # codecs write to it in what they were
-        return complain(str(stop) if ours else "interrupted", INTERRUPTED)
-    except FileExistsError as error:
-        return complain(str(error), MISTAKE)
+    except KeyboardInterrupt:
+        return complain("interrupted", INTERRUPTED)
     except OSError as error:
-        return complain(str(error), FAULT)
+        return complain(str(error), MISTAKE if isinstance(error, FileExistsError) else FAULT)
     except MemoryError:
         remedy = "ask for a shorter run, fewer events or fewer values"
         return complain(f"not enough memory; {remedy}", FAULT)
     except (OverflowError, FloatingPointError) as error:
         return complain(f"a number is too large or too small to compute with: {error}", MISTAKE)
-    except ValueError as error:
+    except Exception as error:
         if not hasattr(error, "problems"):
-            return _fault()
+            traceback.print_exc()
+            return complain("a fault of rodimpact, not yours; please report the lines above", FAULT)
         in_case = any(path.partition(".")[0] in CASE for path, _ in error.problems)
         hint = "\nrodimpact help case: what a case file may hold" if in_case else ""
         return complain(f"{error}{hint}", MISTAKE)
-    except Exception:
-        return _fault()
-
-
-@contextmanager
-def _signals_interrupt() -> Iterator[None]:
-    """Let every signal to end interrupt as Ctrl-C does, so that nothing half-written stays."""
-    usual = (signal.SIG_DFL, signal.default_int_handler)
-    before: dict[int, Any] = {}
-    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
-        number = getattr(signal, name, None)
-        if number is not None and signal.getsignal(number) in usual:
-            with suppress(ValueError):  # not in the main thread, which alone hears signals
-                before[number] = signal.signal(number, _interrupt)
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
-def _interrupt(*_: Any) -> None:
-    raise KeyboardInterrupt
 
 
 def _run(argv: list[str]) -> tuple[str | Iterable[str], int]:
@@ -150,9 +124,7 @@ def _run(argv: list[str]) -> tuple[str | Iterable[str], int]:
     # what begins as a number is a value, such as -20cm/s or -5.npz; no option does
     own._negative_number_matcher = re.compile(r"-\.?[0-9]")
     os.environ["MPLBACKEND"] = "agg"  # no command opens a window
-    given = own.parse_args(called.rest, asking.Given(own))
-    with _signals_interrupt():
-        text, status = command.run(given)
+    text, status = command.run(own.parse_args(called.rest, asking.Given(own)))
     return text, status
 
 
@@ -181,10 +153,3 @@ def complain(message: str, status: int) -> int:
         for line in as_options(message).splitlines():
             print(f"rodimpact: {line}", file=sys.stderr)
     return status
-
-
-def _fault() -> int:
-    import traceback
-
-    traceback.print_exc()
-    return complain("a fault of rodimpact, not yours; please report the lines above", FAULT)

@@ -6,7 +6,8 @@ import re
 
 _BARE = ("max_events", "rtol", "dt")  # no words of English
 _NAMED = (*_BARE, "until", "cells", "method", "force", "time", "time_unit", "rate", "units",
-          "decimal", "radius")
+          "decimal", "radius", "on_error", "allow_energy_release")
+_NAMES = {"units": "unit", "allow_energy_release": "energy_release"}
 _BEFORE = r"(?<![-\w.'\"])"  # neither options, keys of a case file nor what somebody wrote
 _ARGUMENT = re.compile(
     rf'{_BEFORE}(?:({"|".join(_NAMED)})=(?:True|"([^"]*)")?|({"|".join(_BARE)})\b|\(until\))')
@@ -49,5 +50,5 @@ def _option(found: re.Match[str]) -> str:
     named, value, bare = found.groups()
     if named is None and bare is None:
         return "(--until)"
-    name = flag("unit" if named == "units" else named or bare)
+    name = flag(_NAMES.get(named, named or bare))
     return f"{name} {value}" if value else name

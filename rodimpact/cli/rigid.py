@@ -38,41 +38,34 @@ def run(given: Given) -> tuple[str, int]:
               for option, text in (("--m1", given.m1), ("--m2", given.m2)))
     v1, v2, e = given.v1, given.v2, given.restitution
     raise_noted(given.problems)
-    collision = given.attempt(rigid.collide, m1, v1, m2, v2, e,
-                              allow_energy_release=given.energy_release)
-    raise_noted([(option, message.replace("set allow_energy_release=True", "give --energy-release")
-                  .replace("m1", "--m1")) for option, message in given.problems])
-    assert collision is not None  # or there were problems
-    after = {name: float(value) for name, value in collision._asdict().items()}
+    with given.naming():
+        collision = rigid.collide(m1, v1, m2, v2, e, allow_energy_release=given.energy_release)
+    found = {name: float(value) for name, value in collision._asdict().items()}
     if given.json:
         inputs = {"m1": m1, "v1": v1, "m2": m2, "v2": v2, "restitution": e}
-        numbers = {name: finite(value) for name, value in {**inputs, **after}.items()}
+        numbers = {name: finite(value) for name, value in {**inputs, **found}.items()}
         return as_json(**numbers), DONE
+    fastest = max(abs(v1), abs(v2))
 
     def velocity(v: float) -> str:
-        return f"{clean(v, max(abs(v1), abs(v2))):.6g} m/s"
-
-    def total(value: float, unit: str) -> str:
-        return format_si(value if math.isfinite(value) else math.nan, unit)
+        return f"{clean(v, fastest):.6g} m/s"
 
     def momentum(m: float, v: float) -> str:
-        scale = min(m1, m2) * max(abs(v1), abs(v2))
-        return total(clean(m * v, scale) if math.isfinite(m) else math.nan, "N s")
+        return format_si(clean(m * v, min(m1, m2) * fastest), "N s")
 
-    bodies = [(m1, v1, after["velocity_1"]), (m2, v2, after["velocity_2"])]
-    table = align([
-        ["body", "mass", "velocity before", "velocity after", "momentum before", "momentum after"],
-        *([str(i), format_si(m, "kg"), velocity(v), velocity(w), momentum(m, v), momentum(m, w)]
-          for i, (m, v, w) in enumerate(bodies, 1)),
-    ])
-    sums = align([
+    rows = [["body", "mass", "velocity before", "velocity after", "momentum before",
+             "momentum after"]]
+    for i, m, v, w in (1, m1, v1, found["velocity_1"]), (2, m2, v2, found["velocity_2"]):
+        rows.append([str(i), format_si(m, "kg"), velocity(v), velocity(w), momentum(m, v),
+                     momentum(m, w)])
+    sums = [
         ["coefficient of restitution e", format_si(e, "")],
-        ["speed of approach", velocity(-after["relative_velocity_before"])],
-        ["speed of separation", velocity(after["relative_velocity_after"])],
-        ["impulse on body 2", format_si(after["impulse"], "N s")],
-        ["velocity of the centre of mass", velocity(after["centre_of_mass_velocity"])],
-        ["kinetic energy before", total(after["energy_before"], "J")],
-        ["kinetic energy after", total(after["energy_after"], "J")],
-        ["kinetic energy lost", format_si(after["energy_lost"], "J")],
-    ])
-    return f"{table}\n\n{sums}", DONE
+        ["speed of approach", velocity(-found["relative_velocity_before"])],
+        ["speed of separation", velocity(found["relative_velocity_after"])],
+        ["impulse on body 2", format_si(found["impulse"], "N s")],
+        ["velocity of the centre of mass", velocity(found["centre_of_mass_velocity"])],
+        ["kinetic energy before", format_si(found["energy_before"], "J")],
+        ["kinetic energy after", format_si(found["energy_after"], "J")],
+        ["kinetic energy lost", format_si(found["energy_lost"], "J")],
+    ]
+    return f"{align(rows)}\n\n{align(sums)}", DONE

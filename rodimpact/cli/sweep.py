@@ -11,25 +11,20 @@ Exit status 3 if some did not come to their end; the status of each says why.
 from __future__ import annotations
 
 import argparse
-import math
-import time
 from collections.abc import Iterable
 from functools import partial
-from typing import Any
 
 from ..methods.abilities import driven
 from ..methods.run import ALSO
-from ..model.frozen import InvalidModel
 from ..model.paths import suggestion
 from ..running.sweep_report import sweep_json, sweep_table
 from ..running.sweep_result import Readings, SweepResult, arrays_of
-from ..running.sweeping import SweepError, sweep
+from ..running.sweeping import sweep
 from ..storage.casefile import Case
-from ..storage.reading import FileFormatError
 from . import INCOMPLETE
-from .asking import Given, Number, note
+from .asking import Given, Number
 from .options import as_options
-from .progress import a_second, progress_bar
+from .progress import progress_bar
 from .run_options import add_run_options, run_options
 
 EXAMPLE = "bodies.0.length=0.05:1:200"
@@ -76,7 +71,8 @@ def run(given: Given) -> tuple[str | Iterable[str], int]:
         given.problems.append(("--also", message))
     given.check_outputs("save", "plot", figure="plot")
 
-    result = _sweep(case, {**options, **how})
+    with progress_bar("collisions") as bar:
+        result = sweep(case.system, progress=bar, **options, **how)
     wrote = given.write(save=result.save, plot=partial(_draw, result, given.quantity))
     status = INCOMPLETE if result.incomplete.any() else wrote
     if given.csv:
@@ -116,42 +112,15 @@ def _check_case(given: Given, case: Case) -> None:
         given.problems.append(("solve.snapshots", message))
     if given.plot is None:
         return
-    wide = sum(len(axis.values) > 1 for axis in case.varied)
-    contacts = sum(law.opens for law in case.system.contacts)
     known = arrays_of(case.system, Readings())
     if given.quantity not in known:
         message = f"there is no {given.quantity!r}; {suggestion(given.quantity, known)}"
         given.problems.append(("--quantity", message))
+    wide = sum(len(axis.values) > 1 for axis in case.varied)
+    contacts = sum(law.opens for law in case.system.contacts)
     if case.varied and not 1 <= wide <= 2:
         message = f"a figure has one or two axes, and {wide} numbers vary; leave it out"
         given.problems.append(("--plot", message))
     elif given.quantity == "restitution" and (contacts != 1 or driven(case.system)):
-        why = ("which gravity or a driven end leaves undefined" if contacts == 1
-               else f"and a row with {contacts} contacts has no e")
-        remedy = "name another --quantity, such as velocity_after.0"
-        given.problems.append(("--plot", f"a figure shows e, {why}; {remedy}"))
-
-
-def _sweep(case: Case, options: dict[str, Any]) -> SweepResult:
-    """Solve the family, with a progress bar on a terminal."""
-    started = time.monotonic()
-    try:
-        with progress_bar("collisions") as bar:
-            if bar:
-                bar(0, math.prod(case.system.shape))
-            result = sweep(case.system, progress=bar, **options)
-    except KeyboardInterrupt:
-        kept = options["checkpoint"]
-        raise KeyboardInterrupt(
-            f"interrupted; the same command goes on from what {kept} holds" if kept
-            else "interrupted; with --checkpoint DIR a sweep can go on where it stopped"
-        ) from None
-    except SweepError as error:
-        message = str(error).replace('on_error="record"', "--on-error record")
-        raise InvalidModel([(case.path, message)]) from error
-    except FileFormatError as error:
-        raise InvalidModel([("--checkpoint", str(error))]) from error
-    seconds = max(time.monotonic() - started, 1e-9)
-    count = result.restitution.size
-    note(f"{count} collisions in {seconds:.3g} s, {a_second(count / seconds, 'collisions')}")
-    return result
+        message = "such a row has no e; name another --quantity, such as velocity_after.0"
+        given.problems.append(("--plot", message))

@@ -207,7 +207,7 @@ def test_signals_while_a_file_is_written_leave_nothing(case, tmp_path, name):
     code = (
         "import sys, time; from rodimpact.storage import writing;"
         "writing.os.fsync = lambda _: (print('writing', flush=True), time.sleep(60));"
-        "from rodimpact.cli import main; sys.exit(main(sys.argv[1:]))"
+        "from rodimpact.__main__ import main; main()"
     )
     with started("-c", code, "run", "case.toml", "--save", "a.npz") as process:
         assert process.stdout.readline() == "writing\n"
