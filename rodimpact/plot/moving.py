@@ -1,8 +1,8 @@
 """Animation: the row above, its growing space-time diagram and contact forces below.
 
-It begins before the contact, names the events at contacts, and stops for a while at the end. Only
-moving artists are drawn again in each frame, over a picture of the others; a cover of the colour of
-the paper hides later times.
+It begins before the contact, names the events at contacts, and stops for a while at the end. The
+Axes of bodies and words are drawn again in each frame, over a picture of the others at the end of
+the film, whose later times get the colour of the paper.
 """
 
 from __future__ import annotations
@@ -16,14 +16,13 @@ from collections.abc import Iterator
 from typing import Any, cast
 
 import numpy as np
-from matplotlib import artist, patches
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
+from matplotlib.text import Text
 from numpy.typing import NDArray
-from PIL import Image
 
 from ..methods.signals import Floats
-from ..model import Rod
 from ..model.arguments import single
 from ..model.frozen import refusal
 from ..results.solution import Solution, check_waves
@@ -69,8 +68,8 @@ class Animation:
         self.field, self.colours = field, style.colours()
         start, stop = float(times[0]), float(times[-1])
         plan = placing(solution, start, stop, magnification).with_springs(start, stop)
-        before = _approach(plan, times)
-        self.times = np.concatenate((before, times, np.full(round(REST * fps), stop)))
+        self.times = np.concatenate((_approach(plan, times), times,
+                                     np.full(round(REST * fps), stop)))
         self._turns, self._captions = _captions(solution, start, stop)
         self._time, place = axis_scales(solution, False, stop, plan.row)
         self.figure = style.new_figure(8.4, 6.8)
@@ -83,31 +82,26 @@ class Animation:
                             magnification=plan.magnification, coordinates="lab")
         self._norm: Any = picture.regions.norm
         self._factor = picture.scale.factor
-        self._row = self.figure.add_subplot(grid[0, 0], sharex=below)
+        self._row = self.figure.add_subplot(grid[0, 0], sharex=below, animated=True)
         self._row.set(ylim=(-0.6, 0.6), autoscale_on=False)
         self._row.set_axis_off()
         self._bars = Bars(self._row, plan, times[:: 1 + times.size // SAMPLED], place)
         first = [float(plan.end(i, False, self.times[0])) for i in range(len(plan.left))]
         below.set_xlim(left=min(below.get_xlim()[0], (min(first) - 0.02 * plan.row) * place.factor))
-        self._clock, self._caption = self._words(
-            self.figure.add_subplot(grid[0, 1]), solution, times)
-        growing = [below]
+        self._words = self.figure.add_subplot(grid[0, 1], animated=True)
+        self._clock, self._caption = self._write(solution, times)
+        self._growing = [below]
         if solution.outcome.unilateral:
-            growing.append(self.figure.add_subplot(grid[1, 1], sharey=below))
-            _draw_forces(growing[1], solution)
-        self._covers = [ax.add_artist(patches.Rectangle(
-            (0.0, 0.0), 1.0, 0.0, transform=ax.get_yaxis_transform(), animated=True, linewidth=0,
-            facecolor=self.colours.paper)) for ax in growing]  # they hide the future
-        self._nows: list[Any] = [ax.axhline(start, color=self.colours.ink, linewidth=1.2,
-                                            animated=True) for ax in growing]
+            self._growing.append(self.figure.add_subplot(grid[1, 1], sharey=below))
+            _draw_forces(self._growing[1], solution)
         self._canvas = cast("Any", FigureCanvasAgg(self.figure))
         self.figure.draw(self._canvas.get_renderer())
         self.figure.set_layout_engine("none")
         self._still = self._canvas.copy_from_bbox(self.figure.bbox)
 
-    def _words(self, ax: Axes, solution: Solution, times: Floats) -> list[Any]:
-        """Write the title and the slow-down; return the empty texts of clock and caption."""
-        ax.set_axis_off()
+    def _write(self, solution: Solution, times: Floats) -> list[Text]:
+        """Write how slow the film is and what bars show; return the texts of clock and caption."""
+        self._words.set_axis_off()
         stop = float(times[-1])
         slowness = (times.size - 1) / self.fps / (stop - float(times[0]))
         rounded = f"{float(f'{slowness:.2g}'):,.0f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
@@ -115,36 +109,33 @@ class Animation:
         words += [f"first {written(stop, 's')} of {written(solution.t_end, 's')}"] * (
             stop < solution.t_end)
         words.append(TOLD.replace(", ", ",\n"))
-        ax.text(0.0, 0.0, "\n".join(words), transform=ax.transAxes, va="bottom",
-                fontsize=style.SMALL + 1, color=self.colours.faint, linespacing=1.4)
-        how: Any = {"transform": ax.transAxes, "color": self.colours.ink, "animated": True}
-        return [ax.text(0.0, 1.0, "", va="top", fontsize=style.NORMAL + 4, **how),
-                ax.text(0.0, 0.85, "", va="top", fontsize=style.NORMAL, **how)]
+        self._words.text(0.0, 0.0, "\n".join(words), fontsize=style.SMALL + 1,
+                         color=self.colours.faint, linespacing=1.4)
+        return [self._words.text(0.0, height, "", va="top", fontsize=size, color=self.colours.ink)
+                for height, size in ((1.0, style.NORMAL + 4), (0.85, style.NORMAL))]
 
     @style.styled
     def frame(self, number: int) -> NDArray[np.uint8]:
         """Picture [height, width, 3] of one frame, red, green and blue from 0 to 255."""
         t = float(self.times[number])
-        now, end = max(t, 0.0) * self._time.factor, float(self.times[-1]) * self._time.factor
         self._canvas.restore_region(self._still)
-        for cover, line in zip(self._covers, self._nows, strict=True):
-            cover.set(y=now, height=end - now)
-            line.set_ydata([now, now])
-            for part in (cover, line.axes.spines["left"], line):
-                line.axes.draw_artist(part)
         self._clock.set_text(self.clock(number))
         self._caption.set_text(self._captions[np.searchsorted(self._turns, t, side="right")])
-        for text in (self._clock, self._caption):
-            text.axes.draw_artist(text)
         with style.coloured(self.colours):
             self._draw_bodies(t)
-        for actor in sorted([*self._row.collections, *self._row.patches, *self._row.lines],
-                            key=artist.Artist.get_zorder):
-            self._row.draw_artist(actor)
+        for ax in (self._row, self._words):
+            self.figure.draw_artist(ax)
+        for actor in [*self._row.collections, *self._row.patches, *self._row.lines]:
             actor.remove()
-        size = self._canvas.get_width_height()
-        drawn = Image.frombuffer("RGBA", size, self._canvas.buffer_rgba(), "raw", "RGBA", 0, 1)
-        return np.asarray(drawn.convert("RGB"))
+        picture = np.array(self._canvas.buffer_rgba())[..., :3]
+        paper, ink = (255 * np.array(to_rgb(c)) for c in (self.colours.paper, self.colours.ink))
+        for ax in self._growing:  # nothing is seen of the future
+            left, bottom, right, top = np.rint(ax.bbox.extents).astype(int)
+            now = round(ax.transData.transform((0.0, max(t, 0.0) * self._time.factor))[1])
+            future = picture[::-1][max(bottom, now) : top, left + 1 : right]
+            future[:] = paper
+            future[:2] = ink
+        return picture
 
     def _draw_bodies(self, t: float) -> None:
         """Draw the bodies at a time; nothing else is on their Axes."""
@@ -273,14 +264,11 @@ def check_frames(frames: int, fps: float) -> None:
 
 
 def _approach(plan: Placing, times: Floats) -> Floats:
-    """Times before 0 at which bodies come that touch at t = 0, if each has one velocity."""
+    """Times before 0 at which bodies come that touch at t = 0."""
     solution = plan.solution
     V, gaps = np.array(solution.outcome.velocities_before), solution.system.gaps
     closing = [float(V[k] - V[k + 1]) for k, gap in enumerate(gaps) if gap == 0]
-    still = all(np.ptp(solution.fields.profile(i, 0).velocity) == 0
-                and not solution.fields.profile(i, 0).strain.any()
-                for i, body in enumerate(solution.system.bodies) if isinstance(body, Rod))
-    if times[0] != 0 or not still or max(closing, default=0.0) <= 0 or min(closing) < 0:
+    if times[0] != 0 or max(closing, default=0.0) <= 0 or min(closing) < 0:
         return np.empty(0)
     step = float(times[1])
     way = WAY * plan.row / (plan.magnification * max(closing))
