@@ -309,8 +309,7 @@ class Run:
     @property
     def final(self) -> bool:
         """Whether it is proved that no contact can happen again."""
-        proof = self.t_proved, self.t_final  # a file of an older version has the second alone
-        return any(t == t for t in proof)
+        return not math.isnan(self.t_proved)
 
     @cached_property
     def signals(self) -> Signals:

@@ -21,7 +21,6 @@ from . import frozen
 from .bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from .ends import ENDS, FREE, Absorbing, End, Fixed, Free, Incoming, Moved, Pushed
 from .frozen import Frozen, Number, Problems, note, plain, quantity
-from .lateral_inertia import RAYLEIGH_LOVE
 from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Law, Plastic, Rigid
 from .profiles import Floats, flipped, negative, profile_from
 
@@ -184,12 +183,11 @@ class System(Frozen):
             described["ends"] = dict(zip(SIDES, plain(self.ends), strict=True))
         return described
 
-    def for_file(self) -> dict[str, Any]:
-        """What `to_dict` gives; InvalidModel where a law is a function, which no file keeps."""
+    def check_file(self) -> None:
+        """Raise InvalidModel where a law is a function, which no file keeps."""
         functions = [(f"contacts.{k}", "a law that is a Python function cannot be kept in a file")
                      for k, law in enumerate(self.contacts) if isinstance(law, Law)]
         frozen.raise_noted(functions)
-        return self.to_dict()
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> System:
@@ -269,8 +267,6 @@ def _entries(data: dict[str, Any]) -> dict[str, Any]:
     entries = {key: profile_from(value) for key, value in data.items()}
     if "material" in data:
         entries["material"] = Material(**data["material"])
-    if "polar_moment" in data:  # which meant the theory of Rayleigh and Love, in older files
-        entries.setdefault("lateral_inertia", RAYLEIGH_LOVE)
     if "segments" in data:
         entries["segments"] = [Segment(**_entries(piece)) for piece in data["segments"]]
     return entries

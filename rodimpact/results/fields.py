@@ -132,7 +132,7 @@ class Fields(ABC):
     def known(self) -> Ints | None:
         """Increasing ticks at which alone energies are known; None where they are at all ticks.
 
-        Signals are means over time steps on a grid, and of characteristics in files of schema 3.
+        Signals of a grid are means over time steps.
         """
         return self.signals.edges
 

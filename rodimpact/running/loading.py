@@ -7,7 +7,7 @@ from typing import Any
 
 from ..results.run_file import put_together
 from ..results.solution import Solution
-from ..storage.reading import read_npz, restored
+from ..storage.reading import read_npz
 from ..storage.writing import Arrays, PathLike
 from .sweep_result import SweepResult
 
@@ -52,6 +52,6 @@ def load(path: PathLike) -> Any:
 
 
 _READERS: dict[str, Callable[[dict[str, Any], Arrays], Any]] = {
-    "solution": lambda document, arrays: Solution(put_together(restored(document), arrays)),
+    "solution": lambda document, arrays: Solution(put_together(document, arrays)),
     "sweep": SweepResult.restored,
 }

@@ -23,6 +23,7 @@ from ..model.frozen import InvalidModel, refusal
 from ..results.labels import outcome, parameter
 from ..results.notebook import Shown
 from ..results.outcome import OnlyContact
+from ..results.run_file import put_together, take_apart
 from ..results.solution import Solution
 from ..storage.extras import optional
 from ..storage.writing import PathLike, write_npz, written
@@ -259,40 +260,21 @@ class SweepResult(Shown, OnlyContact[Any]):
         FileExistsError
             If the file is there and `force` is false.
         """
-        numbers: Columns = {}
-
-        def put(array: Any) -> dict[str, str]:
-            name = f"number.{len(numbers)}"
-            numbers[name] = array
-            return {"array": name}
-
-        document = {
-            "system": self.system._mapped(put).for_file(), "options": asdict(self.options),
-            "shape": list(self.shape), **self.readings.to_dict(),
-        }
+        family = [self.system, asdict(self.options), list(self.readings)]
+        document, numbers = take_apart(family)
         strain = {} if self.strain is None else {"strain": self.strain}
         write_npz(path, "sweep", document, {**numbers, **self.columns, **strain}, force=force)
 
     @classmethod
     def restored(cls, document: dict[str, Any], arrays: Columns) -> SweepResult:
         """Make again what `save` wrote."""
-
-        def take(value: Any) -> Any:
-            if isinstance(value, dict):
-                name = value.get("array")
-                return arrays[name] if name else {key: take(v) for key, v in value.items()}
-            return [take(v) for v in value] if isinstance(value, list) else value
-
-        system = System.from_dict(take(document["system"]))
-        gauges = tuple((body, x) for body, x in document["gauges"])
-        times = np.array(document["times"], dtype=np.float64)
-        readings = Readings(gauges, times, tuple(document.get("also", ())))
+        system, options, (gauges, times, also) = put_together(document, arrays)
+        readings = Readings(tuple(map(tuple, gauges)), times, tuple(also))
         of = arrays_of(system, readings)
         columns = {name: arrays[name] for name in of}
         if any(columns[name].shape != (*system.shape, *beyond) for name, (_, beyond) in of.items()):
             raise ValueError("columns do not have the family's shape")
-        options, strain = Options(**document["options"]), columns.pop("strain", None)
-        return cls(system, options, columns, readings, strain)
+        return cls(system, Options(**options), columns, readings, columns.pop("strain", None))
 
     def table(self, start: int = 0, stop: int | None = None) -> Columns:
         """Varied numbers and results of the members `start` to `stop` in C order, by name."""

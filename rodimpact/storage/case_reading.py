@@ -14,7 +14,7 @@ from ..model import SIDES, System
 from ..model.bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from ..model.ends import ENDS, FREE, End
 from ..model.frozen import Field, InvalidModel, Number, defaults_of
-from ..model.lateral_inertia import RAYLEIGH_LOVE, THEORIES
+from ..model.lateral_inertia import THEORIES
 from ..model.laws import CONTACT_LAWS, FACE, ContactLaw, Hertz, Spring, Tabulated
 from ..model.paths import FIELDS, SPEED, suggestion
 from ..units import shown
@@ -135,10 +135,11 @@ def _read_segments(table: Table, known: Materials) -> dict[str, Any]:
 
 def _shape(table: Table, known: Materials) -> dict[str, Any]:
     entries = {**table.entries(Segment), "material": _material(table, known)}
-    theory = table.word("lateral_inertia", THEORIES) if table.has("lateral_inertia") else None
-    if theory is None and entries["polar_moment"] is not None:
-        theory = RAYLEIGH_LOVE  # which a polar moment alone meant in older files
-    return {**entries, "lateral_inertia": theory}
+    if table.has("lateral_inertia"):
+        entries["lateral_inertia"] = theory = table.word("lateral_inertia", THEORIES)
+        if theory is None:  # alone a polar moment would be another mistake
+            entries["polar_moment"] = None
+    return entries
 
 
 def _material(table: Table, known: Materials, key: str = "material") -> Material:

@@ -49,7 +49,8 @@ def write_case(case: Case | System) -> str:
     if system.shape != ():
         message = f"a family of shape {system.shape} is no single case; write system[index]"
         raise InvalidModel([("system", message)])
-    described = system.for_file()
+    system.check_file()
+    described = system.to_dict()
     lines = [f"schema = {SCHEMA}"]
     lines += [f"{key} = {_toml(described[key])}" for key in ("gravity",) if key in described]
     for name, material in _materials(system).items():

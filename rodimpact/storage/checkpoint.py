@@ -6,6 +6,7 @@ goes on with what is missing, or is no longer what it was.
 
 from __future__ import annotations
 
+import json
 import time
 import warnings
 from collections.abc import Mapping
@@ -14,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from .reading import FileFormatError, read_npz, restored
+from .reading import FileFormatError, read_npz
 from .writing import PASSING, Arrays, PathLike, check_target, file_name, write_npz
 
 KIND, NAME = "part of a sweep", "members-{}.npz"  # with the first of them
@@ -103,7 +104,7 @@ class Checkpoint(InMemory):
         columns: Mapping[str, tuple[Any, tuple[int, ...]]], size: int, unit: int,
     ) -> None:
         super().__init__(columns, size, unit)
-        self.path, self._sweep = Path(file_name(path)), dict(sweep)
+        self.path, self._sweep = Path(file_name(path)), json.loads(json.dumps(sweep))
         self._new = np.zeros_like(self.done)  # chunks that are not on the disk
         self._began = self._saved = time.monotonic()
         known = np.zeros(size, dtype=bool)
@@ -144,7 +145,7 @@ class Checkpoint(InMemory):
             file.replace(file.with_name(PASSING + file.name))
             return []
         there, here = document["sweep"], self._sweep
-        if different := [key for key in here if restored(there.get(key)) != restored(here[key])]:
+        if different := [key for key in here if there.get(key) != here[key]]:
             raise FileFormatError(
                 f"{self.path}: holds another sweep, with another {' and '.join(different)}; name "
                 "a new directory"

@@ -22,7 +22,6 @@ from ..version import __version__
 from .writing import (
     FORMAT,
     MOST_DOCUMENT,
-    OLDEST,
     SCHEMA,
     Arrays,
     PathLike,
@@ -35,7 +34,6 @@ MOST_HEADER = 1 << 12  # bytes before the numbers of an array; usually 128
 LESS = "a file of fewer bodies, members or samples"
 PARTS_A_SECOND, NUMBERS_A_SECOND = 4e7, 2e8  # bytes, as `made_of` counts, and of arrays
 PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # others swell without bounds
-_SPECIAL = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}  # JSON has no such numbers
 
 
 class FileFormatError(ValueError):
@@ -121,15 +119,6 @@ def npy_header(file: Any) -> tuple[Any, tuple[int, ...], bool]:
     return dtype, shape, fortran
 
 
-def restored(value: Any) -> Any:
-    """Numbers that JSON lacks, from the words that stand for them; lists become tuples."""
-    if isinstance(value, dict):
-        return {key: restored(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return tuple(restored(item) for item in value)
-    return _SPECIAL.get(value, value) if isinstance(value, str) else value
-
-
 def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str, Any]:
     """What the file says of itself; all of it but arrays."""
     foreign = FileFormatError("is an NPZ file, but not one that rodimpact saved")
@@ -144,14 +133,13 @@ def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str,
         if document["format"] != FORMAT:
             raise foreign
         schema, kind, version = document["schema"], document["kind"], document["rodimpact"]
-        known = schema in range(OLDEST, SCHEMA + 1) and kind in readers
+        known = schema == SCHEMA and kind in readers
     except (KeyError, TypeError, ValueError, RecursionError):
         raise foreign from None
     if not known:
         raise FileFormatError(
             f"is a {kind!r} of schema {schema!r}, saved by rodimpact {version}; this is rodimpact "
-            f"{__version__}, which reads {OLDEST} to {SCHEMA}. Use the version that saved it, or a "
-            "newer one"
+            f"{__version__}, which reads schema {SCHEMA}. Load it with the version that saved it"
         )
     return document  # type: ignore[no-any-return]
 

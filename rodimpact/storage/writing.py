@@ -9,7 +9,6 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
-import math
 import os
 import secrets
 import signal
@@ -29,8 +28,8 @@ PathLike: TypeAlias = "str | os.PathLike[str]"
 Arrays: TypeAlias = dict[str, Any]
 
 FORMAT = "rodimpact"
-SCHEMA, OLDEST = 5, 3
-"""Version of what a saved file holds, and the oldest that is read; readers refuse newer ones."""
+SCHEMA = 6
+"""Version of what a saved file holds; readers refuse others."""
 MOST_DOCUMENT = 1 << 28
 """Bytes of the document of a saved file, four to a character."""
 PARTS = {"[": 72, "{": 72, '"': 30, ",": 32}
@@ -198,7 +197,7 @@ def write_npz(
     """
     head = {"format": FORMAT, "schema": SCHEMA, "rodimpact": __version__, "kind": kind}
     what = {name: described(np.asanyarray(array)) for name, array in arrays.items()}
-    text = json.dumps(_finite({**head, **document, "arrays": what}), allow_nan=False)
+    text = json.dumps({**head, **document, "arrays": what}, allow_nan=False)
     if max(4 * len(text), made_of(text) / 2) > MOST_DOCUMENT:
         message = f"cannot write {os.fspath(path)!r}: the row has too many numbers for one file"
         raise OSError(message)
@@ -223,11 +222,3 @@ def checksum(arrays: Iterable[Any]) -> int:
         state.update(np.ascontiguousarray(array).ravel().view(np.uint8).data)
     return int.from_bytes(state.digest()) or 1
 
-
-def _finite(value: Any) -> Any:
-    """The same with numbers that JSON lacks as words; `restored` undoes it."""
-    if isinstance(value, float) and not math.isfinite(value):
-        return str(float(value))
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    return [_finite(item) for item in value] if isinstance(value, list | tuple) else value

@@ -152,7 +152,7 @@ BODY = {"kind": "rod", "length": 0.4, "area": 1e-4, "material": "steel"}
     {"bodies": [{**BODY, "area": {"samples": [1e-4, 2e-4]}}, ROD]},
     {"bodies": [{**BODY, "velocity": {"samples": [1.0, 2.0]}}, ROD]},
     {"bodies": [{**BODY, "velocity": {"values": [1.0, 2.0], "at": [0.1]}}, ROD]},
-    {"bodies": [{**BODY, "polar_moment": 1e-9}, ROD]},
+    {"bodies": [{**BODY, "polar_moment": 1e-9, "lateral_inertia": "rayleigh-love"}, ROD]},
     {"bodies": [{**BODY, "polar_moment": 1e-9, "lateral_inertia": "mindlin-herrmann"}, ROD]},
     {"contacts": [{"law": "bonded"}]},
     {"ends": {"left": {"kind": "fixed"}}},

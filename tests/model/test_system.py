@@ -459,16 +459,6 @@ def test_a_word_and_a_diameter_are_enough_for_lateral_inertia(word):
 # What is new, in all that a system can do
 
 
-def test_a_polar_moment_alone_is_rayleigh_love_in_a_system_of_an_older_file():
-    row = ri.System([rod(polar_moment=1e-8, **LOVE), ri.Rod(segments=[
-        ri.Segment(0.5, 1e-4, steel, polar_moment="circular", **LOVE), ri.Segment(0.5, 1e-4, glass),
-    ])])
-    old = row.to_dict()
-    for table in (old["bodies"][0], old["bodies"][1]["segments"][0]):
-        del table["lateral_inertia"]
-    assert ri.System.from_dict(old) == row
-
-
 def test_every_new_field_counts_for_equality_and_digest():
     rods = [rod(), rod(area=ri.Samples([1e-4, 1e-4])), rod(area=ri.Samples([1e-4, 2e-4])),
             rod(polar_moment=1e-8, **LOVE), rod(polar_moment=2e-8, **LOVE),

@@ -224,13 +224,12 @@ def test_the_file_opens_with_numpy_and_json_alone(tmp_path):
     solution.save(tmp_path / "run.npz")
     with np.load(tmp_path / "run.npz", allow_pickle=False) as archive:
         document = json.loads(str(archive["document"]), parse_constant=fail(ValueError("no JSON")))
-        force = document["run"]["signals"]["contacts"][0]["force"]["coefficients"]
+        force = document["content"]["signals"]["contacts"][0]["force"]["coefficients"]
         column = archive[force["array"]][force["start"] :][: force["shape"][0]]
     assert np.array_equal(column, solution.contacts[0].push.values)
-    assert document["run"]["totals"]["masses"] == [solution.outcome.masses[0], "inf"]
+    assert document["content"]["totals"]["masses"] == [solution.outcome.masses[0], "inf"]
     assert document["rodimpact"] == ri.__version__
-    system = document["run"]["clock"]["system"]["system"]
-    assert ri.System.from_dict(system) == solution.system
+    assert document["content"]["clock"]["system"]["bodies"][0]["length"] == SHORT.length
 
 
 # What is no saved solution
@@ -311,4 +310,4 @@ def test_foreign_archives(tmp_path, arrays):
 @pytest.mark.parametrize("change", [{"schema": SCHEMA + 1}, {"kind": "hologram"}, {"schema": None}])
 def test_what_a_newer_version_saved(saved, change):
     edit(saved, {**change, "rodimpact": "9.8.7"})
-    refused(saved, rf"saved by rodimpact 9\.8\.7; this is rodimpact {ri.__version__}.*newer")
+    refused(saved, rf"saved by rodimpact 9\.8\.7; this is rodimpact {ri.__version__}.*Load it with")

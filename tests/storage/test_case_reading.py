@@ -243,8 +243,9 @@ def test_a_case_is_frozen():
         (HEAD + with_area("{values = [1, -2], at = [0.1]}"), "bodies.0.area.values.1",
          "positive number of square metres, got -2.0"),
         (HEAD + with_area("[1, 2]"), "bodies.0.area", "a profile is written {values = [...], at"),
-        (HEAD + with_area("{samples = [1, 2]}\npolar_moment = 1"), "bodies.0.polar_moment",
-         'must be "circular" along a taper'),
+        (HEAD + with_area("{samples = [1, 2]}\npolar_moment = 1\n"
+                          "lateral_inertia = 'rayleigh-love'"),
+         "bodies.0.polar_moment", 'must be "circular" along a taper'),
         (HEAD + A_ROD + "polar_moment = 'circle'", "bodies.0.polar_moment",
          "unknown polar_moment 'circle'; perhaps 'circular' is meant"),
         (HEAD + A_ROD + "polar_moment = 'circular'\nlateral_inertia = 'mindlin'",

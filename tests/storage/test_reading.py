@@ -99,7 +99,7 @@ def test_what_is_larger_than_half_the_memory_is_refused_with_the_figure(saved, m
 
 def test_a_sentence_does_not_repeat_the_file(saved):
     _, arrays = contents(saved)
-    put(saved, {**contents(saved)[0], "run": {"class": "x" * 20_000}}, arrays)
+    put(saved, {**contents(saved)[0], "content": {"class": "x" * 20_000}}, arrays)
     with pytest.raises(ri.FileFormatError) as refused:
         ri.load(saved)
     assert len(str(refused.value)) < 1000
