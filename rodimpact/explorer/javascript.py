@@ -1,11 +1,12 @@
 """Functions of this package as JavaScript, so that the page computes with the same kernels.
 
-What is translated is what has a method or a template below: numbers, text, lists, tables, named
+What is translated is what has a template or a method below: numbers, text, lists, tables, named
 tuples and records; loops and conditions; calls of functions that are translated too; constants,
-nested lists and enums of modules. Values are the same, bit for bit, but for exp, logarithms and
-powers. All else is refused with its file and line. Where JavaScript means another thing,
+nested lists and enums of modules. Values are the same, bit for bit, but for exp, logarithms, powers
+and sums. All else is refused with its file and line. Where JavaScript means another thing,
 page/python.js says what Python means, or throws. Whole numbers must stay below 2^53. A condition is
-true, false or a number, no list; division by 0 gives what arrays give.
+true, false or a number, no list; division by 0 gives what arrays give. Loops have no `else`, lists
+are joined by unpacking, and no index from the end is assigned to: tests of the numbers find those.
 """
 
 from __future__ import annotations
@@ -22,34 +23,38 @@ from collections.abc import Iterable, Mapping
 from enum import Enum, EnumType
 from functools import reduce
 from types import FunctionType, ModuleType
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 
 MOST = 1 << 53  # doubles hold whole numbers below
 TEMPLATES = {
     "Break": "break;\n", "Continue": "continue;\n", "Return": "return {value};\n",
-    "If": "if({test}){{\n{body}}}else{{\n{orelse}}}\n", "While": "while({test}){{\n{body}}}\n",
-    "IfExp": "({test}?{body}:{orelse})", "List": "[{elts}]", "Tuple": "[{elts}]",
-    "Starred": "...{value}",
+    "Expr": "{value};\n", "Assign": "{targets}={value};\n", "AnnAssign": "{target}={value};\n",
+    "If": "if({?test}){\n{body}}else{\n{orelse}}\n", "While": "while({?test}){\n{body}}\n",
+    "For": "for({target} of {iter}){\n{body}}\n",
+    "IfExp": "({?test}?{body}:{orelse})", "List": "[{elts}]", "Tuple": "[{elts}]",
+    "Starred": "...{value}", "Attribute": "{value}.{attr}", "Subscript": "{value}[{slice}]",
+    "JoinedStr": "({values})", "FormattedValue": "py.format({value},{format_spec})",
+    # operators; a space, as the number behind may have a sign
+    "Add": "({left}+{right})", "Sub": "({left}- {right})", "Mult": "({left}*{right})",
+    "Div": "({left}/{right})", "FloorDiv": "py.floordiv({left},{right})",
+    "Mod": "py.mod({left},{right})", "BitXor": "py.xor({left},{right})",
+    "LShift": "py.shl({left},{right})", "RShift": "py.shr({left},{right})",
+    "Pow": "py.pow({left},{right})", "List Mult": "py.repeat({left},{right})",
+    "Lt": "{left}<{right}", "LtE": "{left}<={right}", "Gt": "{left}>{right}",
+    "GtE": "{left}>={right}", "Eq": "{left}==={right}", "NotEq": "{left}!=={right}",
+    "In": "py.has({right},{left})", "NotIn": "!py.has({right},{left})",
+    "Is": "{left}=={right}", "IsNot": "{left}!={right}",
+    "Not": "!{?operand}", "USub": "(-{operand})", "And": " && ", "Or": " || ",
 }
-"""Nodes whose parts are only put together."""
-OPERATORS: dict[type, str] = {  # a space, as the number behind may have a sign
-    ast.Add: "({}+{})", ast.Sub: "({}- {})", ast.Mult: "({}*{})", ast.Div: "({}/{})",
-    ast.FloorDiv: "py.floordiv({},{})", ast.Mod: "py.mod({},{})", ast.BitXor: "py.xor({},{})",
-    ast.LShift: "py.shl({},{})", ast.RShift: "py.shr({},{})", ast.Pow: "py.pow({},{})",
-}
-COMPARISONS: dict[Any, str] = {
-    ast.Lt: "{}<{}", ast.LtE: "{}<={}", ast.Gt: "{}>{}", ast.GtE: "{}>={}", ast.Eq: "{}==={}",
-    ast.NotEq: "{}!=={}", ast.In: "py.has({1},{0})", ast.NotIn: "!py.has({1},{0})",
-    (ast.In, ast.Tuple): "{1}.includes({0})", (ast.NotIn, ast.Tuple): "!{1}.includes({0})",
-    (ast.Is, ast.Constant): "{}=={}", (ast.IsNot, ast.Constant): "{}!={}",
-}
-"""By operator; beside a tuple, or None, by that, too."""
+"""What nodes and operators become; with a question mark a part is a condition."""
+SEPARATORS = {"elts": ",", "targets": "=", "values": "+"}
 CALLS: dict[Any, str] = {
     abs: "Math.abs", int: "py.int", round: "py.round", sorted: "py.sorted", list: "Array.from",
-    enumerate: "py.enumerate", zip: "py.zip", range: "py.range", bool: "py.bool", float: "Number",
-    bisect_left: "py.bisect_left", bisect_right: "py.bisect_right",
+    enumerate: "py.enumerate", zip: "py.zip", range: "py.range", bool: "py.truth", float: "Number",
+    len: "{}.length", sum: "py.sum", any: "py.any", all: "py.all", max: "py.most",
+    isinstance: "py.isinstance", bisect_left: "py.bisect_left", bisect_right: "py.bisect_right",
     math.sqrt: "Math.sqrt", math.floor: "Math.floor", math.trunc: "Math.trunc",
     math.log: "Math.log", math.log10: "Math.log10", math.gcd: "py.gcd", math.frexp: "py.frexp",
     math.isfinite: "Number.isFinite",
@@ -92,192 +97,133 @@ def javascript(
     Untranslatable
         At the first thing that is not translated.
     """
-    program = Program(roots, constants or {}, known or {})
-    return "\n".join([*program.tables, *program.texts.values()])
+    program = _Program(constants or {}, {**CALLS, **(known or {})})
+    for root in roots:
+        program.name(root, root.__name__, root.__module__)
+    for function in program.functions:  # which grow
+        program.texts.append(_Translator(function, program).text())
+    return "\n".join([*program.tables, *program.texts])
 
 
-class Program:
-    """Functions with all that they need: `texts` by function, and `tables`.
+class _Program:
+    """Functions with all that they need; `calls` are names of what JavaScript has."""
 
-    Parameters as of `javascript`.
-    """
-
-    def __init__(
-        self, roots: Iterable[Any], constants: Mapping[str, float], known: Mapping[Any, str]
-    ) -> None:
-        self.constants, self.calls = constants, {**CALLS, **known}
-        self.texts: dict[FunctionType, str] = {}
+    def __init__(self, constants: Mapping[str, float], calls: Mapping[Any, str]) -> None:
+        self.constants, self.calls = constants, calls
+        self.functions: list[FunctionType] = []
+        self.texts: list[str] = []
         self.tables: list[str] = []
         self._names: dict[int, str] = {}
-        self._waiting: list[FunctionType] = []
-        for function in roots:
-            self.function(function)
-        while self._waiting:
-            one = _Translator(self._waiting.pop(0), self)
-            self.texts[one.function] = one.visit(one.tree)
 
-    def function(self, function: FunctionType) -> str:
-        """Name of a function, which is translated too."""
-        if id(function) not in self._names:
-            self._waiting.append(function)
-        return self._name(function, function.__name__, function.__module__)
+    def name(self, thing: Any, name: str, module: str) -> str:
+        """Name of a function, of a list of a module or of an empty record; it is written too.
 
-    def table(self, table: Any, name: str, module: str) -> str:
-        """Name of a list that a module holds, or of an empty record, which is written too."""
-        new, name = id(table) not in self._names, self._name(table, name, module)
-        held: Any = table
-        if isinstance(table, np.dtype):
-            held = {field: np.zeros(table[field].shape).tolist() for field in table.names or ()}
-        if new:
-            self.tables.append(f"const {name}={json.dumps(held, separators=(',', ':'))};")
-        return name
-
-    def _name(self, thing: Any, name: str, module: str) -> str:
-        """The name of a thing, behind those of its modules where another thing bears it."""
+        It stands behind those of its modules where another thing bears it.
+        """
+        if id(thing) in self._names:
+            return self._names[id(thing)]
         parts = module.split(".")
-        while id(thing) not in self._names and name in self._names.values():
+        while name in self._names.values():
             name = f"{parts.pop()}_{name}"
-        return self._names.setdefault(id(thing), name)
-
-
-def tree_of(function: FunctionType) -> ast.FunctionDef:
-    """The definition of a function, with the lines of its file."""
-    lines, first = inspect.getsourcelines(function)
-    tree = ast.parse(textwrap.dedent("".join(lines))).body[0]
-    assert isinstance(tree, ast.FunctionDef)
-    return ast.increment_lineno(tree, first - 1)
+        self._names[id(thing)] = name
+        if isinstance(thing, FunctionType):
+            self.functions.append(thing)
+            return name
+        if isinstance(thing, np.dtype):
+            thing = {field: np.zeros(thing[field].shape).tolist() for field in thing.names or ()}
+        self.tables.append(f"const {name}={json.dumps(thing, separators=(',', ':'))};")
+        return name
 
 
 class _Translator(ast.NodeVisitor):
     """Translates one function of a program."""
 
-    def __init__(self, function: FunctionType, program: Program) -> None:
-        self.function, self.program, self.tree = function, program, tree_of(function)
+    def __init__(self, function: FunctionType, program: _Program) -> None:
+        self.function, self.program = function, program
+        lines, self.line = inspect.getsourcelines(function)
+        tree: Any = ast.increment_lineno(ast.parse(textwrap.dedent("".join(lines))), self.line - 1)
+        self.tree = tree.body[0]
+        stored = {n.id for n in ast.walk(self.tree)
+                  if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
         self.arguments = [n.arg for n in self.tree.args.args]
-        self.local = {n.id for n in ast.walk(self.tree)
-                      if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+        self.local = stored | {*self.arguments}
 
-    def refuse(self, node: Any, what: str) -> NoReturn:
-        """Say what is not translated, and where it stands."""
-        where = f"{inspect.getsourcefile(self.function)}:{node.lineno}"
-        raise Untranslatable(f"{where}: {what} is not translated to JavaScript")
+    def text(self) -> str:
+        """The function in JavaScript."""
+        names = [f"{name}_" for name in self.arguments]
+        for k, default in enumerate(reversed(self.tree.args.defaults), 1):
+            names[-k] += f"={self.visit(default)}"
+        own = ",".join(f"{name}_" for name in sorted(self.local - {*self.arguments}))
+        name = self.program.name(self.function, self.function.__name__, self.function.__module__)
+        body = self.tree.body[1 if ast.get_docstring(self.tree) else 0 :]
+        begin = f"let {own};\n" if own else ""
+        return f"function {name}({','.join(names)}){{\n{begin}{self.part('body', body)}}}"
 
     def visit(self, node: ast.AST) -> str:
         """Text of a node."""
-        return str(super().visit(node))
+        self.line = getattr(node, "lineno", self.line)
+        try:
+            return str(super().visit(node))
+        except KeyError as missing:  # in a table above
+            where = f"{inspect.getsourcefile(self.function)}:{self.line}"
+            message = f"{where}: {missing.args[0]} is not translated to JavaScript"
+            raise Untranslatable(message) from None
 
     def generic_visit(self, node: ast.AST) -> str:
-        """Fill in the template of a kind of node; refuse what has none."""
-        kind = type(node).__name__
-        if kind not in TEMPLATES:
-            self.refuse(node, kind)
-        if isinstance(node, ast.While) and node.orelse:
-            self.refuse(node, "else of a loop")
-        return TEMPLATES[kind].format(**{
-            name: self.part(name, value) for name, value in ast.iter_fields(node)})
+        """Text of a node that needs a template only."""
+        return self.filled(type(node).__name__, node)
+
+    def filled(self, kind: str, node: Any) -> str:
+        """The template of a kind with the parts of a node."""
+        def text(found: re.Match[str]) -> str:
+            value = getattr(node, found[2])
+            return self.truth(value) if found[1] else self.part(found[2], value)
+
+        return re.sub(r"\{(\??)(\w+)\}", text, TEMPLATES[kind])
 
     def part(self, name: str, value: Any) -> str:
-        """Text of what a node has under a name: statements, expressions or one of them."""
+        """Text of what a node has under a name."""
         if isinstance(value, list):
-            return ("," if name in ("elts", "args") else "").join(map(self.visit, value))
-        if name == "test":
-            return self.truth(value, "truth")
-        return self.visit(value) if isinstance(value, ast.expr) else ""
+            return SEPARATORS.get(name, "").join(map(self.visit, value))
+        return self.visit(value) if isinstance(value, ast.AST) else value or ""
+
+    def truth(self, value: ast.expr) -> str:
+        """Text of a condition: true or false; a number is true unless it is 0."""
+        sure = isinstance(value, ast.Compare | ast.BoolOp | ast.UnaryOp)
+        return self.visit(value) if sure else f"py.truth({self.visit(value)})"
 
     # Statements -----------------------------------------------------------------------------------
 
-    def visit_FunctionDef(self, node: ast.FunctionDef) -> str:
-        a = node.args
-        if node is not self.tree or a.vararg or a.kwarg or a.kwonlyargs or node.decorator_list:
-            self.refuse(node, "such a function")
-        names = [f"{name}_" for name in self.arguments]
-        for k, default in enumerate(reversed(a.defaults), 1):
-            names[-k] += f"={self.visit(default)}"
-        own = [f"{name}_" for name in sorted(self.local - {*self.arguments})]
-        begin = f"let {','.join(own)};\n" if own else ""
-        head = f"function {self.program.function(self.function)}({','.join(names)})"
-        return f"{head}{{\n{begin}{self.part('body', node.body)}}}"
-
-    def visit_Expr(self, node: ast.Expr) -> str:
-        idle = isinstance(node.value, ast.Constant | ast.Name)
-        return "" if idle else f"{self.visit(node.value)};\n"
-
     def visit_For(self, node: ast.For) -> str:
-        if node.orelse:
-            self.refuse(node, "else of a loop")
-        target, body = self.target(node.target), self.part("body", node.body)
         match node.iter:
-            case ast.Call(ast.Name("range"), [*bounds, last], []):
-                step = self.visit(last).strip("()") if len(bounds) > 1 else "1"
-                if not re.fullmatch(r"-?[1-9]\d*", step):
-                    self.refuse(node, "such a step")
-                stop = self.visit(bounds[1] if len(bounds) > 1 else last)
-                start, sign = self.visit(bounds[0]) if bounds else "0", "<>"[step[0] == "-"]
+            case ast.Call(ast.Name("range"), bounds):
+                target, *given = map(self.visit, [node.target, *bounds])
+                start, stop, step = given if len(given) == 3 else [*["0", *given][-2:], "1"]
+                sign = ">" if "-" in step else "<"
                 # a variable of its own: the loop's keeps its last value
                 head = f"let _{target}={start},_end={stop};_{target}{sign}_end;_{target}+={step}"
-                body = f"{target}=_{target};\n{body}"
-            case ast.Call(ast.Name("enumerate"), [items], []):
-                head = f"let _i=0,_all={self.visit(items)};_i<_all.length;_i+=1"
-                body = f"{target}=[_i,_all[_i]];\n{body}"
-            case _:
-                head = f"{target} of {self.visit(node.iter)}"
-        return f"for({head}){{\n{body}}}\n"
+                return f"for({head}){{\n{target}=_{target};\n{self.part('body', node.body)}}}\n"
+        return self.generic_visit(node)
 
     def visit_Assign(self, node: ast.Assign) -> str:
         match node.targets, node.value:
             case [ast.Tuple(targets)], ast.Tuple(values):  # quicker than by a list
                 held = ",".join(f"_{i}={self.visit(value)}" for i, value in enumerate(values))
-                sent = "".join(f"{self.target(x)}=_{i};" for i, x in enumerate(targets))
+                sent = "".join(f"{self.visit(x)}=_{i};" for i, x in enumerate(targets))
                 return f"{{const {held};{sent}}}\n"
-        return f"{'='.join(map(self.target, node.targets))}={self.visit(node.value)};\n"
-
-    def visit_AnnAssign(self, node: ast.AnnAssign) -> str:
-        assert node.value is not None
-        return f"{self.target(node.target)}={self.visit(node.value)};\n"
+        return self.generic_visit(node)
 
     def visit_AugAssign(self, node: ast.AugAssign) -> str:
-        if any(isinstance(n, ast.Call) for n in ast.walk(node.target)):
-            self.refuse(node, "such a change in place")
-        value = self.binary(node, node.target, node.op, node.value)
-        return f"{self.target(node.target)}={value};\n"
-
-    def target(self, node: ast.expr) -> str:
-        """What is assigned to."""
-        if isinstance(node, ast.Tuple):
-            return f"[{','.join(map(self.target, node.elts))}]"
-        if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.UnaryOp | ast.Slice):
-            self.refuse(node, "such an index")
-        return self.visit(node)
+        value = self.visit(ast.BinOp(node.target, node.op, node.value))
+        return f"{self.visit(node.target)}={value};\n"
 
     # Expressions ----------------------------------------------------------------------------------
-
-    def visit_Constant(self, node: ast.Constant) -> str:
-        return self.literal(node, node.value)
-
-    def literal(self, node: ast.AST, value: Any) -> str:
-        """A number, a text, a truth value or None."""
-        if isinstance(value, int) and abs(value) >= MOST:
-            self.refuse(node, f"the constant {value!r}")
-        return json.dumps(value)  # which has Infinity and NaN, as JavaScript
-
-    def visit_Name(self, node: ast.Name) -> str:
-        if node.id in self.local or node.id in self.arguments:
-            return f"{node.id}_"
-        return self.held(node, node.id, self.known(node))
-
-    def held(self, node: ast.AST, name: str, value: Any) -> str:
-        """A constant or a table that a module holds under this name."""
-        if isinstance(value, list | dict | np.dtype):
-            return self.program.table(value, name, self.function.__module__)
-        if isinstance(value, int | float | str):
-            return self.literal(node, value)
-        return self.refuse(node, f"the name {name}")
 
     def known(self, node: ast.expr) -> Any:
         """What a name of a module, or an attribute of a module or an enum, stands for, or None."""
         constants, owner = self.program.constants, None
         match node:
-            case ast.Name(name) if name not in self.local and name not in self.arguments:
+            case ast.Name(name) if name not in self.local:
                 held = self.function.__globals__
                 return constants.get(name, held.get(name, getattr(builtins, name, None)))
             case ast.Attribute(value, name):
@@ -286,73 +232,54 @@ class _Translator(ast.NodeVisitor):
             return None
         return constants.get(name, getattr(owner, name))
 
+    def held(self, name: str, value: Any) -> str:
+        """A value of a module: lists and tables by their name, all else as it is written."""
+        if isinstance(value, list | dict | np.dtype):
+            return self.program.name(value, name, self.function.__module__)
+        if isinstance(value, type):
+            return json.dumps(KINDS[value.__name__])
+        if not isinstance(value, int | float | str) or (
+                isinstance(value, int) and abs(value) >= MOST):
+            raise KeyError(f"the name {name}")
+        return json.dumps(value)  # which has Infinity and NaN, as JavaScript
+
+    def visit_Constant(self, node: ast.Constant) -> str:
+        return "null" if node.value is None else self.held(repr(node.value), node.value)
+
+    def visit_Name(self, node: ast.Name) -> str:
+        return f"{node.id}_" if node.id in self.local else self.held(node.id, self.known(node))
+
     def visit_Attribute(self, node: ast.Attribute) -> str:
         value = self.known(node)
-        if value is not None:
-            return self.held(node, node.attr, value)
-        if node.attr in ARRAYS:
-            self.refuse(node, f"the attribute {node.attr}")
-        return f"{self.visit(node.value)}.{node.attr}"
+        if node.attr in ARRAYS and value is None:
+            raise KeyError(f"the attribute {node.attr}")
+        return self.generic_visit(node) if value is None else self.held(node.attr, value)
 
     def visit_Subscript(self, node: ast.Subscript) -> str:
-        value = self.visit(node.value)
         match node.slice:
-            case ast.Slice(lower, upper, None):
-                ends = [self.visit(x) for x in (lower or ast.Constant(0), upper) if x]
-                return f"{value}.slice({','.join(ends)})"
-            case ast.UnaryOp(ast.USub(), ast.Constant()) as last:
-                return f"{value}.at({self.visit(last)})"
-            case ast.UnaryOp() | ast.Slice() | ast.Tuple():
-                self.refuse(node, "such an index")
-        return f"{value}[{self.visit(node.slice)}]"
+            case ast.Slice(lower, upper):
+                ends = self.visit(lower or ast.Constant(0)), self.part("upper", upper)
+                return f"{self.visit(node.value)}.slice({','.join(ends)})"
+            case ast.UnaryOp():
+                return f"{self.visit(node.value)}.at({self.visit(node.slice)})"
+        return self.generic_visit(node)
 
     def visit_BinOp(self, node: ast.BinOp) -> str:
-        return self.binary(node, node.left, node.op, node.right)
-
-    def binary(self, node: Any, left: ast.expr, op: ast.operator, right: ast.expr) -> str:
-        """Two numbers with an operator between them."""
-        match left, op:
-            case ast.List([item]), ast.Mult():
-                return f"py.repeat({self.visit(item)},{self.visit(right)})"
-        if isinstance(left, ast.List | ast.ListComp) or isinstance(right, ast.List | ast.ListComp):
-            self.refuse(node, "adding lists")
-        if type(op) not in OPERATORS:
-            self.refuse(node, type(op).__name__)
-        return OPERATORS[type(op)].format(self.visit(left), self.visit(right))
+        repeats = isinstance(node.left, ast.List) and isinstance(node.op, ast.Mult)
+        return self.filled("List Mult" if repeats else type(node.op).__name__, node)
 
     def visit_UnaryOp(self, node: ast.UnaryOp) -> str:
-        if isinstance(node.op, ast.Not):
-            return f"!{self.truth(node.operand, 'truth')}"
-        if isinstance(node.op, ast.USub):
-            return f"(-{self.visit(node.operand)})"
-        return self.refuse(node, type(node.op).__name__)
+        return self.filled(type(node.op).__name__, node)
 
     def visit_BoolOp(self, node: ast.BoolOp) -> str:
-        return self.truth(node, "bool")
-
-    def truth(self, node: ast.expr, kind: str) -> str:
-        """What decides: "bool" is true or false, "truth" a number too."""
-        match node:
-            case ast.BoolOp(op, values):
-                sign = " && " if isinstance(op, ast.And) else " || "
-                return f"({sign.join(self.truth(x, kind) for x in values)})"
-            case ast.Compare() | ast.UnaryOp(ast.Not()) | ast.Constant(True | False):
-                return self.visit(node)
-        return f"py.{kind}({self.visit(node)})"
+        sign = TEMPLATES[type(node.op).__name__]
+        return f"({sign.join(self.truth(x) for x in node.values)})"
 
     def visit_Compare(self, node: ast.Compare) -> str:
         sides = [node.left, *node.comparators]
-        if any(isinstance(x, ast.Call) for side in sides[1:-1] for x in ast.walk(side)):
-            self.refuse(node, "a call between two comparisons")
-        parts = []
-        for left, op, right in zip(sides, node.ops, sides[1:], strict=False):
-            key: Any = type(op)
-            if isinstance(right, ast.Tuple) or getattr(right, "value", 0) is None:
-                key = key, type(right)
-            if key not in COMPARISONS:
-                self.refuse(node, type(op).__name__)
-            parts.append(COMPARISONS[key].format(self.visit(left), self.visit(right)))
-        return f"({' && '.join(parts)})"
+        return "({})".format(" && ".join(
+            self.filled(type(op).__name__, ast.BinOp(left, ast.Add(), right))
+            for left, op, right in zip(sides, node.ops, sides[1:], strict=False)))
 
     def visit_Dict(self, node: ast.Dict) -> str:
         entries = [f"...{self.visit(value)}" if key is None
@@ -363,48 +290,30 @@ class _Translator(ast.NodeVisitor):
     def visit_ListComp(self, node: ast.ListComp | ast.GeneratorExp) -> str:
         text = self.visit(node.elt)
         for i, loop in enumerate(reversed(node.generators)):
-            item = self.target(loop.target)
-            kept = "".join(f".filter(({item})=>{self.truth(x, 'truth')})" for x in loop.ifs)
+            item = self.visit(loop.target)
+            kept = "".join(f".filter(({item})=>{self.truth(x)})" for x in loop.ifs)
             every = "flatMap" if i else "map"
             text = f"Array.from({self.visit(loop.iter)}){kept}.{every}(({item})=>({text}))"
         return text
 
-    def visit_JoinedStr(self, node: ast.JoinedStr) -> str:
-        return f"({'+'.join(map(self.visit, node.values)) or json.dumps('')})"
-
-    def visit_FormattedValue(self, node: ast.FormattedValue) -> str:
-        value, spec = self.visit(node.value), ast.unparse(node.format_spec or ast.Constant(""))
-        if spec == "''" and node.conversion == -1:
-            return f"py.text({value})"
-        digits = re.fullmatch(r"f'\.(\d+|\{\w+\})g'", spec)
-        if digits is None or node.conversion != -1:
-            self.refuse(node, "such a format")
-        return f"py.general({value},{digits[1].replace('{', '').replace('}', '_')})"
+    def visit_GeneratorExp(self, node: ast.GeneratorExp) -> str:
+        return self.visit_ListComp(node)
 
     def visit_Call(self, node: ast.Call) -> str:
-        called, name = self.known(node.func), ast.unparse(node.func)
-        match called, node.args:
-            case builtins.isinstance, [value, ast.Name(kind)] if kind in KINDS:
-                return f'(py.kind({self.visit(value)})==="{KINDS[kind]}")'
-            case (builtins.any | builtins.all), [ast.GeneratorExp() as every]:
-                some = "some" if called is any else "every"
-                return f"{self.visit_ListComp(every)}.{some}(py.bool)"
+        called, name, calls = self.known(node.func), ast.unparse(node.func), self.program.calls
         given = [self.visit(x) for x in node.args]
-        if node.keywords and [ast.unparse(k) for k in node.keywords] != ["strict=True"]:
-            self.refuse(node, "an argument by name")
+        if any(word.arg != "strict" for word in node.keywords):
+            raise KeyError("an argument by name")
         if called is None and isinstance(node.func, ast.Attribute):
-            if node.func.attr not in METHODS:
-                self.refuse(node, f"the method {node.func.attr}")
             return METHODS[node.func.attr].format(self.visit(node.func.value), ",".join(given))
         if called in (min, max) and len(given) > 1:
             return reduce(lambda text, other: f"py.{name}({text},{other})", given)
-        fields = getattr(called, "_fields", ())
-        if fields and len(fields) == len(given):
+        if fields := getattr(called, "_fields", ()):
             return f"({{{','.join(map(':'.join, zip(fields, given, strict=True)))}}})"
-        if called is len:
-            return f"{given[0]}.length"
-        if called in self.program.calls:
-            return f"{self.program.calls[called]}({','.join(given)})"
-        if isinstance(called, FunctionType) and called.__module__.startswith("rodimpact."):
-            return f"{self.program.function(called)}({','.join(given)})"
-        return self.refuse(node, f"calling {name}")
+        if called in calls:
+            text = calls[called]
+        elif isinstance(called, FunctionType) and called.__module__.startswith("rodimpact."):
+            text = self.program.name(called, called.__name__, called.__module__)
+        else:
+            raise KeyError(f"calling {name}")
+        return text.format(*given) if "{" in text else f"{text}({','.join(given)})"

@@ -63,17 +63,17 @@ const py = {
     for (; Math.abs(part) >= 1; power += 1) part /= 2;
     return [part, power];
   },
-  bool(x) {
-    if (typeof x !== "boolean") throw new TypeError(`${x} is neither true nor false`);
-    return x;
-  },
   truth(x) {
     if (typeof x === "boolean") return x;
     if (typeof x !== "number") throw new TypeError(`${x} is no condition`);
     return x !== 0;
   },
-  kind: (x) => (Array.isArray(x) ? "array" : x === null ? "none" : typeof x),
-  repeat: (item, count) => (typeof item === "number"
+  any: (list) => list.some(py.truth),
+  all: (list) => list.every(py.truth),
+  sum: (list) => list.reduce((sum, x) => sum + x, 0),
+  most: (list) => list.reduce(py.max),
+  isinstance: (x, kind) => x !== null && (Array.isArray(x) ? "array" : typeof x) === kind,
+  repeat: ([item], count) => (typeof item === "number"
     ? new Float64Array(Math.max(0, count)).fill(item) : new Array(Math.max(0, count)).fill(item)),
   range(...given) {
     const [start, stop, step = 1] = given.length > 1 ? given : [0, ...given];
@@ -101,17 +101,14 @@ const py = {
   extend(list, more) {
     for (const item of more) list.push(item);
   },
-  has(table, key) {
-    if (py.kind(table) !== "object") throw new TypeError("in is for tables");
-    return Object.hasOwn(table, key);
-  },
+  has: (all, key) => (Array.isArray(all) ? all.includes(key) : Object.hasOwn(all, key)),
   get: (table, key, other = null) => (Object.hasOwn(table, key) ? table[key] : other),
-  text(x) {
-    if (typeof x !== "string" && !Number.isSafeInteger(x)) throw new TypeError(`${x} needs a format`);
-    return String(x);
-  },
-  /** Format "g": so many digits, halves to the even one, without zeros at the end. */
-  general(x, digits) {
+  /** Text of a whole number; or format "g": so many digits, halves to the even one, without zeros at the end. */
+  format(x, spec = "") {
+    const [, whole] = /^\.(\d+)g$/.exec(spec) || [];
+    if (typeof x === "string" || (spec === "" && Number.isSafeInteger(x))) return String(x);
+    if (whole === undefined) throw new TypeError(`${x} needs a format`);
+    const digits = Number(whole);
     if (!Number.isFinite(x)) return Number.isNaN(x) ? "nan" : x > 0 ? "inf" : "-inf";
     const [figures, exponent] = Math.abs(x).toExponential(100).replace(".", "").split("e");
     const half = /^50*$/.test(figures.slice(digits)) && Number(figures[digits - 1]) % 2 === 0;
