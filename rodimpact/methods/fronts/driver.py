@@ -27,7 +27,7 @@ ROW_NUMBERS, LIST_NUMBERS = 18, 60  # that a row of the log takes with what resu
 EVENT_TIMES = 2e-5, 2e-6  # s, about what an event takes in plain Python, and compiled
 ROW_TIME = 1e-5  # s, about what plain Python takes for a row of the log
 PAIR_TIME = 4e-7  # s, about what plain Python takes to compare two durations
-FIRST_BLOCK, LAST_BLOCK = 32, 2048  # members of a block
+FIRST_BLOCK, LAST_BLOCK = 32, 512  # members of a block
 RECORDS = {"run": RUN, "segment": SEGMENT, "node": NODE, "line": LINE, "log": ROW, "piece": PIECE,
            "body": BODY}
 FOLLOWED = ("run", "body", "given", "piece", "segment", "node", "line", "log", "tree")
@@ -69,13 +69,17 @@ class Members:
                 copy.copy(it) for _ in range(count) for it in records]
 
     def lay(self, given: Any) -> None:
-        """Take the numbers of other members, one after the other."""
-        self.records["given"] = np.asarray(given) if self.fast else np.asarray(given).tolist()
+        """Take the numbers of other members, [member, number]; of fewer, the last are idle."""
+        runs = self.records["run"]
+        numbers = np.zeros((len(runs), given.shape[1]))
+        numbers[: len(given)] = given
+        self.records["given"] = numbers.ravel() if self.fast else numbers.ravel().tolist()
         if self.fast:
-            self.records["run"]["stop"] = Stop.NONE
+            runs["stop"] = Stop.DONE
+            runs["stop"][: len(given)] = Stop.NONE
         else:
-            for it in self.records["run"]:
-                it.stop = Stop.NONE.value
+            for m, it in enumerate(runs):
+                it.stop = Stop.NONE.value if m < len(given) else Stop.DONE.value
 
     def go(self) -> bool:
         """Run them; return whether there is more to do, with a longer log."""
@@ -182,7 +186,7 @@ def solve_one(
     fast = kernels.worth_compiling(plan.fronts**2 * PAIR_TIME, march.follow)
     members = Members(plan, 1, fast, until=-1.0 if until is None else until, limit=max_events,
                       further=1, beside=int(beside))
-    members.lay(plan.numbers)
+    members.lay(np.array([plan.numbers]))
     while members.go():
         rows, (run,) = len(members.records["log"]), members.objects("run")
         if not members.fast and kernels.worth_compiling(rows * ROW_TIME, march.follow):
@@ -248,14 +252,13 @@ def solve_many(
         block, begun = given[first : first + size], now()
         ahead = len(given) - first - len(block) + more if measured else 0
         fast = kernels.worth_compiling(plain * len(block), march.follow, ahead=plain * ahead)
-        if members is None or len(members.records["run"]) != len(block) or members.fast != fast:
-            members = Members(
-                plan, len(block), fast, until=-1.0 if until is None else until,
-                limit=max_events, reads=int(reads))
-        members.lay(block.ravel())
+        if members is None or members.fast != fast:
+            members = Members(plan, min(len(given), LAST_BLOCK), fast, reads=int(reads),
+                              until=-1.0 if until is None else until, limit=max_events)
+        members.lay(block)
         while members.go():
             members.lengthen()
-        parts.append(columns_of(members))
+        parts.append({name: column[: len(block)] for name, column in columns_of(members).items()})
         first += len(block)
         seconds = now() - begun
         quick = seconds < PATIENCE / 4

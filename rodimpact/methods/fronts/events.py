@@ -112,9 +112,10 @@ def plant(segment: Any, node: Any, line: Any, log: Any, tree: Any) -> None:
 
 def arrival(segment: Any, line: Any, log: Any, l: int) -> int:
     """When the next front of a line arrives; IDLE if none is under way."""
-    r, due = line[l].head, IDLE
-    if r != NONE:
-        due = log[r].tick + segment[l // 2].transit
+    r = line[l].head
+    if r == NONE:
+        return IDLE
+    due: int = log[r].tick + segment[l // 2].transit
     return due
 
 
