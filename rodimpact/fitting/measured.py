@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 from ..methods.registry import check_function
-from ..model import Rod, System
+from ..model import System
 from ..model.arguments import of_kind, single
-from ..model.frozen import Problems, raise_noted, refusal
+from ..model.frozen import Declared, Problems, quantity, refusal
 from ..records.comparison import Bounds, overlaps, plateau
 from ..records.signal import Signal, bounds_of
 from ..units import shown
 
 
-@dataclass(frozen=True)
-class Measured:
+class Measured(Declared):
     """A record, its gauge, and its measuring chain.
 
     Parameters
@@ -59,33 +56,25 @@ class Measured:
 
     signal: Signal
     gauge: tuple[int, float]
-    distance: float = 0.0
-    radius: float | None = None
+    distance: float = quantity("m", default=0.0, single=True)
+    radius: float | None = quantity("m", "positive", default=None, single=True)
     shift: Bounds | None = None
     gain: Bounds | None = None
     blur: Bounds = 0.0
     seen: Callable[[Signal], Signal] | None = None
     level: float | None = None
 
-    def __post_init__(self) -> None:
+    def _check(self, problems: Problems) -> None:
         of_kind("signal", self.signal, Signal, "read_signals('record.csv')['incident']")
         if not isinstance(self.gauge, tuple | list) or len(self.gauge) != 2:
             raise refusal("gauge", f"must be (body, x), such as (1, 0.5), got {shown(self.gauge)}")
-        body, x = self.gauge
-        self._set("gauge", (body, single("gauge", x, "m")))
-        self._set("distance", single("distance", self.distance, "m"))
-        problems: Problems = []
+        self._set(gauge=(self.gauge[0], single("gauge", self.gauge[1], "m")))
         check_function(problems, "seen", self.seen)
-        raise_noted(problems)
         if self.level is not None:
-            unit = self.signal.unit
-            self._set("level", single("level", self.level, unit, "positive"))
+            self._set(level=single("level", self.level, self.signal.unit, "positive"))
         _ = self.limits, self.size
 
-    def _set(self, name: str, value: Any) -> None:
-        object.__setattr__(self, name, value)
-
-    @cached_property
+    @property
     def limits(self) -> dict[str, tuple[float, float] | None]:
         """Bounds of shift, s, gain, and blur, s; None where the number is free."""
         blur = bounds_of("blur", self.blur, "s")
@@ -94,7 +83,7 @@ class Measured:
         return {"shift": bounds_of("shift", self.shift, "s"),
                 "gain": bounds_of("gain", self.gain, ""), "blur": blur}
 
-    @cached_property
+    @property
     def size(self) -> float:
         """Value by which misfits are divided, in the unit of the signal."""
         return self.level or plateau(self.signal.values)
@@ -111,21 +100,16 @@ class Measured:
 
     def _lasting(self, system: System) -> float:
         """How long waves take over `distance`, s."""
-        if not self.distance:
-            return 0.0
-        rod = system.bodies[self.gauge[0]]
-        assert isinstance(rod, Rod)
+        rod: Any = system.bodies[self.gauge[0]]
         return abs(self.distance) / float(rod.segments[0].wave_speed)
 
     def carried(self, strain: Signal, system: System) -> Signal:
         """The prediction before shift, gain and blur are applied."""
         if self.distance:
-            lasting, rod = self._lasting(system), system.bodies[self.gauge[0]]
-            assert isinstance(rod, Rod)
-            longer = strain.extended(lasting, lasting)
+            longer = strain.extended(*2 * [self._lasting(system)])
+            rod = system.bodies[self.gauge[0]]
             strain = longer.propagated(self.distance, rod, radius=self.radius)
-        if self.seen is None:
-            return strain
-        seen = self.seen(strain)
-        of_kind("seen(strain)", seen, Signal, "strain.low_pass(100e3)")
-        return seen
+        if self.seen is not None:
+            strain = self.seen(strain)
+            of_kind("seen(strain)", strain, Signal, "strain.low_pass(100e3)")
+        return strain

@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -30,31 +30,22 @@ from .ties import KINDS
 CHANGE = 1e-3  # of the plateau, by which signals are to change for a quotient of differences
 FIRST, LEAST, MOST = 1e-4, 1e-6, 1e-2  # steps between the bounds for that
 TOO_FAR = 4.0  # times the right step, beyond which the quotient is taken anew
+BEYOND = 1.0  # s, before and after a signal: a knot from which on it is constant
+SHIFT, GAIN, BLUR = range(3)  # of `KINDS`
 
 
-class Curve(NamedTuple):
-    """A computed signal as a smooth function of time, constant beyond its ends."""
+def smooth(signal: Signal, blur: float) -> Any:
+    """The samples after a Gaussian average of this standard deviation, s, as a cubic spline.
 
-    spline: Any
-    ends: tuple[float, float]
+    It is constant before the first sample and after the last one.
+    """
+    from scipy.interpolate import CubicSpline
 
-    @classmethod
-    def through(cls, signal: Signal, blur: float) -> Curve:
-        """The curve through all samples after a Gaussian average of this standard deviation, s."""
-        from scipy.interpolate import CubicSpline
-
-        values = filters.blurred(signal.values, signal.dt, blur) if blur else signal.values
-        return cls(CubicSpline(signal.times, values), (signal.start, signal.end))
-
-    def at(self, t: Floats) -> Floats:
-        """Values at times, s."""
-        values: Floats = self.spline(np.clip(t, *self.ends))
-        return values
-
-    def slope(self, t: Floats) -> Floats:
-        """Derivatives at times, 1/s."""
-        inside = (t >= self.ends[0]) & (t <= self.ends[1])
-        return np.where(inside, self.spline(t, 1), 0.0)
+    values = filters.blurred(signal.values, signal.dt, blur) if blur else signal.values
+    curve = CubicSpline(signal.times, values)
+    for end, value in ((signal.start - BEYOND, values[0]), (signal.end + BEYOND, values[-1])):
+        curve.extend([[0.0], [0.0], [0.0], [value]], [end])
+    return curve
 
 
 def computed(
@@ -89,9 +80,13 @@ class Objective:
         self.heard: Callable[[int], None] = lambda _: None  # of each of them
         self.steps = np.full(len(parameters), FIRST)
         self.known: tuple[bytes, list[Signal]] = b"", []
-        self.places = np.zeros((len(measured), len(KINDS)), int)  # in the point
+        self.places = np.zeros((len(KINDS), len(measured)), int)  # in the point
         for i, number in enumerate(of_records, len(parameters)):
-            self.places[list(number.records), KINDS.index(number.kind)] = i
+            self.places[KINDS.index(number.kind), list(number.records)] = i
+        self.levels = [m.size for m in measured]
+        self.lengths = [len(m.signal) for m in measured]
+        self.record = np.repeat(range(len(measured)), self.lengths)
+        self.recorded = np.concatenate([m.signal.values / m.size for m in measured])
         self.low, self.high = np.array([n.ends for n in self.all]).T
         self.free = self.low < self.high
         self.middle = [(n.low + n.high) / 2 if math.isfinite(n.high) else 0.0 for n in of_records]
@@ -112,10 +107,9 @@ class Objective:
             self.heard(self.solved)
         return found
 
-    def blurred(self, signals: Sequence[Signal], point: Floats) -> list[Curve]:
+    def blurred(self, signals: Sequence[Signal], point: Floats) -> list[Any]:
         """Predictions of each record as smooth curves, before gain and shift."""
-        blurs = point[self.places[:, KINDS.index("blur")]].tolist()
-        return list(map(Curve.through, signals, blurs))
+        return list(map(smooth, signals, point[self.places[BLUR]].tolist()))
 
     def started(self, shares: Floats, signals: Sequence[Signal]) -> tuple[float, Floats]:
         """Least sum of squares over shifts and gains at these shares, and its point.
@@ -125,27 +119,27 @@ class Objective:
         point = np.concatenate((shares, self.middle))
         curves = self.blurred(signals, point)
         own = []
-        for m, c, (shift, gain, _) in zip(self.measured, curves, self.places, strict=True):
-            pair = (m.signal.times, m.signal.values), (c.spline.x, c.spline(c.spline.x))
-            bounds = [(float(self.low[i]), float(self.high[i])) for i in (shift, gain)]
+        for m, c, i in zip(self.measured, curves, self.places.T.tolist(), strict=True):
+            bounds = [(float(self.low[j]), float(self.high[j])) for j in i[:BLUR]]
+            times = c.x[1:-1]  # of its samples
+            pair = (m.signal.times, m.signal.values), (times, c(times))
             own.append(misfit_of(*pair, *bounds).shift)
         ends = []
-        for first in range(len(own)):
-            order = [k for k in range(len(own)) if k != first] + [first]
+        for place, shift in zip(self.places[SHIFT], own, strict=True):
             end = point.copy()
-            end[self.places[order, 0]] = [own[k] for k in order]  # what is written last stays
+            end[self.places[SHIFT]] = own
+            end[place] = shift
             self._set_gains(end, curves)
             ends.append((float(np.sum(self._apart(curves, end) ** 2)), end))
         return min(ends, key=lambda end: end[0])
 
-    def _set_gains(self, point: Floats, curves: Sequence[Curve]) -> None:
+    def _set_gains(self, point: Floats, curves: Sequence[Any]) -> None:
         """Set the gains of a point to the best ones for its shifts."""
-        cross, power = np.zeros_like(point), np.zeros_like(point)
-        for m, c, (shift, gain, _) in zip(self.measured, curves, self.places, strict=True):
-            model, record = c.at(m.signal.times - point[shift]) / m.size, m.signal.values / m.size
-            cross[gain] += model @ record
-            power[gain] += model @ model
-        gains = np.unique(self.places[:, KINDS.index("gain")])
+        gains = self.places[GAIN]
+        point[gains] = 1.0
+        model = self._predicted(curves, point)
+        cross, power = (np.bincount(gains[self.record], model * each, len(point))
+                        for each in (self.recorded, model))
         best = np.divide(cross, power, out=np.ones_like(point), where=power > 0)
         point[gains] = np.clip(best, self.low, self.high)[gains]
 
@@ -159,11 +153,16 @@ class Objective:
             self.known = shares.tobytes(), self.signals([shares])[0]
         return self.known[1]
 
-    def _apart(self, curves: Sequence[Curve], point: Floats) -> Floats:
-        return np.concatenate([
-            (point[gain] * c.at(m.signal.times - point[shift]) - m.signal.values) / m.size
-            for m, c, (shift, gain, _) in zip(self.measured, curves, self.places, strict=True)
-        ])
+    def _apart(self, curves: Sequence[Any], point: Floats) -> Floats:
+        """Predictions less records, over their levels."""
+        apart: Floats = self._predicted(curves, point) - self.recorded
+        return apart
+
+    def _predicted(self, curves: Sequence[Any], point: Floats) -> Floats:
+        """Predictions at the times of all records, over their levels."""
+        each = zip(self.measured, self.levels, curves, point[self.places].T, strict=True)
+        return np.concatenate([gain * c(m.signal.times - shift) / level
+                               for m, level, c, (shift, gain, _) in each])
 
     def derivatives(self, point: Floats) -> Floats:
         """Derivatives of the residuals by each number of the point, shape (sample, number).
@@ -171,29 +170,23 @@ class Objective:
         The derivatives with respect to shares and blurs are central differences. Their steps change
         the signals by about `CHANGE`.
         """
-        shares, wider, narrower = point[: len(self.parameters)], point.copy(), point.copy()
-        blurs = self.places[:, KINDS.index("blur")]
-        wider[blurs] *= 1 + CHANGE
-        narrower[blurs] *= 1 - CHANGE
-        curves, *by_blur = (self.blurred(self._signals_at(at), at)
-                            for at in (point, wider, narrower))
+        shares, signals = point[: len(self.parameters)], self._signals_at(point)
+        J = np.zeros((len(self.record), len(point)))
         beside = [np.clip(shares + sign * step, 0, 1)
                   for step in np.diag(self.steps) for sign in (1, -1)]
-        near = [self.blurred(signals, point) for signals in self.signals(beside)]
-        blocks = []
-        for k, (m, c, place) in enumerate(zip(self.measured, curves, self.places, strict=True)):
-            shift, gain, blur = point[place]
-            t = m.signal.times - shift
-            block = np.zeros((len(t), len(point)))
-            for j in range(len(shares)):
-                apart = beside[2 * j][j] - beside[2 * j + 1][j]
-                block[:, j] = gain * (near[2 * j][k].at(t) - near[2 * j + 1][k].at(t)) / apart
-            block[:, place[:2]] = np.stack([-gain * c.slope(t), c.at(t)], axis=1)
-            if blur:
-                up, down = (curves[k].at(t) for curves in by_blur)
-                block[:, place[2]] = gain * (up - down) / (2 * CHANGE * blur)
-            blocks.append(block / m.size)
-        jacobian = np.concatenate(blocks)
-        rates = np.sqrt(np.mean(jacobian[:, : len(shares)] ** 2, axis=0))
+        near = [self._predicted(self.blurred(each, point), point) for each in self.signals(beside)]
+        for j in range(len(shares)):
+            J[:, j] = (near[2 * j] - near[2 * j + 1]) / (beside[2 * j][j] - beside[2 * j + 1][j])
+        curves, unit = self.blurred(signals, point), point.copy()
+        unit[self.places[GAIN]] = 1.0
+        wide = np.where(np.isin(np.arange(len(point)), self.places[BLUR]), CHANGE * point, 0.0)
+        wider, narrower = (self._predicted(self.blurred(signals, point + by), point)
+                           for by in (wide, -wide))
+        change = 2 * wide[self.places[BLUR]][self.record]
+        by_blur = np.divide(wider - narrower, change, out=np.zeros(len(J)), where=change > 0)
+        by_shift = -self._predicted([c.derivative() for c in curves], point)
+        for kind, by in ((SHIFT, by_shift), (GAIN, self._predicted(curves, unit)), (BLUR, by_blur)):
+            J[np.arange(len(J)), self.places[kind][self.record]] = by
+        rates = np.sqrt(np.mean(J[:, : len(shares)] ** 2, axis=0))
         taken, self.steps = self.steps, np.clip(CHANGE / np.maximum(rates, CHANGE), LEAST, MOST)
-        return self.derivatives(point) if (taken > TOO_FAR * self.steps).any() else jacobian
+        return self.derivatives(point) if (taken > TOO_FAR * self.steps).any() else J

@@ -40,33 +40,32 @@ class Parameter(NamedTuple):
         """The scaled bounds."""
         return (self.low, self.high) if self.kind else (0.0, 1.0)
 
+    @property
+    def line(self) -> tuple[float, float]:
+        """The number, or its logarithm, at 0, and how much more it is at 1."""
+        if self.kind:
+            return 0.0, 1.0
+        low, high = map(math.log, (self.low, self.high)) if self.by_ratio else (self.low, self.high)
+        return low, high - low
+
     def value(self, share: float) -> float:
         """The number at this share of the way from `low` to `high`, or where it is not scaled."""
-        if self.kind:
-            return share
-        if self.by_ratio:
-            return float(self.low * (self.high / self.low) ** share)
-        return float(self.low + (self.high - self.low) * share)
+        start, slope = self.line
+        return math.exp(start + slope * share) if self.by_ratio else start + slope * share
 
     def share(self, value: float) -> float:
         """The share of the way from `low` to `high` at which this number lies, or the nearest."""
-        value = min(max(value, self.low), self.high)
-        if self.by_ratio:
-            return math.log(value / self.low) / math.log(self.high / self.low)
-        return (value - self.low) / (self.high - self.low)
+        value, (start, slope) = min(max(value, self.low), self.high), self.line
+        return ((math.log(value) if self.by_ratio else value) - start) / slope
 
     def slope(self, share: float) -> float:
         """Derivative of `value`."""
-        if self.kind:
-            return 1.0
-        if self.by_ratio:
-            return self.value(share) * math.log(self.high / self.low)
-        return self.high - self.low
+        return self.line[1] * (self.value(share) if self.by_ratio else 1.0)
 
     @property
     def by_ratio(self) -> bool:
         """Whether equal steps are equal ratios."""
-        return self.low > 0 and self.high / self.low >= RATIO
+        return not self.kind and self.low > 0 and self.high / self.low >= RATIO
 
 
 def parameters_of(

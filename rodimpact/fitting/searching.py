@@ -10,14 +10,15 @@ import math
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ..methods.duration import Forecast, Progress, warn
 from ..methods.registry import METHODS, Options, check_function, count
 from ..model import Rod, System
-from ..model.frozen import InvalidModel, Problems, number, raise_noted
+from ..model.arguments import of_kind
+from ..model.frozen import Problems, number, raise_noted
 from ..model.quantities import Floats
 from ..running.sweeping import readings_of
 from ..units import shown
@@ -32,14 +33,6 @@ from .uncertainty import covariance
 TRIES = 16  # systems of the coarse sweep for each number that varies
 MOST_STEPS = 200
 USUAL_STEPS = 8  # of a descent
-
-
-class End(NamedTuple):
-    """End of a descent, and whether it is a minimum."""
-
-    misfit: float
-    point: Floats
-    complete: bool
 
 
 def fit(
@@ -112,13 +105,10 @@ def fit(
     >>> {path: round(value, 6) for path, value in found.values.items()}
     {'bodies.0.length': 0.2, 'bodies.0.velocity': 10.0}
     """
-    records = [measured] if isinstance(measured, Measured) else measured
+    records: list[Any] = list(measured) if isinstance(measured, list | tuple) else [measured]
+    for each in records or [measured]:
+        of_kind("measured", each, Measured, "Measured(signal, gauge=(1, 0.5))")
     problems: Problems = []
-    if not isinstance(records, list | tuple) or not records or not all(
-        isinstance(m, Measured) for m in records
-    ):
-        message = "must be Measured(signal, gauge), or a list of them"
-        raise InvalidModel([("measured", f"{message}, got {shown(measured)}")])
     options = Options(until, method, dt=dt, rtol=rtol, cells=cells)
     options = replace(options, method=options.method_for(system))
     if system.shape:
@@ -156,9 +146,9 @@ def fit(
              for k in range(min(begins, len(swept)))]
     lasting = max(m.signal.end - m.signal.start for m in records)
     sizes = np.array([{"": 1.0, "gain": abs(x)}.get(n.kind, lasting)
-                      for n, x in zip(objective.all, least[0], strict=True)])
+                      for n, x in zip(objective.all, least[0], strict=True)])[objective.free]
     ends = [_descend(objective, point, sizes) for point in least]
-    return _result(objective, sorted(ends, key=lambda end: end.misfit), sizes)
+    return _result(objective, sorted(ends, key=lambda end: end.cost), sizes)
 
 
 def _cells(method: str, system: System, interval: float) -> int | None:
@@ -181,55 +171,50 @@ def _coarse(own: Sequence[float]) -> list[Floats]:
     return [np.array(own), *((0.5 + k * steps) % 1 for k in range(1, TRIES * n))]
 
 
-def _descend(objective: Objective, start: Floats, sizes: Floats) -> End:
-    """Where least squares end."""
+def _descend(objective: Objective, start: Floats, sizes: Floats) -> Any:
+    """Where least squares end, of numbers over their sizes; its `x` is the point."""
     from scipy.optimize import least_squares
 
     free = objective.free
 
     def point(x: Floats) -> Floats:
         whole = start.copy()
-        whole[free] = x * sizes[free]
+        whole[free] = x * sizes
         return whole
 
-    found = least_squares(
-        lambda x: objective.residuals(point(x)), (start / sizes)[free],
-        lambda x: (objective.derivatives(point(x)) * sizes)[:, free],
-        bounds=((objective.low / sizes)[free], (objective.high / sizes)[free]), x_scale="jac",
+    end = least_squares(
+        lambda x: objective.residuals(point(x)), start[free] / sizes,
+        lambda x: objective.derivatives(point(x))[:, free] * sizes,
+        bounds=(objective.low[free] / sizes, objective.high[free] / sizes), x_scale="jac",
         ftol=1e-10, xtol=1e-8, gtol=1e-10, max_nfev=MOST_STEPS,
     )
-    return End(math.sqrt(2 * found.cost / len(found.fun)), point(found.x), found.status > 0)
+    end.x = point(end.x)
+    return end
 
 
-def _result(objective: Objective, ends: Sequence[End], sizes: Floats) -> Fit:
+def _result(objective: Objective, ends: Sequence[Any], sizes: Floats) -> Fit:
     """The best end with its errors, and what there is to say about it."""
-    best, records, free = ends[0].point, objective.measured, objective.free
-    residuals, jacobian = objective.residuals(best), objective.derivatives(best)[:, free]
-    ranges = np.minimum(objective.high - objective.low, sizes)[free]
-    jacobian *= ranges
-    lengths = [len(m.signal) for m in records]
-    relative = covariance(jacobian, residuals, lengths)
+    best, records, free = ends[0], objective.measured, objective.free
+    ranges = np.minimum((objective.high - objective.low)[free], sizes)
+    jacobian = objective.derivatives(best.x)[:, free] * ranges
+    relative = covariance(jacobian, best.fun, objective.lengths)
     varied = [n for n, is_free in zip(objective.all, free, strict=True) if is_free]
     descents = tuple(
-        Descent(end.misfit, {n.path: n.value(x) for n, x in
-                             zip(varied, end.point[free].tolist(), strict=True)}, end.complete)
-        for end in ends
-    )
-    units = ranges * [n.slope(x) for n, x in zip(varied, best[free].tolist(), strict=True)]
+        Descent(math.sqrt(2 * end.cost / len(end.fun)), {
+            n.path: n.value(x) for n, x in zip(varied, end.x[free].tolist(), strict=True)
+        }, end.status > 0) for end in ends)
+    units = ranges * [n.slope(x) for n, x in zip(varied, best.x[free].tolist(), strict=True)]
     errors = np.sqrt(np.diag(relative)) * units
     fitted = tuple(
         Fitted(n.path, n.unit, descents[0].values[n.path], error, *map(n.value, n.ends))
-        for n, error in zip(varied, errors.tolist(), strict=True)
-    )
+        for n, error in zip(varied, errors.tolist(), strict=True))
     spread = np.sqrt(np.einsum("ij,jk,ik->i", jacobian, relative, jacobian))
-    predicted, bands, misfits = [], [], []
-    cuts = np.cumsum(lengths)[:-1]
-    for m, r, s in zip(records, np.split(residuals, cuts), np.split(spread, cuts), strict=True):
-        predicted.append(m.signal.replace(values=m.signal.values + m.size * r))
-        bands.append(m.size * s)
-        misfits.append(math.sqrt(float(np.mean(r**2))))
+    residuals, spreads = (np.split(each, np.cumsum(objective.lengths)[:-1])
+                          for each in (best.fun, spread))
     return Fit(
-        objective.system_at(best), tuple(records), fitted, relative * np.outer(units, units),
-        tuple(predicted), tuple(bands), tuple(misfits), descents,
-        tuple(doubts(fitted, relative, descents)),
-    )
+        objective.system_at(best.x), tuple(records), fitted, relative * np.outer(units, units),
+        tuple(m.signal.replace(values=m.signal.values + m.size * r)
+              for m, r in zip(records, residuals, strict=True)),
+        tuple(m.size * s for m, s in zip(records, spreads, strict=True)),
+        tuple(math.sqrt(float(np.mean(r**2))) for r in residuals), descents,
+        tuple(doubts(fitted, relative, descents)))

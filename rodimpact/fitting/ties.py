@@ -24,40 +24,35 @@ def record_numbers(
 
     A name in `vary` may hold the wildcards ``*`` and ``[01]``: all matching numbers become one.
     """
-    def number(
-        name: str, kind: str, records: tuple[int, ...], ends: tuple[float, float] | None
-    ) -> Parameter:
-        """With these bounds; without, with those within which it makes sense."""
+    groups: dict[str, list[tuple[int, str]]] = {name: [] for name in vary}
+    for kind in KINDS:
+        for k in range(len(measured)):
+            path = f"{HEAD}{k}.{kind}"
+            names = [name for name in vary if fnmatchcase(path, name)] or [path]
+            for other in names[1:]:
+                message = f"names {path}, which {names[0]} includes; leave one of them out"
+                problems.append((f"vary.{other}", message))
+            groups.setdefault(names[0], []).append((k, kind))
+    found = []
+    for name, members in groups.items():
+        alike = {(kind, _unit(measured[k], kind)) for k, kind in members}
+        if len(alike) != 1:
+            problems.append((f"vary.{name}", "is not one number of records, in one unit; give a "
+                             f"name such as {HEAD}0.shift, or {HEAD}*.gain for one gain of all"))
+            continue
+        ((kind, unit),) = alike
+        records = tuple(k for k, _ in members)
+        ends: tuple[float, float] | None = None
+        if name not in vary:
+            ends = measured[records[0]].limits[kind]
+        elif vary[name] is not None or kind == "blur":
+            ends = ends_of(problems, name, vary[name], unit)
         if ends is None and kind == "shift":
             first, last = zip(*(measured[k].shifts(until, system) for k in records), strict=True)
             ends = min(first), max(last)
         low, high = ends or (-math.inf, math.inf)
-        unit = _unit(measured[records[0]], kind)
-        return Parameter(name, low, high, unit, kind=kind, records=records)
-
-    paths = {f"{HEAD}{k}.{kind}": (k, kind) for kind in KINDS for k in range(len(measured))}
-    free = dict(paths)
-    found = []
-    for name, bounds in vary.items():
-        tied = {path: own for path, own in paths.items() if fnmatchcase(path, name)}
-        kinds = {kind for _, kind in tied.values()}
-        units = {_unit(measured[k], kind) for k, kind in tied.values()}
-        if len(kinds) != 1:
-            problems.append((f"vary.{name}", "is not a number of a record; give a name such as "
-                             f"{HEAD}0.shift, or {HEAD}*.gain for one gain of all records"))
-        elif len(units) != 1:
-            both = " and ".join(sorted(unit or "1" for unit in units))
-            problems.append((f"vary.{name}", f"ties records in {both}; convert them to one unit"))
-        elif not free.keys() >= tied.keys():
-            problems.append((f"vary.{name}", "names a number that another name includes; leave "
-                             "one of them out"))
-        else:
-            (kind,), (unit,) = kinds, units
-            bounded = bounds is not None or kind == "blur"
-            ends = ends_of(problems, name, bounds, unit) if bounded else None
-            found.append(number(name, kind, tuple(free.pop(path)[0] for path in tied), ends))
-    return found + [number(path, kind, (k,), measured[k].limits[kind])
-                    for path, (k, kind) in free.items()]
+        found.append(Parameter(name, low, high, unit, kind=kind, records=records))
+    return found
 
 
 def _unit(measured: Measured, kind: str) -> str:

@@ -43,6 +43,7 @@ SINGLE = [
                                            poisson_ratio=0.3),
     ri.BarGauge(ri.Signal([0.0, 1.0], dt=1.0), 0.5),
     ri.Specimen(5e-3, area=1e-4, youngs_modulus=1e11),
+    ri.Measured(ri.Signal([0.0, 1.0], dt=1.0), (1, 0.5), radius=1.0),
 ]
 """Of these no number can be an array."""
 APART = {"gaps": "a list", "diameter": "becomes an area", "exponent": "is at least 1"}
@@ -108,7 +109,6 @@ FIELDS = {
     "signal at": (lambda q: PULSE.at(q), "ms"),
     "signal's offset": (lambda q: PULSE.as_measured(offset=q).values[0], "mV"),
     "measured gauge": (lambda q: ri.Measured(PULSE, gauge=(1, q)).gauge[1], "mm"),
-    "measured distance": (lambda q: ri.Measured(PULSE, gauge=(1, 0.5), distance=q).distance, "mm"),
     "measured level": (lambda q: ri.Measured(PULSE, gauge=(1, 0.5), level=q).size, "mV"),
     "measured shift": (
         lambda q: ri.Measured(PULSE, gauge=(1, 0.5), shift=q).limits["shift"][1], "ms"),
