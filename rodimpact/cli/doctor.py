@@ -7,18 +7,19 @@ exactly. With --warm, everything that can run compiled is compiled and kept.
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import platform
 import time
+from contextlib import suppress
 from importlib import metadata
+from typing import Any
 
-from ..materials import aluminium, brass, steel
+from ..materials import brass, steel
 from ..methods import kernels
 from ..methods.fronts import march
-from ..methods.fronts.method import track
-from ..methods.row import Row
 from ..model import Rod, System, Wall
+from ..running.solving import solve
 from ..running.warming import warm
+from ..storage.report import solution_dict
 from ..storage.tables import align, as_json
 from ..version import __version__
 from . import DONE, UNVERIFIED
@@ -36,33 +37,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(given: argparse.Namespace) -> tuple[str, int]:
     """Table or JSON of the findings."""
-    versions = {
-        "rodimpact": __version__,
-        "python": f"{platform.python_version()} on {platform.platform()}",
-        **{name: version_of(name) for name in PACKAGES},
-    }
+    python = f"{platform.python_version()} on {platform.platform()}"
+    versions = {"rodimpact": __version__, "python": python, **dict.fromkeys(PACKAGES)}
+    for name in PACKAGES:
+        with suppress(metadata.PackageNotFoundError):
+            versions[name] = metadata.version(name)
     cache, agrees, verdict = try_compiled()
     status = UNVERIFIED if agrees is False else DONE
     seconds = warm() if given.warm and agrees else None
     if given.json:
         return as_json(versions=versions, cache_directory=cache, agrees=agrees, status=verdict,
                        seconds_to_compile_all=seconds), status
-    rows = [
-        *([name, version or "missing"] for name, version in versions.items()),
-        ["cache of compiled code", cache or "none"],
-        ["compiled code", verdict],
-    ]
+    rows = [[name, version or "missing"] for name, version in versions.items()]
+    rows += [["cache of compiled code", cache or "none"], ["compiled code", verdict]]
     if seconds is not None:
         rows.append(["everything compiled", f"in {seconds:.1f} s"])
     return align(rows, left=(0, 1)), status
-
-
-def version_of(package: str) -> str | None:
-    """Version of an installed package."""
-    try:
-        return metadata.version(package)
-    except metadata.PackageNotFoundError:
-        return None
 
 
 def try_compiled() -> tuple[str | None, bool | None, str]:
@@ -70,9 +60,10 @@ def try_compiled() -> tuple[str | None, bool | None, str]:
 
     None where compiling is disabled.
     """
+    reason = kernels.why_not()
     if not kernels.enabled():
-        return None, None, f"{kernels.why_not()}; everything works, long runs are slow"
-    if reason := kernels.why_not():
+        return None, None, f"{reason}; everything works, long runs are slow"
+    if reason:
         return None, False, reason
     note("compiling; this takes a while the first time")
     try:
@@ -84,20 +75,13 @@ def try_compiled() -> tuple[str | None, bool | None, str]:
     except Exception as error:  # whatever is wrong with this installation is the finding
         return None, False, f"fails: {type(error).__name__}: {error}"
     with kernels.forced(False):
-        plain = solve_a_row()
-    if compiled != plain:
-        return cache, False, "does not agree with interpreted code"
+        if solve_a_row() != compiled:
+            return cache, False, "does not agree with interpreted code"
     return cache, True, f"works ({seconds:.2g} s), agrees with interpreted code exactly"
 
 
-def solve_a_row() -> list[object]:
-    """Every number that one run leaves behind."""
-    lengths = (0.31, 0.52, 0.23)
-    row = [
-        Rod(length, area=1e-4, material=material, velocity=1.0 - i)
-        for i, (length, material) in enumerate(zip(lengths, (steel, brass, aluminium), strict=True))
-    ]
-    system = System([*row, Wall()], gaps=[0.0, 1e-6, 1e-5])
-    run = track(Row(system))
-    records = [*run.segment, *run.node, *run.line]
-    return [*map(dataclasses.astuple, [run.run, *records]), run.log.tolist()]
+def solve_a_row() -> dict[str, Any]:
+    """Every number that one run tells."""
+    left = Rod(0.31, area=1e-4, material=steel, velocity=1.0)
+    right = Rod(0.52, area=1e-4, material=brass)
+    return solution_dict(solve(System([left, right, Wall()], gaps=[1e-6, 1e-5])))

@@ -63,9 +63,7 @@ class ProgressBar:
     def __call__(self, done: int, total: int) -> None:
         """Show that so many are done, unless the last news was just now."""
         now = time.monotonic()
-        if done:
-            self.start = self.start or (now, done)
-        since, before = self.start or (now, done)
+        since, before = self.start = self.start or (now, done)
         if now < self.drawn + REDRAWN:
             return
         self.drawn = now
@@ -73,7 +71,8 @@ class ProgressBar:
         line = f"{math.floor(100 * part):3} %  [{'#' * math.floor(BAR * part):{BAR}}]"
         if now > since and done > before:  # what an earlier run had done tells nothing of the rate
             rate = (done - before) / (now - since)
-            line += f"  {a_second(rate, self.of)}  {how_long((total - done) / rate)} left"
+            number = f"{rate:.3g}" if rate < 100 else f"{rate:,.0f}"
+            line += f"  {number} {self.of}/s  {how_long((total - done) / rate)} left"
         self._show(line[: shutil.get_terminal_size().columns - 1])
 
     def erase(self) -> None:
@@ -85,9 +84,3 @@ class ProgressBar:
     def _show(self, line: str) -> None:
         print(f"\r{line:{self.width}}", end="", file=sys.stderr, flush=True)
         self.width = len(line)
-
-
-def a_second(rate: float, of: str) -> str:
-    """A number of things a second."""
-    number = f"{rate:.3g}" if rate < 100 else f"{float(f'{rate:.3g}'):,.0f}"
-    return f"{number} {of}/s"

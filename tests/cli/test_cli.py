@@ -15,7 +15,6 @@ from case_texts import UNEQUAL_RODS as CASE
 
 import rodimpact as ri
 from rodimpact.cli import COMMANDS, main
-from rodimpact.cli.doctor import version_of
 from rodimpact.cli.verify import Check, checks
 from rodimpact.methods import kernels
 
@@ -541,16 +540,19 @@ def story(text, title):
 
 def test_box_tells_the_stages_of_identical_rods(box):
     lines = story(box[0], "Identical rods")
-    turn = "the wave turns back at the free ends of the left rod and of the right rod"
-    at = lines.index(f"198.116 us {turn}")
+    turn = "the wave turns back at the free end of the"
+    at = lines.index(f"198.116 us {turn} left rod")
     assert lines[at - 2 : at] == [
         "left rod 1 m/s, no stress <| 0.5 m/s, 19.8 MPa compression",
         "right rod 0.5 m/s, 19.8 MPa compression |> 0 m/s, no stress",
     ]
-    assert lines[at + 1 : at + 6] == [
+    assert lines[at + 1 : at + 9] == [
+        f"{turn} right rod",
         "left rod 0 m/s, no stress |> 0.5 m/s, 19.8 MPa compression",
         "right rod 0.5 m/s, 19.8 MPa compression <| 1 m/s, no stress",
-        "396.232 us the wave is back at the contact; the contact force ends; the gap opens",
+        "396.232 us the wave is back at the contact",
+        "the contact force ends",
+        "the gap opens",
         "left rod 0 m/s, no stress",
         "right rod 1 m/s, no stress",
     ]
@@ -642,4 +644,3 @@ def test_doctor_reports_what_fails(monkeypatch, capsys):
     monkeypatch.setattr("rodimpact.cli.doctor.solve_a_row", fails)
     assert main(["doctor"]) == 4
     assert "fails: OSError: no room" in capsys.readouterr().out
-    assert version_of("no-such-package-anywhere") is None
