@@ -6,7 +6,7 @@ Of very many steps the least and the largest in each of a thousand intervals are
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -29,8 +29,6 @@ from .scales import Scale, engineering, listed, place_scale, time_scale, written
 MARKED_UP_TO = 3  # episodes of contact
 NAMED_UP_TO = 12  # contacts in a row
 BOLD_UP_TO = 200  # steps of a record of strain
-MICROSTRAIN = (1e-8, 0.1)  # largest strains for which it is the unit to use
-MICROSECONDS = (1e-6, 0.05)  # the same for times, s
 FAINTEST = 0.01  # of the largest strain that a wave carries: less is no pulse
 
 
@@ -92,8 +90,9 @@ def contact(
     scale = engineering(word, max(-low, high), "m")
 
     forces, time = drawn.draw(force_ax), drawn.time.factor
-    gaps = [line for i, (times, gap) in enumerate(drawn.gaps)
-            for line in gap_ax.plot(times * time, gap * scale.factor, linewidth=1.5, **_line(i))]
+    gaps = [line for force, (times, gap) in zip(forces, drawn.gaps, strict=True)
+            for line in gap_ax.plot(times * time, gap * scale.factor, linewidth=1.5,
+                                    color=force.get_edgecolor(), linestyle=force.get_linestyle())]
     if overlaps or Joint in laws:
         gap_ax.axhline(0.0, color=style.colours().faint, linewidth=0.6, zorder=0)
     gap_ax.set_xlabel(drawn.time.label)
@@ -143,33 +142,28 @@ class Forces:
         self.largest = max(float(np.abs(force).max()) for force, _ in self.forces)
         self.scale = engineering(f"contact force{mean}", self.largest, "N")
 
-    def draw(self, ax: Axes, up: bool = False) -> list[StepPatch]:
-        """Draw the forces over each other, against time to the right, or upward."""
-        way: Any = {"baseline": 0.0, "orientation": "horizontal" if up else "vertical"}
-        return [ax.stairs(force * self.scale.factor, edges * self.time.factor, fill=True,
-                          facecolor=(_line(i)["color"], 0.15), edgecolor=_line(i)["color"],
-                          linestyle=_line(i)["linestyle"], linewidth=1.5, label=self.names[i],
-                          **way)
-                for i, (force, edges) in enumerate(self.forces)]
+    def draw(self, ax: Axes, up: bool = False, rows: bool = False) -> list[StepPatch]:
+        """Draw the forces against time to the right, or upward, together or in rows."""
+        factor = 0.85 / (self.largest or 1.0) if rows else self.scale.factor
+        series, drawn = style.colours().series, []
+        for i, (force, edges) in enumerate(self.forces):
+            colour, base = series[i % len(series)], float(i * rows)
+            drawn.append(ax.stairs(
+                force * factor + base, edges * self.time.factor, baseline=base, fill=True,
+                facecolor=(colour, 0.15), edgecolor=colour, label=self.names[i], linewidth=1.5,
+                linestyle="-" if rows else style.DASHES[i % len(style.DASHES)],
+                orientation="horizontal" if up else "vertical"))
+        return drawn
 
     def draw_rows(self, ax: Axes) -> None:
         """Draw the forces of many contacts one above the other, to one scale."""
-        for i, (force, edges) in enumerate(self.forces):
-            ax.stairs(i + 0.85 * force / (self.largest or 1.0), edges * self.time.factor,
-                      baseline=i, fill=True, alpha=0.35, color=_line(i)["color"])
-            ax.axhline(i, color=style.colours().faint, linewidth=0.6, zorder=0)
+        self.draw(ax, rows=True)
         named = evenly(len(self.forces), NAMED_UP_TO)
         ax.set_yticks(named, [self.names[i] for i in named])
         style.dress(ax, xlim=(0, self.end * self.time.factor), ylim=(0, len(self.forces)),
                     xlabel=self.time.label)
         ax.set_title(f"{self.scale.name}, largest {self.scale.write(self.largest)}", loc="left",
                      fontsize=style.SMALL + 1)
-
-
-def _line(i: int) -> dict[str, Any]:
-    """Colour and dashes of the i-th of several curves."""
-    series = style.colours().series
-    return {"color": series[i % len(series)], "linestyle": style.DASHES[i % len(style.DASHES)]}
 
 
 def _marks(
@@ -207,8 +201,7 @@ def gauge(
     long. Each window is shaded on the side of its sign. A bar that vibrates at t = 0 has no such
     pulses.
 
-    Strain is given in microstrain and time in microseconds, or in another power of ten if that
-    would be out of proportion.
+    Strain is given in microstrain.
 
     Parameters
     ----------
@@ -247,11 +240,7 @@ def gauge(
     for each in records:
         of_kind("record", each, Gauge, "solution.gauge(1, 0.5)")
     ax = style.axes(ax, 5.6, 3.0)
-    usual = MICROSECONDS[0] <= record.end < MICROSECONDS[1]
-    time = Scale(1e6, "time t", "µs") if usual else time_scale(record.end)
-    largest = max(float(np.abs(r.strain).max()) for r in records)
-    usual = largest == 0 or MICROSTRAIN[0] <= largest < MICROSTRAIN[1]
-    scale = Scale(1e6, "strain", "microstrain") if usual else engineering("strain", largest, "")
+    time, scale = time_scale(record.end), Scale(1e6, "strain", "microstrain")
 
     def steps(of: Gauge, values: Floats, name: str, **how: Any) -> StepPatch:
         smooth = of.record.size > 2  # waves of a grid are drawn state by state
@@ -273,10 +262,9 @@ def gauge(
                 ylabel=scale.label)
     windows = {
         name: ax.add_patch(Rectangle(
-            (pulse.start * time.factor, 0.0), (pulse.stop - pulse.start) * time.factor,
-            high if pulse.tension else low, color=shades[name], alpha=0.18, linewidth=0,
-            zorder=0, label=name))
-        for name, pulse in _pulses(record, transmitted).items()
+            (start * time.factor, 0.0), (stop - start) * time.factor, high if tension else low,
+            color=shades[name], alpha=0.18, linewidth=0, zorder=0, label=name))
+        for name, (start, stop, tension) in _pulses(record, transmitted).items()
     }
     lines = (strain, rightward, leftward, beyond, *windows.values())
     places = listed([f"{r.name} at {place_scale(r.x).write(r.x)}" for r in records])
@@ -285,36 +273,25 @@ def gauge(
                          transmitted=beyond, windows=windows)
 
 
-class _Pulse(NamedTuple):
-    """When a wave passes a gauge, s, and whether it stretches the bar."""
-
-    start: float
-    stop: float
-    tension: bool
-
-
-def _pulses(record: Gauge, transmitted: Gauge | None) -> dict[str, _Pulse]:
-    """The pulses in one record, or two, by name."""
-    incident, reflected = _passing(record)
-    later = {"reflected": reflected}
+def _pulses(record: Gauge, transmitted: Gauge | None) -> dict[str, tuple[float, float, bool]]:
+    """Start and stop of the pulses in one record, or two, s, and whether each is in tension."""
+    pulses = dict(zip(("incident", "reflected"), _passing(record), strict=True))
     if transmitted is not None:
-        later["transmitted"] = _passing(transmitted)[0]
-    if any(pulse.start == 0 for pulse in later.values()):
+        pulses["transmitted"] = _passing(transmitted)[0]
+    if any(start == 0 for name, (start, *_) in pulses.items() if name != "incident"):
         return {}
-    lasts = incident.stop - incident.start
-    pulses = {"incident": incident, **{
-        name: pulse._replace(stop=min(pulse.start + lasts, record.end))
-        for name, pulse in later.items()}}
-    return {name: pulse for name, pulse in pulses.items() if pulse.start < record.end}
+    first, last, _ = pulses["incident"]
+    return {name: (start, min(start + last - first, record.end), tension)
+            for name, (start, _, tension) in pulses.items() if start < record.end}
 
 
-def _passing(record: Gauge) -> list[_Pulse]:
-    """The first time each wave is more than faint, the earlier first; the end if it never is."""
+def _passing(record: Gauge) -> list[tuple[float, float, bool]]:
+    """When each of two waves is more than faint for the first time, the earlier wave first."""
     waves, times = (record.rightward, record.leftward), np.append(record.times, record.end)
     least, pulses = FAINTEST * np.abs(waves).max(), []
     for wave in waves:
-        strong = np.concatenate(([False], np.abs(wave) > least, [False]))
-        first, after, *_ = [*np.flatnonzero(np.diff(strong)), wave.size, wave.size]
-        largest = max(wave[first:after], key=abs, default=0.0)
-        pulses.append(_Pulse(float(times[first]), float(times[after]), bool(largest > 0)))
-    return sorted(pulses, key=lambda pulse: pulse.start)
+        strong = np.abs(wave) > least
+        first = int(np.append(strong, True).argmax())  # the end if it never is
+        after = first + int(np.append(strong[first:], False).argmin())
+        pulses.append((float(times[first]), float(times[after]), bool(wave[first:after].sum() > 0)))
+    return sorted(pulses)
