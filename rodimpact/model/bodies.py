@@ -19,10 +19,13 @@ from numpy.typing import ArrayLike
 from ..units import shown
 from . import frozen, profiles
 from .arguments import array, demand, together
-from .frozen import Declared, Frozen, Number, Numeric, NumericOrNone, Problems, note, quantity
+from .frozen import Declared, Frozen, Number, Numeric, NumericOrNone, Problems, Taken, quantity
 from .lateral_inertia import MINDLIN_HERRMANN, RAYLEIGH_LOVE, THEORIES
 from .profiles import Floats, Profile, ProfileLike, Samples, Steps
 
+NOTHING: Any = None
+Area: TypeAlias = "Taken[Number | Samples, ProfileLike | None]"
+Moment: TypeAlias = "Taken[Number | str | None, ArrayLike | str | None]"
 MOST_STEPS = 100_000  # of a taper
 CIRCULAR = "circular"  # the cross-section is a solid disc
 
@@ -119,7 +122,7 @@ class Material(Declared):
             return self.replace(viscosity=E * tangent / (2 * math.pi * f))
 
 
-class Segment(Frozen):
+class Segment(Declared):
     """A piece of rod of one material: uniform, or tapered.
 
     Parameters
@@ -156,92 +159,88 @@ class Segment(Frozen):
     [0.00015, 0.00025]
     """
 
-    fields: ClassVar[dict[str, frozen.Field]] = {
-        "length": quantity("m", "positive"),
-        "diameter": quantity("m", "positive", default=None),
-        "area": quantity("m^2", "positive", default=None, along="length"),
-        "polar_moment": quantity("m^4", "positive", default=None, word=CIRCULAR),
-    }
     _instead: ClassVar[dict[str, tuple[str, ...]]] = {
         "diameter": ("area",), "area": ("diameter",),
     }
-    length: Number
-    diameter: Number | None
-    material: Material
-    polar_moment: Number | str | None
-    lateral_inertia: str | None
+    length: Numeric = quantity("m", "positive")
+    area: Area = quantity("m^2", "positive", default=None, along="length")
+    material: Taken[Material, Material | None] = NOTHING
+    _: KW_ONLY
+    diameter: NumericOrNone = quantity("m", "positive", default=None)
+    polar_moment: Moment = quantity("m^4", "positive", default=None, word=CIRCULAR)
+    lateral_inertia: str | None = None
 
-    def __init__(
-        self,
-        length: ArrayLike,
-        area: ProfileLike | None = None,
-        material: Material | None = None,
-        *,
-        diameter: ArrayLike | None = None,
-        polar_moment: ArrayLike | str | None = None,
-        lateral_inertia: str | None = None,
-    ) -> None:
-        problems: Problems = []
-        L = self.fields["length"].checked(problems, "length", length)
-        known = None if problems else L
-        A: Any = 1.0
-        d: Any = None
-        if diameter is not None:
-            A, d = None, _solid(problems, diameter, area, polar_moment)
+    def _check(self, problems: Problems) -> None:
+        held = self.__dict__
+        L, material, area = held["length"], held["material"], held["area"]
+        if self.diameter is not None:
+            if area is not None:
+                problems.append(("diameter", "give either area or diameter, not both"))
+            area = 1.0 if problems else math.pi * self.diameter * self.diameter / 4
+        if area is None:
+            problems.append(("area", "is missing; give it, or the diameter of a round rod"))
         elif isinstance(area, Steps):
             message = "jumps inside a segment; give Rod(area=Steps(...)), or a segment for each"
             problems.append(("area", f"{message} of its values"))
-        elif area is None:
-            problems.append(("area", "is missing; give it, or the diameter of a round rod"))
         else:
-            A = profiles.along_rod(problems, "area", area, self.fields["area"], known)
+            known = None if problems else L
+            area = profiles.along_rod(problems, "area", area, self.fields["area"], known)
         if not isinstance(material, Material):
-            note(problems, "material", "must be a Material, such as materials.steel", material)
-        if lateral_inertia is not None:
-            if polar_moment is None and diameter is None:
-                message = "needs the diameter of a round rod, or a polar_moment; give one of them"
-                problems.append(("lateral_inertia", message))
-            _check_theory(problems, lateral_inertia, material)
-        elif polar_moment is not None:  # which did the same alone, before
-            message = f'has no effect by itself; give lateral_inertia="{RAYLEIGH_LOVE}" too, or '
-            problems.append(("polar_moment", f"{message}leave polar_moment out"))
-        if diameter is not None:
-            polar_moment = None
-        elif isinstance(A, Samples) and not isinstance(polar_moment, str | None):
-            message = f'must be "{CIRCULAR}" along a taper, or left out'
-            note(problems, "polar_moment", message, polar_moment)
-        else:
-            moment = self.fields["polar_moment"]
-            polar_moment = moment.checked(problems, "polar_moment", polar_moment)
+            message = "must be a Material, such as materials.steel"
+            frozen.note(problems, "material", message, material)
+        self._set(area=area)
+        if self.lateral_inertia is not None or self.polar_moment is not None:
+            self._check_inertia(problems)
         frozen.raise_noted(problems)
-        self._set(length=L, area=A, diameter=d, material=material, polar_moment=polar_moment,
-                  lateral_inertia=lateral_inertia)
-        A = self.area
-        if isinstance(A, Samples):
-            for bound in profiles.extremes(A):
+        if isinstance(area, Samples):
+            for bound in profiles.extremes(area):
                 Segment(L, bound, material)
             return
-        c = self.wave_speed
-        if not type(L) is type(A) is type(c) is float:
+        if self._varies:
             frozen.family_shape(self._numbers())
+        c = material.wave_speed
         with np.errstate(all="ignore"):
-            Z, T = self.material.density * A * c, L / c
+            Z, T = material.density * area * c, L / c
             good = frozen.in_range(Z, T, Z * T)
         if good is not True:
-            sizes = {"length": L, "area" if d is None else "diameter": A, "material": Z / A}
-            path = max(sizes, key=lambda name: np.max(np.abs(np.log10(sizes[name]))))
             message = (
                 "length {0!r} and area {1!r} of this material make an impedance, a transit time or "
                 f"a mass outside {frozen.SMALLEST:g} to {frozen.LARGEST:g}; use consistent units"
             )
-            demand(good, path, message, L, A)
+            demand(good, "area" if self.diameter is None else "diameter", message, L, area)
 
-    @property
-    def area(self) -> Number | Samples:
-        """Cross-sectional area, m^2, as it was given or as the diameter makes it."""
-        if self.diameter is None:
-            return self.__dict__["area"]  # type: ignore[no-any-return]
-        return math.pi * self.diameter * self.diameter / 4
+    def _check_inertia(self, problems: Problems) -> None:
+        """Note what is wrong with the theory of the motion sideways, and what it lacks."""
+        theory, moment, material = self.lateral_inertia, self.polar_moment, self.material
+        said_round = self.diameter is not None
+        if not isinstance(moment, str | None) and (said_round or self.tapered):
+            message = f'must be "{CIRCULAR}" along a taper and with a diameter, or left out'
+            frozen.note(problems, "polar_moment", message, moment)
+        if theory is None:
+            message = f'has no effect by itself; give lateral_inertia="{RAYLEIGH_LOVE}" too, or '
+            problems.append(("polar_moment", f"{message}leave polar_moment out"))
+        elif moment is None and not said_round:
+            message = "needs the diameter of a round rod, or a polar_moment; give one of them"
+            problems.append(("lateral_inertia", message))
+        elif not isinstance(theory, str) or theory not in THEORIES:
+            message = f"unknown theory {shown(theory)}; {frozen.nearest(theory, THEORIES)}"
+            problems.append(("lateral_inertia", message))
+        elif isinstance(material, Material):
+            nu, path = material.poisson_ratio, "material.poisson_ratio"
+            if nu is None:
+                message = f"is missing in {shown(material.name)}; lateral inertia needs it: give "
+                problems.append((path, f"{message}the material one, or leave lateral_inertia out"))
+            elif theory == MINDLIN_HERRMANN:
+                message = f'must be below 0.5 for "{theory}", got {{0!r}}'
+                frozen.require(problems, nu < 0.5, path, message, nu)
+        if said_round:
+            self._set(polar_moment=None)  # the diameter says it
+
+    def _parameters(self) -> dict[str, Any]:
+        given = super()._parameters()
+        if self.diameter is not None:
+            del given["area"]
+        return given
 
     @property
     def solid_round(self) -> bool:
@@ -353,34 +352,6 @@ class Segment(Frozen):
         return profiles.averages(self.area, edges, 1.0).tolist()  # type: ignore[no-any-return]
 
 
-def _solid(problems: Problems, diameter: Any, area: Any, polar_moment: Any) -> Number:
-    """Return the diameter of a solid round section; note mistakes in `problems`."""
-    if area is not None:
-        problems.append(("diameter", "give either area or diameter, not both"))
-    given = polar_moment is not None
-    if given and not (isinstance(polar_moment, str) and polar_moment == CIRCULAR):
-        message = f"must be that of the solid round section, got {shown(polar_moment)}; "
-        remedy = "leave it out, or give the area in place of the diameter"
-        problems.append(("polar_moment", message + remedy))
-    return Segment.fields["diameter"].checked(problems, "diameter", diameter)
-
-
-def _check_theory(problems: Problems, theory: Any, material: Any) -> None:
-    """Note an unknown theory of lateral inertia, and what the material lacks for it."""
-    if not isinstance(theory, str) or theory not in THEORIES:
-        message = f"unknown theory {shown(theory)}; {frozen.nearest(theory, THEORIES)}"
-        problems.append(("lateral_inertia", message))
-    if not isinstance(material, Material) or not isinstance(theory, str):
-        return
-    nu, path = material.poisson_ratio, "material.poisson_ratio"
-    if nu is None:
-        message = f"is missing in {shown(material.name)}; lateral inertia needs it: "
-        problems.append((path, f"{message}give the material one, or leave lateral_inertia out"))
-    elif theory == MINDLIN_HERRMANN:
-        message = f'must be below 0.5 for "{theory}", got {{0!r}}'
-        frozen.require(problems, nu < 0.5, path, message, nu)
-
-
 class Rod(Frozen):
     """An elastic rod: uniform, stepped or tapered.
 
@@ -454,16 +425,16 @@ class Rod(Frozen):
             "length": length, "area": area, "diameter": diameter, "material": material,
             "polar_moment": polar_moment, "lateral_inertia": lateral_inertia,
         }
-        if segments is not None:
-            pieces = _joined(problems, segments, any(v is not None for v in shape.values()))
-        elif isinstance(area, Steps):
-            pieces = _between_jumps(problems, area, shape)
-        else:
-            try:
+        try:
+            if segments is not None:
+                pieces = _joined(segments, shape)
+            elif isinstance(area, Steps):
+                pieces = _between_jumps(area, shape)
+            else:
                 pieces = (Segment(**shape),)
-            except frozen.InvalidModel as error:
-                problems += error.problems
-        if len(pieces) > 1 and not problems:
+        except frozen.InvalidModel as error:
+            problems += error.problems
+        if len(pieces) > 1:
             frozen.family_shape((f"segments.{i}.length", s.length) for i, s in enumerate(pieces))
         total = None if problems else sum(s.length for s in pieces)
         v = profiles.along_rod(problems, "velocity", velocity, self.fields["velocity"], total)
@@ -525,50 +496,44 @@ class Rod(Frozen):
         (200, True)
         """
         count: Any = n
-        if isinstance(count, bool) or not isinstance(count, Integral) or count < 1:
-            raise frozen.refusal("n", f"must be a positive whole number, got {shown(count)}")
-        if n > MOST_STEPS:
-            raise frozen.refusal("n", f"must be at most {MOST_STEPS}, got {shown(count)}")
+        whole = isinstance(count, Integral) and not isinstance(count, bool)
+        if not whole or not 1 <= count <= MOST_STEPS:
+            message = f"must be a whole number from 1 to {MOST_STEPS}, got {shown(count)}"
+            raise frozen.refusal("n", message)
         pieces = [piece for segment in self.segments for piece in segment.in_steps(n)]
         return self.replace(segments=pieces)
 
 
-def _joined(problems: Problems, segments: Any, described: bool) -> tuple[Segment, ...]:
-    """Segments as given; `described` says whether the shape is told otherwise, too."""
-    if described:
+def _joined(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ...]:
+    """Segments as given; InvalidModel also where the shape is told in another way, too."""
+    if any(v is not None for v in shape.values()):
         message = "give either segments or length, area, material and polar_moment, not both"
-        problems.append(("segments", message))
-    elif not isinstance(segments, list | tuple) or not segments:
-        note(problems, "segments", "must be a list of at least one Segment", segments)
-    else:
-        for i, segment in enumerate(segments):
-            if not isinstance(segment, Segment):
-                note(problems, f"segments.{i}", "must be a Segment", segment)
-        return tuple(segments)
-    return ()
+        raise frozen.refusal("segments", message)
+    if not isinstance(segments, list | tuple) or not segments:
+        message = f"must be a list of at least one Segment, got {shown(segments)}"
+        raise frozen.refusal("segments", message)
+    frozen.raise_noted([
+        (f"segments.{i}", f"must be a Segment, got {shown(segment)}")
+        for i, segment in enumerate(segments) if not isinstance(segment, Segment)
+    ])
+    return tuple(segments)
 
 
-def _between_jumps(
-    problems: Problems, area: Steps, shape: dict[str, Any]
-) -> tuple[Segment, ...]:
-    """Segments of a rod whose area jumps; mistakes are noted in `problems`."""
-    if shape["diameter"] is not None:
-        problems.append(("diameter", "give either area or diameter, not both"))
+def _between_jumps(area: Steps, shape: dict[str, Any]) -> tuple[Segment, ...]:
+    """Segments of a rod whose area jumps; InvalidModel with the mistakes of all."""
+    problems: Problems = []
+    pieces: list[Segment] = []
     L = Segment.fields["length"].checked(problems, "length", shape["length"])
     profiles.along_rod(problems, "area", area, Segment.fields["area"], None if problems else L)
-    edges = (0.0, *area.at, L)
-    if problems:
-        edges = tuple(map(float, range(len(edges))))  # the values can be checked all the same
-    pieces: list[Segment] = []
-    mistakes = dict.fromkeys(problems)  # that of a length is one of every piece
-    for i, (A, (start, end)) in enumerate(zip(area.values, pairwise(edges), strict=True)):
+    frozen.raise_noted(problems)
+    ends = pairwise((0.0, *area.at, L))
+    for i, (A, (start, end)) in enumerate(zip(area.values, ends, strict=True)):
         try:
-            own = {"length": end - start, "area": A, "diameter": None}
-            pieces.append(Segment(**{**shape, **own}))
+            pieces.append(Segment(**{**shape, "length": end - start, "area": A}))
         except frozen.InvalidModel as error:
-            for path, message in error.problems:
-                mistakes[path.replace("area", f"area.values.{i}"), message] = None
-    problems[:] = mistakes
+            problems += [(path.replace("area", f"area.values.{i}"), message)
+                         for path, message in error.problems]
+    frozen.raise_noted(problems)
     return tuple(pieces)
 
 

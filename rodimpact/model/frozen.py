@@ -14,11 +14,12 @@ import inspect
 import json
 import math
 import sys
+import typing
 from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeAlias, dataclass_transform
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, Self, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,6 +29,8 @@ from ..units import MOST_SHOWN, one_line, shown
 from .quantities import Number as Number
 from .quantities import floats, number_of
 
+Held = TypeVar("Held")
+Given = TypeVar("Given")
 Problems: TypeAlias = list[tuple[str, str]]
 
 MOST_CHOICES = 12  # named in a message
@@ -66,7 +69,7 @@ class InvalidModel(ValueError):
     """
 
     def __init__(self, problems: Problems) -> None:
-        self.problems = problems
+        self.problems = problems = list(dict.fromkeys(problems))
         lines = [f"{one_line(path)}: {message}" for path, message in problems[:MOST_TOLD]]
         if len(problems) > MOST_TOLD:
             lines.append(f"...: and {len(problems) - MOST_TOLD} mistakes more")
@@ -136,20 +139,16 @@ def quantity(unit: str = "", sign: str = "any", label: str = "", **more: Any) ->
     return Field(unit, sign, label, **more)
 
 
-class Numeric:
-    """To type checkers: a number, for which the constructor takes whatever NumPy makes one of."""
+class Taken(Generic[Held, Given]):
+    """To type checkers: what an object holds, and what its constructor takes for it."""
 
     if TYPE_CHECKING:
-        def __get__(self, instance: object, owner: Any) -> Number: ...
-        def __set__(self, instance: object, value: ArrayLike) -> None: ...
+        def __get__(self, instance: object, owner: Any) -> Held: ...
+        def __set__(self, instance: object, value: Given) -> None: ...
 
 
-class NumericOrNone:
-    """To type checkers: the same, or None."""
-
-    if TYPE_CHECKING:
-        def __get__(self, instance: object, owner: Any) -> Number | None: ...
-        def __set__(self, instance: object, value: ArrayLike | None) -> None: ...
+Numeric: TypeAlias = Taken[Number, ArrayLike]
+NumericOrNone: TypeAlias = Taken[Number | None, ArrayLike | None]
 
 
 def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "any") -> Number:
@@ -440,27 +439,23 @@ class Frozen:
         return twin
 
 
-_TAKEN = {"Numeric": "ArrayLike", "NumericOrNone": "ArrayLike | None"}
-"""How `help` shows what a constructor takes for such an attribute."""
-
-
-@dataclass_transform(eq_default=False, field_specifiers=(quantity,))
+@typing.dataclass_transform(eq_default=False, field_specifiers=(quantity,))
 class Declared(Frozen):
     """A value whose constructor takes what its class declares: a dataclass that is checked."""
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
-        shown = cls.__annotations__
-        cls.__annotations__ = {name: _TAKEN.get(kind, kind) for name, kind in shown.items()}
         dataclass(repr=False, eq=False, frozen=True)(cls)
 
     def __post_init__(self) -> None:
         """Check everything that was given; InvalidModel with all mistakes in it."""
         problems: Problems = []
-        held = self.__dict__
+        held, varies = self.__dict__, False
         for name, field in self.fields.items():
-            held[name] = field.checked(problems, name, held[name])
-        if not problems:
+            if not field.along:
+                value = held[name] = field.checked(problems, name, held[name])
+                varies = varies or type(value) is np.ndarray
+        if varies and not problems:
             family_shape((name, held[name]) for name in self.fields)
         try:
             self._check(problems)

@@ -141,7 +141,7 @@ REFUSED = [
     (lambda: ri.Spring(1e7).stored(1e200), "indentation: must not be too large for a finite"),
     (lambda: ri.units.parse("1 m", 3), "unknown dimension 3"),
     (lambda: ri.System.from_dict({}), "data: must be what system.to_dict() gives, got {}"),
-    (lambda: RODS[0].in_steps(10**30), "n: must be at most 100000, got 1000"),
+    (lambda: RODS[0].in_steps(10**30), "n: must be a whole number from 1 to 100000, got 1000"),
     (lambda: ri.regions_of(SOLVED(), limit=np.nan), "limit: must be 1 or more, got nan"),
     (lambda: ri.gradient(PAIR, wrt=["bodies.0.length"])[2.0], "no derivative by 2.0; use one of"),
     (lambda: ri.materials.aluminum, "no material is called 'aluminum'; perhaps 'aluminium' is"),

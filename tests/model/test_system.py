@@ -61,8 +61,8 @@ MISTAKES = [  # a call; by paths, what the messages bear, which ends them after 
     (lambda: material(1e300, 1e-300), {"youngs_modulus": "", "density": ""}),
     (lambda: material(1e-300, 1e300), {"youngs_modulus": "", "density": ""}),
     (lambda: rod(area=1e140, material=material(1e100, 1e100)), {"area": "impedance"}),
-    (lambda: rod(length=1e100, material=material(1e130, 1e140)), {"material": "impedance"}),
-    (lambda: rod(length=[1.0, 1e-149], material=material(1e20, 1e10)), {"length[1]": "impedance"}),
+    (lambda: rod(length=1e100, material=material(1e130, 1e140)), {"area": "impedance"}),
+    (lambda: rod(length=[1.0, 1e-149], material=material(1e20, 1e10)), {"area[1]": "impedance"}),
     (lambda: rod(area=1e-320), {"area": f"={TOO_MUCH}1e-320"}),
     (lambda: rod(area=[1e-4, 1e308]), {"area[1]": f"={TOO_MUCH}1e+308"}),
     (lambda: rod(velocity=-5e-324), {"velocity": f"={TOO_MUCH}-5e-324"}),
@@ -108,8 +108,8 @@ MISTAKES = [  # a call; by paths, what the messages bear, which ends them after 
     (lambda: steel.damped(0.1, [1.0, -1.0]), {"frequency[1]": ""}),
     (lambda: steel.damped(1e100, 1e-100), {"viscosity": ""}),
     # Tapers
-    *((lambda n=n: cone().in_steps(n), {"n": f"=must be a positive whole number, got {n!r}"})
-      for n in (0, -1, 2.0, True, "3", None)),
+    *((lambda n=n: cone().in_steps(n), {"n": f"whole number from 1 to 100000, got {n!r}"})
+      for n in (0, 100001, 2.0, True, "3", None)),
     *((lambda make=make, area=area: make(area=area), {path: said})
       for make in (rod, lambda area: ri.Segment(1.0, area, steel)) for area, path, said in (
         (ri.Samples([1.0, 2.0, -3.0]), "area.values[2]",
@@ -124,9 +124,9 @@ MISTAKES = [  # a call; by paths, what the messages bear, which ends them after 
     (lambda: rod(area=ri.Steps([1.0, -2.0, [1.0, 0.0]], [0.25, 0.5]), material=7,
                  polar_moment="square", velocity="x", **LOVE),
      dict.fromkeys(
-         ("material", "polar_moment", "area.values.1", "area.values.2[1]", "velocity"), "")),
+         ("polar_moment", "material", "area.values.1", "area.values.2[1]", "velocity"), "")),
     (lambda: rod(length="x", area=ri.Steps([1.0, -2.0], [3.0])),
-     {"length": "", "area.values.1": ""}),
+     {"length": ""}),
     (lambda: rod(area=ri.Steps([1.0, 2.0], [1.0])),
      {"area.at.0": "inside the rod of length 1.0, got 1.0"}),
     (lambda: ri.Segment(1.0, ri.Steps([1.0, 2.0], [0.5]), steel), {"area": "Rod(area=Steps(...))"}),
@@ -136,7 +136,7 @@ MISTAKES = [  # a call; by paths, what the messages bear, which ends them after 
         ({"diameter": -1.0}, "diameter"), ({}, "area"),
         ({"diameter": 0.1, "area": 1.0}, "diameter"))),
     (lambda: cone(polar_moment=1e-8, **LOVE),
-     {"polar_moment": '=must be "circular" along a taper, or left out, got 1e-08'}),
+     {"polar_moment": 'must be "circular" along a taper and with a diameter, or left out, got'}),
     (lambda: rod(lateral_inertia="mindlin-herrmann"), {"lateral_inertia":
      "needs the diameter of a round rod, or a polar_moment; give one of them"}),
     (lambda: rod(polar_moment="circular", lateral_inertia="mindlin"),
@@ -526,7 +526,7 @@ EVERYTHING = [
 @pytest.mark.parametrize("thing", EVERYTHING, ids=lambda thing: type(thing).__name__)
 def test_replace_changes_only_what_it_is_told(thing):
     assert thing.replace() == thing
-    for name, value in thing.__dict__.items():
+    for name, value in thing.to_dict().items():
         if name in thing.fields and isinstance(value, float):
             changed = thing.replace(**{name: value / 2})
             assert getattr(changed, name) == value / 2

@@ -273,7 +273,7 @@ def test_what_is_no_grid(grid, said):
         ("bodies.1.diameter", "1,2,-1", "bodies.1.diameter[2]",
          "must be a finite positive number of metres, got -1.0"),
         ("bodies.1.velocity.at.0", "0.1,0.4", "bodies.1.velocity.at.0[1]", "inside the rod"),
-        ("bodies.1.diameter", "1,1e90", "bodies.1.diameter[1]", "outside 1e-150 to 1e+150"),
+        ("bodies.1.diameter", "1,1e90", "bodies.1.area[1]", "from 1e-150 to 1e+150"),
     ],
 )
 def test_numbers_that_the_model_refuses_are_named_by_their_place(path, grid, where, said):
@@ -291,7 +291,7 @@ def test_numbers_that_the_model_refuses_are_named_by_their_place(path, grid, whe
         ("bodies.1.velocity.values.2",
          "use one of bodies.1.velocity.values.0, bodies.1.velocity.values.1"),
         ("bodies.0.length", "use one of bodies.0.velocity"),
-        ("bodies.1.stiffness", "use one that begins with bodies.1.length, bodies.1.diameter"),
+        ("bodies.1.stiffness", "use one that begins with bodies.1.length, bodies.1.area"),
         ("contacts.2.gap", "perhaps 'contacts.1.gap' is meant"),
         ("materials.a.b.dens", "perhaps 'materials.a.b.density' is meant"),
         ("schema", "is no number that can vary; use one that begins with "),
