@@ -45,6 +45,9 @@ class Pieces:
     >>> ramp = Pieces([0], [[5.0, 5.0]], 10)                # from 0 to 10 in ten ticks
     >>> ramp.at([0, 4, 12]).tolist(), float(ramp.integral(0, 20))
     ([0.0, 4.0, 10.0], 150.0)
+    >>> force, speed = Pieces([0, 4], [1.0, 3.0]), Pieces([0, 6], [2.0, -1.0])
+    >>> (force - speed).values.tolist(), (force * speed).integral(0, [4, 10]).tolist()
+    ([-1.0, 1.0, 4.0], [8.0, 8.0])
     """
 
     def __init__(self, ticks: ArrayLike, coefficients: ArrayLike, end: int | None = None) -> None:
@@ -74,8 +77,6 @@ class Pieces:
     @cached_property
     def values(self) -> Floats:
         """Value at the start of each piece, [n]."""
-        if self.size == 1:
-            return self.coefficients[:, 0]
         signs = np.where(np.arange(self.size) % 2, -1.0, 1.0)
         return np.asarray(self.coefficients @ signs)
 
@@ -92,8 +93,6 @@ class Pieces:
     @cached_property
     def _whole(self) -> Floats:
         """Integrals of all pieces but the last."""
-        if self.size == 1:
-            return np.asarray(self.values[:-1] * np.diff(self.ticks))
         return np.asarray(self._primitive[:-1].sum(axis=1))
 
     @cached_property
@@ -242,10 +241,21 @@ class Pieces:
         return Pieces(self.ticks, coefficients, self.end)
 
     def __add__(self, other: Pieces) -> Pieces:
-        return difference(self, other.times(-1.0))
+        return self._with(other, np.add, max(self.size, other.size))
 
     def __sub__(self, other: Pieces) -> Pieces:
-        return difference(self, other)
+        return self._with(other, np.subtract, max(self.size, other.size))
+
+    def __mul__(self, other: Pieces) -> Pieces:
+        return self._with(other, np.multiply, self.size + other.size - 1)
+
+    def _with(self, other: Pieces, operation: Any, size: int) -> Pieces:
+        """What an operation makes of two signals, in pieces of `size` coefficients."""
+        starts = each_once(self.breaks, other.breaks)
+        stops = np.append(starts[1:], starts[-1])
+        shares, to_coefficients = _interpolation(size)
+        values = operation(self.inside(starts, stops, shares), other.inside(starts, stops, shares))
+        return Pieces(starts, values @ to_coefficients)
 
     def times(self, factor: float) -> Pieces:
         """The signal times a factor."""
@@ -300,38 +310,6 @@ def each_once(*ticks: ArrayLike) -> Ints:
     first = np.ones(len(merged), dtype=bool)
     first[1:] = merged[1:] != merged[:-1]
     return merged[first]
-
-
-def difference(f: Pieces, g: Pieces) -> Pieces:
-    """The signal f(t) - g(t).
-
-    Examples
-    --------
-    >>> difference(Pieces([0, 4], [1.0, 3.0]), Pieces([0, 6], [2.0, -1.0])).values.tolist()
-    [-1.0, 1.0, 4.0]
-    """
-    return _combined(np.subtract, f, g, max(f.size, g.size))
-
-
-def product(f: Pieces, g: Pieces) -> Pieces:
-    """The signal f(t) g(t).
-
-    Examples
-    --------
-    >>> force, speed = Pieces([0, 4], [1.0, 3.0]), Pieces([0, 6], [2.0, -1.0])
-    >>> product(force, speed).integral(0, [4, 10]).tolist()
-    [8.0, 8.0]
-    """
-    return _combined(np.multiply, f, g, f.size + g.size - 1)
-
-
-def _combined(operation: Any, f: Pieces, g: Pieces, size: int) -> Pieces:
-    """What an operation makes of two signals, in pieces of `size` coefficients."""
-    starts = each_once(f.breaks, g.breaks)
-    stops = np.append(starts[1:], starts[-1])
-    shares, to_coefficients = _interpolation(size)
-    values = operation(f.inside(starts, stops, shares), g.inside(starts, stops, shares))
-    return Pieces(starts, values @ to_coefficients)
 
 
 def integral_of_product(

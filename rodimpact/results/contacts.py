@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods.run import ContactSignal, ContactTally
-from ..methods.signals import Floats, Pieces, Side, each_once, product
+from ..methods.signals import Floats, Pieces, Side, each_once
 from ..model import ContactLaw, Joint, Plastic, Rigid, Tabulated, Yielding
 from .fields import Fields, check_side
 
@@ -109,7 +109,7 @@ class ContactHistory:
     @cached_property
     def _work(self) -> Pieces:
         """Power, W."""
-        return product(self.push, self._closing)
+        return self.push * self._closing
 
     def __repr__(self) -> str:
         name = type(self.law).__name__

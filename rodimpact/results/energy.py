@@ -10,7 +10,7 @@ import numpy as np
 
 from ..methods.groups import groups, movable, velocities_in_group
 from ..methods.run import INWARD, Run, Totals
-from ..methods.signals import Floats, Ints, product
+from ..methods.signals import Floats, Ints
 from ..model import Rod
 from .contacts import ContactHistory
 from .fields import Fields
@@ -144,7 +144,7 @@ def ledger(
     path = (states.mass.sum() * a.gravity * t / 2 + states.momentum[0]) * t
     for side, sign in zip(fields.signals.outside, INWARD, strict=True):
         if side is not None:
-            power = product(side.push, side.speed)
+            power = side.push * side.speed
             works[side.kind] += sign * power.integral(0, ticks) * a.tick
             path = path + sign * side.push.integrated_twice(ticks) * a.tick * a.tick
     fallen = a.gravity * path if a.gravity else np.zeros(t.shape)

@@ -19,7 +19,7 @@ from ..methods import kernels
 from ..methods.compiling import as_objects
 from ..methods.fronts.records import NONE, ROW
 from ..methods.fronts.stock import largest_difference
-from ..methods.signals import Floats, Ints, Pieces, Side, difference, each_once, integral_of_product
+from ..methods.signals import Floats, Ints, Pieces, Side, each_once, integral_of_product
 from ..model import Material
 from .fields import Fields, Profile, Trace
 
@@ -168,7 +168,7 @@ class WaveFields(Fields):
         ticks = each_once([0], right.breaks, left.breaks)
         ticks = ticks[(ticks >= 0) & (ticks <= self.end)]
         right, left = right.cut(ticks, self.end), left.cut(ticks, self.end)
-        return Trace(right, left, difference(left, right), a.wave_speed[segment])
+        return Trace(right, left, left - right, a.wave_speed[segment])
 
     # Integrals over bodies ----------------------------------------------------------------------
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from numpy.polynomial import Chebyshev
 from scipy.integrate import quad
 
-from rodimpact.methods.signals import Pieces, difference, integral_of_product, product
+from rodimpact.methods.signals import Pieces, integral_of_product
 
 steps = st.lists(st.tuples(st.integers(0, 60), st.integers(-5, 5)), min_size=1, max_size=8,
                  unique_by=lambda pair: pair[0]).map(sorted)
@@ -104,7 +104,7 @@ def test_integrals_of_polynomials(seed):
         np.array([1, -1]) * by_scipy / span, abs=1e-12)
     both = integrated(lambda t: exactly(known, t) * exactly(others, t), known, low, high, *breaks)
     assert integral_of_product(f, g, start, stop) / span == pytest.approx(both / span, abs=1e-12)
-    assert product(f, g).integral(start, stop) / span == pytest.approx(both / span, abs=1e-12)
+    assert (f * g).integral(start, stop) / span == pytest.approx(both / span, abs=1e-12)
     turned = integrated(lambda t: exactly(known, t) * exactly(others, low + high - t), known, low,
                         high, *(low + high - t for t in breaks))
     found = integral_of_product(f, g, start, stop, start + stop)
@@ -115,8 +115,8 @@ def test_integrals_of_polynomials(seed):
 def test_signals_that_are_made_of_others(size):
     f, g = random_pieces(1, size)[0], random_pieces(2, count=3)[0]
     ticks = np.random.default_rng(3).integers(f.ticks[0], min(f.end, g.end), 40)
-    assert difference(f, g).at(ticks) == pytest.approx(f.at(ticks) - g.at(ticks), abs=1e-13)
-    assert product(f, g).at(ticks) == pytest.approx(f.at(ticks) * g.at(ticks), abs=1e-13)
+    assert (f - g).at(ticks) == pytest.approx(f.at(ticks) - g.at(ticks), abs=1e-13)
+    assert (f * g).at(ticks) == pytest.approx(f.at(ticks) * g.at(ticks), abs=1e-13)
     later = f.later(5).plus(2.0).times(3.0)
     assert later.at(ticks + 5) == pytest.approx(3 * (f.at(ticks) + 2), abs=1e-13)
     start, stop = int(f.ticks[1]), int(f.ticks[3])
