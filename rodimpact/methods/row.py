@@ -10,8 +10,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -24,7 +23,6 @@ from .walk import Walk, frame_of, least_impedance, scale_of, walk
 from .walk import largest as largest
 
 SMALLEST, LARGEST = sys.float_info.min, sys.float_info.max
-AS_GOOD_AS_RIGID = "is as good as rigid beside these rods, got {!r}; use {}()"
 ROOM = 2.0**60  # for sums over steps and cells
 STIFFEST = 2.0**80  # of a contact, times transit time over impedance
 Array = np.ndarray[Any, np.dtype[Any]]
@@ -117,53 +115,40 @@ class Row(Walk):
         """Scale of velocities, m/s."""
         return _plain(scale_of(self))
 
-    def beyond_scales(self) -> list[tuple[Any, str, Callable[[], str]]]:
+    def beyond_scales(self) -> list[tuple[Any, str, str]]:
         """Where steps overflow, vanish, or lose an indentation in round-off.
 
         Returns
         -------
-        list of (bool or array, str, function)
-            Whether that is so, path, and what makes the sentence.
+        list of (bool or array, str, str)
+            Whether that is so, path and sentence.
         """
         speed: Any = self.scale
         heaviest: Any = largest([*self.masses, *(s.mass for s in self.segments)])
-        impedance: Any = largest([
-            s.material.density * s.wave_speed * extremes(s.area)[1] for s in self.segments
-        ])
         T: Any = largest([s.transit_time for s in self.segments])
-        beyond: list[tuple[Any, str, Callable[[], str]]] = []
         with np.errstate(over="ignore", invalid="ignore", under="ignore"):
-            force = speed * impedance
-            for square, what in (
-                (np.multiply(speed, speed) * heaviest, "energies"),
-                (np.multiply(force, force), f"squares of forces, {np.max(force):.3g} N,"),
-            ):
-                good = np.less(SMALLEST * ROOM, square) & np.less(square, LARGEST / ROOM)
-                beyond.append((
-                    np.not_equal(speed, 0) & ~good, "bodies",
-                    partial(_beyond_numbers, speed, square, what),
-                ))
+            force = speed * largest([
+                s.material.density * s.wave_speed * extremes(s.area)[1] for s in self.segments])
+            squares = speed * speed * heaviest, force * force
+            good = np.less(SMALLEST * ROOM, np.minimum(*squares)) & np.less(
+                np.maximum(*squares), LARGEST / ROOM)
+            message = (f"velocities and strains of {np.max(speed):.6g} m/s make energies or forces "
+                       "that overflow or vanish; use smaller or larger ones")
+            beyond = [(np.not_equal(speed, 0) & ~good, "bodies", message)]
             for i, link in self.by_law.items():
                 it = self.links[link]
                 stiff = it.stiffness * (T / least_impedance(self)) * np.power(
                     speed * T, np.asarray(it.exponent) - 1)
-                beyond.append((
-                    ~np.less_equal(stiff, STIFFEST), f"contacts.{i}.stiffness",
-                    partial(AS_GOOD_AS_RIGID.format, it.stiffness,
-                            "Bonded" if it.law == Law.JOINT else "Rigid"),
-                ))
+                message = (f"is as good as rigid beside these rods, got {it.stiffness!r}; use "
+                           f"{'Bonded' if it.law == Law.JOINT else 'Rigid'}()")
+                beyond.append((~np.less_equal(stiff, STIFFEST), f"contacts.{i}.stiffness", message))
         return beyond
 
     def check_scales(self) -> None:
         """Raise InvalidModel where steps overflow, vanish, or lose an indentation in round-off."""
-        problems = [(path, sentence()) for bad, path, sentence in self.beyond_scales() if bad]
+        problems = [(path, message) for bad, path, message in self.beyond_scales() if bad]
         if problems:
             raise InvalidModel(problems[:1] if problems[0][0] == "bodies" else problems)
-
-
-def _beyond_numbers(speed: Any, square: Any, what: str) -> str:
-    how = "vanish; use larger" if square < 1 else "overflow; use smaller"
-    return f"velocities and strains of {speed!r} m/s make {what} that {how}"
 
 
 def _plain(value: Any) -> Any:

@@ -568,10 +568,10 @@ def test_a_ball_on_a_floor_bounces_by_its_restitution_and_comes_to_rest(moving, 
 
 
 @pytest.mark.parametrize("method", ["characteristics", "finite-difference"])
-@pytest.mark.parametrize(("velocity", "how"), [(1e150, "overflow"), (1e-160, "vanish")])
-def test_velocities_whose_energy_is_no_number_are_refused(method, velocity, how):
+@pytest.mark.parametrize("velocity", [1e150, 1e-160])
+def test_velocities_whose_energy_is_no_number_are_refused(method, velocity):
     row = ri.System([unit_rod(velocity=velocity), unit_rod()])
-    said = rf"bodies: .*{re.escape(repr(velocity))} m/s make energies that {how}"
+    said = rf"bodies: .*{re.escape(repr(velocity))} m/s make energies or forces that overflow or"
     with pytest.raises(ri.InvalidModel, match=said):
         ri.solve(row, method=method, until=1.0)
 
