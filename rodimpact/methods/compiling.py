@@ -38,10 +38,12 @@ ONE_AT_A_TIME = threading.RLock()
 """Of threads that start numba or compile; who forks waits for it, too."""
 
 
-def start() -> None:
-    """Start numba; raises what is wrong with it."""
+def compiler() -> Any:
+    """Numba, which starts now if it has not yet; raises what is wrong with it."""
     with ONE_AT_A_TIME:
-        import numba  # noqa: F401
+        import numba
+
+        return numba
 
 
 class DamagedCache(UserWarning):
@@ -73,40 +75,31 @@ class Compiled:
         self._make(keep=not own)  # what calls functions of the user is theirs
 
     def _make(self, keep: bool) -> None:
-        import numba
-
-        self._fast: Any = numba.njit(no_cfunc_wrapper=True, **OPTIONS)(self._twin)
+        njit, options = compiler().njit, {"no_cfunc_wrapper": True, **OPTIONS}
+        self._fast: Any = njit(**options)(self._twin)
         if keep:
             with contextlib.suppress(RuntimeError):  # there is no place for a cache
-                self._fast = numba.njit(cache=True, no_cfunc_wrapper=True, **OPTIONS)(self._twin)
+                self._fast = njit(cache=True, **options)(self._twin)
         self.place: str = self._fast.stats.cache_path or ""
-        self._made = False
 
     def __call__(self, *given: Any) -> Any:
         """Run it."""
         try:
-            if not self._made:  # with our lock, which a fork waits for; numba's own is private
-                import numba
-
+            if not self._fast.signatures:  # with a lock that a fork waits for; numba's is private
                 with ONE_AT_A_TIME:
-                    self._fast.compile(tuple(map(numba.typeof, given)))
-                self._made = True
+                    self._fast.compile(tuple(map(compiler().typeof, given)))
             return self._fast(*given)
         except Exception as error:
             if not self.place or type(error).__module__.startswith("numba"):
                 raise
-            self._start_again(error)
-            return self(*given)  # which has no place now
-
-    def _start_again(self, error: Exception) -> None:
-        """Do without what is on disk: it is full, or what is read there is no machine code."""
-        if not isinstance(error, OSError):
-            for file in self.files():
-                with contextlib.suppress(OSError):
-                    file.unlink()
-            message = "machine code in the compiler's cache is damaged; it is made anew"
-            warnings.warn(message, DamagedCache, stacklevel=3)
-        self._make(keep=False)
+            if not isinstance(error, OSError):  # the disk is not full, but what it holds no code
+                for file in self.files():
+                    with contextlib.suppress(OSError):
+                        file.unlink()
+                message = "machine code in the compiler's cache is damaged; it is made anew"
+                warnings.warn(message, DamagedCache, stacklevel=2)
+            self._make(keep=False)
+            return self(*given)
 
     def files(self) -> list[Path]:
         """Indices of machine code on disk, of any sources."""
@@ -155,16 +148,11 @@ def _entry(kernel: Any, own: Functions) -> FunctionType:
 def _twin(module: ModuleType, own: Functions, jitted: bool) -> ModuleType:
     """The same module with its functions jitted, its tables as arrays, and the user's functions."""
     twin = ModuleType(module.__name__)
-    if jitted:
-        import numba
-
-        jit: Any = numba.njit(**INNER)
-    else:
-        jit = _as_it_is
+    jit: Any = compiler().njit(**INNER) if jitted else lambda function: function
     for name, value in vars(module).items():
         made = value
         if name == "own" and own:
-            made = _one_of(own, jit, jitted)
+            made = _one_of(own, jit)
         elif isinstance(value, FunctionType) and value.__module__ == module.__name__:
             made = jit(FunctionType(value.__code__, vars(twin), name, value.__defaults__))
         elif _is_kernel(value):
@@ -176,21 +164,16 @@ def _twin(module: ModuleType, own: Functions, jitted: bool) -> ModuleType:
     return twin
 
 
-def _as_it_is(function: Any) -> Any:
-    return function
-
-
-def _one_of(functions: Functions, jit: Any, jitted: bool) -> Any:
+def _one_of(functions: Functions, jit: Any) -> Any:
     """A function of a number and arguments that calls the function with that number."""
     (number, function), *others = functions
-    first: Any = function if jitted else getattr(function, "py_func", function)
     if not others:
-        return jit(lambda _, d, rate: float(first(d, rate)))
-    rest: Any = _one_of(tuple(others), jit, jitted)
+        return jit(lambda _, d, rate: float(function(d, rate)))
+    rest: Any = _one_of(tuple(others), jit)
 
     def chosen(which: int, d: float, rate: float) -> float:
         if which == number:
-            return float(first(d, rate))
+            return float(function(d, rate))
         return float(rest(which, d, rate))
 
     return jit(chosen)

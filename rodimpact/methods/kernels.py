@@ -122,7 +122,7 @@ def _fault() -> str:
     if not importlib.util.find_spec("numba"):
         return "numba is not installed"
     try:
-        compiling.start()
+        compiling.compiler()
     except Exception as error:  # of itself, of what it needs, or of a variable with a wrong value
         given = ", ".join(f"{k} = {v!r}" for k, v in os.environ.items() if k.startswith("NUMBA_"))
         remedy = f" Mend or unset {given}" if given else ""
