@@ -34,7 +34,7 @@ FINE = 1 << 12  # steps a side to which these are rounded, so that fractions are
 PLACES = 3 * LATTICE**2 + 2 * LATTICE * (LATTICE + 1)  # at random, of the lattice; its edges
 CLOSE = 1e-11  # of the way between two places: as good as touching
 MOST_BETWEEN = 12  # times that an edge is cut where there is room for another cell
-MOST_CELLS = 500
+MOST_CELLS = 300
 SAMPLES = 60  # places a side at which the sizes of regions are taken
 NOWHERE = -2  # the cell of a place in which floats do not see the place
 SIGNS = {"velocity": "any", "gap": "non-negative"}  # of the ends of axes, where they may be 0
@@ -338,7 +338,9 @@ class _Search:
         )
         values = self.naming.values(dict(zip(self.names, exact, strict=True)))
         run = self.naming.run(values, self.max_events)
-        return Cell(self.naming, run, conditions(run), names=self.names) if run.final else None
+        if not run.final:
+            return None
+        return Cell(self.naming, run, conditions(run, in_order=False), names=self.names)
 
     def _solve(self, place: Floats) -> int:
         """Add the cell of a place, if its collision comes to an end and floats tell the cell."""

@@ -5,11 +5,9 @@ changes no result. What decides are the contacts: when they begin and cease to p
 which press go on to, that those which are apart stay so, and why they never meet again. A cell is
 the list of the numbers that must be positive for this.
 
-Two waves that come to a contact one after the other, while it presses or is open throughout, may
-also come in the other order, if it presses or is open in between then as well: what each wave
-sends out and adds to the impulse does not depend on the other. Conditions are for both orders then,
-and not for the order itself. What follows is the same in both: sums over the jumps of waves. Only
-the levels between two such jumps in a rod differ, see `_apart`.
+What a wave sends out and adds to the impulse does not depend on other waves while the contact
+presses or is open throughout. So waves may come in any order, and force and gap are sums over those
+that have come, which floats can tell anywhere. Polynomials cannot: for formulas the order is kept.
 """
 
 from __future__ import annotations
@@ -22,7 +20,7 @@ from ..methods.fronts.records import NONE
 from ..methods.groups import unilateral
 from ..methods.laws import Status
 from ..model import Wall
-from .numbers import HALF, ZERO, Number
+from .numbers import HALF, ZERO, Number, since
 from .rows import ExactRun
 
 Loop = list[tuple[Number, Number]]
@@ -37,7 +35,7 @@ class Spell(NamedTuple):
     start: Number
     gap: Number  # at the start
     closing: Number  # how fast the contact would close from the start on
-    waves: list[tuple[Number, Number]]  # when they come, and how fast it would close from then on
+    waves: list[tuple[Number, Number]]  # when they come, and how much faster it would close then
     end: list[Number]  # when the next spell begins, if one does
 
     @property
@@ -48,14 +46,20 @@ class Spell(NamedTuple):
         return known.get(self.status, [])
 
 
-def conditions(run: ExactRun) -> list[Number]:
-    """Numbers that are positive throughout the cell of this run; those that depend on names."""
+def conditions(run: ExactRun, *, in_order: bool) -> list[Number]:
+    """Numbers that are positive throughout the cell of this run; those that depend on names.
+
+    If waves may come to contacts in any order, some of these numbers are no rational functions.
+    """
     spells, found, loops = _history(run)
+    for left, right in loops:
+        found += [later - t for loop in (left, right) for (_, t), (_, later) in pairwise(loop)]
+        found += [high - low for high, _ in right for low, _ in left]
     for spell in spells:
-        found += _in_order(spell)
-    ordered = {x.value for x in found}
-    found += [x for pair in loops for x in _apart(*pair, ordered)]
-    return list({x.value: x for x in found if x.made and x.value}.values())
+        found += _lasting(spell, in_order)
+    if in_order:  # a hair's breadth from the system what is alike is the same
+        found = list({x.value: x for x in found}.values())
+    return [x for x in found if x.made and x.value]
 
 
 def _history(run: ExactRun) -> tuple[list[Spell], list[Number], list[tuple[Loop, Loop]]]:
@@ -127,56 +131,38 @@ def _spells(run: ExactRun, contact: int, until: Number) -> tuple[list[Spell], li
         if change.after == k:
             t = change.tick + ZERO
             events.setdefault(t.value, [t, None, None, None])[3] = change.value
-    gap = run.numbers.gap[contact] * run.rate
+    gap, closing = run.numbers.gap[contact] * run.rate, ZERO
     spells, later = [Spell(Status.OPEN if gap > 0 else -1, ZERO, gap, ZERO, [], [])], []
     for at in sorted(events):
         t, *waves, new = events[at]
         arrived = [old if wave is None else wave for old, wave in zip(arrived, waves, strict=True)]
-        closing = arrived[0] - arrived[1]
+        before, closing = closing, arrived[0] - arrived[1]
         if at > until.value:
             later.append(t)
         elif new is not None:
             spells[-1].end.append(t)
             spells.append(Spell(new, t, ZERO, closing, [], []))
         elif at > 0:
-            spells[-1].waves.append((t, closing))
+            spells[-1].waves.append((t, closing - before))
         else:
             spells[-1] = spells[-1]._replace(closing=closing)
     return spells, later
 
 
-def _in_order(spell: Spell) -> list[Number]:
-    """Force while it presses, or gap while it is open, and the order of waves where it matters."""
-    found, before = spell.at_the_start, [spell.start]
-    gap, closing, left = spell.gap, spell.closing, spell.waves
-    while left:
-        steps, after = _steps(spell.status, gap, closing, before[-1], left[:1])
-        now = left[:1]
-        if spell.status in (Status.PRESS, Status.OPEN) and len(left) > 1:
-            (t, then), (t2, both) = left[:2]
-            swapped = [(t2, closing + both - then), (t, both)]
-            ways = [_steps(spell.status, gap, closing, before[-1], pair)
-                    for pair in (left[:2], swapped)]
-            if all(x > 0 for way, _ in ways for x in way):
-                steps, after, now = [x for way, _ in ways for x in way], ways[0][1], left[:2]
-        found += [t - earlier for t, _ in now for earlier in before] + steps
-        gap, closing, before, left = after, now[-1][1], [t for t, _ in now], left[len(now) :]
-    return found + [end - t for end in spell.end for t in before if end > 0]
-
-
-def _steps(
-    status: int, gap: Number, closing: Number, before: Number, waves: list[tuple[Number, Number]]
-) -> tuple[list[Number], Number]:
-    """What is positive as waves come to a contact whose status stays, and the gap thereafter."""
-    found = []
-    for t, then in waves:
-        if status == Status.OPEN:
-            gap -= closing * (t - before)
-            found.append(gap)
-        elif status == Status.PRESS:
-            found.append(then)
-        closing, before = then, t
-    return found, gap
+def _lasting(spell: Spell, in_order: bool) -> list[Number]:
+    """Force while it presses, or gap while it is open, as waves come, and when these come."""
+    found, times = spell.at_the_start, [t for t, _ in spell.waves]
+    for t in times if spell.status in (Status.PRESS, Status.OPEN) else ():
+        closing, gap = spell.closing, spell.gap - spell.closing * (t - spell.start)
+        for earlier, jump in spell.waves:
+            passed = t - earlier
+            closing += since(passed, jump, in_order)
+            gap -= since(passed, jump * passed, in_order)
+        found.append(closing if spell.status == Status.PRESS else gap)
+    if in_order:
+        return found + [later - t for t, later in pairwise([spell.start, *times, *spell.end])]
+    found += [t - spell.start for t in times]
+    return found + [end - t for end in spell.end for t in (spell.start, *times)]
 
 
 def _for_ever_after(run: ExactRun, k: int, t: Any) -> list[Number] | tuple[Loop, Loop]:
@@ -227,19 +213,3 @@ def _loop(run: ExactRun, k: int, right: bool) -> Loop:
             found.append((log[r].value, log[r].tick + delay))
             r = log[r].after
     return found
-
-
-def _apart(left: Loop, right: Loop, ordered: set[Any]) -> list[Number]:
-    """Levels on the right are above those on the left, also where two jumps change places."""
-    found: list[Number] = []
-    lower, upper = ([level for level, _ in loop] for loop in (left, right))
-    for loop, mine, others, sign in ((left, lower, upper, 1), (right, upper, lower, -1)):
-        for i, ((level, t), (then, later)) in enumerate(pairwise(loop)):
-            between = loop[i - 1][0] + then - level
-            if (later - t).value in ordered:
-                continue
-            if all((other - between) * sign > 0 for other in others):
-                mine.append(between)
-            else:
-                found.append(later - t)
-    return found + [high - low for high in upper for low in lower]

@@ -45,7 +45,7 @@ def _cell(field: Field, direction: Mapping[str, Fraction], max_events: int) -> C
         values[name] += (values[name] or 1) * HAIR * share
     run = field.naming.run(values, max_events)
     check_final(run, max_events)
-    return Cell(field.naming, run, conditions(run), field=field)
+    return Cell(field.naming, run, conditions(run, in_order=True), field=field)
 
 
 def sides_of(field: Field, max_events: int) -> tuple[list[Cell], bool]:

@@ -17,6 +17,7 @@ from typing import Any
 
 OPERATIONS: dict[str, Callable[[Any, Any], Any]] = {
     "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv,
+    "since": lambda passed, x: (passed >= 0) * x,
 }
 HALF = Fraction(1, 2)
 DECIMALS = 150  # with which formulas are evaluated to be told apart
@@ -122,6 +123,13 @@ def value_of(x: Any) -> Any:
 def _made(operation: str, a: Number, b: Number) -> Number:
     value = OPERATIONS[operation](a.value, b.value)
     return Number(value, (operation, a, b) if a.made or b.made else ())
+
+
+def since(passed: Number, x: Number, told: bool) -> Number:
+    """`x` if this time is not negative, else 0; if `told` that is decided by what it is here."""
+    if told:
+        return x if passed >= 0 else ZERO
+    return _made("since", passed, x)
 
 
 def steps_to(wanted: Iterable[Number]) -> list[Number]:
