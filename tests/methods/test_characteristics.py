@@ -514,6 +514,16 @@ def test_fronts_refuse_by_path_and_name_the_method_that_can(path):
     assert ri.solve(system, 1.0).method == METHOD
 
 
+@pytest.mark.parametrize("order", [1, -1])
+def test_large_strains_are_those_of_the_rod_in_which_they_are(order):
+    """The largest wave over the wave speed, in the frame of the mean of both velocities."""
+    slow = ri.Material("slow", youngs_modulus=0.01, density=1.0)  # c = Z = 0.1
+    rods = [unit_rod(velocity=0.04 * order), ri.Rod(0.1, area=1.0, material=slow)]
+    most = (2 * 0.04 / 1.1 - 0.02) / 0.1
+    assert f"Strains reach up to {most:.2g}" in solved(rods[::order], 0.9).status
+    assert f"Strains reach up to {most:.2g}" in ri.solve(ri.System(rods[::order]), 0.9).status
+
+
 def test_auto_takes_fronts_where_it_can():
     row = [unit_rod(velocity=1.0), unit_rod()]
     assert ri.solve(ri.System(row)).method == "fronts"

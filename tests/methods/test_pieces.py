@@ -9,7 +9,7 @@ from numpy.polynomial import chebyshev, legendre
 
 from rodimpact.methods import compiling
 from rodimpact.methods.laws import Law, Status
-from rodimpact.methods.pieces import laws, lines, series, waves
+from rodimpact.methods.pieces import laws, lines, nodes, series, waves
 from rodimpact.methods.pieces.records import HARD, LINE, LINK, NODE, NONE, PIECE, RUN, SMOOTH
 from rodimpact.methods.pieces.series import POINTS, N
 from rodimpact.methods.signals import Pieces
@@ -259,3 +259,14 @@ def test_what_ends_a_status(law, status, d, closing, to):
     assert ended == [to]
     assert all(math.isfinite(laws.guard(it, i, d, closing, F, 1.0, 1.0)[0])
                for i in range(laws.guards(it)))
+
+
+@pytest.mark.parametrize(("law", "side"), [(Law.PUSH_LEFT, "left"), (Law.PUSH_RIGHT, "right")])
+def test_a_force_that_pushes_an_end_is_as_rough_as_the_velocity_it_makes(law, side):
+    """What comes in is a force there, and a velocity at the other side."""
+    forces = drawn(7).tolist()
+    it = one(LINK, law=law, ease=0.03)
+    at = one(NODE, links=1, **{side: forces})
+    assert nodes.roughness([it], [], at) == pytest.approx(2 * 0.03 * series.tail(forces))
+    it.law = Law.RIGID
+    assert nodes.roughness([it], [], at) == series.tail(forces)

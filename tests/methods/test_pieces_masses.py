@@ -64,6 +64,14 @@ def test_rigid_masses_in_contact_strike_together_and_apart_one_by_one(gap, e, af
     assert found == pytest.approx(np.array(after), abs=1e-12)
 
 
+@pytest.mark.parametrize("unit", [2.0**-60, 1.0, 2.0**60])
+def test_blows_do_not_depend_on_the_unit_of_mass(unit):
+    """The second body, which cannot leave the third behind, strikes with the mass of both."""
+    row = [ri.RigidMass(m * unit, velocity=v) for m, v in ((1.0, 1.0), (3.0, 0.0), (2.0, 0.0))]
+    _, found = velocities(ri.System(row, contacts=[ri.Rigid(restitution=0.5)] * 2), 1e-6)
+    assert found == pytest.approx(np.array([-0.25, 0.25, 0.25]), abs=1e-12)
+
+
 @pytest.mark.parametrize("e", [0.0, 0.5, 1.0])
 def test_a_blow_of_two_masses(e):
     row = [ri.RigidMass(2.0, velocity=1.0), ri.RigidMass(3.0, velocity=-0.5)]
