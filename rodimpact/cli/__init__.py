@@ -109,11 +109,6 @@ def _run(argv: list[str]) -> tuple[str | Iterable[str], int]:
         near = difflib.get_close_matches(called.command, COMMANDS, n=1)
         hint = f"perhaps {near[0]} is meant" if near else f"choose one of {', '.join(COMMANDS)}"
         parser.error(f"unknown command {called.command!r}; {hint}")
-    try:  # before NumPy looks for its parts from there
-        os.getcwd()
-    except FileNotFoundError:
-        message = "the current directory has been deleted; change to another"
-        raise FileNotFoundError(message) from None
     asking = import_module(".asking", __name__)  # which imports this package
     command = import_module(f".{called.command}", __name__)
     own = argparse.ArgumentParser(

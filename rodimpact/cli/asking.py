@@ -110,16 +110,16 @@ class Given(argparse.Namespace):
             If there are mistakes, these or earlier ones: a file that exists without --force, or is
             there for two outputs, is one.
         OSError
-            If there are none, but a file cannot be written.
+            If a file cannot be written.
         """
         if figure and getattr(self, figure) is not None:
             from ..plot.files import FORMATS, format_of
 
-            names_of = {"path": self.options[figure]}
-            self.attempt(format_of, getattr(self, figure), FORMATS, names=names_of)
-        unwritable = None
+            option = self.options[figure]
+            self.attempt(format_of, getattr(self, figure), FORMATS, names={"path": option})
         option_of: dict[object, str] = {}
-        for option, path in ((self.options[name], getattr(self, name)) for name in names):
+        for name in names:
+            path, option = getattr(self, name), self.options[name]
             try:
                 if path is not None:
                     first = option_of.setdefault(check_target(path, force=self.force), option)
@@ -127,11 +127,7 @@ class Given(argparse.Namespace):
                         self.note(option, f"{path!r} is the file of {first} too; name another")
             except FileExistsError as error:
                 self.note(option, str(error))
-            except OSError as error:
-                unwritable = unwritable or error
         raise_noted(self.problems)
-        if unwritable:
-            raise unwritable
 
     def write(self, **writers: Callable[..., object]) -> int:
         """Write the outputs that are asked for; the exit status, of a fault if one is empty."""

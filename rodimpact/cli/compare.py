@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import argparse
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any, TypeAlias
 
 from ..model.frozen import InvalidModel
 from ..records.comparison import Misfit, Pulse, gain_unit
@@ -38,13 +38,8 @@ _PULSE = {"start": "pulse starts", "width": "width at half height",
           "rise": "rise from 10 to 90 %", "plateau": "plateau"}
 
 
-class Laid(NamedTuple):
-    """A channel and its prediction, shifted and multiplied, and the pulses of the two, if whole."""
-
-    measured: Signal
-    predicted: Signal
-    misfit: Misfit
-    pulses: tuple[Pulse | None, Pulse | None]
+# a channel, its prediction, shift and gain of the prediction, and the pulses of the two, if whole
+Laid: TypeAlias = tuple[Signal, Signal, Misfit, list[Pulse | None]]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -111,7 +106,7 @@ def _laid(measured: Signal, predicted: Signal, given: Given) -> Laid:
             pulses.append(signal.window(measured.start, measured.end).pulse())
         except ValueError:  # there is no whole one
             pulses.append(None)
-    return Laid(measured, predicted, found, (pulses[0], pulses[1]))
+    return measured, predicted, found, pulses
 
 
 def _table(laid: dict[str, Laid]) -> str:

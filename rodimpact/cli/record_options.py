@@ -103,13 +103,9 @@ def bridge_of(given: Given) -> Bridge | None:
 
 def read_record(given: Given, wanted: Iterable[str]) -> dict[str, Signal]:
     """Channels of the record; none, and its mistakes noted, if one cannot be read."""
-    units: Any = dict(text.rsplit("=", 1) for text in given.unit if "=" in text) or None
-    for_all = [text for text in given.unit if "=" not in text]
-    if for_all:
-        units = for_all[0]
-        if len(given.unit) > 1:
-            message = "give one unit for all channels, or CHANNEL=UNIT for each"
-            given.problems.append(("--unit", message))
+    units: Any = dict(text.rpartition("=")[::2] for text in given.unit) or None
+    if units and units.keys() == {""}:
+        units = units[""]  # for all channels
     if given.problems:
         return {}
     try:

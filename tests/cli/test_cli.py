@@ -176,13 +176,11 @@ def test_a_deleted_working_directory_is_named(case, tmp_path):
     code = (
         "import os, sys; from rodimpact.cli import main;"
         "os.mkdir('gone'); os.chdir('gone'); os.rmdir('../gone');"
-        "sys.exit(main(['run', sys.argv[1]]))"
+        "sys.exit(main(['run', sys.argv[1], '--save', 'a.npz']))"
     )
     done = python("-c", code, case, cwd=tmp_path)
     assert (done.returncode, done.stdout) == (1, "")
-    assert done.stderr == (
-        "rodimpact: the current directory has been deleted; change to another\n"
-    )
+    assert "the current directory was deleted; change to another" in done.stderr
 
 
 @pytest.mark.skipif(os.name == "nt", reason="needs a shell of POSIX")
