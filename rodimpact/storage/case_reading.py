@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from .. import materials
-from ..methods.registry import METHOD_NAMES, Options
+from ..methods.registry import Options
 from ..model import SIDES, System
 from ..model.bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from ..model.ends import ENDS, FREE, End
@@ -25,6 +26,8 @@ from .grids import Grids
 OPTIONS = {"until": "time", "dt": "time", "rtol": "dimensionless"}  # with units
 DAMPING = {"loss_factor": Field("", "non-negative"), "loss_frequency": Field("Hz", "positive")}
 SEGMENT = (*Segment.fields, "material", "lateral_inertia")
+OF_SYSTEM = {r"^gaps\.(\d+)": r"contacts.\1.gap", "^gaps$": "contacts"}
+"""Keys of the file, where the model calls numbers otherwise."""
 ANY_ROD = Rod(1.0, area=1.0, material=materials.steel)
 STAND_INS: dict[str, Body] = {"rod": ANY_ROD, "mass": RigidMass(1.0), "wall": Wall()}
 """Bodies in place of those whose mistakes allow none."""
@@ -64,7 +67,7 @@ def case_from(
     gaps, laws = _read_contacts(top, bodies, known)
     ends = _read_ends(top.table("ends"))
     system: Any = bodies and top.make(
-        System, bodies=[body or ANY_ROD for body in bodies], gaps=gaps, contacts=laws,
+        System, OF_SYSTEM, bodies=[body or ANY_ROD for body in bodies], gaps=gaps, contacts=laws,
         gravity=gravity, ends=ends,
     )
     options, output = _read_solve(top.table("solve")), _read_output(top.table("output"))
@@ -79,14 +82,12 @@ def case_from(
 
 
 def _check_schema(top: Table) -> None:
-    schema = top.data.get("schema")
-    if not top.has("schema"):
-        top.note("schema", f"is missing; begin the file with schema = {SCHEMA}")
-    elif type(schema) is int and schema > SCHEMA:  # its other entries may mean other things
+    schema = top.get("schema")
+    if type(schema) is int and schema > SCHEMA:  # its other entries may mean other things
         message = f"is {shown(schema)}; this rodimpact reads {SCHEMA}, get a newer one"
         raise InvalidModel([("schema", message)])
-    elif type(schema) is not int or schema != SCHEMA:
-        top.note("schema", f"must be {SCHEMA}, got {shown(schema)}")
+    if type(schema) is not int or schema != SCHEMA:
+        top.note("schema", f"must be {SCHEMA}; begin the file with schema = {SCHEMA}")
 
 
 def _read_materials(top: Table) -> Materials:
@@ -100,7 +101,8 @@ def _read_materials(top: Table) -> Materials:
                 message = "give either viscosity or loss_factor and loss_frequency, not both"
                 table.note("viscosity", message)
             factor, frequency = (table.entry(key, field) for key, field in DAMPING.items())
-            material = table.make(material.damped, loss_factor=factor, frequency=frequency)
+            material = table.make(material.damped, {"^frequency": "loss_frequency"},
+                                  loss_factor=factor, frequency=frequency)
         table.close()
         known[name] = material or materials.steel
     return known
@@ -115,9 +117,9 @@ def _read_body(table: Table, known: Materials) -> Body | None:
     if kind == Rod.kind:
         shape = _read_segments(table, known) if table.has("segments") else _shape(table, known)
     body: Body | None = None
-    entries = table.entries(BODIES[kind])
+    entries = {**shape, **table.entries(BODIES[kind])}
     if None not in shape.get("segments", ()):
-        body = table.make(BODIES[kind], **shape, **entries)
+        body = table.make(BODIES[kind], **entries)
     table.close()
     return body or STAND_INS[kind]
 
@@ -144,15 +146,11 @@ def _shape(table: Table, known: Materials) -> dict[str, Any]:
 
 def _material(table: Table, known: Materials, key: str = "material") -> Material:
     """The material that the table names; steel stands in for an unknown one."""
-    if not table.has(key):
-        table.note(key, "is missing; name one of rodimpact.materials or of this file")
+    name = table.word(key, known)
+    if name is None:
         return materials.steel
-    name = table.data[key]
-    if isinstance(name, str) and name in known:
-        material = _varied(table.at(f"materials.{name}"), known[name])
-        return _varied(table.inner(key, {}), material) if key == "material" else material
-    table.note(key, f"unknown material {shown(name)}", name, known)
-    return materials.steel
+    material = _varied(Table(f"materials.{name}", {}, table.grids, table.mistakes), known[name])
+    return _varied(table.inner(key, {}), material) if key == "material" else material
 
 
 def _varied(table: Table, material: Material) -> Material:
@@ -185,40 +183,32 @@ def _read_contacts(
 def _read_law(table: Table, pair: tuple[Body | None, ...], known: Materials) -> ContactLaw:
     """The law; a spring, which goes between any bodies, where mistakes allow none."""
     name = table.word("law", CONTACT_LAWS, "rigid")
-    law: ContactLaw | None = None
     if name is None:  # who knows which keys are right
         return Spring(1.0)
-    if name == Hertz.law and (faces := _read_faces(table, pair, known)):
-        law = table.make(Hertz.from_radii, **faces)
-    else:
-        numbers = table.entries(CONTACT_LAWS[name])
-        if name == Tabulated.law:
-            numbers |= {key: table.numbers(key, dimension) or ()
-                        for key, dimension in (("compression", "length"), ("force", "force"))}
-        law = table.make(CONTACT_LAWS[name], **numbers)
-        if numbers.get("restitution") is not None and None in pair:  # is it right here?
-            law = None
+    kind: Any = CONTACT_LAWS[name]
+    rounded = [side for side in SIDES if kind is Hertz and table.gives(f"{side}_radius")]
+    if kind is Hertz and table.gives("stiffness") == bool(rounded):
+        table.note("stiffness", "give either the stiffness, or left_radius and right_radius")
+    numbers = _read_faces(table, pair, known) if rounded else table.entries(kind)
+    if kind is Tabulated:
+        numbers |= {"compression": table.numbers("compression", "length"),
+                    "force": table.numbers("force", "force")}
+    law: ContactLaw | None = table.make(Hertz.from_radii if rounded else kind, **numbers)
     table.close()
+    if None in pair and numbers.get("restitution") is not None:  # is it right here?
+        law = None
     return law or Spring(1.0)
 
 
 def _read_faces(
     table: Table, pair: tuple[Body | None, ...], known: Materials
 ) -> dict[str, Any]:
-    """Radii and materials of a Hertz contact, for `Hertz.from_radii`; empty if it has none."""
-    rounded = [key for side in SIDES if table.gives(key := f"{side}_radius")]
-    named = [key for side in SIDES if table.has(key := f"{side}_material")]
-    if table.gives("stiffness") or not rounded:
-        for key in rounded + named:
-            table.note(key, "belongs to radii; give either stiffness or radii, not both")
-        if not table.gives("stiffness"):
-            table.note("stiffness", "is missing; give it, or left_radius and right_radius")
-        return {}
+    """Radii and materials of a Hertz contact, for `Hertz.from_radii`."""
     faces: dict[str, Any] = {}
     for side, body, end in zip(SIDES, pair, (-1, 0), strict=True):
         faces[f"{side}_radius"] = table.entry(f"{side}_radius", FACE)
         key = f"{side}_material"
-        if key in named:
+        if table.has(key):
             faces[key] = _material(table, known, key)
         elif isinstance(body, Rod):
             faces[key] = body.segments[end].material
@@ -229,28 +219,24 @@ def _read_faces(
 
 def _read_ends(table: Table) -> list[End]:
     """What happens at the two ends of the row; where mistakes allow nothing, nothing does."""
-    ends: list[End] = []
-    for side in SIDES:
-        end: End | None = None
-        if table.has(side):
-            inner = table.table(side)
-            if kind := inner.word("kind", ENDS):
-                end = inner.make(ENDS[kind], **inner.entries(ENDS[kind]))
-                inner.close()
-        ends.append(end or FREE)
+    ends = [_read_end(table.table(side)) if table.has(side) else FREE for side in SIDES]
     table.close()
     return ends
 
 
+def _read_end(table: Table) -> End:
+    end: End | None = None
+    if kind := table.word("kind", ENDS):
+        end = table.make(ENDS[kind], **table.entries(ENDS[kind]))
+        table.close()
+    return end or FREE
+
+
 def _read_solve(table: Table) -> dict[str, Any]:
-    options: dict[str, Any] = {}
-    for key in defaults_of(Options):
-        if table.has(key):
-            value = options[key] = table.data[key]
-            if key in OPTIONS:
-                options[key] = table.quantity(key, value, OPTIONS[key])
-            elif key == "method":
-                options[key] = table.word(key, METHOD_NAMES)
+    options = {key: table.data[key] for key in defaults_of(Options) if table.has(key)}
+    for key, dimension in OPTIONS.items():
+        if key in options:
+            options[key] = table.quantity(key, options[key], dimension)
     table.make(Options, **options)
     table.close()
     return options
@@ -267,17 +253,13 @@ def _read_output(table: Table) -> dict[str, str]:
 
 def _read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
     rods = [i for i, body in enumerate(bodies) if isinstance(body, Rod)]
-    body: Any = table.data["body"] if table.has("body") else None
+    body, given, name = table.get("body"), table.get("fraction"), table.get("name", "")
     if type(body) is not int or body not in rods:
         names = ", ".join(map(str, rods))
         table.note("body", f"must be the number of a rod, {names}; got {shown(body)}")
-    given = table.data["fraction"] if table.has("fraction") else None
-    if given is None:
-        table.note("fraction", "is missing; give the place over the length of the rod, from 0 to 1")
-    fraction = table.quantity("fraction", given, "dimensionless")
+    fraction = math.nan if given is None else table.quantity("fraction", given, "dimensionless")
     if not 0 <= fraction <= 1:
-        table.note("fraction", f"must lie in [0, 1], got {shown(given)}")
-    name = table.data["name"] if table.has("name") else ""
+        table.note("fraction", "give the place over the length of the rod, from 0 to 1")
     if not isinstance(name, str):
         table.note("name", f"must be text, got {shown(name)}")
     table.close()
@@ -294,11 +276,7 @@ def _check_varied(top: Table, system: System | None) -> None:
             top.note(path, f"is no number that can vary; {suggestion(path, grids.known)}")
     if system is None or top.mistakes:  # where mistakes are, something else stands in
         return
-    rods = [body for body in system.bodies if isinstance(body, Rod)]
-    used = [f"materials.{s.material.name}." for rod in rods for s in rod.segments]
-    used += [f"materials.{entry.get(f'{side}_material')}.{elastic}"
-             for entry in top.data.get("contacts", ()) for side in SIDES
-             for elastic in ("youngs_modulus", "poisson_ratio")]
-    for path in grids.taken:
-        if path.startswith("materials.") and not path.startswith(tuple(used)):
-            top.note(path, "changes nothing: no rod is made of this material")
+    shape = system.shape or (0,) * len(grids.texts)
+    for size, path in zip(shape, grids.texts, strict=True):
+        if size != len(grids.taken[path].values):
+            top.note(path, "changes nothing in this row")

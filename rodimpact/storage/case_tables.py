@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
 from .. import units
@@ -21,12 +21,8 @@ PROFILES = {  # how a profile is written along a rod, and in time
     "length": "; a profile is written {values = [...], at = [...]} or {samples = [...]}",
     "time": "; a profile is written {values = [...], at = [...]} or {samples = [...], step = ...}",
 }
-RENAMED = {  # what the model calls otherwise
-    r"^gaps\.(\d+)": r"contacts.\1.gap",
-    r"^gaps$": "contacts",
-    r"^frequency\b": "loss_frequency",
-    r"\bvalues\[(\d+)\]$": r"samples.\1",
-}
+OF_SAMPLES = {r"^values\[(\d+)\]": r"samples.\1", "^values": "samples"}
+"""Keys of a table, where the model calls numbers otherwise."""
 
 
 class Table:
@@ -57,6 +53,11 @@ class Table:
         self.asked[key] = None
         return key in self.data
 
+    def get(self, key: str, default: Any = None) -> Any:
+        """What the file has under this key, which it may have."""
+        self.asked[key] = None
+        return self.data.get(key, default)
+
     def gives(self, key: str) -> bool:
         """Whether there is such a number, in the file or varied."""
         varied = self.grids.ask(self.where(key))
@@ -74,7 +75,9 @@ class Table:
         if not self.gives(key):
             if field.default is not REQUIRED:
                 return field.default
-            self.note(key, f"is missing; give {_unit_hint(field.dimension)}")
+            known = ", ".join(units.UNITS.get(field.dimension, ()))
+            hint = f" or text with one of {known}" if known else ""
+            self.note(key, f"is missing; give a number in SI units{hint}")
             return math.nan
         if self.where(key) not in self.grids.texts:
             if field.word and isinstance(value, str) and value[:1].isalpha():
@@ -108,49 +111,41 @@ class Table:
 
     def _profile(self, key: str, field: Field) -> Any:
         """`Steps` or `Samples` over a length or a time."""
-        inner, profile = self.table(key), None
+        inner = self.table(key)
         if inner.has("samples"):
             apart = Samples.fields["step"]._replace(default=REQUIRED)
             step = inner.entry("step", apart) if field.along == "time" else None
-            values = inner._numbers("samples", field.dimension, inner.quantity, "at least two ")
-            profile = values and inner.make(Samples, values=values, step=step)
+            values = inner.numbers("samples", field.dimension, inner.quantity)
+            profile = inner.make(Samples, OF_SAMPLES, values=values, step=step)
         else:
-            lists = {name: inner._numbers(name, dimension, inner._variable)
-                     for name, dimension in (("values", field.dimension), ("at", field.along))}
-            profile = inner.make(Steps, **lists)
+            profile = inner.make(Steps, values=inner.numbers("values", field.dimension),
+                                 at=inner.numbers("at", field.along))
         inner.close()
         return profile or 1.0
 
-    def numbers(self, key: str, dimension: str) -> Any:
-        """A list of numbers, each of which may vary; None for anything else."""
-        return self._numbers(key, dimension, self._variable)
-
-    def _numbers(self, key: str, dimension: str, read: Callable[..., Any], least: str = "") -> Any:
-        """A list of numbers, each as it is read; None for anything else."""
-        if not self.has(key):
-            self.note(key, "is missing; give a list of numbers")
-            return None
-        given = self.data[key]
-        if not isinstance(given, list) or (least and len(given) < 2):
-            self.note(key, f"must be a list of {least}numbers, got {shown(given)}")
-            return None
-        return [read(f"{key}.{i}", value, dimension) for i, value in enumerate(given)]
+    def numbers(self, key: str, dimension: str, read: Callable[..., Any] | None = None) -> Any:
+        """A list of numbers, each of which may vary where `read` is left out; None for others."""
+        given, read = self.get(key), read or self._variable
+        if isinstance(given, list):
+            return [read(f"{key}.{i}", value, dimension) for i, value in enumerate(given)]
+        self.note(key, "is missing; give a list of numbers" if given is None else
+                  f"must be a list of numbers, got {shown(given)}")
+        return None
 
     def word(self, key: str, choices: Collection[str], default: str | None = None) -> str | None:
         """One of `choices`, None where it is not."""
-        if not self.has(key):
-            if default is None:
-                self.note(key, f"is missing; use one of {listed(list(choices))}")
-            return default
-        value = self.data[key]
+        value = self.get(key, default)
         if isinstance(value, str) and value in choices:
             return value
-        self.note(key, f"unknown {key} {shown(value)}", value, choices)
+        if value is None:
+            self.note(key, f"is missing; use one of {listed(list(choices))}")
+        else:
+            self.note(key, f"unknown {key} {shown(value)}", value, choices)
         return None
 
     def table(self, key: str) -> Table:
         """The table of that name, an empty one if there is none."""
-        data = self.data[key] if self.has(key) else {}
+        data = self.get(key, {})
         if isinstance(data, dict):
             return self.inner(key, data)
         self.note(key, f"must be a table, got {shown(data)}")
@@ -160,26 +155,25 @@ class Table:
         """A table within this one."""
         return Table(self.where(key), data, self.grids, self.mistakes)
 
-    def at(self, path: str) -> Table:
-        """An empty table of the file at another path."""
-        return Table(path, {}, self.grids, self.mistakes)
-
     def tables(self, key: str) -> list[Table]:
         """All tables of that name."""
-        data = self.data[key] if self.has(key) else []
+        data = self.get(key, [])
         if not isinstance(data, list) or not all(isinstance(item, dict) for item in data):
             brackets = re.sub(r"\.\d+", "", self.where(key))
             self.note(key, f"must be tables that each begin [[{brackets}]], got {shown(data)}")
             data = []
         return [self.inner(f"{key}.{i}", item) for i, item in enumerate(data)]
 
-    def make(self, kind: Callable[..., Any], **entries: Any) -> Any:
-        """An object of the model; None, with its mistakes noted here, if they allow none."""
+    def make(self, kind: Any, keys: Mapping[str, str] | None = None, /, **entries: Any) -> Any:
+        """An object of the model; None, with its mistakes noted here, if they allow none.
+
+        What this table calls otherwise than the model is in `keys`, by a pattern of the path.
+        """
         try:
             return kind(**entries)
         except InvalidModel as error:
             for path, message in error.problems:
-                for pattern, name in RENAMED.items():
+                for pattern, name in (keys or {}).items():
                     path = re.sub(pattern, name, path)
                 self.note(path, message)
             return None
@@ -190,12 +184,3 @@ class Table:
             if key not in self.asked:
                 self.note(key, "unknown key", key, self.asked)
 
-
-def _unit_hint(dimension: str) -> str:
-    if dimension == "dimensionless":
-        return "a number"
-    if dimension not in units.UNITS:
-        return f"a number of {dimension}"
-    article = "an" if dimension[0] in "aeiou" else "a"
-    known = ", ".join(units.UNITS[dimension])
-    return f"{article} {dimension}, in SI units or as text with one of {known}"

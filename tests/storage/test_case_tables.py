@@ -94,5 +94,5 @@ def test_a_name_of_a_file_holds_no_null_byte():
 
 def test_a_gauge_without_a_place_is_told_so():
     found = problems(HEAD + A_ROD + "[[gauges]]\nbody = 0\nx = 0.1")
-    assert found["gauges.0.fraction"].startswith("is missing; give the place")
+    assert found["gauges.0.fraction"].startswith("give the place")
     assert found["gauges.0.x"] == "unknown key; use one of body, fraction, name"
