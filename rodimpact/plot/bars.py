@@ -17,7 +17,7 @@ from ..model.profiles import extremes
 from ..results.gauges import Gauge
 from .borders import DRIVEN, WALL, mark
 from .placing import Placing, is_compliant
-from .sampling import is_stepped, mean_areas, state_at
+from .sampling import is_stepped, properties, state_at
 from .scales import Scale
 from .style import SMALL, colours
 
@@ -83,11 +83,11 @@ class Bars:
         for row, i, rod, profile in states:
             x, segment = profile.edges, profile.segment - profile.segment[0]
             places = self.plan.point(i, x, times[row]) * self.place.factor
-            thick = THICKNESS * np.maximum(THINNEST, np.sqrt(mean_areas(rod, x, segment) / widest))
+            area, modulus, _ = properties(rod, x, segment)
+            thick = THICKNESS * np.maximum(THINNEST, np.sqrt(area / widest))
             half = thick / 2 * (1 - SWELLING * profile.strain / self.largest)
-            moduli = np.array([float(s.material.youngs_modulus) for s in rod.segments])[segment]
             columns = (segment, places[:-1], places[1:], half, profile.velocity, profile.strain,
-                       moduli * profile.strain)
+                       modulus * profile.strain)
             wide = np.diff(x) > NARROWEST * x[-1]
             found = [Piece(row, i, *each) for each in zip(*(c[wide] for c in columns), strict=True)]
             crowd = not self.stepped and len(found) > MANY

@@ -24,7 +24,7 @@ from ..results.contacts import ContactHistory
 from ..results.magnification import BLOCK, ROUND_OFF, drifts, magnified, round_down
 from ..results.solution import Solution
 from ..units import TIMES, format_factor
-from .sampling import mean_areas, pieces
+from .sampling import pieces, properties
 
 ROOM = 0.04  # of a spring at its shortest, in lengths of the row
 
@@ -108,11 +108,9 @@ class Placing:
 
     def centre(self, body: int, t: Floats) -> Floats:
         """Place X of the centre of mass of a rod at t [n]."""
-        rod: Any = self.solution.system.bodies[body]
         edges, segment = pieces(self.solution, body)
-        segment = segment - segment[0]
-        density = np.array([float(s.material.density) for s in rod.segments])[segment]
-        mass = density * mean_areas(rod, edges, segment) * np.diff(edges)
+        area, _, density = properties(self.solution.system.bodies[body], edges, segment)
+        mass = density * area * np.diff(edges)
         part: Floats = mass / mass.sum()
         return part @ self.point(body, (edges[:-1, None] + edges[1:, None]) / 2, t)
 

@@ -6,7 +6,6 @@ A solution that changes smoothly has flat cells instead.
 from __future__ import annotations
 
 import math
-from itertools import compress
 from typing import Any
 
 import numpy as np
@@ -21,7 +20,7 @@ from ..results.regions import readable_until, regions_of
 from ..results.solution import Solution
 from .placing import Placing
 from .plane import Plane
-from .sampling import averaged, is_stepped, mean_areas, pieces
+from .sampling import averaged, is_stepped, pieces, properties
 from .scales import ROUND_OFF, digits
 from .style import SMALL, colours, extent, ink_on
 
@@ -45,7 +44,10 @@ class Polygons:
 
     def __init__(self, solution: Solution, start: float, stop: float | None) -> None:
         self.system, self.regions = solution.system, regions_of(solution, start, stop)
-        self._body = self.regions.body_of_vertices()
+        self._body, starts = self.regions.body_of_vertices(), self.regions.start
+        self._next = np.arange(1, self._body.size + 1)  # corner of the same region
+        self._next[starts[1:] - 1] = starts[:-1]
+        self._first = np.repeat(starts[:-1], np.diff(starts))
 
     def values(self, field: str, frame: float) -> Floats:
         """Values of a field in each region; displacements, in a frame, at its corners; SI."""
@@ -53,10 +55,10 @@ class Polygons:
         if field == "displacement":
             return r.displacement - frame * r.t
         if field == "energy":
-            rods = [getattr(body, "segments", ()) for body in self.system.bodies]
-            mass, c = np.array([(float(part.mass / part.length), float(part.wave_speed))
-                                for i, j in zip(r.body.tolist(), r.segment.tolist(), strict=True)
-                                for part in [rods[i][j]]]).T
+            bodies: Any = self.system.bodies
+            parts = [bodies[i].segments[j]
+                     for i, j in zip(r.body.tolist(), r.segment.tolist(), strict=True)]
+            mass, c = np.array([(float(p.mass / p.length), float(p.wave_speed)) for p in parts]).T
             return np.asarray(mass * ((r.velocity - frame) ** 2 + (c * r.strain) ** 2) / 2)
         return np.asarray(getattr(r, field))
 
@@ -68,12 +70,10 @@ class Polygons:
         self, ax: Axes, plan: Placing, plane: Plane, numbers: Floats, norm: colors.Normalize
     ) -> collections.PolyCollection | collections.TriMesh:
         """Draw the regions with these numbers: one each, or one for each corner."""
-        r, places = self.regions, np.empty(self.regions.x.shape)
-        for i in np.unique(self._body):
-            here = self._body == i
-            places[here] = plan.place(int(i), r.x[here], r.t[here], r.displacement[here])
-        corners, self._across = plane.points(places, r.t), plane.across
-        self._corners, self._norm, self._moving = corners, norm, plan.magnification > 0
+        r = self.regions
+        places = plan.place(self._body, r.x, r.t, r.displacement)
+        self._corners = corners = plane.points(places, r.t)
+        self._norm, self._across = norm, plane.across
         if numbers.size == len(r):
             polygons = collections.PolyCollection(
                 np.split(corners, r.start[1:-1]), array=numbers, cmap=colours().signed, norm=norm,
@@ -81,9 +81,11 @@ class Polygons:
             ax.add_collection(polygons)
             self._drawn: collections.PolyCollection | collections.TriMesh = polygons
             return polygons
+        inner = np.flatnonzero((self._next != self._first) & (np.arange(r.x.size) != self._first))
         self._drawn = ax.tripcolor(
-            corners[:, 0], corners[:, 1], numbers, triangles=_fans(r.start), shading="gouraud",
-            cmap=colours().signed, norm=norm, zorder=1.9, rasterized=True)
+            corners[:, 0], corners[:, 1], numbers, shading="gouraud", cmap=colours().signed,
+            norm=norm, zorder=1.9, rasterized=True,
+            triangles=np.column_stack((self._first[inner], inner, self._next[inner])))
         return self._drawn
 
     def finish(self, ax: Axes) -> list[Text]:
@@ -100,51 +102,72 @@ class Polygons:
             ax.add_collection(collections.LineCollection(
                 list(self._corners[sides[seen]]), colors=colours().ink, alpha=strength[seen],
                 linewidths=0.5, zorder=2.2, label="fronts"))
-        if np.asarray(self._drawn.get_array()).size != len(self.regions):
-            return []
-        polygons = np.split(self._corners, self.regions.start[1:-1])
-        if seen.sum() <= NAMED:
-            self._name(ax, sides[seen & ~steps], owners[seen & ~steps], polygons)
-        corners, first = _points(ax, self._corners), self.regions.start[:-1]
-        size = np.maximum.reduceat(corners, first) - np.minimum.reduceat(corners, first)
-        roomy = np.asarray((size > SMALL).all(axis=1))
         numbers = np.asarray(self._drawn.get_array())
-        return _labels(ax, list(compress(polygons, roomy)), numbers[roomy], self._norm,
-                       self._moving)
+        if numbers.size != len(self.regions):
+            return []
+        if seen.sum() <= NAMED:
+            self._name(ax, sides[seen & ~steps], owners[seen & ~steps], numbers)
+        return self._labels(ax, numbers)
 
     def _fronts(self) -> tuple[Ints, Ints]:
         """[n, 2] ends of the sides that two regions share, and these regions, the earlier first."""
-        r, after = self.regions, np.arange(1, self.regions.x.size + 1)
-        after[r.start[1:] - 1] = r.start[:-1]
-        places = np.column_stack((self._body, r.t, r.x))
-        corner = np.unique(places, axis=0, return_inverse=True)[1]  # a shared one has one number
-        ends = np.sort(np.column_stack((corner, corner[after])), axis=1)
-        order = np.lexsort(ends.T)
-        first = np.flatnonzero((np.diff(ends[order], axis=0) == 0).all(axis=1))
-        sides = np.sort(np.column_stack((order[first], order[first + 1])), axis=1)
-        sides = sides[sides[:, 0].argsort()]  # in the order of the regions
-        middle = np.add.reduceat(r.t, r.start[:-1]) / np.diff(r.start)
-        owners = np.repeat(np.arange(len(r)), np.diff(r.start))[sides]
+        r = self.regions
+        corners = list(zip(self._body.tolist(), r.t.tolist(), r.x.tolist(), strict=True))
+        sides = {(corners[i], corners[j]): i for i, j in enumerate(self._next.tolist())}
+        shared = [(i, sides[b, a]) for (a, b), i in sides.items() if a < b and (b, a) in sides]
+        both = np.array(shared, dtype=np.int64).reshape(-1, 2)
+        counts = np.diff(r.start)
+        middle = np.add.reduceat(r.t, r.start[:-1]) / counts
+        owners = np.repeat(np.arange(len(r)), counts)[both]
         earlier = np.argsort(middle[owners], axis=1, kind="stable")
-        return (np.column_stack((sides[:, 0], after[sides[:, 0]])),
+        return (np.column_stack((both[:, 0], self._next[both[:, 0]])),
                 np.take_along_axis(owners, earlier, axis=1))
 
-    def _name(self, ax: Axes, sides: Ints, owners: Ints, polygons: list[Floats]) -> None:
+    def _centres(self, corners: Floats) -> Floats:
+        """Centre of area of each region, [n, 2]."""
+        origin, starts = corners[self._first], self.regions.start[:-1]
+        one, other = corners - origin, corners[self._next] - origin
+        turn = _cross(one, other)[:, None]
+        areas = np.add.reduceat(turn, starts)
+        areas[areas == 0] = np.nan  # of a region without area; no number fits there
+        return origin[starts] + np.add.reduceat(turn * (one + other), starts) / (3 * areas)
+
+    def _name(self, ax: Axes, sides: Ints, owners: Ints, numbers: Floats) -> None:
         """Write along each front, on its later side, whether it compresses or stretches the rod."""
-        stress, numbers = self.regions.stress, np.asarray(self._drawn.get_array())
+        stress, centres = self.regions.stress, _points(ax, self._centres(self._corners))
         for side, (before, after) in zip(self._corners[sides], owners, strict=True):
             word = "compression" if stress[after] < stress[before] else "tension"
-            (along, up), (x, y) = np.diff(_points(ax, side), axis=0)[0], side.mean(axis=0)
-            length = math.hypot(along, up)
-            away = _points(ax, _centre(polygons[after])) - _points(ax, side[0])
-            clear = abs(along * away[1] - up * away[0]) / length  # of the number in the region
-            if length < ALONG * SMALL * len(word) or clear < CLEAR * SMALL:
-                continue
-            dx, dy = np.diff(side[side[:, 0].argsort()], axis=0)[0]
-            ax.text(x, y, word, rotation=math.degrees(math.atan2(dy, dx)), rotation_mode="anchor",
-                    transform_rotates_text=True, ha="center", zorder=6, fontsize=SMALL,
-                    va="top" if self._across and dy > 0 else "bottom",
-                    color=ink_on(self._norm, float(numbers[after])))
+            start, stop = _points(ax, side)
+            length = math.hypot(*(stop - start))
+            clear = abs(_cross(stop - start, centres[after] - start)) / length  # of its number
+            if length > ALONG * SMALL * len(word) and clear > CLEAR * SMALL:
+                dx, dy = np.diff(side[side[:, 0].argsort()], axis=0)[0]
+                ax.text(*side.mean(axis=0), word, rotation=math.degrees(math.atan2(dy, dx)),
+                        rotation_mode="anchor", transform_rotates_text=True, ha="center", zorder=6,
+                        fontsize=SMALL, va="top" if self._across and dy > 0 else "bottom",
+                        color=ink_on(self._norm, float(numbers[after])))
+
+    def _labels(self, ax: Axes, numbers: Floats) -> list[Text]:
+        """Write each number where its region has room for it."""
+        low, high = self._norm.inverse(np.array([0.0, 1.0])).tolist()
+        reach = (high - low) / 2
+        count = 3 + max(0, math.ceil(math.log10(max(-low, high) / reach)))
+        texts = [digits(value, reach, count) for value in numbers.tolist()]
+        # a text fits if half its width and height, and more, lie inside of every side
+        half = np.array([(0.35 * SMALL * len(text) + 1.0, 0.6 * SMALL + 1.0) for text in texts])
+        owner = np.repeat(np.arange(len(texts)), np.diff(self.regions.start))
+        centres, corners = self._centres(self._corners), _points(ax, self._corners)
+        side = corners[self._next] - corners
+        room = np.abs(_cross(side, _points(ax, centres)[owner] - corners))
+        roomy = room > (np.abs(side[:, ::-1]) * half[owner]).sum(axis=1)
+        written = []
+        for i in np.flatnonzero(np.logical_and.reduceat(roomy, self.regions.start[:-1])).tolist():
+            ground = colours().signed(self._norm(numbers[i]))  # also over paths that cross it
+            written.append(ax.text(
+                *centres[i], texts[i], ha="center", va="center", zorder=6, fontsize=SMALL,
+                color=ink_on(self._norm, float(numbers[i])),
+                bbox={"facecolor": ground, "edgecolor": "none", "pad": 1.0}))
+        return written
 
 
 class Raster:
@@ -181,12 +204,9 @@ class Raster:
             middle, t = (edges[:-1] + edges[1:]) / 2, (self.times[:-1] + self.times[1:]) / 2
             return self.solution.displacement(body, middle[:, None], t) - frame * t
         velocity, strain = averaged(self.solution, body, self.times)
-        rod: Any = self.solution.system.bodies[body]
-        which = segment - segment[0]
-        materials = [rod.segments[i].material for i in which.tolist()]
-        modulus = np.array([[float(m.youngs_modulus)] for m in materials])
-        density = np.array([[float(m.density)] for m in materials])
-        area, stress = mean_areas(rod, edges, which)[:, None], modulus * strain
+        area, modulus, density = (each[:, None] for each in properties(
+            self.solution.system.bodies[body], edges, segment))
+        stress = modulus * strain
         energy = area * (density * (velocity - frame) ** 2 + stress * strain) / 2
         values: dict[str, Floats] = {
             "velocity": velocity, "strain": strain, "stress": stress, "energy": energy}
@@ -218,44 +238,12 @@ def drawn_until(solution: Solution) -> float:
     return solution.t_end if is_stepped(solution) else readable_until(solution, REGIONS)
 
 
-def _fans(start: Ints) -> Ints:
-    """[n, 3] corners of triangles that polygons, start[i] to start[i + 1], are made of."""
-    counts = np.diff(start) - 2
-    first = np.repeat(start[:-1], counts)
-    turn = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-    second = first + 1 + turn
-    return np.column_stack((first, second, second + 1))
-
-
-def _labels(
-    ax: Axes, polygons: list[Floats], values: Floats, norm: colors.Normalize, boxed: bool
-) -> list[Text]:
-    """Write each value where its polygon has room for it; boxed, over paths that cross it."""
-    low, high = norm.inverse(np.array([0.0, 1.0])).tolist()
-    reach = (high - low) / 2
-    count = 3 + max(0, math.ceil(math.log10(max(-low, high) / reach)))
-    written = []
-    for polygon, value in zip(polygons, values, strict=True):
-        text, corners = digits(value, reach, count), _points(ax, polygon)
-        across, up = 0.35 * SMALL * len(text) + 1.0, 0.6 * SMALL + 1.0  # half the text and more
-        side, away = np.roll(corners, -1, axis=0) - corners, _centre(corners) - corners
-        room = np.abs(side[:, 0] * away[:, 1] - side[:, 1] * away[:, 0])
-        if (room > np.abs(side[:, 1]) * across + np.abs(side[:, 0]) * up).all():
-            x, y = _centre(polygon)
-            ground = {"facecolor": colours().signed(norm(value)), "edgecolor": "none", "pad": 1.0}
-            written.append(ax.text(x, y, text, ha="center", va="center", zorder=6, fontsize=SMALL,
-                                   color=ink_on(norm, value), bbox=ground if boxed else None))
-    return written
-
-
 def _points(ax: Axes, corners: Floats) -> Floats:
     """Corners in printer's points."""
     pixels = ax.transData.transform(corners.reshape(-1, 2)).reshape(corners.shape)
     return np.asarray(pixels * (72.0 / ax.figure.dpi))
 
 
-def _centre(corners: Floats) -> Floats:
-    """Centre of area of a convex polygon, [n, 2]."""
-    first, a, b = corners[0], corners[1:-1] - corners[0], corners[2:] - corners[0]
-    areas = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-    return np.asarray(first + (areas[:, None] * (a + b)).sum(axis=0) / (3 * areas.sum()))
+def _cross(a: Floats, b: Floats) -> Any:
+    """Cross product of vectors [..., 2]."""
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]

@@ -5,6 +5,8 @@ Such a solution has no fronts to draw between; a few hundred pieces show what ca
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ..methods.signals import Floats, Ints
@@ -70,16 +72,23 @@ def steps_until(
     return np.append(times[inside], end), values[inside]
 
 
-def mean_areas(rod: Rod, edges: Floats, segment: Ints) -> Floats:
-    """Mean areas, m^2, of the pieces of a rod between edges, m, each in a segment of it."""
+def properties(rod: Any, edges: Floats, segment: Ints) -> tuple[Floats, Floats, Floats]:
+    """Mean area, m^2, Young's modulus, Pa, and density, kg/m^3, of the pieces of a rod [n].
+
+    They lie between edges [n + 1], m, each in a segment; the first piece is in the first segment.
+    """
     starts = np.cumsum([0.0, *(float(s.length) for s in rod.segments)])
+    segment = segment - segment[0]
     areas = np.empty(segment.size)
     for i, piece in enumerate(rod.segments):
         here = np.flatnonzero(segment == i)
         if here.size:
             inside = edges[here[0] : here[-1] + 2] - starts[i]
             areas[here] = piece.area_between(inside)
-    return areas
+    materials = [s.material for s in rod.segments]
+    moduli = np.array([float(m.youngs_modulus) for m in materials])
+    densities = np.array([float(m.density) for m in materials])
+    return areas, moduli[segment], densities[segment]
 
 
 def evenly(count: int, most: int) -> Ints:
