@@ -129,20 +129,23 @@ def contact_curves(run: Any, stop: int) -> list[Any]:
     it.rest = IDLE  # nothing is to be proved
     contacts, laws = run["plan"].contacts, run["plan"].row.system.contacts
     curves: list[Any] = [
-        {"force": ([], []), "gap": ([], []) if law.opens else None} for law in laws]
+        {"force": {"t": [], "y": []}, "gap": {"t": [], "y": []} if law.opens else None}
+        for law in laws]
     while now < stop:
         now = min(tree[1], stop)
         while events.advance(it, segment, node, line, log, tree, now) == Stop.FULL:
             log.extend(blank(len(log), ROW))
         for i, k in enumerate(contacts):
-            at, (times, force) = node[k], curves[i]["force"]
+            at, force, gap = node[k], curves[i]["force"], curves[i]["gap"]
             if at.since == now or now in (0, stop):
-                times.extend([now * tick for _ in ((0,) if now == 0 else (0, 1))])
-                force.extend([at.force] if now == 0 else [force[-1], at.force])
-                if laws[i].opens:
-                    gap = at.gap + at.rate * (now - at.since)
-                    curves[i]["gap"][0].append(now * tick)
-                    curves[i]["gap"][1].append(max(gap, 0.0) * tick)
+                if now > 0:  # the value before
+                    force["t"].append(now * tick)
+                    force["y"].append(force["y"][-1])
+                force["t"].append(now * tick)
+                force["y"].append(at.force)
+                if gap is not None:
+                    gap["t"].append(now * tick)
+                    gap["y"].append(max(at.gap + at.rate * (now - at.since), 0.0) * tick)
     return curves
 
 
@@ -198,7 +201,7 @@ def solved_by_fronts(system: Any, asked: Any) -> Any:
         "motion": motion, "outcome": outcome, "method": "fronts", "notes": notes,
         "closed_form": closed_form_of(system, outcome["before"]),
         "contacts": contact_curves(run, stop),
-        "polygons": polygons_of(motion["rods"], tick, motion["frame"], 0, stop),
+        "tiling": polygons_of(motion["rods"], tick, motion["frame"], 0, stop),
     }
 
 

@@ -14,32 +14,44 @@ from ..model.numbering import body_numbers, contact_names
 from ..model.profiles import extremes
 from ..results.outcome import effective_restitution, no_restitution
 from ..units import format_si
+from .texts import capital, name_of, written
 
 
-def described(system: Any, paths: Any, positions: Any, polygons: Any, outcome: Any) -> Any:
-    """What `picture` asks of a solution beside its curves and its notes.
+def described(system: Any, found: Any) -> Any:
+    """What `picture` shows of a solution.
 
     Parameters
     ----------
     system : System
-    paths : list
-        How bodies without inside move, by body; None for rods.
-    positions : list of float
-        Where the left end of each body lies at t = 0, m.
-    polygons : dict
-    outcome : dict
-        As `outcome_told` makes it.
+    found : dict
+        ``method``, ``notes``, and whether it is ``exact``; ``closed_form`` of e, or None;
+        ``gauges``; ``outcome`` as of `outcome_told`; ``tiling``: polygons, or grids with
+        ``across`` cells in a row; ``paths`` of bodies without inside, None of rods. Curves, tables
+        of ``t``, s, and ``y``: ``force`` and ``gap`` of each of the ``contacts``, the gap None for
+        a bond; ``records``, each with the ``name`` of its gauge. ``energy``: times ``t``, and
+        energies by their names.
     """
-    strain = 0.0
-    for e in polygons["strain"]:
-        strain = max(strain, abs(e))
+    kinds, tiling = [body.kind for body in system.bodies], found["tiling"]
+    numbers, names, energy = body_numbers(kinds), contact_names(kinds), found["energy"]
     return {
-        "bodies": [body_told(body, paths[i]) for i, body in enumerate(system.bodies)],
-        "positions": positions, "polygons": polygons, "strain": strain,
-        "slowest": slowest_of(system, outcome["before"]), "outcome": outcome, "curve": None,
-        "contacts": [{"index": i, "bonded": law.law == "bonded",
-                      "compliant": law.law not in ("rigid", "bonded")}
-                     for i, law in enumerate(system.contacts)],
+        "method": found["method"], "exact": found["exact"], "notes": found["notes"],
+        "closed_form": found["closed_form"], "gauges": found["gauges"], "curve": None,
+        "tiling": tiling, "outcome": found["outcome"],
+        "bodies": [body_told(body, numbers[i], found["paths"][i])
+                   for i, body in enumerate(system.bodies)],
+        "contacts": [{
+            "index": i, "name": names[i], "bonded": law.law == "bonded",
+            "compliant": law.law not in ("rigid", "bonded"), **found["contacts"][i],
+        } for i, law in enumerate(system.contacts)],
+        "plots": [
+            {"key": "energy", "title": "Energy", "unit": "J", "series": [
+                {"name": name, "t": [*energy["t"]], "y": y}
+                for name, y in energy.items() if name != "t"]},
+            {"key": "gauge", "title": "Strain, below 0 compressed", "unit": "µε", "series": [
+                {**record, "y": [1e6 * e for e in record["y"]]} for record in found["records"]]},
+        ],
+        "apart": apart_of(system, tiling), "strain": max([abs(e) for e in tiling["strain"]]),
+        "slowest": slowest_of(system, found["outcome"]["before"]),
     }
 
 
@@ -70,30 +82,52 @@ def outcome_told(system: Any, found: Any) -> Any:
             "error": error}
 
 
-def body_told(body: Any, path: Any) -> Any:
-    """A body; `path` of one that has no inside, else None."""
-    speed = body.velocity if isinstance(body.velocity, float) else None
-    rod = body.kind == "rod"
+def body_told(body: Any, number: str, path: Any) -> Any:
+    """A body; `path` of one that has no inside, else None.
+
+    Its ``approach`` is None unless all of it comes unstrained with one velocity.
+    """
+    rod, name = body.kind == "rod", name_of(body.kind, number)
+    even = isinstance(body.velocity, float) and (not rod or body.strain == 0.0)
+    pieces = body.segments if rod else []
     return {
-        "kind": body.kind, "velocity": speed, "path": path,
+        "kind": body.kind, "name": name, "path": path,
+        "title": capital(number if number == "wall" else name),
         "mass": 0.0 if body.kind == "wall" else body.mass,
-        "approach": speed if not rod or body.strain == 0.0 else None,
+        "approach": body.velocity if even else None,
         "pieces": [{
-            "length": piece.length, "areas": extremes(piece.area),
-            "material": piece.material.name, "density": piece.material.density,
-            "wave_speed": piece.wave_speed, "transit_time": piece.transit_time, "mass": piece.mass,
-        } for piece in (body.segments if rod else [])],
+            "length": piece.length, "area": extremes(piece.area)[1], "mass": piece.mass,
+            "wave_speed": piece.wave_speed, "transit_time": piece.transit_time,
+            "impedance": piece.material.density * piece.wave_speed * extremes(piece.area)[1],
+        } for piece in pieces],
+        "derived": [derived_of(piece) for piece in pieces],
     }
 
 
-def positions_of(system: Any, lengths: Any) -> list[float]:
-    """Where the left end of each body lies at t = 0, m; `lengths` of bodies are strained."""
-    place, positions = 0.0, []
-    for i, length in enumerate(lengths):
-        place += system.gaps[i - 1] if i > 0 else 0.0
-        positions.append(place)
-        place += length
-    return positions
+def derived_of(piece: Any) -> Any:
+    """What follows for a segment."""
+    factor = piece.material.density * piece.wave_speed
+    low, high = [f"{area * factor:.4g}" for area in extremes(piece.area)]
+    return [
+        ("bar speed c", f"{piece.wave_speed:.4g} m/s"),
+        ("impedance Z", f"{low if low == high else f'{low} to {high}'} kg/s"),
+        ("transit time T", written(piece.transit_time, "s", 5)), ("mass m", f"{piece.mass:.4g} kg"),
+    ]
+
+
+def apart_of(system: Any, tiling: Any) -> list[float]:
+    """How far to the right of its place in a row without gaps and strain each body begins, m."""
+    apart, found = 0.0, []
+    for i in range(len(system.bodies)):
+        apart += system.gaps[i - 1] if i > 0 else 0.0
+        found.append(apart)
+        end, longer = 0.0, 0.0  # how far its right end is displaced at t = 0
+        for g, body in enumerate(tiling["body"]):
+            for k in range(tiling["start"][g], tiling["start"][g + 1]):
+                if body == i and tiling["t"][k] == 0 and tiling["x"][k] > end:
+                    end, longer = tiling["x"][k], tiling["displacement"][k]
+        apart += longer
+    return found
 
 
 def slowest_of(system: Any, before: list[float]) -> float:
@@ -106,53 +140,10 @@ def slowest_of(system: Any, before: list[float]) -> float:
     return slowest
 
 
-# Curves -------------------------------------------------------------------------------------------
-
-
-def series_of(name: str, t: list[float], y: list[float]) -> Any:
-    """A curve over time, of straight lines; where it jumps, it has two values at one time."""
-    return {"name": name, "t": [*t], "y": y}
-
-
-def curves_of(system: Any, contacts: Any, energy: Any, gauges: Any) -> Any:
-    """The figures: force, gap, energy, gauges.
-
-    Parameters
-    ----------
-    system : System
-    contacts : list of dict
-        Of each contact `force` and `gap`, pairs of times and values; `gap` None for a bond.
-    energy : dict
-        Times ``t``, and energies by their names.
-    gauges : list
-        Name of each gauge, times and strains.
-    """
-    names = [f"contact {name}" for name in contact_names([body.kind for body in system.bodies])]
-    title = "Gap"
-    if any(law.law not in ("rigid", "bonded", "joint") for law in system.contacts):
-        title = "Gap, below 0 overlap"
-    if any(law.law == "joint" for law in system.contacts):
-        title = f"{title}, or stretch of joints"
-    forces, gaps = [], []
-    for i, curve in enumerate(contacts):
-        forces.append(series_of(names[i], curve["force"][0], curve["force"][1]))
-        if curve["gap"] is not None:
-            gaps.append(series_of(names[i], curve["gap"][0], curve["gap"][1]))
-    energies = [series_of(name, energy["t"], values)
-                for name, values in energy.items() if name != "t"]
-    strains = [series_of(name, t, [1e6 * e for e in strain]) for name, t, strain in gauges]
-    return [{"key": key, "title": title, "unit": unit, "series": series}
-            for key, title, unit, series in (
-                ("force", "Contact force", "N", forces), ("gap", title, "m", gaps),
-                ("energy", "Energy", "J", energies),
-                ("gauge", "Strain, below 0 compressed", "µε", strains))]
-
-
 def gauge_of(system: Any, gauge: Any) -> Any:
     """Segment of a gauge in its rod, place in that, m, and its name."""
-    segments, x, s = system.bodies[gauge["body"]].segments, 0.0, 0
-    for piece in segments:
-        x += gauge["fraction"] * piece.length
+    segments, s = system.bodies[gauge["body"]].segments, 0
+    x = gauge["fraction"] * sum(piece.length for piece in segments)
     number = body_numbers([body.kind for body in system.bodies])[gauge["body"]]
     name = f"rod {number} at {format_si(x, 'm', 4)}"
     while s < len(segments) - 1 and x >= segments[s].length:

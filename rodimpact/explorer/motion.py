@@ -47,17 +47,6 @@ def grids_of(run: Any) -> Any:
     return found
 
 
-def length_of(run: Any, i: int) -> float:
-    """Length of a body at t = 0, m."""
-    length = 0.0
-    for s in range(run["row"].spans[i][0] - 1, run["row"].spans[i][1]):
-        T, a, b = run["transits"][s], run["waves"][2 * s], run["waves"][2 * s + 1]
-        passed = (reading.passed_by(b, 0)[0] - reading.passed_by(b, -T)[0]
-                  - reading.passed_by(a, 0)[0] + reading.passed_by(a, -T)[0])
-        length += run["row"].segments[s].length + passed / 2 * run["tick"]
-    return length
-
-
 def path_of(run: Any, i: int) -> Any:
     """Times, s, and displacement of a body without inside, m; None for a rod."""
     body, tick = run["row"].system.bodies[i], run["tick"]
@@ -73,7 +62,7 @@ def path_of(run: Any, i: int) -> Any:
 
 
 def curve_of(run: Any, terms: Any) -> Any:
-    """Times, s, and sum of waves, each with its delay, ticks, and its factor.
+    """Curve of a sum of waves, each with its delay, ticks, and its factor: ``t``, s, and ``y``.
 
     As close as pieces bend; where the sum jumps there are two values at one time.
     """
@@ -96,11 +85,11 @@ def curve_of(run: Any, terms: Any) -> Any:
                     times.append(at * run["tick"])
                     values.append(value)
                     last = at
-    return times, values
+    return {"t": times, "y": values}
 
 
 def gauge_curve(run: Any, s: int, x: float) -> Any:
-    """Times, s, and strains at a place of segment s, m from its left end."""
+    """Curve of the strain at a place of segment s, m from its left end."""
     piece, T = run["row"].segments[s], run["transits"][s]
     after, factor = max(0, min(T, round(x / piece.length * T))), 0.5 / piece.wave_speed
     return curve_of(run, [(run["waves"][2 * s + 1], T - after, factor),

@@ -227,5 +227,5 @@ def solved_by_pieces(system: Any, asked: Any, tolerance: float) -> Any:
     return {
         "motion": motion, "outcome": outcome, "method": "characteristics", "closed_form": None,
         "notes": [outcome["status"], "The picture shows means over cells."],
-        "contacts": contacts, "polygons": grids_of(motion),
+        "contacts": contacts, "tiling": grids_of(motion),
     }

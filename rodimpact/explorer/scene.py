@@ -15,7 +15,7 @@ from ..results.regions import nothing_to_draw
 from ..results.solution import Solution
 from ..storage.casefile import Case
 from ..storage.report import ENERGIES
-from .known import curves_of, described, gauge_of, outcome_told
+from .known import described, gauge_of, outcome_told
 from .picture import picture
 from .tiling import grids
 
@@ -49,35 +49,39 @@ def scene(case: Case, solution: Solution) -> Scene:
     if reason := nothing_to_draw(solution):
         raise InvalidModel([("solve", reason)])
     system, o, theory = solution.system, solution.outcome, pair_theory(solution.system)
-    known = described(
-        system, [_path(solution, i) for i in range(len(system.bodies))],
-        solution.fields.positions, grids(solution), outcome_told(system, {
-            "before": o.velocities_before, "after": o.velocities_after, "contacts": o.contacts,
-            "final": o.final, "status": o.status, "errors": _errors(solution),
-            "energy_before": o.kinetic_before + sum(o.vibration_before),
-            "vibration_after": sum(o.vibration_after),
-        }))
-    known["polygons"].pop("strain")
     times = np.linspace(0.0, solution.t_end, SAMPLES + 1)
     contacts = [{
         "force": _mean_force(contact, times),
-        "gap": None if isinstance(contact.law, Bonded) else (
-            times.tolist(), contact.gap(times).tolist()),
+        "gap": None if isinstance(contact.law, Bonded) else _curve(times, contact.gap(times)),
     } for contact in solution.contacts]
     records = []
     for body, fraction, _ in case.gauges:
         _, _, name = gauge_of(system, {"body": body, "fraction": fraction})
         x = fraction * float(solution.fields.edges(body)[-1])
-        records.append((name, times.tolist(), solution.gauge(body, x).strain_at(times).tolist()))
-    return shortened(picture({
-        **known, "method": solution.method, "exact": False,
+        records.append({"name": name, **_curve(times, solution.gauge(body, x).strain_at(times))})
+    found: Scene = _short(picture(described(system, {
+        "method": solution.method, "exact": False,
         "closed_form": theory and {
             "restitution": float(theory.collision().restitution), "source": theory.source},
         "notes": [solution.status,
                   "The picture shows means over cells, not the fronts themselves."],
         "gauges": [{"body": body, "fraction": at} for body, at, _ in case.gauges],
-        "plots": curves_of(system, contacts, _energy(solution), records),
-    }))
+        "outcome": outcome_told(system, {
+            "before": o.velocities_before, "after": o.velocities_after, "contacts": o.contacts,
+            "final": o.final, "status": o.status, "errors": _errors(solution),
+            "energy_before": o.kinetic_before + sum(o.vibration_before),
+            "vibration_after": sum(o.vibration_after),
+        }),
+        "tiling": grids(solution), "paths": [_path(solution, i) for i in range(len(system.bodies))],
+        "contacts": contacts, "energy": _energy(solution), "records": records,
+    })))
+    found["tiling"].pop("strain")
+    return found
+
+
+def _curve(times: Floats, values: Floats) -> dict[str, list[float]]:
+    """A curve over time, of straight lines."""
+    return {"t": times.tolist(), "y": values.tolist()}
 
 
 def _errors(solution: Solution) -> dict[str, float]:
@@ -99,10 +103,10 @@ def _path(solution: Solution, i: int) -> Any:
         "t": times.tolist(), "displacement": solution.displacement(i, 0.0, times).tolist()}
 
 
-def _mean_force(contact: ContactHistory, times: Floats) -> tuple[list[float], list[float]]:
+def _mean_force(contact: ContactHistory, times: Floats) -> dict[str, list[float]]:
     """Mean force between times that follow each other, at the middle between them."""
     mean, middles = np.diff(contact.impulse_until(times)) / np.diff(times), times[1:] + times[:-1]
-    return (middles / 2).tolist(), mean.tolist()
+    return _curve(middles / 2, mean)
 
 
 def _energy(solution: Solution) -> Any:
@@ -115,16 +119,10 @@ def _energy(solution: Solution) -> Any:
     return {"t": times.tolist(), **kinds, "total": e.total.tolist()}
 
 
-def shortened(found: Scene) -> Scene:
-    """The scene with as many digits in what is drawn as a picture can use."""
-    for table in (found["tiling"], *found["bodies"], *found["plots"]):
-        table.update({key: _short(value) for key, value in table.items()})
-    return {**found, "end": _short(found["end"])}  # no later than the polygons
-
-
 def _short(value: Any) -> Any:
+    """A scene with as many digits as a picture can use; e and what belongs to it have all."""
     if isinstance(value, float):
         return float(f"{value:.{DIGITS}g}")
     if isinstance(value, dict):
-        return {key: _short(item) for key, item in value.items()}
+        return {key: item if key == "restitution" else _short(item) for key, item in value.items()}
     return [*map(_short, value)] if isinstance(value, list | tuple) else value

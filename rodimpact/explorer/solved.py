@@ -15,8 +15,8 @@ from ..methods.laws import Stop
 from ..methods.pieces.method import RTOL
 from ..methods.walk import walk
 from . import fronts, pieces
-from .known import curves_of, described, gauge_of, positions_of
-from .motion import energy_curves, gauge_curve, length_of, path_of
+from .known import described, gauge_of
+from .motion import energy_curves, gauge_curve, path_of
 from .picture import picture, ratio_of
 from .tables import asked_of, contacts_in, is_smooth, system_of
 
@@ -59,25 +59,19 @@ def known_of(system: Any, gauges: Any, found: Any) -> Any:
         Each with its ``body`` and ``fraction`` of the length.
     found : dict
         The ``motion``, the ``outcome``, ``method``, ``notes``, ``closed_form``, curves of the
-        ``contacts`` and ``polygons``, or grids; or a ``problem``, which is returned.
+        ``contacts`` and the ``tiling``; or a ``problem``, which is returned.
     """
     if "problem" in found:
         return found
-    motion, records, bodies = found["motion"], [], range(len(system.bodies))
+    motion, records, exact = found["motion"], [], found["motion"]["exact"]
     for gauge in gauges:
         s, x, name = gauge_of(system, gauge)
-        t, strain = gauge_curve(motion, motion["row"].spans[gauge["body"]][0] - 1 + s, x)
-        records.append((name, t, strain))
-    corners = found["polygons"]["t"] if motion["exact"] else []
-    return {
-        **described(
-            system, [path_of(motion, i) for i in bodies], positions_of(
-                system, [length_of(motion, i) for i in bodies]),
-            found["polygons"], found["outcome"]),
-        "method": found["method"], "exact": motion["exact"], "notes": found["notes"],
-        "closed_form": found["closed_form"], "gauges": gauges,
-        "plots": curves_of(system, found["contacts"], energy_curves(motion, corners), records),
-    }
+        curve = gauge_curve(motion, motion["row"].spans[gauge["body"]][0] - 1 + s, x)
+        records.append({"name": name, **curve})
+    return described(system, {
+        **found, "exact": exact, "gauges": gauges, "records": records,
+        "paths": [path_of(motion, i) for i in range(len(system.bodies))],
+        "energy": energy_curves(motion, found["tiling"]["t"] if exact else [])})
 
 
 def e_over(case: Any, library: Any, path: list[Any], values: list[float]) -> list[Any]:

@@ -10,13 +10,14 @@ from __future__ import annotations
 import functools
 
 from ..methods.compiling import blank
+from ..model.numbering import body_numbers, contact_names
 from ..model.profiles import extremes
 from ..units import format_factor, format_si
 from .javascript import javascript
 from .reason import spells_of, value_at
 from .solved import changed, curve_of, e_over, roundness_of, scene_of
 from .tables import lacking, mistakes, steps
-from .texts import contacts_of, name_of, numbers_of, written
+from .texts import name_of, written
 
 CONSTANTS = {
     "CLOCK_BITS": 52, "NEVER": 1 << 52, "IDLE": (1 << 53) - 1, "LEAST_UNIT": 2.0**34,
@@ -24,8 +25,8 @@ CONSTANTS = {
 }
 """Constants of the kernels on the page's clock."""
 FUNCTIONS = (
-    lacking, mistakes, scene_of, e_over, curve_of, roundness_of, changed, contacts_of, name_of,
-    numbers_of, spells_of, value_at,
+    lacking, mistakes, scene_of, e_over, curve_of, roundness_of, changed, body_numbers,
+    contact_names, name_of, spells_of, value_at,
 )
 KNOWN = {
     format_si: "inSi", written: "inSi", format_factor: "plainNumber", blank: "py.blank",

@@ -3,25 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from ..model.numbering import body_numbers, contact_names
 from ..units import format_si
-
-
-def numbers_of(bodies: list[Any]) -> list[str]:
-    """Numbers of the bodies of a scene."""
-    return body_numbers([body["kind"] for body in bodies])
 
 
 def name_of(kind: str, number: str) -> str:
     """The name of a body in a sentence."""
     return "the wall" if number == "wall" else f"{kind} {number}"
-
-
-def contacts_of(bodies: list[Any]) -> list[str]:
-    """Names of the contacts of a scene."""
-    return contact_names([body["kind"] for body in bodies])
 
 
 def capital(word: str) -> str:

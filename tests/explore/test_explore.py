@@ -188,16 +188,16 @@ def test_a_scene_is_strict_json_with_whole_polygons(key):
     assert len(tiling["velocity"]) == len(tiling["stress"]) == count
     sizes = {len(tiling[name]) for name in ("x", "t", "displacement")}
     assert sizes == {tiling["start"][-1]}
-    assert {plot["key"] for plot in found["plots"]} == {"force", "gap", "energy", "gauge"}
+    assert [plot["key"] for plot in found["plots"]] == ["energy", "gauge"]
 
 
 def test_numbers_are_those_of_the_solution():
     solution, found = shown(PAIR)
     assert found["restitution"]["value"] == solution.outcome.restitution
     assert found["restitution"]["text"] == "0.4"
-    assert found["restitution"]["closed_form"] == pytest.approx(0.4, abs=1e-15)
+    assert found["restitution"]["closed_form"]["restitution"] == pytest.approx(0.4, abs=1e-15)
     assert ["velocity of rod 2 after", "0.4 m/s"] in [list(row) for row in found["results"]]
-    force = next(plot for plot in found["plots"] if plot["key"] == "force")["series"][0]
+    force = found["contacts"][0]["force"]
     assert max(force["y"]) == pytest.approx(solution.outcome.contacts[0].peak_force, rel=1e-8)
     gauge = next(plot for plot in found["plots"] if plot["key"] == "gauge")["series"][0]
     middle = (gauge["t"][2] + gauge["t"][3]) / 2  # between its first two jumps
@@ -213,7 +213,7 @@ def test_masses_and_walls_bring_their_paths():
     assert mass["path"]["displacement"][-1] == pytest.approx(
         solution.displacement(0, 0.0, 1e-3).item(), rel=1e-4)
     assert wall["path"]["displacement"] == [0.0, 0.0]
-    assert mass["width"] > 0 == wall["width"]
+    assert found["row"]["block"] > 0
 
 
 # Comparison

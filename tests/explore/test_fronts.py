@@ -68,17 +68,18 @@ def test_runs_and_curves_are_those_of_the_solution(number):
         np.testing.assert_array_equal(polygons[name], getattr(known, name))
     curves = fronts.contact_curves(run, stop)
     for curve, contact in zip(curves, solution.contacts, strict=True):
-        times, force = map(np.array, curve["force"])
+        times, force = map(np.array, curve["force"].values())
         assert force[-1] == pytest.approx(contact.force(times[-1]), rel=1e-9, abs=1e-9)
         if curve["gap"] is not None:
-            assert curve["gap"][1] == pytest.approx(contact.gap(curve["gap"][0]), abs=1e-15)
+            opened, gap = curve["gap"].values()
+            assert gap == pytest.approx(contact.gap(opened), abs=1e-15)
         middles, long = (times[1:] + times[:-1]) / 2, np.diff(times) > 0
         known = contact.force(middles)[long]
         assert known == pytest.approx(force[:-1][long], rel=1e-9, abs=1e-9)
         assert known == pytest.approx(force[1:][long], rel=1e-9, abs=1e-9)
     body = next(i for i, b in enumerate(system.bodies) if isinstance(b, ri.Rod))
     s, x, _ = gauge_of(theirs, {"body": body, "fraction": 0.3})
-    times, strain = motion.gauge_curve(moving, moving["row"].spans[body][0] - 1 + s, x)
+    times, strain = motion.gauge_curve(moving, moving["row"].spans[body][0] - 1 + s, x).values()
     middles, long = (np.array(times)[1:] + np.array(times)[:-1]) / 2, np.diff(times) > 0
     record = solution.gauge(body, 0.3 * system.bodies[body].length).strain_at(middles)[long]
     assert record == pytest.approx(np.array(strain)[:-1][long], abs=1e-12)

@@ -124,7 +124,7 @@ def test_the_picture_is_that_of_the_solution(name):
     case = ri.Case(PICTURES[name], {"until": 6e-4} if driven else {})
     rods = [i for i, body in enumerate(case.system.bodies) if isinstance(body, ri.Rod)]
     page, = known_by_the_page([case], [{"body": rods[-1], "fraction": 0.3}])
-    solution, polygons = solve(case), page["polygons"]
+    solution, polygons = solve(case), page["tiling"]
     assert max(polygons["t"]) == pytest.approx(solution.t_end, rel=1e-9)
     for g, body in enumerate(polygons["body"]):
         inside = slice(*polygons["start"][g : g + 2])
@@ -136,10 +136,11 @@ def test_the_picture_is_that_of_the_solution(name):
             t = np.minimum(body["path"]["t"], solution.t_end)
             assert body["path"]["displacement"] == pytest.approx(
                 solution.displacement(i, 0.0, t), rel=1e-6, abs=1e-12)
-    force, gap, energy, gauge = (plot["series"] for plot in page["plots"])
+    energy, gauge = (plot["series"] for plot in page["plots"])
     scale = max(contact.peak_force for contact in solution.contacts
                 if contact.peak_force == contact.peak_force)
-    for contact, curve, opening in zip(solution.contacts, force, gap, strict=True):
+    for contact, told in zip(solution.contacts, page["contacts"], strict=True):
+        curve, opening = told["force"], told["gap"]
         middles = (np.array(curve["t"])[1:] + np.array(curve["t"])[:-1]) / 2
         if contact.peak_force == contact.peak_force:  # a blow has none
             shown = np.interp(middles, curve["t"], curve["y"])

@@ -58,8 +58,8 @@ class Controls {
     this.state = state;
     const bodies = listOf(state.case.bodies);
     const blocks = [];
-    this.numbers = fronts.numbers_of(bodies);
-    this.contacts = fronts.contacts_of(bodies);
+    const kinds = bodies.map(({ kind }) => kind);
+    [this.numbers, this.contacts] = [fronts.body_numbers(kinds), fronts.contact_names(kinds)];
     bodies.forEach((body, i) => {
       blocks.push(this.body(body, i));
       if (i + 1 < bodies.length) blocks.push(this.contact(i));

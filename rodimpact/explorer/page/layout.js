@@ -17,11 +17,12 @@ function prepare(scene) {
   const { tiling, row } = scene;
   scene.own = { velocity: largestOf(tiling.velocity), stress: largestOf(tiling.stress) };
   scene.lengths = lengthsOf(scene);
+  row.left = scene.lengths.map((_, i) => scene.lengths.slice(0, i).reduce((sum, length) => sum + length, 0));
   scene.length = row.left.at(-1) + scene.lengths.at(-1);
   scene.begin = 0;
   if (!scene.exact) scene.grids = gridsOf(tiling);
   scene.cells = tiling.body.length;
-  const gaps = linkContacts(scene);
+  const gaps = plotContacts(scene);
   makeRoom(scene, gaps);
   approach(scene, gaps);
   const { start, body, x, t, displacement } = tiling;
@@ -33,9 +34,10 @@ function prepare(scene) {
       scene.rest[k] = row.left[body[i]] + x[k];
     }
   }
-  for (const at of scene.place) row.span = [Math.min(row.span[0], at), Math.max(row.span[1], at)];
+  const solids = scene.bodies.flatMap(({ path }, i) => (path ? [0, scene.lengths[i]].flatMap((x) => pathOf(scene, i, x, path).y) : []));
+  row.span = [...scene.place, ...solids].reduce(([low, high], at) => [Math.min(low, at), Math.max(high, at)], [Infinity, -Infinity]);
   for (const contact of scene.contacts) {
-    contact.spells = fronts.spells_of(contact.force, contact.gap);
+    contact.spells = fronts.spells_of(contact);
     contact.faces = [faceOf(scene, contact.index, scene.lengths[contact.index]), faceOf(scene, contact.index + 1, 0)];
   }
   scene.centres = centresOf(scene);
@@ -65,19 +67,20 @@ function faceOf(scene, body, x) {
 
 /** Paths of the centres of mass of rods and masses: the middles of pieces, weighed by their masses. */
 function centresOf(scene) {
-  const { tiling, begin, end, bodies, grids } = scene;
-  if (grids) return bodies.flatMap(({ kind, path, width }, i) => (kind === "wall" ? []
-    : [path ? pathOf(scene, i, width / 2, path) : centreOfGrids(scene, grids.filter(({ body }) => body === i))]));
+  const { tiling, begin, end, bodies, grids, lengths } = scene;
+  if (grids) return bodies.flatMap(({ kind, path }, i) => (kind === "wall" ? []
+    : [path ? pathOf(scene, i, lengths[i] / 2, path) : centreOfGrids(scene, grids.filter(({ body }) => body === i))]));
   const t = Array.from({ length: MOMENTS }, (_, k) => begin + (end - begin) * (k + 0.5) / MOMENTS);
   const sums = bodies.map(() => t.map(() => [0, 0]));
   t.forEach((at, k) => slice(scene, at).forEach(({ polygon, low, high }) => {
     const [body, [left, right]] = [tiling.body[polygon], chord(scene, polygon, at, tiling.x)];
-    const [mass, sum] = [pieceAt(scene, body, (left + right) / 2)[2] * (right - left), sums[body][k]];
+    const [piece, sum] = [pieceAt(scene, body, (left + right) / 2), sums[body][k]];
+    const mass = piece.mass / piece.length * (right - left);
     sum[0] += mass;
     sum[1] += mass * (low + high) / 2;
   }));
-  return bodies.flatMap(({ kind, path, width }, i) => (kind === "wall" ? []
-    : [path ? pathOf(scene, i, width / 2, path) : { t, y: sums[i].map(([mass, moment]) => moment / mass) }]));
+  return bodies.flatMap(({ kind, path }, i) => (kind === "wall" ? []
+    : [path ? pathOf(scene, i, lengths[i] / 2, path) : { t, y: sums[i].map(([mass, moment]) => moment / mass) }]));
 }
 
 /** Path of the centre of mass of a rod, from the rows of its grids, which are of one height. */
@@ -87,8 +90,7 @@ function centreOfGrids({ place, tiling, bodies, begin, row: { magnification, fra
   const y = edges.map(([row, corners]) => {
     let [mass, moment] = [0, 0];
     grids.forEach((grid, k) => {
-      const [, , perLength] = bodies[grid.body].pieces[k];
-      const share = perLength * (grid.right - grid.left) / grid.across / 2;
+      const share = bodies[grid.body].pieces[k].mass / grid.across / 2;
       for (let cell = grid.first + row * grid.across; cell < grid.first + (row + 1) * grid.across; cell += 1) {
         for (const corner of corners) moment += share * place[4 * cell + corner];
         mass += 2 * share;
@@ -108,56 +110,52 @@ function centreOfGrids({ place, tiling, bodies, begin, row: { magnification, fra
 function marksOf({ bodies, contacts, end }) {
   const first = contacts.length === 1 && contacts[0].spells.find(({ state }) => state === "pressing");
   const found = !first ? [] : bodies.filter(({ pieces }) => pieces.length === 1)
-    .map(({ name, pieces }) => ({ t: first.from + 2 * pieces[0][3], text: `2l${"₀₁₂"[name.slice(-1)]}/c` })).filter(({ t }) => t <= end).sort((a, b) => a.t - b.t);
+    .map(({ name, pieces }) => ({ t: first.from + 2 * pieces[0].transit_time, text: `2l${"₀₁₂"[name.slice(-1)]}/c` })).filter(({ t }) => t <= end).sort((a, b) => a.t - b.t);
   const same = found.length === 2 && Math.abs(found[0].t - found[1].t) < 1e-6 * end;
   return same ? [{ ...found[0], text: "2l/c" }] : found;
 }
 
 /** Length in the picture of each body. */
-function lengthsOf({ bodies, tiling }) {
-  const lengths = bodies.map((body) => body.width || 0);
+function lengthsOf({ bodies, tiling, row }) {
+  const lengths = bodies.map(({ kind }) => (kind === "mass" ? row.block : 0));
   tiling.body.forEach((body, i) => {
     for (let k = tiling.start[i]; k < tiling.start[i + 1]; k += 1) lengths[body] = Math.max(lengths[body], tiling.x[k]);
   });
   return lengths;
 }
 
-/** The piece of a rod at x: its length, area, mass per length and transit time. */
+/** The piece of a rod at x. */
 function pieceAt(scene, body, x) {
   const { pieces } = scene.bodies[body];
   let end = 0;
-  return pieces.find(([length]) => (end += length) > x) || pieces.at(-1);
+  return pieces.find(({ length }) => (end += length) > x) || pieces.at(-1);
 }
 
 /** Half of the diameter of a rod at x, as a share of the largest of all; no less than can be seen. */
 function widthAt(scene, body, x) {
-  scene.widest ||= Math.max(...scene.bodies.flatMap((rod) => rod.pieces.map(([, area]) => area)));
-  return Math.max(THINNEST, Math.sqrt(pieceAt(scene, body, x)[1] / scene.widest));
+  scene.widest ||= Math.max(...scene.bodies.flatMap((rod) => rod.pieces.map(({ area }) => area)));
+  return Math.max(THINNEST, Math.sqrt(pieceAt(scene, body, x).area / scene.widest));
 }
 
-/** Give each contact its curves; returns the curve of each gap. */
-function linkContacts(scene) {
-  const curves = (key) => [...(scene.plots.find((plot) => plot.key === key) || { series: [] }).series];
-  const [forces, gaps] = [curves("force"), curves("gap")];
-  for (const contact of scene.contacts) {
-    contact.force = forces.shift();
-    contact.gap = contact.bonded ? null : gaps.shift();
-  }
-  return scene.contacts.filter((contact) => contact.gap);
+/** Make figures of the curves of contacts; returns the contacts that have a gap. */
+function plotContacts(scene) {
+  const open = scene.contacts.filter(({ gap }) => gap);
+  for (const { name, force, gap } of scene.contacts) for (const curve of [force, gap || {}]) curve.name = `contact ${name}`;
+  const title = scene.contacts.some(({ compliant }) => compliant) ? "Gap, below 0 overlap" : "Gap";
+  scene.plots = [{ key: "force", title: "Contact force", unit: "N", series: scene.contacts.map(({ force }) => force) },
+    { key: "gap", title, unit: "m", series: open.map(({ gap }) => gap) }, ...scene.plots].filter(({ series }) => series.length);
+  return open;
 }
 
 /** Draw a body to the right of each compliant contact so far away that the faces stay apart. */
 function makeRoom(scene, contacts) {
   const { row } = scene;
-  let all = 0;
   for (const contact of contacts) {
     if (!contact.compliant) continue;
     const deepest = Math.max(0, -Math.min(...contact.gap.y));
     contact.room = row.magnification * deepest + ROOM * scene.length;
-    all += contact.room;
     for (let i = contact.index + 1; i < row.left.length; i += 1) row.left[i] += contact.room;
   }
-  row.span = [row.span[0], row.span[1] + all];
 }
 
 /** Let the film begin before bodies meet that come with one velocity each, unstrained. */

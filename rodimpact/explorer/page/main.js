@@ -86,8 +86,10 @@ function showNumbers(scene) {
   byId("guess-first").hidden = e.value === null;
   if (e.value === null) hideResult(false);
   askOrJudge(scene);
-  const beside = e.closed_form === null ? "" : `Closed form (${e.source}): ${e.closed_text}`;
-  const off = e.difference === undefined ? "" : Number(e.difference) < 1e-12 ? ", the same to 12 digits" : `; difference ${minus(e.difference)}`;
+  const known = e.closed_form;
+  const beside = known ? `Closed form (${known.source}): ${plainNumber(known.restitution, 6)}` : "";
+  const apart = known && e.value !== null && Math.abs(e.value - known.restitution);
+  const off = typeof apart !== "number" ? "" : apart < 1e-12 ? ", the same to 12 digits" : `; difference ${plainNumber(apart, 1)}`;
   byId("theory").textContent = (e.why ? `${e.why}. ` : "") + beside + off;
   fillTable(byId("results"), scene.results);
   write(byId("reason"), minus(micro(scene.reason.join(" "))));

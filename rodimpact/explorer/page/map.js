@@ -13,7 +13,8 @@ function numbersOf({ case: tables }) {
     const value = getAt(tables, [...path, entry]);
     if (typeof value === "number") found.push({ name: `${FIELDS[key].name} of ${where}`, key, path: [...path, entry], value });
   };
-  const [numbers, contacts] = [fronts.numbers_of(tables.bodies), fronts.contacts_of(tables.bodies)];
+  const kinds = tables.bodies.map(({ kind }) => kind);
+  const [numbers, contacts] = [fronts.body_numbers(kinds), fronts.contact_names(kinds)];
   tables.bodies.forEach((body, i) => {
     const name = fronts.name_of(body.kind, numbers[i]);
     const profile = [body.velocity, body.strain].some((value) => typeof value === "object");

@@ -71,12 +71,12 @@ function writeValues(pen, scene, frame, name, theme) {
 
 /** Paths of walls and masses through space and time. */
 function drawSolids(pen, scene, frame, theme) {
-  scene.bodies.forEach(({ path, kind, width }, i) => {
+  scene.bodies.forEach(({ path, kind }, i) => {
     if (!path) return;
     const along = (x) => pathOf(scene, i, x, path).y.map((place, k) => [
       frame.across(frame.displaced ? place : scene.row.left[i] + x), frame.up(path.t[k])]);
     const near = along(0);
-    const far = kind === "mass" ? along(width) : near.map(([, y]) => [i ? pen.width : 0, y]);
+    const far = kind === "mass" ? along(scene.lengths[i]) : near.map(([, y]) => [i ? pen.width : 0, y]);
     pen.polygon([...near, ...far.reverse()], kind === "mass" ? theme.faint : theme.line, theme.ink, 0.7);
   });
 }

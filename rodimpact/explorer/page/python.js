@@ -72,6 +72,7 @@ const py = {
   all: (list) => list.every(py.truth),
   sum: (list) => list.reduce((sum, x) => sum + x, 0),
   most: (list) => list.reduce(py.max),
+  least: (list) => list.reduce(py.min),
   isinstance: (x, kind) => x !== null && (Array.isArray(x) ? "array" : typeof x) === kind,
   repeat: ([item], count) => (typeof item === "number"
     ? new Float64Array(Math.max(0, count)).fill(item) : new Array(Math.max(0, count)).fill(item)),

@@ -124,7 +124,7 @@ function nameBodies(pen, scene, frame, ends, y, theme) {
 function endsOfSolid(scene, i, now, view, displaced) {
   const body = scene.bodies[i];
   const face = displaced ? valueAt(pathOf(scene, i, 0, body.path), now) : scene.row.left[i];
-  if (body.kind === "mass") return [face, face + body.width];
+  if (body.kind === "mass") return [face, face + scene.lengths[i]];
   const deep = 0.06 * (view.right - view.left);
   return i ? [face, face + deep] : [face - deep, face];
 }
