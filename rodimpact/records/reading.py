@@ -8,21 +8,23 @@ from __future__ import annotations
 
 import codecs
 import csv
+import math
 import os
 import re
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from itertools import islice
+from itertools import islice, zip_longest
 from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 
 from .. import units as known_units
 from ..methods import memory
-from ..methods.duration import Forecast, LongRun
+from ..methods.duration import Forecast, Progress, warn
+from ..methods.registry import check_function
 from ..model.arguments import one_of, single
-from ..model.frozen import nearest, refusal
+from ..model.frozen import Problems, nearest, raise_noted, refusal
 from ..model.quantities import Floats
 from ..storage.reading import FileFormatError, open_regular
 from ..storage.tables import TIMES
@@ -36,8 +38,6 @@ SURE = 3  # rows of numbers that begin a table
 GAP = 1.5  # steps from which on samples are missing
 HELD = 8  # samples in a row at the largest value, and
 LONGER = 4  # times as many as at any other: a recorder at its limit
-MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"),
-         (codecs.BOM_UTF16_BE, "utf-16"))
 MOST_HEAD = 10_000  # lines before the numbers
 BLOCK = 1 << 19  # characters that are read at once, and the most of a line
 TIMES_FILE = 4  # bytes of memory for each byte of a table
@@ -48,10 +48,8 @@ MEASURED = ("time", "voltage", "dimensionless", "force", "pressure", "velocity",
             "acceleration")
 """What a unit at the end of a name may be, without brackets: incident_V."""
 _NUMBER = r"[+-]?(?:\d+(?:{0})?|{1})(?:[eE][+-]?\d+)?|(?i:[+-]?(?:nan|inf(?:inity)?))"
-_DATE = re.compile(r"\d+[-/.:]\d+[-/.:]\d.*")
 _THOUSANDS = {".": re.compile(r"[+-]?[1-9]\d{0,2}(\.\d{3})+"),
               ",": re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")}
-_PARTED = re.compile(r"[+-]?\d{1,3}([,.'\N{RIGHT SINGLE QUOTATION MARK}\s]\d{3})+([.,]\d+)?")
 _QUOTED = re.compile(r'"[+-]?\d*,\d+(?:[eE][+-]?\d+)?"')
 _LINE = re.compile(r".*\n|.+")
 _NUMBERS = {".": re.compile(_NUMBER.format(r"\.\d*", r"\.\d+")),
@@ -119,7 +117,7 @@ FORMS[4:4] = QUOTED, COMMAS
 def read_signals(
     path: PathLike, *, time: str | None = None, time_unit: str | None = None,
     rate: float | None = None, units: str | Mapping[str, str] | None = None,
-    decimal: str | None = None, progress: Callable[[int, int], object] | None = None,
+    decimal: str | None = None, progress: Progress | None = None,
 ) -> dict[str, Signal]:
     r"""Read the channels of a table of text.
 
@@ -148,7 +146,7 @@ def read_signals(
         ``"."`` or ``","``; needed if the file is ambiguous: 0,1 may be two numbers, and 1,234 may
         be a number of thousands.
     progress : callable, optional
-        Called with the number of characters read so far and of all characters.
+        Called while reading takes long with the number of characters read so far, and of all.
 
     Returns
     -------
@@ -183,17 +181,15 @@ def read_signals(
     >>> bar.times.tolist(), bar.values.tolist(), bar.unit
     ([-5e-07, 0.0], [0.00125, 0.0025], 'V')
     """
-    for name, word in (("time", time), ("time_unit", time_unit)):
-        if word is not None and not isinstance(word, str):
-            raise refusal(name, f"must be a word, got {shown(word)}")
     if decimal is not None:
         one_of("decimal", decimal, (".", ","))
     if rate is not None:
         rate = single("rate", rate, "Hz", "positive")
         if time is not None or time_unit is not None:
             raise refusal("rate", "give either rate or a column of times, not both")
-    if progress is not None and not callable(progress):
-        raise refusal("progress", f"must be a function, got {shown(progress)}")
+    problems: Problems = []
+    check_function(problems, "progress", progress)
+    raise_noted(problems)
     with open_regular(path) as file:
         memory.check_file(file.name, TIMES_FILE * os.fstat(file.fileno()).st_size,
                           "cut it into shorter records")
@@ -239,39 +235,31 @@ class _Table:
             numbers = np.array([self._checked(i, row) for i, row in self._rows()])
         return numbers
 
-    def _plain(self, progress: Any) -> Iterator[str]:
+    def _plain(self, progress: Progress | None) -> Iterator[str]:
         """Rows with decimal points."""
-        forecast = Forecast(_announce, "a record of fewer samples or channels")
+        forecast = Forecast(warn, "a record of fewer samples or channels", progress, "reading")
         told, done, size = 0, self.start, len(self.text)
         for _, row in self._rows():
             yield row.translate(self.form.to_points)
             done += len(row) + 1
             if done > told + BLOCK:
                 told = done
-                forecast.extrapolate(done, size, f"a table of {size / 1e6:.3g} MB")
-                if progress is not None:
-                    progress(done, size)
-        if progress is not None:
-            progress(size, size)
+                forecast.report(done, size, f"a table of {size / 1e6:.3g} MB")
 
     def _checked(self, i: int, text: str) -> list[float]:
         """Numbers of line i; FileFormatError with the place of what is none."""
-        if len(text) > BLOCK:
-            raise FileFormatError(f"line {i}: has more than {BLOCK} characters; remove it")
         cells = self.form.cells(text)
         if len(cells) > self.count:
             raise FileFormatError(f"line {i}: has {len(cells)} columns, the lines above have "
                                   f"{self.count}; complete or remove it")
-        cells += [""] * (self.count - len(cells))
-        for name, cell in zip(self.names, cells, strict=True):
-            place = f"line {i}, column {shown(name)}"
-            if not self.form.is_number(cell):
-                what = f"must be a number, got {shown(cell)}" if cell else "is empty"
-                raise FileFormatError(f"{place}: {what}; complete or remove the line")
-            if not np.isfinite(float(cell.replace(",", "."))):
-                raise FileFormatError(f"{place}: must be a finite number, got {shown(cell)}; cut "
-                                      "the record there, or fill in the sample")
-        return [float(cell.replace(",", ".")) for cell in cells]
+        numbers = []
+        for name, cell in zip_longest(self.names, cells, fillvalue=""):
+            number = float(cell.replace(",", ".")) if self.form.is_number(cell) else math.nan
+            if not math.isfinite(number):
+                raise FileFormatError(f"line {i}, column {shown(name)}: must be a finite number, "
+                                      f"got {shown(cell)}; complete or remove the line")
+            numbers.append(number)
+        return numbers
 
     def _check_decimal(self) -> None:
         """Refuse numbers that may be thousands or parts of one: all are like 1,234."""
@@ -295,149 +283,106 @@ class _Table:
         self, time: str | None, time_unit: str | None, rate: float | None, units: Any
     ) -> dict[str, Signal]:
         """Signal of each channel."""
+        if self.columns.shape[1] < 2:
+            raise FileFormatError("has one line of numbers; a signal needs two samples or more")
         named = [name for name in self.names if TIMES.fullmatch(name)]
         if rate is None:
             clock = self._clock(time, named)
             times = self._times(clock, time_unit)
         elif named:
-            remedy = "leave rate out" if self.count > 1 else "add a column of values"
-            raise FileFormatError(f"has a column of times, {shown(named[0])}; {remedy}")
+            raise FileFormatError(f"has a column of times, {shown(named[0])}; leave rate out")
         else:
             clock, times = -1, np.arange(self.columns.shape[1]) / rate
-        channels = [j for j in range(self.count) if j != clock]
-        if len(times) < 2:
-            raise FileFormatError("has one line of numbers; a signal needs two samples or more")
-        wanted = self._wanted_units(units, [self.names[j] for j in channels])
+        channels = {name: j for j, name in enumerate(self.names) if j != clock}
+        if not isinstance(units, Mapping):
+            units = dict.fromkeys(channels, units)
+        for name in units:
+            if name not in channels:
+                raise refusal(
+                    "units", f"there is no channel {shown(name)}; {nearest(name, channels)}")
         signals = {}
-        for j in channels:
-            name = self.names[j]
-            unit = self.units[j] if wanted.get(name) is None else wanted[name]
-            try:
-                values, si = known_units.in_si(self.columns[j], unit)
-            except ValueError as error:
-                raise FileFormatError(f"column {shown(name)}: {error}; give units=") from None
+        for name, j in channels.items():
+            unit = self.units[j] if units.get(name) is None else units[name]
+            values, si = self._in_si(j, unit, "units")
             self._warn_if_clipped(j)
             signals[name] = Signal(values, times, unit=si, name=name)
         return signals
 
+    def _in_si(self, column: int, unit: Any, option: str) -> tuple[Any, str]:
+        """Numbers of a column in SI units, and their unit."""
+        try:
+            return known_units.in_si(self.columns[column], unit)
+        except ValueError as error:
+            name = shown(self.names[column])
+            raise FileFormatError(f"column {name}: {error}; give {option}=") from None
+
     def _clock(self, time: str | None, named: list[str]) -> int:
         """Which column has the times."""
-        if self.count < 2:
-            raise FileFormatError("has one column and no times; give rate, the sampling rate in Hz")
-        if time is None and len(named) == 1:
-            time = named[0]
-        elif time is None and self.names[0] == "1":  # without heads
-            time = "1"
-        elif time is None:
-            found = "several columns" if named else "no column"
-            heads = ", ".join(map(shown, named or self.names[:8]))
+        if self.names[0] == "1":  # without heads
+            named = ["1"]
+        found = named if time is None else [time]
+        if len(found) != 1 or found[0] not in self.names or self.count < 2:
+            heads = ", ".join(map(shown, self.names[:8]))
             raise FileFormatError(
-                f"has {found} called time (its columns are {heads}); give the head of one as "
-                "time=, or give rate=, the sampling rate in Hz"
-            )
-        if time not in self.names:
-            raise FileFormatError(f"has no column {shown(time)}; {nearest(time, self.names)}")
-        return self.names.index(time)
+                f"must have one column called {shown(time or 'time')} and another one, has {heads};"
+                " give the head of one as time=, or give rate=, the sampling rate in Hz")
+        return self.names.index(found[0])
 
     def _times(self, column: int, unit: str | None) -> Floats:
         """Times in s, increasing and without gaps."""
         name = shown(self.names[column])
-        unit = unit or self.units[column]
-        if not unit:
-            raise FileFormatError(
-                f"column {name}: has no unit of time; give time_unit=, one of 's', 'ms', 'us', "
-                "'ns'"
-            )
-        try:
-            times, si = known_units.in_si(self.columns[column], unit)
-        except ValueError as error:
-            raise FileFormatError(f"column {name}: {error}; give time_unit=") from None
+        times, si = self._in_si(column, unit or self.units[column], "time_unit")
         if si != "s":
             raise FileFormatError(
-                f"column {name}: must be times, but {shown(unit)} is no unit of time; give "
-                "the head of the column of times as time=, or give time_unit="
-            )
+                f"column {name}: has no unit of time; give time_unit=, one of 's', 'ms', 'us', "
+                "'ns', or give the head of the column of times as time=")
         steps = np.diff(times)
-        if (steps <= 0).any():
-            i = int((steps <= 0).argmax())
-            raise FileFormatError(
-                f"line {self._line(i + 1)}, column {name}: times must increase, got "
-                f"{times[i + 1]:.9g} s after {times[i]:.9g} s; if the times have too few "
-                "digits, remove the column and give rate"
-            )
-        usual = float(np.median(steps)) if steps.size else 0.0
-        odd = np.abs(steps - usual) > EVEN * usual
-        if odd.any() and odd.mean() < 0.1 and (wide := steps > GAP * usual).any():
-            i = int(wide.argmax())
-            raise FileFormatError(
-                f"line {self._line(i + 1)}, column {name}: samples are missing, the time step "
-                f"is {steps[i]:.6g} s here and {usual:.6g} s elsewhere; cut the "
-                "record there, or fill in the samples"
-            )
+        usual = np.median(steps)
+        uneven = np.mean(np.abs(steps - usual) > EVEN * usual) >= 0.1
+        for wrong, message in (
+            (steps <= 0, "times must increase; if the times have too few digits, remove the column "
+             "and give rate"),
+            ((steps > GAP * usual) & ~uneven, "samples are missing; cut the record there, or fill "
+             "in the samples"),
+        ):
+            if wrong.any():
+                i = int(wrong.argmax())
+                raise FileFormatError(f"line {self._line(i + 1)}, column {name}: {times[i + 1]:.9g}"
+                                      f" s comes after {times[i]:.9g} s; {message}")
         return times  # type: ignore[no-any-return]
-
-    def _wanted_units(self, units: Any, channels: list[str]) -> dict[str, str]:
-        """Units that are given, by channel."""
-        if units is None:
-            return {}
-        if isinstance(units, str):
-            return dict.fromkeys(channels, units)
-        if not isinstance(units, Mapping):
-            message = f"must be a unit, or a unit for each channel name, got {shown(units)}"
-            raise refusal("units", f"{message}")
-        for name in units:
-            if name not in channels:
-                raise refusal("units", f"there is no channel {shown(name)}; "
-                                 f"{nearest(name, channels)}")
-        return dict(units)
 
     def _warn_if_clipped(self, column: int) -> None:
         values = self.columns[column]
-        limit = ((values == values.max()) | (values == values.min())) & (values != values[0])
-        if np.count_nonzero(limit) < HELD:  # and what follows needs no memory
-            return
         starts = np.flatnonzero(np.diff(values, prepend=np.nan))
-        lengths, values, limit = np.diff(starts, append=len(values)), values[starts], limit[starts]
-        held = np.where(limit, lengths, 0)
-        i = int(held.argmax())
-        if held[i] >= max(HELD, LONGER * lengths[~limit].max()):
+        lengths, held = np.diff(starts, append=len(values)), values[starts]
+        limit = ((held == values.max()) | (held == values.min())) & (held != values[0])
+        i = int(np.where(limit, lengths, 0).argmax())
+        if limit[i] and lengths[i] >= max(HELD, LONGER * lengths[~limit].max()):
             warnings.warn(
-                f"column {shown(self.names[column])} stays at {values[i]:.6g} for {held[i]} "
+                f"column {shown(self.names[column])} stays at {held[i]:.6g} for {lengths[i]} "
                 f"samples from line {self._line(int(starts[i]))} on: the recorder may have "
                 "clipped it", ClippedSignal, stacklevel=4,
             )
 
 
-def _announce(sentence: str) -> None:
-    warnings.warn(sentence, LongRun, stacklevel=6)
-
-
 def _text(file: BinaryIO) -> str:
     """The text of a file, with one character at the end of each line."""
-    data, encoding = bytearray(), "utf-8"
-    while block := file.read(BLOCK):
-        if not data:
-            encoding = next((name for mark, name in MARKS if block.startswith(mark)), encoding)
-        if encoding != "utf-16" and b"\0" in block:  # before all of a file of zeros is read
-            raise FileFormatError(NO_TEXT)
-        data += block
+    data = file.read()
+    marked = data[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
     try:
-        text = data.decode(encoding).replace("\N{MINUS SIGN}", "-")
+        text = data.decode("utf-16" if marked else "utf-8-sig")
     except UnicodeDecodeError:
-        if encoding != "utf-8":
-            raise FileFormatError(f"is not {encoding} text, as its mark says; use UTF-8") from None
         text = data.decode("latin-1")
     if "\0" in text:
         raise FileFormatError(NO_TEXT)
     del data
-    return text.replace("\r\n", "\n").replace("\r", "\n")
+    return text.replace("\N{MINUS SIGN}", "-").replace("\r\n", "\n").replace("\r", "\n")
 
 
 def _form_of(lines: list[str], text: str, decimal: str | None) -> tuple[_Form, int]:
     """How the lines of a text are cut into numbers, and the first line of numbers."""
-    forms = [form for form in FORMS if decimal in (None, form.decimal)]
-    if QUOTED in forms and not _QUOTED.search(text):
-        forms.remove(QUOTED)
+    forms = [form for form in FORMS if decimal in (None, form.decimal)
+             and (form != QUOTED or _QUOTED.search(text))]
     found: list[_Form] = []
     for start in range(min(len(lines), MOST_HEAD)):
         if found := [form for form in forms if _begins(lines, start, form)]:
@@ -469,23 +414,12 @@ def _why_none(lines: list[str], forms: list[_Form]) -> str:
     i = filled[len(filled) // 2]
     form = max(forms, key=lambda form: sum(map(form.is_number, form.cells(lines[i]))))
     if count := form.numbers(lines[i]):  # then a line below it keeps it from being the first row
-        below = (j for j in range(i + 1, min(len(lines), i + 2 * SURE)) if lines[j].strip())
-        other = next(j for j in below if form.numbers(lines[j]) != count)
-        if found := form.numbers(lines[other]):
-            return (f": line {i + 1} has {count} numbers and line {other + 1} has {found}; "
-                    "every line needs a number for each column")
-        i = other
-    cells = form.cells(lines[i])
-    if not any(form.is_number(c) or _DATE.fullmatch(c) or _PARTED.fullmatch(c) for c in cells):
-        return (" in columns separated by tabs, semicolons, commas or blanks; export it as text, "
-                "with one row for each sample")
-    odd = next(cell for cell in cells if not form.is_number(cell))
-    remedy = "write only numbers below the heads"
-    if _DATE.fullmatch(odd):
-        remedy = "write times in seconds, or remove them and give rate"
-    elif _PARTED.fullmatch(odd):
-        remedy = "write numbers without thousands separators"
-    return f": line {i + 1} has {shown(odd) if odd else 'an empty cell'}; {remedy}"
+        return (f": line {i + 1} has {count} numbers, but not all lines below it; every line needs "
+                "a number for each column")
+    odd = next(cell for cell in form.cells(lines[i]) if not form.is_number(cell))
+    return (f": line {i + 1} has {shown(odd)}; below the heads write only numbers, in columns "
+            "separated by tabs, semicolons, commas or blanks, times in seconds, and no separators "
+            "of thousands")
 
 
 def _begins(lines: list[str], start: int, form: _Form) -> bool:
@@ -502,18 +436,14 @@ def _heads(lines: list[str], form: _Form, count: int) -> tuple[list[str], list[s
     rows = [row for row in (_head_cells(text, form, count) for text in texts.values())
             if len(row) == count and all(row)]
     if not rows:
-        if texts and form.delimiter and count > 1:
-            i = max(texts)
-            given = len(form.cells(texts[i]))
-            if given > 1:
-                raise FileFormatError(
-                    f"line {i}: has {given} heads for {count} columns of numbers; name each column")
+        given = form.cells(texts.popitem()[1]) if texts else []
+        if form.delimiter and min(count, len(given)) > 1:
+            raise FileFormatError(f"has the {len(given)} heads {shown(given)} for {count} columns "
+                                  "of numbers; name each column")
         return [str(j + 1) for j in range(count)], [""] * count
     if count > 1 and form.is_number(rows[-1][0]):
-        row = form.delimiter.join(rows[-1])
-        odd = next((cell for cell in rows[-1] if not form.is_number(cell)), row)
         raise FileFormatError(
-            f"begins with a line that mixes {shown(odd)} and numbers; complete or remove it")
+            f"begins with a line that mixes {shown(rows[-1])} and numbers; complete or remove it")
     below: list[str] = []
     units = [_spelt(cell.strip("[]() ")) for cell in rows[-1]]
     if len(rows) > 1 and all(known_units.conversion(unit) is not None for unit in units):
