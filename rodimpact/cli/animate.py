@@ -15,10 +15,9 @@ from ..model.frozen import InvalidModel
 from ..results.regions import nothing_to_draw
 from ..units import format_si
 from . import DONE
-from .asking import Given, Number, note
+from .asking import Given, Number, add_run_options, note
 from .options import as_keys
 from .progress import progress_bar, solved, status_of
-from .run_options import add_run_options, run_options
 
 _NAMES = {"path": "--output", "magnification": "--magnify", "limit": "--until", "stop": "--until",
           "solution": "CASE.toml"}
@@ -48,7 +47,7 @@ def run(given: Given) -> tuple[str, int]:
     from ..plot.moving import check_frames
 
     case = given.read_case()
-    options = run_options(given, case)
+    options = given.run_options(case)
     if given.output.lower().endswith((".html", ".htm")):
         message = f"must end in .gif or .mp4, got {given.output!r}"
         given.note("--output", f"{message}; a page that plays is made by rodimpact export")

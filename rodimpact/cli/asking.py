@@ -1,4 +1,4 @@
-"""What the user gave on the command line: numbers with units, files to write, mistakes in them."""
+"""What the user gave on the command line: how to run, files to write, mistakes in them."""
 
 from __future__ import annotations
 
@@ -12,16 +12,25 @@ from types import MappingProxyType
 from typing import Any, TypeVar
 
 from ..methods.memory import LargeFile
+from ..methods.registry import METHOD_NAMES, Options
 from ..model.frozen import InvalidModel, Problems, raise_noted
-from ..storage.casefile import read_case
-from ..storage.reading import FileFormatError
+from ..storage.casefile import Case, read_case
 from ..storage.writing import check_target
 from ..units import parse
 from . import DONE, FAULT, complain
+from .options import flag
 
 Made = TypeVar("Made")
 Names = Mapping[str, str]
 NONE: Names = MappingProxyType({})
+NUMBERS = {  # that say how to run, with their dimensions
+    "until": ("time", "end of the run, instead of the case's"),
+    "dt": ("time", "time step of finite-difference"),
+    "rtol": ("dimensionless", "relative accuracy of the outcome"),
+    "max_events": ("", "cap on events, instead of the case's"),
+    "cells": ("", "cells of finite-difference"),
+    "snapshots": ("", "states of the rods that finite-difference keeps"),
+}
 
 
 class Given(argparse.Namespace):
@@ -62,29 +71,28 @@ class Given(argparse.Namespace):
         Arguments are named by the options of these names, but for those that `names` names.
         """
         try:
-            return make(*given, **more)
-        except (InvalidModel, FileFormatError, LargeFile) as error:
+            with self.naming(names=names):
+                return make(*given, **more)
+        except InvalidModel as error:
             known = dict(self.problems)
-            found = self._by_option(error.problems, names)
-            self.problems += [problem for problem in found if problem[0] not in known]
+            self.problems += [told for told in error.problems if told[0] not in known]
             return None
 
     @contextmanager
     def naming(self, every: str = "", names: Names = NONE) -> Iterator[None]:
         """Mistakes bear the options that gave the arguments, or `every` one the same.
 
-        A mistake that names no argument has the path "".
+        An error that names no argument has the path ""; where that has no name, it is a fault.
         """
+        known = {**self.options, **names}
         try:
             yield
-        except ValueError as error:
-            found = self._by_option(getattr(error, "problems", [("", str(error))]), names)
-            raise InvalidModel([(every or path, message) for path, message in found]) from error
-
-    def _by_option(self, problems: Problems, names: Names) -> Problems:
-        """Mistakes with the names of options in place of those of arguments."""
-        known = {**self.options, **names}
-        return [(known.get(path, path), message) for path, message in problems]
+        except (ValueError, LargeFile) as error:
+            found = getattr(error, "problems", [("", str(error))])
+            told = [(every or known.get(path, path), message) for path, message in found]
+            if "" in dict(told):
+                raise
+            raise InvalidModel(told) from error
 
     def read_case(self, vary: Mapping[str, str] | None = None) -> Any:
         """The case; None, and its mistakes noted by their keys, if it is none."""
@@ -93,6 +101,22 @@ class Given(argparse.Namespace):
         except InvalidModel as error:
             self.problems += error.problems
             return None
+
+    def run_options(self, case: Case | None) -> dict[str, Any]:
+        """Options for `solve` and `sweep`; mistakes bear the name of the option, or the entry."""
+        asked = {name: value for name in ("method", *NUMBERS)
+                 if (value := getattr(self, name, None)) is not None}
+        own = {
+            name: value for name, value in (case.solve if case else {}).items()
+            if not (name in ("dt", "cells") and "rtol" in asked)
+            and not (name == "rtol" and asked.keys() & {"dt", "cells"})
+        }
+        options = {**own, **asked}
+        entries = {name: f"solve.{name}" for name in own.keys() - asked.keys()}
+        checked = self.attempt(Options, **options, names=entries)
+        if checked and case:
+            self.attempt(checked.method_for, case.system, names=entries)
+        return options
 
     def check_outputs(self, *names: str, figure: str = "") -> None:
         """Refuse, before any work, files that must not or cannot be written.
@@ -158,6 +182,14 @@ class Number(argparse.Action):
         """Read the number."""
         number = given.number(self.option_strings[-1], text, self.dimension)
         setattr(given, self.dest, number)
+
+
+def add_run_options(parser: argparse.ArgumentParser, names: Sequence[str] = (*NUMBERS,)) -> None:
+    """Options of those names, and the method."""
+    parser.add_argument("--method", choices=METHOD_NAMES, help="instead of the case's")
+    for name in names:
+        dimension, what = NUMBERS[name]
+        parser.add_argument(flag(name), action=Number, dimension=dimension, help=what)
 
 
 def _whole(text: str) -> int:

@@ -21,9 +21,8 @@ from ..results.solution import Solution
 from ..storage.tables import align, as_json
 from ..units import format_si
 from . import record_options
-from .asking import Given, Number
+from .asking import Given, Number, add_run_options
 from .progress import solved, status_of
-from .run_options import add_run_options, run_options
 
 _OPTIONS = (
     ("--start", "time", "of the part of the record; by default all"),
@@ -57,7 +56,7 @@ def run(given: Given) -> tuple[str, int]:
     case = given.read_case()
     places = record_options.gauge_places(given, case)
     bridge = record_options.bridge_of(given)
-    options = run_options(given, case)
+    options = given.run_options(case)
     if not places:
         given.problems.append(("--gauge", f"is missing; {record_options.FORM} gives a channel and "
                                "the place of its gauge, as [[gauges]] of the case do, with a name"))

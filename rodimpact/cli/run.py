@@ -15,11 +15,10 @@ from ..results.regions import nothing_to_draw
 from ..results.solution import Solution
 from ..storage.report import solution_dict, solution_table
 from ..storage.tables import misnamed
-from .asking import Given
+from .asking import Given, add_run_options
 from .options import as_options
 from .progress import solved, status_of
 from .record_options import FORM, Places, add_gauge_option, gauge_places
-from .run_options import add_run_options, run_options
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -38,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(given: Given) -> tuple[str, int]:
     """Check everything, solve, write the files, and hand back the table or JSON."""
     case = given.read_case()
-    options = run_options(given, case)
+    options = given.run_options(case)
     places = gauge_places(given, case)
     if given.gauge or given.gauges:
         given.problems += [("--gauge" if given.gauge else "gauges", sentence)

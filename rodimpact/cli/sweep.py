@@ -22,10 +22,9 @@ from ..running.sweep_result import Readings, SweepResult, arrays_of
 from ..running.sweeping import sweep
 from ..storage.casefile import Case
 from . import INCOMPLETE
-from .asking import Given, Number
+from .asking import Given, Number, add_run_options
 from .options import as_options
 from .progress import progress_bar
-from .run_options import add_run_options, run_options
 
 EXAMPLE = "bodies.0.length=0.05:1:200"
 MORE = "--csv prints all, --save keeps them"
@@ -65,7 +64,7 @@ def run(given: Given) -> tuple[str | Iterable[str], int]:
     if case:
         _check_case(given, case)
     how = {name: getattr(given, name) for name in ("on_error", "checkpoint", "also", "workers")}
-    options = run_options(given, case)
+    options = given.run_options(case)
     if "displacement" in given.also and options.get("until") is None:
         message = "displacement is that at the end of the run; give the end, --until"
         given.problems.append(("--also", message))
