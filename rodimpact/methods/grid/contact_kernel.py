@@ -101,14 +101,12 @@ def mean_force(at: Any, x0: float, x1: float) -> tuple[float, float]:
         F, dF = mean_power(k, at.exponent, x0, x1)
         stretch = 1 + d * w
         F, dF = F * stretch, dF * stretch + F * d
-    elif at.law == Law.SPRING:
-        F, dF = mean_spring(k, d, x0, x1)
-    elif x1 <= at.strength / k:
-        F, dF = mean_spring(k, 0.0, x0, x1)
-    else:
+    elif at.law == Law.YIELD and x1 > at.strength / k:
         end, work, _ = loaded(at, x0, x1)
         F = work / w
         dF = max((end - F) / w, 0.0)
+    else:
+        F, dF = mean_spring(k, d if at.law == Law.SPRING else 0.0, x0, x1)
     if F <= 0:
         return 0.0, 0.0
     return F, dF

@@ -96,27 +96,23 @@ def follow(grid: Any, track: Any, until: int) -> bool:
 
 def keep(grid: Any, track: Any) -> None:
     """Enter the state as it is at the end of a step."""
-    run, v, force, stiffness, lost = (
-        grid.run[0], grid.velocity, grid.force, grid.stiffness, grid.lost)
-    kept_velocity, kept_force, kept_place = track.velocity, track.force, track.place
-    n, p, total = len(v), len(grid.piece), 0.0
-    nodes, cells, pieces = (
-        run.kept * n & FAR, run.kept * (n + 1) & FAR, run.kept * p & FAR)
-    for i in range(n):
-        kept_velocity[nodes + i] = v[i]
-    kept_force[cells] = kept_force[cells + n] = 0.0
+    run, v, force, stiffness = grid.run[0], grid.velocity, grid.force, grid.stiffness
+    strain, rate, coupling = grid.strain, grid.rate, grid.coupling
+    kept, radial, n, total = track.force, track.radial, len(v), 0.0
+    nodes, cells, pieces = run.kept * n, run.kept * (n + 1) & FAR, run.kept * len(grid.piece)
+    track.velocity[nodes : nodes + n] = v
+    kept[cells] = kept[cells + n] = 0.0
     for i in range(1, n):
-        kept_force[cells + i] = force[i] + stiffness[i] * (v[i] - v[i - 1]) / 2
+        kept[cells + i] = force[i] + stiffness[i] * (v[i] - v[i - 1]) / 2
     if run.swells > 0:
+        track.radial_rate[cells : cells + n + 1] = rate
         for i in range(n + 1):
-            q, rate = grid.strain[i], grid.rate[i]
-            kept_force[cells + i] += grid.coupling[i] * rate / 2
-            track.radial[cells + i] = q + rate / 2
-            track.radial_rate[cells + i] = rate
-    for i in range(p):
-        kept_place[pieces + i] = grid.piece[i].place
-    for i in range(n + 1):
-        total += lost[i]
+            kept[cells + i] += coupling[i] * rate[i] / 2
+            radial[cells + i] = strain[i] + rate[i] / 2
+    for i in range(len(grid.piece)):
+        track.place[pieces + i] = grid.piece[i].place
+    for lost in grid.lost:
+        total += lost
     track.lost[run.kept] = total
 
 
