@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from rodimpact.methods.grid.refinement import DOUBT, PART, factor_of, refined
+from rodimpact.methods.grid.refinement import DOUBT, FACTORS, PART, refined
 from rodimpact.methods.memory import TooLong
 
 
@@ -33,7 +33,7 @@ def search(values, goal, last=64, order=1.0):
 
 
 def test_levels_are_not_powers_of_two_only():
-    assert [factor_of(level) for level in range(10)] == [1, 2, 3, 4, 6, 8, 12, 16, 24, 32]
+    assert FACTORS[:10] == (1, 2, 3, 4, 6, 8, 12, 16, 24, 32)
 
 
 def test_coarser_levels_must_agree():

@@ -11,7 +11,13 @@ Where a rod is damped (sigma = E eps + eta d(eps)/dt) or resists by lateral iner
 of the viscous force by the mean over the step: (M + J + D/2) dv = forces - D v. This is
 tridiagonal, so the step follows the wave speed alone; see `elimination_kernel`.
 
-Cells may have a radial strain of their own; see `radial_kernel`.
+By Mindlin and Herrmann each cell has a radial strain q of its own. In a cell of stiffness k at
+constant q, du being how much longer it is, and between neighbours,
+
+    tension = k du + b q,    J q_tt = change of (s times the change of q) - G q - b du
+
+so that G q + b du is (G - b^2/k) q + b/k times the tension. Both are kicked and drift together with
+the nodes, which keeps the same energy with q among the displacements u.
 
 Bodies bonded together are one *piece* of neighbouring nodes; between pieces lies a cell without
 stiffness. Contacts are the links of `contact_kernel` between the last node of a piece and the
@@ -30,7 +36,6 @@ from typing import Any
 from ..laws import Beyond, Law
 from . import contact_kernel as contacts
 from . import elimination_kernel as elimination
-from . import radial_kernel as radial
 from .records import FAR, NONE
 
 
@@ -69,8 +74,8 @@ def follow(grid: Any, track: Any, until: int) -> bool:
         move(piece, v)
         drift(v, force, stiffness)
         if run.swells > 0:
-            radial.drift(strain, rate, coupling, force)
-            radial.kick(strain, rate, ease, own, share, shear, force)
+            drift_radially(strain, rate, coupling, force)
+            kick_radially(strain, rate, ease, own, share, shear, force)
         push_ends(v, force, end)
         if run.implicit > 0:
             pull_implicit(v, force, viscous, old, change, end)
@@ -141,6 +146,24 @@ def drift(v: Any, force: Any, stiffness: Any) -> None:
     """Forces in the middle of the step; between pieces there is no stiffness."""
     for i in range(1, len(v)):
         force[i] += stiffness[i] * (v[i] - v[i - 1])
+
+
+def drift_radially(strain: Any, rate: Any, coupling: Any, force: Any) -> None:
+    """Radial strains in the middle of the step, and what they add to the forces."""
+    for i in range(len(strain)):
+        strain[i] += rate[i]
+        force[i] += coupling[i] * rate[i]
+
+
+def kick_radially(
+    strain: Any, rate: Any, ease: Any, own: Any, share: Any, shear: Any, force: Any
+) -> None:
+    """Rates of radial strain."""
+    before = 0.0
+    for i in range(len(strain) - 1):
+        after = shear[i] * (strain[i + 1] - strain[i])
+        rate[i] += ease[i] * (after - before - own[i] * strain[i] - share[i] * force[i])
+        before = after
 
 
 def push_ends(v: Any, force: Any, end: Any) -> None:

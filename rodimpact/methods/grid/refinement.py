@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from itertools import count
+from itertools import takewhile
 
 import numpy as np
 
@@ -16,6 +16,11 @@ from ..run import DURATION, IMPULSE, PEAK_FORCE, VELOCITY
 from .measures import largest_force
 from .run import GridRun
 
+FACTORS = (1, *(k << n for n in range(60) for k in (2, 3)))
+"""By how much the step is divided on each level: not by powers of two only.
+
+An error that depends on where in a step something happens may be the same on all of those.
+"""
 FEWEST = 4  # levels
 LOOK_BACK = 4  # coarser levels with which the finest is compared
 DOUBT = 3  # times what changes tell: where they cancel, errors are larger
@@ -23,6 +28,7 @@ FAINT = 5 / 3  # times that for a duration: a faint force may be missed on all l
 PART = 0.1  # of a step, to which times are known at best
 ROUGH = (PEAK_FORCE, DURATION)  # told, and not waited for: they hang on few steps
 GENTLE = laws.Spring | laws.Hertz | laws.HuntCrossley | laws.PowerLaw | laws.Plastic
+
 
 def refined(
     level: Callable[[int], GridRun], measures: Callable[[GridRun], dict[str, Array]], order: float,
@@ -51,9 +57,7 @@ def refined(
         Error of each measure, relative to its largest value; inf where there are too few levels.
     """
     levels: list[tuple[float, dict[str, Array]]] = []
-    for factor in map(factor_of, count()):
-        if factor > max(4, last):
-            break
+    for factor in takewhile(lambda factor: factor <= max(4, last), FACTORS):
         try:
             finer = level(factor)
         except TooLong:
@@ -69,17 +73,6 @@ def refined(
         if finest.stopped_by == "max_events" or not late:
             break
     return finest, estimates
-
-
-def factor_of(level: int) -> int:
-    """By how much the step is divided on level 0, 1, ...: 1, 2, 3, 4, 6, 8, 12, 16, 24, ...
-
-    Not by powers of two only: an error that depends on where in a step something happens may be the
-    same on all of those.
-    """
-    if level == 0:
-        return 1
-    return 2 << level // 2 if level % 2 == 1 else 3 << (level // 2 - 1)
 
 
 def error_of(levels: Sequence[tuple[float, dict[str, Array]]], name: str, order: float) -> float:
