@@ -364,17 +364,6 @@ def test_an_overlong_or_too_fine_run_is_refused():
     assert refused(said, solved, [short], 1.0) == ["bodies.0.segments.1"]
 
 
-def test_options_that_contradict_each_other():
-    row = [unit_rod(velocity=1.0), unit_rod()]
-    assert refused("give one of them", solved, row, 1.0, 10, rtol=0.1) == ["cells"]
-    assert refused("give one of them", solved, row, 1.0, dt=0.1, rtol=0.1) == ["dt"]
-    for method in ("fronts", "characteristics"):
-        assert refused('is for method "finite-difference"', ri.solve, ri.System(row), 1.0, method,
-                       snapshots=3) == ["snapshots"]
-    assert solved(row, 1.0, 10).method == METHOD
-    assert solved(row, 1.0, snapshots=3, dt=0.1).method == METHOD
-
-
 @pytest.mark.parametrize("until", [0.0, 1e-300, 1e-12, 0.013, 0.026, 0.1, 1.0])
 @pytest.mark.parametrize("size", [{"cells": 20}, {"dt": 0.04995}])
 def test_any_end(until, size):
@@ -443,29 +432,19 @@ def test_rtol_tells_how_still_the_outcome_stands(monkeypatch):
     assert late.startswith("1e-09. Take a larger rtol, or give more cells.")
 
 
-@pytest.mark.parametrize("rods", [((0.5, 0.786, 0.674), (0.1875, 1.176, -0.255)),
-                                  ((0.125, 0.883, 0.740), (0.4375, 0.456, 0.577))])
-def test_what_is_stated_bounds_the_errors_of_restitution_and_duration(rods):
-    """e is made of two velocities, which stand beside the closing velocity."""
-    system = ri.System([unit_rod(L, A, velocity=v) for L, A, v in rods])
-    s = ri.solve(system, method=METHOD, snapshots=2)
-    assert "Not converged" not in s.status
-    exact = ri.collide(*system.bodies)
-    assert abs(s.outcome.restitution - exact.restitution) <= 2 * s.accuracy["velocity"]
-    late = s.outcome.duration / exact.duration - 1  # by most of a step, on all meshes alike
-    assert abs(late) <= s.accuracy["duration"]
-
-
 @pytest.mark.parametrize(
     ("rods", "until"),
     [([(1.326, 2.49, 1.0), (0.393, 2.86, -0.29)], 5.6),
      ([(0.581, 2.72, 1.0), (1.231, 2.44, 0.21)], 5.6),
      ([(1.325, 2.58, ri.Steps([1.0, 1.45], [0.736])), (1.08, 1.47, 0.03)], 3.6),
-     ([(0.9, 1.0, 1.0), (0.7, 2.0, 0.2), (1.1, 0.6, 0.0)], 4.0)],
+     ([(0.9, 1.0, 1.0), (0.7, 2.0, 0.2), (1.1, 0.6, 0.0)], 4.0),
+     ([(0.5, 0.786, 0.674), (0.1875, 1.176, -0.255)], None),
+     ([(0.125, 0.883, 0.740), (0.4375, 0.456, 0.577)], None)],
 )
 def test_stated_errors_bound_those_of_the_outcome(rods, until):
     system = ri.System([unit_rod(L, A, velocity=v) for L, A, v in rods])
     s, exact = ri.solve(system, until, METHOD, snapshots=2), ri.solve(system, until).outcome
+    assert "Not converged" not in s.status
 
     def apart(found, known, scale):
         return max(abs(a - b) for a, b in zip(found, known, strict=True)) / scale
@@ -476,13 +455,6 @@ def test_stated_errors_bound_those_of_the_outcome(rods, until):
                          ("duration", "duration")):
         found, known = ([getattr(c, name) for c in o.contacts] for o in (s.outcome, exact))
         assert apart(found, known, max(known)) <= s.accuracy[stated], name
-
-
-def test_no_limit_is_stated_for_a_force_that_has_none():
-    """Flat ends of viscous rods meet with a force that any finer mesh finds larger."""
-    lossy = [ri.Rod(x, area=1.0, material=material(viscosity=0.01), velocity=v)
-             for x, v in ((0.7, 1.0), (1.1, 0.0))]
-    assert solved(lossy, 3.0, rtol=1e-2, snapshots=2).accuracy["peak force"] == math.inf
 
 
 def test_bodies_at_rest_need_no_refinement(monkeypatch):
@@ -582,17 +554,6 @@ def test_one_cell():
     assert not np.any(held.velocity(0, 0.5, np.linspace(0, 2, 9)))
 
 
-@pytest.mark.parametrize("options", [{"viscosity": 1e12}, {"viscosity": 1e140},
-                                     {"polar_moment": 1e14}, {"polar_moment": 1e140}])
-def test_what_round_off_would_drown_is_refused(options):
-    polar = options.pop("polar_moment", None)
-    rod = ri.Rod(1.0, area=1.0, material=material(poisson_ratio=0.3, **options),
-                 polar_moment=polar, lateral_inertia=polar and "rayleigh-love", velocity=1.0)
-    name = "lateral_inertia" if polar else "material.viscosity"
-    assert refused("round-off hides", solved, [unit_rod(), rod], 1.0, 40) == [
-        f"bodies.1.{name}"]
-
-
 @pytest.mark.parametrize("options", [{"viscosity": 1e7}, {"polar_moment": 1e7},
                                      {"viscosity": 1e-300}])
 def test_much_and_little_of_it_keep_their_balances(options):
@@ -635,8 +596,9 @@ def test_a_peak_that_grows_with_the_mesh_is_named(monkeypatch):
     monkeypatch.setattr(finite_difference, "FIRST", 16)
     lossy = ri.materials.steel.damped(0.02, 1e3)
     rods = [ri.Rod(x, area=1e-4, material=lossy, velocity=v) for x, v in ((0.4, 1.0), (1.0, 0.0))]
-    status = ri.solve(ri.System(rods), rtol=0.05).status
-    assert "The peak force is that of this mesh: flat ends meet, and a finer" in status
+    s = ri.solve(ri.System(rods), rtol=0.05)
+    assert s.accuracy["peak force"] == math.inf
+    assert "The peak force is that of this mesh: flat ends meet, and a finer" in s.status
     soft = ri.System(rods, contacts=[ri.Spring(1e6)])
     assert "The peak force is that" not in ri.solve(soft, rtol=0.05).status
 
