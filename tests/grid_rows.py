@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from networks import STEP, logarithmic, random_network
+from scipy.linalg import block_diag
 
 import rodimpact as ri
 from rodimpact.methods.grid.mesh import Mesh
@@ -41,6 +42,18 @@ def random_row(seed, *, driven=False, bodies=5):
         if isinstance(body, ri.Rod) and rng.random() < 0.5 else body for body in system.bodies
     ]
     return ri.System(row, system.gaps, system.contacts, gravity=system.gravity, ends=system.ends)
+
+
+def matrices(mesh):
+    """Mass, damping and stiffness of one piece: of its nodes, then of the radial strains."""
+    n = len(mesh.mass)
+    inner, between = (np.diff(np.eye(size), axis=0) for size in (n, n - 1))
+    k, d, j, J, b, G = (getattr(mesh.cells, name)[1:n, None] for name in (
+        "stiffness", "viscous", "lateral", "swelling", "coupling", "radial"))
+    swelling = np.diag(G[:, 0]) + between.T @ (mesh.shear[1 : n - 1, None] * between)
+    return (block_diag(np.diag(mesh.mass) + inner.T @ (j * inner), np.diag(J[:, 0])),
+            block_diag(inner.T @ (d * inner), np.zeros((n - 1, n - 1))),
+            np.block([[inner.T @ (k * inner), inner.T * b[:, 0]], [b * inner, swelling]]))
 
 
 def grid_run(system, room, snapshots=None, step=STEP):

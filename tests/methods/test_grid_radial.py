@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from scipy.linalg import block_diag, eigh
+from grid_rows import matrices
+from scipy.linalg import eigh
 
 import rodimpact as ri
 from rodimpact.methods.grid.mesh import Mesh, lasting_mode, most_cells, stable_step
@@ -29,15 +30,8 @@ def solved(bodies, until=1.0, contacts=None, **mesh):
 
 def fastest(mesh):
     """Largest angular frequency of a mesh, from its whole matrices."""
-    n, cells = len(mesh.mass), mesh.cells
-    k, J, b, G = (x[1:n] for x in (cells.stiffness, cells.swelling, cells.coupling, cells.radial))
-    inner, between = (np.diff(np.eye(size), axis=0) for size in (n, n - 1))
-    K = np.block([
-        [inner.T @ (k[:, None] * inner), inner.T * b],
-        [(inner.T * b).T, np.diag(G) + between.T @ (mesh.shear[1 : n - 1, None] * between)],
-    ])
-    kept = np.append(np.ones(n, bool), J > 0)
-    M = block_diag(np.diag(mesh.mass), np.diag(J))
+    M, _, K = matrices(mesh)
+    kept = np.append(np.ones(len(mesh.mass), bool), mesh.cells.swelling[1:-1] > 0)
     return math.sqrt(eigh(K[np.ix_(kept, kept)], M[np.ix_(kept, kept)], eigvals_only=True)[-1])
 
 
