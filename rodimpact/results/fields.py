@@ -16,7 +16,6 @@ from numpy.typing import ArrayLike
 from ..methods.clock import Clock
 from ..methods.run import Signals
 from ..methods.signals import Floats, Ints, Pieces, Side
-from ..model import Material, Rod
 from ..model.arguments import array
 from ..model.frozen import refusal
 from ..units import shown
@@ -113,16 +112,9 @@ class Fields(ABC):
     def energy(self, body: int, tick: int, velocity: float) -> tuple[float, float]:
         """Kinetic energy of the motion relative to `velocity`, and strain energy; J, of a rod."""
 
+    @abstractmethod
     def largest_stress(self, body: int) -> float:
         """Largest absolute stress anywhere in a rod at any time, Pa."""
-        rod = self.clock.system.bodies[body]
-        assert isinstance(rod, Rod)
-        segments = enumerate(rod.segments, self.clock.spans[body][0])
-        return float(max(self._largest_stress(s, segment.material) for s, segment in segments))
-
-    @abstractmethod
-    def _largest_stress(self, segment: int, material: Material) -> float:
-        """The same of a segment of the row."""
 
     @abstractmethod
     def profile(self, body: int, tick: int) -> Profile:

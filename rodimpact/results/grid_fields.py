@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from ..methods.grid.mesh import STEP_TICKS, GridMotion
 from ..methods.signals import Floats, Ints, Pieces, Side
-from ..model import Material, Rod
+from ..model import Rod, Segment
 from ..model.profiles import Samples
 from .fields import Fields, Profile, Trace
 
@@ -69,94 +69,75 @@ class GridFields(Fields):
 
     # Between the nodes ----------------------------------------------------------------------------
 
-    def _at(
-        self, table: Floats, starts: Any, body: int, x: ArrayLike, ticks: Ints,
-        cells: bool = False,
-    ) -> Floats:
-        """Values at places of a table [state, column]; a segment's columns begin at its start.
-
-        They are those of its nodes, or of its `cells` and their ends as in `_stretch`.
-        """
-        segment, inside = self.locate(body, x)
-        N = self._counts[segment]
-        y = inside / np.array(self.clock.length)[segment] * N
-        if cells:
-            y = np.where(y < 0.5, 2 * y, np.where(y > N - 0.5, 2 * y - N + 1, y + 0.5))
-        i = np.clip(np.floor(y), 0.0, N - 1.0 + cells)
-        share = np.clip(y - i, 0.0, 1.0)
-        place = np.asarray(starts)[segment] + i.astype(np.int64)
-        self._together(place, ticks)
-        before, after = (self._in_time(table, at, ticks) for at in (place, place + 1))
+    def _at(self, body: int, x: ArrayLike, ticks: Ints, places: Floats, table: Floats) -> Floats:
+        """Values of a rod at places x, m, between those of a table [state, place]."""
+        self._together(self.locate(body, x)[0], ticks)
+        i = np.clip(np.searchsorted(places, x, "right") - 1, 0, len(places) - 2)
+        share = np.minimum((x - places[i]) / (places[i + 1] - places[i]), 1.0)
+        before, after = (self._in_time(table, at, ticks) for at in (i, i + 1))
         between: Floats = before * (1 - share) + after * share
         return between
 
-    @cached_property
-    def _counts(self) -> Ints:
-        """Cells by segment."""
-        return np.array([0, *self.motion.counts])
+    def _places(self, body: int) -> list[Floats]:
+        """Of the nodes of each segment of a rod, m from its left end."""
+        first, last = self.clock.spans[body]
+        counts = self.motion.counts[first - 1 : last]
+        ends = itertools.pairwise(self.edges(body))
+        return [np.linspace(*of, N + 1) for of, N in zip(ends, counts, strict=True)]
 
-    @cached_property
-    def _edge(self) -> Ints:
-        """By segment: the column of `_stretch` that is its left end."""
-        return np.cumsum([-2, *(self._counts + 2)[:-1]])
-
-    @cached_property
-    def _stretch(self) -> Floats:
-        """Strains: of each segment at its left end, in its cells, and at its right end."""
-        return self._with_ends(self._strain, self._at_ends[0])
-
-    @cached_property
-    def _stretching(self) -> Floats:
-        """Rates of strain, as in `_stretch`."""
-        return self._with_ends(self._rate, self._at_ends[1])
-
-    def _with_ends(self, table: Floats, ends: Floats) -> Floats:
-        mesh, edge = self.motion, self._edge[1:]
-        columns = [np.arange(a, b + 2) for a, b in zip(mesh.first[1:], mesh.last[1:], strict=True)]
-        values: Floats = table[:, np.concatenate(columns)]
-        values[:, edge], values[:, edge + self._counts[1:] + 1] = ends[:, ::2], ends[:, 1::2]
-        return values
+    def _node_places(self, body: int) -> Floats:
+        *earlier, last = self._places(body)
+        return np.concatenate([*(places[:-1] for places in earlier), last])
 
     @cached_property
     @_FAINT
-    def _at_ends(self) -> tuple[Floats, Floats]:
-        """Strains and their rates [state, end], left and right end of segment after segment.
+    def _stretched(self) -> dict[int, list[Floats]]:
+        """By rod: places, m, strains and their rates there [state, place].
 
-        Both are extrapolated, and then changed to give the stress that the node's momentum asks
-        for: in a step, viscosity eta resists a change of strain by eta/step. Where lateral inertia
-        takes a share of the force they stay.
+        These are the ends of segments, on either side of a step, and the middles of cells.
         """
-        mesh, strains, rates = self.motion, [], []
-        rods = [body for body in self.clock.system.bodies if isinstance(body, Rod)]
-        segments = [segment for rod in rods for segment in rod.segments]
-        for segment, a, b, N in zip(
-            segments, mesh.first[1:], mesh.last[1:], mesh.counts, strict=True
-        ):
-            E, eta = float(segment.material.youngs_modulus), float(segment.material.viscosity)
-            areas = segment.area.values if isinstance(segment.area, Samples) else [segment.area]
-            for node, cell, inward, area in ((a, a + 1, 1, areas[0]), (b, b, -1, areas[-1])):
-                behind = cell + inward * (N > 1)
-                strain = 1.5 * self._strain[:, cell] - 0.5 * self._strain[:, behind]
-                rate = 1.5 * self._rate[:, cell] - 0.5 * self._rate[:, behind]
-                swells = mesh.cells.swelling[cell]
-                if not (mesh.cells.lateral[node] or mesh.cells.lateral[node + 1] or swells):
-                    pull = self._pull(node + 1) - self._pull(node) + self._pushed(node)
-                    gained = pull * mesh.cells.cell_mass[cell] / 2 / mesh.mass[node]
-                    stress = (self._pull(cell) - inward * gained) / float(area)
-                    missing = stress - E * strain - eta * rate
-                    strain += missing / (E + eta / self._step)
-                    rate += missing / (E * self._step + eta)
-                strains.append(strain)
-                rates.append(rate)
-        return np.array(strains).T, np.array(rates).T
+        found = {}
+        for body, rod in enumerate(self.clock.system.bodies):
+            if isinstance(rod, Rod):
+                segments = enumerate(rod.segments, self.clock.spans[body][0])
+                parts = [(np.concatenate((x[:1], (x[1:] + x[:-1]) / 2, x[-1:])), *self._held(*of))
+                         for of, x in zip(segments, self._places(body), strict=True)]
+                found[body] = [np.concatenate(of, axis=-1) for of in zip(*parts, strict=True)]
+        return found
 
-    def _pull(self, cell: int) -> Floats:
-        """Elastic and viscous tension of a cell, at the states; none between pieces."""
+    def _held(self, s: int, segment: Segment) -> tuple[Floats, Floats]:
+        """Strains of a segment and their rates at its left end, in its cells, at its right end.
+
+        At the ends both are extrapolated, and then changed to give the stress that the node's
+        momentum asks for: in a step, viscosity eta resists a change of strain by eta/step. Where
+        lateral inertia takes a share of the force they stay.
+        """
+        mesh, cells, (E, eta) = self.motion, self.motion.cells, _moduli(segment)
+        a, b = mesh.first[s], mesh.last[s]
+        strains, rates = (of[:, a : b + 2].copy() for of in (self._strain, self._rate))
+        areas = segment.area.values if isinstance(segment.area, Samples) else [segment.area]
+        for node, cell, inward, area in ((a, a + 1, 1, areas[0]), (b, b, -1, areas[-1])):
+            behind, end = cell + inward * (b > a + 1), (inward - 1) // 2
+            strain, rate = (1.5 * of[:, cell] - 0.5 * of[:, behind]
+                            for of in (self._strain, self._rate))
+            if not (cells.lateral[node] or cells.lateral[node + 1] or cells.swelling[cell]):
+                pull = self._pull[:, node + 1] - self._pull[:, node] + self._pushed(node)
+                gained = pull * cells.cell_mass[cell] / 2 / mesh.mass[node]
+                stress = (self._pull[:, cell] - inward * gained) / float(area)
+                missing = stress - E * strain - eta * rate
+                strain += missing / (E + eta / self._step)
+                rate += missing / (E * self._step + eta)
+            strains[:, end], rates[:, end] = strain, rate
+        return strains, rates
+
+    @cached_property
+    @_FAINT
+    def _pull(self) -> Floats:
+        """Elastic and viscous tension [state, cell]; none between pieces."""
         cells = self.motion.cells
-        pull: Floats = self.motion.force[:, cell]
-        if cells.viscous[cell]:
-            pull = pull + cells.viscous[cell] * cells.width[cell] * self._rate[:, cell]
-        return pull
+        if not cells.viscous.any():
+            return self.motion.force
+        return np.asarray(self.motion.force + cells.viscous * cells.width * self._rate)
 
     def _pushed(self, node: int) -> Floats:
         """Force to the right on a node from outside its piece, at the states."""
@@ -199,20 +180,26 @@ class GridFields(Fields):
     # Fields ---------------------------------------------------------------------------------------
 
     def velocity(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
-        ticks = self.to_ticks(t, side)
-        v = self._at(self.motion.velocity, self.motion.first, body, x, ticks)
+        v = self._moving(body, x, self.to_ticks(t, side))
         return v + self.clock.frame + self._fallen(t)
 
+    def _moving(self, body: int, x: ArrayLike, ticks: Ints) -> Floats:
+        v = self.motion.velocity[:, self._span(body)[0]]
+        return self._at(body, x, ticks, self._node_places(body), v)
+
     def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
-        return self._at(self._stretch, self._edge, body, x, self.to_ticks(t, side), True)
+        self.locate(body, x)  # there is none in a wall
+        places, strains, _ = self._stretched[body]
+        return self._at(body, x, self.to_ticks(t, side), places, strains)
 
     def strain_rate(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
-        return self._at(self._stretching, self._edge, body, x, self.to_ticks(t), True)
+        places, _, rates = self._stretched[body]
+        return self._at(body, x, self.to_ticks(t), places, rates)
 
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         a, ticks = self.clock, self.to_ticks(t)
-        time, starts = ticks * a.tick, np.array(self.motion.first) - self._span(body)[0].start
-        moved = self._at(self._displaced[body], starts, body, x, ticks)
+        moved = self._at(body, x, ticks, self._node_places(body), self._displaced[body])
+        time = ticks * a.tick
         return moved + a.frame * time + a.gravity * time * time / 2
 
     @_FAINT
@@ -225,11 +212,9 @@ class GridFields(Fields):
 
     @_FAINT
     def trace(self, body: int, x: float) -> Trace:
-        a = self.clock
-        ticks = self.known
-        c = a.wave_speed[int(self.locate(body, x)[0])]
-        v = self._at(self.motion.velocity, self.motion.first, body, x, ticks)
-        stretch = c * self._at(self._stretch, self._edge, body, x, ticks, True)
+        c, ticks = self.clock.wave_speed[int(self.locate(body, x)[0])], self.known
+        v, (places, strains, _) = self._moving(body, x, ticks), self._stretched[body]
+        stretch = c * self._at(body, x, ticks, places, strains)
         right, left, change = (
             Pieces.through(ticks, values) for values in (v - stretch, v + stretch, 2 * stretch)
         )
@@ -261,13 +246,13 @@ class GridFields(Fields):
         return self.motion.energies(nodes, mass, place, v, self._step)
 
     @_FAINT
-    def _largest_stress(self, segment: int, material: Material) -> float:
+    def largest_stress(self, body: int) -> float:
         """Of the states that were kept."""
-        columns = slice(self._edge[segment], self._edge[segment] + self._counts[segment] + 2)
-        stress = float(material.youngs_modulus) * self._stretch[:, columns]
-        if float(material.viscosity):
-            stress = stress + float(material.viscosity) * self._stretching[:, columns]
-        return float(np.abs(stress).max())
+        rod, (places, strains, rates) = self.clock.system.bodies[body], self._stretched[body]
+        assert isinstance(rod, Rod)
+        counts = [len(x) + 1 for x in self._places(body)]
+        E, eta = (np.repeat(of, counts) for of in zip(*map(_moduli, rod.segments), strict=True))
+        return float(np.abs(E * strains + eta * rates).max())
 
     def damped(self, ticks: Ints) -> Floats:
         place = np.searchsorted(self.motion.when, ticks // STEP_TICKS)
@@ -276,13 +261,14 @@ class GridFields(Fields):
 
     def profile(self, body: int, tick: int) -> Profile:
         nodes, cells, _ = self._span(body)
-        first, last = self.clock.spans[body]
-        counts = self.motion.counts[first - 1 : last]
-        ends = itertools.pairwise(self.edges(body))
-        starts = [np.linspace(*of, N + 1)[:-1] for of, N in zip(ends, counts, strict=True)]
-        edges = np.append(np.concatenate(starts), self.edges(body)[-1])
         v = self._in_time(self.motion.velocity, nodes, np.asarray(tick))
         strain = self._in_time(self._strain, cells, np.asarray(tick))
         drift = self.clock.frame + self.clock.gravity * tick * self.clock.tick
-        segments = np.repeat(np.arange(first, last + 1), counts)
-        return Profile(edges, (v[1:] + v[:-1]) / 2 + drift, strain, segments)
+        counts = [len(places) - 1 for places in self._places(body)]
+        segments = np.repeat(np.arange(len(counts)) + self.clock.spans[body][0], counts)
+        return Profile(self._node_places(body), (v[1:] + v[:-1]) / 2 + drift, strain, segments)
+
+
+def _moduli(segment: Segment) -> tuple[float, float]:
+    """Young's modulus and viscosity."""
+    return float(segment.material.youngs_modulus), float(segment.material.viscosity)

@@ -20,7 +20,7 @@ from ..methods.compiling import as_objects
 from ..methods.fronts.records import NONE, ROW
 from ..methods.fronts.stock import largest_difference
 from ..methods.signals import Floats, Ints, Pieces, Side, each_once, integral_of_product
-from ..model import Material
+from ..model import Rod
 from .fields import Fields, Profile, Trace
 
 PAIR_TIME = 5e-7  # s of plain Python for two waves that meet
@@ -193,7 +193,14 @@ class WaveFields(Fields):
             strain += scale * (both - crossed) / 2
         return kinetic, strain
 
-    def _largest_stress(self, segment: int, material: Material) -> float:
+    def largest_stress(self, body: int) -> float:
+        rod = self.clock.system.bodies[body]
+        assert isinstance(rod, Rod)
+        return max(float(segment.material.youngs_modulus) * self._largest_strain(s)
+                   for s, segment in enumerate(rod.segments, self.clock.spans[body][0]))
+
+    def _largest_strain(self, segment: int) -> float:
+        """Largest absolute strain anywhere in a segment at any time."""
         waves = [wave if wave.size == 1 else Pieces(wave.marks, wave.at(wave.marks))
                  for wave in self.waves(segment)]  # in steps that follow it closely
         counts, T = [len(wave.ticks) for wave in waves], self.clock.ticks[segment]
@@ -208,7 +215,7 @@ class WaveFields(Fields):
             parted = kernels.compiled(largest_difference)(log, *ends)
         else:
             parted = largest_difference(as_objects(log), *ends)
-        return float(material.youngs_modulus * parted / (2 * self.clock.wave_speed[segment]))
+        return float(parted / (2 * self.clock.wave_speed[segment]))
 
     def profile(self, body: int, tick: int) -> Profile:
         a, places, segments = self.clock, list[Any]([[0.0]]), list[Ints]()
