@@ -248,7 +248,7 @@ class GridFields(Fields):
     @_FAINT
     def largest_stress(self, body: int) -> float:
         """Of the states that were kept."""
-        rod, (places, strains, rates) = self.clock.system.bodies[body], self._stretched[body]
+        rod, (_, strains, rates) = self.clock.system.bodies[body], self._stretched[body]
         assert isinstance(rod, Rod)
         counts = [len(x) + 1 for x in self._places(body)]
         E, eta = (np.repeat(of, counts) for of in zip(*map(_moduli, rod.segments), strict=True))
