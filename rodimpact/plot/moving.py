@@ -13,6 +13,7 @@ import io
 import math
 import os
 from collections.abc import Iterator
+from contextvars import copy_context
 from typing import Any, cast
 
 import numpy as np
@@ -64,7 +65,7 @@ class Animation:
         self, solution: Solution, field: str, times: Floats, fps: float,
         magnification: float | None,
     ) -> None:
-        self.fps, self.title = fps, headline(solution)
+        self.fps, self.title, self._look = fps, headline(solution), copy_context()
         self.field, self.colours = field, style.colours()
         start, stop = float(times[0]), float(times[-1])
         plan = placing(solution, start, stop, magnification).with_springs(start, stop)
@@ -121,8 +122,7 @@ class Animation:
         self._canvas.restore_region(self._still)
         self._clock.set_text(self.clock(number))
         self._caption.set_text(self._captions[np.searchsorted(self._turns, t, side="right")])
-        with style.coloured(self.colours):
-            self._draw_bodies(t)
+        self._look.run(self._draw_bodies, t)
         for ax in (self._row, self._words):
             self.figure.draw_artist(ax)
         for actor in [*self._row.collections, *self._row.patches, *self._row.lines]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
+
+from matplotlib.ticker import EngFormatter
 
 from ..model import Rod
 from ..model.frozen import refusal
@@ -26,7 +27,7 @@ FIELDS = {
 ROUND_OFF = 1e-9  # beside the largest value shown, as good as nothing
 MINUS = "\N{MINUS SIGN}"
 SIGMA, RHO = "\N{GREEK SMALL LETTER SIGMA}", "\N{GREEK SMALL LETTER RHO}"
-_PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+LEAST, MOST = -15, 12  # powers of ten that have a prefix here
 
 
 class Scale(NamedTuple):
@@ -68,8 +69,8 @@ def engineering(name: str, largest: float, unit: str) -> Scale:
     exponent = 3 * math.floor(whole)
     if not unit:
         return Scale(10.0**-exponent, name, format_power(exponent) if exponent else "")
-    exponent = min(max(exponent, min(_PREFIXES)), max(_PREFIXES))
-    return Scale(10.0**-exponent, name, _PREFIXES[exponent] + unit)
+    exponent = min(max(exponent, LEAST), MOST)
+    return Scale(10.0**-exponent, name, EngFormatter.ENG_PREFIXES[exponent] + unit)
 
 
 def scale_of(quantity: Quantity, largest: float) -> Scale:
@@ -77,24 +78,20 @@ def scale_of(quantity: Quantity, largest: float) -> Scale:
 
     Powers of units other than lengths, and counts, are shown as they are.
     """
-    name, unit = quantity.name, re.sub(r"\^([234])$", _power, quantity.unit)
+    name, unit = quantity.name, quantity.unit
+    for digit, raised in zip("234", "²³⁴", strict=True):
+        unit = unit.replace(f"^{digit}", raised)
     if unit in ("1", "kg/m³", "m⁴", "m/s²", "s/m"):
         return Scale(1.0, name, unit.removeprefix("1"))
-    if unit == "kg" and largest >= 1:
-        return Scale(1.0, name, "kg")
     if unit == "kg":
-        grams = engineering(name, 1e3 * largest, "g")
-        return grams._replace(factor=1e3 * grams.factor)
+        scale = engineering(name, 1e3 * largest, "g")
+        return scale._replace(factor=1e3 * scale.factor)
     if unit == "m":
         return place_scale(largest)._replace(name=name)
     if unit == "m²":  # in mm² between 0.01 and 10 000 mm²
         side = engineering(name, 10 * math.sqrt(largest), "m")
         return Scale(side.factor**2, name, f"{side.unit}²")
     return engineering(name, largest, unit)
-
-
-def _power(found: re.Match[str]) -> str:
-    return "²³⁴"[int(found[1]) - 2]
 
 
 def digits(value: float, largest: float, count: int = 3) -> str:

@@ -107,14 +107,7 @@ def look(name: str = "light", width: float | None = None) -> Iterator[None]:
         width = single("width", width, "mm")
         if not 50 <= width <= 1000:
             raise refusal("width", f"must be 50 to 1000 mm, got {width!r}")
-    with coloured(LOOKS[name], width):
-        yield
-
-
-@contextmanager
-def coloured(wanted: Colours, width: float | None = None) -> Iterator[None]:
-    """Draw in these colours, new figures so many mm wide."""
-    before = _look.set((wanted, width))
+    before = _look.set((LOOKS[name], width))
     try:
         yield
     finally:
