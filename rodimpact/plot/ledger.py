@@ -11,6 +11,7 @@ from matplotlib.text import Text
 
 from ..methods.groups import movable
 from ..methods.signals import Floats
+from ..model import Rod
 from ..results.regions import regions_of
 from ..results.solution import Solution, check_solution
 from ..storage.report import ENERGIES
@@ -18,11 +19,10 @@ from .moments import contact_turns
 from .placing import placing
 from .sampling import is_stepped
 from .scales import ROUND_OFF, engineering, listed, time_scale, written
-from .style import INK, SMALL, Picture, axes, dress, legend_above, styled
+from .style import INK, SMALL, Picture, axes, dress, extent, legend_above, styled
 
-SAMPLES = 41  # energies bend like parabolas where a force acts
-STATES_SUMMED = 60_000  # of segments at all samples together
-FEWEST = 31
+SAMPLES = 81  # energies bend like parabolas where a force acts
+OF_MASSES = 401  # the same where no rod vibrates, and contacts are short
 TURNS = 6  # of contacts that are sampled too
 CORNERS_UP_TO = 500
 BANDS = {
@@ -93,14 +93,13 @@ def energy(solution: Solution, ax: Axes | None = None) -> Picture:
                           label=f"initial energy and work of {listed(workers)}")
     labels: list[Text] = []
     missing: list[artist.Artist | None] = [work]
-    stacked = np.cumsum(list(parts.values()), axis=0)
-    for band, upper, (entry, part) in zip(bands, stacked, parts.items(), strict=True):
-        name = ENERGIES[entry]
-        spot = _widest(ax, x, (upper - part) * scale.factor, upper * scale.factor, name)
+    upper = np.zeros(times.size)
+    for band, (entry, part) in zip(bands, parts.items(), strict=True):
+        lower, upper, name = upper, upper + part, ENERGIES[entry]
+        spot = _widest(ax, x, lower * scale.factor, upper * scale.factor, name)
         if spot:
-            colour = "white" if entry == "kinetic" else INK
-            labels.append(ax.text(*spot, name, color=colour, ha="center", va="center",
-                                  fontsize=SMALL + 1))
+            labels.append(ax.text(*spot, name, color="white" if entry == "kinetic" else INK,
+                                  ha="center", va="center", fontsize=SMALL + 1))
         elif part.max() > ROUND_OFF * total.max():
             missing.append(band)
     legend_above(ax, missing)
@@ -109,12 +108,12 @@ def energy(solution: Solution, ax: Axes | None = None) -> Picture:
 
 def _times(solution: Solution) -> Floats:
     """Even instants, and those at which waves meet or are reflected, unless they are too many."""
-    count = min(SAMPLES, max(FEWEST, STATES_SUMMED // len(solution.fields.clock.ticks)))
+    waves = any(isinstance(body, Rod) for body in solution.system.bodies)
     known: Floats = np.array(contact_turns(solution)[:TURNS])
     if not is_stepped(solution):
         with suppress(ValueError):  # too many regions
             known = np.unique(regions_of(solution, limit=CORNERS_UP_TO).t)
-    even = np.linspace(0.0, solution.t_end, count)
+    even = np.linspace(0.0, solution.t_end, SAMPLES if waves else OF_MASSES)
     return np.union1d(even, np.minimum(known, solution.t_end))
 
 
@@ -143,8 +142,7 @@ def _widest(
     ax: Axes, x: Floats, low: Floats, high: Floats, text: str
 ) -> tuple[float, float] | None:
     """Centre of the roomiest box for a text between two curves; none if there is no room."""
-    point = np.ptp([ax.get_xlim(), ax.get_ylim()], axis=1) / (
-        np.asarray(ax.get_window_extent().size) * 72 / ax.figure.dpi)
+    point = np.ptp([ax.get_xlim(), ax.get_ylim()], axis=1) / extent(ax)
     width, height = 0.6 * SMALL * (len(text) + 1) * point[0], 1.5 * SMALL * point[1]
     best, spot = height, None
     for centre in np.linspace(width / 2, float(x[-1]) - width / 2, 60):
