@@ -1,4 +1,4 @@
-"""What the tests of the command line share: a case in a directory of its own, and refused calls."""
+"""What the tests of the command line share: a case in a directory of its own, and calls."""
 
 import pytest
 from case_texts import UNEQUAL_RODS
@@ -26,4 +26,14 @@ def refuses(capsys):
         for text in said:
             assert text in err
         return err
+    return call
+
+
+@pytest.fixture
+def told(capsys):
+    """What a call prints that ends with this status."""
+    def call(*argv, status=0):
+        capsys.readouterr()
+        assert main(argv) == status
+        return capsys.readouterr().out
     return call

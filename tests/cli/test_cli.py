@@ -12,13 +12,13 @@ from pathlib import Path
 
 import pytest
 from case_texts import UNEQUAL_RODS as CASE
+from cli.processes import ENVIRONMENT, ROOT, python, started
 
 import rodimpact as ri
 from rodimpact.cli import COMMANDS, main
 from rodimpact.cli.verify import Check, checks
 from rodimpact.methods import kernels
 
-ROOT = Path(ri.__file__).parent.parent
 ENDLESS = """\
 schema = 1
 bodies = [
@@ -32,35 +32,13 @@ bodies = [
 ]
 solve.until = 1.0
 """
-ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"}
-
-
-HOW = {"env": ENVIRONMENT, "text": True, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-
-
-def python(*arguments, **options):
-    """Run Python on the package in a process of its own."""
-    command = [sys.executable, *map(str, arguments)]
-    return subprocess.run(command, timeout=60, check=False, **(HOW | options))
-
-
-@contextlib.contextmanager
-def started(*arguments, **options):
-    """As `python`, but at work meanwhile; it ends with the test that fails."""
-    command = [sys.executable, *map(str, arguments)]
-    with subprocess.Popen(command, **(HOW | options)) as process:
-        try:
-            yield process
-        finally:
-            process.kill()
 
 
 # The program --------------------------------------------------------------------------------------
 
 
-def test_version(capsys):
-    assert main(["--version"]) == 0
-    assert capsys.readouterr().out == f"rodimpact {ri.__version__}\n"
+def test_version(told):
+    assert told("--version") == f"rodimpact {ri.__version__}\n"
 
 
 def test_version_and_help_need_no_numpy():
@@ -73,15 +51,13 @@ def test_version_and_help_need_no_numpy():
         assert (done.returncode, done.stderr) == (0, "")
 
 
-def test_help_lists_every_exit_status(capsys):
-    assert main(["--help"]) == 0
-    told = capsys.readouterr().out.partition("exit status:")[2]
-    assert [int(n) for n in re.findall(r"^  (\d+)  ", told, re.M)] == [0, 1, 2, 3, 4, 130]
+def test_help_lists_every_exit_status(told):
+    text = told("--help").partition("exit status:")[2]
+    assert [int(n) for n in re.findall(r"^  (\d+)  ", text, re.M)] == [0, 1, 2, 3, 4, 130]
 
 
-def test_help_lists_every_command_with_its_own_help(capsys):
-    assert main(["--help"]) == 0
-    text = capsys.readouterr().out
+def test_help_lists_every_command_with_its_own_help(capsys, told):
+    text = told("--help")
     for command in COMMANDS:
         assert f"\n  {command} " in text
         assert main([command, "--help"]) == 0
@@ -143,11 +119,15 @@ def test_sigint_ends_a_long_run_with_130_and_without_traceback(case):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="no such pipes")
-@pytest.mark.parametrize("command", ["materials", "--help"])
+@pytest.mark.parametrize("command", [
+    ["materials"], ["--help"],
+    ["sweep", "case.toml", "--vary", "bodies.0.length=1:2:300", "--csv"],
+])
+@pytest.mark.usefixtures("case")
 def test_a_reader_who_has_gone_is_no_failure(command):
     reading, writing = os.pipe()
     os.close(reading)
-    done = python("-m", "rodimpact", command, stdout=writing)
+    done = python("-m", "rodimpact", *command, stdout=writing)
     os.close(writing)
     assert (done.returncode, done.stderr) == (0, "")
 
@@ -231,17 +211,13 @@ def test_ctrl_c_before_the_program_listens_shows_no_traceback(tmp_path):
 # run ----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("change", "argv", "remedy", "status"),
-    [
-        ("", ["--until", "0"], "leave out --until to run", 1),
-        ("", ["--max-events", "1"], "Raise --max-events", 3),
-    ],
-)
+@pytest.mark.parametrize(("argv", "remedy", "status"), [
+    (["--until", "0"], "leave out --until to run", 1),
+    (["--max-events", "1"], "Raise --max-events", 3),
+])
 def test_a_run_of_no_time_prints_its_table_and_tells_why_it_draws_nothing(
-    case, capsys, change, argv, remedy, status
+    case, capsys, argv, remedy, status
 ):
-    case.write_text(CASE + change)
     outputs = ["--plot", "a.png", "--gauges", "a.csv", "--gauge", "a=1:0.5"]
     assert main(["run", "case.toml", *argv, *outputs]) == status
     out, err = capsys.readouterr()
@@ -283,7 +259,7 @@ def test_outputs_are_checked_before_solving(case, refuses, monkeypatch, argv, sa
     assert {path.name for path in case.parent.iterdir()} == {"case.toml", "there.npz"}
 
 
-def test_gauges_of_the_case_are_written(case, capsys):
+def test_gauges_of_the_case_are_written(case):
     text = case.read_text()
     case.write_text(text + '[[gauges]]\nbody = 1\nfraction = 0.5\nname = "far"\n'
                     '[[gauges]]\nbody = 0\nfraction = 1\n')
@@ -323,9 +299,8 @@ def test_run_prints_the_table(case, capsys):
     assert err == ""  # notes are for terminals
 
 
-def test_run_prints_json_in_full_precision(case, capsys):
-    assert main(["run", str(case), "--json"]) == 0
-    data = json.loads(capsys.readouterr().out)
+def test_run_prints_json_in_full_precision(case, told):
+    data = json.loads(told("run", str(case), "--json"))
     expected = ri.collide(
         ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0),
         ri.Rod(1.0, area=1e-4, material=ri.materials.steel),
@@ -334,13 +309,18 @@ def test_run_prints_json_in_full_precision(case, capsys):
     assert data["outcome"]["restitution"] == expected.restitution
 
 
-def test_run_without_plots_imports_no_matplotlib_and_no_numba(case):
+@pytest.mark.parametrize(("command", "missing"), [
+    (["run"], "matplotlib numba scipy"),
+    (["sweep", "--vary", "bodies.0.length=50 mm:1 m:5"], "matplotlib"),
+])
+@pytest.mark.usefixtures("case")
+def test_without_plots_no_matplotlib_is_imported(command, missing):
     code = (
         "import sys; from rodimpact.cli import main;"
-        "assert main(['run', sys.argv[1], '--save', 'a.npz']) == 0;"
-        "assert not {'matplotlib', 'numba', 'scipy'} & set(sys.modules)"
+        "assert main([*sys.argv[2:], 'case.toml', '--save', 'a.npz']) == 0;"
+        "assert not set(sys.argv[1].split()) & set(sys.modules)"
     )
-    done = python("-c", code, case)
+    done = python("-c", code, missing, *command)
     assert (done.returncode, done.stderr) == (0, "")
 
 
@@ -361,10 +341,9 @@ def test_options_overrule_the_case(case, capsys):
     assert not Path("b.npz").exists()
 
 
-def test_a_run_that_stops_early_ends_with_3_and_still_reports_and_saves(case, capsys):
+def test_a_run_that_stops_early_ends_with_3_and_still_reports_and_saves(case, told):
     case.write_text(ENDLESS)
-    assert main(["run", str(case), "--max-events", "500", "--save", "a.npz"]) == 3
-    out = capsys.readouterr().out
+    out = told("run", str(case), "--max-events", "500", "--save", "a.npz", status=3)
     assert "velocity at the end" in out
     assert "Raise --max-events" in out
     assert ri.load("a.npz").stopped_by == "max_events"
@@ -443,10 +422,9 @@ def test_rigid_reports_all_mistakes_at_once(refuses):
     assert {line.split(": ")[1] for line in lines} == {"--m1", "--v1", "-e"}
 
 
-def test_rigid_refuses_energy_unless_it_is_released(capsys, refuses):
+def test_rigid_refuses_energy_unless_it_is_released(refuses, told):
     refuses([*SAMPLE, "-e", "1.5"], "-e: must lie in [-1, 1], got 1.5", "--energy-release")
-    assert main([*SAMPLE, "-e", "1.5", "--energy-release"]) == 0
-    assert "-93.75 mJ" in capsys.readouterr().out
+    assert "-93.75 mJ" in told(*SAMPLE, "-e", "1.5", "--energy-release")
     for m1, v1, said in (("-2", "1", "--m1: must be a positive number of kilograms or infinite, "),
                          ("2", "0", "--v1: must be above the velocity of body 2, 0.0, got 0.0")):
         refuses(["rigid", "--m1", m1, "--v1", v1, "--m2", "1", "--v2", "0", "-e", "1"], said)
@@ -455,66 +433,55 @@ def test_rigid_refuses_energy_unless_it_is_released(capsys, refuses):
 # verify, materials, doctor ------------------------------------------------------------------------
 
 
-def test_verify_prints_every_check(capsys):
-    assert main(["verify"]) == 0
-    out = capsys.readouterr().out
+def test_verify_prints_every_check(told):
+    out = told("verify")
     assert out.count("  ok\n") == len(checks())
     assert "checks passed" in out.splitlines()[-1]
-    assert main(["verify", "--json"]) == 0
-    data = json.loads(capsys.readouterr().out)
+    data = json.loads(told("verify", "--json"))
     assert data["passed"] is True
     assert all(check["residual"] <= check["bound"] for check in data["checks"])
 
 
 @pytest.mark.parametrize("got", [1.5, float("nan")])
-def test_verify_ends_with_4_if_a_number_is_off(monkeypatch, capsys, got):
+def test_verify_ends_with_4_if_a_number_is_off(monkeypatch, got, told):
     found = [Check("a", 1.0, 1.0), Check("b", 1.0, got)]
     monkeypatch.setattr("rodimpact.cli.verify.checks", lambda: found)
-    assert main(["verify"]) == 4
-    out = capsys.readouterr().out
+    out = told("verify", status=4)
     assert "1 checks FAILED" in out
-    assert main(["verify", "--json"]) == 4
-    data = json.loads(capsys.readouterr().out)
+    data = json.loads(told("verify", "--json", status=4))
     assert [check["passed"] for check in data["checks"]] == [True, False]
 
 
-def test_materials_names_speeds_and_sources(capsys):
-    assert main(["materials"]) == 0
-    out = capsys.readouterr().out
+def test_materials_names_speeds_and_sources(told):
+    out = told("materials")
     steel = next(line for line in out.splitlines() if line.startswith("steel"))
     assert steel.split() == ["steel", "200", "GPa", "7850", "kg/m^3", "5048", "m/s", "0.29"]
-    assert main(["materials", "--json"]) == 0
-    data = json.loads(capsys.readouterr().out)["materials"]
+    data = json.loads(told("materials", "--json"))["materials"]
     assert {m["name"] for m in data} == set(ri.materials.TABLE)
     assert all(m["source"] for m in data)
 
 
-def test_doctor_finds_nothing_wrong(capsys):
-    assert main(["doctor", "--json"]) == 0
-    data = json.loads(capsys.readouterr().out)
+def test_doctor_finds_nothing_wrong(told):
+    data = json.loads(told("doctor", "--json"))
     assert data["versions"]["rodimpact"] == ri.__version__
     assert data["agrees"] is (True if kernels.enabled() else None)
-    assert main(["doctor"]) == 0
-    assert "compiled code" in capsys.readouterr().out
+    assert "compiled code" in told("doctor")
 
 
-def test_doctor_says_how_long_it_took_to_compile_everything(monkeypatch, capsys):
+def test_doctor_says_how_long_it_took_to_compile_everything(monkeypatch, told):
     monkeypatch.setattr("rodimpact.cli.doctor.try_compiled", lambda: ("here", True, "works"))
     monkeypatch.setattr("rodimpact.cli.doctor.warm", lambda: 24.04)
-    assert main(["doctor", "--warm", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["seconds_to_compile_all"] == 24.04
-    assert main(["doctor", "--warm"]) == 0
-    assert "in 24.0 s" in capsys.readouterr().out
+    assert json.loads(told("doctor", "--warm", "--json"))["seconds_to_compile_all"] == 24.04
+    assert "in 24.0 s" in told("doctor", "--warm")
 
 
-def test_doctor_notices_compiled_code_that_disagrees(monkeypatch, capsys):
+def test_doctor_notices_compiled_code_that_disagrees(monkeypatch, told):
     solved = iter("ab")
     monkeypatch.setattr(kernels, "why_not", lambda: "")
     monkeypatch.setattr(kernels, "enabled", lambda: True)
     monkeypatch.setattr(kernels, "cache_directory", lambda kernel: "")
     monkeypatch.setattr("rodimpact.cli.doctor.solve_a_row", lambda: [next(solved)])
-    assert main(["doctor"]) == 4
-    assert "does not agree" in capsys.readouterr().out
+    assert "does not agree" in told("doctor", status=4)
 
 
 # box ----------------------------------------------------------------------------------------------
@@ -574,10 +541,9 @@ def test_box_says_where_the_textbook_lets_the_rods_part(box):
 
 
 @pytest.mark.exhaustive
-def test_box_draws_another_format_material_and_look_and_a_dowel(tmp_path, capsys):
+def test_box_draws_another_format_material_and_look_and_a_dowel(tmp_path, told):
     given = ["--format", "svg", "--dark", "--material", "brass", "--dowel"]
-    assert main(["box", *given, "-o", str(tmp_path)]) == 0
-    text = capsys.readouterr().out
+    text = told("box", *given, "-o", str(tmp_path))
     assert "3434 m/s" in text
     dowel = story(text, "A wooden dowel, 3 ft long, on a stone floor")
     assert "coefficient of restitution e 1 1" in dowel
@@ -621,24 +587,22 @@ def test_box_needs_a_directory(no_figures, case, refuses, capsys):
     assert "Traceback" not in capsys.readouterr().err
 
 
-def test_options_replace_what_they_exclude_in_the_case(tmp_path, monkeypatch, capsys):
+def test_options_replace_what_they_exclude_in_the_case(tmp_path, monkeypatch, told):
     monkeypatch.chdir(tmp_path)
     cases = Path(__file__).parents[2] / "validation" / "cases"
     text = (cases / "lossy-rods.toml").read_text().replace("cells = 100", "cells = 20")
     Path("lossy.toml").write_text(text.replace('until = "20 ms"', 'until = "1 ms"'))
-    assert main(["run", "lossy.toml", "--rtol", "0.05", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+    found = json.loads(told("run", "lossy.toml", "--rtol", "0.05", "--json"))
     assert "Stated relative error: " in found["outcome"]["status"]
-    assert main(["run", "lossy.toml", "--cells", "10", "--json"]) == 0
-    assert "14 cells" in json.loads(capsys.readouterr().out)["outcome"]["status"]
+    found = json.loads(told("run", "lossy.toml", "--cells", "10", "--json"))
+    assert "14 cells" in found["outcome"]["status"]
 
 
-def test_doctor_reports_what_fails(monkeypatch, capsys):
+def test_doctor_reports_what_fails(monkeypatch, told):
     def fails():
         raise OSError("no room")
 
     monkeypatch.setattr(kernels, "enabled", lambda: True)
     monkeypatch.setattr(kernels, "why_not", lambda: "")
     monkeypatch.setattr("rodimpact.cli.doctor.solve_a_row", fails)
-    assert main(["doctor"]) == 4
-    assert "fails: OSError: no room" in capsys.readouterr().out
+    assert "fails: OSError: no room" in told("doctor", status=4)
