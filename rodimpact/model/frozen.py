@@ -104,6 +104,8 @@ class Field(NamedTuple):
         That may stand in its place.
     single : bool
         Whether it must not be an array.
+    many : bool
+        Whether it is a list of numbers, each of which may be an array.
     """
 
     unit: str = ""
@@ -113,6 +115,7 @@ class Field(NamedTuple):
     along: str = ""
     word: str = ""
     single: bool = False
+    many: bool = False
 
     @property
     def dimension(self) -> str:
@@ -128,6 +131,8 @@ class Field(NamedTuple):
                 wanted = f'must be a number{number_of(self.unit)} or "{self.word}"'
                 note(problems, path, wanted, value)
             return value  # type: ignore[return-value]
+        if self.many:
+            return numbers(problems, path, value, self.unit, self.sign)  # type: ignore[return-value]
         held = number(problems, path, value, self.unit, self.sign)
         if self.single and isinstance(held, np.ndarray):
             note(problems, path, "must be a single number", value)
@@ -454,9 +459,9 @@ class Declared(Frozen):
         for name, field in self.fields.items():
             if not field.along:
                 value = held[name] = field.checked(problems, name, held[name])
-                varies = varies or type(value) is np.ndarray
+                varies = varies or isinstance(value, np.ndarray | tuple)
         if varies and not problems:
-            family_shape((name, held[name]) for name in self.fields)
+            family_shape(self._numbers())
         try:
             self._check(problems)
         except InvalidModel as error:

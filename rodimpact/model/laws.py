@@ -15,7 +15,6 @@ from typing import Any, ClassVar, Self, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..units import shown
 from . import frozen
 from .arguments import array, demand, together
 from .bodies import Material
@@ -272,17 +271,13 @@ class Hertz(_Compliant):
         for side, radius, material in faces:
             R, path = f"{side}_radius", f"{side}_material"
             meeting[R] = FACE.checked(problems, R, radius)
-            if material is None:
-                continue
-            if not isinstance(material, Material):
-                note(problems, path, "must be a Material, or None for a rigid face", material)
-            elif material.poisson_ratio is None:
-                message = f"needs a poisson_ratio for Hertz contact, {shown(material.name)} has"
-                problems.append((path, f"{message} none"))
-            else:
+            if isinstance(material, Material) and material.poisson_ratio is not None:
                 E, nu = material.youngs_modulus, material.poisson_ratio
                 meeting |= {f"{path}.youngs_modulus": E, f"{path}.poisson_ratio": nu}
                 yielding.append((E, nu))
+            elif material is not None:
+                message = "must be a Material with a poisson_ratio, or None for a rigid face"
+                note(problems, path, message, material)
         if left_material is right_material is None:
             message = "is None, and so is the left one; one of the faces must be elastic"
             problems.append(("right_material", message))
@@ -437,25 +432,19 @@ class Tabulated(Plastic):
     """
 
     law: ClassVar[str] = "tabulated"
-    compression: Sequence[Any]
-    force: Sequence[Any]
+    compression: Sequence[Any] = quantity("m", "positive", many=True)
+    force: Sequence[Any] = quantity("N", "positive", many=True)
     unloading: NumericOrNone = quantity("N/m", "positive", default=None)
 
     def _check(self, problems: Problems) -> None:
-        for name, unit in (("compression", "m"), ("force", "N")):
-            given = getattr(self, name)
-            held = frozen.numbers(problems, name, given, unit, "positive")
-            if not problems and not 1 <= len(held) <= MOST + 1:
-                note(problems, name, f"must be a list of 1 to {MOST} numbers", given)
-            self._set(**{name: held})
-        if not problems and len(self.force) != len(self.compression):
-            message = f"must be as many as compressions, {len(self.compression)}"
-            problems.append(("force", f"{message}, got {len(self.force)}"))
         if problems:
             return
-        frozen.family_shape(self._numbers())
-        for name in ("compression", "force"):
-            frozen.increasing(problems, name, getattr(self, name))
+        counts = len(self.compression), len(self.force)
+        if counts[0] != counts[1] or not 1 <= counts[0] <= MOST + 1:
+            message = f"must be 1 to {MOST} numbers, as many as forces, got {counts[0]} for"
+            raise frozen.refusal("compression", f"{message} {counts[1]}")
+        frozen.increasing(problems, "compression", self.compression)
+        frozen.increasing(problems, "force", self.force)
         if not problems and self.unloading is not None:
             steepest, k = reduce(np.maximum, self.slopes), np.asarray(self.unloading)
             message = "must be at least that of the steepest line, {0!r}, got {1!r}"

@@ -23,8 +23,6 @@ from .system import System
 SPEED, MODULUS = "wave_speed", "youngs_modulus"
 STAND_INS = {SPEED: MODULUS, "area": "diameter"}
 """Fields that stand for others."""
-TABLES = {"compression": "m", "force": "N"}
-"""Units of the points of a tabulated law."""
 FIELDS = {
     **Material.fields, **Segment.fields, **Rod.fields, **RigidMass.fields, SPEED: Field("m/s"),
     "gravity": System.fields["gravity"], "gap": System.fields["gaps"], "step": Field("s"),
@@ -80,7 +78,7 @@ def unit_at(system: System, place: str) -> str:
     owner, _, field = place.rpartition(".")
     if owner.startswith("contacts") and field != "gap":
         _, i, *table = owner.split(".")
-        return TABLES[table[0]] if table else system.contacts[int(i)].fields[field].unit
+        return system.contacts[int(i)].fields[table[0] if table else field].unit
     return FIELDS.get(field, Field()).unit
 
 

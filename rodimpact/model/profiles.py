@@ -49,18 +49,14 @@ class Steps(Declared):
     Steps(values=(1.0, 0.0), at=(0.5,))
     """
 
-    values: Sequence[Any]
-    at: Sequence[Any]
+    values: Sequence[Any] = quantity("", "sampled", many=True)
+    at: Sequence[Any] = quantity("", "positive", many=True)
 
     def _check(self, problems: Problems) -> None:
-        values, at = self.values, self.at
-        self._set(values=frozen.numbers(problems, "values", values, "", "sampled"),
-                  at=frozen.numbers(problems, "at", at, "", "positive"))
         if not problems and len(self.values) != len(self.at) + 1:
             message = f"needs one value more than jumps, got {len(self.values)} values"
             problems.append(("values", f"{message} for {len(self.at)} jumps"))
         if not problems:
-            frozen.family_shape(self._numbers())
             frozen.increasing(problems, "at", self.at)
 
 
@@ -93,7 +89,7 @@ class Samples(Declared):
     Samples(values=array(3,), step=0.0001)
     """
 
-    values: Any
+    values: Any = quantity("", "sampled")
     step: NumericOrNone = quantity("s", "positive", default=None)
     _: KW_ONLY
     smooth: bool = False
@@ -101,11 +97,8 @@ class Samples(Declared):
     _whole: ClassVar[tuple[str, ...]] = ("values", "error")
 
     def _check(self, problems: Problems) -> None:
-        given, before = self.values, len(problems)
-        samples: Any = frozen.number(problems, "values", given, "", "sampled")
-        if len(problems) == before and not (np.ndim(samples) == 1 and samples.size > 1):
-            note(problems, "values", "must be a list of at least two numbers", given)
-        self._set(values=samples, smooth=bool(self.smooth), error=float(self.error))
+        if not problems and not (np.ndim(self.values) == 1 and len(self.values) > 1):
+            note(problems, "values", "must be a list of at least two numbers", self.values)
 
     def _parameters(self) -> dict[str, Any]:
         given = super()._parameters().items()

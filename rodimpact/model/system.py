@@ -10,22 +10,23 @@ Axis x points to the right; velocity is positive to the right, strain positive i
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import zip_longest
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..units import shown
 from . import frozen
+from .arguments import demand
 from .bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
-from .ends import ENDS, FREE, Absorbing, End, Fixed, Free, Incoming, Moved, Pushed
+from .ends import ENDS, FREE, Absorbing, End, Free, Moved, Pushed
 from .frozen import Frozen, Number, Problems, note, plain, quantity
 from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Law, Plastic, Rigid
 from .profiles import Floats, flipped, negative, profile_from
 
 SIDES = ("left", "right")
-_BODIES, _LAWS, _ENDS = (frozenset(d.values()) for d in (BODIES, CONTACT_LAWS, ENDS))
+OVERLAP = quantity("m", label="gap")
+_BODIES, _LAWS, _ENDS = get_args(Body), get_args(ContactLaw), get_args(End)
 
 
 class System(Frozen):
@@ -92,21 +93,17 @@ class System(Frozen):
         pairs = len(bodies) - 1
         laws = _per_pair(problems, "contacts", contacts, RIGID, pairs)
         given = _per_pair(problems, "gaps", gaps, 0.0, pairs)
-        gap = self.fields["gaps"]
-        widths = tuple(
-            (gap._replace(sign="any") if getattr(law, "overlaps", False) else gap)
-            .checked(problems, f"gaps.{i}", width)
-            for i, (width, law) in enumerate(zip_longest(given, laws[: len(given)]))
-        )
-        for i, law in enumerate(laws):
-            if type(law) not in _LAWS and type(law) is not Law:
-                known = ", ".join(kind.__name__ for kind in (*CONTACT_LAWS.values(), Law))
-                message = f"must be a contact law itself, one of {known}"
+        widths = []
+        for i, law, width in zip(range(pairs), laws, given, strict=False):
+            known = type(law) in _LAWS
+            gap = OVERLAP if known and law.overlaps else self.fields["gaps"]
+            widths.append(gap.checked(problems, f"gaps.{i}", width))
+            if not known:
+                message = "must be a contact law itself, one of "
+                message += ", ".join(kind.__name__ for kind in _LAWS)
                 note(problems, f"contacts.{i}", message, law)
-            elif not law.opens and i < len(widths):
-                message = "must be 0 where bodies are joined, got {0!r}; give the Joint a stretch"
-                if isinstance(law, Bonded):
-                    message = "must be 0 where bodies are bonded, got {0!r}"
+            elif not law.opens:
+                message = "must be 0 where bodies are joined, got {0!r}; a Joint takes a stretch"
                 frozen.require(problems, np.equal(widths[i], 0), f"gaps.{i}", message, widths[i])
             elif isinstance(law, Rigid):
                 _check_rigid(problems, i, law, *bodies[i : i + 2])
@@ -118,7 +115,7 @@ class System(Frozen):
             for side, end, body in zip(SIDES, both, (bodies[0], bodies[-1]), strict=True):
                 _check_end(problems, side, end, body)
         frozen.raise_noted(problems)
-        self._set(bodies=tuple(bodies), gaps=widths, contacts=tuple(laws), gravity=g,
+        self._set(bodies=tuple(bodies), gaps=tuple(widths), contacts=tuple(laws), gravity=g,
                   ends=tuple(both))
         self._set(_shape=frozen.family_shape(self._numbers()) if self._varies else ())
         _check_joined(self)
@@ -217,12 +214,11 @@ class System(Frozen):
             If the motion has losses or is driven, so it cannot be reversed in time:
             damping, a restitution below 1, absorbing or driven ends.
         """
-        problems: Problems = []
-        for path, value in self._numbers():
-            if path.endswith((".viscosity", ".damping")) and np.any(value):
-                problems.append((path, "must be 0"))
-            if path.endswith(".restitution") and np.any(np.less(value, 1)):
-                problems.append((path, "must be 1"))
+        lossless = {"viscosity": 0, "damping": 0, "restitution": 1}
+        problems = [
+            (path, f"must be {kept}") for path, value in self._numbers()
+            if np.any(value != (kept := lossless.get(path.rpartition(".")[2], value)))
+        ]
         problems += [(f"contacts.{i}", "must not yield")
                      for i, law in enumerate(self.contacts) if isinstance(law, Plastic)]
         problems += [
@@ -273,20 +269,19 @@ def _entries(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def _per_pair(problems: Problems, name: str, items: Any, default: Any, pairs: int) -> Any:
+    """What is given for each neighbouring pair; note what is not one thing for each."""
     if items is None:
         return (default,) * pairs
-    if not isinstance(items, list | tuple):
-        note(problems, name, "must be a list with one entry for each neighbouring pair", items)
-        return ()
-    if len(items) != pairs:
-        message = f"needs one entry for each neighbouring pair, {pairs} in all, got {len(items)}"
-        problems.append((name, f"{message}; leave all out if all bodies touch"))
-    return items
+    if isinstance(items, list | tuple) and len(items) == pairs:
+        return items
+    message = f"must be a list with one entry for each neighbouring pair, {pairs} in all"
+    note(problems, name, message, items)
+    return items if isinstance(items, list | tuple) else ()
 
 
 def _check_rigid(problems: Problems, i: int, law: Rigid, *pair: Any) -> None:
     """Note a rigid contact that nothing decides, and one that two things would decide."""
-    if len(pair) != 2 or not all(isinstance(body, Body) for body in pair):
+    if not all(isinstance(body, Body) for body in pair):
         return
     has_rod = any(isinstance(body, Rod) for body in pair)
     if law.restitution is None and not has_rod and any(isinstance(b, RigidMass) for b in pair):
@@ -299,15 +294,12 @@ def _check_rigid(problems: Problems, i: int, law: Rigid, *pair: Any) -> None:
 
 def _check_joined(system: System) -> None:
     """Refuse rigid bodies that are bonded and yet move apart."""
-    problems: Problems = []
     for i, law in enumerate(system.contacts):
         left, right = system.bodies[i : i + 2]
-        if not isinstance(law, Bonded) or isinstance(left, Rod) or isinstance(right, Rod):
-            continue
-        both = (left.velocity, right.velocity)
-        message = "must be {0!r}, that of the rigid body it is bonded to, got {1!r}"
-        frozen.require(problems, np.equal(*both), f"bodies.{i + 1}.velocity", message, *both)
-    frozen.raise_noted(problems)
+        if isinstance(law, Bonded) and not isinstance(left, Rod) and not isinstance(right, Rod):
+            v, w = left.velocity, right.velocity
+            message = "must be {0!r}, that of the rigid body it is bonded to, got {1!r}"
+            demand(np.equal(v, w), f"bodies.{i + 1}.velocity", message, v, w)
 
 
 def _check_end(problems: Problems, side: str, end: Any, body: Any) -> None:
@@ -320,10 +312,5 @@ def _check_end(problems: Problems, side: str, end: Any, body: Any) -> None:
         message = f"{name} has no place beyond a wall; leave this end out, or the wall"
         problems.append((path, message))
     elif isinstance(body, RigidMass) and not isinstance(end, Free | Pushed):
-        remedy = {
-            Fixed: "put a Wall() there with Bonded() or another contact law",
-            Moved: "put a Wall(velocity) there with Bonded() or another contact law",
-            Absorbing: "put a Rod with an absorbing end there",
-            Incoming: "put a Rod there, through whose end the wave comes in",
-        }[type(end)]
-        problems.append((path, f"{name} needs a rod, and a mass is there; {remedy}"))
+        message = f"{name} needs a rod, and a mass is there; put a Rod there, or a bonded Wall"
+        problems.append((path, message))

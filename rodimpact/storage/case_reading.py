@@ -16,7 +16,7 @@ from ..model.bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from ..model.ends import ENDS, FREE, End
 from ..model.frozen import Field, InvalidModel, Number, defaults_of
 from ..model.lateral_inertia import THEORIES
-from ..model.laws import CONTACT_LAWS, FACE, ContactLaw, Hertz, Spring, Tabulated
+from ..model.laws import CONTACT_LAWS, FACE, ContactLaw, Hertz, Spring
 from ..model.paths import FIELDS, SPEED, suggestion
 from ..units import shown
 from .case import SCHEMA, Case, GaugePlace
@@ -190,9 +190,6 @@ def _read_law(table: Table, pair: tuple[Body | None, ...], known: Materials) -> 
     if kind is Hertz and table.gives("stiffness") == bool(rounded):
         table.note("stiffness", "give either the stiffness, or left_radius and right_radius")
     numbers = _read_faces(table, pair, known) if rounded else table.entries(kind)
-    if kind is Tabulated:
-        numbers |= {"compression": table.numbers("compression", "length"),
-                    "force": table.numbers("force", "force")}
     law: ContactLaw | None = table.make(Hertz.from_radii if rounded else kind, **numbers)
     table.close()
     if None in pair and numbers.get("restitution") is not None:  # is it right here?

@@ -17,7 +17,7 @@ from ..model.bodies import BODIES, Material, Rod, Segment
 from ..model.ends import ENDS
 from ..model.frozen import REQUIRED, Field, defaults_of
 from ..model.lateral_inertia import THEORIES
-from ..model.laws import CONTACT_LAWS, FACE, Hertz, Tabulated
+from ..model.laws import CONTACT_LAWS, FACE, Hertz
 from ..units import si_unit
 from .case import SCHEMA
 from .case_reading import DAMPING, OPTIONS
@@ -26,13 +26,12 @@ TYPICAL = {
     "m": "400 mm", "m^2": "1 cm^2", "kg": "2 kg", "m/s": "1 m/s", "Pa": "200 GPa",
     "kg/m^3": "7.85 g/cm^3", "N": "5 kN", "N/m": "20 kN/mm", "N s/m": "200 N s/m",
     "s/m": "0.3 s/m", "N/m^1.5": "10 GN/m^1.5", "N/m^p": 10**9, "": "-500 microstrain",
-    "exponent": 2,
+    "exponent": 2, "compression": ["0.1 mm", "1 mm"], "force": ["1 kN", "1.2 kN"],
 }
 """An example for each unit, and for what is no strain."""
 SIGNS = {"any": "any number", "positive": "> 0", "non-negative": ">= 0",
          "positive or infinite": '> 0, or "inf"'}
 WORD = "name of a material"
-POINTS = {"compression": ["0.1 mm", "1 mm"], "force": ["1 kN", "1.2 kN"]}  # of a table
 
 
 class Entry(NamedTuple):
@@ -77,8 +76,6 @@ def sections() -> list[Section]:
            Entry("segments", "", "[[bodies.segments]]", "in place of all above")]
     contact = [_number("gap", System.fields["gaps"]),
                Entry("law", "", _either(CONTACT_LAWS), "rigid")]
-    table = [Entry(key, unit, "a list of increasing positive numbers", "required")
-             for key, unit in (("compression", "m"), ("force", "N"))]
     files = [Entry(key, "", "name of a file", "none") for key in ("plot", "save")]
     gauge = [Entry("body", "", "number of a rod, from 0", "required"),
              Entry("fraction", "1", "[0, 1]", "required"),
@@ -92,9 +89,8 @@ def sections() -> list[Section]:
         Section("[[contacts]]", "Entry i lies between bodies i and i + 1. Without any, "
                 "all bodies touch.",
                 contact, _toml("[[contacts]]", {"gap": "50 um"})),
-        *(_section("[[contacts]]", POINTS if law is Tabulated else {}, law,
-                   before=table if law is Tabulated else [],
-                   after=_faces() if law is Hertz else []) for law in CONTACT_LAWS.values()),
+        *(_section("[[contacts]]", {}, law, after=_faces() if law is Hertz else [])
+          for law in CONTACT_LAWS.values()),
         *(_section("[ends.right]", {}, end) for end in ENDS.values()),
         Section("[solve]", "How to solve it; `rodimpact run --help` says what these mean.",
                 _options(), _toml("[solve]", {"until": "2 ms"}), Options.__name__),
@@ -124,6 +120,8 @@ def _numbers(kind: Any) -> list[Entry]:
 
 def _number(key: str, field: Field, place: str = "") -> Entry:
     takes = SIGNS.get(field.sign, field.sign)
+    if field.many:
+        takes = "a list of increasing positive numbers"
     if field.word:
         takes += f', or "{field.word}"'
     if field.along:

@@ -69,6 +69,8 @@ class Table:
 
     def entry(self, key: str, field: Field) -> Any:
         """A number, an array where it is varied, a profile, or the word that may stand there."""
+        if field.many:
+            return self.numbers(key, field.dimension) or ()
         value = self.data.get(key)
         if field.along and isinstance(value, dict):
             return self._profile(key, field)

@@ -70,7 +70,8 @@ def stiff(law, value):
     (lambda: ri.Tabulated([], [1.0]), {"compression": ""}),
     (lambda: ri.Tabulated(1e-4, 1e3), {"compression": "", "force": ""}),
     (lambda: ri.Tabulated([1.0] * 40, [1.0]), {"compression": ""}),
-    (lambda: ri.Tabulated([1.0, 2.0], [1.0]), {"force": ""}),
+    (lambda: ri.Tabulated([1.0, 2.0], [1.0]), {"compression": "as many as forces, got 2 for 1"}),
+    (lambda: ri.Tabulated([], []), {"compression": "1 to 16 numbers"}),
     (lambda: ri.Tabulated([1.0, -1.0], [1.0, 2.0]), {"compression.1": ""}),
     (lambda: ri.Tabulated([1.0, 1.0], [2.0, 1.0]), {
         "compression.1": "=must lie above 1.0, got 1.0",
@@ -83,8 +84,8 @@ def stiff(law, value):
         ((INF, INF, STEEL, STEEL), {"right_radius": "two flat faces"}),
         (([1.0, INF], INF, STEEL, STEEL), {"right_radius[1]": "two flat faces"}),
         ((1.0, 1.0, None, None), {"right_material": "one of the faces must be elastic"}),
-        ((1.0, 1.0, "steel", None), {"left_material": "must be a Material"}),
-        ((1.0, 1.0, STEEL, OAK), {"right_material": "'oak' has none"}),
+        ((1.0, 1.0, "steel", None), {"left_material": "must be a Material with a poisson_ratio"}),
+        ((1.0, 1.0, STEEL, OAK), {"right_material": "with a poisson_ratio"}),
         ((1e150, 1e150, DENSE, None),
          {"stiffness": "must be 0 or of a magnitude from 1e-150 to 1e+150"}),
         ((-1.0, "x", OAK, 3), dict.fromkeys(

@@ -94,7 +94,7 @@ NO_PROFILES = [
 @pytest.mark.parametrize(("make", "wanted"), [
     *((lambda values=values: ri.Samples(values), {"values": ""}) for values in NO_SAMPLES),
     (lambda: ri.Samples([1.0, math.nan, math.inf], step=0.0), {
-        "step": "positive number of seconds", "values[1]": "=must be a finite number, got nan"}),
+        "values[1]": "=must be a finite number, got nan", "step": "positive number of seconds"}),
     *((lambda function=function: rod(velocity=function, area=1.0), {"velocity": said})
       for function, said in NO_PROFILES),
     (lambda: rod(length=[1.0, 2.0], velocity=np.sin),

@@ -37,6 +37,7 @@ EXAMPLES = [
     ri.HuntCrossley(1.0, 0.0), ri.PowerLaw(1.0, 1.5), ri.Yielding(1e9, 1.0),
     ri.Tabulated([1.0], [1.0]), ri.Pushed(1.0),
     ri.Moved(1.0), ri.Incoming(0.0), ri.Samples([0.0, 1.0], step=1.0),
+    ri.Steps([1.0], []),
 ]
 SINGLE = [
     ri.waves.Bar(5e3, 0.3, 1.0), ri.Bridge("half", gauge_factor=2.0, excitation=1.0,
@@ -46,7 +47,8 @@ SINGLE = [
     ri.Measured(ri.Signal([0.0, 1.0], dt=1.0), (1, 0.5), radius=1.0),
 ]
 """Of these no number can be an array."""
-APART = {"gaps": "a list", "diameter": "becomes an area", "exponent": "is at least 1"}
+APART = {"gaps": "a list", "diameter": "becomes an area", "exponent": "is at least 1",
+         **dict.fromkeys(("values", "at", "compression", "force"), "a list")}
 """Fields that are tried by hand, in `FIELDS`."""
 
 
@@ -74,6 +76,8 @@ FLOWN = ri.solve(FLYING, until=5e-3)
 FIELDS = {
     "diameter": (lambda q: ri.Segment(0.4, diameter=q, material=STEEL).area, "mm"),
     "exponent": (lambda q: ri.PowerLaw(1.0, q).exponent, "kN/N"),
+    "compression": (lambda q: ri.Tabulated([q], [1.0]).compression[0], "mm"),
+    "force": (lambda q: ri.Tabulated([1.0], [q]).force[0], "kN"),
     "rod": (lambda q: ri.Rod(q, area=1e-4, material=STEEL).length, "mm"),
     "stepped rod": (
         lambda q: ri.Rod(q, area=ri.Steps([1, 2], [1e-9]), material=STEEL).length, "mm"),

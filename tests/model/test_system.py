@@ -91,7 +91,7 @@ MISTAKES = [  # a call; by paths, what the messages bear, which ends them after 
     (lambda: row(rod(), rod(), contacts=["rigid"]), {"contacts.0": ""}),
     (lambda: row(rod(), rod(), gaps=[1.0], contacts=[ri.Bonded()]), {"gaps.0": ""}),
     (lambda: row(rod(), WALL, rod(), gaps=[-1.0, NAN], contacts=[None, None]),
-     dict.fromkeys(("bodies.1", "gaps.0", "gaps.1", "contacts.0", "contacts.1"), "")),
+     dict.fromkeys(("bodies.1", "gaps.0", "contacts.0", "gaps.1", "contacts.1"), "")),
     (lambda: row(rod(), "mass", MASS, contacts=[ri.Rigid(1.0), ri.Rigid()]), {"bodies.1": ""}),
     (lambda: row(rod(), rod(), contacts=[MyLaw(1e9)]),
      {"contacts.0": "must be a contact law itself, one of Rigid, Bonded, Joint, Spring"}),

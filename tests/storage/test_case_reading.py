@@ -278,7 +278,7 @@ def test_a_case_is_frozen():
         # contacts
         (HEAD + A_ROD + A_WALL + "[[contacts]]\ngap = -1", "contacts.0.gap", "non-negative"),
         (HEAD + A_ROD + A_WALL + "[[contacts]]\ngap = 1\nlaw = 'bonded'", "contacts.0.gap",
-         "must be 0 where bodies are bonded"),
+         "must be 0 where bodies are joined"),
         (HEAD + A_ROD + A_WALL + "[[contacts]]\nlaw = 'glued'", "contacts.0.law",
          "unknown law 'glued'; use one of rigid, bonded, joint, spring, spring-dashpot, hertz"),
         (HEAD + A_ROD + A_WALL + LAW + "'Hertzian'\nstiffness = 1", "contacts.0.law",
@@ -301,7 +301,7 @@ def test_a_case_is_frozen():
         (HEAD + A_ROD + A_WALL + LAW + "'hertz'\nleft_radius = 'inf'", "contacts.0.right_radius",
          "two flat faces make no Hertz contact"),
         (HEAD + A_ROD.replace("steel", "oak") + A_WALL + LAW + "'hertz'\nleft_radius = 1",
-         "contacts.0.left_material", "needs a poisson_ratio for Hertz contact, 'oak' has none"),
+         "contacts.0.left_material", "must be a Material with a poisson_ratio"),
         (HEAD + A_MASS + A_MASS + A_ROD + LAW + "'hertz'\nleft_radius = 1\n" + CONTACT,
          "contacts.0.right_material", "one of the faces must be elastic"),
         # ends
