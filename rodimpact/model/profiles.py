@@ -98,7 +98,8 @@ class Samples(Declared):
 
     def _check(self, problems: Problems) -> None:
         if not problems and not (np.ndim(self.values) == 1 and len(self.values) > 1):
-            note(problems, "values", "must be a list of at least two numbers", self.values)
+            wanted = "must be a list of at least two numbers"
+            note(problems, "values", wanted, frozen.plain(self.values))
 
     def _parameters(self) -> dict[str, Any]:
         given = super()._parameters().items()
