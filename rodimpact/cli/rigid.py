@@ -10,7 +10,7 @@ import math
 
 from .. import rigid
 from ..model.frozen import raise_noted
-from ..storage.tables import align, as_json, clean, finite
+from ..storage.tables import align, as_json, clean
 from ..units import format_si
 from . import DONE
 from .asking import Given, Number
@@ -42,9 +42,7 @@ def run(given: Given) -> tuple[str, int]:
         collision = rigid.collide(m1, v1, m2, v2, e, allow_energy_release=given.energy_release)
     found = {name: float(value) for name, value in collision._asdict().items()}
     if given.json:
-        inputs = {"m1": m1, "v1": v1, "m2": m2, "v2": v2, "restitution": e}
-        numbers = {name: finite(value) for name, value in {**inputs, **found}.items()}
-        return as_json(**numbers), DONE
+        return as_json(m1=m1, v1=v1, m2=m2, v2=v2, restitution=e, **found), DONE
     fastest = max(abs(v1), abs(v2))
 
     def velocity(v: float) -> str:

@@ -110,7 +110,7 @@ def outcome_dict(outcome: Any) -> dict[str, Any]:
         With ``schema_version``; numbers that do not exist or are infinite are None, and
         ``restitution_undefined`` is then the reason.
     """
-    return {"schema_version": SCHEMA_VERSION, **_outcome(outcome)}
+    return finite({"schema_version": SCHEMA_VERSION, **_outcome(outcome)})
 
 
 def solution_dict(solution: Any) -> dict[str, Any]:
@@ -125,24 +125,17 @@ def solution_dict(solution: Any) -> dict[str, Any]:
     dict
         With ``schema_version``, the system, the outcome, and for each contact its episodes.
     """
-    return {
+    names = ("final", "stopped_by", "status", "t_end", "t_final", "t_proved", "events",
+             "transit_error")
+    return finite({  # type: ignore[no-any-return]
         "schema_version": SCHEMA_VERSION,
         "system": solution.system.to_dict(),
         "method": solution.method,
         "outcome": _outcome(solution.outcome),
-        "episodes": [
-            [{name: finite(t) for name, t in episode._asdict().items()} for episode in c.episodes]
-            for c in solution.contacts
-        ],
-        "final": solution.final,
-        "stopped_by": solution.stopped_by,
-        "status": solution.status,
-        "t_end": solution.t_end,
-        "t_final": finite(solution.t_final),
-        "t_proved": finite(solution.t_proved),
-        "events": solution.events,
-        "transit_error": solution.transit_error,
-    }
+        "episodes": [[episode._asdict() for episode in contact.episodes]
+                     for contact in solution.contacts],
+        **{name: getattr(solution, name) for name in names},
+    })
 
 
 def _tables(outcome: Any) -> list[str]:
@@ -160,18 +153,14 @@ def _bodies(o: Any) -> str:
     def velocity(v: float) -> str:
         return f"{clean(v, largest):.{digits}g} m/s"
 
-    then = _then(o)
+    then, scale = _then(o), _vibration_scale(o)
     rows = [["body", "mass", "velocity before", f"velocity {then}", f"vibration energy {then}"]]
-    scale = _vibration_scale(o)
     for name, mass, before, after, vibration in zip(
         body_names(o.bodies), o.masses, o.velocities_before, o.velocities_after, o.vibration_after,
         strict=True,
     ):
-        rigid = mass == math.inf
-        rows.append([
-            name, "-" if rigid else format_si(mass, "kg"), velocity(before),
-            velocity(after), "-" if rigid else joules(vibration, scale),
-        ])
+        rest = ["-", "-"] if mass == math.inf else [format_si(mass, "kg"), joules(vibration, scale)]
+        rows.append([name, rest[0], velocity(before), velocity(after), rest[1]])
     return align(rows)
 
 
@@ -189,37 +178,27 @@ def _contacts(o: Any) -> str:
 
 
 def _energy(o: Any) -> str:
-    vibration = sum(o.vibration_before), sum(o.vibration_after)
-    held = o.contact_energy_before, o.contact_energy
-    total = o.kinetic_before + vibration[0] + held[0], o.kinetic_after + vibration[1] + held[1]
-    scale, inner = max(total), _vibration_scale(o)
-
-    def row(name: str, before: float, after: float, scale: float) -> list[str]:
-        return [name, joules(before, scale), joules(after, scale)]
-
-    rows = [
-        ["energy", "before", _then(o)],
-        row(ENERGIES["kinetic"], o.kinetic_before, o.kinetic_after, scale),
-        row(ENERGIES["inner"], *vibration, inner),
-    ]
-    if any(held):
-        before = joules(held[0], scale) if held[0] else ""
-        rows.append([ENERGIES["contact"], before, joules(held[1], scale)])
-    rows.append(row("total", *total, scale))
-    scale = max(scale, *(abs(value) for _, value in _exchanges(o)))
+    both = {
+        ENERGIES["kinetic"]: (o.kinetic_before, o.kinetic_after),
+        ENERGIES["inner"]: (sum(o.vibration_before), sum(o.vibration_after)),
+        ENERGIES["contact"]: (o.contact_energy_before, o.contact_energy),
+    }
+    both["total"] = tuple(map(sum, zip(*both.values(), strict=True)))
+    exchanged = {
+        "work of moving walls": o.wall_work, "work of driven ends": o.drive_work,
+        "work of gravity": o.gravity_work,
+        **{ENERGIES[name]: getattr(o, name)
+           for name in ("dissipated", "damped", "numerical", "radiated")},
+    }
+    scale = max(both["total"])
+    scales = {ENERGIES["inner"]: _vibration_scale(o)}
+    rows = [["energy", "before", _then(o)]]
+    rows += [[name, *(joules(value, scales.get(name, scale)) for value in pair)]
+             for name, pair in both.items() if name != ENERGIES["contact"] or any(pair)]
+    scale = max(scale, *map(abs, exchanged.values()))
     rows += [[name, "", joules(value, scale)]
-             for name, value in _exchanges(o) if clean(value, scale)]
+             for name, value in exchanged.items() if clean(value, scale)]
     return align(rows)
-
-
-def _exchanges(o: Any) -> list[tuple[str, float]]:
-    """Works and losses between before and after, J."""
-    return [
-        ("work of moving walls", o.wall_work), ("work of driven ends", o.drive_work),
-        ("work of gravity", o.gravity_work),
-        *((ENERGIES[name], getattr(o, name))
-          for name in ("dissipated", "damped", "numerical", "radiated")),
-    ]
 
 
 def _balances(o: Any) -> str:
@@ -236,16 +215,12 @@ def _residual(value: float) -> str:
 
 
 def _episodes(solution: Any) -> list[str]:
-    found: list[tuple[int, Any]] = [
-        (contact.index, episode) for contact in solution.contacts for episode in contact.episodes
-    ]
-    if not found:
-        return []
-    rows = [["contact", "force from", "force ends", "gap opens"]]
     names = contact_names(solution.system.kinds)
-    rows += [[names[i], *(format_si(t, "s") for t in e)] for i, e in found[:MOST_EPISODES]]
-    hidden = len(found) - MOST_EPISODES
-    return [align(rows) + (f"\n... and {hidden} more" if hidden > 0 else "")]
+    rows = [[names[contact.index], *(format_si(t, "s") for t in episode)]
+            for contact in solution.contacts for episode in contact.episodes]
+    hidden = len(rows) - MOST_EPISODES
+    table = align([["contact", "force from", "force ends", "gap opens"], *rows[:MOST_EPISODES]])
+    return [table + (f"\n... and {hidden} more" if hidden > 0 else "")] if rows else []
 
 
 def _sentences(o: Any) -> str:
@@ -269,30 +244,25 @@ def _vibration_scale(o: Any) -> Any:
 
 
 def _outcome(o: Any) -> dict[str, Any]:
-    bodies = zip(
-        o.bodies, o.masses, o.velocities_before, o.velocities_after,
-        o.vibration_before, o.vibration_after, strict=True,
-    )
-    names = (
-        "mass", "velocity_before", "velocity_after", "vibration_before", "vibration_after",
-    )
     reason = o.why_no_restitution()
+    bodies = {
+        "kind": o.bodies, "mass": o.masses, "velocity_before": o.velocities_before,
+        "velocity_after": o.velocities_after, "vibration_before": o.vibration_before,
+        "vibration_after": o.vibration_after,
+    }
+    contacts = [
+        {"left": i, "right": i + 1, "bonded": i not in o.unilateral, **{
+            name: value if i in o.unilateral or name == "impulse" else None
+            for name, value in c._asdict().items()
+        }} for i, c in enumerate(o.contacts)
+    ]
     return {
-        "bodies": [
-            {"kind": kind, **dict(zip(names, map(finite, numbers), strict=True))}
-            for kind, *numbers in bodies
-        ],
-        "contacts": [
-            {
-                "left": i, "right": i + 1, "bonded": i not in o.unilateral,
-                **{name: finite(value) if i in o.unilateral or name == "impulse" else None
-                   for name, value in c._asdict().items()},
-            }
-            for i, c in enumerate(o.contacts)
-        ],
-        "restitution": None if reason else finite(o.restitution),
+        "bodies": [dict(zip(bodies, numbers, strict=True))
+                   for numbers in zip(*bodies.values(), strict=True)],
+        "contacts": contacts,
+        "restitution": None if reason else o.restitution,
         "restitution_undefined": reason or None,
-        **{of.name: finite(getattr(o, of.name)) for of in fields(o) if of.type == "float"},
+        **{of.name: getattr(o, of.name) for of in fields(o) if of.type == "float"},
         "final": o.final,
         "status": o.status,
     }

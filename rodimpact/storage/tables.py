@@ -118,9 +118,13 @@ def joules(value: float, scale: float) -> str:
 
 def as_json(**entries: Any) -> str:
     """A JSON document for programs."""
-    return json.dumps({"schema_version": SCHEMA_VERSION, **entries}, indent=2)
+    return json.dumps({"schema_version": SCHEMA_VERSION, **finite(entries)}, indent=2)
 
 
-def finite(value: float) -> float | None:
-    """A number for JSON, which has no infinite ones and no nan."""
-    return value if math.isfinite(value) else None
+def finite(value: Any) -> Any:
+    """The same for JSON, which has no infinite numbers and no nan: they become None."""
+    if isinstance(value, dict):
+        return {key: finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
