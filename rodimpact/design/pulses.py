@@ -78,14 +78,13 @@ class PulseDesign(Shown):
         assert isinstance(rod, Rod)
         rows = [["segment", "length", "area", "diameter if round", "limit"]]
         for i, piece in enumerate(rod.segments):
-            assert isinstance(piece.area, float)
-            diameter = math.sqrt(4 * piece.area / math.pi)
-            rows.append([str(i), format_si(float(piece.length), "m"),
-                         format_si(piece.area, "m^2"), format_si(diameter, "m"),
-                         self.bounded.get(i, "")])
-        facts = [["gap before it", format_si(float(self.system.gaps[self.body - 1]), "m")]
-                 ] if self.body else []
-        facts.append(["misfit, of the peak", self.percent])
+            area = float(piece.area)  # type: ignore[arg-type]
+            diameter = math.sqrt(4 * area / math.pi)
+            rows.append([str(i), format_si(float(piece.length), "m"), format_si(area, "m^2"),
+                         format_si(diameter, "m"), self.bounded.get(i, "")])
+        facts = [["misfit, of the peak", self.percent]]
+        if self.body:
+            facts[:0] = [["gap before it", format_si(float(self.system.gaps[self.body - 1]), "m")]]
         blocks = [align(rows if self.bounded else [row[:-1] for row in rows]), align(facts)]
         if self.bounded:
             blocks.append(
@@ -105,16 +104,13 @@ def staircase(times: Any, values: Any, end: float, name: str) -> Signal:
     return Signal(np.repeat(v, 2), both.ravel(), unit="N", name=name)
 
 
-def force_over_time(name: str, given: object, end: float) -> Signal:
-    """The argument as a force, N, until `end`, s; ValueError if it is none."""
+def force_over_time(given: object, end: float) -> Signal:
+    """The wanted force, N, until `end`, s; ValueError if it is none."""
     if isinstance(given, Steps) and not any(map(np.ndim, (*given.values, *given.at))):
         return staircase([0.0, *given.at], given.values, end, "wanted")
-    if not isinstance(given, Signal):
+    if not isinstance(given, Signal) or given.unit != "N":
         example = "Signal(values, dt=1e-6, unit='N') or Steps"
-        raise refusal(name, f"must be a force over time, {example}, got {shown(given)}")
-    if given.unit != "N":
-        got = f"one in {given.unit}" if given.unit else "one of pure numbers"
-        raise refusal(name, f"must be a force in N, got {got}; Signal(..., unit='N') is one")
+        raise refusal("wanted", f"must be a force over time, {example}, got {shown(given)}")
     outside = np.nextafter([given.start, given.end], [-np.inf, np.inf])
     times = np.unique(np.concatenate([[0.0, end], outside, given.times]))
     times = times[(times >= 0) & (times <= end)]

@@ -15,7 +15,6 @@ from ..model.arguments import of_kind, single
 from ..model.frozen import refusal
 from ..model.quantities import Floats
 from ..results.notebook import Shown
-from ..results.pair_theory import pair_theory
 from ..running.sweep_result import SweepResult
 from ..running.sweeping import sweep
 from ..storage.tables import align
@@ -124,7 +123,7 @@ def restitution(wanted: float, family: System) -> RestitutionDesign:
         return System.from_dict(alone.to_dict())
 
     def miss(place: float) -> float:
-        return _restitution(member(place)) - e
+        return float(sweep(member(place)).restitution) - e
 
     from scipy.optimize import brentq, minimize_scalar
 
@@ -146,12 +145,6 @@ def restitution(wanted: float, family: System) -> RestitutionDesign:
                 f"e = {e:g} is not reached: for these values of {paths}, e lies between {low:.6g} "
                 f"and {high:.6g}. Give a wider range, or vary another number")
     return RestitutionDesign(member(place), e, miss(place) + e, members, float(place))
-
-
-def _restitution(system: System) -> float:
-    """e of a single system, from the closed form if there is one."""
-    form = pair_theory(system)
-    return float(sweep(system).restitution if form is None else form.column("restitution"))
 
 
 def _between(array: Floats, place: float) -> float:

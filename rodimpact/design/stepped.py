@@ -38,113 +38,99 @@ BETTER = 1e-9  # of a misfit: less is round-off, and no reason for more segments
 AT_BOUND = 1e-6  # of an area, by which it is at an end of what is allowed
 
 
-class _Shot(NamedTuple):
-    """What areas do not change: bar, material and speed, length of a segment, contact."""
+class _Search(NamedTuple):
+    """Strikers of so many segments that are to send a force, N, into a bar.
+
+    An array of logarithms is a striker: of areas over that of the bar, from the struck end on.
+    """
 
     bar: Rod
     material: Material
     velocity: float
-    length: float
+    duration: float  # of the pulse, s
     contact: Rigid | Bonded
+    wanted: Signal
+    bounds: Floats  # of the logarithms
+    segments: int
 
     @property
-    def area(self) -> float:
-        """Of the bar, m^2."""
-        return float(self.bar.segments[0].area)  # type: ignore[arg-type]
+    def edges(self) -> Floats:
+        """Times of the steps, s."""
+        step, end = self.duration / self.segments, self.wanted.end
+        return np.append(step * np.arange(math.ceil(end / step * (1 - INSTANT))), end)
 
-    def system(self, areas: Floats, behind: Free | Absorbing = FREE) -> System:
-        """The shot; areas from the struck end on, in m^2."""
-        segments = [Segment(self.length, float(area), self.material) for area in areas[::-1]]
+    def system(self, logarithms: Floats, behind: Free | Absorbing = FREE) -> System:
+        """The striker and the bar."""
+        length = self.duration / 2 * self.material.wave_speed / self.segments
+        area = self.bar.segments[0].area
+        segments = [Segment(length, area * math.exp(each), self.material)
+                    for each in logarithms[::-1]]
         row = [Rod(segments=segments, velocity=self.velocity), self.bar]
         return System(row, contacts=[self.contact], ends=(behind, Absorbing()))
 
-    def force(self, system: System, until: float) -> Signal:
+    def force(
+        self, logarithms: Floats, until: float, behind: Free | Absorbing = FREE
+    ) -> Signal:
         """Force on the bar, N."""
-        times, force, _ = solve(system, until=until, method="fronts").contacts[0].breakpoints()
+        run = solve(self.system(logarithms, behind), until=until, method="fronts")
+        times, force, _ = run.contacts[0].breakpoints()
         return staircase(times, force, until, "force on the bar")
 
     def matched(self, force: Floats) -> Floats:
-        """Areas, m^2, each of which alone would give its step of the force, N."""
-        bar = float(self.bar.segments[0].impedance)
-        velocity = np.clip(force / (bar * self.velocity), LEAST, 1 - LEAST)
-        per_area = self.material.density * self.material.wave_speed
-        return velocity / (1 - velocity) * bar / per_area
+        """The striker each of whose areas alone would give its step of the force, N."""
+        bar = self.bar.segments[0]
+        velocity = np.clip(force / (bar.impedance * self.velocity), LEAST, 1 - LEAST)
+        impedance = velocity / (1 - velocity) * bar.impedance
+        areas = impedance / (self.material.density * self.material.wave_speed)
+        return np.clip(np.log(areas / bar.area), *self.bounds)
 
-    def peeled(self, force: Floats, bounds: Floats) -> Floats:
-        """Areas within bounds, m^2, that give these first steps, N, one after the other."""
-        step = 2 * self.length / float(self.material.wave_speed)
-        areas = np.clip(self.matched(force[:1]), *bounds)
+    def peeled(self, force: Floats) -> Floats:
+        """The striker that gives these first steps, N, one after the other, within the bounds."""
+        found = self.matched(force[:1])
         bonded = self._replace(contact=Bonded())
         for k in range(1, len(force)):
-            silent, free = (
-                bonded.force(bonded.system(areas, behind), (k + 1) * step).values[-1]
-                for behind in (Absorbing(), FREE))
+            silent, free = (bonded.force(found, self.edges[k + 1], behind).values[-1]
+                            for behind in (Absorbing(), FREE))
             heard = free - silent
             reflection = (force[k] - silent) / heard if heard else 0.0
             reflection = min(max(reflection, LEAST - 1), 1 - LEAST)
-            area = areas[-1] * (1 - reflection) / (1 + reflection)
-            areas = np.append(areas, np.clip(area, *bounds))
-        return areas
+            step = math.log((1 - reflection) / (1 + reflection))
+            found = np.append(found, np.clip(found[-1] + step, *self.bounds))
+        return found
+
+    def parts(self, reached: Signal) -> tuple[Floats, Floats]:
+        """Mean and standard deviation of the difference in each step, as parts of the misfit."""
+        share = np.diff(self.edges) / self.wanted.end / np.abs(self.wanted.values).max() ** 2
+        mean, variance = differences(self.wanted, reached, self.edges)
+        return np.sqrt(share) * mean, np.sqrt(share * variance)
+
+    def descend(self, coarser: Floats) -> _Found:
+        """Least squares from the best of three starts, one of them a striker of fewer segments."""
+        from scipy.optimize import least_squares
+
+        def residual(logarithms: Floats) -> Floats:
+            return self.parts(self.force(logarithms, self.wanted.end))[0]
+
+        silence = staircase([0.0], [0.0], self.wanted.end, "nothing")
+        force = differences(silence, self.wanted, self.edges)[0][: self.segments]
+        starts = [self.peeled(force), self.matched(force)]
+        if coarser.size:
+            here, there = ((np.arange(n) + 0.5) / n for n in (self.segments, coarser.size))
+            starts.append(np.interp(here, there, coarser))
+        best = least_squares(
+            residual, min(starts, key=lambda start: float(np.sum(residual(start) ** 2))),
+            bounds=tuple(self.bounds), method="dogbox", diff_step=1e-5,
+            max_nfev=MOST_STEPS, ftol=1e-4, xtol=1e-8, gtol=None).x
+        mean, within = map(np.linalg.norm, self.parts(self.force(best, self.wanted.end)))
+        return _Found(best, math.hypot(mean, within), float(within))
 
 
 class _Found(NamedTuple):
-    """Logarithms of area ratios from the struck end on, and the misfit: all of it, within steps."""
+    """A striker, and the misfit: all of it, within steps."""
 
     logarithms: Floats
     misfit: float
     within: float
-
-
-class _Search(NamedTuple):
-    """What is wanted: the force, N, in a pulse so long, s, of areas between these ratios."""
-
-    shot: _Shot  # of a striker of one segment
-    force: Signal
-    duration: float
-    bounds: Floats  # logarithms
-
-    def shot_of(self, segments: int) -> _Shot:
-        """The shot of a striker as long that has so many segments."""
-        return self.shot._replace(length=self.shot.length / segments)
-
-    def edges(self, segments: int) -> Floats:
-        """Times of the steps, s."""
-        step, end = self.duration / segments, self.force.end
-        return np.append(step * np.arange(math.ceil(end / step * (1 - INSTANT))), end)
-
-    def parts(self, reached: Signal, segments: int) -> tuple[Floats, Floats]:
-        """Mean and standard deviation of the difference in each step, as parts of the misfit."""
-        edges = self.edges(segments)
-        share = np.diff(edges) / edges[-1] / float(np.abs(self.force.values).max()) ** 2
-        mean, variance = differences(self.force, reached, edges)
-        return np.sqrt(share) * mean, np.sqrt(share * variance)
-
-    def descend(self, segments: int, coarser: Floats) -> _Found:
-        """Least squares from the best of three starts, one of them the areas of fewer segments."""
-        from scipy.optimize import least_squares
-
-        shot, ratios = self.shot_of(segments), np.exp(self.bounds)
-
-        def reached(logarithms: Floats) -> Signal:
-            return shot.force(shot.system(shot.area * np.exp(logarithms)), self.force.end)
-
-        def residual(logarithms: Floats) -> Floats:
-            return self.parts(reached(logarithms), segments)[0]
-
-        silence = Signal([0.0, 0.0], [0.0, self.force.end], unit="N")
-        wanted = differences(silence, self.force, self.edges(segments))[0][:segments]
-        starts = [np.log(areas / shot.area)
-                  for areas in (shot.peeled(wanted, shot.area * ratios), shot.matched(wanted))]
-        if coarser.size:
-            here, there = ((np.arange(n) + 0.5) / n for n in (segments, coarser.size))
-            starts.append(np.interp(here, there, coarser))
-        starts = [np.clip(start, *self.bounds) for start in starts]
-        start = min(starts, key=lambda start: float(np.sum(residual(start) ** 2)))
-        best = least_squares(
-            residual, start, bounds=tuple(self.bounds), method="dogbox", diff_step=1e-5,
-            max_nfev=MOST_STEPS, ftol=1e-4, xtol=1e-8, gtol=None).x
-        mean, within = map(np.linalg.norm, self.parts(reached(best), segments))
-        return _Found(best, math.hypot(mean, within), float(within))
 
 
 def striker(
@@ -215,38 +201,32 @@ def striker(
     >>> len(found.system.bodies[0].segments), round(100 * found.misfit, 1)
     (10, 12.9)
     """
-    import scipy.optimize  # noqa: F401 - takes long the first time, which tells nothing of the rest
-
     problems: Problems = []
     check_function(problems, "progress", progress)
     raise_noted(problems)
     search = _checked(
         wanted, bar, velocity, duration, until, segments, area_ratio, material, contact)
-    forecast = Forecast(warn, "a smaller number of segments", progress, "this design")
-    total = segments * (segments + 3) // 2  # a striker of n segments takes n + 1 runs a step
-    best: _Found | None = None
-    silence = staircase([0.0], [0.0], search.force.end, "nothing")
-    if search.parts(silence, segments)[1].max() <= PERFECT:  # steps: they may be met exactly
-        best = search.descend(segments, np.zeros(0))
-        if best.misfit >= PERFECT:
-            best = None
-    coarser = np.zeros(0)
-    for n in range(1, segments + 1) if best is None else ():
-        found = search.descend(n, coarser)
-        coarser = found.logarithms
-        if best is None or found.misfit < best.misfit * (1 - BETTER):
-            best = found
-        forecast.report(n * (n + 3) // 2, total, f"{segments} segments")
-    assert best is not None
-    shot = search.shot_of(len(best.logarithms))
-    system = shot.system(shot.area * np.exp(best.logarithms))
-    bounded = {}
-    for i, logarithm in enumerate(best.logarithms[::-1]):
-        for bound, name in zip(search.bounds, ("smallest", "largest"), strict=True):
-            if abs(logarithm - bound) <= AT_BOUND:
-                bounded[i] = name
-    return PulseDesign(system, 0, search.force, shot.force(system, search.force.end),
-                       best.misfit, best.within, bounded)
+    found: list[_Found] = []
+    silence = staircase([0.0], [0.0], search.wanted.end, "nothing")
+    if search.parts(silence)[1].max() <= PERFECT:  # steps: they may be met exactly
+        found = [search.descend(np.zeros(0))]
+    if not found or found[0].misfit >= PERFECT:
+        forecast = Forecast(warn, "a smaller number of segments", progress, "this design")
+        total = segments * (segments + 3) // 2  # a striker of n segments takes n + 1 runs a step
+        found = []
+        for n in range(1, segments + 1):
+            coarser = found[-1].logarithms if found else np.zeros(0)
+            found.append(search._replace(segments=n).descend(coarser))
+            forecast.report(n * (n + 3) // 2, total, f"{segments} segments")
+    least = min(each.misfit for each in found)
+    best = next(each for each in found if each.misfit * (1 - BETTER) <= least)
+    search = search._replace(segments=len(best.logarithms))
+    bounded = {
+        i: name for bound, name in zip(search.bounds, ("smallest", "largest"), strict=True)
+        for i in np.flatnonzero(np.abs(best.logarithms[::-1] - bound) <= AT_BOUND).tolist()}
+    return PulseDesign(
+        search.system(best.logarithms), 0, search.wanted,
+        search.force(best.logarithms, search.wanted.end), best.misfit, best.within, bounded)
 
 
 def _checked(
@@ -255,16 +235,12 @@ def _checked(
 ) -> _Search:
     """What is looked for; the errors of `striker`."""
     of_kind("bar", bar, Rod, "Rod(2.0, area=1e-4, material=materials.steel)")
-    piece = bar.segments[0]
-    steel = piece.material if material is None else material
+    steel = bar.segments[0].material if material is None else material
     of_kind("material", steel, Material, "materials.steel")
-    if len(bar.segments) != 1 or not piece.ideal or System([bar]).shape:
-        raise refusal("bar", f"must be a single uniform rod without damping, got {shown(bar)}")
-    if bar.velocity != 0 or bar.strain != 0:
-        raise refusal("bar", "must be at rest and free of strain before impact")
-    if np.any(steel.viscosity) or np.ndim(steel.wave_speed):
-        message = "must be a single material without viscosity"
-        raise refusal("material", f"{message}, got {shown(steel.name)}")
+    if len(bar.segments) != 1 or System([bar]).shape or bar.velocity or bar.strain:
+        raise refusal("bar", f"must be a single uniform rod at rest, got {shown(bar)}")
+    if np.any(steel.viscosity):
+        raise refusal("material", f"must have no viscosity, got {shown(steel.name)}")
     if not isinstance(contact, Rigid | Bonded):
         raise refusal("contact", f"must be Rigid() or Bonded(), got {shown(contact)}")
     V = single("velocity", velocity, "m/s", "positive")
@@ -279,13 +255,11 @@ def _checked(
     ratios = array("area_ratio", area_ratio, "", "positive")
     if ratios.shape != (2,) or not ratios[0] < ratios[1]:
         raise refusal("area_ratio", f"must be (smallest, largest), got {shown(area_ratio)}")
-    force = force_over_time("wanted", wanted, end)
+    force = force_over_time(wanted, end)
     if not force.values.any():
-        message = "is 0 from impact on; give the force over the time since then"
-        raise refusal("wanted", f"{message}")
+        raise refusal("wanted", "is 0 from impact on; give the force over the time since then")
     lowest = float(force.values.min())
     if lowest < 0 and isinstance(contact, Rigid):
-        message = f"pulls with {-lowest!r} N, and faces only push"
-        raise refusal("wanted", f"{message}; make it 0 there, or take contact=Bonded()")
-    shot = _Shot(bar, steel, V, T / 2 * float(steel.wave_speed), contact)
-    return _Search(shot, force, T, np.log(ratios))
+        raise refusal("wanted", f"pulls with {-lowest!r} N, and faces only push; make it 0 there, "
+                      "or take contact=Bonded()")
+    return _Search(bar, steel, V, T, contact, force, np.log(ratios), segments)
