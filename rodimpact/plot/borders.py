@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib import collections, patches, patheffects
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..methods.signals import Floats
 from ..model import Absorbing, Joint, Moved, Pushed, Rigid, RigidMass, Rod
@@ -90,13 +90,13 @@ class Borders:
 
     def _turns(self, history: ContactHistory) -> Floats:
         """Times between which a contact presses, touches or is open."""
-        if is_stepped(self.plan.solution):
-            turns = np.array([t for episode in history.episodes[:POINTS] for t in episode])
-            turns = np.union1d(self.cut.bends(history.index, 0.0), turns[np.isfinite(turns)])
-        else:
-            turns = history.breakpoints()[0]
-        start, stop = self.plane.span
-        return np.concatenate(([start], turns[(turns > start) & (turns < stop)], [stop]))
+        turns = self.times if is_stepped(self.plan.solution) else history.breakpoints()[0]
+        told = [t for episode in history.episodes[:POINTS] for t in episode if t == t]
+        return self._within([*turns, *told])
+
+    def _within(self, times: ArrayLike) -> Floats:
+        """The times in the picture, with its first and its last."""
+        return np.unique(np.clip(np.append(times, self.plane.span), *self.plane.span))
 
     def springs(self) -> list[patches.Polygon]:
         """Where the springs of compliant contacts are pressed."""
@@ -153,9 +153,7 @@ class Borders:
             "rotation": 90, "ha": "right", "xytext": (-2, 3)}
         paths = []
         for name, record in records.items():
-            start, stop = self.plane.span
-            inside = record.times[(record.times > start) & (record.times < stop)]
-            times = np.concatenate(([start], inside[evenly(inside.size, POINTS)], [stop]))
+            times = self._within(record.times[evenly(record.times.size, POINTS)])
             track = self.plane.points(self.plan.point(record.body, record.x, times), times)
             paths += self.ax.plot(*track.T, color=self.colours.ink, linewidth=1.0, linestyle="-.",
                                   zorder=5, path_effects=casing, label=name)

@@ -76,9 +76,7 @@ def contact(
     if not chosen or not set(chosen) <= set(range(count)):
         have = f"from 0 to {count - 1}" if count else "given only where there are two bodies"
         raise refusal("contact", f"must be {have}, got {shown(contact)}")
-    if ax is None:
-        ax = style.new_figure(5.6, 4.2).subplots(2, 1, sharex=True).tolist()
-    force_ax, gap_ax = style.two_axes(ax, "force and gap")
+    force_ax, gap_ax = style.two_axes(ax, "force and gap", 4.2, (1, 1))
     drawn = Forces(solution, list(map(int, chosen)))
     low = min(float(gap.min()) for _, gap in drawn.gaps)
     high = max(float(gap.max()) for _, gap in drawn.gaps)

@@ -71,7 +71,7 @@ def comparison(
     found = measured.misfit(predicted, shift=shift, scale=scale)
     t, values = measured.times, measured.values
     model: Floats = found.scale * np.interp(t - found.shift, predicted.times, predicted.values)
-    upper, lower = side_by_side(1)[0] if ax is None else two_axes(ax, "signals and residual")
+    upper, lower = two_axes(ax, "signals and residual", 4.2, (3, 1))
 
     time = engineering("time t", float(np.abs(t).max()), "s")
     unit = engineering(measured.name or "signal", float(np.abs(values).max()), measured.unit)
@@ -221,10 +221,7 @@ def reduction(found: Reduction, ax: Sequence[Axes] | None = None) -> Picture:
     True
     """
     of_kind("found", found, Reduction, "ri.reduce(input_gauge, output_gauge, bar, specimen)")
-    if ax is None:
-        figure = new_figure(5.6, 4.6)
-        ax = figure.subplots(2, sharex=True, height_ratios=(3, 1)).tolist()
-    upper, lower = two_axes(ax, "stress and strain rate")
+    upper, lower = two_axes(ax, "stress and strain rate", 4.6, (3, 1))
     up, first, second = found.loading, *colours().series[:2]
     strain, stress, around = 100 * found.strain[up], found.stress[up], found.stress_band[up]
     unit = engineering("stress", float(np.abs(stress).max()), "Pa")

@@ -206,8 +206,10 @@ def axes(ax: Axes | None, width: float, height: float) -> Axes:
     return ax
 
 
-def two_axes(ax: Any, what: str) -> tuple[Axes, Axes]:
-    """The pair of Axes given; ValueError for anything else."""
+def two_axes(ax: Any, what: str, height: float, ratios: Sequence[float]) -> tuple[Axes, Axes]:
+    """The pair of Axes given, or those of a new figure; ValueError for anything else."""
+    if ax is None:
+        ax = new_figure(5.6, height).subplots(2, sharex=True, height_ratios=ratios)
     pair = list(ax) if isinstance(ax, Sequence | np.ndarray) else []
     if len(pair) != 2 or not all(isinstance(each, Axes) for each in pair):
         raise refusal("ax", f"needs a pair of Axes, for {what}, got {shown(ax)}")
@@ -222,9 +224,8 @@ def dress(ax: Axes, named: Sequence[artist.Artist | None] = (), **settings: Any)
     _, ink, faint, *_ = colours()
     ax.tick_params(which="both", labelsize=NORMAL - 1, labelfontfamily=FONT, labelcolor=ink,
                    color=faint, length=3)
-    for side, spine in ax.spines.items():
-        spine.set_visible(side in ("left", "bottom"))
-        spine.set_color(faint)
+    ax.spines[:].set_color(faint)
+    ax.spines[["top", "right"]].set_visible(False)
 
 
 def grid(ax: Axes) -> None:
