@@ -22,7 +22,7 @@ from . import events, layout, march, stock
 from .plan import Plan, blank_records
 from .records import BODY, CHANGE, LINE, NODE, NONE, PIECE, ROW, RUN, SEGMENT
 
-ROOM = 128  # rows of the log at first, beside those at t = 0
+ROOM = 32  # rows of the log at first, beside those at t = 0
 ROW_NUMBERS, LIST_NUMBERS = 18, 60  # that a row of the log takes with what results make of it
 EVENT_TIMES = 2e-5, 2e-6  # s, about what an event takes in plain Python, and compiled
 ROW_TIME = 1e-5  # s, about what plain Python takes for a row of the log
