@@ -15,7 +15,7 @@ from ..model.frozen import InvalidModel
 from ..results.regions import nothing_to_draw
 from ..units import format_si
 from . import DONE
-from .asking import Given, Number, add_run_options, note
+from .asking import Given, add_run_options, note, number
 from .options import as_keys
 from .progress import progress_bar, solved, status_of
 
@@ -30,11 +30,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help="the picture: .gif or .mp4")
     parser.add_argument("--field", choices=("velocity", "stress", "strain"), default="velocity",
                         help="quantity shown in colour; default velocity")
-    parser.add_argument("--frames", action=Number, default=120, help="2 to 10000; default 120")
-    parser.add_argument("--fps", action=Number, dimension="dimensionless", default=25.0,
-                        help="frames a second; default 25")
-    parser.add_argument("--magnify", action=Number, dimension="dimensionless",
-                        help="magnification of displacements and gaps; chosen by default")
+    number(parser, "--frames", "", "2 to 10000; default 120", default=120)
+    number(parser, "--fps", "dimensionless", "frames a second; default 25", default=25.0)
+    number(parser, "--magnify", "dimensionless",
+           "magnification of displacements and gaps; chosen by default")
     parser.add_argument("--dark", action="store_true", help="light lines on dark paper")
     add_run_options(parser, ("until",))
     parser.add_argument("--force", action="store_true", help="replace an existing file")

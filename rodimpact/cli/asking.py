@@ -188,8 +188,14 @@ def add_run_options(parser: argparse.ArgumentParser, names: Sequence[str] = (*NU
     """Options of those names, and the method."""
     parser.add_argument("--method", choices=METHOD_NAMES, help="instead of the case's")
     for name in names:
-        dimension, what = NUMBERS[name]
-        parser.add_argument(flag(name), action=Number, dimension=dimension, help=what)
+        number(parser, flag(name), *NUMBERS[name])
+
+
+def number(
+    parser: argparse._ActionsContainer, option: str, dimension: str, what: str, **more: Any
+) -> None:
+    """Add an option that is a number of a dimension."""
+    parser.add_argument(option, action=Number, dimension=dimension, help=what, **more)
 
 
 def _whole(text: str) -> int:

@@ -21,18 +21,9 @@ from ..results.solution import Solution
 from ..storage.tables import align, as_json
 from ..units import format_si
 from . import record_options
-from .asking import Given, Number, add_run_options
+from .asking import Given, add_run_options, number
 from .progress import solved, status_of
 
-_OPTIONS = (
-    ("--start", "time", "of the part of the record; by default all"),
-    ("--stop", "time", "its end"),
-    ("--shift", "time", "fixed, of the prediction; positive is later"),
-    ("--scale", "dimensionless", "its gain, fixed"),
-    ("--carried", "length", "shift the computed pulse so much farther, with the exact dispersion "
-     "of a round bar, for a gauge placed close behind the struck end"),
-    ("--radius", "length", "equivalent radius of that bar, if the case gives no diameter"),
-)
 _PULSE = {"start": "pulse starts", "width": "width at half height",
           "rise": "rise from 10 to 90 %", "plateau": "plateau"}
 
@@ -45,8 +36,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """A case, a record and how to read it, what to compare, what to write, how far to go."""
     record_options.add_case_and_record(parser)
     compared = parser.add_argument_group("what is compared")
-    for option, dimension, what in _OPTIONS:
-        compared.add_argument(option, action=Number, dimension=dimension, help=what)
+    number(compared, "--start", "time", "of the part of the record; by default all")
+    number(compared, "--stop", "time", "its end")
+    number(compared, "--shift", "time", "fixed, of the prediction; positive is later")
+    number(compared, "--scale", "dimensionless", "its gain, fixed")
+    number(compared, "--carried", "length", "shift the computed pulse so much farther, with the "
+           "exact dispersion of a round bar, for a gauge placed close behind the struck end")
+    number(compared, "--radius", "length", "its equivalent radius, if the case gives no diameter")
     record_options.add_record_options(parser)
     add_run_options(parser)
 

@@ -16,7 +16,7 @@ from ..records.bridge import ALONG, Bridge
 from ..records.reading import read_signals
 from ..records.signal import Signal
 from ..storage.casefile import Case
-from .asking import Given, Number
+from .asking import Given, number
 from .options import flag
 from .progress import progress_bar
 
@@ -77,15 +77,14 @@ def add_record_options(parser: argparse.ArgumentParser) -> None:
     record = parser.add_argument_group("form of the record, where the file does not state it")
     record.add_argument("--time", metavar="COLUMN", help="the column of times")
     record.add_argument("--time-unit", metavar="UNIT", help="s, ms, us or ns")
-    record.add_argument("--rate", action=Number, dimension="frequency",
-                        help="sampling rate of a record without times")
+    number(record, "--rate", "frequency", "sampling rate of a record without times")
     record.add_argument("--decimal", metavar="SIGN", help="decimal sign: . or ,")
     record.add_argument("--unit", metavar="[CHANNEL=]UNIT", action="append", default=[],
                         help="unit of all channels, or of one")
     bridge = parser.add_argument_group("strain from the volts of a bridge")
     bridge.add_argument("--bridge", choices=tuple(ALONG))
     for name, dimension in _BRIDGE.items():
-        bridge.add_argument(flag(name), action=Number, dimension=dimension)
+        number(bridge, flag(name), dimension, "")
 
 
 def bridge_of(given: Given) -> Bridge | None:

@@ -18,7 +18,7 @@ from ..records.bars import BarGauge
 from ..records.reduction import Reduction, Specimen, reduce
 from ..storage.tables import as_json
 from . import record_options
-from .asking import Given, Number
+from .asking import Given, number
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -26,20 +26,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     record_options.add_case_and_record(parser)
     parser.add_argument("--csv", metavar="FILE", help="write all columns over time")
     specimen = parser.add_argument_group("the specimen")
-    specimen.add_argument("--length", action=Number, dimension="length", required=True,
-                          help="length before the shot")
-    specimen.add_argument("--diameter", action=Number, dimension="length",
-                          help="diameter, if round; or give")
-    specimen.add_argument("--area", action=Number, dimension="area", help="cross-sectional area")
-    specimen.add_argument("--youngs-modulus", action=Number, dimension="pressure",
-                          help="of its elastic part")
+    number(specimen, "--length", "length", "length before the shot", required=True)
+    number(specimen, "--diameter", "length", "diameter, if round; or give")
+    number(specimen, "--area", "area", "cross-sectional area")
+    number(specimen, "--youngs-modulus", "pressure", "of its elastic part")
     specimen.add_argument("--incompressible", action="store_true",
                           help="its volume is constant: add true stress and strain")
     waves = parser.add_argument_group("the waves")
     waves.add_argument("--compression", choices=("negative", "positive"), default="negative",
                        help="sign of compressive strains in the record; default: negative")
-    waves.add_argument("--align-within", action=Number, dimension="time", default=0.0,
-                       help="largest shift of the reflected and the transmitted wave")
+    number(waves, "--align-within", "time",
+           "largest shift of the reflected and the transmitted wave", default=0.0)
     record_options.add_record_options(parser)
 
 

@@ -13,7 +13,7 @@ from ..model.frozen import raise_noted
 from ..storage.tables import align, as_json, clean
 from ..units import format_si
 from . import DONE
-from .asking import Given, Number
+from .asking import Given, Number, number
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -21,8 +21,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for i, where in ((1, "left"), (2, "right")):
         parser.add_argument(f"--m{i}", required=True, metavar="MASS",
                             help=f'mass of the {where} body, "2 kg", or inf for a wall')
-        parser.add_argument(f"--v{i}", required=True, action=Number, dimension="velocity",
-                            help='its velocity, "0.5 m/s", positive to the right')
+        number(parser, f"--v{i}", "velocity", 'its velocity, "0.5 m/s", positive to the right',
+               required=True)
     parser.add_argument("--restitution", "-e", required=True, action=Number,
                         dimension="dimensionless", metavar="E",
                         help="coefficient of restitution: 0 they stick, 1 no energy is lost; "

@@ -22,7 +22,7 @@ from ..running.sweep_result import Readings, SweepResult, arrays_of
 from ..running.sweeping import sweep
 from ..storage.casefile import Case
 from . import INCOMPLETE
-from .asking import Given, Number, add_run_options
+from .asking import Given, add_run_options, number
 from .options import as_options
 from .progress import progress_bar
 
@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("case", metavar="CASE.toml", help="the case file")
     parser.add_argument("--vary", metavar="PATH=GRID", action="append", default=[],
                         help=f"a number and its values, {EXAMPLE}; once for each axis")
-    parser.add_argument("--workers", action=Number, help="threads; default one a processor")
+    number(parser, "--workers", "", "threads; default one a processor")
     parser.add_argument("--checkpoint", metavar="DIR",
                         help="keep finished parts here, and go on from those of an earlier run")
     parser.add_argument("--on-error", choices=("record", "raise"), default="record",
