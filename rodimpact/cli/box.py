@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -24,9 +23,10 @@ from ..storage.tables import align, as_html, clean
 from ..storage.writing import write_text
 from ..units import format_si
 from . import DONE
-from .asking import Given, Number, note
+from .asking import Given, note, number
 from .stages import LEGEND, tell
 
+KEYS = ("identical", "wall", "unequal", "dowel")
 VIEWS = ("velocity", "stress", "stages", "contact", "energy")
 PAGE = "index.html"
 RATIOS = [i / 60 for i in range(1, 61)]  # at which e is compared with l1/l2
@@ -35,32 +35,26 @@ DOWEL = 0.9144, math.pi / 4 * 0.0127**2  # 3 ft, m, and half an inch thick, m^2
 STAGES = 6  # in a figure
 HEAD = """\
 <!doctype html>
-<html lang="en">
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>%s</title>
+<html lang="en"><meta charset="utf-8"><title>%s</title>
 <style>
-body { max-width: 64rem; margin: 2rem auto; padding: 0 1rem; font: 1rem/1.5 sans-serif;
-       background: %s; color: %s; }
-figure { margin: 1.5rem 0; }
+body { max-width: 64rem; margin: 2rem auto; font-family: sans-serif; background: %s; color: %s; }
 img { max-width: 100%%; }
 a { color: inherit; }
 </style>"""
 
 
 class Replay(NamedTuple):
-    """One collision of the box."""
+    """A collision of the box: its title, what to call its bodies, and its solution."""
 
-    key: str  # in the names of its figures
     title: str
-    names: tuple[str, str]  # of the bodies
+    names: tuple[str, str]
     solution: Solution
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """A ratio of lengths, and where the figures go."""
-    parser.add_argument("--ratio", action=Number, dimension="dimensionless", default=0.4,
-                        help="l1/l2 of the rods of different length, up to 1; default 0.4")
+    number(parser, "--ratio", "dimensionless",
+           "l1/l2 of the rods of different length, up to 1; default 0.4", default=0.4)
     parser.add_argument("--material", choices=TABLE, default="steel", metavar="NAME",
                         help="of the rods, from rodimpact materials; default steel")
     parser.add_argument("--dowel", action="store_true",
@@ -80,11 +74,10 @@ def run(given: Given) -> tuple[str, int]:
     if not 0 < given.ratio <= 1:
         message = "must be above 0 and at most 1, the left rod being the shorter"
         given.note("--ratio", f"{message}, got {given.ratio!r}")
-    keys = ("identical", "wall", "unequal", "dowel")[: 4 if given.dowel else 3]
+    folder, keys = Path(given.output), KEYS if given.dowel else KEYS[:-1]
     groups = [[f"{key}-{view}.{given.format}" for view in VIEWS] for key in keys]
     groups.append([f"restitution.{given.format}"])
     names = [name for group in groups for name in group]
-    folder = Path(given.output)
     there = [name for name in (*names, PAGE) if (folder / name).exists()]
     if folder.exists() and not folder.is_dir():
         given.note("--output", f"{given.output!r} is not a directory; name another")
@@ -95,20 +88,20 @@ def run(given: Given) -> tuple[str, int]:
     folder.mkdir(parents=True, exist_ok=True)
 
     material = TABLE[given.material]
-    replays = solve_all(given.ratio, material, keys)
+    replays = [replay(key, material, given.ratio) for key in keys]
     struck = rod(material, 1.0)
     values = [collide(rod(material, r, 1.0), struck).restitution for r in RATIOS]
     largest = max(abs(e - r) for e, r in zip(values, RATIOS, strict=True))
     law = (f"Length ratios from {RATIOS[0]:.3g} to 1\n"
            f"{len(RATIOS)} pairs of rods solved: e agrees with l1/l2 to {largest:.1e}.")
-    texts = [*map(describe, replays), law]
+    texts = [introduction(material), *map(describe, replays), law]
     note("drawing")
     with plot.look("dark" if given.dark else "light"):
         draw(replays, values, [folder / name for name in names], given.force)
-        page = box_page(introduction(material), texts, groups)
+        page = box_page(texts, [[], *groups])
     write_text(folder / PAGE, page, force=given.force)
     listed = f"{len(names)} figures in {folder}, and {PAGE}, which shows them"
-    return "\n\n\n".join([introduction(material), *texts, listed]), DONE
+    return "\n\n\n".join([*texts, listed]), DONE
 
 
 def rod(material: Material, length: float, velocity: float = 0.0) -> Rod:
@@ -116,21 +109,20 @@ def rod(material: Material, length: float, velocity: float = 0.0) -> Rod:
     return Rod(length, area=AREA, material=material, velocity=velocity)
 
 
-def solve_all(ratio: float, material: Material, keys: Sequence[str]) -> list[Replay]:
-    """Solve these collisions of the box."""
+def replay(key: str, material: Material, ratio: float) -> Replay:
+    """Solve this collision of the box."""
     both = "left rod", "right rod"
     metre, struck = rod(material, 1.0, 1.0), rod(material, 1.0)
-    dowel = Rod(DOWEL[0], area=DOWEL[1], material=TABLE["oak"], velocity=1.0)
     rows: dict[str, tuple[str, tuple[str, str], list[Rod | Wall]]] = {
         "identical": ("Identical rods", both, [metre, struck]),
         "wall": ("A rod on a rigid wall", ("rod", "wall"), [metre, Wall()]),
         "unequal": (f"Rods of different length, l1/l2 = {ratio:g}", both,
                     [rod(material, ratio, 1.0), struck]),
         "dowel": ("A wooden dowel, 3 ft long, on a stone floor", ("dowel", "floor"),
-                  [dowel, Wall()]),
+                  [Rod(DOWEL[0], area=DOWEL[1], material=TABLE["oak"], velocity=1.0), Wall()]),
     }
-    return [Replay(key, title, names, solve(System(bodies)))
-            for key, (title, names, bodies) in rows.items() if key in keys]
+    title, names, bodies = rows[key]
+    return Replay(title, names, solve(System(bodies)))
 
 
 def introduction(material: Material) -> str:
@@ -152,8 +144,7 @@ def introduction(material: Material) -> str:
 def describe(replay: Replay) -> str:
     """The stages of a collision, and its result beside the closed form."""
     o, system = replay.solution.outcome, replay.solution.system
-    family: Any = pair_theory(system)
-    theory = family.collision()
+    theory = pair_theory(system).collision()  # type: ignore[union-attr]
     episode = replay.solution.contacts[0].episodes[0]
     opens = episode.opening - episode.start
     vibration = clean(sum(o.vibration_after), o.kinetic_before)
@@ -190,7 +181,7 @@ def draw(replays: list[Replay], values: list[float], paths: list[Path], force: b
     from ..plot.moments import moments
 
     figures: list[Any] = []
-    for _, title, _, solution in replays:
+    for title, _, solution in replays:
         axes = (
             plot.spacetime(solution, field="velocity").ax,
             plot.spacetime(solution, field="stress").ax,
@@ -206,16 +197,16 @@ def draw(replays: list[Replay], values: list[float], paths: list[Path], force: b
         plot.save(figure, path, force=force)
 
 
-def box_page(head: str, texts: list[str], groups: list[list[str]]) -> str:
-    """The page, in HTML: texts whose first line is a heading, each with its figures beside it."""
+def box_page(texts: list[str], groups: list[list[str]]) -> str:
+    """The page, in HTML: texts whose first line is a heading, each with its figures below it."""
     from ..plot.style import colours
 
-    title, _, text = head.partition("\n")
-    lines = [HEAD % (title, *colours()[:2]), f"<h1>{title}</h1>", as_html(text)]
+    lines = [HEAD % (texts[0].partition("\n")[0], *colours()[:2])]
     for text, figures in zip(texts, groups, strict=True):
-        title, _, text = text.partition("\n")
-        lines += [f"<h2>{escape(title)}</h2>", as_html(text.strip("\n"))]
+        title, _, rest = text.partition("\n")
+        level = "h1" if text is texts[0] else "h2"
+        lines += [f"<{level}>{escape(title)}</{level}>", as_html(rest.strip("\n"))]
         for name in figures:
             picture = f'<img src="{name}" alt="{escape(title)}: {Path(name).stem}">'
-            lines.append(f'<figure><a href="{name}">{picture}</a></figure>')
+            lines.append(f'<p><a href="{name}">{picture}</a></p>')
     return "\n".join([*lines, "</html>", ""])
