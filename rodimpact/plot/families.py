@@ -71,9 +71,8 @@ class Side(NamedTuple):
         x = np.log(self.numbers) if self.is_log else self.numbers
         middle = (x[:-1] + x[1:]) / 2
         edges = np.concatenate(([2 * x[0] - middle[0]], middle, [2 * x[-1] - middle[-1]]))
-        if self.is_log:
-            return np.exp(edges)
-        return np.maximum(edges, 0.0) if x[0] >= 0 else edges
+        edges = np.exp(edges) if self.is_log else edges
+        return np.maximum(edges, 0.0) if self.values[0] >= 0 else edges
 
 
 class Shown(NamedTuple):
@@ -187,12 +186,10 @@ def _curve(ax: Axes, side: Side, shown: Shown, theory: PairTheory | None) -> sty
         marks: dict[str, Any] = {} if few else {"marker": ".", "markersize": 0.8}
         (drawn,) = ax.plot(*_broken(side.numbers, shown.values), color=ink, linewidth=1.2,
                            linestyle="" if few and law else "-", **style.COMPUTED | marks)
-    least = float(np.nanmin(shown.values))
-    low, high = min(0.0, least), max(0.0, float(np.nanmax(shown.values)))
-    room = 0.05 * (high - low) or 1.0
+    low, high = ax.get_ylim()
     style.grid(ax)
     style.dress(ax, () if law is None else (law, drawn), ylabel=shown.scale.label,
-                ylim=(low if least > low + room else low - room, high + room))
+                ylim=(min(0.0, low), max(0.0, high)))
     return style.Picture(ax=ax, values=drawn, theory=law)
 
 
@@ -240,9 +237,7 @@ def _map(ax: Axes, sides: list[Side], shown: Shown, theory: PairTheory | None) -
     handles: list[artist.Artist] = []
     rods = theory is not None and np.isfinite(theory.impedance).all()
     for name, (dash, number) in EQUALITIES.items() if rods else ():
-        left, right = getattr(theory, number)
-        log = any(side.is_log for side in sides)
-        excess = np.log(left / right) if log else (left - right) / np.max(left)
+        excess = np.log(np.divide(*getattr(theory, number)))
         excess = np.where(np.isfinite(shown.values), np.round(excess, 12), np.nan)
         if (excess < 0).any() and (excess > 0).any():
             lines.append(ax.contour(*plane, np.ma.masked_invalid(excess.T), levels=[0.0],
@@ -280,21 +275,18 @@ def _contours(
     ax: Axes, plane: list[Floats], values: Floats, palette: colors.Colormap, norm: colors.Normalize
 ) -> tuple[contour.QuadContourSet | None, list[Text]]:
     """Draw lines at round values, each with its value, up to the jumps and not across them."""
-    known = values[np.isfinite(values)]
-    low, high = float(known.min(initial=np.inf)), float(known.max(initial=-np.inf))
-    if high - low <= ROUND_OFF * max(-low, high):
-        return None, []
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
     near = 0.002 * (high - low)
     levels = [
         x for x in ticker.MaxNLocator(8, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
         if low + 10 * near < x < high - 10 * near
-        and np.sum(np.abs(known - x) < near) < PLATEAU * max(values.shape)
+        and np.sum(np.abs(values - x) < near) < PLATEAU * max(values.shape)
     ]
     smooth = np.isfinite(values)
     for axis in (0, 1):
         i, j = np.nonzero(_jumps(values) if axis == 0 else _jumps(values.T).T)
         smooth[i, j] = smooth[i + 1 - axis, j + axis] = False
-    if not levels or not smooth.any():
+    if not levels or not smooth.any() or high - low <= ROUND_OFF * max(-low, high):
         return None, []
     lines = ax.contour(
         *plane, np.ma.array(values, mask=~smooth).T, levels=levels, linestyles="-", linewidths=0.8,
