@@ -17,8 +17,9 @@ from functools import partial
 from ..methods.abilities import driven
 from ..methods.run import ALSO
 from ..model.paths import suggestion
+from ..running.columns import Readings, arrays_of
 from ..running.sweep_report import sweep_json, sweep_table
-from ..running.sweep_result import Readings, SweepResult, arrays_of
+from ..running.sweep_result import SweepResult
 from ..running.sweeping import sweep
 from ..storage.casefile import Case
 from . import INCOMPLETE

@@ -24,7 +24,8 @@ from ..model.arguments import array, of_kind
 from ..model.frozen import nearest, refusal
 from ..results.labels import outcome, parameter
 from ..results.pair_theory import COLUMNS, PairTheory, pair_theory
-from ..running.sweep_result import STATUS, SweepResult
+from ..running.columns import STATUS
+from ..running.sweep_result import SweepResult
 from ..units import format_factor
 from ..units import shown as shown_text
 from . import style

@@ -13,7 +13,8 @@ from ..model import Wall
 from ..results.labels import outcome
 from ..storage.tables import SCHEMA_VERSION, align, clean, joules
 from ..units import format_si
-from .sweep_result import SweepResult, columns_of
+from .columns import columns_of
+from .sweep_result import SweepResult
 
 MOST_MEMBERS, SOME_MEMBERS = 20, 12  # listed one by one, picked from a larger family
 MOST_BODIES = 8  # whose velocities are listed for each member
@@ -98,56 +99,49 @@ def _extremes(result: SweepResult, varied: Varied) -> str:
 
 def _members(result: SweepResult, varied: Varied, more: str) -> str:
     """All collisions of a small family, some of a large one."""
-    count = result.restitution.size
-    shown = range(count) if count <= MOST_MEMBERS else [
-        round(i * (count - 1) / (SOME_MEMBERS - 1)) for i in range(SOME_MEMBERS)
-    ]
-    pairs = result.unilateral
-    bodies = list(range(len(result.system.bodies)))
-    if len(bodies) > MOST_BODIES:
-        bodies = bodies[: MOST_BODIES // 2] + bodies[-MOST_BODIES // 2 :]
-    names = (
-        ["e", "impulse", "peak force", "force duration", "episodes"] if len(pairs) == 1
-        else [f"velocity {i} after" for i in bodies]
-    )
-    also = {name: outcome(result.system, name)
-            for name in columns_of(result.system, result.readings.also)}
-    rows = [[*(path for path, _, _ in varied), *names, "vibration energy",
-             *(quantity.name for quantity in also.values())]]
-    for flat in shown:
-        index = np.unravel_index(flat, result.shape)
-        where = [
-            format_si(values[i], unit) for i, (_, values, unit) in zip(index, varied, strict=True)
-        ]
-        if len(pairs) == 1:
-            c = result.contacts[pairs[0]]
-            cells = [
-                _digits(result.restitution[index], 1.0),
-                format_si(c.impulse[index], "N s"), format_si(c.peak_force[index], "N"),
-                format_si(c.duration[index], "s"),
-                "-" if math.isnan(c.impulse[index]) else str(c.episodes[index]),
-            ]
-        else:
-            velocities = [result.velocities_after[i][index] for i in bodies]
-            scale = max(map(abs, velocities))
-            cells = [_digits(v, scale, " m/s") for v in velocities]
-        cells.append(joules(result.vibration[index], _scale(result, index)))
-        cells += [format_si(result.columns[name][index], quantity.unit)
-                  for name, quantity in also.items()]
-        rows.append([*where, *cells])
-    table = align(rows, left=())
+    count, system = result.restitution.size, result.system
+    shown = np.arange(count)
+    if count > MOST_MEMBERS:
+        shown = np.linspace(0, count - 1, SOME_MEMBERS).round().astype(int)
+    read = {name: np.ravel(column)[shown] for name, column in result.columns.items()}
+    bodies, pairs = list(range(len(system.bodies))), result.unilateral
+    velocities = [read[f"velocity_after.{i}"] for i in bodies]
+    places = np.unravel_index(shown, result.shape or (1,))
+    columns = {path: _written(values[where], unit)
+               for (path, values, unit), where in zip(varied, places, strict=False)}
+    if len(pairs) == 1:
+        k = pairs[0]
+        columns["e"] = [_digits(e, 1.0) for e in read["restitution"]]
+        columns["impulse"] = _written(read[f"impulse.{k}"], "N s")
+        columns["peak force"] = _written(read[f"peak_force.{k}"], "N")
+        columns["force duration"] = _written(read[f"duration.{k}"], "s")
+        columns["episodes"] = ["-" if math.isnan(J) else str(n) for J, n in zip(
+            read[f"impulse.{k}"], read[f"episodes.{k}"], strict=True)]
+    else:
+        if len(bodies) > MOST_BODIES:
+            bodies = bodies[: MOST_BODIES // 2] + bodies[-MOST_BODIES // 2 :]
+        fastest = np.max(np.abs(velocities), axis=0)
+        for i in bodies:
+            columns[f"velocity {i} after"] = [
+                _digits(*both, " m/s") for both in zip(velocities[i], fastest, strict=True)]
+    # energy of the motion of the bodies relative to each other, or more
+    masses = [np.broadcast_to(body.mass, result.shape).ravel()[shown]
+              for body in system.bodies if not isinstance(body, Wall)]
+    push = np.sum([np.abs(read[f"impulse.{k}"]) for k in range(len(system.contacts))], axis=0)
+    scale = np.sum(masses, axis=0) * np.ptp(velocities, axis=0) ** 2 / 2
+    scale = scale + push**2 / (2 * np.min(masses, axis=0))
+    columns["vibration energy"] = list(map(joules, read["vibration"], scale))
+    for name in columns_of(system, result.readings.also):
+        quantity = outcome(system, name)
+        columns[quantity.name] = _written(read[name], quantity.unit)
+    table = align([list(columns), *zip(*columns.values(), strict=True)], left=())
     if len(shown) < count:
         table += f"\n... {len(shown)} of {count}; {more}"
     return table
 
 
-def _scale(result: SweepResult, index: Any) -> float:
-    """Energy of the motion of the bodies of a member relative to each other, or more."""
-    masses = [body.mass for body in result.system[index].bodies if not isinstance(body, Wall)]
-    velocities = [v[index] for v in result.velocities_after]
-    spread = max(velocities) - min(velocities)
-    push = sum(abs(contact.impulse[index]) for contact in result.contacts)
-    return float(sum(masses) * spread * spread / 2 + push * push / (2 * min(masses)))
+def _written(values: Any, unit: str) -> list[str]:
+    return [format_si(value, unit) for value in values]
 
 
 def _digits(value: float, scale: float, unit: str = "") -> str:

@@ -7,7 +7,7 @@ read at gauges.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from numbers import Integral
@@ -17,8 +17,7 @@ import numpy as np
 
 from ..methods.groups import unilateral
 from ..methods.registry import Options
-from ..methods.run import STOPPED_BY
-from ..model import Plastic, Rod, System
+from ..model import System
 from ..model.frozen import InvalidModel, refusal
 from ..results.labels import outcome, parameter
 from ..results.notebook import Shown
@@ -28,12 +27,7 @@ from ..results.solution import Solution
 from ..storage.extras import optional
 from ..storage.writing import PathLike, write_npz, written
 from ..units import shown
-
-STATUS = STOPPED_BY
-"""Why each run stopped; the column ``status`` holds places in this tuple."""
-ENDED = [STATUS.index("final"), STATUS.index("until")]
-
-Columns = dict[str, Any]
+from .columns import ENDED, STATUS, Columns, ContactColumns, Readings, arrays_of, columns_of
 
 
 class Axis(NamedTuple):
@@ -52,39 +46,6 @@ class Axis(NamedTuple):
 
     name: str
     values: Any
-
-
-class Readings(NamedTuple):
-    """What is read of each member beside its outcome.
-
-    Strain gauges, (body, m from its left end), the times at which they are read, s, and what was
-    asked for of `ALSO`.
-    """
-
-    gauges: tuple[tuple[int, float], ...] = ()
-    times: Any = np.zeros(0)
-    also: tuple[str, ...] = ()
-
-    def to_dict(self) -> dict[str, Any]:
-        """JSON-ready."""
-        gauges = [list(place) for place in self.gauges]
-        return {"gauges": gauges, "times": self.times.tolist(), "also": list(self.also)}
-
-
-class ContactColumns(NamedTuple):
-    """Totals of one contact; arrays of the family's shape, SI units."""
-
-    impulse: Any
-    peak_force: Any
-    duration: Any
-    episodes: Any
-
-
-ALWAYS = (
-    "restitution", "velocity_after", *ContactColumns._fields, "vibration", "final", "status")
-"""Names of the columns that every family has."""
-KINDS: dict[str, Any] = {"episodes": np.int32, "final": np.bool_, "status": np.int8}
-"""Types of columns, where they are not numbers."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,8 +198,8 @@ class SweepResult(Shown, OnlyContact[Any]):
         """Columns of that name by body or contact, 0 where it is of the whole row."""
         if name not in self.readings.also:
             raise refusal(name, f'was not asked for; give sweep(..., also=["{name}"])')
-        columns = columns_of(self.system, [name])
-        return {int(column.partition(".")[2] or 0): self.columns[column] for column in columns}
+        asked = columns_of(self.system, [name]).items()
+        return {owner or 0: self.columns[column] for column, (_, owner) in asked}
 
     def explain(self, index: Any) -> str:
         """Say of one member why it ended as it did, and why it has no restitution if it has none.
@@ -365,30 +326,6 @@ class SweepResult(Shown, OnlyContact[Any]):
     def __repr__(self) -> str:
         what = ", ".join(self.parameters) or "nothing"
         return f"<SweepResult of shape {self.shape} over {what}>"
-
-
-def arrays_of(system: System, readings: Readings) -> dict[str, tuple[Any, tuple[int, ...]]]:
-    """Columns that each member has, with types and shapes beyond the family's, by name."""
-    arrays: dict[str, tuple[Any, tuple[int, ...]]] = {
-        column: (KINDS.get(column.partition(".")[0], np.float64), ())
-        for column in columns_of(system, (*ALWAYS, *readings.also))
-    }
-    if readings.gauges:
-        arrays["strain"] = np.float64, (len(readings.gauges), len(readings.times))
-    return arrays
-
-
-def columns_of(system: System, names: Sequence[str]) -> list[str]:
-    """Columns of `ALWAYS` and `ALSO`: those of bodies and contacts have one for each of them."""
-    bodies, contacts = range(len(system.bodies)), range(len(system.contacts))
-    owners: dict[str, Sequence[int]] = {
-        "velocity_after": bodies, "displacement": bodies,
-        "largest_stress": [i for i in bodies if isinstance(system.bodies[i], Rod)],
-        "set": [k for k in contacts if isinstance(system.contacts[k], Plastic)],
-        **dict.fromkeys(ContactColumns._fields, contacts),
-    }
-    return [column for name in names for column in (
-        [f"{name}.{i}" for i in owners[name]] if name in owners else [name])]
 
 
 def explanation(member: System, options: Options) -> str:

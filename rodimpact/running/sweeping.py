@@ -25,18 +25,19 @@ from ..methods.registry import METHODS, Options, check_function, count
 from ..methods.row import Row
 from ..methods.run import ALSO, MAX_EVENTS, Stopped
 from ..model import Rod, System
-from ..model.frozen import InvalidModel, Problems, number, raise_noted
+from ..model.frozen import InvalidModel, Problems, number, quantity, raise_noted
 from ..results.outcome import effective_restitution
 from ..results.solution import Solution
 from ..storage.checkpoint import Checkpoint, InMemory
 from ..storage.writing import PathLike
 from ..units import shown
 from ..version import __version__
-from . import sweep_result as table
+from .columns import ENDED, STATUS, Columns, Readings, arrays_of, row_of
 from .jobs import Jobs, pool_of
-from .member import row_of
+from .sweep_result import SweepResult, explanation
 
 FORECAST = warn, "a smaller family", None, "this sweep"
+PLACE = quantity("m", "non-negative", single=True)  # of a gauge
 TOGETHER = 4096  # members that are kept, or run again, as one where they run in compiled code
 
 
@@ -81,7 +82,7 @@ def sweep(
     gauges: Sequence[tuple[int, float]] = (), times: ArrayLike | None = None,
     also: Sequence[str] = (), workers: int | None = None, progress: Progress | None = None,
     on_error: str = "record", checkpoint: PathLike | None = None,
-) -> table.SweepResult:
+) -> SweepResult:
     """Solve every collision of a family.
 
     Parameters
@@ -188,8 +189,7 @@ def sweep(
     if workers is not None:
         workers = count(problems, "workers", workers)
     check_function(problems, "progress", progress)
-    runs_chunks = isinstance(executor, Executor | None)
-    if not runs_chunks:
+    if not isinstance(executor, Executor | None):
         message = "must be an executor, such as concurrent.futures.ProcessPoolExecutor()"
         problems.append(("executor", f"{message}, got {executor!r}"))
     try:
@@ -205,7 +205,7 @@ def sweep(
     raise_noted(problems)
     together = 0 if _alone(options, readings) else METHODS[options.method].together(Row(system))
     size, unit = math.prod(system.shape), min(TOGETHER, together) or 1
-    of = table.arrays_of(system, readings)
+    of = arrays_of(system, readings)
     keep = InMemory(of, size, unit)
     if checkpoint is not None:
         described = {
@@ -225,13 +225,13 @@ def sweep(
     shaped = {name: column.reshape((*system.shape, *column.shape[1:]))
               for name, column in keep.columns.items()}
     strain = shaped.pop("strain", None)
-    return table.SweepResult(system, options, shaped, readings, strain)
+    return SweepResult(system, options, shaped, readings, strain)
 
 
 def _collect(jobs: Jobs, keep: InMemory, tell: Callable[[int], None], raises: bool) -> None:
     """Put what jobs bring where it is kept, until all is there or, if it `raises`, one is bad."""
     def look(start: int, status: Any) -> None:
-        if raises and (bad := np.flatnonzero(~np.isin(status, table.ENDED))).size:
+        if raises and (bad := np.flatnonzero(~np.isin(status, ENDED))).size:
             jobs.end = min(jobs.end, start + int(bad[0]))
 
     for start, stop in keep.spans(keep.done):
@@ -265,7 +265,7 @@ def _news_of(
     return tell
 
 
-def run_job(*of_chunk: Any) -> tuple[float, table.Columns]:
+def run_job(*of_chunk: Any) -> tuple[float, Columns]:
     """Run a chunk, as executors do: the s that it took, and its columns."""
     began = time.perf_counter()
     columns = run_chunk(*of_chunk)
@@ -273,9 +273,9 @@ def run_job(*of_chunk: Any) -> tuple[float, table.Columns]:
 
 
 def run_chunk(
-    system: System, options: Options, readings: table.Readings,
+    system: System, options: Options, readings: Readings,
     stop: Callable[[], bool] = lambda: False, more: int = 0,
-) -> table.Columns:
+) -> Columns:
     """Columns of the members of a family, in C order.
 
     The method is chosen, and `options` hold for the family, of which so many `more` members are
@@ -290,25 +290,23 @@ def run_chunk(
             columns |= _together(row, options, readings.also, stop, more)
     finally:
         memory.give_back()
-    kinds = {name: kind for name, (kind, _) in table.arrays_of(system, readings).items()}
-    return {name: columns[name].astype(kind) for name, kind in kinds.items()}
+    return {name: columns[name].astype(kind)
+            for name, (kind, _) in arrays_of(system, readings).items()}
 
 
-def _alone(options: Options, readings: table.Readings) -> bool:
+def _alone(options: Options, readings: Readings) -> bool:
     """Whether what is to be read needs the solution of each member."""
     return bool(readings.gauges) or not set(readings.also) <= {*METHODS[options.method].also}
 
 
 def _one_by_one(
-    system: System, options: Options, readings: table.Readings, stop: Callable[[], bool]
-) -> table.Columns:
+    system: System, options: Options, readings: Readings, stop: Callable[[], bool]
+) -> Columns:
     """Columns of members that are solved each alone."""
-    size = math.prod(system.shape)
-    columns: table.Columns = {
-        name: np.full((size, *beyond), math.nan if kind is np.float64 else 0)
-        for name, (kind, beyond) in table.arrays_of(system, readings).items()
-    }
-    columns["status"][:] = table.STATUS.index("refused")
+    rows = []
+    refused = {name: np.full(beyond, math.nan if kind is np.float64 else 0)
+               for name, (kind, beyond) in arrays_of(system, readings).items()}
+    refused["status"] = np.array(STATUS.index("refused"))
     seen = readings.gauges or "largest_stress" in readings.also
     if "snapshots" in METHODS[options.method].takes and not seen:
         options = replace(options, snapshots=2)  # an outcome needs the first and the last state
@@ -317,20 +315,19 @@ def _one_by_one(
         if stop():
             raise Stopped
 
-    for place, index in enumerate(np.ndindex(system.shape)):
+    for index in np.ndindex(system.shape):
         ask()
         try:
             solution = Solution(options.run(options.method, system[index], progress=ask))
+            rows.append(row_of(solution, readings))
         except InvalidModel:
-            continue
-        for name, value in row_of(solution, readings).items():
-            columns[name][place] = value
-    return columns
+            rows.append(refused)
+    return {name: np.array([row[name] for row in rows]) for name in refused}
 
 
 def _together(
     row: Row, options: Options, also: Sequence[str], stop: Callable[[], bool], more: int
-) -> table.Columns:
+) -> Columns:
     """Columns of members that the method runs in one call."""
     method = METHODS[options.method]
     assert method.family is not None
@@ -359,15 +356,15 @@ def _members(system: System, start: int, stop: int) -> System:
     return system[np.unravel_index(np.arange(start, stop), system.shape)]
 
 
-def readings_of(problems: Problems, system: System, gauges: Any, times: Any) -> table.Readings:
+def readings_of(problems: Problems, system: System, gauges: Any, times: Any) -> Readings:
     """Check gauges and times; note mistakes."""
     if not isinstance(gauges, Sequence | np.ndarray):
         problems.append(("gauges", f"must be [(body, x), ...], got {shown(gauges)}"))
-        return table.Readings()
+        return Readings()
+    if (times is None) == bool(len(gauges)):
+        problems.append(("times", "go with gauges=[(body, x), ...]; give both or neither"))
     if times is None or not len(gauges):
-        if times is not None or len(gauges):
-            problems.append(("times", "go with gauges=[(body, x), ...]; give both or neither"))
-        return table.Readings()
+        return Readings()
     lengths = {i: b.length for i, b in enumerate(system.bodies) if isinstance(b, Rod)}
     places = []
     for i, gauge in enumerate(gauges):
@@ -376,13 +373,11 @@ def readings_of(problems: Problems, system: System, gauges: Any, times: Any) -> 
         except (TypeError, ValueError):
             problems.append((f"gauges.{i}", f"must be (body, x), such as (1, 0.5), got {gauge!r}"))
             continue
-        x = number(problems, f"gauges.{i}.x", x, "m", "non-negative")
+        x = PLACE.checked(problems, f"gauges.{i}.x", x)
         if isinstance(body, bool) or not isinstance(body, Integral) or body not in lengths:
             known = ", ".join(map(str, lengths))
             problems.append((f"gauges.{i}.body", f"must be a rod, {known}; got {body!r}"))
-        elif not isinstance(x, float):
-            problems.append((f"gauges.{i}.x", f"must be a single number, got {x!r}"))
-        elif x > (shortest := float(np.min(lengths[int(body)]))):
+        elif np.all(x > (shortest := float(np.min(lengths[int(body)])))):
             message = f"must lie in body {body} of every member, 0 to {shortest!r} m, got {x!r}"
             problems.append((f"gauges.{i}.x", message))
         else:
@@ -390,7 +385,7 @@ def readings_of(problems: Problems, system: System, gauges: Any, times: Any) -> 
     read_at: Any = number(problems, "times", times, "s", "non-negative")
     if np.ndim(read_at) != 1:
         problems.append(("times", f"must be a list of times, got {times!r}"))
-    return table.Readings(tuple(places), read_at)
+    return Readings(tuple(places), read_at)
 
 
 def _also(problems: Problems, given: Any, until: float | None) -> tuple[str, ...]:
@@ -410,7 +405,7 @@ def _also(problems: Problems, given: Any, until: float | None) -> tuple[str, ...
 def _raise_for(member: int, system: System, options: Options) -> None:
     """Say why a member did not come to its end."""
     index = tuple(int(i) for i in np.unravel_index(member, system.shape))
-    reason = table.explanation(system[index], options)
+    reason = explanation(system[index], options)
     parameters = {
         path: float(np.broadcast_to(values, system.shape)[index])
         for path, values in system.parameters.items()

@@ -13,7 +13,7 @@ from exhaustive import few_of
 
 import rodimpact as ri
 from rodimpact.running import jobs, sweeping
-from rodimpact.running.sweep_result import STATUS, arrays_of
+from rodimpact.running.columns import STATUS, arrays_of
 
 STEEL = ri.materials.steel
 
@@ -96,7 +96,7 @@ def test_workers_are_busy_though_costs_differ_a_thousandfold(clock, order, worke
 def test_what_is_raised_is_the_first_member_in_c_order_whichever_ends_first(clock, monkeypatch):
     seconds, handed = np.full(200, 0.1), []
     seconds[[3, 5, 120]] = clock.bad = [9.0, 0.01, 0.02]
-    monkeypatch.setattr(sweeping.table, "explanation", lambda member, options: "stopped")
+    monkeypatch.setattr(sweeping, "explanation", lambda member, options: "stopped")
 
     class Late(Executor):
         """Tells of the first members last."""
