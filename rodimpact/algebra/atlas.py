@@ -23,7 +23,6 @@ from ..model import System
 from ..model.frozen import InvalidModel, listed, number, raise_noted
 from ..units import shown
 from .cell import Cell, Floats
-from .conditions import conditions
 from .field import Field
 from .formula import FEW, LINE
 from .naming import Naming
@@ -214,7 +213,6 @@ def atlas(
     names = [_name(naming, axis, path) for axis, (path, *_) in zip("xy", axes, strict=True)]
     if names[0] == names[1]:
         raise InvalidModel([("y", f"must be another number than x, got {shown(y[0])} for both")])
-    _check_waves(naming, names, axes, max_events)
     forecast = Forecast(warn, "a smaller most_cells or max_events", progress, "this atlas")
     return _Search(naming, names, axes, most_cells, max_events, forecast).atlas()
 
@@ -230,22 +228,6 @@ def _axis(name: str, given: Any) -> tuple[str, float, float]:
             return path, low, high
     message = 'must be a path, its lowest and its highest value, such as ("bodies.0.length"'
     raise InvalidModel([(name, f"{message}, 0.1, 1.0), got {shown(given)}")])
-
-
-def _check_waves(naming: Naming, names: list[str], axes: list[Any], max_events: int) -> None:
-    """Raise InvalidModel where not even runs in the middle of the plane can come to an end.
-
-    While a wave crosses the longest segment, another goes through the shortest so many times.
-    """
-    middle = {name: (Fraction(low) + Fraction(high)) / 2
-              for name, (_, low, high) in zip(names, axes, strict=True)}
-    transit = [T.value for T in naming.numbers(naming.values(middle)).transit]
-    waves = 2 * max(transit) / min(transit)
-    if waves > max_events:
-        paths = " and ".join(path for path, *_ in axes)
-        message = f"in the middle of the plane of {paths} the longest rod takes {float(waves):.3g}"
-        remedy = "events; end the axes nearer to each other, or raise it"
-        raise InvalidModel([("max_events", f"{message} {remedy}, got {max_events}")])
 
 
 def _name(naming: Naming, axis: str, path: str) -> str:
@@ -338,9 +320,7 @@ class _Search:
         )
         values = self.naming.values(dict(zip(self.names, exact, strict=True)))
         run = self.naming.run(values, self.max_events)
-        if not run.final:
-            return None
-        return Cell(self.naming, run, conditions(run, in_order=False), names=self.names)
+        return Cell(self.naming, run, values, names=self.names) if run.final else None
 
     def _solve(self, place: Floats) -> int:
         """Add the cell of a place, if its collision comes to an end and floats tell the cell."""

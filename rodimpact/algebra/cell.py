@@ -6,7 +6,7 @@ polynomials that border the cell.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .conditions import conditions
 from .field import Field
 from .inequalities import factors, reduced
 from .naming import Naming
@@ -31,22 +32,22 @@ class Cell:
     Parameters
     ----------
     naming : Naming
-        That of the run, which was its last.
     run : ExactRun
-    conditions : list of Number
-        What must be positive.
-    names : list of str, optional
-        Of the two numbers whose plane is looked at in floats.
+    place : dict of str to Fraction
+        Numbers in the run.
     field : Field, optional
         For what is asked of the cell by a formula.
+    names : list of str, optional
+        Of the two numbers whose plane is looked at in floats.
     """
 
     def __init__(
-        self, naming: Naming, run: ExactRun, conditions: list[Number], *,
-        names: list[str] | None = None, field: Field | None = None,
+        self, naming: Naming, run: ExactRun, place: Mapping[str, Fraction],
+        field: Field | None = None, names: Sequence[str] = (),
     ) -> None:
-        self.results, self.place = run.results, {**naming.base, **naming.place}
-        self._conditions, self._names, self._speeds = conditions, names or [], naming.speeds
+        self.results, self.place = run.results, place
+        self._conditions = conditions(run, in_order=field is not None)
+        self._names, self._speeds = names, naming.speeds
         self._field: Any = field
 
     def mark(self, *, times: bool) -> tuple[Any, ...]:

@@ -21,7 +21,6 @@ from ..methods.duration import Progress
 from ..model import System
 from ..model.frozen import InvalidModel, nearest
 from .cell import Cell
-from .conditions import conditions
 from .field import Field
 from .inequalities import reduced
 from .naming import Naming
@@ -45,7 +44,7 @@ def _cell(field: Field, direction: Mapping[str, Fraction], max_events: int) -> C
         values[name] += (values[name] or 1) * HAIR * share
     run = field.naming.run(values, max_events)
     check_final(run, max_events)
-    return Cell(field.naming, run, conditions(run, in_order=True), field=field)
+    return Cell(field.naming, run, values, field)
 
 
 def sides_of(field: Field, max_events: int) -> tuple[list[Cell], bool]:

@@ -18,7 +18,7 @@ from ..model import System
 from ..model.frozen import InvalidModel
 from ..model.paths import places_of, suggestion
 from ..units import shown
-from .numbers import Number
+from .numbers import ZERO, Number, evaluate
 from .rational import root
 from .rows import ExactRun, Numbers, check, read, run, written
 
@@ -48,8 +48,6 @@ class Naming:
         Values in the system.
     speeds : dict of str to (Fraction or str, Fraction or str)
         E and rho of the wave speeds that have names, themselves or their names.
-    place : dict of str to Fraction
-        Values of the numbers that have names in the last run.
     """
 
     def __init__(self, system: System, symbols: Sequence[str]) -> None:
@@ -61,25 +59,15 @@ class Naming:
         self.paths: dict[str, str] = {}
         self.base: dict[str, Fraction] = {}
         self.speeds: dict[str, tuple[Any, Any]] = {}
-        self._named: set[str] = set()
+        self._asked: list[str] = []
+        self._named: list[str] = []
         self._of_material = {place: path for path, places in places_of(system).items()
                              if path.startswith("materials.") for place in places}
         self._materials: list[Any] = []
         self._roots: dict[Fraction, Fraction] = {}
-        self._there: Mapping[str, Fraction] = {}
-        self.place: dict[str, Fraction] = {}
-        asked: list[str] = []
-
-        def take(path: str, value: float) -> Number | None:
-            if value or not path.endswith(".gap"):  # bodies that touch have no gap to be named
-                asked.append(path)
-            return self._take(path, value)
-
-        read(self.row, take, self._speed)
-        known, named = (
-            dict.fromkeys(word for path in paths for word in self._words(path))
-            for paths in (asked, self._named)
-        )
+        self._numbers = read(self.row, self._take, self._speed)
+        known, named = (dict.fromkeys(word for path in paths for word in self._words(path))
+                        for paths in (self._asked, self._named))
         problems = [
             ("symbols", f"{shown(symbol)} names no number of the formula beside the other "
              f"symbols; {suggestion(symbol, known)}")
@@ -106,21 +94,14 @@ class Naming:
 
     def run(self, values: Mapping[str, Fraction], max_events: int) -> ExactRun:
         """Run the row, with these values of named numbers and wave speeds."""
-        return run(self.row, self.numbers(values), max_events)
-
-    def numbers(self, values: Mapping[str, Fraction]) -> Numbers:
-        """Numbers of the row, with these values of those that have names, and of wave speeds."""
-        self._there, self.place = values, {}
-        return read(self.row, self._take, self._speed)
+        names = {name: Number(value, (name,)) for name, value in values.items()}
+        numbers = Numbers(*(evaluate(of, names, Number) for of in self._numbers))
+        return run(self.row, numbers, max_events)
 
     def _name(self, name: str, path: str, value: Fraction) -> None:
-        self._named.add(path)
+        self._named.append(path)
         self.paths.setdefault(name, path)
         self.base[name] = value
-
-    def _leaf(self, name: str, value: Fraction) -> Number:
-        self.place[name] = self._there.get(name, value)
-        return Number(self.place[name], (name,))
 
     def _words(self, path: str) -> list[str]:
         """What may name the number at a path: the path, that of its material, and its last word."""
@@ -132,21 +113,21 @@ class Naming:
 
     def _take(self, path: str, value: float) -> Number | None:
         quantity = path.rpartition(".")[2]
+        if quantity == "gap" and value == 0:  # bodies that touch have no gap to be named
+            return ZERO
+        self._asked.append(path)
         if quantity == "density":
             return self._density(path.removesuffix(".density"))
-        if not self.symbol_of(path) or (quantity == "gap" and value == 0):
-            follows = quantity in ("transit_time", "impedance")
-            return None if follows else Number(written(value))
+        derived = quantity in ("transit_time", "impedance")
+        if not self.symbol_of(path):
+            return None if derived else Number(written(value))
         if quantity in ("velocity", "gap"):
             place = int(path.split(".")[1]) + 1
         else:
             place = self.row.paths.index(path.rpartition(".")[0])
         name = f"{LETTERS[quantity]}{place}"
-        if quantity in ("transit_time", "impedance"):
-            self._name(name, path, self._derived(quantity, place))
-        else:
-            self._name(name, path, written(value))
-        return self._leaf(name, self.base[name])
+        self._name(name, path, self._derived(quantity, place) if derived else written(value))
+        return Number(self.base[name], (name,))
 
     def _derived(self, quantity: str, place: int) -> Fraction:
         """Transit time L/c or impedance rho A c of a segment, of numbers as they are written."""
@@ -181,15 +162,15 @@ class Naming:
         if rational and not isinstance(E, str) and not isinstance(rho, str):
             return Number(rational)
         self.speeds[name] = E, rho
-        return self._leaf(name, self._root(square))
+        return Number(self._root(square), (name,))
 
     def _density(self, path: str) -> Number:
         name, E, rho = self._material(path)
         if not isinstance(rho, str):
             return Number(rho)
         if isinstance(E, str):
-            return self._leaf(rho, self.base[rho])
-        c = self._leaf(name, self._root(E / self.base[rho]))
+            return Number(self.base[rho], (rho,))
+        c = Number(self._root(E / self.base[rho]), (name,))
         return Number(E) / (c * c)
 
     def _root(self, square: Fraction) -> Fraction:
