@@ -41,7 +41,8 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
     return Grid(
         run=filled(records.RUN, 1, tolerance=TOLERANCE * row.scale, swells=mesh.swells,
                    implicit=mesh.implicit),
-        velocity=np.zeros(n), force=np.zeros(n + 1), **multipliers,
+        velocity=np.zeros(n), force=np.zeros(n + 1),
+        **dict(zip(("into", "inverse", "back"), multipliers, strict=True)),
         by_first=by_first, by_last=by_last, stiffness=stiffness,
         piece=filled(records.PIECE, len(mesh.starts), start=mesh.starts),
         viscous=mesh.viscous, lost=np.zeros(n + 1), change=np.zeros(n), old=np.zeros(n),
@@ -77,25 +78,18 @@ def impedance(mesh: Mesh, side: int) -> float:
     return math.sqrt(float(mesh.cells.relaxed[cell] * mesh.cell_mass[cell]))
 
 
-def eliminated(mesh: Mesh, mass: Array, bound: Array) -> dict[str, Array]:
+def eliminated(mesh: Mesh, mass: Array, bound: Array) -> tuple[Array, ...]:
     """Multipliers of the elimination for nodes of these masses and cells that bind them."""
     diagonal = mass + bound[:-1] + bound[1:]
-    if bound.any():
-        found: Any = elimination.factor(bound.tolist(), diagonal.tolist(), mesh.held.tolist())
-    else:
-        none = np.zeros(len(mass))
-        found = none, 1 / np.where(mesh.held == 1, 1.0, diagonal), none
-    return dict(zip(("into", "inverse", "back"), map(np.array, found), strict=True))
+    found = elimination.factor(bound.tolist(), diagonal.tolist(), mesh.held.tolist())
+    return tuple(map(np.array, found))
 
 
-def answered(multipliers: dict[str, Array], push: Array) -> Array:
+def answered(multipliers: tuple[Array, ...], push: Any) -> Array:
     """Changes of velocity for these forces on the nodes; given ones where they are."""
-    if not multipliers["into"].any():
-        return multipliers["inverse"] * push
-    into, inverse, back = (multipliers[name].tolist() for name in ("into", "inverse", "back"))
-    x = push.tolist()
-    elimination.substitute(into, inverse, back, x)
-    return np.array(x)
+    x = np.array(push, float)
+    elimination.substitute(*multipliers, x)
+    return x
 
 
 # Links -------------------------------------------------------------------------------------------
@@ -134,10 +128,8 @@ def driven(mesh: Mesh, step: float, side: int, steps: int) -> Array:
     kind, value = mesh.row.outside[side]
     if kind == "velocity":
         return moved(mesh.row, step, value, step * np.arange(1, steps + 1))
-    if kind == "none":
-        return np.zeros(steps)
     pushes = pushed(step, value, steps)
-    return pushes if kind == "force" else walk.wave_of_strain(mesh.row, side) * pushes
+    return walk.wave_of_strain(mesh.row, side) * pushes if kind == "absorbing" else pushes
 
 
 def pushed(step: float, value: Any, steps: int) -> Array:

@@ -74,8 +74,6 @@ def _dragged(mesh: Mesh, step: float, grid: Grid) -> Array:
     for node, (kind, value) in zip(mesh.ends, mesh.row.outside, strict=True):
         if kind == "velocity":
             jump[node] = scheme.moved(mesh.row, step, value, np.zeros(1))[0] - grid.velocity[node]
-    if not bound.any():
-        return jump
     return scheme.answered(scheme.eliminated(mesh, mesh.mass / step, bound), jump)
 
 
@@ -99,7 +97,7 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
         elif at["law"] == Law.JOINT:
             force[left] += at["stiffness"] * at["gap"]
             force[right] -= at["stiffness"] * at["gap"]
-    multipliers = {name: getattr(grid, name) for name in ("into", "inverse", "back")}
+    multipliers = grid.into, grid.inverse, grid.back
     return scheme.answered(multipliers, np.where(mesh.held == 1, 0.0, force / 2))
 
 
