@@ -71,7 +71,7 @@ def try_compiled() -> tuple[str | None, bool | None, str]:
         with kernels.forced(True):
             compiled = solve_a_row()
         seconds = time.perf_counter() - begin
-        cache = kernels.cache_directory(march.follow) or None
+        cache = kernels.compiled(march.follow).place or None
     except Exception as error:  # whatever is wrong with this installation is the finding
         return None, False, f"fails: {type(error).__name__}: {error}"
     with kernels.forced(False):

@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ..model import Bonded, RigidMass, System, Wall
+from ..model import System, Wall
+from .walk import walk
 
 
 def groups(system: Any) -> list[list[int]]:
@@ -65,18 +66,9 @@ def velocities_in_group(system: Any, group: list[int], inside: list[int], own: A
 
 def movable(system: System) -> list[int]:
     """Bodies that can move against the walls: all but the walls and the masses bonded to them."""
-    count, held = len(system.bodies), set[int]()
-    for start, step in ((0, 1), (count - 1, -1)):
-        i, bonded = start, isinstance(system.bodies[start], Wall)
-        while bonded:
-            held.add(i)
-            i += step
-            bonded = (
-                0 <= i < count
-                and isinstance(system.bodies[i], RigidMass)
-                and isinstance(system.contacts[min(i, i - step)], Bonded)
-            )
-    return [i for i in range(count) if i not in held]
+    row = walk(system)
+    return [i for i, m in enumerate(row.mass_of)
+            if system.bodies[i].kind == "rod" or 0 <= m < len(row.masses)]
 
 
 def without_walls(system: Any, group: list[int]) -> list[int]:

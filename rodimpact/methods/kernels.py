@@ -149,8 +149,3 @@ if hasattr(os, "register_at_fork"):
     # a child that is forked while a thread starts numba or compiles would wait for ever
     os.register_at_fork(before=ONE_AT_A_TIME.acquire, after_in_parent=ONE_AT_A_TIME.release,
                         after_in_child=ONE_AT_A_TIME.release)
-
-
-def cache_directory(kernel: Kernel) -> str:
-    """Where the machine code of this kernel is kept; empty if it is kept nowhere."""
-    return compiled(kernel).place

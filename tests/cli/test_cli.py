@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from case_texts import UNEQUAL_RODS as CASE
@@ -463,7 +464,7 @@ def test_doctor_notices_compiled_code_that_disagrees(monkeypatch, told):
     solved = iter("ab")
     monkeypatch.setattr(kernels, "why_not", lambda: "")
     monkeypatch.setattr(kernels, "enabled", lambda: True)
-    monkeypatch.setattr(kernels, "cache_directory", lambda kernel: "")
+    monkeypatch.setattr(kernels, "compiled", lambda kernel: SimpleNamespace(place=""))
     monkeypatch.setattr("rodimpact.cli.doctor.solve_a_row", lambda: [next(solved)])
     assert "does not agree" in told("doctor", status=4)
 

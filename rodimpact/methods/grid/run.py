@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import cached_property
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -141,24 +142,21 @@ class GridRun:
 
     def _take(self, window: Track, end: int, tell: Callable[[int], None] | None) -> None:
         """Take the steps to `end`, and fill a window with them."""
-        grid, first = self.grid, self.steps
-        track = Track(*(x.reshape(-1) for x in window))
-        grid.run["first"], grid.run["kept"] = first, 0
-        numbers = sum(x.nbytes for x in (*grid, *track)) // 8
+        first, arrays = self.steps, [self.grid, Track(*(x.reshape(-1) for x in window))]
+        self.grid.run["first"], self.grid.run["kept"] = first, 0
+        numbers = sum(x.nbytes for held in arrays for x in held) // 8
         seconds = (end - first) * cost(self.mesh, plain=True) + numbers * kernels.LIST_TIME
         fast = kernels.worth_compiling(seconds, grid_kernel.follow)
         go: Any = kernels.compiled(grid_kernel.follow) if fast else grid_kernel.follow
-        given = (grid, track) if fast else (as_lists(grid), as_lists(track))
+        given, done = arrays if fast else list(map(as_lists, arrays)), True
         chunk = max(1, int(ROUND / cost(self.mesh, plain=not fast)))
         for taken in (*range(first + chunk, end, chunk), end):
-            done = go(*given, taken)
-            if not done:
-                break
-            if tell and taken < end:
+            done = done and go(*given, taken)
+            if done and tell and taken < end:
                 tell(taken)
-        if not fast:
-            for lists, arrays in zip(given, (grid, track), strict=True):
-                _take_over(lists, arrays)
+        for x, found in zip(chain(*arrays), chain(*given), strict=True):
+            if not fast:
+                x[:] = compiling.as_records(found, x.dtype) if x.dtype.names else found
         if not done:
             raise squeezed(self.steps * self.step)
 
@@ -294,12 +292,6 @@ def as_lists(arrays: Any) -> Any:
     """Lists of objects and of numbers."""
     return arrays._make(
         compiling.as_objects(x) if x.dtype.names else x.tolist() for x in arrays)
-
-
-def _take_over(lists: Any, arrays: Any) -> None:
-    """Take over what is in lists of `as_lists`."""
-    for x, found in zip(arrays, lists, strict=True):
-        x[:] = compiling.as_records(found, x.dtype) if x.dtype.names else found
 
 
 def clock_on(mesh: Mesh, step: float) -> Clock:
