@@ -57,7 +57,8 @@ def walk(system: Any) -> Walk:
     row = Walk(system, [], [""], [], [0], [], [], [], [], [], [("none", 0.0), ("none", 0.0)])
     for i, body in enumerate(bodies):
         rigid = body.kind != "rod"
-        if i > 0 and rigid and bodies[i - 1].kind != "rod" and is_bonded(system, i - 1):
+        if (i > 0 and rigid and bodies[i - 1].kind != "rod"
+                and system.contacts[i - 1].law == "bonded"):
             row.contact_link.append(-1)
             merge(row, body)
             row.spans.append((1, 0))
@@ -85,12 +86,6 @@ def walk(system: Any) -> Walk:
             rods = any(stop > 0 for _, stop in row.spans[:i])
             row.mass_of[i] = len(row.masses) + (1 if rods else 0)
     return row
-
-
-def is_bonded(system: Any, contact: int) -> bool:
-    """Whether the two bodies of a contact are one."""
-    bonded: bool = system.contacts[contact].law == "bonded"
-    return bonded
 
 
 def add_rod(row: Walk, path: str, rod: Any) -> None:
@@ -176,11 +171,7 @@ def largest(values: Any) -> Any:
 
 def smallest(values: Any) -> Any:
     """Smallest of some numbers, for each member of a family."""
-    found = values[0]
-    for value in values[1:]:
-        single = isinstance(value, float) and isinstance(found, float)
-        found = min(found, value) if single else np.minimum(found, value)
-    return found
+    return -largest([-value for value in values])
 
 
 def velocities_of(row: Any) -> list[Any]:
