@@ -54,6 +54,11 @@ class _Search(NamedTuple):
     segments: int
 
     @property
+    def area(self) -> float:
+        """Of the bar, m^2."""
+        return float(np.asarray(self.bar.segments[0].area))
+
+    @property
     def edges(self) -> Floats:
         """Times of the steps, s."""
         step, end = self.duration / self.segments, self.wanted.end
@@ -62,8 +67,7 @@ class _Search(NamedTuple):
     def system(self, logarithms: Floats, behind: Free | Absorbing = FREE) -> System:
         """The striker and the bar."""
         length = self.duration / 2 * self.material.wave_speed / self.segments
-        area = self.bar.segments[0].area
-        segments = [Segment(length, area * math.exp(each), self.material)
+        segments = [Segment(length, self.area * math.exp(each), self.material)
                     for each in logarithms[::-1]]
         row = [Rod(segments=segments, velocity=self.velocity), self.bar]
         return System(row, contacts=[self.contact], ends=(behind, Absorbing()))
@@ -82,7 +86,7 @@ class _Search(NamedTuple):
         velocity = np.clip(force / (bar.impedance * self.velocity), LEAST, 1 - LEAST)
         impedance = velocity / (1 - velocity) * bar.impedance
         areas = impedance / (self.material.density * self.material.wave_speed)
-        return np.clip(np.log(areas / bar.area), *self.bounds)
+        return np.clip(np.log(areas / self.area), *self.bounds)
 
     def peeled(self, force: Floats) -> Floats:
         """The striker that gives these first steps, N, one after the other, within the bounds."""

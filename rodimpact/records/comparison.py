@@ -78,23 +78,30 @@ class Misfit(NamedTuple):
 
 def pulse_of(times: Floats, values: Floats) -> Pulse:
     """Timing of the pulse with the largest sample; ValueError if the record cuts the pulse off."""
-    top = int(np.abs(values).argmax())
-    sign = 1.0 if values[top] >= 0 else -1.0
-    v = sign * values
-    level = plateau(v[slice(*_stretch(v, top, NEAR_TOP * v[top]))])
-    start = _crossing(times, v, *_stretch(v, top, 0.1 * level), level * 0.1)[0]
-    first, last = _stretch(v, top, 0.5 * level)
-    up, down = _crossing(times, v, first, last, level * 0.5)
+    sign = 1.0 if values.max() >= -values.min() else -1.0
+    v = np.concatenate(([-np.inf], sign * values, [-np.inf]))  # below any level beyond the ends
+    t = np.concatenate(([np.nan], times, [np.nan]))
+    top = int(v.argmax())
+
+    def stretch(level: float) -> tuple[slice, float, float]:
+        """Samples about the top down to a level, and when the pulse rises above it and falls."""
+        below = np.flatnonzero(v < level)
+        i, j = below[np.searchsorted(below, top) + np.array([-1, 0])]
+        up = np.interp(level, v[i : i + 2], t[i : i + 2])
+        down = np.interp(-level, -v[j - 1 : j + 1], t[j - 1 : j + 1])
+        return slice(i + 1, j), float(up), float(down)
+
+    level = plateau(v[stretch(NEAR_TOP * v[top])[0]])
+    _, start, _ = stretch(0.1 * level)
+    above, up, down = stretch(0.5 * level)
     if not np.isfinite([start, up, down]).all():
         raise ValueError(
             "the record cuts the pulse off: before the pulse the signal must be below a tenth of "
             "its plateau, after it below half; use a longer window, or subtract the baseline"
         )
-    high = int(np.argmax(v[first:] >= 0.9 * level)) + first
-    reach = times[high]
-    if high > 0:
-        reach = float(np.interp(0.9 * level, v[high - 1 : high + 1], times[high - 1 : high + 1]))
-    return Pulse(start, down - up, float(reach) - start, sign * level)
+    high = above.start + int(np.argmax(v[above] >= 0.9 * level))
+    reach = float(np.interp(0.9 * level, v[high - 1 : high + 1], t[high - 1 : high + 1]))
+    return Pulse(start, down - up, reach - start, sign * level)
 
 
 def plateau(values: Floats) -> float:
@@ -195,22 +202,3 @@ def _best_shifts(
     chosen = least[np.argsort(error[least + 1], kind="stable")[:REFINED]]
     return [float(min(max(high - j * step, low), high)) for j in chosen], float(step)
 
-
-def _stretch(v: Floats, top: int, level: float) -> tuple[int, int]:
-    """First sample of the stretch about `top` that is above a level, and the one past its last."""
-    below = v < level
-    before, after = np.flatnonzero(below[:top]), np.flatnonzero(below[top:])
-    first = int(before[-1]) + 1 if before.size else 0
-    return first, top + int(after[0]) if after.size else len(v)
-
-
-def _crossing(
-    times: Floats, v: Floats, first: int, past: int, level: float
-) -> tuple[float, float]:
-    """When a stretch rises above a level and when it falls below; nan where the record ends."""
-    up = down = np.nan
-    if first > 0:
-        up = np.interp(level, v[first - 1 : first + 1], times[first - 1 : first + 1])
-    if past < len(v):
-        down = np.interp(-level, -v[past - 1 : past + 1], times[past - 1 : past + 1])
-    return float(up), float(down)

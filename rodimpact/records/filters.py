@@ -51,20 +51,12 @@ def averaged(values: Floats, times: Floats, duration: float) -> Floats:
     """Means over a duration centred at each sample, exact for straight lines; steps may differ."""
     if duration < SHORT * np.diff(times).min():
         return values
-    slopes = np.diff(values) / np.diff(times)
-    before = np.concatenate(([0.0], np.cumsum((values[1:] + values[:-1]) / 2 * np.diff(times))))
+    from scipy.interpolate import make_interp_spline
 
-    def integral(t: Floats) -> Floats:
-        inside = np.clip(t, times[0], times[-1])
-        i = np.clip(np.searchsorted(times, inside, "right") - 1, 0, len(slopes) - 1)
-        s = inside - times[i]
-        held = values[0] * np.minimum(t - times[0], 0.0) + values[-1] * np.maximum(
-            t - times[-1], 0.0
-        )
-        total: Floats = before[i] + s * (values[i] + slopes[i] * s / 2) + held
-        return total
-
-    means: Floats = (integral(times + duration / 2) - integral(times - duration / 2)) / duration
+    around = np.concatenate(([times[0] - duration], times, [times[-1] + duration]))
+    integral = make_interp_spline(around, np.pad(values, 1, "edge"), 1).antiderivative()
+    late, early = integral(times + duration / 2), integral(times - duration / 2)
+    means: Floats = (late - early) / duration
     return means
 
 

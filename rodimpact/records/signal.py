@@ -20,8 +20,8 @@ from numpy.typing import ArrayLike
 from .. import units
 from ..model.arguments import Array, array, demand, of_kind, one_of, plain, single
 from ..model.bodies import Rod, Segment
-from ..model.frozen import Frozen, InvalidModel, Number, Problems, refusal
-from ..model.quantities import Floats, floats
+from ..model.frozen import Frozen, Number, refusal
+from ..model.quantities import Floats
 from ..storage.extras import optional
 from ..storage.tables import heading, write_table
 from ..units import shown
@@ -60,7 +60,7 @@ class Signal(Frozen):
     ------
     InvalidModel
         If times do not increase, a sample is not finite, the unit is not an SI unit, or another
-        argument is invalid. The error names every invalid argument.
+        argument is invalid.
 
     Examples
     --------
@@ -79,34 +79,22 @@ class Signal(Frozen):
         self, values: ArrayLike, times: ArrayLike | None = None, *, dt: float | None = None,
         start: float = 0.0, unit: str = "", name: str = "",
     ) -> None:
-        problems: Problems = []
         for field, word in (("unit", unit), ("name", name)):
             if not isinstance(word, str) or not word.isprintable():
-                problems.append((field, f"must be a word, got {shown(word)}"))
-        if not problems and (si := units.conversion(unit)) and si.factor != 1:
-            message = f"must be an SI unit, got {unit!r}; give the values in {si.unit or 'units'}"
-            problems.append(("unit", f"{message}, multiplied by {float(si.factor):g}"))
-        v = _samples(problems, "values", values, "" if problems else unit)
-        if times is not None and dt is not None:
-            problems.append(("dt", "give either times or dt, not both"))
-        elif times is None and dt is None:
-            problems.append(("times", "is missing; give the times, or dt between two samples"))
-        elif times is None:
-            try:
-                step = single("dt", dt, "s", "positive")
-                times = single("start", start, "s") + step * np.arange(v.size)
-            except InvalidModel as error:
-                problems += error.problems
-        if not problems:
-            t = _samples(problems, "times", times, "s")
-        if not problems and t.shape != v.shape:
-            problems.append(("times", f"must be as many as values, got {t.size} for {v.size}"))
-        if not problems and (back := np.flatnonzero(np.diff(t) <= 0)).size:
-            i = int(back[0])
-            message = f"must increase, got {float(t[i + 1])!r} after {float(t[i])!r}"
-            problems.append((f"times.{i + 1}", message))
-        if problems:
-            raise InvalidModel(problems)
+                raise refusal(field, f"must be a word, got {shown(word)}")
+        if (si := units.conversion(unit)) and si.factor != 1:
+            raise refusal("unit", f"must be an SI unit, got {unit!r}; give the values in "
+                          f"{si.unit or 'units'}, multiplied by {float(si.factor):g}")
+        v = _samples("values", values, unit)
+        if (times is None) == (dt is None):
+            raise refusal("times", "give either the times, or dt between two samples")
+        if times is None:
+            step = single("dt", dt, "s", "positive")
+            times = single("start", start, "s") + step * np.arange(v.size)
+        t = _samples("times", times, "s")
+        if t.shape != v.shape:
+            raise refusal("times", f"must be as many as values, got {t.size} for {v.size}")
+        demand(np.diff(t) > 0, "times", "must increase, got {1!r} after {0!r}", t[:-1], t[1:])
         self._set(values=v, times=t, unit=unit, name=name)
 
     @property
@@ -150,9 +138,8 @@ class Signal(Frozen):
         """Values at times in s; ValueError outside of the record."""
         t = array("t", t, "s")
         room = 1e-9 * (self.end - self.start)
-        inside = (t >= self.start - room) & (t <= self.end + room)
-        message = f"must be from {self.start!r} to {self.end!r} s, as the {self._title} is"
-        demand(inside, "t", message.replace("{", "{{").replace("}", "}}") + ", got {0!r}", t)
+        message = f"must be from {self.start!r} to {self.end!r} s, as the signal is, got {{0!r}}"
+        demand((t >= self.start - room) & (t <= self.end + room), "t", message, t)
         return plain(np.interp(t, self.times, self.values))
 
     def resampled(self, dt: float | None = None, *, times: ArrayLike | None = None) -> Signal:
@@ -331,9 +318,6 @@ class Signal(Frozen):
         """
         signal, length = self, single("gauge_length", gauge_length, "m", "non-negative")
         if length:
-            if wave_speed is None:
-                message = "is missing; a gauge of finite length averages over gauge_length"
-                raise refusal("wave_speed", f"{message}/wave_speed seconds")
             c = single("wave_speed", wave_speed, "m/s", "positive")
             signal = self.replace(values=filters.averaged(self.values, self.times, length / c))
         if bandwidth is not None:
@@ -475,31 +459,20 @@ class Signal(Frozen):
         """
         if len(getattr(data, "dims", ())) != 1:
             raise refusal("data", f"must be a DataArray of one dimension, got {shown(data)}")
-        (dimension,) = data.dims
-        over = data[dimension]
-        for what in (over, data):
-            if "units" not in what.attrs:
-                message = "has no units; set .attrs['units'], such as 'us' or '1'"
-                raise refusal(str(what.name), message)
-        times, unit = units.in_si(over.values, over.attrs["units"])
-        if unit != "s":
-            raise refusal(dimension, f"must be times, got {over.attrs['units']!r}")
-        values, unit = units.in_si(data.values, data.attrs["units"])
+        over = data[data.dims[0]]
+        times, second = units.in_si(over.values, over.attrs.get("units"))
+        values, unit = units.in_si(data.values, data.attrs.get("units"))
+        if second != "s":
+            given = shown(over.attrs["units"])
+            raise refusal(data.dims[0], f"must be times, with .attrs['units'] = 's', got {given}")
         return cls(values, times, unit=unit, name=str(data.name or ""))
 
 
-def _samples(problems: Problems, path: str, given: Any, unit: str) -> Array:
-    """Samples as a read-only array; mistakes are noted in `problems`."""
-    try:
-        samples = floats(given, unit)
-    except ValueError as error:
-        problems.append((path, str(error)))
-        return np.zeros(2)
+def _samples(path: str, given: Any, unit: str) -> Array:
+    """Samples as a read-only array."""
+    samples = array(path, given, unit, "any")
     if samples.ndim != 1 or samples.size < 2:
-        problems.append((path, f"must be a list of two or more numbers, got {shown(given)}"))
-    elif not (good := np.isfinite(samples)).all():
-        i = int((~good).argmax())
-        problems.append((f"{path}.{i}", f"must be a finite number, got {float(samples[i])!r}"))
+        raise refusal(path, f"must be a list of two or more numbers, got {shown(given)}")
     samples.flags.writeable = False
     return samples
 

@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from ..model.arguments import of_kind
 from ..model.frozen import InvalidModel, Problems, refusal
 from ..model.quantities import Floats
 from ..storage.extras import optional
@@ -126,16 +127,13 @@ def _times_of(signals: Any) -> Floats:
     """The times of all signals; InvalidModel if they have none in common."""
     if not isinstance(signals, Mapping) or not signals:
         message = "must be signals by name, such as {'incident': Signal([0.0, 1.0], dt=1e-6)}"
-        raise InvalidModel([("signals", f"{message}, got {shown(signals)}")])
+        raise refusal("signals", f"{message}, got {shown(signals)}")
     for name, signal in signals.items():
-        if not isinstance(signal, Signal):
-            message = f"{shown(name)} must be a Signal, got {shown(signal)}"
-            raise InvalidModel([("signals", message)])
+        of_kind(f"signals.{name}", signal, Signal, "Signal([0.0, 1.0], dt=1e-6)")
     first, *others = signals
     times: Floats = signals[first].times
     for name in others:
         if not np.array_equal(signals[name].times, times):
-            message = f"{shown(name)} and {shown(first)} have different times"
-            remedy = "use .resampled(times=...) with the times of one of them"
-            raise InvalidModel([("signals", f"{message}; {remedy}")])
+            raise refusal("signals", f"{shown(name)} and {shown(first)} have different times; use "
+                          ".resampled(times=...) with the times of one of them")
     return times

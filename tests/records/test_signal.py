@@ -48,12 +48,12 @@ def test_a_signal_is_immutable_and_known_by_what_it_says():
 
 
 @pytest.mark.parametrize(("make", "said"), [
-    (lambda: ri.Signal([1.0, 2.0]), "times: is missing"),
-    (lambda: ri.Signal([1.0, 2.0], [0.0, 1.0], dt=1.0), "dt: give either times or dt"),
+    (lambda: ri.Signal([1.0, 2.0]), "times: give either the times, or dt"),
+    (lambda: ri.Signal([1.0, 2.0], [0.0, 1.0], dt=1.0), "times: give either the times, or dt"),
     (lambda: ri.Signal([1.0], dt=1.0), "values: must be a list of two or more numbers"),
-    (lambda: ri.Signal([1.0, math.nan], dt=1.0), r"values\.1: must be a finite number, got nan"),
+    (lambda: ri.Signal([1.0, math.nan], dt=1.0), r"values\[1\]: must be a finite number, got nan"),
     (lambda: ri.Signal([1.0, 2.0, 3.0], [0.0, 1.0]), "times: must be as many as values, got 2"),
-    (lambda: ri.Signal([1.0, 2.0, 3.0], [0.0, 2.0, 1.0]), r"times\.2: must increase, got 1.0 aft"),
+    (lambda: ri.Signal([1.0, 2.0, 3.0], [0.0, 2.0, 1.0]), r"times\[1\]: must increase, got"),
     (lambda: ri.Signal([1.0, 2.0], dt=0.0), "dt: must be a finite positive .*, got 0.0"),
     (lambda: ri.Signal([1.0, 2.0], dt=1.0, unit="mV"), "unit: must be an SI unit, got 'mV'; "
      "give the values in V, multiplied by 0.001"),
@@ -200,7 +200,7 @@ def test_what_a_gauge_and_its_amplifier_do():
     assert seen == wanted
     assert pulse.as_measured() == pulse
     for call, said in (
-        (lambda: pulse.as_measured(gauge_length=0.01), "wave_speed: is missing"),
+        (lambda: pulse.as_measured(gauge_length=0.01), "wave_speed: must be a number"),
         (lambda: pulse.as_measured(gauge_length=-0.01), "gauge_length: must be .*, got -0.01"),
         (lambda: pulse.as_measured(bandwidth=1e5, order=3), "order: must be 1 or 2, got 3"),
     ):
@@ -287,7 +287,7 @@ def test_to_xarray_and_back():
                               {"units": "microstrain"})
     assert ri.Signal.from_xarray(strain) == ri.Signal([0.0, 5e-4], [0.0, 2e-6], name="bar")
     bare = xarray.DataArray([0.0, 500.0], {"t": [0.0, 2.0]}, "t")
-    with pytest.raises(ValueError, match="t: has no units; set"):
+    with pytest.raises(ValueError, match="unknown unit None"):
         ri.Signal.from_xarray(bare)
     with pytest.raises(ValueError, match="must be a DataArray of one dimension"):
         ri.Signal.from_xarray(3)

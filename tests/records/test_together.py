@@ -33,7 +33,7 @@ def test_a_dataset_is_read_as_it_was_made():
 
 @pytest.mark.parametrize(("signals", "said"), [
     ({}, "signals: must be signals by name"), ([SIGNALS["2"]], "signals: must be signals by name"),
-    ({"a": 1.0}, "signals: 'a' must be a Signal, got 1.0"),
+    ({"a": 1.0}, "signals.a: must be a Signal"),
     ({"a": SIGNALS["2"], "b": SIGNALS["2"].shifted(1.0)}, "'b' and 'a' have different times"),
     ({"a,b": SIGNALS["2"]}, "signals: a column is named by"),
     ({"Time 2": SIGNALS["2"]}, "signals: a column is named by"),
