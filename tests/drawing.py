@@ -36,6 +36,12 @@ def corners(picture):
     return [path.vertices[:-1] for path in picture.regions.get_paths()]
 
 
+def top_of(band):
+    """Upper edge of a band as {time: value}."""
+    points = band.get_paths()[0].vertices
+    return {x: max(points[points[:, 0] == x, 1]) for x in points[:, 0]}
+
+
 def legend(drawn):
     shown = getattr(drawn, "ax", drawn).get_legend()
     return [] if shown is None else [text.get_text() for text in shown.get_texts()]

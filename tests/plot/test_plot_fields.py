@@ -166,13 +166,6 @@ def test_in_places_of_the_bodies_nothing_moves(solved, name):
     assert label == "material coordinate x (m), rods laid end to end, gaps left out"
 
 
-def test_wrong_coordinates_are_refused(solved):
-    with pytest.raises(ValueError, match='"lab" or "body"'):
-        plot.spacetime(solved["unequal"], axes(), coordinates="rod")
-    with pytest.raises(ValueError, match="magnification: nothing moves"):
-        plot.spacetime(solved["unequal"], axes(), coordinates="body", magnification=2.0)
-
-
 def test_they_render(solved, stepwise):
     for solution, field in ((solved["stepped"], "displacement"), (stepwise, "energy")):
         render(plot.spacetime(solution, None, field, across=True).ax)

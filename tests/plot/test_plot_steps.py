@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
-from drawing import STEEL, axes, legend, render, rod, vector_file
+from drawing import STEEL, axes, legend, render, rod, top_of, vector_file
 from exhaustive import few_of
 from matplotlib.collections import QuadMesh
 
@@ -139,14 +139,12 @@ def test_contacts_press_as_long_as_their_episodes(solved):
     assert pressing == pytest.approx(expected, rel=1e-6)
 
 
-def test_an_interval_and_its_errors(solved):
+def test_an_interval(solved):
     picture = plot.spacetime(solved["mass"], axes(), start=1e-4, stop=2e-4)
     _, corners = cells(picture)
     assert corners[[0, -1], 0, 1] == pytest.approx([100, 200])
     with pytest.raises(ValueError, match="stop: must be later"):
         plot.spacetime(solved["mass"], axes(), start=2e-4, stop=1e-4)
-    with pytest.raises(ValueError, match="t: must lie in the solution"):
-        plot.spacetime(solved["mass"], axes(), stop=1.0)
 
 
 def test_cells_stay_pixels_so_that_vector_files_are_small(solved, tmp_path):
@@ -238,8 +236,7 @@ def test_bands_reach_the_initial_energy_and_the_works(solved, name):
     solution = solved[name]
     drawn = plot.energy(solution, axes())
     assert (drawn.work is not None) == (name in ("falling", "pushed", "driven"))
-    top = drawn.bands[-1].get_paths()[0].vertices
-    tops = {x: max(top[top[:, 0] == x, 1]) for x in top[:, 0]}
+    tops = top_of(drawn.bands[-1])
     if drawn.work is None:
         assert list(tops.values()) == pytest.approx([max(tops.values())] * len(tops), rel=1e-6)
         return
