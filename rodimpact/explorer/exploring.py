@@ -11,6 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ..methods.abilities import has_driven_end
 from ..methods.fronts.plan import plan_of
 from ..methods.laws import Stop
 from ..methods.walk import walk
@@ -25,7 +26,6 @@ from ..version import __version__
 from .design import LIBRARY, tables_of, with_gauges
 from .fronts import motion_of, run_of, space_of
 from .page_files import packed, standalone
-from .pieces import refused
 from .presets import presets
 from .scene import scene
 from .tables import RULES, asked_of, is_smooth, lacking, system_of
@@ -153,6 +153,6 @@ def page_solves(tables: dict[str, Any]) -> bool:
         return False
     row, asked = walk(system_of(tables, LIBRARY)), asked_of(tables)
     if is_smooth(tables):
-        return refused(row, asked) is None
+        return asked.until >= 0 or not has_driven_end(row.system)
     run = run_of(asked, True, space_of(plan_of(row)))
     return run["run"].stop in (Stop.DONE, Stop.FINAL) and motion_of(run)["now"] > 0

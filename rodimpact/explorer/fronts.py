@@ -80,17 +80,12 @@ def motion_of(run: Any) -> Any:
 
     ``rods`` are its waves as `polygons_of` has them.
     """
-    it, row, tail = run["run"], run["plan"].row, [NONE for _ in run["line"]]
+    it, row = run["run"], run["plan"].row
     pieces: list[Any] = []
-    for r in range(it.rows):
-        front = run["log"][r]
+    for front in run["log"][: it.rows]:
         if front.line > 1:
-            piece = piece_of(front.tick, NEVER, [front.value])
+            piece = piece_of(front.tick, NEVER, [front.value])  # until the next one begins
             piece.line, piece.order = front.line - 2, 0
-            if tail[front.line] != NONE:
-                pieces[tail[front.line]].stop = front.tick
-                pieces[tail[front.line]].after = len(pieces)
-            tail[front.line] = len(pieces)
             pieces.append(piece)
     waves = reading.waves_of(pieces, len(run["line"]) - 2)
     transits = [at.transit for at in run["segment"][1 : len(row.segments) + 1]]
@@ -155,16 +150,11 @@ def contact_curves(run: Any, stop: int) -> list[Any]:
 def outcome_of(run: Any) -> Any:
     """What the collision did, as `outcome_told` has it."""
     it, segment, row = run["run"], run["segment"], run["plan"].row
-    first, longest = heads(row.system, row.spans), 1
-    kinetic = vibration_before = vibration_after = 0.0
-    for s, piece in enumerate(row.segments):
-        at = segment[s + 1]
-        longest = max(longest, at.transit)
-        kinetic += piece.mass * (at.initial + it.frame) ** 2 / 2
-        vibration_before += at.initial_vibration * it.tick
-        vibration_after += at.vibration * it.tick
+    first, inside = heads(row.system, row.spans), segment[1 : len(row.segments) + 1]
+    kinetic = sum(piece.mass * (inside[s].initial + it.frame) ** 2 / 2
+                  for s, piece in enumerate(row.segments))
     proved = it.proved != NONE and not (it.until >= 0 and has_driven_end(row.system))
-    ticks = [at.transit for at in segment[1 : len(row.segments) + 1]]
+    ticks = [at.transit for at in inside]
     rounded, worst = most_rounded(row, ticks, it.tick)
     trip, contacts = round_trip(run["body"], segment) * it.tick, run["plan"].contacts
     text = status_of(it, run["node"], contacts, {
@@ -178,9 +168,19 @@ def outcome_of(run: Any) -> Any:
         "after": body_velocities(row.system, [segment[s].velocity + it.frame for s in first]),
         "contacts": [tally_of(run["node"][k], it.tick) for k in contacts],
         "final": proved, "status": text + rounding(rounded, worst) + strain_warning(strain),
-        "errors": {"velocity": (rounded + 1 / longest) * it.events * it.scale},
-        "energy_before": kinetic + vibration_before, "vibration_after": vibration_after,
+        "errors": {"velocity": (rounded + 1 / max(ticks)) * it.events * it.scale},
+        "energy_before": kinetic + sum(at.initial_vibration for at in inside) * it.tick,
+        "vibration_after": sum(at.vibration for at in inside) * it.tick,
     })
+
+
+def restitution_of(system: Any, asked: Any) -> Any:
+    """e of a collision; None where there is none."""
+    run = run_of(asked, False, space_of(plan_of(walk(system))))
+    if run["run"].stop >= Stop.OVERFLOW:
+        return None
+    outcome = outcome_of(run)
+    return outcome["restitution"] if outcome["why"] == "" else None
 
 
 def solved_by_fronts(system: Any, asked: Any) -> Any:
@@ -207,18 +207,15 @@ def solved_by_fronts(system: Any, asked: Any) -> Any:
 
 def closed_form_of(system: Any, before: list[float]) -> Any:
     """e of a pair for which theory knows it, and the source; None for any other row."""
-    pieces, walls = [], 0
-    if len(system.bodies) != 2 or not system.contacts[0].opens or before[0] <= before[1]:
+    bodies = system.bodies
+    if len(bodies) != 2 or not system.contacts[0].opens or before[0] <= before[1]:
         return None
-    for body, end in zip(system.bodies, system.ends, strict=True):
-        walls += 1 if body.kind == "wall" else 0
-        pieces.extend(body.segments)
-        even = isinstance(body.velocity, float) and body.strain == 0.0
-        if not even or end.kind != "free" or len(body.segments) > 1:
-            return None
-    if walls > 0:
+    if any(not isinstance(body.velocity, float) or body.strain != 0.0 or len(body.segments) > 1
+           for body in bodies) or any(end.kind != "free" for end in system.ends):
+        return None
+    if any(body.kind == "wall" for body in bodies):
         return {"restitution": 1.0, "source": "textbook, box 10.4"}
-    left, right = pieces
+    left, right = [body.segments[0] for body in bodies]
     short_time, long_time, q, p, log_q = pair_numbers(
         left.impedance, left.transit_time, right.impedance, right.transit_time)
     e = pair_restitution(short_time, long_time, q, p, log_q) * 1.0

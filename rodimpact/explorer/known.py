@@ -35,7 +35,7 @@ def described(system: Any, found: Any) -> Any:
     numbers, names, energy = body_numbers(kinds), contact_names(kinds), found["energy"]
     return {
         "method": found["method"], "exact": found["exact"], "notes": found["notes"],
-        "closed_form": found["closed_form"], "gauges": found["gauges"], "curve": None,
+        "closed_form": found["closed_form"], "gauges": found["gauges"],
         "tiling": tiling, "outcome": found["outcome"],
         "bodies": [body_told(body, numbers[i], found["paths"][i])
                    for i, body in enumerate(system.bodies)],

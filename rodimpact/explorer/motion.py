@@ -76,16 +76,19 @@ def curve_of(run: Any, terms: Any) -> Any:
         if high > low and high - last > least:
             parts = 1 if run["exact"] else INSIDE
             for k in range(parts + 1):
-                at, value = low + (high - low) * k / parts, 0.0
+                at = low + (high - low) * k / parts
                 if k in (0, parts) or at - last > least:
-                    for wave, delay, factor in terms:
-                        piece = wave["piece"][reading.place_of(wave, low - delay)]
-                        share = reading.share_of(piece, at - delay)
-                        value += factor * lines.at(piece, share)
                     times.append(at * run["tick"])
-                    values.append(value)
+                    values.append(sum(factor * held_at(wave, low - delay, at - delay)
+                                      for wave, delay, factor in terms))
                     last = at
     return {"t": times, "y": values}
+
+
+def held_at(wave: Any, since: float, tick: float) -> float:
+    """Value at a tick of what a wave holds since another one."""
+    piece = wave["piece"][reading.place_of(wave, since)]
+    return float(lines.at(piece, reading.share_of(piece, tick)))
 
 
 def gauge_curve(run: Any, s: int, x: float) -> Any:
@@ -155,12 +158,11 @@ def strain_energy(run: Any, now: float) -> float:
         edges.extend([tick - now + T for tick in jumps_between(run, b, now - T, now)])
         edges = [*sorted(edges), T]
         for i in range(len(edges) - 1):
-            wide, square = edges[i + 1] - edges[i], 0.0
+            wide = edges[i + 1] - edges[i]
             count = 1 if run["exact"] else 1 + int(POINTS * wide / T)
-            for k in range(count):
-                after = edges[i] + wide * (k + 0.5) / count
-                square += (reading.value_at(b, now - T + after)
-                           - reading.value_at(a, now - after)) ** 2
+            after = [edges[i] + wide * (k + 0.5) / count for k in range(count)]
+            square = sum((reading.value_at(b, now - T + x) - reading.value_at(a, now - x)) ** 2
+                         for x in after)
             total += piece.mass * wide / T * square / count / 8
     return total
 
@@ -176,9 +178,7 @@ def energy_as_a_whole(system: Any, momenta: list[float]) -> float:
     """Energy of the motion of the centres of mass, J, from the momenta of the bodies."""
     whole = 0.0
     for group in groups(system):
-        mass, momentum = 0.0, 0.0
-        for i in group:
-            mass += system.bodies[i].mass
-            momentum += momenta[i]
+        mass = sum(system.bodies[i].mass for i in group)
+        momentum = sum(momenta[i] for i in group)
         whole += momentum * momentum / (2 * mass) if mass > 0 else 0.0
     return whole

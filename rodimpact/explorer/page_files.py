@@ -15,8 +15,8 @@ from typing import Any
 from .solver import script
 
 SCRIPTS = (
-    "numbers.js", "python.js", "kernels.js", "solver.js", "pens.js", "contacts.js", "layout.js",
-    "picture.js", "strip.js", "plots.js", "reading.js", "lesson.js", "tour.js", "film.js",
+    "numbers.js", "python.js", "kernels.js", "solver.js", "pens.js", "layout.js", "picture.js",
+    "strip.js", "plots.js", "reading.js", "lesson.js", "tour.js", "film.js",
     "compare.js", "controls.js", "map.js", "build.js", "address.js", "main.js",
 )
 LOADER = "loader.js"  # unpacks the others

@@ -18,9 +18,8 @@ from ..methods.pieces.method import RTOL
 from ..methods.pieces.records import NONE, PIECE, TURN
 from ..methods.pieces.series import N
 from ..methods.pieces.totals import stated, status_of, tally_of, told_of, why_stopped
-from ..methods.row import STIFFEST
 from ..methods.status import DRIVEN, is_held, strain_warning
-from ..methods.walk import frame_of, largest, scale_of, smallest, walk, wave_of_strain
+from ..methods.walk import frame_of, largest, scale_of, walk, wave_of_strain
 from .fronts import TOO_FAR_APART
 from .known import outcome_told
 from .motion import curve_of, grids_of
@@ -70,13 +69,13 @@ def run_of(row: Any, asked: Any, tolerance: float, keep: bool, earlier: Any) -> 
     Returns
     -------
     dict
-        The `row`, ``ended``, the records of `Ended`; ``line``, ``mass``, ``log``,
-        ``turn``, ``clock``; or None where times are too far apart for the clock.
+        The `row`, its ``clock``, ``ended``, the records of `Ended`, ``mass`` and ``log``, the tick
+        ``now`` to which all is known; or a ``problem``, path and sentence.
     """
     until = asked.until if asked.until >= 0 else None
     clock = clock_of(row, until)
     if clock is None:
-        return None
+        return {"problem": ("bodies", TOO_FAR_APART)}
     log, outside = waves_at_start(row, clock)
     for l in range(len(log)):
         log[l].line = l
@@ -86,55 +85,32 @@ def run_of(row: Any, asked: Any, tolerance: float, keep: bool, earlier: Any) -> 
     log.extend(blank(ROOM, PIECE))
     if earlier is not None:
         accuracy.compare(earlier["ended"].run, run)
-    longest = 1
-    for at in node:
-        longest = max(longest, at.links)
-    size = N * longest
+    size = N * max([at.links for at in node])
     matrix = [[0.0] * (size + 1) for _ in range(size)]
-    while march.follow(
-        runs, node, link, mass, line, part, log, turn, matrix
-    ) == Stop.FULL:
+    while march.follow(runs, node, link, mass, line, part, log, turn, matrix) == Stop.FULL:
         log.extend(blank(len(log), PIECE))
         turn.extend(blank(len(turn), TURN))
-    now = run.end
-    for at in node:
-        now = min(now, at.now)
-    return {"row": row, "ended": Ended(run, link, part),
-            "line": line, "mass": mass, "log": log, "turn": turn, "clock": clock,
-            "now": now, "until": asked.until}
+    if run.stop == Stop.STUCK:
+        message = "a rigid mass is squeezed between walls; give a contact there a compliant law"
+        return {"problem": ("contacts", message)}
+    return {"row": row, "clock": clock, "ended": Ended(run, link, part), "mass": mass,
+            "log": log[: run.pieces], "lines": len(line), "until": asked.until,
+            "now": min([run.end, *[at.now for at in node]])}
 
 
 def solved(row: Any, asked: Any, tolerance: float) -> Any:
-    """A run with the stated ``errors`` of the `MEASURES`; None as of `run_of`."""
+    """A run, as of `run_of`, with the stated ``errors`` of the `MEASURES`."""
     fine, coarser = run_of(row, asked, tolerance, True, None), accuracy.COARSER * tolerance
     errors = [0.0 for _ in range(5)]
-    if fine is None or fine["ended"].run.stop == Stop.STUCK:
+    if "problem" in fine:
         return fine
     while all(error == 0 for error in errors) and coarser <= accuracy.COARSEST:
         coarse = run_of(row, asked, coarser, False, fine)
         errors = accuracy.apart(fine["ended"], coarse["ended"])
         coarser *= accuracy.COARSER  # the same steps tell nothing
-    left = accuracy.left_open(fine["ended"].run, 0.0)
-    for T in fine["clock"].transits:  # which are rounded to whole ticks
-        left = max(left, 1 / T)
+    left = max([accuracy.left_open(fine["ended"].run, 0.0),
+                *[1 / T for T in fine["clock"].transits]])  # which are rounded to whole ticks
     return {**fine, "errors": [error + left for error in errors], "goal": tolerance}
-
-
-def refused(row: Any, asked: Any) -> Any:
-    """Path and sentence of what nobody can solve; None if there is nothing."""
-    for i, place in enumerate(row.contact_link):
-        if is_beyond(row, row.links[place]):
-            return (f"contacts.{i}.stiffness", "is as good as rigid here; make it less stiff")
-    if has_driven_end(row.system) and asked.until < 0:
-        return ("solve.until", "must be given where an end is driven")
-    return None
-
-
-def is_beyond(row: Any, link: Any) -> bool:
-    """Whether a link is too stiff to be told from a rigid one."""
-    T, scale = largest([s.transit_time for s in row.segments]), scale_of(row)
-    stiff = link.stiffness * (T / smallest([s.impedance for s in row.segments]))
-    return not stiff * ((scale if scale > 0 else 1.0) * T) ** (link.exponent - 1) <= STIFFEST
 
 
 def outcome_of(run: Any) -> Any:
@@ -142,22 +118,18 @@ def outcome_of(run: Any) -> Any:
     row, ended, tick, frame = run["row"], run["ended"], run["clock"].tick, run["clock"].frame
     heads, it = [part for part in ended.part if part.parts > 0], ended.run
     contacts = [tally_of(ended.link[i], tick, run["now"]) for i in row.contact_link]
-    vibration, energy, momentum = 0.0, 0.0, 0.0  # momentum: what a velocity can make of energy
-    for part in ended.part:
-        vibration += part.energy
-    for body in row.system.bodies:
-        energy += body.mass * body.velocity**2 / 2
-        momentum += body.mass * it.scale
-        for piece in body.segments:
-            energy += piece.mass * (piece.wave_speed * body.strain) ** 2 / 2
+    energy = sum(body.mass * body.velocity**2 / 2 + sum(
+        piece.mass * (piece.wave_speed * body.strain) ** 2 / 2 for piece in body.segments)
+        for body in row.system.bodies)
     speed = run["errors"][0] * it.scale
+    doubt = speed * it.scale * sum(body.mass for body in row.system.bodies)
     return outcome_told(row.system, {
         "before": body_velocities(row.system, [part.initial + frame for part in heads]),
         "after": body_velocities(row.system, [part.mean + frame for part in heads]),
         "contacts": contacts, "final": it.proved >= 0, "status": sentence_of(run),
-        "energy_before": energy, "vibration_after": vibration,
+        "energy_before": energy, "vibration_after": sum(part.energy for part in ended.part),
         "errors": {
-            "velocity": speed, "energy": momentum * speed,
+            "velocity": speed, "energy": doubt,
             "impulse": run["errors"][1] * size_of([c.impulse for c in contacts]),
             "peak_force": run["errors"][2] * size_of([c.peak_force for c in contacts]),
             "duration": run["errors"][3] * size_of([c.duration for c in contacts]),
@@ -167,29 +139,22 @@ def outcome_of(run: Any) -> Any:
 
 def sentence_of(run: Any) -> str:
     """Why the run ended, as `Solution.status` has it."""
-    row, ended, tick, fastest = run["row"], run["ended"], run["clock"].tick, 0.0
-    it = ended.run
-    for piece in run["log"][: it.pieces]:
-        if piece.line < 2 * len(row.segments):
-            speed = 0.0
-            for c in piece.coefficient:
-                speed += abs(c)
-            fastest = max(fastest, speed / row.segments[piece.line // 2].wave_speed)
+    row, ended, tick, it = run["row"], run["ended"], run["clock"].tick, run["ended"].run
+    strains = [sum(abs(c) for c in piece.coefficient) / row.segments[piece.line // 2].wave_speed
+               for piece in run["log"] if piece.line < 2 * len(row.segments)]
     sentence = status_of(it, ended.link, {
         "stopped_by": why_stopped(it, run["until"] >= 0), "end": run["now"] * tick,
         "round_trip": 2 * layout.longest_of(row, run["clock"], 0) * tick,
         "acting": DRIVEN if has_driven_end(row.system) else "", "held": is_held(row.system),
     })
     return sentence + stated(size_of(run["errors"][:3]), run["goal"]) + told_of(it) + (
-        strain_warning(fastest))
+        strain_warning(max(strains)))
 
 
 def restitution_of(system: Any, asked: Any) -> Any:
     """e of a collision, as quickly as a curve needs it; None where there is none."""
-    row = walk(system)
-    stiff = any(is_beyond(row, row.links[i]) for i in row.contact_link)
-    run = None if stiff else run_of(row, asked, QUICK, False, None)
-    if run is None or run["ended"].run.stop == Stop.STUCK:
+    run = run_of(walk(system), asked, QUICK, False, None)
+    if "problem" in run:
         return None
     outcome = outcome_of({**run, "errors": [0.0 for _ in range(5)], "goal": QUICK})
     return outcome["restitution"] if outcome["why"] == "" else None
@@ -198,19 +163,13 @@ def restitution_of(system: Any, asked: Any) -> Any:
 def solved_by_pieces(system: Any, asked: Any, tolerance: float) -> Any:
     """A collision as `solved.known_of` takes it; or a ``problem``, path and sentence."""
     row = walk(system)
-    problem = refused(row, asked)
-    if problem is not None:
-        return {"problem": problem}
     run = solved(row, asked, tolerance)
-    if run is None:
-        return {"problem": ("bodies", TOO_FAR_APART)}
-    if run["ended"].run.stop == Stop.STUCK:
-        message = "a rigid mass is squeezed between walls; give a contact there a compliant law"
-        return {"problem": ("contacts", message)}
+    if "problem" in run:
+        return run
     outcome, link, clock = outcome_of(run), run["ended"].link, run["clock"]
     if run["now"] == 0:
         return {"problem": ("solve", f"lasts no time to show. {outcome['status']}")}
-    waves = reading.waves_of(run["log"][: run["ended"].run.pieces], len(run["line"]))
+    waves = reading.waves_of(run["log"], run["lines"])
     motion = {
         "row": row, "tick": clock.tick, "frame": clock.frame, "transits": clock.transits,
         "now": run["now"], "waves": waves, "masses": [waves[mass.line] for mass in run["mass"]],

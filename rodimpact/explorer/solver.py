@@ -11,12 +11,12 @@ import functools
 
 from ..methods.compiling import blank
 from ..model.numbering import body_numbers, contact_names
-from ..model.profiles import extremes
+from ..model.profiles import Steps, extremes
 from ..units import format_factor, format_si
 from .javascript import javascript
 from .reason import spells_of, value_at
-from .solved import changed, curve_of, e_over, roundness_of, scene_of
-from .tables import lacking, mistakes, steps
+from .solved import e_of, scene_of
+from .tables import lacking, mistakes
 from .texts import name_of, written
 
 CONSTANTS = {
@@ -25,12 +25,12 @@ CONSTANTS = {
 }
 """Constants of the kernels on the page's clock."""
 FUNCTIONS = (
-    lacking, mistakes, scene_of, e_over, curve_of, roundness_of, changed, body_numbers,
-    contact_names, name_of, spells_of, value_at,
+    lacking, mistakes, scene_of, e_of, body_numbers, contact_names, name_of,
+    spells_of, value_at,
 )
 KNOWN = {
     format_si: "inSi", written: "inSi", format_factor: "plainNumber", blank: "py.blank",
-    extremes: "py.extremes", steps: "py.same",
+    extremes: "py.extremes", Steps: "py.steps",
 }
 """What the page writes in its own way."""
 

@@ -7,30 +7,23 @@ named.
 from __future__ import annotations
 
 import math
+import sys
 from collections import namedtuple
 from typing import Any
 
-from ..methods.abilities import (
-    COMPLIANCE,
-    DAMPING,
-    GRAVITY,
-    JOINTS,
-    LATERAL,
-    MASSES,
-    OWN_LAWS,
-    SMOOTH_DRIVES,
-    SMOOTH_STATES,
-    TAPER,
-)
+from ..methods import abilities
 from ..model import Bonded, Material, Rigid, RigidMass, Rod, Segment, System, Wall
-from ..model.frozen import LARGEST, OUT_OF_SCALE, SMALLEST, Field, wanted
+from ..model.frozen import LARGEST, OUT_OF_SCALE, SMALLEST, TINY, Field, wanted
 from ..model.laws import Hertz, HuntCrossley, PowerLaw, Spring, SpringDashpot
 from ..model.profiles import Steps
 
 LAWS = (Rigid, Bonded, Spring, SpringDashpot, Hertz, HuntCrossley, PowerLaw)
-RULES: dict[str, dict[str, tuple[str, str]]] = {
-    table: {name: (fields[name].sign, wanted(fields[name].unit, fields[name].sign)[:-11])
-            for name in names}
+MAX = sys.float_info.max
+RANGES = {"positive": (TINY, MAX), "non-negative": (0.0, MAX), "any": (-MAX, MAX),
+          "[0, 1]": (0.0, 1.0), "[1, inf)": (1.0, MAX)}
+"""The smallest and the largest number of each sign."""
+RULES: dict[str, dict[str, tuple[float, float, str]]] = {
+    table: {name: (*RANGES[fields[name].sign], wanted(*fields[name][:2])[:-11]) for name in names}
     for table, fields, names in (
         ("segment", Segment.fields, ("length", "area")), ("rod", Rod.fields, tuple(Rod.fields)),
         ("wall", Wall.fields, ("velocity",)), ("mass", RigidMass.fields, ("mass", "velocity")),
@@ -40,8 +33,11 @@ RULES: dict[str, dict[str, tuple[str, str]]] = {
         ("gauge", {"fraction": Field("", "[0, 1]")}, ("fraction",)),
     )
 }
-"""By table and field its sign, and what it must be."""
+"""By table and field the smallest and the largest number, and what it must be."""
 NUMBERS = {law.law: list(law.fields) for law in LAWS}
+NAMES = {"lateral_inertia": abilities.LATERAL, "polar_moment": abilities.LATERAL,
+         "viscosity": abilities.DAMPING, "loss_factor": abilities.DAMPING}
+"""What entries stand for that the page cannot solve."""
 PROFILES = "profiles in one row with compliant contacts or rigid masses"
 SCALE = OUT_OF_SCALE[:-11]
 MOST_EVENTS = 20_000  # fronts that arrive at an end: an answer comes while a slider is dragged
@@ -63,129 +59,105 @@ def contacts_in(case: Any) -> Any:
 
 def lacking(case: Any) -> tuple[str, str]:
     """Path and name of the first thing that the page cannot solve; "" if there is none."""
-    asked = case.get("solve", {}).get("method", "auto")
+    asked, bodies = case.get("solve", {}).get("method", "auto"), case["bodies"]
     if asked not in ("auto", "fronts", "characteristics"):
         return "solve.method", f'the method "{asked}"'
     if case.get("gravity", 0) != 0:
-        return "gravity", GRAVITY
-    smooth, ends = is_smooth(case), case.get("ends", {})
-    profiles: list[Any] = []
+        return "gravity", abilities.GRAVITY
+    smooth = is_smooth(case)
     entries: list[Any] = []  # with their paths, and what may be in them
-    for i, body in enumerate(case["bodies"]):
-        path = f"bodies.{i}"
+    for i, body in enumerate(bodies):
         if body["kind"] == "mass" and not smooth:
-            return path, MASSES
-        for piece in pieces_of(body):
-            if piece.get("lateral_inertia", piece.get("polar_moment")) is not None:
-                return path, LATERAL
-            if isinstance(piece.get("area"), dict):
-                return path, TAPER
-        profiles.extend([(f"{path}.{key}", body.get(key, 0), SMOOTH_STATES)
-                         for key in ("velocity", "strain")])
-        entries.append((path, body, (
+            return f"bodies.{i}", abilities.MASSES
+        entries.append((f"bodies.{i}", body, (
             "kind", "segments", "velocity", "strain", "length", "area", "material", "mass")))
-        entries.extend([(path, piece, ("length", "area", "material"))
+        entries.extend([(f"bodies.{i}", piece, ("length", "area", "material"))
                         for piece in body.get("segments", [])])
     for i, contact in enumerate(case.get("contacts", [])):
         path, law = f"contacts.{i}", contact.get("law", "rigid")
-        rods = any(body["kind"] == "rod" for body in case["bodies"][i : i + 2])
-        numbers = [] if law == "rigid" and rods else NUMBERS.get(law)  # waves decide e of rods
-        if numbers is None:
-            names = {"joint": JOINTS, "own": OWN_LAWS}
-            return path, names.get(law, f'the contact law "{law}"')
+        rods = any(body["kind"] == "rod" for body in bodies[i : i + 2])
+        if law not in NUMBERS:
+            return path, f'the contact law "{law}"'
         if law not in ("rigid", "bonded") and not smooth:
-            return path, COMPLIANCE
+            return path, abilities.COMPLIANCE
         if law == "bonded" and not rods:
             return path, "rigid bodies that are bonded"
+        numbers = [] if law == "rigid" and rods else NUMBERS[law]  # waves decide e of rods
         entries.append((path, contact, ("gap", "law", *numbers)))
-    used = [piece.get("material", "") for body in case["bodies"] for piece in pieces_of(body)]
-    for name, material in case.get("materials", {}).items():
-        path = f"materials.{name}"
-        for key in ("viscosity", "loss_factor"):
-            if material.get(key, 0) != 0 and any(name == one for one in used):
-                return path, DAMPING
-        entries.append((
-            path, material, ("youngs_modulus", "density", "poisson_ratio", "viscosity")))
-    profiles.extend([(f"ends.{side}", ends.get(side, {}).get("value", 0), SMOOTH_DRIVES)
-                     for side in ("left", "right")])
-    for path, profile, what in profiles:
-        if isinstance(profile, dict) and ("samples" in profile or smooth):
-            return path, what if "samples" in profile else PROFILES
+    used = [piece.get("material", "") for body in bodies for piece in pieces_of(body)]
+    entries.extend([
+        (f"materials.{name}", material, ("youngs_modulus", "density", "poisson_ratio"))
+        for name, material in case.get("materials", {}).items() if name in used])
+    entries.extend([(f"ends.{side}", end, ("kind", "value"))
+                    for side, end in case.get("ends", {}).items()])
     for path, table, known in entries:
         for key, value in table.items():
-            if value is not None and all(key != name for name in known):
-                return f"{path}.{key}", f"the entry {key}"
+            what = "" if key in known else NAMES.get(key, f"the entry {key}")
+            if isinstance(value, dict) and "samples" in value:
+                what = abilities.TAPER if key == "area" else abilities.SMOOTH_STATES
+            elif isinstance(value, dict) and smooth:
+                what = PROFILES
+            if what != "" and value is not None and value != 0:
+                return f"{path}.{key}", what
     return "", ""
 
 
 def pieces_of(body: Any) -> Any:
     """Tables with the segments of a body; none of a wall."""
-    if "segments" in body:
-        return body["segments"]
-    return [body] if body["kind"] == "rod" else []
+    return body.get("segments", [body] if body["kind"] == "rod" else [])
 
 
 def mistakes(case: Any, gauges: Any, library: Any, rules: Any) -> list[Any]:
     """Path and sentence of each mistake in a case that fronts can carry, and in its gauges."""
-    found: list[Any] = []
-    rods = [i for i, body in enumerate(case["bodies"]) if body["kind"] == "rod"]
-    pairs = len(case["bodies"]) - 1
+    found, bodies, materials = [], case["bodies"], case.get("materials", {})
+    kinds, pairs = [body["kind"] for body in bodies], len(bodies) - 1
+    rods = [i for i, kind in enumerate(kinds) if kind == "rod"]
+    tables = [(f"materials.{name}", table, "material") for name, table in materials.items()]
     if len(rods) == 0:
         found.append(("bodies", "needs at least one rod"))
     if len(contacts_in(case)) != pairs:
         found.append(("contacts", f"needs one entry for each neighbouring pair, {pairs} in all"))
     for i, gauge in enumerate(gauges):
-        check(found, f"gauges.{i}", gauge, rules["gauge"])
-        if all(gauge["body"] != rod for rod in rods):
+        tables.append((f"gauges.{i}", gauge, "gauge"))
+        if gauge["body"] not in rods:
             found.append((f"gauges.{i}.body", "must be the number of a rod"))
     until = case.get("solve", {}).get("until", 1.0)
     if not isinstance(until, float) or not math.isfinite(until) or until <= 0:
         found.append(("solve.until", "must be above 0 for a picture"))
-    known = {**library, **case.get("materials", {})}
-    for name, material in case.get("materials", {}).items():
-        check(found, f"materials.{name}", material, rules["material"])
-    for i, body in enumerate(case["bodies"]):
-        path = f"bodies.{i}"
-        if body["kind"] == "wall" and 0 < i < len(case["bodies"]) - 1:
-            found.append((path, "a wall may stand only at an end of the row"))
-        check(found, path, body, rules[body["kind"]])
+    for i, body in enumerate(bodies):
+        tables.append((f"bodies.{i}", body, body["kind"]))
+        if body["kind"] == "wall" and 0 < i < pairs:
+            found.append((f"bodies.{i}", "a wall may stand only at an end of the row"))
         for j, piece in enumerate(pieces_of(body)):
-            where = f"{path}.segments.{j}" if "segments" in body else path
-            check(found, where, piece, rules["segment"])
-            if piece.get("material", "") not in known:
+            where = f"bodies.{i}.segments.{j}" if "segments" in body else f"bodies.{i}"
+            tables.append((where, piece, "segment"))
+            if piece.get("material", "") not in {**library, **materials}:
                 found.append((f"{where}.material", "unknown material"))
     for i, contact in enumerate(case.get("contacts", [])):
-        law = contact.get("law", "rigid")
-        check(found, f"contacts.{i}", contact, {**rules["contact"], **rules[law]})
-        pair = [body["kind"] for body in case["bodies"][i : i + 2]]
-        waves = any(kind == "rod" for kind in pair) or all(kind != "mass" for kind in pair)
+        law, pair = contact.get("law", "rigid"), kinds[i : i + 2]
+        tables.extend([(f"contacts.{i}", contact, "contact"), (f"contacts.{i}", contact, law)])
+        waves = "rod" in pair or "mass" not in pair
         if law == "rigid" and not waves and contact.get("restitution") is None:
             message = "no wave decides this contact: give its restitution, or a compliant law"
             found.append((f"contacts.{i}", message))
         if law == "bonded" and contact.get("gap", 0) != 0:
             found.append((f"contacts.{i}.gap", "must be 0 where bodies are bonded"))
+    for path, table, kind in tables:
+        for key, (low, high, sentence) in rules[kind].items():
+            wrong = wrong_number(table.get(key, 0.0), low, high, sentence)
+            if wrong != "":
+                found.append((f"{path}.{key}", wrong))
     return found
 
 
-def check(found: list[Any], path: str, table: Any, rules: Any) -> None:
-    """Note the numbers of a table that are not what they must be."""
-    for key, (sign, sentence) in rules.items():
-        value = table.get(key, 0.0)
-        if sign == "positive" and key not in table:
-            found.append((f"{path}.{key}", "is missing"))
-        elif not isinstance(value, dict):
-            number = isinstance(value, float) and math.isfinite(value)
-            given, wrong = "no number", sentence
-            if isinstance(value, float):
-                given = f"{value:.6g}"
-            if number and (sign == "any" or value > 0 or (value == 0 and sign != "positive")) and (
-                (sign != "[0, 1]" or value <= 1) and (sign != "[1, inf)" or value >= 1)
-            ):
-                size, wrong = abs(value), ""
-                if size > LARGEST or (sign == "positive" and size < SMALLEST):
-                    wrong = SCALE
-            if wrong != "":
-                found.append((f"{path}.{key}", f"{wrong}, got {given}"))
+def wrong_number(value: Any, low: float, high: float, sentence: str) -> str:
+    """What is wrong with a number; "" if nothing is, or if it is a profile."""
+    if not isinstance(value, float):
+        return "" if isinstance(value, dict) else f"{sentence}, got no number"
+    if not low <= value <= high:
+        return f"{sentence}, got {value:.6g}"
+    sound = value == 0 or SMALLEST <= abs(value) <= LARGEST
+    return "" if sound else f"{SCALE}, got {value:.6g}"
 
 
 # A case as a system -------------------------------------------------------------------------------
@@ -245,9 +217,4 @@ def law_of(contact: Any) -> Contact:
 
 def profile_of(value: Any) -> Any:
     """A number, or steps from their table."""
-    return steps(value) if isinstance(value, dict) else value
-
-
-def steps(table: Any) -> Any:
-    """Steps from their table; the page has this under another name, as its tables are objects."""
-    return Steps(table["values"], table["at"])
+    return Steps(value["values"], value["at"]) if isinstance(value, dict) else value

@@ -27,12 +27,9 @@ def no_cells() -> Any:
 
 def across_of(system: Any, piece: Any) -> int:
     """How many cells a segment has beside each other: cells are of about equal width."""
-    total: float = 0.0
-    length: float = piece.length
-    for body in system.bodies:
-        for one in body.segments if body.kind == "rod" else []:
-            total += one.length
-    return max(1, round(CELLS / ROWS * length / total))
+    total = sum(one.length for body in system.bodies if body.kind == "rod" for one in body.segments)
+    across: int = round(CELLS / ROWS * piece.length / total)
+    return max(1, across)
 
 
 def add_cells(found: Any, body: int, piece: Any, left: float, end: float, rows: Any) -> None:

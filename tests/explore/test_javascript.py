@@ -335,9 +335,9 @@ DESIGNS = {key: tables_of(with_gauges(ri.Case(*given))) for key, given in SYSTEM
 
 def answers(function, designs):
     """What a function of the page makes of designs, in a page that solves by itself."""
-    script = "\n".join(map(read, ("numbers.js", "python.js", "kernels.js", "solver.js")))
+    script = "\n".join(map(read, (
+        "numbers.js", "python.js", "kernels.js", "controls.js", "solver.js")))
     script += f"""
-    const listOf = (value) => (Array.isArray(value) ? value : []);
     const setTimeout = () => 0;  // curves are solved at rest, of the design on the page
     let start;
     const answer = (data) => {{
@@ -357,7 +357,7 @@ def test_what_the_page_cannot_solve_is_told():
         ri.System([LEFT, LEFT], contacts=[ri.Joint(1e10)]), ri.System([crowded, LEFT]))]
     designs.append({"case": {"bodies": [{"kind": "rod", "length": "x"}]}})
     told = [page["problems"][0]["message"] for page in answers("sceneOf", designs)]
-    for words, message in zip(("joints; Python can", "too many fronts", ""), told,
+    for words, message in zip(("law \"joint\"; Python can", "too many fronts", ""), told,
                               strict=True):
         assert words in message
 

@@ -648,7 +648,7 @@ def test_what_python_has_solved_is_shown_and_the_sliders_work_for_what_the_page_
      "&case.bodies.0.length=1&case.bodies.0.area=1e-4&case.bodies.0.material=steel",
      "this page cannot solve gravity; Python can"),
     ("#case.bodies=7", "The design cannot be read"),
-    ("#case.schema=1&case.bodies.0.kind=rod", "is missing"),
+    ("#case.schema=1&case.bodies.0.kind=rod", "must be a finite positive number"),
 ])
 def test_an_address_that_cannot_be_solved_is_told(visit, url, address, words):
     page = visit().context.new_page()

@@ -4,29 +4,22 @@
 
 const pathText = (path) => path.map((key) => encodeURIComponent(key).replace(/\./g, "%2E")).join(".");
 
-function valueText(value) {
-  if (typeof value !== "string") return JSON.stringify(value);
-  try {
-    JSON.parse(value);
-    return JSON.stringify(value); // text that would be read as a number
-  } catch {
-    return value;
-  }
-}
-
-function addressOf(tree, path = []) {
-  if (typeof tree !== "object" || tree === null) {
-    return [`${pathText(path)}=${encodeURIComponent(valueText(tree)).replace(/%20/g, "+")}`];
-  }
-  return Object.entries(tree).flatMap(([key, value]) => addressOf(value, [...path, key]));
-}
-
 function readValue(text) {
   try {
     return JSON.parse(text);
   } catch {
     return text;
   }
+}
+
+/** A value as text: a string with its marks where it would be read as another. */
+const valueText = (value) => (readValue(value) === value && typeof value === "string" ? value : JSON.stringify(value));
+
+function addressOf(tree, path = []) {
+  if (typeof tree !== "object" || tree === null) {
+    return [`${pathText(path)}=${encodeURIComponent(valueText(tree)).replace(/%20/g, "+")}`];
+  }
+  return Object.entries(tree).flatMap(([key, value]) => addressOf(value, [...path, key]));
 }
 
 /** The tree whose address this is; throws URIError for what is none. */

@@ -45,6 +45,14 @@ function make(tag, attributes = {}, ...children) {
   return element;
 }
 
+/** Numbers of bodies, and names of their contacts. */
+const namesIn = (bodies) => [fronts.body_numbers, fronts.contact_names].map((namesOf) => namesOf(bodies.map(({ kind }) => kind)));
+
+/** What a problem calls the field of a number. */
+const keyOf = (path) => (path[0] === "case" ? path.slice(1) : path).join(".");
+
+const problemAt = (key) => make("span", { class: "problem", id: `problem:${key}`, "aria-live": "polite" });
+
 /** Builds the form of a design, and changes the design as the form is used. */
 class Controls {
   /** `changed(rebuild)` is called after each change of `state`. */
@@ -58,8 +66,7 @@ class Controls {
     this.state = state;
     const bodies = listOf(state.case.bodies);
     const blocks = [];
-    const kinds = bodies.map(({ kind }) => kind);
-    [this.numbers, this.contacts] = [fronts.body_numbers(kinds), fronts.contact_names(kinds)];
+    [this.numbers, this.contacts] = namesIn(bodies);
     bodies.forEach((body, i) => {
       blocks.push(this.body(body, i));
       if (i + 1 < bodies.length) blocks.push(this.contact(i));
@@ -135,29 +142,20 @@ class Controls {
     materials[name] = { youngs_modulus, density };
   }
 
-  /** What a problem calls this field. */
-  key(path) {
-    return (path[0] === "case" ? path.slice(1) : path).join(".");
-  }
-
   choice(path, name, values, chosen, choose) {
-    const key = this.key(path);
+    const key = keyOf(path);
     const select = make("select", { id: key, "data-path": key });
     for (const value of values) select.append(new Option(value, value, false, value === chosen));
     select.addEventListener("change", () => {
       choose(select.value);
       this.changed(true);
     });
-    return make("div", { class: "field" }, make("label", { for: key }, name), select, this.problem(key));
-  }
-
-  problem(key) {
-    return make("span", { class: "problem", id: `problem:${key}`, "aria-live": "polite" });
+    return make("div", { class: "field" }, make("label", { for: key }, name), select, problemAt(key));
   }
 
   number(path, field, where = "") {
     const value = getAt(this.state, path);
-    const key = this.key(path);
+    const key = keyOf(path);
     if (typeof value === "object" && value !== null) {
       return make("p", { class: "derived" }, `${field.name}: a profile, from the case file`);
     }
@@ -183,7 +181,7 @@ class Controls {
     });
     slider.addEventListener("change", () => this.follow(slider, field, slider.valueAsNumber));
     return make("div", { class: "field" }, label,
-      make("span", { class: "box" }, box, make("span", { class: "unit" }, field.unit)), slider, this.problem(key));
+      make("span", { class: "box" }, box, make("span", { class: "unit" }, field.unit)), slider, problemAt(key));
   }
 
   /** Let the range of a slider grow where its value reaches an end. */

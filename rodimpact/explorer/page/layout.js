@@ -7,6 +7,14 @@ const MOMENTS = 60; // of the path of a centre of mass
 const TOUCHING = 1e-12; // of the row: a gap that is none
 const APPROACH = { way: 0.12, time: 0.2 }; // at most: in lengths of the row, in lengths of the film
 
+const largestOf = (values) => values.reduce((most, v) => Math.max(most, Math.abs(v)), 0);
+
+/** What a contact does at a time: it is open, it touches, or it presses. */
+function stateAt(contact, t) {
+  const spell = contact.spells.find(({ to }) => t < to) || contact.spells.at(-1);
+  return spell ? spell.state : "touching";
+}
+
 /** Place in the picture of a point of a body, displaced, at a time. */
 function placeOf(row, body, x, t, displacement) {
   return row.left[body] + x + row.magnification * (row.apart[body] + displacement - row.frame * t);
@@ -68,8 +76,8 @@ function faceOf(scene, body, x) {
 /** Paths of the centres of mass of rods and masses: the middles of pieces, weighed by their masses. */
 function centresOf(scene) {
   const { tiling, begin, end, bodies, grids, lengths } = scene;
-  if (grids) return bodies.flatMap(({ kind, path }, i) => (kind === "wall" ? []
-    : [path ? pathOf(scene, i, lengths[i] / 2, path) : centreOfGrids(scene, grids.filter(({ body }) => body === i))]));
+  const centres = (ofRod) => bodies.flatMap(({ kind, path }, i) => (kind === "wall" ? [] : [path ? pathOf(scene, i, lengths[i] / 2, path) : ofRod(i)]));
+  if (grids) return centres((i) => centreOfGrids(scene, grids.filter(({ body }) => body === i)));
   const t = Array.from({ length: MOMENTS }, (_, k) => begin + (end - begin) * (k + 0.5) / MOMENTS);
   const sums = bodies.map(() => t.map(() => [0, 0]));
   t.forEach((at, k) => slice(scene, at).forEach(({ polygon, low, high }) => {
@@ -79,8 +87,7 @@ function centresOf(scene) {
     sum[0] += mass;
     sum[1] += mass * (low + high) / 2;
   }));
-  return bodies.flatMap(({ kind, path }, i) => (kind === "wall" ? []
-    : [path ? pathOf(scene, i, lengths[i] / 2, path) : { t, y: sums[i].map(([mass, moment]) => moment / mass) }]));
+  return centres((i) => ({ t, y: sums[i].map(([mass, moment]) => moment / mass) }));
 }
 
 /** Path of the centre of mass of a rod, from the rows of its grids, which are of one height. */

@@ -86,10 +86,10 @@ function showNumbers(scene) {
   byId("guess-first").hidden = e.value === null;
   if (e.value === null) hideResult(false);
   askOrJudge(scene);
-  const known = e.closed_form;
+  const { closed_form: known } = e;
   const beside = known ? `Closed form (${known.source}): ${plainNumber(known.restitution, 6)}` : "";
-  const apart = known && e.value !== null && Math.abs(e.value - known.restitution);
-  const off = typeof apart !== "number" ? "" : apart < 1e-12 ? ", the same to 12 digits" : `; difference ${plainNumber(apart, 1)}`;
+  const apart = Math.abs(e.value - (known || {}).restitution);
+  const off = e.value === null || !known ? "" : apart < 1e-12 ? ", the same to 12 digits" : `; difference ${plainNumber(apart, 1)}`;
   byId("theory").textContent = (e.why ? `${e.why}. ` : "") + beside + off;
   fillTable(byId("results"), scene.results);
   write(byId("reason"), minus(micro(scene.reason.join(" "))));
@@ -184,12 +184,8 @@ function changed(rebuild) {
 function begin(next, then = null) {
   arrived = then;
   design = structuredClone(next);
-  past.keep(design, true);
   Object.assign(shown, { mark: null, zoomed: false, fresh: true });
-  controls.build(design);
-  showPreset();
-  askScene();
-  keepAddress();
+  changed(true);
 }
 
 /** Name the collision, if it is one of those to begin with; say if Python has solved it. */
@@ -228,8 +224,6 @@ function saveSvg() {
   download("rodimpact.svg", "image/svg+xml", pen.document(beginning(scene), theme.paper));
 }
 
-const saveCase = () => download("case.toml", "application/toml", tomlOf(design, start.materials));
-
 // Beginning --------------------------------------------------------------------------------------
 
 function setTheme(name) {
@@ -250,14 +244,12 @@ function connect() {
     zoomAll();
     keepAddress();
   });
-  for (const choice of document.querySelectorAll("input[name=quantity]")) {
-    choice.addEventListener("change", () => {
-      setQuantity(choice.value);
-      keepAddress();
-    });
-  }
+  byId("quantity").addEventListener("change", ({ target }) => {
+    setQuantity(target.value);
+    keepAddress();
+  });
   byId("save-svg").addEventListener("click", saveSvg);
-  byId("save-case").addEventListener("click", saveCase);
+  byId("save-case").addEventListener("click", () => download("case.toml", "application/toml", tomlOf(design, start.materials)));
   byId("question").addEventListener("input", keepAddress);
   connectDiagram();
   connectMap();

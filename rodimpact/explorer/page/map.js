@@ -13,8 +13,7 @@ function numbersOf({ case: tables }) {
     const value = getAt(tables, [...path, entry]);
     if (typeof value === "number") found.push({ name: `${FIELDS[key].name} of ${where}`, key, path: [...path, entry], value });
   };
-  const kinds = tables.bodies.map(({ kind }) => kind);
-  const [numbers, contacts] = [fronts.body_numbers(kinds), fronts.contact_names(kinds)];
+  const [numbers, contacts] = namesIn(tables.bodies);
   tables.bodies.forEach((body, i) => {
     const name = fronts.name_of(body.kind, numbers[i]);
     const profile = [body.velocity, body.strain].some((value) => typeof value === "object");
@@ -93,14 +92,8 @@ async function computeMap(numbers, turn) {
 }
 
 /** Colour of e: from dark at 0 to light at 1; without e nothing. */
-function colourOfE(e) {
-  if (e === null) return [128, 128, 128, 40];
-  const share = Math.max(0, Math.min(1, e));
-  return [[0, 35, 90], [130, 120, 115], [255, 230, 90]].reduce((mixed, c, k) => {
-    const weight = Math.max(0, 1 - Math.abs(2 * share - k));
-    return mixed.map((value, i) => (i < 3 ? value + weight * c[i] : value));
-  }, [0, 0, 0, 255]);
-}
+const colourOfE = (e) => (e === null ? [128, 128, 128, 40]
+  : [...colourOf(2 * e - 1, { stops: [[0, 35, 90], [130, 120, 115], [255, 230, 90]] }), 255]);
 
 function drawMap() {
   const { x, y, xs, ys, values } = chart;

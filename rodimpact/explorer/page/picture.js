@@ -6,7 +6,7 @@ const STOPS = { // blue, nearly the paper's colour at 0, yellow
   dark: [[157, 183, 255], [78, 98, 160], [38, 43, 51], [150, 122, 48], [255, 233, 74]],
 };
 const UNITS = { velocity: "m/s", stress: "Pa" };
-const FEW = 80; // polygons, to write values into
+const SPARSE = 80; // polygons, to write values into
 const SHADES = 256; // of a smooth picture
 const CROWDED = 400; // polygons from which lines would hide the colours
 
@@ -211,7 +211,7 @@ function drawDiagram(pen, scene, look, now, mark, theme) {
       const path = t.map((at, k) => [frame.across(y[k]), frame.up(at)]);
       for (const [colour, width] of [[theme.paper, 3], [theme.ink, 1.2]]) pen.line(path, colour, width, [7, 5]);
     }
-    if (scene.tiling.body.length <= FEW) writeValues(pen, scene, frame, name, theme);
+    if (scene.tiling.body.length <= SPARSE) writeValues(pen, scene, frame, name, theme);
     if (now !== null) pen.line([[frame.x, frame.up(now)], [frame.right, frame.up(now)]], theme.wrong, 1.6);
     if (mark) drawMark(pen, frame, mark, theme);
   });

@@ -16,13 +16,13 @@ const py = {
     return a ^ b;
   },
   shl(a, b) {
-    const shifted = a * py.pow2(b);
+    const shifted = a * 2 ** b;
     if (b < 0 || !Number.isSafeInteger(shifted)) throw new RangeError(`${a} << ${b}`);
     return shifted;
   },
   shr(a, b) {
     if (b < 0) throw new RangeError(`${a} >> ${b}`);
-    return Math.floor(a / py.pow2(b)) + 0;
+    return Math.floor(a / 2 ** b) + 0;
   },
   blank(count, fields) {
     const lists = Object.keys(fields).filter((key) => Array.isArray(fields[key]));
@@ -33,12 +33,11 @@ const py = {
     });
   },
   pow: (base, exponent) => (exponent === 2 ? base * base : base === 10 && Number.isInteger(exponent) ? Number(`1e${exponent}`) : base ** exponent),
-  pow2: (exponent) => 2 ** exponent,
   min: (a, b) => (b < a ? b : a),
   where: (test, a, b) => (test ? a : b),
   spacing: (x) => 2 ** (py.frexp(x)[1] - 53),
   extremes: (x) => typeof x === "number" ? [x, x] : [Math.min(...x.values), Math.max(...x.values)],
-  same: (x) => x,
+  steps: (values, at) => ({ values, at }),
   max: (a, b) => (b > a ? b : a),
   int(x) {
     const whole = Math.trunc(x);
@@ -78,9 +77,7 @@ const py = {
     ? new Float64Array(Math.max(0, count)).fill(item) : new Array(Math.max(0, count)).fill(item)),
   range(...given) {
     const [start, stop, step = 1] = given.length > 1 ? given : [0, ...given];
-    const found = [];
-    for (let i = start; step < 0 ? i > stop : i < stop; i += step) found.push(i);
-    return found;
+    return Array.from({ length: Math.max(0, Math.ceil((stop - start) / step)) }, (_, i) => start + i * step);
   },
   enumerate: (items) => Array.from(items, (item, i) => [i, item]),
   zip(...lists) {

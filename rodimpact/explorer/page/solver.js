@@ -11,25 +11,56 @@ function problemsOf({ case: tables, gauges }) {
 /** Whether Python has solved this design, which the page cannot solve. */
 const isStored = (asked) => start.scene !== null && JSON.stringify(asked) === JSON.stringify(start.design);
 
-const AT_ONCE = 20; // cells of a map between two looks at the clock
+const FEW = 20; // points of a curve of e; four times as many of fronts
 const QUIET = 150; // ms after which sliders rest
 const DRAFT = [1e-5, 1e-4]; // tolerances while a slider moves, of pairs and of chains; their errors are shown
 const AWAKE = 30; // ms of work between two looks at what the user does
 let resting = 0;
 const kept = {}; // curves that take long, as they were last
 
+/** e of a case with other numbers at some paths; null where there is none. */
+function eWith(tables, ...numbers) {
+  const varied = structuredClone(tables);
+  for (const [path, number] of numbers) setAt(varied, path, number);
+  return fronts.e_of(varied, start.materials);
+}
+
+/** Curves of e, to be solved: over l1/l2 of two uniform rods, and over the roundness of their ends, which meet by Hertz's law. */
+function curvesOf({ case: tables }, { ratio, method, bodies }) {
+  if (ratio === null) return {};
+  const [left, right] = tables.bodies;
+  const [{ law = "rigid", stiffness, ...contact } = {}] = listOf(tables.contacts);
+  const curve = (count, placeOf, source, asked, path, numberAt) => {
+    const ratios = Array.from({ length: count }, (_, k) => placeOf(k));
+    const solve = () => ({ ratios, values: ratios.map((ratio) => eWith(asked, [path, numberAt(ratio)])) });
+    return { ratios: [], values: [], source: `solved at ${count} ${source}`, solve };
+  };
+  const found = {};
+  if (![left.velocity, left.strain].some((value) => typeof value === "object")) { // a profile is bound to its length
+    const [reach, count] = [2 ** Math.max(1, Math.ceil(Math.log2(1.1 * ratio))), method === "fronts" ? 4 * FEW : FEW];
+    found.curve = curve(count, (k) => reach * (k + 1) / count, "ratios", tables, ["bodies", 0, "length"], (r) => r * right.length);
+  }
+  const closing = (left.velocity || 0) - (right.velocity || 0); // no number where there is a profile
+  if (!/^(rigid|hertz)$/.test(law) || !(closing > 0)) return found;
+  const [{ impedance, transit_time: T }] = bodies.map(({ pieces }) => pieces[0]).sort((a, b) => b.transit_time - a.transit_time);
+  const unit = impedance / (T * Math.sqrt(closing * T)); // of the stiffness k: then kappa = k (V T)^(1/2) T/Z is 1
+  const rounded = { ...tables, solve: {}, contacts: [{ ...contact, law: "hertz", stiffness: unit }] };
+  found.roundness = { unit, here: stiffness === undefined ? null : Math.log10(stiffness / unit),
+    ...curve(FEW, (k) => 6 * k / (FEW - 1) - 2, "stiffnesses", rounded, ["contacts", 0, "stiffness"], (log) => unit * 10 ** log) };
+  return found;
+}
+
 /** Solve what takes long once the sliders rest; until then curves before are shown, and a draft. */
-function solveAtRest(scene, draft) {
-  const late = ["curve", "roundness"].filter((key) => scene[key] && !scene[key].values.length);
-  for (const key of late) scene[key] = { ...scene[key], ...kept[key] };
-  const solve = { curve: () => fronts.curve_of(design.case, start.materials, scene.ratio), roundness: () => fronts.roundness_of(design.case, start.materials) };
+function solveAtRest(scene, asked, draft) {
+  const late = Object.entries(curvesOf(asked, scene)).filter(([key, curve]) => {
+    const quick = key === "curve" && scene.method === "fronts";
+    scene[key] = { ...curve, ...(quick ? curve.solve() : kept[key]) };
+    return !quick;
+  });
   if (late.length || draft) resting = setTimeout(() => {
     if (draft) receive(sceneOf(design));
     clearTimeout(resting);
-    for (const key of late) {
-      kept[key] = solve[key]();
-      Object.assign(shown.scene[key], kept[key]);
-    }
+    for (const [key, curve] of late) Object.assign(shown.scene[key], kept[key] = curve.solve());
     redraw();
   }, QUIET);
 }
@@ -41,7 +72,7 @@ function sceneOf(asked, draft = false) {
     const problems = problemsOf(asked);
     if (problems.length) return { problems };
     const { problem, ...data } = fronts.scene_of(asked.case, listOf(asked.gauges), start.materials, ...(draft ? [DRAFT[asked.case.bodies.length > 3 ? 1 : 0]] : []));
-    if (!problem) solveAtRest(data, draft && data.method === "characteristics");
+    if (!problem) solveAtRest(data, asked, draft && data.method === "characteristics");
     return problem ? { problems: [{ path: problem[0], message: problem[1] }] } : { data };
   } catch (error) {
     return { problems: [{ path: "", message: `The design cannot be read: ${error.message}` }] };
@@ -52,10 +83,9 @@ function sceneOf(asked, draft = false) {
 async function* mapOf(design, [xPath, xs], [yPath, ys]) {
   let rested = performance.now();
   for (const y of ys) {
-    const tables = fronts.changed(design.case, yPath, y);
     const row = [];
-    while (row.length < xs.length) {
-      row.push(...fronts.e_over(tables, start.materials, xPath, xs.slice(row.length, row.length + AT_ONCE)));
+    for (const x of xs) {
+      row.push(eWith(design.case, [yPath, y], [xPath, x]));
       if (performance.now() - rested < AWAKE) continue;
       await new Promise((resolve) => { setTimeout(resolve); });
       rested = performance.now();
