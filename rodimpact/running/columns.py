@@ -43,11 +43,6 @@ class Readings(NamedTuple):
     times: Any = np.zeros(0)
     also: tuple[str, ...] = ()
 
-    def to_dict(self) -> dict[str, Any]:
-        """JSON-ready."""
-        gauges = [list(place) for place in self.gauges]
-        return {"gauges": gauges, "times": self.times.tolist(), "also": list(self.also)}
-
 
 def columns_of(system: System, names: Iterable[str]) -> dict[str, tuple[str, int | None]]:
     """Columns of these names of `COLUMNS`, each with its name there and its body or contact."""

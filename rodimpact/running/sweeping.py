@@ -28,7 +28,7 @@ from ..model import Rod, System
 from ..model.frozen import InvalidModel, Problems, number, quantity, raise_noted
 from ..results.outcome import effective_restitution
 from ..results.solution import Solution
-from ..storage.checkpoint import Checkpoint, InMemory
+from ..storage.checkpoint import Checkpoint
 from ..storage.writing import PathLike
 from ..units import shown
 from ..version import __version__
@@ -206,13 +206,11 @@ def sweep(
     together = 0 if _alone(options, readings) else METHODS[options.method].together(Row(system))
     size, unit = math.prod(system.shape), min(TOGETHER, together) or 1
     of = arrays_of(system, readings)
-    keep = InMemory(of, size, unit)
-    if checkpoint is not None:
-        described = {
-            "format": "rodimpact sweep", "rodimpact": __version__, "system": system.digest,
-            "shape": list(system.shape), **asdict(options), **readings.to_dict(),
-        }
-        keep = Checkpoint(checkpoint, described, of, size, unit)
+    described = {} if checkpoint is None else {
+        "rodimpact": __version__, "system": system.digest, "shape": system.shape,
+        **asdict(options), **readings._asdict(), "times": readings.times.tolist(),
+    }
+    keep = Checkpoint(of, size, unit, checkpoint, described)
     with contextlib.closing(keep), pool_of(executor, workers) as pool:
         tell = _news_of(keep, pool.workers, together > 0, progress)
         jobs = Jobs(pool, lambda start, stop: pool.executor.submit(
@@ -228,7 +226,7 @@ def sweep(
     return SweepResult(system, options, shaped, readings, strain)
 
 
-def _collect(jobs: Jobs, keep: InMemory, tell: Callable[[int], None], raises: bool) -> None:
+def _collect(jobs: Jobs, keep: Checkpoint, tell: Callable[[int], None], raises: bool) -> None:
     """Put what jobs bring where it is kept, until all is there or, if it `raises`, one is bad."""
     def look(start: int, status: Any) -> None:
         if raises and (bad := np.flatnonzero(~np.isin(status, ENDED))).size:
@@ -245,7 +243,7 @@ def _collect(jobs: Jobs, keep: InMemory, tell: Callable[[int], None], raises: bo
 
 
 def _news_of(
-    keep: InMemory, workers: int, compiles: bool, progress: Progress | None
+    keep: Checkpoint, workers: int, compiles: bool, progress: Progress | None
 ) -> Callable[[int], None]:
     """Function that tells how far a sweep is, and how long it takes, as so many more have ended."""
     ended = counted = sum(stop - start for start, stop in keep.spans(keep.done))

@@ -65,7 +65,6 @@ import os
 import tomllib
 import warnings
 from collections.abc import Mapping
-from pathlib import Path
 
 from ..methods.duration import Forecast, LongRun
 from ..model.frozen import InvalidModel
@@ -74,6 +73,7 @@ from .case import Case as Case
 from .case import GaugePlace as GaugePlace
 from .case_reading import case_from as case_from
 from .case_writing import write_case as write_case
+from .reading import open_regular
 from .writing import file_name
 
 MOST_BYTES = 10**7  # of a file; Python takes a hundred for each
@@ -113,10 +113,13 @@ def read_case(path: str | os.PathLike[str], vary: Mapping[str, str] | None = Non
     """
     name = file_name(path)
     try:
-        raw = _contents(name)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InvalidModel([(name, f"cannot be read: {reason}")]) from None
+        with open_regular(name) as file:
+            raw = file.read(MOST_BYTES + 1)
+    except OSError as error:
+        raise InvalidModel([(name, f"cannot be read: {error.strerror}")]) from None
+    if len(raw) > MOST_BYTES:
+        message = f"has more than {MOST_BYTES} bytes; is it a case file?"
+        raise InvalidModel([(name, message)])
     try:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -124,18 +127,6 @@ def read_case(path: str | os.PathLike[str], vary: Mapping[str, str] | None = Non
         message = f"is not text in UTF-8 (at line {line}); save it as UTF-8"
         raise InvalidModel([(name, message)]) from None
     return parse_case(text, name, vary)
-
-
-def _contents(path: str) -> bytes:
-    """What is in a file; ValueError for a pipe or a device, which may never end."""
-    if "\0" in path:
-        raise ValueError("its name has a null byte")
-    size = os.stat(path).st_size
-    if os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path):
-        raise ValueError("it is not a regular file; save the case in one")
-    if size > MOST_BYTES:
-        raise ValueError(f"it has {size} bytes, more than {MOST_BYTES}; is it a case file?")
-    return Path(path).read_bytes()
 
 
 def parse_case(

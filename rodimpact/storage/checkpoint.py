@@ -37,54 +37,23 @@ class DamagedChunks(UserWarning):
     """
 
 
-class InMemory:
-    """Columns of results.
+class Checkpoint:
+    """Columns of results, which are also kept in a directory where one is given.
 
     Parameters
     ----------
     columns : mapping of str to (dtype, shape of a member)
     size, unit : int
         All members, and those of a chunk, which are kept, or run again, as one.
+    path : str or path, optional
+        Directory; made if there is none, gone on with if it holds the same sweep.
+    sweep : mapping
+        What makes it the same sweep, JSON-ready.
 
     Attributes
     ----------
     columns : dict of str to array, [member, ...]
     done : array of bool, [chunk]
-    """
-
-    def __init__(
-        self, columns: Mapping[str, tuple[Any, tuple[int, ...]]], size: int, unit: int
-    ) -> None:
-        self.size, self.unit = size, unit
-        self.done = np.zeros(-(-size // unit), dtype=bool)
-        self.columns: Arrays = {name: np.empty((size, *beyond), kind)
-                                for name, (kind, beyond) in columns.items()}
-
-    def spans(self, wanted: Any) -> list[tuple[int, int]]:
-        """First member, and the one after the last, of the chunks that are wanted, joined."""
-        edges = np.flatnonzero(np.diff(np.concatenate(([0], wanted, [0])))) * self.unit
-        return [(a, min(b, self.size)) for a, b in edges.reshape(-1, 2).tolist()]
-
-    def put(self, start: int, stop: int, part: Mapping[str, Any]) -> None:
-        """Take the results of some members."""
-        for name, column in self.columns.items():
-            column[start:stop] = part[name]
-
-    def close(self) -> None:
-        """Nothing is open."""
-
-
-class Checkpoint(InMemory):
-    """Columns of results that are kept in a directory.
-
-    Parameters
-    ----------
-    path : str or path
-        Directory; made if there is none, gone on with if it holds the same sweep.
-    sweep : mapping
-        What makes it the same sweep, JSON-ready.
-    columns, size, unit
-        As for `InMemory`.
 
     Warns
     -----
@@ -100,31 +69,42 @@ class Checkpoint(InMemory):
     """
 
     def __init__(
-        self, path: PathLike, sweep: Mapping[str, Any],
-        columns: Mapping[str, tuple[Any, tuple[int, ...]]], size: int, unit: int,
+        self, columns: Mapping[str, tuple[Any, tuple[int, ...]]], size: int, unit: int,
+        path: PathLike | None, sweep: Mapping[str, Any],
     ) -> None:
-        super().__init__(columns, size, unit)
-        self.path, self._sweep = Path(file_name(path)), json.loads(json.dumps(sweep))
-        self._new = np.zeros_like(self.done)  # chunks that are not on the disk
+        self.size, self.unit = size, unit
+        self.columns: Arrays = {name: np.empty((size, *beyond), kind)
+                                for name, (kind, beyond) in columns.items()}
+        self.path = None if path is None else Path(file_name(path))
+        self._sweep = json.loads(json.dumps(sweep))
         self._began = self._saved = time.monotonic()
         known = np.zeros(size, dtype=bool)
         for file in self._files():
-            for start, stop, part in self._read(file):
-                super().put(start, stop, part)
+            for start, part in self._read(file):
+                stop = start + len(part["status"])
+                self._take(start, stop, part)
                 known[start:stop] = True
-        self.done[:] = np.logical_and.reduceat(known, np.arange(0, size, unit))
+        self.done = np.logical_and.reduceat(known, np.arange(0, size, unit))
+        self._new = np.zeros_like(self.done)  # chunks that are not on the disk
+
+    def spans(self, wanted: Any) -> list[tuple[int, int]]:
+        """First member, and the one after the last, of the chunks that are wanted, joined."""
+        edges = np.flatnonzero(np.diff(np.concatenate(([0], wanted, [0])))) * self.unit
+        return [(a, min(b, self.size)) for a, b in edges.reshape(-1, 2).tolist()]
+
+    def _take(self, start: int, stop: int, part: Mapping[str, Any]) -> None:
+        for name, column in self.columns.items():
+            column[start:stop] = part[name]
 
     def _files(self) -> list[Path]:
         """Files of the directory, which is made if there is none."""
+        if self.path is None:
+            return []
         try:
             self.path.mkdir(parents=True, exist_ok=True)
-        except FileExistsError:
-            raise NotADirectoryError(f"{self.path}: is a file; name a directory") from None
         except OSError as error:
             message = f"cannot make the directory {str(self.path)!r}: {error.strerror}"
             raise type(error)(message) from None
-        except ValueError:
-            raise OSError(f"{str(self.path)!r}: a name cannot hold the character NUL") from None
         check_target(self.path / NAME.format(0), force=True)  # before anything is computed
         files = sorted(x for x in self.path.iterdir() if not x.name.startswith(PASSING))
         for file in files:
@@ -135,10 +115,10 @@ class Checkpoint(InMemory):
                 )
         return files
 
-    def _read(self, file: Path) -> list[tuple[int, int, Arrays]]:
-        """Spans of members, and their results."""
+    def _read(self, file: Path) -> list[tuple[int, Arrays]]:
+        """First member in a file, and the columns from there on; nothing if it is damaged."""
         try:
-            document, arrays = read_npz(file, {KIND: lambda *read: read})
+            document, part = read_npz(file, {KIND: lambda *read: read})
         except FileFormatError as error:
             message = f"{error}; it is put aside, and its members are run again"
             warnings.warn(message, DamagedChunks, stacklevel=4)
@@ -150,16 +130,11 @@ class Checkpoint(InMemory):
                 f"{self.path}: holds another sweep, with another {' and '.join(different)}; name "
                 "a new directory"
             )
-        parts, at = [], 0
-        for start, stop in document["spans"]:
-            parts.append((start, stop, {name: x[at : at + stop - start]
-                                        for name, x in arrays.items()}))
-            at += stop - start
-        return parts
+        return [(document["start"], part)]
 
     def put(self, start: int, stop: int, part: Mapping[str, Any]) -> None:
         """Take the results of some members, and save what has come for a while."""
-        super().put(start, stop, part)
+        self._take(start, stop, part)
         self._new[start // self.unit : -(-stop // self.unit)] = True
         now = time.monotonic()
         if now - self._saved >= max(EVERY, SHARE * (now - self._began)):
@@ -167,15 +142,13 @@ class Checkpoint(InMemory):
 
     def close(self) -> None:
         """Bring to the disk what is not there."""
-        if spans := self.spans(self._new):
-            path = self.path / NAME.format(f"{spans[0][0]:08}")
-            arrays = {name: np.concatenate([column[start:stop] for start, stop in spans])
-                      for name, column in self.columns.items()}
+        for start, stop in self.spans(self._new) if self.path else []:
+            part = {name: column[start:stop] for name, column in self.columns.items()}
+            document = {"sweep": self._sweep, "start": start}
             try:
-                write_npz(
-                    path, KIND, {"sweep": self._sweep, "spans": spans}, arrays, force=True)
+                write_npz(self.path / NAME.format(f"{start:08}"), KIND, document, part, force=True)
             except OSError as error:
                 remedy = "what is done is kept, and the same sweep goes on from there"
                 raise type(error)(f"{error}; {remedy}") from error
-            self._new[:] = False
+        self._new[:] = False
         self._saved = time.monotonic()

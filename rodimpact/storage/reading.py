@@ -6,6 +6,7 @@ names, and each must have the size, type, shape and checksum that it had when it
 
 from __future__ import annotations
 
+import errno
 import json
 import math
 import os
@@ -53,13 +54,9 @@ class FileFormatError(ValueError):
 def open_regular(path: PathLike) -> BinaryIO:
     """Open a file to be read; OSError where there is none, or a pipe or a device."""
     path = file_name(path)
-    try:
-        if os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path):
-            raise OSError(f"cannot read {path!r}: it is not a regular file")
-        return open(path, "rb")
-    except ValueError:
-        message = "a name cannot hold the character NUL"
-        raise OSError(f"cannot read {path!r}: {message}") from None
+    if os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path):
+        raise OSError(errno.EINVAL, "it is not a regular file", path)
+    return open(path, "rb")
 
 
 def read_npz(path: PathLike, readers: Mapping[str, Callable[[dict[str, Any], Arrays], Any]]) -> Any:

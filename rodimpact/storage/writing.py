@@ -40,7 +40,7 @@ EXISTS = "it exists already; give force=True to replace it"
 def file_name(path: Any) -> str:
     """A path as text; InvalidModel for what is none, such as the number of an open file."""
     name = os.fspath(path) if isinstance(path, str | os.PathLike) else None
-    if not isinstance(name, str):
+    if not isinstance(name, str) or "\0" in name:
         raise InvalidModel([("path", f"must be the name of a file, got {shown(path)}")])
     return name
 
@@ -77,8 +77,6 @@ def check_target(path: PathLike, *, force: bool = False) -> Path:
             mode = target.stat().st_mode
     except OSError as error:
         raise type(error)(f"{refused}{error.strerror}") from None
-    except ValueError:
-        raise OSError(refused + "a name cannot hold the character NUL") from None
     folder = target.parent
     if stat.S_ISDIR(mode) or not os.path.basename(path):
         raise IsADirectoryError(refused + "it is a directory; add the name of a file")

@@ -44,7 +44,7 @@ def test_files_that_cannot_be_read(tmp_path):
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
 def test_what_may_never_end_is_not_read(tmp_path):
     os.mkfifo(tmp_path / "pipe")
-    assert "it is not a regular file; save the case in one" in file_problem(tmp_path / "pipe")
+    assert "it is not a regular file" in file_problem(tmp_path / "pipe")
     assert "it is not a regular file" in file_problem("/dev/zero")
 
 
@@ -52,14 +52,7 @@ def test_a_file_too_large_for_a_case_is_not_read(tmp_path):
     path = tmp_path / "sparse.toml"
     with path.open("wb") as file:
         file.truncate(10**12)
-    message = "cannot be read: it has 1000000000000 bytes, more than 10000000; is it a case file?"
-    assert file_problem(path) == message
-
-
-def test_a_name_with_a_null_byte_is_told_in_one_line():
-    assert "null byte" in file_problem("a\0b")
-    with pytest.raises(ri.InvalidModel, match=r"^a\\x00b: cannot be read"):
-        read_case("a\0b")
+    assert file_problem(path) == "has more than 10000000 bytes; is it a case file?"
 
 
 @pytest.mark.parametrize("given", [None, 1, [], {1: 2}, b"case.toml", object()])

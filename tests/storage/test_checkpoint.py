@@ -41,8 +41,8 @@ def done_in(path):
     done = set()
     for part in path.glob("members-*.npz"):
         with np.load(part) as file:
-            spans = json.loads(str(file["document"]))["spans"]
-        done |= {chunk for start, stop in spans for chunk in range(start // 4, stop // 4)}
+            start = json.loads(str(file["document"]))["start"]
+            done |= {*range(start // 4, (start + len(file["status"])) // 4)}
     return len(done)
 
 

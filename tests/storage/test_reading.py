@@ -129,13 +129,13 @@ def test_a_pipe_is_refused_and_not_waited_for(tmp_path, name):
     path = tmp_path / name
     path.unlink(missing_ok=True)
     os.mkfifo(path)
-    with pytest.raises(OSError, match=f"{name}': it is not a regular file"):
+    with pytest.raises(OSError, match=f"it is not a regular file: .*{name}'"):
         ri.load(path)
     if name != "pipe":
-        with pytest.raises(OSError, match=f"{name}': it is not a regular file"):
+        with pytest.raises(OSError, match=f"it is not a regular file: .*{name}'"):
             ri.sweep(family, checkpoint=tmp_path / "sweep")
 
 
 def test_a_name_with_nul(tmp_path):
-    with pytest.raises(OSError, match="cannot hold the character NUL"):
+    with pytest.raises(ri.InvalidModel, match=r"must be the name of a file, got .*a\\x00b"):
         ri.load(tmp_path / "a\0b")

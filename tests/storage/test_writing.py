@@ -121,12 +121,11 @@ def test_a_directory_where_one_may_not_write_is_told_before(tmp_path, monkeypatc
         tmp_path.chmod(0o700)
 
 
-@pytest.mark.parametrize(("name", "said"), [
-    ("a\0b", "cannot hold the character NUL"), ("n" * 300, "File name too long"),
-])
-def test_names_that_no_file_can_have(tmp_path, name, said):
-    with pytest.raises(OSError, match=f"cannot write .*{said}"):
-        check_target(tmp_path / name)
+def test_names_that_no_file_can_have(tmp_path):
+    with pytest.raises(OSError, match="File name too long"):
+        check_target(tmp_path / ("n" * 300))
+    with pytest.raises(ri.InvalidModel, match="must be the name of a file"):
+        check_target(tmp_path / "a\0b")
 
 
 def test_a_link_that_points_nowhere_is_written_through(tmp_path):
