@@ -47,24 +47,6 @@ def test_a_signal_is_immutable_and_known_by_what_it_says():
         signal.unit = "N"
 
 
-@pytest.mark.parametrize(("make", "said"), [
-    (lambda: ri.Signal([1.0, 2.0]), "times: give either the times, or dt"),
-    (lambda: ri.Signal([1.0, 2.0], [0.0, 1.0], dt=1.0), "times: give either the times, or dt"),
-    (lambda: ri.Signal([1.0], dt=1.0), "values: must be a list of two or more numbers"),
-    (lambda: ri.Signal([1.0, math.nan], dt=1.0), r"values\[1\]: must be a finite number, got nan"),
-    (lambda: ri.Signal([1.0, 2.0, 3.0], [0.0, 1.0]), "times: must be as many as values, got 2"),
-    (lambda: ri.Signal([1.0, 2.0, 3.0], [0.0, 2.0, 1.0]), r"times\[1\]: must increase, got"),
-    (lambda: ri.Signal([1.0, 2.0], dt=0.0), "dt: must be a finite positive .*, got 0.0"),
-    (lambda: ri.Signal([1.0, 2.0], dt=1.0, unit="mV"), "unit: must be an SI unit, got 'mV'; "
-     "give the values in V, multiplied by 0.001"),
-    (lambda: ri.Signal([1.0, 2.0], dt=1.0, unit=3), "unit: must be a word, got 3"),
-    (lambda: ri.Signal("12", dt=1.0), "values: must be a number"),
-])
-def test_what_is_no_signal_is_refused(make, said):
-    with pytest.raises(ValueError, match=said):
-        make()
-
-
 def test_values_between_samples_lie_on_straight_lines():
     signal = ri.Signal([0.0, 2.0, 2.0], [0.0, 1.0, 4.0])
     assert signal.at([0.25, 3.0]).tolist() == [0.5, 2.0]
@@ -72,16 +54,6 @@ def test_values_between_samples_lie_on_straight_lines():
     assert signal.resampled(times=[0.5, 2.5]).times.tolist() == [0.5, 2.5]
     assert signal.window(0.5, 4.0).times.tolist() == [1.0, 4.0]
     assert signal.shifted(-1.0).times.tolist() == [-1.0, 0.0, 3.0]
-    for call, said in (
-        (lambda: signal.at(4.1), "t: must be from 0.0 to 4.0 s, as the signal is, got 4.1"),
-        (lambda: signal.dt, "are not at equal steps .sample 1 is at 1.0 s.; use resampled"),
-        (lambda: signal.window(1.5, 3.0), "fewer than two .* 3.0 s; the signal runs from 0.0"),
-        (lambda: signal.resampled(), "give either dt or times"),
-        (lambda: signal.resampled(5.0), "makes 1.8 samples"),
-        (lambda: signal.resampled(times=[1.0, 5.0]), r"t\[1\]: must be .*, got 5.0"),
-    ):
-        with pytest.raises(ValueError, match=said):
-            call()
 
 
 def test_arithmetic():
@@ -89,14 +61,6 @@ def test_arithmetic():
     assert (a - b - b).values.tolist() == [0.0] * 2001
     assert (2 * b / 2 + 1.0 - (1 - -b)).values == pytest.approx(0, abs=1e-15)
     assert (a + 3.0).baseline(0.0, 19e-6).values == pytest.approx(a.values, abs=1e-15)
-    for call, said in (
-        (lambda: a + b.shifted(1e-6), "have different times; use .resampled"),
-        (lambda: a + b.replace(unit="V"), "is in pure numbers and signal in V; they cannot be add"),
-        (lambda: a * b, "number: must"), (lambda: a / 0, "number: must not be 0"),
-        (lambda: a + "1", "number: must be a number"),
-    ):
-        with pytest.raises(ValueError, match=said):
-            call()
 
 
 def test_timing_of_a_pulse():
@@ -108,11 +72,6 @@ def test_timing_of_a_pulse():
     noise = 0.01 * np.sin(np.arange(2001) ** 2)
     rough = trapezoid() + ri.Signal(noise, trapezoid().times)
     assert rough.pulse().width == pytest.approx(60e-6, abs=1e-7)
-    for signal, said in ((trapezoid() * 0, "is 0 everywhere"),
-                         (trapezoid().window(30e-6, 2e-4), "cuts the pulse off"),
-                         (trapezoid().window(0.0, 60e-6), "cuts the pulse off")):
-        with pytest.raises(ValueError, match=said):
-            signal.pulse()
 
 
 @pytest.mark.parametrize("seed", few_of(range(200), range(12)))
@@ -146,14 +105,6 @@ def test_misfit_finds_what_was_done():
     assert fixed[1:] == (0.0, 1.0, ())
     strain = model.replace(unit="")
     assert record.misfit(strain).rms == free.rms
-    for call, said in (
-        (lambda: record.misfit(strain, scale=1.0), "is in V and signal in pure numbers"),
-        (lambda: record.misfit(3), "other: must be a Signal"),
-        (lambda: record.misfit(record, shift=(2.0, 1.0)), "shift: must be a number, or .low, high"),
-        (lambda: (record * 0).misfit(record), "0 everywhere"),
-    ):
-        with pytest.raises(ValueError, match=said):
-            call()
 
 
 @pytest.mark.parametrize(("kind", "transfer"), [
@@ -176,13 +127,6 @@ def test_answers_of_amplifiers_to_a_ramp():
     ramp = ri.Signal(t, t)
     want = t - tau * -np.expm1(-t / tau)
     np.testing.assert_allclose(ramp.low_pass(30e3, "first-order").values, want, atol=1e-18)
-    with pytest.raises(ValueError, match="must be below half of the sampling rate, 1 MHz"):
-        ramp.low_pass(6e5)
-    for slow in (1e-6, 5e-324):
-        with pytest.raises(ValueError, match="dt: 1e-06 makes the filtered record longer"):
-            ramp.low_pass(slow)
-    with pytest.raises(ValueError, match="kind: must be one of 'gaussian'"):
-        ramp.low_pass(1e4, "boxcar")
 
 
 def test_what_a_gauge_and_its_amplifier_do():
@@ -199,13 +143,6 @@ def test_what_a_gauge_and_its_amplifier_do():
     wanted = pulse.low_pass(100e3, "second-order") * 3 + 0.5
     assert seen == wanted
     assert pulse.as_measured() == pulse
-    for call, said in (
-        (lambda: pulse.as_measured(gauge_length=0.01), "wave_speed: must be a number"),
-        (lambda: pulse.as_measured(gauge_length=-0.01), "gauge_length: must be .*, got -0.01"),
-        (lambda: pulse.as_measured(bandwidth=1e5, order=3), "order: must be 1 or 2, got 3"),
-    ):
-        with pytest.raises(ValueError, match=said):
-            call()
 
 
 def test_each_vibration_propagates_at_its_own_speed():
@@ -246,23 +183,12 @@ def test_a_rod_is_a_bar_if_it_is_round():
     assert moved == pulse.propagated(0.2, ri.waves.Bar.of(rod))
     plain = ri.Rod(1.0, area=rod.segments[0].area, material=steel)
     assert pulse.propagated(0.2, plain, radius=ri.waves.Bar.of(rod).radius) == moved
-    for call, said in (
-        (lambda: pulse.propagated(0.2, plain), "bar.section: is not said to be round"),
-        (lambda: pulse.propagated(0.2, BAR, radius=1.0), "radius: belongs to a rod"),
-        (lambda: pulse.propagated(0.2, 5000.0), "bar: must be a Bar, such as waves.Bar"),
-        (lambda: pulse.propagated(1e9, BAR), "dt: .* makes the filtered record longer"),
-        (lambda: ri.Signal([0, 1, 2], [0, 1, 3]).propagated(1.0, BAR), "not at equal steps"),
-    ):
-        with pytest.raises(ValueError, match=said):
-            call()
 
 
 def test_extended():
     signal = ri.Signal([1.0, 2.0, 3.0], dt=0.5)
     assert signal.extended(1.0, 0.7).values.tolist() == [1, 1, 1, 2, 3, 3, 3]
     assert signal.extended(1.0, 0.7).times.tolist() == [-1, -0.5, 0, 0.5, 1, 1.5, 2]
-    with pytest.raises(ValueError, match=r"before: must be 0 or more"):
-        signal.extended(-1.0)
 
 
 def test_to_a_table_and_back(tmp_path):
@@ -317,3 +243,57 @@ def test_wrong_bridges(changes, said):
     given = {"kind": "quarter", "gauge_factor": 2.0, "excitation": 10.0} | changes
     with pytest.raises(ri.InvalidModel, match=said):
         ri.Bridge(given.pop("kind"), **given)
+
+
+PULSE, LINE = trapezoid(), ri.Signal([0.0, 2.0, 2.0], [0.0, 1.0, 4.0])
+ROD = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
+
+
+@pytest.mark.parametrize(("call", "said"), [
+    (lambda: ri.Signal([1.0, 2.0]), "times: give either the times, or dt"),
+    (lambda: ri.Signal([1.0, 2.0], [0.0, 1.0], dt=1.0), "times: give either the times, or dt"),
+    (lambda: ri.Signal([1.0], dt=1.0), "values: must be a list of two or more numbers"),
+    (lambda: ri.Signal([1.0, math.nan], dt=1.0), r"values\[1\]: must be a finite number, got nan"),
+    (lambda: ri.Signal([1.0, 2.0, 3.0], [0.0, 1.0]), "times: must be as many as values, got 2"),
+    (lambda: ri.Signal([1.0, 2.0, 3.0], [0.0, 2.0, 1.0]), r"times\[1\]: must increase, got 1.0"),
+    (lambda: ri.Signal([1.0, 2.0], dt=0.0), "dt: must be a finite positive .*, got 0.0"),
+    (lambda: ri.Signal([1.0, 2.0], dt=1.0, unit="mV"), "unit: must be an SI unit, got 'mV'; "
+     "give the values in V, multiplied by 0.001"),
+    (lambda: ri.Signal([1.0, 2.0], dt=1.0, unit=3), "unit: must be a word, got 3"),
+    (lambda: ri.Signal("12", dt=1.0), "values: must be a number"),
+    (lambda: LINE.at(4.1), "t: must be from 0.0 to 4.0 s, as the signal is, got 4.1"),
+    (lambda: LINE.dt, "are not at equal steps .sample 1 is at 1.0 s.; use resampled"),
+    (lambda: LINE.window(1.5, 3.0), "fewer than two .* 3.0 s; the signal runs from 0.0"),
+    (lambda: LINE.resampled(), "give either dt or times"),
+    (lambda: LINE.resampled(5.0), "makes 1.8 samples"),
+    (lambda: LINE.resampled(times=[1.0, 5.0]), r"t\[1\]: must be .*, got 5.0"),
+    (lambda: PULSE + PULSE.shifted(1e-6), "have different times; use .resampled"),
+    (lambda: PULSE + PULSE.replace(unit="V"),
+     "is in pure numbers and signal in V; they cannot be add"),
+    (lambda: PULSE * PULSE, "number: must"), (lambda: PULSE / 0, "number: must not be 0"),
+    (lambda: PULSE + "1", "number: must be a number"),
+    (lambda: (PULSE * 0).pulse(), "is 0 everywhere"),
+    (lambda: PULSE.window(30e-6, 2e-4).pulse(), "cuts the pulse off"),
+    (lambda: PULSE.window(0.0, 60e-6).pulse(), "cuts the pulse off"),
+    (lambda: PULSE.replace(unit="V").misfit(PULSE, scale=1.0),
+     "is in V and signal in pure numbers"),
+    (lambda: PULSE.misfit(3), "other: must be a Signal"),
+    (lambda: PULSE.misfit(PULSE, shift=(2.0, 1.0)), "shift: must be a number, or .low, high"),
+    (lambda: (PULSE * 0).misfit(PULSE), "0 everywhere"),
+    (lambda: PULSE.low_pass(6e6), "must be below half of the sampling rate, 10 MHz"),
+    (lambda: PULSE.low_pass(1e-6), "dt: 1e-07 makes the filtered record longer"),
+    (lambda: PULSE.low_pass(5e-324), "dt: 1e-07 makes the filtered record longer"),
+    (lambda: PULSE.low_pass(1e4, "boxcar"), "kind: must be one of 'gaussian'"),
+    (lambda: PULSE.as_measured(gauge_length=0.01), "wave_speed: must be a number"),
+    (lambda: PULSE.as_measured(gauge_length=-0.01), "gauge_length: must be .*, got -0.01"),
+    (lambda: PULSE.as_measured(bandwidth=1e5, order=3), "order: must be 1 or 2, got 3"),
+    (lambda: PULSE.propagated(0.2, ROD), "bar.section: is not said to be round"),
+    (lambda: PULSE.propagated(0.2, BAR, radius=1.0), "radius: belongs to a rod"),
+    (lambda: PULSE.propagated(0.2, 5000.0), "bar: must be a Bar, such as waves.Bar"),
+    (lambda: PULSE.propagated(1e9, BAR), "dt: .* makes the filtered record longer"),
+    (lambda: LINE.propagated(1.0, BAR), "not at equal steps"),
+    (lambda: PULSE.extended(-1.0), "before: must be 0 or more"),
+])
+def test_mistakes_are_refused(call, said):
+    with pytest.raises(ValueError, match=said):
+        call()
