@@ -61,8 +61,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         Exit status.
     """
-    if sys.stderr is None:  # closed; what is printed to None goes to standard output
-        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:  # closed; what is printed to None goes to the other
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
     try:
         try:
             text, status = _run(sys.argv[1:] if argv is None else list(argv))
@@ -100,11 +101,10 @@ def _run(argv: list[str]) -> tuple[str | Iterable[str], int]:
         allow_abbrev=False,
     )
     parser.add_argument("--version", action="version", version=f"rodimpact {__version__}")
-    parser.add_argument("command", nargs="?", metavar="COMMAND", help="what to do, see below")
+    parser.add_argument("command", nargs="?", default="", metavar="COMMAND",
+                        help="what to do, see below")
     parser.add_argument("rest", nargs=argparse.REMAINDER, metavar="...", help="its arguments")
     called = parser.parse_args(argv)
-    if called.command is None:
-        parser.error(f"name a command: {', '.join(COMMANDS)}")
     if called.command not in COMMANDS:
         near = difflib.get_close_matches(called.command, COMMANDS, n=1)
         hint = f"perhaps {near[0]} is meant" if near else f"choose one of {', '.join(COMMANDS)}"
@@ -127,15 +127,13 @@ def _print(text: str | Iterable[str]) -> bool:
     """Print the result. False if it cannot be written; a reader who has gone is no failure."""
     lines = [text] * bool(text) if isinstance(text, str) else text
     try:
-        if sys.stdout is None:
-            raise OSError("standard output is closed")
         encoding = sys.stdout.encoding or "utf-8"
         for line in lines:
             sys.stdout.write(line.encode(encoding, "backslashreplace").decode(encoding) + "\n")
         sys.stdout.flush()
     except OSError as error:
-        if sys.stdout is not None:  # nothing may be left to write when the interpreter ends
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # nothing may be left to write when the interpreter ends
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if not isinstance(error, BrokenPipeError):
             complain(f"cannot write the result: {error.strerror or error}", FAULT)
             return False

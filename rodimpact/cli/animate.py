@@ -55,9 +55,6 @@ def run(given: Given) -> tuple[str, int]:
     given.check_outputs("output")
 
     solution = solved(case.system, **options)
-    too_short = given.until is not None and solution.stopped_by == "until"  # that is told below
-    if not too_short and (reason := nothing_to_draw(solution)):
-        raise InvalidModel([(case.path, as_keys(reason))])
     note("drawing")
     with given.naming(names=_NAMES), plot.look("dark" if given.dark else "light"):
         film = plot.animation(solution, given.field, given.frames, given.fps,

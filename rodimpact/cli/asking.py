@@ -96,11 +96,8 @@ class Given(argparse.Namespace):
 
     def read_case(self, vary: Mapping[str, str] | None = None) -> Any:
         """The case; None, and its mistakes noted by their keys, if it is none."""
-        try:
-            return read_case(self.case, vary)
-        except InvalidModel as error:
-            self.problems += error.problems
-            return None
+        own = {"gauges": "gauges", "output": "output"}  # tables of a case, and options
+        return self.attempt(read_case, self.case, vary, names=own)
 
     def run_options(self, case: Case | None) -> dict[str, Any]:
         """Options for `solve` and `sweep`; mistakes bear the name of the option, or the entry."""

@@ -66,12 +66,9 @@ def run(given: Given) -> tuple[str | Iterable[str], int]:
         _check_case(given, case)
     how = {name: getattr(given, name) for name in ("on_error", "checkpoint", "also", "workers")}
     options = given.run_options(case)
-    if "displacement" in given.also and options.get("until") is None:
-        message = "displacement is that at the end of the run; give the end, --until"
-        given.problems.append(("--also", message))
     given.check_outputs("save", "plot", figure="plot")
 
-    with progress_bar("collisions") as bar:
+    with given.naming(), progress_bar("collisions") as bar:
         result = sweep(case.system, progress=bar, **options, **how)
     wrote = given.write(save=result.save, plot=partial(_draw, result, given.quantity))
     status = INCOMPLETE if result.incomplete.any() else wrote

@@ -66,7 +66,7 @@ def test_help_lists_every_command_with_its_own_help(capsys, told):
 
 
 @pytest.mark.parametrize(("argv", "said"), [
-    ([], "name a command: box, run"),
+    ([], "unknown command ''; choose one of box, run"),
     (["verfy"], "unknown command 'verfy'; perhaps verify is meant"),
     (["zzz"], "choose one of box, run"),
     (["run"], "the following arguments are required: CASE.toml"),
