@@ -16,7 +16,6 @@ from ..results.regions import nothing_to_draw
 from ..units import format_si
 from . import DONE
 from .asking import Given, add_run_options, note, number
-from .options import as_keys
 from .progress import progress_bar, solved, status_of
 
 _NAMES = {"path": "--output", "magnification": "--magnify", "limit": "--until", "stop": "--until",
@@ -47,14 +46,13 @@ def run(given: Given) -> tuple[str, int]:
 
     case = given.read_case()
     options = given.run_options(case)
-    if given.output.lower().endswith((".html", ".htm")):
-        message = f"must end in .gif or .mp4, got {given.output!r}"
-        given.note("--output", f"{message}; a page that plays is made by rodimpact export")
     given.attempt(check_film, given.output, names=_NAMES)
     given.attempt(check_frames, given.frames, given.fps)
     given.check_outputs("output")
 
     solution = solved(case.system, **options)
+    if reason := nothing_to_draw(solution):
+        raise InvalidModel([("solve" if given.until is None else "--until", reason)])
     note("drawing")
     with given.naming(names=_NAMES), plot.look("dark" if given.dark else "light"):
         film = plot.animation(solution, given.field, given.frames, given.fps,

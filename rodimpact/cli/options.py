@@ -27,21 +27,13 @@ def as_options(text: str) -> str:
     >>> as_options('leave out until= to run to the proof, raise max_events or give force=True')
     'leave out --until to run to the proof, raise --max-events or give --force'
     """
-    return "\n".join(as_keys(line) if line.startswith(("solve.", "solve:")) else _told(line)
+    return "\n".join(_ARGUMENT.sub(_key if line.startswith(("solve.", "solve:")) else _option,
+                                   _GRID.sub(r"rodimpact sweep --vary \1=\2", line))
                      for line in text.split("\n"))
 
 
-def as_keys(text: str) -> str:
-    """The text with the keys of a case file in their place, for commands without these options."""
-    return _ARGUMENT.sub(_key, text)
-
-
-def _told(line: str) -> str:
-    line = _GRID.sub(r"rodimpact sweep --vary \1=\2", line)
-    return _ARGUMENT.sub(_option, line)
-
-
 def _key(found: re.Match[str]) -> str:
+    """The key of a case file, for what is told of [solve]."""
     named, value, bare = found.groups()
     return f"solve.{named or bare or 'until'}" + (f' = "{value}"' if value else "")
 

@@ -293,10 +293,9 @@ def test_a_run_that_was_cut_short_is_shown_and_said(case, capsys):
 
 @pytest.mark.parametrize(("arguments", "message"), [
     (["-o", "film.avi"], "--output: must end in one of .gif, .mp4, got 'film.avi'"),
-    (["-o", "x.html"], "must end in .gif or .mp4, got 'x.html'; a page that plays is made by "
-     "rodimpact export"),
     (["-o", "film.gif", "--frames", "1"], "--frames: must be a whole number from 2"),
     (["-o", "film.gif", "--until", "soon"], "--until: "),
+    (["-o", "film.gif", "--until", "0"], "--until: there is nothing to draw"),
     (["-o", "film.gif", "--field", "heat"], "--field: invalid choice"),
     ([], "required: -o/--output"),
 ])
