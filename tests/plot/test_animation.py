@@ -10,6 +10,7 @@ import sys
 
 import numpy as np
 import pytest
+from case_texts import UNEQUAL_RODS
 from drawing import rod
 from exhaustive import few_of
 from matplotlib.colors import to_rgb
@@ -19,22 +20,6 @@ import rodimpact as ri
 from rodimpact import plot
 from rodimpact.cli import main
 from rodimpact.plot.style import LOOKS, ON_LIGHT
-
-CASE = """\
-schema = 1
-[[bodies]]
-kind = "rod"
-length = 0.4
-area = 1e-4
-material = "steel"
-velocity = 1.0
-[[bodies]]
-kind = "rod"
-length = 1.0
-area = 1e-4
-material = "steel"
-"""
-
 
 ROWS = {
     "unequal": (ri.System([rod(0.4, 1.0), rod()]), {}),
@@ -262,7 +247,7 @@ def test_what_ffmpeg_complains_of_is_told(film, tmp_path, monkeypatch):
 def case(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("PATH", str(tmp_path))
-    (tmp_path / "case.toml").write_text(CASE)
+    (tmp_path / "case.toml").write_text(UNEQUAL_RODS)
     return tmp_path
 
 
@@ -296,6 +281,7 @@ def test_a_run_that_was_cut_short_is_shown_and_said(case, capsys):
     (["-o", "film.gif", "--frames", "1"], "--frames: must be a whole number from 2"),
     (["-o", "film.gif", "--until", "soon"], "--until: "),
     (["-o", "film.gif", "--until", "0"], "--until: there is nothing to draw"),
+    (["-o", "film.gif", "--magnify", "0"], "--magnify: must be a finite positive number"),
     (["-o", "film.gif", "--field", "heat"], "--field: invalid choice"),
     ([], "required: -o/--output"),
 ])
