@@ -84,9 +84,7 @@ def design(found: PulseDesign | RestitutionDesign, ax: Axes | None = None) -> Pi
 def _silhouette(ax: Axes, rod: Rod) -> StepPatch:
     """Draw a rod as if it were round, all parts to one scale."""
     edges = np.concatenate([[0.0], np.cumsum([float(piece.length) for piece in rod.segments])])
-    impedances = [float(piece.impedance / piece.material.density / piece.wave_speed)
-                  for piece in rod.segments]
-    radii = np.sqrt(np.array(impedances) / np.pi)
+    radii = np.sqrt(np.array([float(piece.area) for piece in rod.segments]) / np.pi)
     place = place_scale(float(edges[-1]))
     thickness = engineering("diameter", 2 * float(radii.max()), "m")
     body = ax.stairs(radii * thickness.factor, edges * place.factor, fill=True,

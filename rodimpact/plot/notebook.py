@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import html
+from contextlib import suppress
 from typing import Any
 
 from ..design import PulseDesign, RestitutionDesign
@@ -42,11 +43,9 @@ def html_of(result: Solution | SweepResult | PulseDesign | RestitutionDesign | F
 def _family(result: SweepResult) -> str:
     """Picture of e, or of the last body's velocity; none of a family with three axes, or none."""
     for quantity in ("restitution", f"velocity_after.{len(result.system.bodies) - 1}"):
-        try:
+        with suppress(ValueError):
             drawn = sweep(result, quantity=quantity)
-        except ValueError:
-            continue
-        return _image(drawn, f"{quantity} over {', '.join(result.parameters)}")
+            return _image(drawn, f"{quantity} over {', '.join(result.parameters)}")
     return ""
 
 

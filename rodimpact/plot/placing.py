@@ -21,7 +21,7 @@ from ..methods.signals import Floats, Ints
 from ..model import Bonded, Fixed, Moved, Rigid, RigidMass, Rod, Wall
 from ..model.arguments import single
 from ..results.contacts import ContactHistory
-from ..results.magnification import BLOCK, ROUND_OFF, drifts, magnified, round_down
+from ..results.magnification import BLOCK, drifts, magnified, round_down
 from ..results.solution import Solution
 from ..units import TIMES, format_factor
 from .sampling import pieces, properties
@@ -48,6 +48,8 @@ class Placing:
         Additional place of the left end of each body from gaps and strain at t = 0, m.
     block : float
         Width of a rigid mass in the picture, m; 0 if there is none.
+    free : array
+        Length of the spring at each contact before it is pressed, m; 0 without one.
     """
 
     solution: Solution
@@ -57,6 +59,7 @@ class Placing:
     widths: Floats
     apart: Floats
     block: float
+    free: Floats
 
     @property
     def row(self) -> float:
@@ -114,19 +117,13 @@ class Placing:
         part: Floats = mass / mass.sum()
         return part @ self.point(body, (edges[:-1, None] + edges[1:, None]) / 2, t)
 
-    def spring(self, contact: int) -> float:
-        """Length of the spring at a contact before it is pressed, m; 0 without one."""
-        free = float(self.left[contact + 1] - self.left[contact] - self.widths[contact])
-        compliant = is_compliant(self.solution.contacts[contact])
-        return free if compliant and free > ROUND_OFF * self.row else 0.0
-
     def springs(self, times: Floats) -> list[tuple[ContactHistory, Floats, Floats]]:
         """Contacts with a spring, and its ends at times; in an open contact it is not stretched."""
         found = []
         for i, history in enumerate(self.solution.contacts):
-            if free := self.spring(i):
+            if self.free[i]:
                 left, right = self.end(i, True, times), self.end(i + 1, False, times)
-                longest = left + free if history.law.opens else np.inf
+                longest = left + self.free[i] if history.law.opens else np.inf
                 found.append((history, left, np.minimum(right, longest)))
         return found
 
@@ -137,11 +134,11 @@ class Placing:
         """
         if self.magnification <= 1:
             return self
-        left, times = self.left.copy(), np.linspace(start, stop, 301)
+        times, free = np.linspace(start, stop, 301), self.free.copy()
         for history in filter(is_compliant, self.solution.contacts):
             deepest = max(0.0, -float(np.min(history.gap(times))))
-            left[history.index + 1 :] += ROOM * self.row + self.magnification * deepest
-        return replace(self, left=left)
+            free[history.index] = ROOM * self.row + self.magnification * deepest
+        return replace(self, free=free, left=self.left + np.cumsum([0.0, *free]))
 
 
 def is_compliant(history: ContactHistory) -> bool:
@@ -192,7 +189,8 @@ def placing(
         magnification = magnified(row, reach, relative, float(strain))
     frame = slowest if drifts(reach, relative) else 0.0
     widths = np.where(masses, block, lengths)
-    return Placing(solution, magnification, frame, left, widths, apart, block)
+    return Placing(solution, magnification, frame, left, widths, apart, block,
+                   np.zeros(len(solution.contacts)))
 
 
 def _slowest(solution: Solution) -> float:

@@ -20,7 +20,7 @@ from ..results.regions import readable_until, regions_of
 from ..results.solution import Solution
 from .placing import Placing
 from .plane import Plane
-from .sampling import averaged, is_stepped, pieces, properties
+from .sampling import is_stepped, pieces, properties
 from .scales import ROUND_OFF, digits
 from .style import SMALL, colours, extent, ink_on
 
@@ -200,10 +200,12 @@ class Raster:
     def _of_rod(self, body: int, field: str, frame: float) -> Floats:
         """Values [places, times] in a rod."""
         edges, segment = pieces(self.solution, body)
+        middle = (edges[:-1] + edges[1:]) / 2
         if field == "displacement":
-            middle, t = (edges[:-1] + edges[1:]) / 2, (self.times[:-1] + self.times[1:]) / 2
+            t = (self.times[:-1] + self.times[1:]) / 2
             return self.solution.displacement(body, middle[:, None], t) - frame * t
-        velocity, strain = averaged(self.solution, body, self.times)
+        # exact means over time: waves too quick for the picture leave no false pattern in it
+        velocity, strain = self.solution.fields.averaged(body, middle, self.times)
         area, modulus, density = (each[:, None] for each in properties(
             self.solution.system.bodies[body], edges, segment))
         stress = modulus * strain

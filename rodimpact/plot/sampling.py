@@ -48,16 +48,6 @@ def state_at(solution: Solution, body: int, t: float) -> Profile:
                    solution.strain(body, middle, t), segment)
 
 
-def averaged(solution: Solution, body: int, times: Floats) -> tuple[Floats, Floats]:
-    """Velocity and strain [pieces, intervals] in the middle of each piece of a rod.
-
-    They are exact averages over each interval between `times`, so that waves too quick for the
-    picture leave no false pattern in it.
-    """
-    edges, _ = pieces(solution, body)
-    return solution.fields.averaged(body, (edges[:-1] + edges[1:]) / 2, times)
-
-
 def steps_until(
     end: float, times: Floats, values: Floats, smooth: bool
 ) -> tuple[Floats, Floats]:

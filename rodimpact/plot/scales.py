@@ -167,7 +167,7 @@ def place_label(plan: Placing, place: Scale) -> str:
         label += f" in a frame moving at {written(plan.frame, 'm/s')}"
     if plan.block:
         label += f", masses drawn {plan.block * place.factor:g} {place.unit}".rstrip() + " wide"
-    if any(plan.spring(contact.index) for contact in plan.solution.contacts):
+    if plan.free.any():
         label += ", springs drawn long"
     return f"{label}, {plan.scale}"
 
