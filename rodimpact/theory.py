@@ -25,8 +25,14 @@ from .rigid import contact_mass
 
 EQUAL_IMPEDANCES = 2.0**-48
 """Impedances that differ by less than this fraction count as equal, up to round-off."""
-UNITS = {"impedance": "kg/s", "transit_time": "s", "mass": "kg", "speed": "m/s",
-         "closing_speed": "m/s"}
+POSITIVE = {
+    "impedance": "kg/s", "transit_time": "s", "mass": "kg", "speed": "m/s", "closing_speed": "m/s",
+    "area": "m^2", "wave_speed": "m/s", "youngs_modulus": "Pa", "viscosity": "Pa s",
+    "angular_frequency": "rad/s", "gyration_radius": "m",
+}
+"""Units of the arguments that must be positive."""
+ANY = {"wave_number": "rad/m", "taper": "1/m", "poisson_ratio": ""}
+"""Units of those of either sign."""
 
 
 class PairCollision(NamedTuple):
@@ -288,7 +294,7 @@ def horn_amplification(area_0: ArrayLike, area_1: ArrayLike) -> Number:
     >>> horn_amplification(area_0=4e-4, area_1=1e-4)
     2.0
     """
-    A0, A1 = together(area_0=(area_0, "m^2", "positive"), area_1=(area_1, "m^2", "positive"))
+    A0, A1 = _checked(area_0=area_0, area_1=area_1)
     return plain(np.sqrt(A0 / A1))
 
 
@@ -325,10 +331,7 @@ def horn_frequency(wave_speed: ArrayLike, wave_number: ArrayLike, taper: ArrayLi
     >>> horn_frequency(wave_speed=2.0, wave_number=3.0, taper=4.0)
     10.0
     """
-    c, k, beta = together(
-        wave_speed=(wave_speed, "m/s", "positive"), wave_number=(wave_number, "rad/m", "any"),
-        taper=(taper, "1/m", "any"),
-    )
+    c, k, beta = _checked(wave_speed=wave_speed, wave_number=wave_number, taper=taper)
     return plain(c * np.hypot(k, beta))
 
 
@@ -367,11 +370,8 @@ def kelvin_voigt_decay(
     >>> kelvin_voigt_decay(youngs_modulus=2.0, viscosity=0.5, angular_frequency=3.0)
     1.125
     """
-    E, eta, omega = together(
-        youngs_modulus=(youngs_modulus, "Pa", "positive"),
-        viscosity=(viscosity, "Pa s", "positive"),
-        angular_frequency=(angular_frequency, "rad/s", "positive"),
-    )
+    E, eta, omega = _checked(
+        youngs_modulus=youngs_modulus, viscosity=viscosity, angular_frequency=angular_frequency)
     return plain(eta * omega * omega / (2 * E))
 
 
@@ -413,11 +413,8 @@ def rayleigh_love_speed(
     >>> rayleigh_love_speed(5000.0, poisson_ratio=0.25, gyration_radius=3.0, wave_number=1.0)
     4000.0
     """
-    c, kappa, nu, k = together(
-        wave_speed=(wave_speed, "m/s", "positive"),
-        gyration_radius=(gyration_radius, "m", "positive"),
-        poisson_ratio=(poisson_ratio, "", "any"), wave_number=(wave_number, "rad/m", "any"),
-    )
+    c, kappa, nu, k = _checked(wave_speed=wave_speed, gyration_radius=gyration_radius,
+                               poisson_ratio=poisson_ratio, wave_number=wave_number)
     return plain(c / np.hypot(1.0, nu * kappa * k))
 
 
@@ -473,7 +470,8 @@ def pair_restitution(
 
 
 def _checked(**given: ArrayLike) -> tuple[Array, ...]:
-    """The arguments of a collision, positive and finite, broadcast."""
+    """The arguments as arrays that are broadcast, each of its unit and sign."""
+    bare = {name: name.rstrip("_012") for name in given}
     return together(**{
-        name: (value, UNITS[name.removesuffix("_1").removesuffix("_2")], "positive")
-        for name, value in given.items()})
+        name: (value, POSITIVE[bare[name]], "positive") if bare[name] in POSITIVE
+        else (value, ANY[name], "any") for name, value in given.items()})

@@ -31,8 +31,7 @@ DOORS = {
 @pytest.mark.parametrize(("path", "said"), [
     ("bodies.1.lenght", "perhaps 'bodies.1.length' is meant"),
     ("bodies.1.stiffness", "bodies.1.length, "),
-    ("colour", "bodies.0 to bodies.20, "), ("colour", "contacts.0 to contacts."),
-    ("colour", "materials.steel"),
+    ("colour", "use one that begins with "), ("bodies.1.material.hue", "bodies.1.material.density"),
 ])
 def test_a_wrong_path_is_told_with_the_nearest_of_its_object(door, path, said):
     [message] = problems(lambda: DOORS[door](chain(20, FRACTIONAL, gap=1e-4), path)).values()

@@ -8,8 +8,7 @@ stands for its diameter.
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from functools import reduce
 from typing import Any
 
@@ -17,7 +16,7 @@ import numpy as np
 
 from ..units import MOST_SHOWN
 from .bodies import Material, RigidMass, Rod, Segment
-from .frozen import MOST_CHOICES, Field, Number, nearest
+from .frozen import MOST_CHOICES, Field, Number, listed, nearest
 from .system import System
 
 SPEED, MODULUS = "wave_speed", "youngs_modulus"
@@ -84,26 +83,15 @@ def unit_at(system: System, place: str) -> str:
 
 def suggestion(path: str, known: Collection[str]) -> str:
     """Which of the known paths may be meant: the nearest of the same object, or what there is."""
-    head = ""
-    for dot in re.finditer(r"\.", path[: 2 * MOST_SHOWN]):
-        if any(choice.startswith(path[: dot.end()]) for choice in known):
-            head = path[: dot.end()]
+    *parts, _ = path[: 2 * MOST_SHOWN].split(".")
+    heads = [".".join([*parts[:n], ""]) for n in range(len(parts), 0, -1)]
+    head = next((h for h in heads if any(choice.startswith(h) for choice in known)), "")
     inside = [choice.removeprefix(head) for choice in known if choice.startswith(head)]
     said = nearest(path.removeprefix(head), inside, head)
-    if len(inside) <= MOST_CHOICES or not said.startswith("use one of"):
-        return said
-    return f"use one that begins with {', '.join(_objects(head, inside))}"
-
-
-def _objects(head: str, paths: Collection[str]) -> Iterator[str]:
-    """What the paths after a head begin with, where runs of numbers are told by their ends."""
-    first = [path.rpartition(".")[0] if path.startswith("materials.") else
-             re.match(r"[^.]*(\.\d+(?=\.))?", path)[0] for path in paths]  # type: ignore[index]
-    numbered: dict[str, list[str]] = {}
-    for name in dict.fromkeys(first):
-        numbered.setdefault(re.sub(r"\d+$", "", name), []).append(name)
-    for names in numbered.values():
-        yield head + names[0] + (f" to {head}{names[-1]}" if names[1:] else "")
+    if len(inside) > MOST_CHOICES and said.startswith("use one of"):
+        starts = dict.fromkeys(head + choice.partition(".")[0] for choice in inside)
+        said = f"use one that begins with {listed(list(starts))}"
+    return said
 
 
 def _at(described: Any, place: str) -> tuple[Any, Any]:
