@@ -152,20 +152,6 @@ def solve_link(at: Any, c: float) -> tuple[float, float, float]:
     return max(F, 0 * F), x, slope
 
 
-def indent(at: Any) -> float:
-    """Return the gap of a compliant contact at `at.place`.
-
-    One that yields hardens, and its faces move for good.
-    """
-    depth: float = at.place
-    if at.law == Law.YIELD and depth > at.strength / at.stiffness:
-        at.strength, _, knot = loaded(at, -at.gap, depth)
-        if knot > at.knot:
-            at.knot, at.damping = knot, at.shares[knot - 1]
-        depth = at.strength / at.stiffness
-    return -depth
-
-
 def pushed(link: Any, i: int, first: int, last: int) -> float:
     """By how much link i would close without its own force."""
     c: float = link[i].free
@@ -267,13 +253,18 @@ def settle(at: Any, w: float, tol: float) -> float:
         if at.shut == 0:
             at.shut = 1 if at.force > 0 else 0
         elif at.force <= 0 and 2 * w - at.before < -tol:
-            at.shut = 0
-            rest = at.before / 2 - w
+            at.shut, rest = 0, at.before / 2 - w
         else:
             rest = 0.0
     elif at.law == Law.IMPACT:
         if at.force <= 0 and at.gap <= 0 and abs(w) <= tol:
             rest = at.gap
+    elif at.law == Law.YIELD and at.place > at.strength / at.stiffness:
+        # it hardens, and its faces move for good
+        at.strength, _, knot = loaded(at, -at.gap, at.place)
+        if knot > at.knot:
+            at.knot, at.damping = knot, at.shares[knot - 1]
+        rest = -at.strength / at.stiffness
     else:
-        rest = indent(at)
+        rest = -at.place
     return rest

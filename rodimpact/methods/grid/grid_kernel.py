@@ -224,7 +224,9 @@ def resolve(
         speed = max(speed, abs(u) + abs(w) + abs(at.before))
         at.free, at.slope = (at.before + u - w) / 2, 0.0
         at.place = at.closing - at.gap
-        limit_closing(at)
+        at.limit = math.inf  # an impact waits until it happens
+        if at.law != Law.IMPACT:
+            at.limit = max(at.before / 2 if at.shut == 1 else at.gap / 2 + at.before / 4, 0.0)
     struck = True
     while struck:
         if not contacts.balance(link, first, last, speed):
@@ -250,15 +252,6 @@ def resolve(
         if at.law == Law.RIGID and run.step == 0 and at.force > 0:
             entry.closing = (at.early + at.force * at.closing) / at.force
     return True
-
-
-def limit_closing(at: Any) -> None:
-    """Set by how much a rigid contact that presses may close; an impact waits until it happens."""
-    at.limit = max(at.before, 0.0) / 2
-    if at.law == Law.IMPACT:
-        at.limit = math.inf
-    elif at.shut == 0:
-        at.limit = max(at.gap / 2 + at.before / 4, 0.0)
 
 
 def dissipate(v: Any, old: Any, viscous: Any, lost: Any) -> None:
