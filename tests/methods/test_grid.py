@@ -384,15 +384,6 @@ def test_any_end(until, size):
         assert s.displacement(1, 0.0, until) == pytest.approx(0.0, abs=1e-300)
 
 
-@pytest.mark.parametrize("cells", [20, 70])
-def test_the_outcome_is_that_at_the_end_not_at_the_end_of_a_step(cells):
-    """A driven rod by itself: momentum is the impulse of the drive up to the end."""
-    for until in (0.311, 0.4712, 0.7):
-        s = solved([unit_rod()], until, cells, ends=(ri.Pushed(0.5), ri.Free()))
-        assert s.outcome.velocities_after[0] == pytest.approx(0.5 * until, rel=1e-12)
-        assert float(s.mean_velocity(0, until)) == pytest.approx(0.5 * until, rel=1e-12)
-
-
 def test_max_events_caps_a_run_that_does_not_end():
     row = [ri.Wall(), unit_rod(velocity=1.0), ri.Wall()]
     s = solved(row, None, 16, max_events=1000, gaps=[0.1, 0.1])

@@ -59,18 +59,6 @@ def test_a_run_in_pieces_is_the_whole_run(driven):
         assert bits(whole) == bits(pieces), seed
 
 
-def test_states_at_chosen_times_are_those_of_the_run():
-    for seed in range(20):
-        system = random_row(seed)
-        times = np.sort(np.random.default_rng(seed).uniform(0, 90 * STEP, 5))
-        whole, chosen = grid_run(system, 90), grid_run(system, 90, snapshots=times)
-        whole.advance(90)
-        chosen.advance(90)
-        when = chosen.track.when
-        assert {0, *np.floor(times / STEP).astype(int), 90} <= set(when.tolist())
-        assert np.array_equal(chosen.track.velocity, whole.track.velocity[when])
-
-
 # The elimination ----------------------------------------------------------------------------------
 
 

@@ -37,18 +37,12 @@ def test_snapshots_are_a_number_or_times_within_the_run(snapshots, said):
     assert refused(said, Options, until, snapshots=snapshots) == ["snapshots"]
 
 
-def test_all_mistakes_are_reported_together():
-    wrong = {"until": -1, "method": "magic", "max_events": 0, "dt": 1.0, "rtol": 1.0, "cells": 0}
-    assert set(refused("until: ", Options, **wrong)) == {*wrong} - {"rtol"}
-
-
 @pytest.mark.parametrize("wrong", [
+    {"until": -1, "method": "magic", "max_events": 0, "dt": 1.0, "rtol": 1.0, "cells": 0},
     {"dt": 0.0, "rtol": 1.0}, {"cells": 0, "rtol": 1.0}, {"dt": 1.0, "cells": 0, "rtol": 1.0},
 ])
-def test_no_path_is_told_twice(wrong):
-    with pytest.raises(ri.InvalidModel) as caught:
-        Options(**wrong)
-    assert sorted(path for path, _ in caught.value.problems) == sorted({*wrong} - {"rtol"})
+def test_all_mistakes_are_told_once_each(wrong):
+    assert sorted(refused("must|give", Options, **wrong)) == sorted({*wrong} - {"rtol"})
 
 
 @pytest.mark.parametrize(("given", "path", "said"), [

@@ -42,13 +42,6 @@ def test_integral_of_a_product(f, g, start, length, about):
     assert integral_of_product(signal(f), signal(g), start, stop, about) == turned
 
 
-@given(steps, st.integers(-20, 80), st.integers(-20, 80))
-def test_breaks_strictly_inside(pairs, a, b):
-    start, stop = min(a, b), max(a, b)
-    inside = [t for t, _ in pairs if start < t < stop]
-    assert signal(pairs).breaks_in(start, stop).tolist() == inside
-
-
 # Polynomial pieces, beside NumPy's polynomials and SciPy's quadrature
 
 LATE = 1 << 50  # ticks at which a run may be

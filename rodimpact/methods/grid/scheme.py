@@ -85,7 +85,7 @@ def eliminated(mesh: Mesh, mass: Array, bound: Array) -> tuple[Array, ...]:
     return tuple(map(np.array, found))
 
 
-def answered(multipliers: tuple[Array, ...], push: Any) -> Array:
+def answered(multipliers: Any, push: Any) -> Array:
     """Changes of velocity for these forces on the nodes; given ones where they are."""
     x = np.array(push, float)
     elimination.substitute(*multipliers, x)
