@@ -51,8 +51,6 @@ MOST_COUNTED = 10**15
 METHOD_NAMES = ("auto", *METHODS)
 NUMBERS = {name: Field(unit, sign, default=None, single=True) for name, unit, sign in (
     ("until", "s", "non-negative"), ("dt", "s", "positive"), ("rtol", "", "positive"))}
-OWN = ("dt", "rtol", "cells", "snapshots")
-"""Options that not every method takes."""
 
 
 @dataclass(frozen=True)
@@ -144,7 +142,7 @@ class Options:
             used = f'"{method}"' + (', which "auto" takes' if self.method == "auto" else "")
             raise_noted([
                 (name, f"is for method {_takers(name)}, not {used}; leave it out, or give another")
-                for name in OWN
+                for name in METHODS["finite-difference"].takes
                 if getattr(self, name) is not None and name not in METHODS[method].takes])
         missing = METHODS[method].lacking(needs)
         remedy = f'method "{able[0]}" has'

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..laws import KNOTS
+from .. import walk
 
 NONE = -1
 FAR = (1 << 40) - 1  # n & FAR tells the compiler that n >= 0, so that its loops run in vectors
@@ -26,18 +26,15 @@ RUN = np.dtype([
     ("tolerance", "f8"),  # velocity below which contacts graze and impacts rest
 ], align=True)
 PIECE = np.dtype([("start", "i8"), ("place", "f8")], align=True)  # first node, its displacement
-LINK = np.dtype([  # a contact or joint
-    ("law", "i8"), ("stiffness", "f8"), ("exponent", "f8"),
-    ("damping", "f8"),  # of YIELD the hardening, as a share of the stiffness
-    ("strength", "f8"),  # force at which it yields now
-    ("knot", "i8"),  # the next of these forces, from which on YIELD has another hardening
-    ("knots", "f8", (KNOTS,)), ("shares", "f8", (KNOTS,)),
+LINK = np.dtype([  # a contact or joint, with its gap, and of YIELD the strength and hardening now
+    *walk.LINK.descr,
+    ("knot", "i8"),  # the next of the knots, from which on YIELD has another hardening
     ("left", "i8"), ("right", "i8"),  # nodes
     ("leftmost", "i8"), ("rightmost", "i8"),  # nodes that its force moves in the same step
     ("last", "i8"),  # of those that feel each other, at the first of them; else NONE
     ("own", "f8"),  # half the mobility of both sides together
     ("shared", "f8"),  # half the mobility that it shares with the link before
-    ("gap", "f8"), ("force", "f8"), ("closing", "f8"),  # mean closing velocity of the last step
+    ("force", "f8"), ("closing", "f8"),  # mean closing velocity of the last step
     ("shut", "i8"),  # 1 while a rigid contact is closed
     ("before", "f8"),  # closing velocity at the start of the step
     ("free", "f8"),  # by how much it would close without forces
