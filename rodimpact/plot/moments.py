@@ -30,16 +30,18 @@ def moments(solution: Solution, most: int = 8) -> Floats:
     turns: Floats = np.unique(contact_turns(solution))
     closed = any(c.episodes and not c.episodes[-1].opening <= solution.t_end
                  for c in solution.contacts)
-    reflections: Floats = np.empty(0)
+    fields: Any = solution.fields
     first = float(turns[0]) if turns.size else 0.0
     last = solution.t_end if closed or not turns.size else float(turns[-1])
+    reflections: Floats = np.empty(0)  # times at which a changed wave leaves an end of a segment
     if is_stepped(solution):
         near = np.diff(turns, prepend=-np.inf) < CROWD * (last - first) / most
         turns = turns[~near]
     else:
-        reflections = _reflections(solution, last)
-    if not turns.size and not reflections.size:
-        return np.unique(np.linspace(0.0, solution.t_end, FEWEST))
+        ticks = np.concatenate([s.ticks for s in fields.motion.lines if s is not None])
+        times = np.unique(ticks) * fields.clock.tick
+        reflections = times[(times > 0) & (times <= last)]
+    most = most if turns.size or reflections.size else FEWEST
     chosen = np.union1d(turns, [0.0, solution.t_end])
     chosen = chosen[evenly(chosen.size, most)]
     after = reflections[reflections > first]
@@ -61,14 +63,6 @@ def _halved(chosen: Floats, first: float, last: float, most: int, shortest: floa
         i = int(waits.argmax())
         chosen = np.union1d(chosen, (inside[i] + inside[i + 1]) / 2)
     return chosen
-
-
-def _reflections(solution: Solution, last: float) -> Floats:
-    """Times up to `last` at which a changed wave leaves an end of a segment."""
-    fields: Any = solution.fields
-    ticks = np.unique(np.concatenate([s.ticks for s in fields.motion.lines if s is not None]))
-    times: Floats = ticks[ticks > 0] * fields.clock.tick
-    return times[times <= last]
 
 
 def happening(solution: Solution, t: float) -> str:

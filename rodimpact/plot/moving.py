@@ -75,7 +75,7 @@ class Animation:
         self._time, place = axis_scales(solution, False, stop, plan.row)
         self.figure = style.new_figure(8.4, 6.8)
         self.figure.suptitle(style.broken(self.title, 72 * self.figure.get_figwidth()),
-                             color=self.colours.ink, fontsize=style.NORMAL + 1)
+                             fontsize=style.NORMAL + 1)
         self.figure.set_dpi(DOTS_PER_INCH)
         grid = self.figure.add_gridspec(2, 2, height_ratios=(1.2, 3.6), width_ratios=(3, 1))
         below = self.figure.add_subplot(grid[1, 0])

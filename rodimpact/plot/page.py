@@ -17,7 +17,7 @@ from .histories import Forces, contact
 from .ledger import energy
 from .polygons import drawn_until
 from .scales import closing_speed, digits, engineering, listed, time_scale, written
-from .style import LETTER, NORMAL, SMALL, broken, colours, new_figure, styled, wanted_width
+from .style import LETTER, NORMAL, SMALL, broken, new_figure, styled, wanted_width
 
 PAGE, COLUMN = (11.7, 8.3), 4.3  # inches; a column has its panels one below the other
 NARROW = 5.5  # inches, below which a page is a column
@@ -80,15 +80,14 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
         panels["force"].tick_params(labelbottom=False)
     energy(solution, panels["energy"])
     room = 72 * figure.get_figwidth()
-    figure.suptitle(broken(headline(solution), room / 1.3), fontsize=NORMAL + 2,
-                    color=colours().ink)
+    figure.suptitle(broken(headline(solution), room / 1.3), fontsize=NORMAL + 2)
     notes = [] if solution.final else [solution.status]
     if stop < solution.t_end:
         notes.append(f"The upper pictures show the first {written(stop, 's')}; "
                      "a longer interval would have too many regions to be legible.")
     letters = int(room / (LETTER * (SMALL + 1)))
     figure.supxlabel("\n".join(line for note in notes for line in wrap(note, letters)),
-                     fontsize=SMALL + 1, color=colours().ink)
+                     fontsize=SMALL + 1)
     return figure
 
 
