@@ -11,7 +11,6 @@ from matplotlib.patches import StepPatch
 
 from ..design.pulses import PulseDesign
 from ..design.rebound import RestitutionDesign
-from ..model import Rod
 from ..model.arguments import of_kind
 from .families import side_of, sweep
 from .scales import engineering, place_scale, time_scale
@@ -81,7 +80,7 @@ def design(found: PulseDesign | RestitutionDesign, ax: Axes | None = None) -> Pi
     return Picture(ax=ax, wanted=wanted, reached=reached, outline=outline)
 
 
-def _silhouette(ax: Axes, rod: Rod) -> StepPatch:
+def _silhouette(ax: Axes, rod: Any) -> StepPatch:
     """Draw a rod as if it were round, all parts to one scale."""
     edges = np.concatenate([[0.0], np.cumsum([float(piece.length) for piece in rod.segments])])
     radii = np.sqrt(np.array([float(piece.area) for piece in rod.segments]) / np.pi)

@@ -130,7 +130,8 @@ class Polygons:
         turn = _cross(one, other)[:, None]
         areas = np.add.reduceat(turn, starts)
         areas[areas == 0] = np.nan  # of a region without area; no number fits there
-        return origin[starts] + np.add.reduceat(turn * (one + other), starts) / (3 * areas)
+        away: Floats = np.add.reduceat(turn * (one + other), starts) / (3 * areas)
+        return origin[starts] + away
 
     def _name(self, ax: Axes, sides: Ints, owners: Ints, numbers: Floats) -> None:
         """Write along each front, on its later side, whether it compresses or stretches the rod."""
@@ -142,7 +143,8 @@ class Polygons:
             clear = abs(_cross(stop - start, centres[after] - start)) / length  # of its number
             if length > ALONG * SMALL * len(word) and clear > CLEAR * SMALL:
                 dx, dy = np.diff(side[side[:, 0].argsort()], axis=0)[0]
-                ax.text(*side.mean(axis=0), word, rotation=math.degrees(math.atan2(dy, dx)),
+                x, y = side.mean(axis=0)
+                ax.text(x, y, word, rotation=math.degrees(math.atan2(dy, dx)),
                         rotation_mode="anchor", transform_rotates_text=True, ha="center", zorder=6,
                         fontsize=SMALL, va="top" if self._across and dy > 0 else "bottom",
                         color=ink_on(self._norm, float(numbers[after])))
@@ -160,11 +162,12 @@ class Polygons:
         side = corners[self._next] - corners
         room = np.abs(_cross(side, _points(ax, centres)[owner] - corners))
         roomy = room > (np.abs(side[:, ::-1]) * half[owner]).sum(axis=1)
+        fits = np.logical_and.reduceat(roomy, self.regions.start[:-1])
         written = []
-        for i in np.flatnonzero(np.logical_and.reduceat(roomy, self.regions.start[:-1])).tolist():
+        for i, (x, y) in zip(np.flatnonzero(fits).tolist(), centres[fits].tolist(), strict=True):
             ground = colours().signed(self._norm(numbers[i]))  # also over paths that cross it
             written.append(ax.text(
-                *centres[i], texts[i], ha="center", va="center", zorder=6, fontsize=SMALL,
+                x, y, texts[i], ha="center", va="center", zorder=6, fontsize=SMALL,
                 color=ink_on(self._norm, float(numbers[i])),
                 bbox={"facecolor": ground, "edgecolor": "none", "pad": 1.0}))
         return written
