@@ -38,13 +38,6 @@ class Spell(NamedTuple):
     waves: list[tuple[Number, Number]]  # when they come, and how much faster it would close then
     end: list[Number]  # when the next spell begins, if one does
 
-    @property
-    def at_the_start(self) -> list[Number]:
-        """What is positive as it begins."""
-        apart = self.gap if self.gap.value > 0 else -self.closing
-        known: dict[int, list[Number]] = {Status.PRESS: [self.closing], Status.OPEN: [apart]}
-        return known.get(self.status, [])
-
 
 def conditions(run: ExactRun, *, in_order: bool) -> list[Number]:
     """Numbers that are positive throughout the cell of this run; those that depend on names.
@@ -64,8 +57,8 @@ def conditions(run: ExactRun, *, in_order: bool) -> list[Number]:
 
 def _history(run: ExactRun) -> tuple[list[Spell], list[Number], list[tuple[Loop, Loop]]]:
     """Spells of all contacts, and why there are no others: conditions, and rods that go apart."""
-    contacts = unilateral(run.row.system)
-    end, wait = _end(run)
+    contacts, state = unilateral(run.row.system), run.state
+    end, wait = _end(state)
     found: list[Number] = []
     loops: list[tuple[Loop, Loop]] = []
     vibrating = False
@@ -76,10 +69,9 @@ def _history(run: ExactRun) -> tuple[list[Spell], list[Number], list[tuple[Loop,
             loops.append(after)
         else:
             found += after
-    longest = max(sum(it.transit for it in run.state.segment[s : e + 1])
-                  for s, e in run.row.spans if e)
+    longest = max(sum(it.transit for it in state.segment[s : e + 1]) for s, e in run.row.spans if e)
     # what is under way must not come before the end: let it come
-    _go_on(run, end + wait + 2 * longest)
+    state.go(end + wait + 2 * longest, ENDLESS, ZERO)
     spells: list[Spell] = []
     for k in contacts:
         of_contact, later = _spells(run, k, end + wait)
@@ -91,28 +83,19 @@ def _history(run: ExactRun) -> tuple[list[Spell], list[Number], list[tuple[Loop,
     return spells, found, loops
 
 
-def _go_on(run: ExactRun, until: Any) -> None:
-    run.state.go(until, ENDLESS, ZERO)
-
-
-def _end(run: ExactRun) -> tuple[Number, Number]:
+def _end(state: Any) -> tuple[Number, Number]:
     """When it is over, and how much longer the run is to be followed.
 
-    That is the instant of the proof, or the next event if the kernel waited for it. Where contacts
+    That is the event of the proof, or the next event if the kernel waited for it. Where contacts
     had been open for a while by then it is half of this later, so that the proof has room.
     """
-    state: Any = run.state
     end: Number = state.run.proved + ZERO
-    if not any(end == front.tick for front in state.log[: state.run.rows]):
-        later: Number = state.tree[1]
-        _go_on(run, later)
-        segment, node, line, log = state[1:5]
-        proved: Any = finality.finality_time(
-            segment, node, line, log, later, ZERO)  # type: ignore[arg-type]
-        end = later if proved == later else end
+    if all(end != front.tick for front in state.log[: state.run.rows]):
+        end = state.tree[1]
+        state.go(end, ENDLESS, ZERO)
     last = max((change.tick + ZERO for change in state.changes if change.tick <= end), default=ZERO)
     wait = (end - last) * HALF
-    _go_on(run, end + wait)
+    state.go(end + wait, ENDLESS, ZERO)
     return end + wait, wait
 
 
@@ -151,8 +134,10 @@ def _spells(run: ExactRun, contact: int, until: Number) -> tuple[list[Spell], li
 
 def _lasting(spell: Spell, in_order: bool) -> list[Number]:
     """Force while it presses, or gap while it is open, as waves come, and when these come."""
-    found, times = spell.at_the_start, [t for t, _ in spell.waves]
-    for t in times if spell.status in (Status.PRESS, Status.OPEN) else ():
+    apart = spell.gap if spell.gap > 0 else -spell.closing
+    known: dict[int, list[Number]] = {Status.PRESS: [spell.closing], Status.OPEN: [apart]}
+    found, times = known.get(spell.status, []), [t for t, _ in spell.waves]
+    for t in times if found else ():
         closing, gap = spell.closing, spell.gap - spell.closing * (t - spell.start)
         for earlier, jump in spell.waves:
             passed = t - earlier
