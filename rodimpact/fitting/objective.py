@@ -24,8 +24,7 @@ from ..records.comparison import misfit_of
 from ..records.signal import Signal
 from ..results.solution import Solution
 from .measured import Measured
-from .parameters import Parameter, changed
-from .ties import KINDS
+from .parameters import KINDS, Parameter, changed
 
 CHANGE = 1e-3  # of the plateau, by which signals are to change for a quotient of differences
 FIRST, LEAST, MOST = 1e-4, 1e-6, 1e-2  # steps between the bounds for that

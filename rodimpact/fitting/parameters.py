@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from fnmatch import fnmatchcase
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from ..model import System
-from ..model.frozen import InvalidModel, Problems
+from ..model.arguments import array
+from ..model.frozen import InvalidModel, refusal
 from ..model.paths import held_at, numbers_of, places_of, suggestion, unit_at, with_numbers
-from ..model.quantities import floats
 from ..units import shown
+from .measured import Measured
 
+HEAD = "records."
+KINDS = "shift", "gain", "blur"
 RATIO = 10.0  # of bounds from which on what lies between is divided in equal ratios
 
 
@@ -68,44 +70,71 @@ class Parameter(NamedTuple):
         return not self.kind and self.low > 0 and self.high / self.low >= RATIO
 
 
-def parameters_of(
-    problems: Problems, system: System, vary: Mapping[str, Any]
-) -> list[Parameter]:
-    """The parameters to vary, each with its bounds; errors are added to `problems`."""
+def parameters_of(system: System, vary: Mapping[str, Any]) -> list[Parameter]:
+    """The parameters to vary, each with its bounds."""
     known, numbers, taken = places_of(system), numbers_of(system), dict[str, str]()
     found = []
     for path, bounds in vary.items():
         if path not in known:
             message = f"is not a parameter of the system; {suggestion(str(path), known)}"
-            problems.append((f"vary.{path}", message))
-            continue
+            raise refusal(f"vary.{path}", message)
         unit = unit_at(system, known[path][0])
-        if (ends := ends_of(problems, path, bounds, unit)) is None:
-            continue
         for place in known[path]:
-            other = taken.setdefault(held_at(place), path)
-            if other != path:
+            if (other := taken.setdefault(held_at(place), path)) != path:
                 message = f"is already varied as {other}; leave one of them out"
-                problems.append((f"vary.{path}", message))
-                break
+                raise refusal(f"vary.{path}", message)
         start = float(numbers[known[path][0]])
-        found.append(Parameter(path, *ends, unit, start, known[path]))
+        found.append(Parameter(path, *ends_of(path, bounds, unit), unit, start, known[path]))
     return found
 
 
-def ends_of(
-    problems: Problems, path: str, bounds: Any, unit: str
-) -> tuple[float, float] | None:
-    """Bounds of a parameter; None, and an entry in `problems`, if they are invalid."""
-    try:
-        ends = floats(bounds, unit)
-    except ValueError as error:
-        problems.append((f"vary.{path}", str(error)))
-        return None
-    if ends.shape != (2,) or not (np.isfinite(ends).all() and ends[0] < ends[1]):
+def record_numbers(
+    system: System, measured: Sequence[Measured], vary: Mapping[str, Any], until: float
+) -> list[Parameter]:
+    """Shift, gain and blur of every record, once each.
+
+    A name in `vary` may hold the wildcards ``*`` and ``[01]``: all matching numbers become one.
+    """
+    groups: dict[str, list[tuple[int, str]]] = {name: [] for name in vary}
+    for kind in KINDS:
+        for k in range(len(measured)):
+            path = f"{HEAD}{k}.{kind}"
+            names = [name for name in vary if fnmatchcase(path, name)] or [path]
+            if len(names) > 1:
+                message = f"names {path}, which {names[0]} includes; leave one of them out"
+                raise refusal(f"vary.{names[1]}", message)
+            groups.setdefault(names[0], []).append((k, kind))
+    found = []
+    for name, members in groups.items():
+        alike = {(kind, _unit(measured[k], kind)) for k, kind in members}
+        if len(alike) != 1:
+            raise refusal(f"vary.{name}", "is not one number of records, in one unit; give a name "
+                          f"such as {HEAD}0.shift, or {HEAD}*.gain for one gain of all")
+        ((kind, unit),) = alike
+        records = tuple(k for k, _ in members)
+        ends: tuple[float, float] | None = None
+        if name not in vary:
+            ends = measured[records[0]].limits[kind]
+        elif vary[name] is not None or kind == "blur":
+            ends = ends_of(name, vary[name], unit)
+        if ends is None and kind == "shift":
+            first, last = zip(*(measured[k].shifts(until, system) for k in records), strict=True)
+            ends = min(first), max(last)
+        low, high = ends or (-math.inf, math.inf)
+        found.append(Parameter(name, low, high, unit, kind=kind, records=records))
+    return found
+
+
+def _unit(measured: Measured, kind: str) -> str:
+    return measured.signal.unit if kind == "gain" else "s"
+
+
+def ends_of(path: str, bounds: Any, unit: str) -> tuple[float, float]:
+    """Bounds of a parameter."""
+    ends = array(f"vary.{path}", bounds, unit, "any")
+    if ends.shape != (2,) or not ends[0] < ends[1]:
         message = f"must be (low, high), two numbers with low < high, got {shown(bounds)}"
-        problems.append((f"vary.{path}", message))
-        return None
+        raise refusal(f"vary.{path}", message)
     return float(ends[0]), float(ends[1])
 
 

@@ -17,17 +17,15 @@ import numpy as np
 from ..methods.duration import Forecast, Progress, warn
 from ..methods.registry import METHODS, Options, check_function, count
 from ..model import Rod, System
-from ..model.arguments import of_kind
-from ..model.frozen import Problems, number, raise_noted
+from ..model.arguments import of_kind, single
+from ..model.frozen import Problems, raise_noted, refusal
 from ..model.quantities import Floats
 from ..running.sweeping import readings_of
 from ..units import shown
-from .doubts import doubts
 from .measured import Measured
 from .objective import Objective
-from .parameters import parameters_of
-from .result import Descent, Fit, Fitted
-from .ties import HEAD, record_numbers
+from .parameters import HEAD, parameters_of, record_numbers
+from .result import Descent, Fit, Fitted, doubts
 from .uncertainty import covariance
 
 TRIES = 16  # systems of the coarse sweep for each number that varies
@@ -108,29 +106,26 @@ def fit(
     records: list[Any] = list(measured) if isinstance(measured, list | tuple) else [measured]
     for each in records or [measured]:
         of_kind("measured", each, Measured, "Measured(signal, gauge=(1, 0.5))")
-    problems: Problems = []
     options = Options(until, method, dt=dt, rtol=rtol, cells=cells)
     options = replace(options, method=options.method_for(system))
     if system.shape:
         message = f"must be one system, got a family of shape {system.shape}; fit system[index]"
-        problems.append(("system", message))
-    shortest = min(float(np.diff(m.signal.times).min()) for m in records)
-    step: Any = number(problems, "interval", shortest if interval is None else interval, "s",
-                       "positive")
-    begins = count(problems, "starts", starts)
-    check_function(problems, "progress", progress)
+        raise refusal("system", message)
     if options.until is None:
-        problems.append(("until", "is missing; give a time, s, at which all pulses have passed"))
-    readings_of(problems, system, [m.gauge for m in records], np.zeros(1))
+        raise refusal("until", "is missing; give a time, s, at which all pulses have passed")
     if not isinstance(vary, Mapping) or not vary:
         message = "must name numbers with their bounds, such as {'bodies.0.length': (0.1, 0.2)}"
-        problems.append(("vary", f"{message}, got {shown(vary)}"))
+        raise refusal("vary", f"{message}, got {shown(vary)}")
+    shortest = min(float(np.diff(m.signal.times).min()) for m in records)
+    step = single("interval", shortest if interval is None else interval, "s", "positive")
+    problems: Problems = []
+    begins = count(problems, "starts", starts)
+    check_function(problems, "progress", progress)
+    readings_of(problems, system, [m.gauge for m in records], np.zeros(1))
     raise_noted(problems)
-    assert options.until is not None
     ours = {path: ends for path, ends in vary.items() if str(path).startswith(HEAD)}
-    parameters = parameters_of(problems, system, {p: e for p, e in vary.items() if p not in ours})
-    of_records = record_numbers(problems, system, records, ours, options.until)
-    raise_noted(problems)
+    parameters = parameters_of(system, {p: e for p, e in vary.items() if p not in ours})
+    of_records = record_numbers(system, records, ours, options.until)
     if dt is rtol is cells is None:
         options = replace(options, cells=_cells(options.method, system, step))
     objective = Objective(system, records, parameters, of_records, options, step, executor)

@@ -10,10 +10,9 @@ from exhaustive import few_of
 from scipy.signal import lfilter
 
 import rodimpact as ri
-from rodimpact.fitting.doubts import doubts
 from rodimpact.fitting.objective import Objective
-from rodimpact.fitting.parameters import changed, parameters_of
-from rodimpact.fitting.ties import record_numbers
+from rodimpact.fitting.parameters import changed, parameters_of, record_numbers
+from rodimpact.fitting.result import doubts
 from rodimpact.fitting.uncertainty import covariance
 from rodimpact.methods.registry import Options
 from rodimpact.units import format_si
@@ -121,10 +120,8 @@ def test_records_share_what_is_tied():
 
 
 def objective_of(records, vary):
-    problems = []
-    parameters = parameters_of(problems, rods(), vary)
-    of_records = record_numbers(problems, rods(), records, {}, UNTIL)
-    assert not problems
+    parameters = parameters_of(rods(), vary)
+    of_records = record_numbers(rods(), records, {}, UNTIL)
     return parameters, Objective(
         rods(), records, parameters, of_records, Options(UNTIL, "fronts"), 5e-7, None)
 
@@ -255,7 +252,7 @@ def test_paths_are_those_of_case_files():
     system = rods(material=titanium, contacts=[ri.Hertz(1e10)], gaps=[1e-3])
     vary = {"materials.titanium.wave_speed": (4000, 6000), "materials.titanium.density": (4e3, 5e3),
             "contacts.0.stiffness": (1e8, 1e12), "contacts.0.gap": (0.0, 1e-2)}
-    parameters = parameters_of([], system, vary)
+    parameters = parameters_of(system, vary)
     assert [p.unit for p in parameters] == ["m/s", "kg/m^3", "N/m^1.5", "m"]
     assert parameters[0].start == titanium.wave_speed
     assert parameters[2].value(0.5) == pytest.approx(1e10)
@@ -263,7 +260,7 @@ def test_paths_are_those_of_case_files():
     wanted = rods(material=other, contacts=[ri.Hertz(1e11)], gaps=[2e-3])
     assert changed(system, parameters, [5000.0, 4500.0, 1e11, 2e-3]) == wanted
     steps = rods(velocity=ri.Steps([1.0, 2.0], at=[0.1]))
-    moved = changed(steps, parameters_of([], steps, {"bodies.0.velocity.values.1": (0, 9)}), [3.0])
+    moved = changed(steps, parameters_of(steps, {"bodies.0.velocity.values.1": (0, 9)}), [3.0])
     assert moved == rods(velocity=ri.Steps([1.0, 3.0], at=[0.1]))
     for p in parameters:
         assert p.value(p.share(p.low * 0.7 + p.high * 0.3)) == pytest.approx(
