@@ -150,12 +150,6 @@ class System(Frozen):
 
     def __getitem__(self, index: Any) -> System:
         """Member of a family, or a smaller family, by NumPy's rules of indexing."""
-        try:
-            wanted = np.broadcast_to(0.0, self.shape)[index].shape
-        except (IndexError, OverflowError, ValueError) as error:
-            message = f"{shown(index)} picks nothing of a family of shape {self.shape}: {error}"
-            raise IndexError(message) from None
-
         def pick(array: Floats) -> Number:
             view = np.broadcast_to(array, self.shape)[index]
             # an array is kept along the axes along which it varies
@@ -165,7 +159,7 @@ class System(Frozen):
             return chosen if chosen.ndim else chosen.item()
 
         member = self._mapped(pick)
-        member._set(_shape=wanted)
+        member._set(_shape=np.broadcast_to(0.0, self.shape)[index].shape)
         return member
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
