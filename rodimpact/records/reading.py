@@ -22,9 +22,8 @@ import numpy as np
 from .. import units as known_units
 from ..methods import memory
 from ..methods.duration import Forecast, Progress, warn
-from ..methods.registry import check_function
 from ..model.arguments import one_of, single
-from ..model.frozen import Problems, nearest, raise_noted, refusal
+from ..model.frozen import nearest, refusal
 from ..model.quantities import Floats
 from ..storage.reading import FileFormatError, open_regular
 from ..storage.tables import TIMES
@@ -38,8 +37,7 @@ SURE = 3  # rows of numbers that begin a table
 GAP = 1.5  # steps from which on samples are missing
 HELD = 8  # samples in a row at the largest value, and
 LONGER = 4  # times as many as at any other: a recorder at its limit
-MOST_HEAD = 10_000  # lines before the numbers
-BLOCK = 1 << 19  # characters that are read at once, and the most of a line
+BLOCK = 1 << 17  # characters: the most before the numbers, and between two reports of progress
 TIMES_FILE = 4  # bytes of memory for each byte of a table
 WORDS = {"second": "s", "seconds": "s", "sec": "s", "msec": "ms", "usec": "us", "nsec": "ns",
          "volt": "V", "volts": "V", "strain": "1", "-": "1", "m/m": "1", "mm/mm": "1"}
@@ -187,9 +185,8 @@ def read_signals(
         rate = single("rate", rate, "Hz", "positive")
         if time is not None or time_unit is not None:
             raise refusal("rate", "give either rate or a column of times, not both")
-    problems: Problems = []
-    check_function(problems, "progress", progress)
-    raise_noted(problems)
+    if progress is not None and not callable(progress):
+        raise refusal("progress", f"must be a function, got {shown(progress)}")
     with open_regular(path) as file:
         memory.check_file(file.name, TIMES_FILE * os.fstat(file.fileno()).st_size,
                           "cut it into shorter records")
@@ -205,8 +202,8 @@ class _Table:
     def __init__(self, text: str, decimal: str | None, progress: Any) -> None:
         text, said = as_table(text)
         self.text = text
-        lines = text[:BLOCK].split("\n", MOST_HEAD + 2 * SURE)
-        if len(text) > BLOCK or len(lines) > MOST_HEAD + 2 * SURE:
+        lines = text[:BLOCK].split("\n")
+        if len(text) > BLOCK:
             lines.pop()  # it goes on
         self.form, before = _form_of(lines, text, decimal)
         self.count, self.first = self.form.numbers(lines[before]), before + 1
@@ -384,7 +381,7 @@ def _form_of(lines: list[str], text: str, decimal: str | None) -> tuple[_Form, i
     forms = [form for form in FORMS if decimal in (None, form.decimal)
              and (form != QUOTED or _QUOTED.search(text))]
     found: list[_Form] = []
-    for start in range(min(len(lines), MOST_HEAD)):
+    for start in range(len(lines)):
         if found := [form for form in forms if _begins(lines, start, form)]:
             break
     else:
@@ -408,7 +405,7 @@ def _form_of(lines: list[str], text: str, decimal: str | None) -> tuple[_Form, i
 
 def _why_none(lines: list[str], forms: list[_Form]) -> str:
     """What keeps a line in the middle of the file from being numbers, and the remedy."""
-    filled = [i for i, line in enumerate(lines[:MOST_HEAD]) if line.strip()]
+    filled = [i for i, line in enumerate(lines) if line.strip()]
     if not filled:
         return "; export it as text, with one row for each sample"
     i = filled[len(filled) // 2]
@@ -444,16 +441,12 @@ def _heads(lines: list[str], form: _Form, count: int) -> tuple[list[str], list[s
     if count > 1 and form.is_number(rows[-1][0]):
         raise FileFormatError(
             f"begins with a line that mixes {shown(rows[-1])} and numbers; complete or remove it")
-    below: list[str] = []
-    units = [_spelt(cell.strip("[]() ")) for cell in rows[-1]]
-    if len(rows) > 1 and all(known_units.conversion(unit) is not None for unit in units):
-        below = units
-        rows.pop()
-    names, inside = zip(*map(_name_and_unit, rows[-1]), strict=True)
-    double = [name for name in names if names.count(name) > 1]
-    if double:
+    below = [_spelt(cell.strip("[]() ")) for cell in rows[-1]]
+    alone = len(rows) > 1 and all(known_units.conversion(unit) is not None for unit in below)
+    names, inside = zip(*map(_name_and_unit, rows[-2 if alone else -1]), strict=True)
+    if double := [name for name in names if names.count(name) > 1]:
         raise FileFormatError(f"has two columns called {shown(double[0])}; rename one")
-    return list(names), below or list(inside)
+    return list(names), below if alone else list(inside)
 
 
 def _head_cells(text: str, form: _Form, count: int) -> list[str]:
