@@ -335,6 +335,19 @@ def test_bars_are_calibrated_by_a_shot_without_a_specimen():
     assert free.gains == pytest.approx((1, 0.93 / 1.05), rel=0.01)
 
 
+def test_bars_of_unlike_impedance_are_calibrated():
+    metal = ri.Material("metal", youngs_modulus=2e11, density=8000)
+    striker, bar, other = (ri.Rod(length, area=area, material=metal, velocity=speed)
+                           for length, area, speed in ((0.3, 1e-4, 10.0), (1.5, 1e-4, 0.0),
+                                                       (1.5, 8e-5, 0.0)))
+    run = ri.solve(ri.System([striker, bar, other]), until=1.5e-3)
+    gauges = [ri.BarGauge(run.gauge(body, 0.75).signal(1e-6), 0.75) for body in (1, 2)]
+    found = ri.calibrate(*gauges, (bar, other), striker_speed=10.0)
+    assert found.gains == pytest.approx((1, 1), rel=1e-3)
+    assert found.reflected == pytest.approx(found.expected, rel=0.02)
+    assert found.expected == pytest.approx(-1 / 9)
+
+
 def test_a_calibration_stands_for_the_bars(shot):
     gauges, _ = together(gains=(1.05, 0.93), noise=0.003)
     found = ri.calibrate(*gauges, BAR, striker_speed=9.0)
