@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from .. import materials
-from ..methods.registry import Options
+from ..methods.registry import NUMBERS, Options
 from ..model import SIDES, System
 from ..model.bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from ..model.ends import ENDS, FREE, End
@@ -23,7 +23,6 @@ from .case import SCHEMA, Case, GaugePlace
 from .case_tables import Table
 from .grids import Grids
 
-OPTIONS = {"until": "time", "dt": "time", "rtol": "dimensionless"}  # with units
 DAMPING = {"loss_factor": Field("", "non-negative"), "loss_frequency": Field("Hz", "positive")}
 SEGMENT = (*Segment.fields, "material", "lateral_inertia")
 OF_SYSTEM = {r"^gaps\.(\d+)": r"contacts.\1.gap", "^gaps$": "contacts"}
@@ -231,9 +230,8 @@ def _read_end(table: Table) -> End:
 
 def _read_solve(table: Table) -> dict[str, Any]:
     options = {key: table.data[key] for key in defaults_of(Options) if table.has(key)}
-    for key, dimension in OPTIONS.items():
-        if key in options:
-            options[key] = table.quantity(key, options[key], dimension)
+    for key in [key for key in NUMBERS if key in options]:
+        options[key] = table.quantity(key, options[key], NUMBERS[key].dimension)
     table.make(Options, **options)
     table.close()
     return options

@@ -11,16 +11,15 @@ import json
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
-from ..methods.registry import METHOD_NAMES, Options
+from ..methods.registry import METHOD_NAMES, NUMBERS, Options
 from ..model import SIDES, System
 from ..model.bodies import BODIES, Material, Rod, Segment
 from ..model.ends import ENDS
 from ..model.frozen import REQUIRED, Field, defaults_of
 from ..model.lateral_inertia import THEORIES
 from ..model.laws import CONTACT_LAWS, FACE, Hertz
-from ..units import si_unit
 from .case import SCHEMA
-from .case_reading import DAMPING, OPTIONS
+from .case_reading import DAMPING
 
 TYPICAL = {
     "m": "400 mm", "m^2": "1 cm^2", "kg": "2 kg", "m/s": "1 m/s", "Pa": "200 GPa",
@@ -161,9 +160,9 @@ def _faces() -> list[Entry]:
 def _options() -> list[Entry]:
     entries = []
     for key, default in defaults_of(Options).items():
-        unit = si_unit(OPTIONS[key]) or "1" if key in OPTIONS else ""
-        takes = _either(METHOD_NAMES) if key == "method" else "> 0" if unit else "whole number"
-        entries.append(Entry(key, unit, takes, "none" if default is None else str(default)))
+        takes = _either(METHOD_NAMES) if key == "method" else "whole number"
+        entry = Entry(key, "", takes, "none" if default is None else str(default))
+        entries.append(_number(key, NUMBERS[key]) if key in NUMBERS else entry)
     return entries
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from .. import units
@@ -18,8 +18,8 @@ from ..units import shown
 from .grids import Grids
 
 PROFILES = {  # how a profile is written along a rod, and in time
-    "length": "; a profile is written {values = [...], at = [...]} or {samples = [...]}",
-    "time": "; a profile is written {values = [...], at = [...]} or {samples = [...], step = ...}",
+    "length": " A profile is written {values = [...], at = [...]} or {samples = [...]};",
+    "time": " A profile is written {values = [...], at = [...]} or {samples = [...], step = ...};",
 }
 OF_SAMPLES = {r"^values\[(\d+)\]": r"samples.\1", "^values": "samples"}
 """Keys of a table, where the model calls numbers otherwise."""
@@ -86,29 +86,20 @@ class Table:
                 return self.word(key, (field.word,))
             if "infinite" in field.sign and value in ("inf", math.inf):
                 return math.inf
-        return self._variable(key, value, field.dimension, PROFILES.get(field.along, ""))
+        return self.quantity(key, value, field.dimension, True, PROFILES.get(field.along, ""))
 
-    def _variable(self, key: str, value: Any, dimension: str, hint: str = "") -> Any:
-        """The grid that varies this number, or else what the file says it is."""
+    def quantity(
+        self, key: str, value: Any, dimension: str, vary: bool = False, hint: str = ""
+    ) -> Any:
+        """Value of a number or a text with unit, or the grid that varies it; nan for others."""
         path = self.where(key)
-        if self.grids.ask(path):
-            return self._told(key, self.grids.take, path, dimension)
-        if isinstance(value, list):
-            remedy = f'vary={{"{path}": "start:stop:count"}} varies it'
-            self.note(key, f"must be a single number, got {shown(value)}{hint}; {remedy}")
-            return math.nan
-        return self.quantity(key, value, dimension)
-
-    def quantity(self, key: str, value: Any, dimension: str) -> Any:
-        """Value of a number or text with unit, nan if it is neither."""
-        return self._told(key, units.parse, value, dimension)
-
-    def _told(self, key: str, read: Callable[..., Any], *given: Any) -> Any:
-        """What is read of this; nan, with the mistake noted, where it cannot be."""
         try:
-            return read(*given)
+            if vary and self.grids.ask(path):
+                return self.grids.take(path, dimension)
+            return units.parse(value, dimension)
         except ValueError as error:
-            self.note(key, str(error))
+            told = f'{hint} vary={{"{path}": "start:stop:count"}} varies it' if vary else ""
+            self.note(key, f"{error}{told if isinstance(value, list) else ''}")
             return math.nan
 
     def _profile(self, key: str, field: Field) -> Any:
@@ -117,7 +108,7 @@ class Table:
         if inner.has("samples"):
             apart = Samples.fields["step"]._replace(default=REQUIRED)
             step = inner.entry("step", apart) if field.along == "time" else None
-            values = inner.numbers("samples", field.dimension, inner.quantity)
+            values = inner.numbers("samples", field.dimension, vary=False)
             profile = inner.make(Samples, OF_SAMPLES, values=values, step=step)
         else:
             profile = inner.make(Steps, values=inner.numbers("values", field.dimension),
@@ -125,11 +116,11 @@ class Table:
         inner.close()
         return profile or 1.0
 
-    def numbers(self, key: str, dimension: str, read: Callable[..., Any] | None = None) -> Any:
-        """A list of numbers, each of which may vary where `read` is left out; None for others."""
-        given, read = self.get(key), read or self._variable
+    def numbers(self, key: str, dimension: str, vary: bool = True) -> Any:
+        """A list of numbers, each of which may vary or not; None for anything else."""
+        given = self.get(key)
         if isinstance(given, list):
-            return [read(f"{key}.{i}", value, dimension) for i, value in enumerate(given)]
+            return [self.quantity(f"{key}.{i}", x, dimension, vary) for i, x in enumerate(given)]
         self.note(key, "is missing; give a list of numbers" if given is None else
                   f"must be a list of numbers, got {shown(given)}")
         return None
