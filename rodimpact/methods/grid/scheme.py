@@ -85,10 +85,10 @@ def eliminated(mesh: Mesh, mass: Array, bound: Array) -> tuple[Array, ...]:
     return tuple(map(np.array, found))
 
 
-def answered(multipliers: Any, push: Any) -> Array:
+def answered(multipliers: tuple[Array, ...], push: Any) -> Array:
     """Changes of velocity for these forces on the nodes; given ones where they are."""
-    x = np.array(push, float)
-    elimination.substitute(*multipliers, x)
+    (into, inverse, back), x = multipliers, np.array(push, float)
+    elimination.substitute(into, inverse, back, x)
     return x
 
 
