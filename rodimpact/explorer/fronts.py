@@ -11,7 +11,7 @@ from typing import Any
 from ..methods.abilities import has_driven_end
 from ..methods.clock import most_rounded
 from ..methods.compiling import blank
-from ..methods.fronts import events, layout, march
+from ..methods.fronts import events, march
 from ..methods.fronts.layout import round_trip
 from ..methods.fronts.method import last_of, status_of, tally_of
 from ..methods.fronts.plan import blank_records, plan_of
@@ -46,12 +46,11 @@ def run_of(asked: Any, further: bool, space: Any) -> Any:
     dict
         The `space`, whose records the kernels have left: ``run``, and lists of the others.
     """
-    run, share = space["run"], FINE
-    run.limit, run.further, run.until = asked.max_events, 1 if further else 0, asked.until
-    if asked.until < 0:
-        run.until = -share
+    run, share = space["run"], FINE if asked.until < 0 else 1.0
+    run.limit, run.further = asked.max_events, further
+    run.until = -share if asked.until < 0 else asked.until
     go(space)
-    while asked.until < 0 and run.stop == Stop.CLOCK and share < 1:
+    while run.stop == Stop.CLOCK and share < 1:
         share = min(4 * share, 1.0)
         run.until = -share
         go(space)
@@ -89,10 +88,12 @@ def motion_of(run: Any) -> Any:
             pieces.append(piece)
     waves = reading.waves_of(pieces, len(run["line"]) - 2)
     transits = [at.transit for at in run["segment"][1 : len(row.segments) + 1]]
+    steady = [wave_of(wave["start"], [piece.coefficient[0] for piece in wave["piece"]])
+              for wave in waves]
     rods = [{"body": i, "pieces": [
         {"length": row.segments[s].length, "wave_speed": row.segments[s].wave_speed,
          "youngs_modulus": row.segments[s].material.youngs_modulus, "ticks": transits[s],
-         "rightward": between_fronts(waves[2 * s]), "leftward": between_fronts(waves[2 * s + 1])}
+         "rightward": steady[2 * s], "leftward": steady[2 * s + 1]}
         for s in range(first - 1, last)
     ]} for i, (first, last) in enumerate(row.spans)]
     now: int = it.now
@@ -103,33 +104,22 @@ def motion_of(run: Any) -> Any:
             "rods": rods}
 
 
-def between_fronts(wave: Any) -> Any:
-    """A wave of constant pieces as `polygons_of` has it."""
-    return wave_of(wave["start"], [piece.coefficient[0] for piece in wave["piece"]])
-
-
 def contact_curves(run: Any, stop: int) -> list[Any]:
     """Force, N, and gap, m, of each contact, at the times at which the contact changes.
 
     The kernel runs again, event by event, to `stop`.
     """
     again, tick, now = space_of(run["plan"]), run["run"].tick, 0
-    it, given, piece = again["run"], run["plan"].numbers, again["piece"]
-    segment, node, line = again["segment"], again["node"], again["line"]
-    log, tree = again["log"], again["tree"]
-    it.until, it.limit, it.further = run["run"].until, run["run"].limit, 1
-    layout.choose_clock([it], 0, again["body"], given, piece, segment, node)
-    layout.lay_out(it, again["body"], given, piece, segment, node, line, log)
-    events.begin(it, segment, node, line, log, tree)
-    it.rest = IDLE  # nothing is to be proved
+    it, segment, node, line, log, tree = [
+        again[name] for name in ("run", "segment", "node", "line", "log", "tree")]
+    it.until, it.limit, it.further = run["run"].until, 0, 1
+    go(again)  # what happens at t = 0
+    it.limit, it.rest = run["run"].limit, IDLE  # nothing is to be proved
     contacts, laws = run["plan"].contacts, run["plan"].row.system.contacts
     curves: list[Any] = [
         {"force": {"t": [], "y": []}, "gap": {"t": [], "y": []} if law.opens else None}
         for law in laws]
-    while now < stop:
-        now = min(tree[1], stop)
-        while events.advance(it, segment, node, line, log, tree, now) == Stop.FULL:
-            log.extend(blank(len(log), ROW))
+    while now <= stop:
         for i, k in enumerate(contacts):
             at, force, gap = node[k], curves[i]["force"], curves[i]["gap"]
             if at.since == now or now in (0, stop):
@@ -141,6 +131,9 @@ def contact_curves(run: Any, stop: int) -> list[Any]:
                 if gap is not None:
                     gap["t"].append(now * tick)
                     gap["y"].append(max(at.gap + at.rate * (now - at.since), 0.0) * tick)
+        now = min(tree[1], stop) if now < stop else stop + 1
+        while events.advance(it, segment, node, line, log, tree, min(now, stop)) == Stop.FULL:
+            log.extend(blank(len(log), ROW))
     return curves
 
 
