@@ -76,7 +76,8 @@ function showLegend() {
   byId("most").textContent = `+${reach}`;
 }
 
-const micro = (text) => text.replace(/ us\b/g, " µs");
+/** A sentence as the page has it: with µ, and without what only Python can be asked for. */
+const plainly = (text) => text.replace(/ us\b/g, " µs").replace(/[.;] [^.;]*(max_events|until=)[^.]*\./g, ".");
 
 function showNumbers(scene) {
   const { restitution: e } = scene;
@@ -90,10 +91,10 @@ function showNumbers(scene) {
   const beside = known ? `Closed form (${known.source}): ${plainNumber(known.restitution, 6)}` : "";
   const apart = Math.abs(e.value - (known || {}).restitution);
   const off = e.value === null || !known ? "" : apart < 1e-12 ? ", the same to 12 digits" : `; difference ${plainNumber(apart, 1)}`;
-  byId("theory").textContent = (e.why ? `${e.why}. ` : "") + beside + off;
+  byId("theory").textContent = (e.why ? `${plainly(e.why)}. ` : "") + beside + off;
   fillTable(byId("results"), scene.results);
-  write(byId("reason"), minus(micro(scene.reason.join(" "))));
-  const notes = scene.notes.map(micro);
+  write(byId("reason"), minus(plainly(scene.reason.join(" "))));
+  const notes = scene.notes.map(plainly);
   if (byId("notes").dataset.shown !== notes.join()) {
     byId("notes").dataset.shown = notes.join();
     byId("notes").replaceChildren(...notes.map((text) => make("p", {}, text)));

@@ -96,9 +96,7 @@ const py = {
   bisect_left: (list, x, low = 0, high = list.length) => py.bisect(list, x, low, high, false),
   bisect_right: (list, x, low = 0, high = list.length) => py.bisect(list, x, low, high, true),
   sorted: (numbers) => Array.from(numbers).sort((a, b) => a - b),
-  extend(list, more) {
-    for (const item of more) list.push(item);
-  },
+  extend: (list, more) => more.forEach((item) => list.push(item)),
   has: (all, key) => (Array.isArray(all) ? all.includes(key) : Object.hasOwn(all, key)),
   get: (table, key, other = null) => (Object.hasOwn(table, key) ? table[key] : other),
   /** Text of a whole number; or format "g": so many digits, halves to the even one, without zeros at the end. */
