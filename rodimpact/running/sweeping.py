@@ -189,7 +189,8 @@ def sweep(
     if workers is not None:
         workers = count(problems, "workers", workers)
     check_function(problems, "progress", progress)
-    if not isinstance(executor, Executor | None):
+    runs_chunks = isinstance(executor, Executor | None)
+    if not runs_chunks:
         message = "must be an executor, such as concurrent.futures.ProcessPoolExecutor()"
         problems.append(("executor", f"{message}, got {executor!r}"))
     try:

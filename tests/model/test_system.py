@@ -177,21 +177,11 @@ def test_derived_quantities():
     assert segment.mass == pytest.approx(4.0 * 2e-4 * 0.5)
 
 
-def test_a_mass_may_stand_anywhere_and_walls_not_alone():
-    hertz = ri.Hertz(1e9)
-    row = ri.System([ri.Wall(), MASS, MASS, rod(), MASS, rod(), MASS],
-                    contacts=[hertz, hertz, *[ri.Rigid()] * 4])
-    assert ri.System.from_dict(row.to_dict()) == row
-    alone = ri.System([MASS, MASS], contacts=[hertz])
-    assert ri.System.from_dict(alone.to_dict()) == alone
-
-
 def test_without_gravity_nothing_is_said_of_it():
     assert ri.System([rod()], gravity=0) == ri.System([rod()], gravity=-0.0) == ri.System([rod()])
     assert set(ri.System([rod()]).to_dict()) == {"bodies", "contacts"}
     falling = ri.System([rod(), ri.Wall()], gravity=9.81)
     assert falling.to_dict()["gravity"] == 9.81
-    assert ri.System.from_dict(falling.to_dict()) == falling
     assert falling.digest != ri.System([rod(), ri.Wall()]).digest
 
 
@@ -236,6 +226,7 @@ def test_numbers_of_every_kind_make_families_by_their_paths():
     assert member.bodies[1] == ri.RigidMass(2.0, velocity=3.0)
     assert member.contacts[1] == ri.SpringDashpot(3.0, 2.0)
     assert (member.gravity, member.ends[1]) == (2.0, ri.Pushed(3.0))
+    assert row[:, 0].shape == (3,)
 
 
 def test_objects_are_frozen_and_compare_by_value():
@@ -251,27 +242,21 @@ def test_objects_are_frozen_and_compare_by_value():
     assert len({rod(), rod(), ri.Wall()}) == 2
 
 
-def test_a_system_survives_its_description():
-    row = ri.System(
-        [ri.Wall(1.0), rod(velocity=ri.Steps([1.0, 0.0], [0.25]), strain=1e-4),
-         ri.Rod(segments=[ri.Segment(0.2, 1e-4, steel), ri.Segment(0.3, 2e-4, glass)])],
-        [0.0, 1e-5], [ri.Bonded(), ri.Rigid()],
-    )
-    again = ri.System.from_dict(row.to_dict())
-    assert again == row
-    assert again.digest == row.digest
+HERTZ = ri.Hertz(1e9)
 
 
-def test_families_broadcast():
-    family = ri.System([
-        rod(length=np.array([0.1, 0.2, 0.3])[:, None], velocity=np.array([1.0, 2.0])), ri.Wall(),
-    ])
-    assert family.shape == (3, 2)
-    member = family[2, 1]
-    assert member.shape == ()
-    assert member == ri.System([rod(length=0.3, velocity=2.0), ri.Wall()])
-    assert family[:, 0].shape == (3,)
-    assert ri.System.from_dict(family.to_dict()) == family
+@pytest.mark.parametrize("system", [
+    row(ri.Wall(1.0), rod(velocity=ri.Steps([1.0, 0.0], [0.25]), strain=1e-4),
+        ri.Rod(segments=[ri.Segment(0.2, 1e-4, steel), ri.Segment(0.3, 2e-4, glass)]),
+        gaps=[0.0, 1e-5], contacts=[ri.Bonded(), ri.Rigid()]),
+    row(WALL, MASS, MASS, rod(), MASS, rod(), MASS, contacts=[HERTZ, HERTZ, *[ri.Rigid()] * 4]),
+    row(MASS, MASS, contacts=[HERTZ]), row(rod(), WALL, gravity=9.81),
+    row(rod(length=np.array([0.1, 0.2, 0.3])[:, None], velocity=np.array([1.0, 2.0])), WALL),
+])
+def test_a_system_survives_its_description(system):
+    again = ri.System.from_dict(system.to_dict())
+    assert again == system
+    assert again.digest == system.digest
 
 
 def test_a_mirror_turns_gravity_and_drives():
@@ -401,11 +386,8 @@ def test_steps_keep_the_mass_of_a_taper(areas, n):
     assert steps.segments[0].area == pytest.approx(tapered.area_between([0.0, 1 / n])[0])
 
 
-def test_a_rod_without_tapers_stays_as_it_is_in_steps():
-    assert rod(velocity=1.0).in_steps(7) == rod(velocity=1.0)
-
-
 def test_a_family_of_tapers_in_steps():
+    assert rod(velocity=1.0).in_steps(7) == rod(velocity=1.0)
     family = rod(length=np.array([1.0, 3.0]), area=ri.Samples([1e-4, 3e-4]))
     row = ri.System([family.in_steps(2)])
     assert row.shape == (2,)
