@@ -51,7 +51,6 @@ def run(given: Given) -> tuple[str, int]:
     """Check everything, solve, compare, write the figure, and hand back the table or JSON."""
     case = given.read_case()
     places = record_options.gauge_places(given, case)
-    bridge = record_options.bridge_of(given)
     options = given.run_options(case)
     if not places:
         given.problems.append(("--gauge", f"is missing; {record_options.FORM} gives a channel and "
@@ -63,12 +62,10 @@ def run(given: Given) -> tuple[str, int]:
     records = record_options.read_record(given, places)
     given.check_outputs("save", figure="save")
     for name in places:
-        options_of = {"volts": f"--bridge of {name}", "start, end": f"--start, --stop of {name}"}
-        with given.naming(names=options_of):
-            strain = records[name] if bridge is None else bridge.strain(records[name])
-            records[name] = strain.window(
-                strain.start if given.start is None else given.start,
-                strain.end if given.stop is None else given.stop)
+        record = records[name]
+        with given.naming(names={"start, end": f"--start, --stop of {name}"}):
+            records[name] = record.window(record.start if given.start is None else given.start,
+                                          record.end if given.stop is None else given.stop)
     solution = solved(case.system, **options)
     if reason := nothing_to_draw(solution):
         raise InvalidModel([(case.path, reason)])

@@ -87,7 +87,7 @@ def add_record_options(parser: argparse.ArgumentParser) -> None:
         number(bridge, flag(name), dimension, "")
 
 
-def bridge_of(given: Given) -> Bridge | None:
+def _bridge(given: Given) -> Bridge | None:
     """The bridge, if one is named."""
     own = {name: number for name in _BRIDGE if (number := getattr(given, name)) is not None}
     if given.bridge is None:
@@ -101,7 +101,11 @@ def bridge_of(given: Given) -> Bridge | None:
 
 
 def read_record(given: Given, wanted: Iterable[str]) -> dict[str, Signal]:
-    """Channels of the record; none, and its mistakes noted, if one cannot be read."""
+    """Channels of the record, the wanted ones as strain if there is a bridge.
+
+    None, and its mistakes noted, if one cannot be read.
+    """
+    bridge = _bridge(given)
     units: Any = dict(text.rpartition("=")[::2] for text in given.unit) or None
     if units and units.keys() == {""}:
         units = units[""]  # for all channels
@@ -117,8 +121,11 @@ def read_record(given: Given, wanted: Iterable[str]) -> dict[str, Signal]:
     except OSError as error:
         given.problems.append((given.record, f"cannot be read: {error.strerror or error}"))
         return {}
-    given.problems += [
-        (f"--gauge {name}", f"the record has no channel {name!r}; {nearest(name, signals)}")
-        for name in wanted if signals and name not in signals
-    ]
+    for name in wanted if signals else ():
+        if name not in signals:
+            message = f"the record has no channel {name!r}; {nearest(name, signals)}"
+            given.problems.append((f"--gauge {name}", message))
+        elif bridge:
+            with given.naming(names={"volts": f"--bridge of {name}"}):
+                signals[name] = bridge.strain(signals[name])
     return signals

@@ -44,7 +44,6 @@ def run(given: Given) -> tuple[str, int]:
     """Check everything, reduce, write the files, and hand back the table or JSON."""
     case = given.read_case()
     places = record_options.gauge_places(given, case)
-    bridge = record_options.bridge_of(given)
     specimen: Any = given.attempt(
         Specimen, given.length, area=given.area, diameter=given.diameter,
         youngs_modulus=given.youngs_modulus, incompressible=given.incompressible)
@@ -55,16 +54,15 @@ def run(given: Given) -> tuple[str, int]:
     signals = record_options.read_record(given, places)
     given.problems += [
         ("--bridge", f"is missing; the channel {name!r} is in {signals[name].unit}, not strain")
-        for name in places if bridge is None and name in signals and signals[name].unit
+        for name in places if given.bridge is None and name in signals and signals[name].unit
     ]
     given.check_outputs("csv", "save", figure="save")
     bars: Any = case.system.bodies[first : first + 2]
     gauges: tuple[list[BarGauge], list[BarGauge]] = [], []
     for name, (body, x) in places.items():
-        with given.naming(f"--gauge {name}"):  # such as a signal in no volts
-            strain = signals[name] if bridge is None else bridge.strain(signals[name])
-            far = x if body > first else float(bars[0].length) - x
-            gauges[body - first].append(BarGauge(strain, far))
+        far = x if body > first else float(bars[0].length) - x
+        with given.naming(f"--gauge {name}"):
+            gauges[body - first].append(BarGauge(signals[name], far))
     names = dict.fromkeys(("", "input_gauges", "output_gauges"), "--gauge")
     with given.naming(names={"bars": case.path, **names}):
         found = reduce(*gauges, bars, specimen, compression=given.compression,
