@@ -73,7 +73,7 @@ class GridFields(Fields):
         """Values of a rod at places x, m, between those of a table [state, place]."""
         self._together(self.locate(body, x)[0], ticks)
         i = np.clip(np.searchsorted(places, x, "right") - 1, 0, len(places) - 2)
-        share = np.minimum((x - places[i]) / (places[i + 1] - places[i]), 1.0)
+        share = np.minimum((np.asarray(x) - places[i]) / (places[i + 1] - places[i]), 1.0)
         before, after = (self._in_time(table, at, ticks) for at in (i, i + 1))
         between: Floats = before * (1 - share) + after * share
         return between

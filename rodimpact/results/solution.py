@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -259,22 +258,24 @@ class Solution(Shown):
         """
         xarray = optional("xarray", "xarray")
         x, t = array("x", x, "m").ravel(), array("t", t, "s").ravel()
-        bodies, names = self.system.bodies, ["body", "x", "time"]
+        bodies = self.system.bodies
         lengths = [float(b.length) if isinstance(b, Rod) else 0.0 for b in bodies]
         inside = [(x >= 0) & (x <= length * (1 + 1e-12)) for length in lengths]
         message = f"must lie in a body, from 0 to {max(lengths):.9g} m, got {{0!r}}"
         demand(np.any(inside, axis=0), "x", message, x)
         data: dict[str, Any] = {}
-        for ask in (self.velocity, self.displacement, self.position):
-            data[ask.__name__] = names, self._everywhere(ask, range(len(bodies)), inside, x, t)
-        rods = [i for i, body in enumerate(bodies) if isinstance(body, Rod)]
-        for ask in (self.strain, self.stress, self.axial_force):
-            data[ask.__name__] = names, self._everywhere(ask, rods, inside, x, t)
+        for name in ("velocity", "displacement", "position", "strain", "stress", "axial_force"):
+            values = np.full((len(bodies), x.size, t.size), np.nan)
+            for i, body in enumerate(bodies):
+                asked = isinstance(body, Rod) or name in ("velocity", "displacement", "position")
+                if asked and inside[i].any():
+                    values[i, inside[i]] = getattr(self, name)(i, x[inside[i], None], t)
+            data[name] = ["body", "x", "time"], values
         means = [self.mean_velocity(i, t) for i in range(len(bodies))]
         data["mean_velocity"] = ["body", "time"], np.array(means)
-        for ask_of in (ContactHistory.force, ContactHistory.gap):
-            values = [ask_of(contact, t) for contact in self.contacts]
-            data[ask_of.__name__] = ["contact", "time"], np.reshape(values, (len(values), t.size))
+        for name in ("force", "gap"):
+            histories = [getattr(contact, name)(t) for contact in self.contacts]
+            data[name] = ["contact", "time"], np.reshape(histories, (len(histories), t.size))
         parts = vars(self.energy(t))
         data["energy"] = ["part", "time"], np.array([*parts.values()])
         over = {
@@ -289,16 +290,6 @@ class Solution(Shown):
             {name: (*values, said[name]) for name, values in over.items()},
             {"method": self.method, "status": self.status},
         )
-
-    def _everywhere(
-        self, ask: Any, bodies: Iterable[int], inside: Sequence[Any], x: Floats, t: Floats
-    ) -> Floats:
-        """A field [body, x, time]; nan in other bodies than these, and outside of them."""
-        values = np.full((len(self.system.bodies), x.size, t.size), np.nan)
-        for i in bodies:
-            if inside[i].any():
-                values[i, inside[i]] = ask(i, x[inside[i], None], t)
-        return values
 
     # Energy and state ---------------------------------------------------------------------------
 
