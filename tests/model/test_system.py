@@ -227,6 +227,7 @@ def test_numbers_of_every_kind_make_families_by_their_paths():
     assert member.contacts[1] == ri.SpringDashpot(3.0, 2.0)
     assert (member.gravity, member.ends[1]) == (2.0, ri.Pushed(3.0))
     assert row[:, 0].shape == (3,)
+    assert row[1:].parameters["gravity"].shape == (1, 2)  # along what it varies alone
 
 
 def test_objects_are_frozen_and_compare_by_value():
