@@ -70,6 +70,7 @@ def test_runs_and_curves_are_those_of_the_solution(number):
     curves = fronts.contact_curves(run, stop)
     for curve, contact in zip(curves, solution.contacts, strict=True):
         times, force = map(np.array, curve["force"].values())
+        assert (times[0], times[-1]) == (0.0, stop * moving["tick"])
         assert force[-1] == pytest.approx(contact.force(times[-1]), rel=1e-9, abs=1e-9)
         if curve["gap"] is not None:
             opened, gap = curve["gap"].values()

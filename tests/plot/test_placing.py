@@ -19,7 +19,7 @@ from rodimpact.results.magnification import REACH
 ROWS = {
     **{preset.key: (preset.case.system, {}) for preset in presets()},
     "drifting": (ri.System([rod(0.4, 101.0), rod(1.0, 100.0)]), {}),
-    "gap": (ri.System([rod(0.4, 1.0), rod()], gaps=[1e-4]), {}),
+    "gap": (ri.System([rod(0.4, 1.0).replace(strain=1e-4), rod()], gaps=[1e-4]), {}),
     "struck wall": (ri.System([rod(0.4), ri.Wall(-1.0)]), {}),
     "masses": (ri.System([ri.RigidMass(0.1, velocity=2.0), rod(0.4), ri.RigidMass(0.2)],
                          contacts=[ri.Hertz(1e10), ri.Rigid()]), {"until": 3e-4}),
@@ -28,7 +28,7 @@ ROWS = {
 }
 
 
-USUAL = {"drifting", "masses", "driven"}
+USUAL = {"drifting", "gap", "masses", "driven"}
 
 
 @pytest.fixture(scope="module", params=few_of(ROWS, USUAL))
