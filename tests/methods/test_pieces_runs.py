@@ -66,7 +66,7 @@ def test_members_are_single_solves_in_any_chunks_by_any_executor(monkeypatch):
     monkeypatch.setattr(driver, "CALL", 2)
     monkeypatch.setattr(driver, "ROOM", 8)
     assert totals(ri.sweep(system)) == totals(whole)
-    for index in np.ndindex(system.shape):
+    for index in ((0, 0), (1, 2)):
         with kernels.forced(False):
             single = ri.solve(system[index]).outcome
         assert tuple(v[index] for v in whole.velocities_after) == single.velocities_after
