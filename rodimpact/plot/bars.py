@@ -187,8 +187,9 @@ class Bars:
         return self.plan.end(body, right, self.times) * self.place.factor
 
     def _upright(self, x: Floats, **how: Any) -> None:
-        """An upright line in each row, by default of the colour of ink."""
-        self.ax.vlines(x, self.rows - TALL, self.rows + TALL,
+        """An upright line in each row in which x is known, by default of the colour of ink."""
+        rows = self.rows[np.isfinite(x)]
+        self.ax.vlines(x[np.isfinite(x)], rows - TALL, rows + TALL,
                        **{"color": self.colours.ink, **how})
 
 

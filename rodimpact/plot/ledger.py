@@ -21,7 +21,7 @@ from .sampling import is_stepped
 from .scales import ROUND_OFF, engineering, listed, time_scale, written
 from .style import INK, SMALL, Picture, axes, dress, extent, legend_above, styled
 
-SAMPLES = 81  # energies bend like parabolas where a force acts
+SAMPLES = 61  # energies bend like parabolas where a force acts
 OF_MASSES = 401  # the same where no rod vibrates, and contacts are short
 TURNS = 6  # of contacts that are sampled too
 CORNERS_UP_TO = 500

@@ -73,7 +73,7 @@ class Polygons:
         r = self.regions
         places = plan.place(self._body, r.x, r.t, r.displacement)
         self._corners = corners = plane.points(places, r.t)
-        self._norm, self._across = norm, plane.across
+        self._norm, self._across, self._moving = norm, plane.across, plan.magnification > 0
         if numbers.size == len(r):
             polygons = collections.PolyCollection(
                 np.split(corners, r.start[1:-1]), array=numbers, cmap=colours().signed, norm=norm,
@@ -150,7 +150,7 @@ class Polygons:
                         color=ink_on(self._norm, float(numbers[after])))
 
     def _labels(self, ax: Axes, numbers: Floats) -> list[Text]:
-        """Write each number where its region has room for it."""
+        """Write each number where its region has room for it; boxed, over paths that cross it."""
         low, high = self._norm.inverse(np.array([0.0, 1.0])).tolist()
         reach = (high - low) / 2
         count = 3 + max(0, math.ceil(math.log10(max(-low, high) / reach)))
@@ -165,11 +165,11 @@ class Polygons:
         fits = np.logical_and.reduceat(roomy, self.regions.start[:-1])
         written = []
         for i, (x, y) in zip(np.flatnonzero(fits).tolist(), centres[fits].tolist(), strict=True):
-            ground = colours().signed(self._norm(numbers[i]))  # also over paths that cross it
+            ground = colours().signed(self._norm(numbers[i]))
             written.append(ax.text(
                 x, y, texts[i], ha="center", va="center", zorder=6, fontsize=SMALL,
-                color=ink_on(self._norm, float(numbers[i])),
-                bbox={"facecolor": ground, "edgecolor": "none", "pad": 1.0}))
+                color=ink_on(self._norm, float(numbers[i])), bbox=None if not self._moving else {
+                    "facecolor": ground, "edgecolor": "none", "pad": 1.0}))
         return written
 
 
