@@ -145,9 +145,6 @@ def misfit_of(
         best = float(_best_scale(m @ values, m @ m, scale))
         return float(np.sqrt(np.mean((best * m - values) ** 2))) / level, best
 
-    def rms(shift: float) -> float:
-        return at(shift)[0]
-
     ends = (times[0], times[-1]), (model[0][0], model[0][-1])
     low, high = overlaps(*ends) if shift is None else shift
     best, near = low, 0.0
@@ -157,10 +154,11 @@ def misfit_of(
         shifts, step = _best_shifts(record, model, (low, high), scale)
         options = {"xatol": 1e-9 * (times[-1] - times[0])}
         refined = [
-            float(minimize_scalar(rms, bounds=(max(s - step, low), min(s + step, high)),
-                                  method="bounded", options=options).x) for s in shifts
+            float(minimize_scalar(lambda x: at(x)[0], method="bounded", options=options,
+                                  bounds=(max(s - step, low), min(s + step, high))).x)
+            for s in shifts
         ]
-        best = min([*refined, *shifts], key=rms)
+        best = min([*refined, *shifts], key=at)
         near = step if shift is None else AT_LIMIT * (high - low)
     found, factor = at(best)
     limits = {"shift": (best, low, high, near)}
