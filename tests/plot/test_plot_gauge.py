@@ -80,3 +80,12 @@ def test_where_there_is_no_pulse_nothing_is_shaded(system):
 def test_a_gauge_at_a_free_end_has_windows_too():
     solution = ri.solve(ri.System([rod(0.2, 10.0), rod()]), 6e-4)
     assert spans(draw(solution.gauge(1, 1.0)))["incident"][0] == pytest.approx(1e6 / C)
+
+
+@pytest.mark.parametrize("method", ["fronts", "characteristics", "finite-difference"])
+def test_a_record_is_drawn_to_its_end(method):
+    solution = ri.solve(ri.System([rod(0.2, 10.0), rod()]), 6e-4, method)
+    steps = draw(solution.gauge(1, 0.4)).strain, plot.contact(solution).forces[0]
+    for values, edges, _ in (drawn.get_data() for drawn in steps):
+        assert edges[[0, -1]] == pytest.approx([0.0, 600.0])
+        assert edges.size == values.size + 1
