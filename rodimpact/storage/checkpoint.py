@@ -142,7 +142,9 @@ class Checkpoint:
 
     def close(self) -> None:
         """Bring to the disk what is not there."""
-        for start, stop in self.spans(self._new) if self.path else []:
+        for start, stop in self.spans(self._new):
+            if self.path is None:
+                break
             part = {name: column[start:stop] for name, column in self.columns.items()}
             document = {"sweep": self._sweep, "start": start}
             try:

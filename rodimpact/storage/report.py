@@ -110,7 +110,8 @@ def outcome_dict(outcome: Any) -> dict[str, Any]:
         With ``schema_version``; numbers that do not exist or are infinite are None, and
         ``restitution_undefined`` is then the reason.
     """
-    return finite({"schema_version": SCHEMA_VERSION, **_outcome(outcome)})
+    return finite({  # type: ignore[no-any-return]
+        "schema_version": SCHEMA_VERSION, **_outcome(outcome)})
 
 
 def solution_dict(solution: Any) -> dict[str, Any]:
@@ -178,7 +179,7 @@ def _contacts(o: Any) -> str:
 
 
 def _energy(o: Any) -> str:
-    both = {
+    both: dict[str, tuple[float, ...]] = {
         ENERGIES["kinetic"]: (o.kinetic_before, o.kinetic_after),
         ENERGIES["inner"]: (sum(o.vibration_before), sum(o.vibration_after)),
         ENERGIES["contact"]: (o.contact_energy_before, o.contact_energy),
