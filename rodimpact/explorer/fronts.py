@@ -21,7 +21,7 @@ from ..methods.laws import Stop
 from ..methods.pieces import reading
 from ..methods.pieces.layout import piece_of
 from ..methods.pieces.records import NEVER
-from ..methods.status import rounding, strain_warning
+from ..methods.status import DRIVEN, is_held, rounding, strain_warning
 from ..methods.walk import smallest, walk
 from ..model.numbering import contact_names
 from ..results.front_polygons import count_of, polygons_of, wave_of
@@ -152,7 +152,7 @@ def outcome_of(run: Any) -> Any:
     trip, contacts = round_trip(run["body"], segment) * it.tick, run["plan"].contacts
     text = status_of(it, run["node"], contacts, {
         "proved": proved, "t_final": last_of(it, run["node"], contacts, trip),
-        "driven": has_driven_end(row.system),
+        "acting": DRIVEN if has_driven_end(row.system) else "", "held": is_held(row.system),
         "names": contact_names([body.kind for body in row.system.bodies]),
     })
     strain = it.fastest / smallest([piece.wave_speed for piece in row.segments])

@@ -18,7 +18,7 @@ from ..methods.pieces.method import RTOL
 from ..methods.pieces.records import NONE, PIECE, TURN
 from ..methods.pieces.series import N
 from ..methods.pieces.totals import stated, status_of, tally_of, told_of, why_stopped
-from ..methods.status import strain_warning
+from ..methods.status import DRIVEN, is_held, strain_warning
 from ..methods.walk import frame_of, largest, scale_of, walk, wave_of_strain
 from .fronts import TOO_FAR_APART
 from .known import outcome_told
@@ -145,7 +145,7 @@ def sentence_of(run: Any) -> str:
     sentence = status_of(it, ended.link, {
         "stopped_by": why_stopped(it, run["until"] >= 0), "end": run["now"] * tick,
         "round_trip": 2 * layout.longest_of(row, run["clock"], 0) * tick,
-        "driven": has_driven_end(row.system),
+        "acting": DRIVEN if has_driven_end(row.system) else "", "held": is_held(row.system),
     })
     return sentence + stated(size_of(run["errors"][:3]), run["goal"]) + told_of(it) + (
         strain_warning(max(strains)))

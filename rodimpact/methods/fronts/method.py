@@ -19,7 +19,15 @@ from ..groups import body_velocities, heads
 from ..laws import Status, Stop
 from ..row import Array, Row
 from ..run import ContactTally, Run
-from ..status import ROUNDED, ending, last_contact, proof_sentence, rounding, strain_warning
+from ..status import (
+    ROUNDED,
+    acting_and_held,
+    ending,
+    last_contact,
+    proof_sentence,
+    rounding,
+    strain_warning,
+)
 from . import driver
 from .plan import plan_of
 from .records import NONE
@@ -61,10 +69,10 @@ def hand_over(
 ) -> Run:
     """What every method hands back, of a run to `until`."""
     a, now, proved = run.clock, run.run.now, run.finality_time != NONE
-    contacts = run.plan.contacts
+    contacts, (acting, held) = run.plan.contacts, acting_and_held(a.system)
     t_final = last_of(run.run, run.node, contacts, 2 * a.longest * a.tick) if proved else math.nan
     status = status_of(run.run, run.node, contacts, {
-        "proved": proved, "t_final": t_final, "driven": physics.driven(a.system),
+        "proved": proved, "t_final": t_final, "acting": acting, "held": held,
         "names": contact_names(a.system.kinds),
     })
     tallies = tuple(tally_of(run.node[k], a.tick) for k in contacts)
@@ -89,8 +97,8 @@ def status_of(it: Any, node: Sequence[Any], contacts: Sequence[int], known: Any)
     contacts : list of int
         Node of each contact.
     known : dict
-        Whether the end is ``proved``, and ``t_final``, as of `last_of`; whether the row is
-        ``driven``, as of `ending`; ``names`` of the contacts.
+        Whether the end is ``proved``, and ``t_final``, as of `last_of`; what is ``acting`` on the
+        row, and whether walls have it ``held``, as of `ending`; ``names`` of the contacts.
     """
     stopped_by, final, end = REASONS[it.stop], "", format_si(it.now * it.tick, "s")
     pressing = ", ".join([
@@ -111,7 +119,7 @@ def status_of(it: Any, node: Sequence[Any], contacts: Sequence[int], known: Any)
             f"Stopped by the clock after {end}: the next contact may come later than the clock can "
             "count, or never. Give until= to set another end."
         )
-    return ending(stopped_by, final, end, f"{it.events} events", known["driven"])
+    return ending(stopped_by, final, end, f"{it.events} events", known["acting"], known["held"])
 
 
 def last_of(it: Any, node: Sequence[Any], contacts: Sequence[int], round_trip: float) -> float:

@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 
 from ...units import format_si
-from ..abilities import driven
 from ..groups import fill_bonds
 from ..run import INWARD, ContactSignal, ContactTally, Outside, Run, Signals
 from ..signals import Floats, Pieces
-from ..status import ending, last_contact, proof_sentence, strain_warning
+from ..status import acting_and_held, ending, last_contact, proof_sentence, strain_warning
 from .measures import largest_force, touchings
 from .mesh import STEP_TICKS
 from .refinement import ROUGH
@@ -36,7 +35,7 @@ def hand_over(run: GridRun, until: float | None) -> Run:
     proof = proof_sentence(any(x.episodes for x in contacts), t_final) if final else ""
     events = run.steps * len(run.row.links)
     status = ending(run.stopped_by, proof, format_si(t_end, "s"), f"{events} steps times ends",
-                    driven(run.row.system))
+                    *acting_and_held(run.row.system))
     status += f" Time step {format_si(run.step, 's')}, {size} cells."
     end = run.steps * STEP_TICKS
     if until and not run.steps:

@@ -52,7 +52,7 @@ def status_of(run: Any, link: Any, known: Any) -> str:
     run : RUN
     link : list of LINK
     known : dict
-        As of `ending`: ``stopped_by``, whether the row is ``driven``;
+        As of `ending`: ``stopped_by``, what is ``acting``, and whether walls have the row ``held``;
         ``end`` and ``round_trip`` of the longest body, s.
     """
     proof = ""
@@ -62,7 +62,7 @@ def status_of(run: Any, link: Any, known: Any) -> str:
             any(it.episodes > 0 for it in link),
             last_contact(ends, known["end"], known["round_trip"]))
     end, cap = format_si(known["end"], "s"), f"{run.steps} steps of nodes"
-    return ending(known["stopped_by"], proof, end, cap, known["driven"])
+    return ending(known["stopped_by"], proof, end, cap, known["acting"], known["held"])
 
 
 def stated(worst: float, goal: float) -> str:
