@@ -29,7 +29,7 @@ from ..theory import pair_numbers, pair_restitution
 from ..units import format_si
 from .known import outcome_told
 
-ROOM = 256  # rows of the log at first
+ROOM = 32  # rows of the log at first
 FINE = 1.0  # share of the usual room of the clock that is tried first, where it has few bits
 MOST_REGIONS = 3000  # that are drawn
 TOO_FAR_APART = "times too far apart for the clock of this page; rodimpact run may solve it"

@@ -25,12 +25,13 @@ const py = {
     return Math.floor(a / 2 ** b) + 0;
   },
   blank(count, fields) {
-    const lists = Object.keys(fields).filter((key) => Array.isArray(fields[key]));
-    return Array.from({ length: count }, () => {
+    const all = [], lists = Object.keys(fields).filter((key) => Array.isArray(fields[key]));
+    while (all.length < count) {
       const made = { ...fields };
       for (const key of lists) made[key] = fields[key].slice();
-      return made;
-    });
+      all.push(made);
+    }
+    return all;
   },
   pow: (base, exponent) => (exponent === 2 ? base * base : base === 10 && Number.isInteger(exponent) ? Number(`1e${exponent}`) : base ** exponent),
   min: (a, b) => (b < a ? b : a),
@@ -77,9 +78,11 @@ const py = {
     ? new Float64Array(Math.max(0, count)).fill(item) : new Array(Math.max(0, count)).fill(item)),
   range(...given) {
     const [start, stop, step = 1] = given.length > 1 ? given : [0, ...given];
-    return Array.from({ length: Math.max(0, Math.ceil((stop - start) / step)) }, (_, i) => start + i * step);
+    const all = [], count = Math.ceil((stop - start) / step);
+    while (all.length < count) all.push(start + all.length * step);
+    return all;
   },
-  enumerate: (items) => Array.from(items, (item, i) => [i, item]),
+  enumerate: (items) => py.range(items.length).map((i) => [i, items[i]]),
   zip(...lists) {
     if (lists.some((list) => list.length !== lists[0].length)) throw new RangeError("lists of unequal lengths");
     return Array.from(lists[0], (_, i) => lists.map((list) => list[i]));

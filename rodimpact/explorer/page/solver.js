@@ -18,11 +18,10 @@ const AWAKE = 30; // ms of work between two looks at what the user does
 let resting = 0;
 const kept = {}; // curves that take long, as they were last
 
-/** e of a case with other numbers at some paths; null where there is none. */
-function eWith(tables, ...numbers) {
-  const varied = structuredClone(tables);
-  for (const [path, number] of numbers) setAt(varied, path, number);
-  return fronts.e_of(varied, start.materials);
+/** e of a case in which numbers are set at some paths; null where there is none. */
+function eWith(copy, ...numbers) {
+  for (const [path, number] of numbers) setAt(copy, path, number);
+  return fronts.e_of(copy, start.materials);
 }
 
 /** Curves of e, to be solved: over l1/l2 of two uniform rods, and over the roundness of their ends, which meet by Hertz's law. */
@@ -32,7 +31,7 @@ function curvesOf({ case: tables }, { ratio, method, bodies }) {
   const [{ law = "rigid", stiffness, ...contact } = {}] = listOf(tables.contacts);
   const curve = (count, placeOf, source, asked, path, numberAt) => {
     const ratios = Array.from({ length: count }, (_, k) => placeOf(k));
-    const solve = () => ({ ratios, values: ratios.map((ratio) => eWith(asked, [path, numberAt(ratio)])) });
+    const solve = (copy = structuredClone(asked)) => ({ ratios, values: ratios.map((ratio) => eWith(copy, [path, numberAt(ratio)])) });
     return { ratios: [], values: [], source: `solved at ${count} ${source}`, solve };
   };
   const found = {};
@@ -81,11 +80,12 @@ function sceneOf(asked, draft = false) {
 
 /** e over two numbers of a design, row by row; the page stays awake. */
 async function* mapOf(design, [xPath, xs], [yPath, ys]) {
+  const copy = structuredClone(design.case);
   let rested = performance.now();
   for (const y of ys) {
     const row = [];
     for (const x of xs) {
-      row.push(eWith(design.case, [yPath, y], [xPath, x]));
+      row.push(eWith(copy, [yPath, y], [xPath, x]));
       if (performance.now() - rested < AWAKE) continue;
       await new Promise((resolve) => { setTimeout(resolve); });
       rested = performance.now();
