@@ -79,6 +79,13 @@ def test_the_table_tells_what_varied_and_what_came_out(case, capsys):
     assert all(line == line.rstrip() for line in out.splitlines())
 
 
+def test_energies_of_round_off_are_none(case, swept):
+    out = swept("--vary", "bodies.0.length=1 m:2 m:2", "--vary", "bodies.0.velocity=1.7:1.9:3")
+    swapped = lines_of(out, "1 m")  # rods of one length swap their velocities
+    assert len(swapped) == 3
+    assert all(line.endswith(" 1 0 J") for line in swapped)
+
+
 def test_the_first_grid_is_the_first_axis(case, swept):
     out = swept("--vary", LENGTHS, "--vary", "contacts.0.gap=0,1 um")
     assert "collisions 10 in a grid of 5 x 2" in lines_of(out, "collisions")
