@@ -100,9 +100,9 @@ class Members:
                 self.records[name] = self.arrays(name) if name in RECORDS else np.array(held)
         self.fast = True
 
-    def arrays(self, name: str) -> Any:
-        """The records of this name as an array."""
-        records = self.records[name]
+    def arrays(self, name: str, count: int | None = None) -> Any:
+        """The records of this name, or the first of them, as an array."""
+        records = self.records[name][:count]
         return records if self.fast else as_records(records, RECORDS[name])
 
     def objects(self, name: str) -> list[Any]:
@@ -258,7 +258,7 @@ def solve_many(
         members.lay(block)
         while members.go():
             members.lengthen()
-        parts.append({name: column[: len(block)] for name, column in columns_of(members).items()})
+        parts.append(columns_of(members, len(block)))
         first += len(block)
         seconds = now() - begun
         quick = seconds < PATIENCE / 4
@@ -268,9 +268,11 @@ def solve_many(
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
-def columns_of(members: Members) -> dict[str, Any]:
-    """What members came to, in SI units, with a row for each: by segment, or by node."""
-    run, segment, node = map(members.arrays, ("run", "segment", "node"))
+def columns_of(members: Members, count: int) -> dict[str, Any]:
+    """What the first members came to, in SI units, with a row for each: by segment, or by node."""
+    size = len(members.records["run"])
+    run, segment, node = (members.arrays(name, len(members.records[name]) // size * count)
+                          for name in ("run", "segment", "node"))
     segment, node = segment.reshape(len(run), -1), node.reshape(len(run), -1)
     tick, frame = run["tick"][:, None], run["frame"][:, None]
     found = {
