@@ -64,6 +64,8 @@ def take_apart(content: Any) -> tuple[dict[str, Any], Arrays]:
             return [plain(item) for item in value]
         if isinstance(value, float) and not math.isfinite(value):
             return str(float(value))
+        if isinstance(value, str) and value in NOT_IN_JSON:  # a name that reads as a number
+            return {"class": "str", "text": value}
         if isinstance(value, System):
             value.check_file()
         kind: Any = Clock if isinstance(value, Clock) else type(value)  # not what assemblies add
@@ -101,6 +103,8 @@ def put_together(document: Mapping[str, Any], arrays: Arrays) -> Any:
             return value
         if "array" in value:
             return part(**value)
+        if value["class"] == "str":
+            return value["text"]
         entries = {key: made(entry) for key, entry in value.items() if key != "class"}
         return MAKERS[value["class"]](**entries)
 

@@ -211,6 +211,18 @@ def test_loading_gives_the_saved_solution_bit_for_bit(tmp_path, name, monkeypatc
     assert (tmp_path / "again.npz").read_bytes() == (tmp_path / "run.npz").read_bytes()
 
 
+@pytest.mark.parametrize("name", ["inf", "nan"])
+def test_a_name_that_reads_as_a_number_stays_a_name(tmp_path, name):
+    material = ri.Material(name, youngs_modulus=1.0, density=1.0)
+    rods = [ri.Rod(length, area=1.0, material=material, velocity=v)
+            for length, v in (([0.4, 0.5], 1.0), (1.0, 0.0))]
+    family = ri.System(rods)
+    ri.solve(family[0]).save(tmp_path / "run.npz")
+    ri.sweep(family).save(tmp_path / "family.npz")
+    assert ri.load(tmp_path / "run.npz").system == family[0]
+    assert ri.load(tmp_path / "family.npz").system == family
+
+
 def test_a_loaded_solution_can_be_continued(tmp_path):
     solution = ri.solve(ri.System([SHORT, LONG]))
     solution.save(tmp_path / "run.npz")
