@@ -3,8 +3,6 @@
 A figure is what the code cell above it in its page shows; all cells of the page run in order.
 """
 
-from __future__ import annotations
-
 import ast
 import contextlib
 import io

@@ -3,8 +3,6 @@
 Each is named after its section. What a solver can compute is computed, not sketched.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -7,8 +7,6 @@
 0.4
 """
 
-from __future__ import annotations
-
 from importlib import import_module
 
 from .version import __version__ as __version__

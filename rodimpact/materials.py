@@ -7,8 +7,6 @@ speed of yours where it matters.
 5048
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from .model import Material

@@ -9,8 +9,6 @@ Velocities are positive to the right and body 1 is the left one. Equation number
 those of the textbook section 10.5, "Collisions in 1D".
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import NamedTuple
 

@@ -13,8 +13,6 @@ Tapers, damping and lateral inertia break d'Alembert's solution; what is known o
 Arguments broadcast as in NumPy; results are floats where every argument is a single number.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -8,8 +8,6 @@ cannot be read is shown in a few words, by `shown`.
 (0.01, '385 us')
 """
 
-from __future__ import annotations
-
 import difflib
 import math
 import re

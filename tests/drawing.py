@@ -1,7 +1,5 @@
 """What tests of figures share: steel rods, an empty Axes, and what is read off a picture."""
 
-from __future__ import annotations
-
 import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure

@@ -1,7 +1,5 @@
 """Random rows with everything that a grid can carry."""
 
-from __future__ import annotations
-
 import numpy as np
 from networks import STEP, logarithmic, random_network
 from scipy.linalg import block_diag

@@ -1,7 +1,5 @@
 """Random rows with every body, contact law and end that characteristics can carry."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Runs as methods make them, below what users see."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from rodimpact.methods import kernels

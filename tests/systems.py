@@ -1,7 +1,5 @@
 """Random rows for property tests: lengths with a common unit, so that fronts do not multiply."""
 
-from __future__ import annotations
-
 import numpy as np
 
 import rodimpact as ri

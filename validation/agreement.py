@@ -12,8 +12,6 @@ Source: `fronts`, itself proved on rationals (`rational_proof`), and characteris
 of 1e-10.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 import rodimpact as ri

@@ -19,8 +19,6 @@ Source: textbook section 10.5, "Collisions in 1D", box 10.4, which credits the s
 E. J. Routh.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -7,8 +7,6 @@ Source: N. J. Carpenter, R. L. Taylor, M. G. Katona, Lagrange constraints for tr
 element surface contact, International Journal for Numerical Methods in Engineering 32 (1991).
 """
 
-from __future__ import annotations
-
 import rodimpact as ri
 
 from .table import Case, Rows

@@ -7,8 +7,6 @@ Source: F. Cirak, M. West, Decomposition contact response (DCR) for explicit fin
 dynamics, International Journal for Numerical Methods in Engineering 64 (2005).
 """
 
-from __future__ import annotations
-
 import rodimpact as ri
 
 from .table import Case, Rows

@@ -7,8 +7,6 @@ reversed, and the second bar is at rest.
 Source: code_aster, validation manual, test SDNL111.
 """
 
-from __future__ import annotations
-
 import rodimpact as ri
 
 from .table import Case, Rows

@@ -18,8 +18,6 @@ Source: Lord Rayleigh, The Theory of Sound, arts. 45 and 81, for the modes; text
 `theory.saint_venant` for elastic rods.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

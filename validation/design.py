@@ -18,8 +18,6 @@ Source: closed forms; for traps in tension bars S. Nemat-Nasser, J. B. Isaacs an
 Proceedings of the Royal Society A 435 (1991) 371.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

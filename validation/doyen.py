@@ -16,8 +16,6 @@ Source: D. Doyen, A. Ern, S. Piperno, Time-integration schemes for the finite el
 Signorini problem, SIAM Journal on Scientific Computing 33 (2011); the ramps by hand.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 import rodimpact as ri

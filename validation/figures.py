@@ -3,8 +3,6 @@
 The files are the same in every run with the same matplotlib: no dates, no random ids.
 """
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

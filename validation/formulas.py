@@ -11,8 +11,6 @@ Nothing is rounded anywhere, so the bounds are 0.
 Source: textbook section 10.5, box 10.4; Saint-Venant 1867, see saint_venant.py.
 """
 
-from __future__ import annotations
-
 from fractions import Fraction
 from itertools import product
 

@@ -11,8 +11,6 @@ Convergence of mass redistribution method for the one-dimensional wave equation 
 constraint at the boundary, ESAIM: Mathematical Modelling and Numerical Analysis 48 (2014).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 import rodimpact as ri

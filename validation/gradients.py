@@ -11,8 +11,6 @@
 Source: textbook section 10.5, box 10.4; Saint-Venant 1867, see saint_venant.py.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 import rodimpact as ri

@@ -22,8 +22,6 @@ P. Brenner, V. Thomée, L. B. Wahlbin, Besov Spaces and Applications to Differen
 Initial Value Problems, Lecture Notes in Mathematics 434, Springer 1975.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -9,8 +9,6 @@ Source: closed forms, as there; a constant force F on a free rod of mass m moves
 F t^2/(2 m), and a pulse that reaches an absorbing end leaves with all its energy.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -28,8 +28,6 @@ Source: H. Hertz, Journal für die reine und angewandte Mathematik 92 (1881); fo
 European Journal of Physics 42 (2021), doi 10.1088/1361-6404/ac25d2.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -18,8 +18,6 @@ Source: K. F. Graff, Wave Motion in Elastic Solids, split Hopkinson bar; the spr
 HopPyBar (https://github.com/lanl/HopPyBar), examples LANLstandard/Cu and mini-Kolsky/PMMA-13.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -91,7 +89,7 @@ def endless() -> Rows:
               float(np.abs(force - loaded(t)).max()), 1e-10)
 
 
-def pulse(gauge: ri.solution.Gauge) -> tuple[float, float, float]:
+def pulse(gauge: ri.Gauge) -> tuple[float, float, float]:
     """First compression of a record: beginning and end at half height, and c times the strain."""
     depth = -gauge.rightward
     inside = np.flatnonzero(depth > depth.max() / 2)

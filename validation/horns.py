@@ -18,8 +18,6 @@ the theory of horns and of the phonograph, Proc. Natl. Acad. Sci. USA 5 (1919) 2
 hand.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -30,8 +30,6 @@ Source: the derivations above; for modes of bars L. Meirovitch, Fundamentals of 
 McGraw-Hill 2001, ch. 8.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

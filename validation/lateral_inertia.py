@@ -20,8 +20,6 @@ Source: A. E. H. Love, A Treatise on the Mathematical Theory of Elasticity, 4th 
 the sum by hand.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -23,8 +23,6 @@ mathématiques pures et appliquées 12 (1867); the rest by hand: waves reflected
 impedance, and waves of equal impedance, which pass through a closed contact unchanged.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 import rodimpact as ri

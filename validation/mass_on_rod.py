@@ -14,8 +14,6 @@ Source: B. de Saint-Venant and J. Boussinesq, in S. P. Timoshenko and J. N. Good
 Elasticity, longitudinal impact of bars.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -38,8 +38,6 @@ Source: measurements, see records/README.md; A. Tyas and A. J. Watson, Internati
 Impact Engineering 25 (2001) 87.
 """
 
-from __future__ import annotations
-
 import math
 import time
 import warnings

@@ -27,8 +27,6 @@ Source: R. D. Mindlin and G. Herrmann, Proc. 1st US National Congress of Applied
 187; R. Skalak, Journal of Applied Mechanics 24 (1957) 59; the closed forms by hand.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -10,8 +10,6 @@ of first order with 100 cells per unit length, compiled. Figures are medians of 
 marked "fresh" are taken in a new process that has not loaded numba.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

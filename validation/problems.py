@@ -8,8 +8,6 @@ row gives the largest deviation. Bounces and bullets are also followed collision
 Source: textbook section 10.5, "Collisions in 1D", problems 10.5.1 to 10.5.12.
 """
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 from typing import Any

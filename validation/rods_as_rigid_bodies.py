@@ -25,8 +25,6 @@ round trip of one piece, and with the thick end with 3; with the thin end of 1 :
 Source: textbook section 10.5, "Collisions in 1D": eq. 10.56, its footnotes, boxes 10.4 and 10.5.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from fractions import Fraction
 

@@ -12,8 +12,6 @@ Source: balances of momentum and energy; waves of equal impedance pass through a
 unchanged.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 import rodimpact as ri

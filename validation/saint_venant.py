@@ -14,8 +14,6 @@ mathématiques pures et appliquées 12 (1867); S. P. Timoshenko and J. N. Goodie
 Elasticity, longitudinal impact of bars.
 """
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

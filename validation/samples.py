@@ -10,8 +10,6 @@
 Source: textbook section 10.5, "Collisions in 1D", samples 10.19 to 10.21.
 """
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 

@@ -6,8 +6,6 @@ no gravity. Impact after gap/speed, contact for 2 L/c, force Z v, rebound with e
 Source: Siconos tutorials, mechanics, ImpactingBar (https://github.com/siconos/siconos-tutorials).
 """
 
-from __future__ import annotations
-
 import rodimpact as ri
 
 from .table import Case, Rows

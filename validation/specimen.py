@@ -16,8 +16,6 @@ Expected: 0, with bounds a little above these numbers.
 Source: measurements, see records/README.md.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 import rodimpact as ri

@@ -18,8 +18,6 @@ Source: H. Hertz, Über die Berührung fester elastischer Körper, Journal für 
 Mathematik 92 (1881); method of steps for delay equations.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from itertools import pairwise

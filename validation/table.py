@@ -3,8 +3,6 @@
 A case is a file of this folder with a function `run() -> Rows`.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Rods in units of their own: the wave speed is 1, so transit time is length, impedance is area."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import rodimpact as ri

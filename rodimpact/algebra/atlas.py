@@ -6,8 +6,6 @@ where an inequality of either ends; if there is room between the two ends, anoth
 and is solved. Cells with the same formula and the same contacts make a region.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass

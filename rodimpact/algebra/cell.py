@@ -4,8 +4,6 @@ An atlas tries many places of a plane at once, in floats. A formula asks in frac
 polynomials that border the cell.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property

@@ -10,8 +10,6 @@ presses or is open throughout. So waves may come in any order, and force and gap
 that have come, which floats can tell anywhere. Polynomials cannot: for formulas the order is kept.
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Rational functions of the names of a row, and how SymPy shows them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from math import prod

@@ -1,7 +1,5 @@
 """Follow one collision on numbers with derivatives, and note ties: what a number moves apart."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What gradient() returns: derivatives by path, and where they differ on both sides."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple

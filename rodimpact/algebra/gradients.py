@@ -4,8 +4,6 @@ A collision is followed on numbers with derivatives. Where it meets a tie, and i
 is differenced on either side, and extrapolated to steps of no length.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple

@@ -4,8 +4,6 @@ All names but velocities are of positive numbers. Polynomials are SymPy's ring e
 for polynomial > 0.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from fractions import Fraction
 from typing import Any

@@ -6,8 +6,6 @@ body or the contact. A wave speed that is no fraction has a name of its own, c, 
 sqrt(E/rho).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """exact(): a collision in fractions, from the numbers as they are written."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ and materials, or are given themselves, as if they stood in the case: `bodies.0.
 `bodies.0.impedance`.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from fractions import Fraction

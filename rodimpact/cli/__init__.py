@@ -4,8 +4,6 @@ A command is a module with `add_arguments(parser)` and `run(given)`, which retur
 standard output, or its lines, and the exit status, one of `STATUSES`.
 """
 
-from __future__ import annotations
-
 import argparse
 import difflib
 import os

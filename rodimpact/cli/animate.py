@@ -7,8 +7,6 @@ FILE ends in .gif or .mp4 (needs the program ffmpeg); `rodimpact export` makes a
 the picture shows what there is.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from ..model.frozen import InvalidModel

@@ -1,7 +1,5 @@
 """What the user gave on the command line: how to run, files to write, mistakes in them."""
 
-from __future__ import annotations
-
 import argparse
 import math
 import re

@@ -5,8 +5,6 @@ struck at 1 m/s. Then the coefficient of restitution of sixty pairs of rods agai
 e = l1/l2. The figures go to a directory of their own, with a page, index.html, that shows it all.
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 from html import escape

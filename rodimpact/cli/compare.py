@@ -7,8 +7,6 @@ record best, unless --shift and --scale say how much; pulses are timed after tha
 the run stopped before what was asked.
 """
 
-from __future__ import annotations
-
 import argparse
 from functools import partial
 from typing import Any, TypeAlias

@@ -4,8 +4,6 @@ One collision is solved by compiled and by interpreted code; exit status 4 if th
 exactly. With --warm, everything that can run compiled is compiled and kept.
 """
 
-from __future__ import annotations
-
 import argparse
 import platform
 import time

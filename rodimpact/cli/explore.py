@@ -4,8 +4,6 @@ The page is written to a temporary file, whose path is printed, and solves by it
 it begins with two rods of different length.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from ..explorer.exploring import page_of

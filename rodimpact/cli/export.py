@@ -4,8 +4,6 @@ The page has the solver inside, and its sliders work. What the page cannot solve
 damping, is solved when it is written, and the page shows that.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from ..explorer.exploring import page_of

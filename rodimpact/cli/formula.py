@@ -6,8 +6,6 @@ Symbols are paths of the case, such as bodies.0.length, or their last words, whi
 these; transit_time and impedance, too, of which rods are made where wave speeds do not matter.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from ..algebra.formula import ClosedForm, closed_form

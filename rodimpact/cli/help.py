@@ -1,7 +1,5 @@
 """Tell what a case file may hold, and which units are known."""
 
-from __future__ import annotations
-
 import argparse
 
 from ..storage.case_reference import sections

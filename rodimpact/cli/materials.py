@@ -1,7 +1,5 @@
 """List the materials that rodimpact knows, with the source of each number."""
 
-from __future__ import annotations
-
 import argparse
 
 from ..materials import SOURCES, TABLE

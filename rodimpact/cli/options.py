@@ -1,7 +1,5 @@
 """Messages name the arguments of Python; on the command line they name its options."""
 
-from __future__ import annotations
-
 import re
 
 _BARE = ("max_events", "rtol", "dt")  # no words of English

@@ -3,8 +3,6 @@
 --gauge incident=1:0.5 is 0.5 m into body 1; without --gauge the gauges are those of the case.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterable
 from typing import Any, TypeAlias

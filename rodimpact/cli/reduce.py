@@ -8,8 +8,6 @@ the shot can be used. The specimen is between the two rods. Each rod has one or 
 of a gauge is the name of its channel in the record.
 """
 
-from __future__ import annotations
-
 import argparse
 from functools import partial
 from typing import Any

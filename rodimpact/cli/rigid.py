@@ -3,8 +3,6 @@
 rodimpact rigid --m1 2 --v1 0.5 --m2 10 --v2 0.2 -e 1
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 

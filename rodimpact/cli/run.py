@@ -4,8 +4,6 @@ A number may have a unit: --until "2 ms". The names of files are relative to the
 Exit status 3 if the run stopped before what was asked, at a cap on events or on time.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 from functools import partial

@@ -5,8 +5,6 @@ a wave front is at an end of a rod, or two fronts cross. Between two moments the
 keep their order, velocity and stress, and only their boundaries, the fronts, move.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from ..results.regions import regions_of

@@ -8,8 +8,6 @@ is given here instead, and without an end in time to its proof; [output] is for 
 Exit status 3 if some did not come to their end; the status of each says why.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterable
 from functools import partial

@@ -1,7 +1,5 @@
 """Check the solver against closed forms. Exit status 4 if any number is off."""
 
-from __future__ import annotations
-
 import argparse
 import math
 from collections.abc import Iterator

@@ -5,8 +5,6 @@ each other as floats are. Every integral here is exact: that of a cubic, by Gaus
 each stretch without a kink.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import Any

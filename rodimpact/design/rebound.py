@@ -4,8 +4,6 @@ What may vary is said as everywhere: by arrays in the system. The answer lies be
 of that family, every array straight between them, so that several numbers may vary together.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -9,8 +9,6 @@ J. E. Starrett, Proceedings of the Royal Society A 435 (1991) 371. Without a gap
 first pulse, as one behind a transmission bar does.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A case as the page takes it: the tables of a case file, with its gauges."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Explore a collision: a page in one file, for a notebook, a browser or a handout."""
 
-from __future__ import annotations
-
 import html
 import json
 import os

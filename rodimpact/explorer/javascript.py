@@ -9,8 +9,6 @@ true, false or a number, no list; division by 0 gives what arrays give. Loops ha
 are joined by unpacking, and no index from the end is assigned to: tests of the numbers find those.
 """
 
-from __future__ import annotations
-
 import ast
 import builtins
 import inspect

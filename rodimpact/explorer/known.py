@@ -3,8 +3,6 @@
 Plain Python, which the page has as JavaScript. A system is that of the model or of `tables`.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

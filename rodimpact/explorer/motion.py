@@ -7,8 +7,6 @@ and the wave of its overlap. It is ``exact`` if waves are constant between their
 ``draft`` if it is to be quick. Plain Python, which the page has as JavaScript.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from ..methods.groups import groups

@@ -1,7 +1,5 @@
 """The files of the page, put together in one that opens from disk."""
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import html

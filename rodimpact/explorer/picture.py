@@ -5,8 +5,6 @@ Python has solved for it are shown alike. Polygons cut at time t are the rods at
 slices them and needs no physics.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from ..results.magnification import BLOCK, drifts, magnified, round_down

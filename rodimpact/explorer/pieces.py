@@ -3,8 +3,6 @@
 Plain Python around the kernels, which the page has as JavaScript.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from ..methods.abilities import has_driven_end

@@ -1,7 +1,5 @@
 """Collisions to begin with, each with its gauges."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from ..materials import steel

@@ -3,8 +3,6 @@
 Plain Python, which the page has as JavaScript.
 """
 
-from __future__ import annotations
-
 from bisect import bisect_right
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Samples of a solution, for `picture`, where the page cannot solve by itself."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -3,8 +3,6 @@
 Plain Python, which the page has as JavaScript.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from ..methods.pieces.method import RTOL

@@ -5,8 +5,6 @@ JavaScript has whole numbers below 2^53 only, so its clock ends at 2^52 ticks wh
 again on a coarser clock.
 """
 
-from __future__ import annotations
-
 import functools
 
 from ..methods.compiling import blank

@@ -4,8 +4,6 @@ Mistakes are told in the words of the model: `RULES` are its fields. What the pa
 named.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 from collections import namedtuple

@@ -1,7 +1,5 @@
 """Names and quantities in sentences. Plain Python, which the page has as JavaScript."""
 
-from __future__ import annotations
-
 import math
 
 from ..units import format_si

@@ -8,8 +8,6 @@ lists: the ``body`` of each, its cells ``across``, and where in ``x`` (m), ``t``
 JavaScript.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A measured record, and the steps from the computed strain to a prediction of the record."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

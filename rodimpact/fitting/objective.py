@@ -5,8 +5,6 @@ bound (called its share), then shift, gain and blur of the records. Only a chang
 new solution; shift, gain and blur are applied to the computed signals.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor

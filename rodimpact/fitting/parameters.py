@@ -1,7 +1,5 @@
 """Parameters of a fit: numbers of a system, by the paths of a case file, or of its records."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from fnmatch import fnmatchcase

@@ -4,8 +4,6 @@ A coarse sweep between the bounds finds several starting points. A least-squares
 from each of them. If all searches end at the same point, the minimum is unique.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor

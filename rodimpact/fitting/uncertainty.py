@@ -7,8 +7,6 @@ assumed to be stationary. The fit explains part of the noise: residuals have the
 zero, plus the part that the fit has removed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

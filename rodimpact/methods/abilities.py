@@ -3,8 +3,6 @@
 No method can prove a collision final where something acts on and on from outside.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from .. import model

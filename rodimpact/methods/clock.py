@@ -1,7 +1,5 @@
 """A row of bodies on a clock of whole ticks: what fields need to know of any method's run."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

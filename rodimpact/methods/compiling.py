@@ -6,8 +6,6 @@ which every function is jitted and every table is an array. State is arrays of r
 arrays compiled, lists of small objects in plain Python.
 """
 
-from __future__ import annotations
-
 import contextlib
 import dataclasses
 import functools

@@ -1,7 +1,5 @@
 """How long work takes: who waits is told before it gets long, with what takes less, and how far."""
 
-from __future__ import annotations
-
 import time
 import warnings
 from collections.abc import Callable

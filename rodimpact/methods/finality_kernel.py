@@ -7,8 +7,6 @@ sqrt(2 E integral(g^2 dx/(E A))), E the energy of vibration, which never grows. 
 their groups do; the proof is the same.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -3,8 +3,6 @@
 The page has `body_velocities` and what it calls as JavaScript.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

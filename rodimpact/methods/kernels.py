@@ -4,8 +4,6 @@ Both run the same source, bit for bit. `worth_compiling` says which, `compiled(k
 arrays of records. Where there is no numba, everything is plain Python.
 """
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import importlib.util

@@ -6,8 +6,6 @@ search for an accurate step ends at the same step on each. Runs side by side in 
 but those that take more than their share of it go one after the other.
 """
 
-from __future__ import annotations
-
 import math
 import os
 import threading

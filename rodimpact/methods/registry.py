@@ -1,7 +1,5 @@
 """The methods, the physics that each lacks, and what a run is asked for, checked in one place."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple

@@ -4,8 +4,6 @@ Totals are known when the run ends; signals are made when they are asked for, so
 outcome alone does not wait for them. A file of a solution holds a run as it is.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Why a run ended, and how accurate it is: sentences with the remedy."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

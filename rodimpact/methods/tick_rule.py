@@ -5,8 +5,6 @@ the ratio of small whole numbers (0.3 m and 0.1 m of one steel) are recognised a
 exactly; the others are rounded to the nearest tick.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

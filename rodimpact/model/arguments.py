@@ -1,7 +1,5 @@
 """Arguments of functions are checked as the numbers of the model are, and refused alike."""
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from typing import Any, TypeAlias
 

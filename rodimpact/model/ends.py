@@ -4,8 +4,6 @@ A driven end, and a wave that comes in, follow a profile in time. SI units; a nu
 array, which makes a family.
 """
 
-from __future__ import annotations
-
 from typing import ClassVar, TypeAlias, get_args
 
 from .frozen import Frozen, Problems, quantity, raise_noted

@@ -30,8 +30,6 @@ theory of compressional waves in an elastic rod, Proc. 1st US National Congress 
 (1951) 187.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 RAYLEIGH_LOVE, MINDLIN_HERRMANN = THEORIES = "rayleigh-love", "mindlin-herrmann"

@@ -4,9 +4,6 @@ Paths of case files and `body=` count all bodies from 0 instead. Plain Python, w
 JavaScript.
 """
 
-from __future__ import annotations
-
-
 def body_numbers(kinds: list[str]) -> list[str]:
     """Number of each body of these kinds, "wall" for a wall.
 

@@ -5,8 +5,6 @@
 stands for its diameter.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Mapping
 from functools import reduce

@@ -5,8 +5,6 @@ something on the way is refused: labels, a mask, an imaginary part, digits beyon
 what only looks like a number: truth values, text, bytes and dates.
 """
 
-from __future__ import annotations
-
 import re
 from numbers import Rational
 from typing import Any, TypeAlias

@@ -1,7 +1,5 @@
 """The plane of two numbers of a case: e by formula, and the exact borders between the formulas."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from textwrap import wrap
 from typing import Any

@@ -1,7 +1,5 @@
 """The bodies of a row at chosen instants: rods as bars, walls, masses, and marks at the ends."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from itertools import groupby, pairwise
 from typing import Any, NamedTuple

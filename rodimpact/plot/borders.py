@@ -1,7 +1,5 @@
 """What bounds the rods in a space-time diagram, ends, contacts, masses and walls; and gauges."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any, Literal, TypeAlias
 

@@ -1,7 +1,5 @@
 """Wanted and reached result of a design: pulses over time, or e over the varied number."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

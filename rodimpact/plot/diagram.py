@@ -1,7 +1,5 @@
 """The space-time diagram: where every piece of rod is at every time, coloured by its state."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

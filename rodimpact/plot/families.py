@@ -6,8 +6,6 @@ differ far more than around it. On a map each collision is a cell of one colour,
 interpolation. Each count has its own colour; counts have no contour lines.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

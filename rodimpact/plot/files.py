@@ -4,8 +4,6 @@ Matplotlib's own writers of films draw every frame anew through `savefig` and ke
 frames the GIF takes 8 times as long, the MP4 4 times.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import os

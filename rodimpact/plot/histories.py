@@ -3,8 +3,6 @@
 Of very many steps the least and the largest in each of a thousand intervals are drawn.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Forms of energy, as bands stacked over time."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Instants of a collision for snapshots, the events at contacts, and their names."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

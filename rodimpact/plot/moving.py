@@ -5,8 +5,6 @@ Axes of bodies and words are drawn again in each frame, over a picture of the ot
 the film, whose later times get the colour of the paper.
 """
 
-from __future__ import annotations
-
 import base64
 import html
 import io

@@ -1,7 +1,5 @@
 """Results in a notebook: a picture, where there is one, above the table."""
 
-from __future__ import annotations
-
 import base64
 import html
 from contextlib import suppress

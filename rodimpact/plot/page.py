@@ -1,7 +1,5 @@
 """One page about one collision: velocity and stress in space and time, contacts, energy."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from textwrap import wrap
 from typing import Any

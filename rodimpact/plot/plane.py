@@ -5,8 +5,6 @@ between them. The axis of time has a tick at each instant at which a force ends 
 whole round trips of a wave, such as 2 l1/c.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

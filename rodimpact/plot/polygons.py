@@ -3,8 +3,6 @@
 A solution that changes smoothly has flat cells instead.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

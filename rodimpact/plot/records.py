@@ -1,7 +1,5 @@
 """Records: measured and predicted signal with the residual, and what they say of a specimen."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

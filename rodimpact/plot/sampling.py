@@ -3,8 +3,6 @@
 Such a solution has no fronts to draw between; a few hundred pieces show what can be seen of it.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

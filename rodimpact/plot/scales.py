@@ -1,7 +1,5 @@
 """From SI values to the numbers on an axis: engineering units, and dimensionless ones."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Snapshots: the row at chosen instants, one below the other, as in a textbook figure."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any

@@ -6,8 +6,6 @@ that the order of values is visible in grey prints, too. Blue and yellow differ 
 kind of colour-blindness.
 """
 
-from __future__ import annotations
-
 import io
 import math
 import re

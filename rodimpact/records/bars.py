@@ -8,8 +8,6 @@ from rest on: `Side.separated` solves for both waves by least squares; the waves
 the pulse arrives. Two gauges do not determine the frequencies f = n c/(2 D); these are damped.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, Literal, NamedTuple, TypeAlias
 

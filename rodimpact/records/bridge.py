@@ -1,7 +1,5 @@
 """Wheatstone bridges: the strain of a bar from the output voltage of the amplifier."""
 
-from __future__ import annotations
-
 from dataclasses import KW_ONLY
 
 from ..model.arguments import of_kind, one_of

@@ -1,7 +1,5 @@
 """Timing of a pulse, and misfit between two signals."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np

@@ -3,8 +3,6 @@
 Before the record its first value holds, after the record its last value.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

@@ -5,8 +5,6 @@ out the column of times. Scopes of Tektronix write such lines before the table, 
 to its left.
 """
 
-from __future__ import annotations
-
 from ..storage.reading import FileFormatError
 
 LABVIEW, HEAD = "labview measurement", "x_value"

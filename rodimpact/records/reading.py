@@ -4,8 +4,6 @@ Delimiter, decimal sign, encoding and heads are taken from the file if they are 
 Otherwise an error asks for them; nothing is guessed.
 """
 
-from __future__ import annotations
-
 import codecs
 import csv
 import math

@@ -12,8 +12,6 @@ time [s],incident [V],specimen [1]
 <BLANKLINE>
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

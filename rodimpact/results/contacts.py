@@ -1,7 +1,5 @@
 """What happened at each contact: force, gap, and the episodes of touching."""
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np

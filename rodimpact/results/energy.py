@@ -1,7 +1,5 @@
 """Where the energy is, and what brought it there: at any times, and over a whole run."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple

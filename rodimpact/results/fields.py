@@ -3,8 +3,6 @@
 A method that finds end signals has `WaveFields`, one that finds states on a grid `GridFields`.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from functools import cached_property
 from itertools import accumulate

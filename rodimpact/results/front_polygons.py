@@ -7,8 +7,6 @@ With p and q the ticks at which the waves seen at (x, t) left the left and the r
 is a rectangle in (p, q), cut by the ends of the segment, |q - p| <= T, and of the interval of time.
 """
 
-from __future__ import annotations
-
 from bisect import bisect_left, bisect_right
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Records of strain gauges, and the tables that Hopkinson-bar tools read."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass

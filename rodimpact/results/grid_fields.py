@@ -9,8 +9,6 @@ along a cell would strain it in half a step, which keeps both kinetic and strain
 negative.
 """
 
-from __future__ import annotations
-
 import itertools
 from functools import cached_property
 from typing import Any

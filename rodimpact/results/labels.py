@@ -3,8 +3,6 @@
 A name such as ``bodies.0.length`` or ``impulse.1`` becomes what a figure or a Dataset says of it.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from ..model import Material, RigidMass, Rod, Segment, System

@@ -3,8 +3,6 @@
 Plain Python, which the page has as JavaScript.
 """
 
-from __future__ import annotations
-
 import math
 
 REACH = 0.35  # movement in the picture, in lengths of the row

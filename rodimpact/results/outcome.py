@@ -4,8 +4,6 @@ The totals of a run have their names here. Bodies joined together move, for an o
 common velocity.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -7,8 +7,6 @@ J. P. Henderson, Vibration Damping, Wiley 1985, ch. 3); so high modes go first a
 lowest one of the longest lasting rod remains.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

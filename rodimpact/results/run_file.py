@@ -4,8 +4,6 @@ An object is written as its fields by name, so that one that comes later has its
 file. Arrays of one type stand one behind another, in the document is where each is.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """A solution is a function, not a grid: ask it for any field at any place and time."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import replace
 from functools import cached_property

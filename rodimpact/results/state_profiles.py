@@ -5,8 +5,6 @@ straight lines between them need. A sample is the mean over the distance of two 
 momentum and stretch are kept where the state jumps, too.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

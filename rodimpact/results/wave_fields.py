@@ -5,8 +5,6 @@ strain = (b - a)/(2c), with a and b the end signals delayed. Their integrals giv
 momentum and energy. Times are rounded to the nearest tick, so that one-sided limits are defined.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from functools import cached_property
 from itertools import pairwise

@@ -4,8 +4,6 @@ A column has one entry a collision; which columns there are follows from the sys
 was asked for besides.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple

@@ -4,8 +4,6 @@ A job is some members in a row. Its time is measured, and the next ones are cut 
 long as is wanted, and to be a small share of what is left. Jobs end in any order.
 """
 
-from __future__ import annotations
-
 import contextlib
 import math
 import os

@@ -1,7 +1,5 @@
 """Results survive in files: what `load` returns equals what was saved, bit for bit."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

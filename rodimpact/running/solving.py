@@ -1,7 +1,5 @@
 """solve() and collide(): one collision, by the method that can do it."""
 
-from __future__ import annotations
-
 from numpy.typing import ArrayLike
 
 from ..methods.duration import Progress, warn

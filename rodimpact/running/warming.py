@@ -1,7 +1,5 @@
 """warm(): everything that can run compiled, compiled before anybody waits for it."""
 
-from __future__ import annotations
-
 import time
 import warnings
 

@@ -1,7 +1,5 @@
 """What a case file describes: a collision, or a family of them, and what to do with it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """The tables of a case file become a `Case`: bodies, contacts, ends, and what to do with them."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping

@@ -4,8 +4,6 @@ A new field of a class, and a new law, body or end, need no line here. Each tabl
 shortest example of it, which `parse_case` reads.
 """
 
-from __future__ import annotations
-
 import inspect
 import json
 from collections.abc import Iterable, Sequence

@@ -1,7 +1,5 @@
 """A case is written as the text of a case file: what the model says of itself, as TOML."""
 
-from __future__ import annotations
-
 import json
 import re
 from typing import Any

@@ -59,8 +59,6 @@ Any number but samples may be varied: the grid given for its path stands in for 
 may then be absent, and the case becomes a family with one axis a grid.
 """
 
-from __future__ import annotations
-
 import os
 import tomllib
 import warnings

@@ -1,7 +1,5 @@
 """Arrays of a family from arrays whose dimensions have names, as those of xarray."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

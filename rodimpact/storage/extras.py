@@ -1,7 +1,5 @@
 """Packages that rodimpact can do without, imported when they are asked for."""
 
-from __future__ import annotations
-
 from importlib import import_module
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Numbers of a case that vary: the text "0.1:1:200" becomes an array along an axis of its own."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from typing import Any, NamedTuple

@@ -4,8 +4,6 @@ An NPZ is opened at its document. Only if that is one of rodimpact's are the arr
 names, and each must have the size, type, shape and checksum that it had when it was written.
 """
 
-from __future__ import annotations
-
 import errno
 import json
 import math

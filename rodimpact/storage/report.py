@@ -3,8 +3,6 @@
 JSON gives every digit, and null where there is no such number.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import fields
 from typing import Any
@@ -263,7 +261,7 @@ def _outcome(o: Any) -> dict[str, Any]:
         "contacts": contacts,
         "restitution": None if reason else o.restitution,
         "restitution_undefined": reason or None,
-        **{of.name: getattr(o, of.name) for of in fields(o) if of.type == "float"},
+        **{of.name: getattr(o, of.name) for of in fields(o) if of.type is float},
         "final": o.final,
         "status": o.status,
     }

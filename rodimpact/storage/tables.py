@@ -4,8 +4,6 @@ A table gives six digits with units, a dash where there is no such number, and 0
 round-off is left.
 """
 
-from __future__ import annotations
-
 import html
 import json
 import math

@@ -4,8 +4,6 @@ A file is written under a passing name beside its target and moved into place wh
 What is to be loaded again is an NPZ of plain arrays, with everything else in one JSON document.
 """
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import json

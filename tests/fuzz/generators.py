@@ -4,8 +4,6 @@ Each test goes through a number of examples; RODIMPACT_FUZZ=100 makes it a hundr
 and RODIMPACT_FUZZ_SEED=7 makes it others.
 """
 
-from __future__ import annotations
-
 import datetime
 import decimal
 import fractions

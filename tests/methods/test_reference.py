@@ -5,8 +5,6 @@ that there is no rounding, no tolerance and no tick; it has no queue, and whenev
 a gap closes anywhere, every end of the row is solved anew.
 """
 
-from __future__ import annotations
-
 import random
 from bisect import bisect_right
 from fractions import Fraction

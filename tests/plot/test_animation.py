@@ -1,7 +1,5 @@
 """Moving pictures: every frame shows the row and its past, and files are whole or not there."""
 
-from __future__ import annotations
-
 import base64
 import io
 import re

@@ -1,7 +1,5 @@
 """What a notebook shows of a result: its picture, where there is one, and its table."""
 
-from __future__ import annotations
-
 import base64
 import io
 import re

@@ -1,7 +1,5 @@
 """Figures: what is drawn is the solution, to scale, labelled, and written the same every time."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Space-time diagrams of energy and displacement, with time across, and in places of the bodies."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from drawing import STEEL, axes, corners, render, rod

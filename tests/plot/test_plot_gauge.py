@@ -1,7 +1,5 @@
 """Records of strain gauges: the pulses in them are shaded when and as long as they pass."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from drawing import C, legend, rod

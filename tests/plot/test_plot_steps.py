@@ -1,7 +1,5 @@
 """Figures of solutions with smooth waves: cells, masses, ends, losses; true, and small in files."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Light and dark figures, and sizes for print."""
 
-from __future__ import annotations
-
 import threading
 
 import matplotlib as mpl

@@ -1,7 +1,5 @@
 """Figures of families: curves and maps show the result, its axes in words and units, and theory."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from drawing import C, axes, legend, render, rod, vector_file

@@ -3,8 +3,6 @@
 Plain Python runs on lists of objects, until machine code pays: then all goes on in arrays.
 """
 
-from __future__ import annotations
-
 import copy
 import time
 from collections.abc import Callable, Sequence

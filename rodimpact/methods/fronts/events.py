@@ -14,8 +14,6 @@ Kernels: only + - * / and integer literals on the amplitudes, so that they run o
 proofs, on fractions, or on numbers with derivatives.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

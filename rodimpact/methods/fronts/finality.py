@@ -5,8 +5,6 @@ that motion by no more than its energy allows. The proof is kept as exact as the
 fractions, too.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from .. import finality_kernel as proof

@@ -9,8 +9,6 @@ profiles, see `BODY`. What holds or drives an end stands there as a body without
 values over time.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -5,8 +5,6 @@ After a failed proof the next one waits for an eighth more events, so that proof
 the run itself.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from ..laws import Stop

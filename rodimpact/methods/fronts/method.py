@@ -1,7 +1,5 @@
 """The method "fronts": every wave front from end to end, exact, for what fronts can carry."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import reduce

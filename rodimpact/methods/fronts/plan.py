@@ -1,7 +1,5 @@
 """What all members of a family share, as the kernels take it; the page has this as JavaScript."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from ...model import Steps

@@ -7,8 +7,6 @@ by the caller, times whole ticks, lengths velocity times ticks, impulses velocit
 mobility.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..tick_rule import SPAN

@@ -1,7 +1,5 @@
 """A finished run of a single collision by fronts: its clock, its records, and why it stopped."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import Any
 

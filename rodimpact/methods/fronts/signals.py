@@ -1,7 +1,5 @@
 """From the kernel's log to signals: waves by line, contacts, and what acts from outside."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any

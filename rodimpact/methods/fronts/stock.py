@@ -4,8 +4,6 @@ Momentum of a segment is (Z/2) integral(a + b), the energy of its vibration abou
 velocity V is (Z/4) integral((a - V)^2 + (b - V)^2).
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from ..laws import Status

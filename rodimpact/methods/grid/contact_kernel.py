@@ -15,8 +15,6 @@ closing velocity of at most -e times the one before (Moreau, CISM 302, 1988).
 Units are those of `records`.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

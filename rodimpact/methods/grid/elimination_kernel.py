@@ -5,8 +5,6 @@ value is given. Pieces are not bound to each other, so that all of them are solv
 both ends of the row to its middle: two recurrences that do not wait for each other.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 

@@ -28,8 +28,6 @@ shut before the first kick are not let into each other until then: all that foll
 too late, half a step where they touch from the start.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -4,8 +4,6 @@ Its largest value, when it began and ended, and when contacts press and open. Ti
 steps; arrays of forces have an entry a step, N, those of gaps one more, m.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -5,8 +5,6 @@ bonded share a node, and make one piece. A wall that can be touched is a node by
 between the nodes i - 1 and i, so the cells 0, those between pieces, and the last stand for nothing.
 """
 
-from __future__ import annotations
-
 import math
 from bisect import bisect_left
 from collections.abc import Mapping, Sequence

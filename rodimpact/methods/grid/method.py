@@ -9,8 +9,6 @@ nodes do not know of each other: what a contact does between two steps makes the
 velocities never converge.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

@@ -5,8 +5,6 @@ gives way by the momentum it has taken, over Z, and a joint that is a dashpot al
 momentum over its c.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -7,8 +7,6 @@ scaled to match: M/h, E A h/dx, k h^p for a force k x^p, a dashpot's constant as
 b h, s h and q/h for a radial strain q.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

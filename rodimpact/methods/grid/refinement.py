@@ -1,7 +1,5 @@
 """Divide cells and step until the outcome of a run stands still, and tell how wrong it may be."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from itertools import takewhile

@@ -1,7 +1,5 @@
 """A run on a grid: the kernels in plain Python or compiled, and what passed in each step."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from functools import cached_property

@@ -1,7 +1,5 @@
 """From a mesh and a step to the arrays of the kernels, all but the state of motion."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """From a run on a grid to what every method hands back: signals, tallies, and a status."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The state of motion at t = 0 on a grid."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ...model import Rod

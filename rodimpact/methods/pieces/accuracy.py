@@ -3,8 +3,6 @@
 The page has this as JavaScript.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

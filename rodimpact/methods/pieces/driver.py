@@ -3,8 +3,6 @@
 Plain Python goes first, machine code where that pays.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What happens between pieces: contacts close, open, yield, and rigid bodies strike each other."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ..laws import Law, Status

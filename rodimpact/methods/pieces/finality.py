@@ -3,8 +3,6 @@
 A wall holds a group: its velocity is the mean, and the mass fraction beyond every x is 1.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

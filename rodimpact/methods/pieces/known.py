@@ -1,7 +1,5 @@
 """What is known of all lines at t = 0: waves under way, then what comes from outside."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import Any

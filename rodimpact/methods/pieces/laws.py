@@ -1,7 +1,5 @@
 """What acts in a link: its force, and what must not fall below 0 for its status to last."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

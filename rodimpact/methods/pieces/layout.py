@@ -4,8 +4,6 @@ The page has this as JavaScript. In Python a number is an array, with one number
 a family: so nothing here is decided by a number but through `np.where`.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

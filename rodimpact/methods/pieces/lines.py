@@ -1,7 +1,5 @@
 """Lines: what left one end arrives at the other a transit later, as a list of pieces in a log."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from . import series

@@ -5,8 +5,6 @@ A node can always go on by the shortest transit beside it, so there is no common
 limit of what is known, inputs at the points of a piece, collocation, first event, what leaves.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -6,8 +6,6 @@ as what happens in it is smooth. A second run at a coarser tolerance tells how w
 A single collision is a family of one that keeps its pieces.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from functools import cache, partial

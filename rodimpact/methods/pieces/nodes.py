@@ -7,8 +7,6 @@ where a rod's end counts with the wave that comes in. Forces that depend on this
 collocation and Newton's method.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from ..laws import Law, Status

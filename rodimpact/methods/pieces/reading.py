@@ -3,8 +3,6 @@
 In Python `signals` reads whole arrays.
 """
 
-from __future__ import annotations
-
 from bisect import bisect_right
 from typing import Any
 

@@ -6,8 +6,6 @@ overlap (below 0: the gap), `closing` the rate at which a link would close witho
 frame of the run, forces N.
 """
 
-from __future__ import annotations
-
 from enum import IntEnum
 
 import numpy as np

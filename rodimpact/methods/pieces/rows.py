@@ -1,7 +1,5 @@
 """Of a row, or a family of them: its clock and scales, and its numbers as records."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

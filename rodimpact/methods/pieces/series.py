@@ -5,8 +5,6 @@ the end: collocation there damps what is stiffer than the piece is long (Hairer 
 Ordinary Differential Equations II, section IV.5).
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """From the log of a run to signals: waves, contacts, masses, and what acts from outside."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import Any
 

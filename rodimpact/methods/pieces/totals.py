@@ -1,7 +1,5 @@
 """What a run comes to, from its records; the page has this as JavaScript."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
