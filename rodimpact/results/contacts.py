@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from ..methods.run import ContactSignal, ContactTally
 from ..methods.signals import Floats, Pieces, Side, each_once
 from ..model import ContactLaw, Joint, Plastic, Rigid, Tabulated, Yielding
-from .fields import Fields, check_side
+from .fields import Fields
 
 
 class ContactHistory:
@@ -56,7 +56,6 @@ class ContactHistory:
 
         A grid gives the mean over each time step.
         """
-        check_side(side)
         return self.push.at(self._fields.to_ticks(t, side), side)
 
     def gap(self, t: ArrayLike) -> Floats:

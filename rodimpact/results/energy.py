@@ -114,14 +114,14 @@ def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
     for velocity, inside in zip(velocities, bodies, strict=True):
         masses.append(sum(a.mass(i) for i in inside))
         velocity[:] = sum(
-            fields.momentum(i, times) if rods[i] else a.mass(i) * fields.rigid_velocity(i, times)
+            fields.momentum(i, times) if rods[i] else a.mass(i) * fields.velocity(i, 0.0, times)
             for i in inside) / masses[-1]
         for i in inside:
             if rods[i]:
                 known = zip(ticks.tolist(), velocity.tolist(), strict=True)
                 moving[i], strained[i] = np.transpose([fields.energy(i, *at) for at in known])
             else:
-                off = fields.rigid_velocity(i, times) - velocity
+                off = fields.velocity(i, 0.0, times) - velocity
                 moving[i] = a.mass(i) * off * off / 2
     return BondedGroups(ticks, bodies, np.array(masses), velocities, moving, strained)
 

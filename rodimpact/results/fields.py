@@ -3,10 +3,9 @@
 A method that finds end signals has `WaveFields`, one that finds states on a grid `GridFields`.
 """
 
-from abc import ABC, abstractmethod
 from functools import cached_property
 from itertools import accumulate
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -47,12 +46,14 @@ class Trace(NamedTuple):
 def to_side(ticks: Ints, side: Side) -> Ints:
     """Ticks that were rounded from times, moved to a side by as much as is uncertain.
 
-    A float cannot name a single tick beyond 2^51 of them.
+    A float cannot name a single tick beyond 2^51 of them. ValueError for what is no side of a jump.
     """
+    if not isinstance(side, str) or side not in ("right", "left"):
+        raise refusal("side", f'must be "right" or "left", got {shown(side)}')
     return ticks + (ticks >> 51) if side == "right" else ticks - (ticks >> 51)
 
 
-class Fields(ABC):
+class Fields(Protocol):
     """What a solution asks of the state of a row: at any place and time, and of whole bodies.
 
     Parameters
@@ -65,12 +66,15 @@ class Fields(ABC):
         which falls with `clock.gravity`.
     """
 
-    def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
-        self.clock, self.end, self.signals = clock, end, signals
-        self.motion: Any = signals.motion
-        self.masses = signals.masses
+    clock: Clock
+    end: int
+    signals: Signals
+    motion: Any
 
-    resolution = 1
+    def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
+        self.clock, self.end, self.signals, self.motion = clock, end, signals, signals.motion
+
+    resolution: int = 1
     """Ticks in which nothing is resolved: of a grid those of its step."""
 
     @property
@@ -78,43 +82,37 @@ class Fields(ABC):
         """Whether velocity and strain are constant in the regions between fronts."""
         return False
 
-    @abstractmethod
-    def velocity(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
-        """m/s; x and t broadcast."""
+    def moving(self, body: int, x: ArrayLike, ticks: Ints, side: Side) -> Floats:
+        """Velocity in a rod, m/s, less what gravity gives; x and ticks broadcast."""
 
-    @abstractmethod
     def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         """Positive in tension; x and t broadcast."""
 
     def strain_rate(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
-        """1/s; asked for where material is viscous."""
-        raise NotImplementedError
+        """1/s; asked for where material is viscous, which only a grid takes."""
+        return 0.0 * self.strain(body, x, t)
 
-    @abstractmethod
-    def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
-        """m from the unstrained rod whose left end is at rest at t = 0; x and t broadcast."""
+    def moved(self, body: int, x: ArrayLike, ticks: Ints) -> Floats:
+        """Displacement in a rod, m, less what gravity gives; x and ticks broadcast.
 
-    @abstractmethod
+        It counts from the unstrained rod whose left end is at its place at t = 0.
+        """
+
     def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:
         """Mean velocity and strain [places, intervals] at places x between increasing times t."""
 
-    @abstractmethod
     def trace(self, body: int, x: float) -> Trace:
         """What passes a place."""
 
-    @abstractmethod
     def momentum(self, body: int, t: ArrayLike) -> Floats:
         """kg m/s; of a rod."""
 
-    @abstractmethod
     def energy(self, body: int, tick: int, velocity: float) -> tuple[float, float]:
         """Kinetic energy of the motion relative to `velocity`, and strain energy; J, of a rod."""
 
-    @abstractmethod
     def largest_stress(self, body: int) -> float:
         """Largest absolute stress anywhere in a rod at any time, Pa."""
 
-    @abstractmethod
     def profile(self, body: int, tick: int) -> Profile:
         """State just after `tick`, in pieces of constant velocity and strain."""
 
@@ -150,9 +148,7 @@ class Fields(ABC):
             bad = float(t[~inside].flat[0])
             raise refusal("t", f"must lie in the solution, 0 to {end:.9g} s, got {bad!r}")
         ticks: Ints = np.minimum(np.rint(t / self.clock.tick).astype(np.int64), self.end)
-        if side is None:
-            return ticks
-        return to_side(ticks, side)
+        return ticks if side is None else to_side(ticks, side)
 
     def edges(self, body: int) -> Floats:
         """Ends of the body's segments, m from its left end."""
@@ -166,7 +162,7 @@ class Fields(ABC):
         """
         first, last = self.clock.spans[body]
         if last == 0:
-            kind = "a rigid mass" if body in self.masses else "a wall"
+            kind = "a rigid mass" if body in self.signals.masses else "a wall"
             raise refusal("body", f"{body} is {kind} and has no inside; ask for a rod")
         x, edges = array("x", x, "m"), self.edges(body)
         inside = np.isfinite(x) & (x >= 0) & (x <= edges[-1] * (1 + 1e-12))
@@ -184,29 +180,36 @@ class Fields(ABC):
             message = f"shape {np.shape(x)} does not broadcast with shape {np.shape(t)} of t"
             raise refusal("x", f"{message}; for a grid ask for x[:, None] and t") from None
 
-    # Rigid bodies -----------------------------------------------------------------------------
+    # Of rods, masses and walls ----------------------------------------------------------------
 
     def _fallen(self, t: ArrayLike) -> Floats:
         """Velocity that the frame has gained at times t."""
         return np.asarray(self.clock.gravity * self.to_ticks(t) * self.clock.tick)
 
-    def rigid_velocity(self, body: int, t: ArrayLike, side: Side = "right") -> Floats:
-        """Velocity of a rigid mass or a wall, m/s."""
-        if body not in self.masses:
-            wall: Any = self.clock.system.bodies[body]
-            return np.asarray(wall.velocity + 0.0 * self.to_ticks(t))
-        in_frame = self.masses[body].at(self.to_ticks(t, side), side)
-        velocity: Floats = in_frame + self.clock.frame + self._fallen(t)
-        return velocity
+    def velocity(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
+        """m/s; x and t broadcast, and x is left out of account in a mass or a wall."""
+        ticks, a, masses = self.to_ticks(t, side), self.clock, self.signals.masses
+        held: Any = a.system.bodies[body]
+        if a.spans[body][1]:
+            v = self.moving(body, x, ticks, side)
+        elif body in masses:
+            v = masses[body].at(ticks, side) + a.frame
+        else:
+            return np.asarray(held.velocity + 0.0 * ticks)
+        return v + self._fallen(t) if a.gravity else v
 
-    def rigid_displacement(self, body: int, t: ArrayLike) -> Floats:
-        """Displacement of a rigid mass or a wall, m."""
-        a, ticks = self.clock, self.to_ticks(t)
-        if body not in self.masses:
-            wall: Any = a.system.bodies[body]
-            return np.asarray(wall.velocity * ticks * a.tick)
-        time, moved = ticks * a.tick, self.masses[body].integral(0, ticks) * a.tick
-        return np.asarray(moved + a.frame * time + a.gravity * time * time / 2)
+    def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
+        """m from the place at t = 0; x and t broadcast, as for the velocity."""
+        ticks, a, masses = self.to_ticks(t), self.clock, self.signals.masses
+        held: Any = a.system.bodies[body]
+        time = ticks * a.tick
+        if a.spans[body][1]:
+            moved = self.moved(body, x, ticks)
+        elif body in masses:
+            moved = masses[body].integral(0, ticks) * a.tick + a.frame * time
+        else:
+            return np.asarray(held.velocity * ticks * a.tick)
+        return np.asarray(moved + a.gravity * time * time / 2)
 
     @cached_property
     def positions(self) -> list[float]:
@@ -224,9 +227,3 @@ class Fields(ABC):
                 x += sum(a.length[first : last + 1])
                 x += float(self.displacement(body, self.edges(body)[-1], 0.0))
         return places
-
-
-def check_side(side: Any) -> None:
-    """Raise ValueError for what is no side of a jump."""
-    if not isinstance(side, str) or side not in ("right", "left"):
-        raise refusal("side", f'must be "right" or "left", got {shown(side)}')

@@ -48,24 +48,15 @@ class GridFields(Fields):
     def _step(self) -> float:
         return self.clock.tick * STEP_TICKS
 
-    # Between the states ---------------------------------------------------------------------------
-
-    def _when(self, ticks: Ints) -> tuple[Ints, Floats]:
-        """The state before each tick, and the share of the next one."""
-        when = self.known
-        if len(when) == 1:
-            return np.zeros(np.shape(ticks), np.int64), np.zeros(np.shape(ticks))
-        i = np.clip(np.searchsorted(when, ticks, "right") - 1, 0, len(when) - 2)
-        share = np.minimum((ticks - when[i]) / (when[i + 1] - when[i]), 1.0)
-        return i, share
+    # Between states and between nodes -------------------------------------------------------------
 
     def _in_time(self, table: Floats, place: Any, ticks: Ints) -> Floats:
         """Values of columns of [state, column] at ticks; the two broadcast."""
-        i, share = self._when(ticks)
-        following = np.minimum(i + 1, len(table) - 1)
-        return np.asarray(table[i, place] * (1 - share) + table[following, place] * share)
-
-    # Between the nodes ----------------------------------------------------------------------------
+        when, last = self.known, len(self.known) - 1  # 0 where nothing moves: one state
+        i = np.clip(np.searchsorted(when, ticks, "right") - 1, 0, max(last - 1, 0))
+        after = np.minimum(i + 1, last)
+        share = np.minimum((ticks - when[i]) / np.maximum(when[after] - when[i], 1), 1.0)
+        return np.asarray(table[i, place] * (1 - share) + table[after, place] * share)
 
     def _at(self, body: int, x: ArrayLike, ticks: Ints, places: Floats, table: Floats) -> Floats:
         """Values of a rod at places x, m, between those of a table [state, place]."""
@@ -94,17 +85,25 @@ class GridFields(Fields):
 
         These are the ends of segments, on either side of a step, and the middles of cells.
         """
-        found = {}
+        found, cells, rate = {}, self.motion.cells, np.zeros(self.motion.force.shape)
+        rate[:, 1:-1] = np.diff(self.motion.velocity, axis=1) / cells.width[1:-1]
+        # elastic and viscous; none between pieces
+        known = self.motion.force + cells.viscous * cells.width * rate, (self._strain, rate)
         for body, rod in enumerate(self.clock.system.bodies):
             if isinstance(rod, Rod):
                 segments = enumerate(rod.segments, self.clock.spans[body][0])
-                parts = [(np.concatenate((x[:1], (x[1:] + x[:-1]) / 2, x[-1:])), *self._held(*of))
+                parts = [(np.concatenate((x[:1], (x[1:] + x[:-1]) / 2, x[-1:])),
+                          *self._held(*of, *known))
                          for of, x in zip(segments, self._places(body), strict=True)]
                 found[body] = [np.concatenate(of, axis=-1) for of in zip(*parts, strict=True)]
         return found
 
-    def _held(self, s: int, segment: Segment) -> tuple[Floats, Floats]:
+    def _held(
+        self, s: int, segment: Segment, tension: Floats, kept: tuple[Floats, Floats]
+    ) -> tuple[Floats, Floats]:
         """Strains of a segment and their rates at its left end, in its cells, at its right end.
+
+        `tension` and `kept`, strains and rates, are those of all cells, [state, cell].
 
         At the ends both are extrapolated, and then changed to give the stress that the node's
         momentum asks for: in a step, viscosity eta resists a change of strain by eta/step. Where
@@ -112,30 +111,20 @@ class GridFields(Fields):
         """
         mesh, cells, (E, eta) = self.motion, self.motion.cells, _moduli(segment)
         a, b = mesh.first[s], mesh.last[s]
-        strains, rates = (of[:, a : b + 2].copy() for of in (self._strain, self._rate))
+        strains, rates = (of[:, a : b + 2].copy() for of in kept)
         areas = segment.area.values if isinstance(segment.area, Samples) else [segment.area]
         for node, cell, inward, area in ((a, a + 1, 1, areas[0]), (b, b, -1, areas[-1])):
             behind, end = cell + inward * (b > a + 1), (inward - 1) // 2
-            strain, rate = (1.5 * of[:, cell] - 0.5 * of[:, behind]
-                            for of in (self._strain, self._rate))
+            strain, rate = (1.5 * of[:, cell] - 0.5 * of[:, behind] for of in kept)
             if not (cells.lateral[node] or cells.lateral[node + 1] or cells.swelling[cell]):
-                pull = self._pull[:, node + 1] - self._pull[:, node] + self._pushed(node)
+                pull = tension[:, node + 1] - tension[:, node] + self._pushed(node)
                 gained = pull * cells.cell_mass[cell] / 2 / mesh.mass[node]
-                stress = (self._pull[:, cell] - inward * gained) / float(area)
+                stress = (tension[:, cell] - inward * gained) / float(area)
                 missing = stress - E * strain - eta * rate
                 strain += missing / (E + eta / self._step)
                 rate += missing / (E * self._step + eta)
             strains[:, end], rates[:, end] = strain, rate
         return strains, rates
-
-    @cached_property
-    @_FAINT
-    def _pull(self) -> Floats:
-        """Elastic and viscous tension [state, cell]; none between pieces."""
-        cells = self.motion.cells
-        if not cells.viscous.any():
-            return self.motion.force
-        return np.asarray(self.motion.force + cells.viscous * cells.width * self._rate)
 
     def _pushed(self, node: int) -> Floats:
         """Force to the right on a node from outside its piece, at the states."""
@@ -154,14 +143,6 @@ class GridFields(Fields):
 
     @cached_property
     @_FAINT
-    def _rate(self) -> Floats:
-        """[state, cell] rates of strain."""
-        rates: Floats = np.zeros(self.motion.force.shape)
-        rates[:, 1:-1] = np.diff(self.motion.velocity, axis=1) / self.motion.cells.width[1:-1]
-        return rates
-
-    @cached_property
-    @_FAINT
     def _displaced(self) -> dict[int, Floats]:
         """By rod: [state, node of the rod] displacements in the frame, m."""
         stretched = np.cumsum(self._strain[:, :-1] * self.motion.cells.width[:-1], axis=1)
@@ -177,11 +158,10 @@ class GridFields(Fields):
 
     # Fields ---------------------------------------------------------------------------------------
 
-    def velocity(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
-        v = self._moving(body, x, self.to_ticks(t, side))
-        return v + self.clock.frame + self._fallen(t)
+    def moving(self, body: int, x: ArrayLike, ticks: Ints, side: Side) -> Floats:  # noqa: ARG002
+        return self._in_frame(body, x, ticks) + self.clock.frame
 
-    def _moving(self, body: int, x: ArrayLike, ticks: Ints) -> Floats:
+    def _in_frame(self, body: int, x: ArrayLike, ticks: Ints) -> Floats:
         v = self.motion.velocity[:, self._span(body)[0]]
         return self._at(body, x, ticks, self._node_places(body), v)
 
@@ -194,11 +174,9 @@ class GridFields(Fields):
         places, _, rates = self._stretched[body]
         return self._at(body, x, self.to_ticks(t), places, rates)
 
-    def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
-        a, ticks = self.clock, self.to_ticks(t)
+    def moved(self, body: int, x: ArrayLike, ticks: Ints) -> Floats:
         moved = self._at(body, x, ticks, self._node_places(body), self._displaced[body])
-        time = ticks * a.tick
-        return moved + a.frame * time + a.gravity * time * time / 2
+        return moved + self.clock.frame * (ticks * self.clock.tick)
 
     @_FAINT
     def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:
@@ -211,7 +189,7 @@ class GridFields(Fields):
     @_FAINT
     def trace(self, body: int, x: float) -> Trace:
         c, ticks = self.clock.wave_speed[int(self.locate(body, x)[0])], self.known
-        v, (places, strains, _) = self._moving(body, x, ticks), self._stretched[body]
+        v, (places, strains, _) = self._in_frame(body, x, ticks), self._stretched[body]
         stretch = c * self._at(body, x, ticks, places, strains)
         right, left, change = (
             Pieces.through(ticks, values) for values in (v - stretch, v + stretch, 2 * stretch)

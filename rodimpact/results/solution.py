@@ -18,7 +18,7 @@ from ..storage.extras import optional
 from ..storage.writing import write_npz
 from .contacts import ContactHistory
 from .energy import EnergyLedger, bonded_groups, ledger, totals_of
-from .fields import Fields, check_side
+from .fields import Fields
 from .gauges import Gauge
 from .grid_fields import GridFields
 from .labels import outcome
@@ -154,15 +154,11 @@ class Solution(Shown):
         ValueError
             For a place or time outside the solution.
         """
-        check_side(side)
-        if isinstance(self.system.bodies[self._index(body)], Rod):
-            return self.fields.velocity(body, x, t, side)
-        return self.fields.rigid_velocity(body, t, side)
+        return self.fields.velocity(self._index(body), x, t, side)
 
     @_FAINT
     def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         """Strain, positive in tension; arguments as in `velocity`."""
-        check_side(side)
         return self.fields.strain(self._index(body), x, t, side)
 
     @_FAINT
@@ -185,9 +181,7 @@ class Solution(Shown):
 
         It counts from the unstrained body whose left end is at its place at t = 0.
         """
-        if isinstance(self.system.bodies[self._index(body)], Rod):
-            return self.fields.displacement(body, x, t)
-        return self.fields.rigid_displacement(body, t)
+        return self.fields.displacement(self._index(body), x, t)
 
     def position(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Place in the laboratory in m; the left end of the row starts at 0. As `velocity`."""

@@ -62,20 +62,19 @@ class WaveFields(Fields):
 
     # Fields -----------------------------------------------------------------------------------
 
-    def velocity(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
-        v = self._combine(body, x, t, side, 1.0, lambda _: 0.5, self.clock.frame)
-        return v + self._fallen(t) if self.clock.gravity else v
+    def moving(self, body: int, x: ArrayLike, ticks: Ints, side: Side) -> Floats:
+        return self._combine(body, x, ticks, side, 1.0, lambda _: 0.5, self.clock.frame)
 
     def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         c = self.clock.wave_speed
-        return self._combine(body, x, t, side, -1.0, lambda s: 0.5 / c[s], 0.0)
+        return self._combine(
+            body, x, self.to_ticks(t, side), side, -1.0, lambda s: 0.5 / c[s], 0.0)
 
     def _combine(
-        self, body: int, x: ArrayLike, t: ArrayLike, side: Side, sign: float, factor: Any,
+        self, body: int, x: ArrayLike, ticks: Ints, side: Side, sign: float, factor: Any,
         shift: float,
     ) -> Floats:
         """(sign a + b) * factor(segment) + shift."""
-        ticks = self.to_ticks(t, side)
         if (side == "right" and self.constant_between_fronts and ticks.ndim == 1
                 and np.shape(x) == (np.size(x) or 1, 1) and np.all(ticks[1:] >= ticks[:-1])):
             segment, offset = (of[:, 0] for of in self._offset(body, x))
@@ -122,10 +121,8 @@ class WaveFields(Fields):
         counts = np.diff(stops, axis=1, prepend=0)
         return np.repeat(level.ravel(), counts.ravel()).reshape(len(offset), len(when))
 
-    def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
-        ticks = self.to_ticks(t)
-        out, time = self._pointwise(body, x, ticks, self._displaced), ticks * self.clock.tick
-        return out + self.clock.gravity * time * time / 2
+    def moved(self, body: int, x: ArrayLike, ticks: Ints) -> Floats:
+        return self._pointwise(body, x, ticks, self._displaced)
 
     def _displaced(self, segment: int, p: Ints, q: Ints) -> Floats:
         """Displacement, m, where the waves meet that left the two ends at ticks p and q."""
