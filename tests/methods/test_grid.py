@@ -6,11 +6,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from grid_rows import random_row, run_row
-from hypothesis import given
-from hypothesis import strategies as st
+from grid_rows import random_row
 from mistakes import refused
-from networks import UNIT, shifted, unit_rod
+from networks import UNIT, unit_rod
 from runs import gaps_of
 
 import rodimpact as ri
@@ -19,7 +17,6 @@ from rodimpact.methods.grid import method as finite_difference
 from rodimpact.methods.grid.mesh import STEP_TICKS
 from rodimpact.methods.grid.signals import _accuracy
 
-seeds = st.integers(0, 10**6)
 METHOD = "finite-difference"
 
 
@@ -287,37 +284,6 @@ def test_a_cone_in_steps_is_the_cone():
 
 
 # Symmetry -----------------------------------------------------------------------------------------
-
-
-def velocities(solution, t):
-    return np.array([solution.mean_velocity(i, t) for i in range(len(solution.system.bodies))])
-
-
-@given(seeds)
-def test_mirror(seed):
-    system = random_row(seed, bodies=4, driven=True)
-    run, image = run_row(system, 2.0), run_row(system.mirrored(), 2.0)
-    scale = np.abs(run.track.velocity).max() + run.row.scale
-    inside = run.mesh.mass > 0
-    assert image.track.velocity[:, ::-1][:, inside] == pytest.approx(
-        -run.track.velocity[:, inside], abs=1e-9 * scale)
-    forces = run.track.signal["force"]
-    assert np.array_equal(image.track.signal["force"][:, ::-1] > 0, forces > 0)
-    for k in range(len(system.contacts)):
-        if run.row.contact_link[k] >= 0 and isinstance(system.contacts[k], ri.Bonded):
-            force = run.bond(run.row.contact_link[k])
-            mirrored = image.bond(image.row.contact_link[-1 - k])
-            assert mirrored == pytest.approx(force, abs=1e-9 * (1 + np.abs(force).max()))
-
-
-@given(seeds, st.sampled_from([1.0, -30.0]))
-def test_galilean_shift_changes_nothing(seed, v):
-    system = random_row(seed, bodies=4, driven=True)
-    still, moving = (ri.solve(s, 1.5, METHOD, dt=1 / 32) for s in (system, shifted(system, v)))
-    t, scale = np.linspace(0, 1.5, 17), 1e-9 * (1 + abs(v))
-    assert velocities(moving, t) - v == pytest.approx(velocities(still, t), abs=scale)
-    for a, b in zip(still.contacts, moving.contacts, strict=True):
-        assert b.gap(t) == pytest.approx(a.gap(t), abs=scale)
 
 
 # Options ------------------------------------------------------------------------------------------

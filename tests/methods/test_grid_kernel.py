@@ -5,7 +5,6 @@ import pytest
 from grid_rows import grid_run, matrices, random_row, run_row, thicken
 from hypothesis import given
 from hypothesis import strategies as st
-from ledgers import entries_of, last_of
 from mistakes import refused
 from networks import STEP, unit_rod
 from runs import solution_of
@@ -186,50 +185,13 @@ def energy_of_contacts(run):
 
 
 @given(seeds, st.booleans())
-def test_every_entry_of_the_ledger_at_every_state(seed, driven):
+def test_energies_at_every_state_are_those_that_leapfrog_keeps(seed, driven):
     run = run_row(random_row(seed, driven=driven, bodies=4), 1.5)
-    solution = solution_of(run, 1.5)
-    ledger = solution.energy(run.track.when * run.step)
-    works = ledger.wall_work, ledger.drive_work, ledger.gravity_work, ledger.radiated
-    scale = ledger.total.max() + max(np.abs(w).max() for w in works)
+    ledger = solution_of(run, 1.5).energy(run.track.when * run.step)
+    scale = ledger.total.max() + np.abs(ledger.drive_work).max()
     close = {"rtol": 0, "atol": 1e-11 * scale}
-    np.testing.assert_allclose(ledger.residual, 0.0, **close)
-    np.testing.assert_allclose(
-        ledger.kinetic + ledger.vibration, energy_of_bodies(run), **close)
+    np.testing.assert_allclose(ledger.kinetic + ledger.vibration, energy_of_bodies(run), **close)
     np.testing.assert_allclose(ledger.contact, energy_of_contacts(run), **close)
-    for entry in (ledger.kinetic, ledger.vibrational_kinetic, ledger.strain, ledger.contact):
-        assert entry.min() >= -1e-12 * scale
-    for entry in (ledger.dissipated, ledger.numerical, ledger.damped):
-        assert entry[0] == 0
-        assert driven or np.diff(entry).min() >= -1e-12 * scale
-    if not driven:
-        for entry in works[:3]:
-            np.testing.assert_allclose(entry, 0.0, **close)
-    outcome = solution.outcome
-    assert abs(outcome.momentum_residual) <= 1e-11
-    assert abs(outcome.energy_residual) <= 1e-11
-    np.testing.assert_allclose(entries_of(outcome), last_of(ledger), **close)
-
-
-@given(seeds)
-def test_every_body_gains_the_momentum_of_its_forces(seed):
-    """Contacts, bonds, ends and gravity between them change the momentum of each body."""
-    system = random_row(seed, driven=True)
-    run = run_row(system, 1.5)
-    solution = solution_of(run, 1.5)
-    forces = [np.sum(c.push.values) * run.step for c in solution.contacts]
-    outer = [0.0 if e is None else np.sum(e.push.values) * run.step
-             for e in solution.run.signals.outside]
-    wall = [isinstance(system.bodies[i], ri.Wall) for i in (0, -1)]
-    inner = [*([] if wall[0] else [outer[0]]), *forces, *([] if wall[1] else [outer[1]])]
-    masses = solution.outcome.masses
-    scale = sum(m for m in masses if np.isfinite(m)) * run.row.scale + np.abs(inner).sum()
-    free = [i for i, b in enumerate(system.bodies) if not isinstance(b, ri.Wall)]
-    end = run.steps * run.step
-    for i, before, after in zip(free, inner[:-1], inner[1:], strict=True):
-        V = solution.mean_velocity(i, np.array([0.0, end]))
-        gained = masses[i] * (V[1] - V[0] - system.gravity * end)
-        assert gained == pytest.approx(before - after, abs=1e-11 * scale)
 
 
 @pytest.mark.parametrize(

@@ -183,18 +183,6 @@ def test_gap_is_the_distance_of_the_ends(row):
         assert row.contacts[k].gap(t) == pytest.approx(ends, abs=allowed)
 
 
-def test_impulses_are_changes_of_momentum(row):
-    t, o = states_of(row), row.outcome
-    J = [c.impulse_until(t) for c in row.contacts]
-    h = row.fields.clock.tick * STEP_TICKS
-    push = row.run.signals.outside[0].push.values
-    pushed = np.concatenate(([0.0], np.cumsum(push) * h))[: len(t)]
-    for i, (before, after) in enumerate(zip([pushed, *J], [*J, 0 * t - 0.2 * t], strict=True)):
-        after = after if i < 5 else 0.2 * t
-        gained = o.masses[i] * (row.mean_velocity(i, t) - float(row.mean_velocity(i, 0.0)))
-        assert gained == pytest.approx(before - after - 0.4 * o.masses[i] * t, abs=1e-11)
-
-
 def test_energies_and_their_integrals(row):
     t = states_of(row)[::16]
     ledger = row.energy(t)

@@ -50,8 +50,8 @@ def signals_of(row: Row, clock: Clock, end: int, records: dict[str, Any]) -> Sig
         for i in row.contact_link
     ]
     outside = [_outside(row, side, lines, frame, records) for side in (0, 1)]
-    for side, contact in ((0, contacts[0]), (1, contacts[-1])) if contacts else ():
-        acting = outside[side]
+    for side, inwards in enumerate((contacts, contacts[::-1])):
+        acting, contact = outside[side], next(filter(None, inwards), None)  # not bonds to a wall
         if isinstance(bodies[-side], Wall) and contact and acting:
             outside[side] = acting._replace(push=contact.force)  # with its blows
 
