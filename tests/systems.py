@@ -11,6 +11,13 @@ MATERIALS = [
 ]
 
 
+STEEL = ri.materials.steel
+
+
+def rod(length=1.0, velocity=0.0, area=1e-4, material=STEEL, **more):
+    return ri.Rod(length, area=area, material=material, velocity=velocity, **more)
+
+
 def random_profile(rng, length, scale):
     if rng.random() < 0.7:
         return scale * rng.uniform(-1, 1)

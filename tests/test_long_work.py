@@ -4,17 +4,11 @@ import threading
 
 import numpy as np
 import pytest
+from systems import rod
 
 import rodimpact as ri
 from rodimpact.methods import duration
 from rodimpact.running import sweeping
-
-STEEL = ri.materials.steel
-
-
-def rod(length, velocity=0.0, area=1e-4):
-    return ri.Rod(length, area=area, material=STEEL, velocity=velocity)
-
 
 PAIR = ri.System([rod(0.4, 1.0), rod(1.0, area=2e-4)])
 

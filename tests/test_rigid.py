@@ -103,22 +103,6 @@ def test_arrays_broadcast():
 COLLISION = {"m1": 1.0, "v1": 1.0, "m2": 2.0, "v2": 0.0, "restitution": 0.5}
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"m1": 0.0}, r"m1: must be a positive .*or infinite, got 0\.0"),
-        ({"m2": [1.0, math.nan]}, r"m2\[1\]: .*, got nan"),
-        ({"m1": math.inf, "m2": math.inf}, r"m2: .*, got inf"),
-        ({"v1": math.nan}, r"v1: must be a finite number of m/s, got nan"),
-        ({"restitution": math.nan}, r"restitution: must be a finite number, got nan"),
-        ({"v1": [1.0, 3.0], "v2": 2.0}, r"v1\[0\]: must be above the velocity of body 2, 2\.0"),
-    ],
-)
-def test_impossible_collisions(changes, message):
-    with pytest.raises(ValueError, match=message):
-        rigid.collide(**(COLLISION | changes))
-
-
 @pytest.mark.parametrize("e", [1.1, -1.1])
 def test_energy_release_needs_permission(e):
     message = rf"restitution\[1\]: .*, got {e}, .*set allow_energy_release=True"
@@ -130,6 +114,15 @@ def test_energy_release_needs_permission(e):
 @pytest.mark.parametrize(
     ("call", "message"),
     [
+        *((lambda changes=changes: rigid.collide(**COLLISION | changes), message)
+          for changes, message in (
+            ({"m1": 0.0}, r"m1: must be a positive .*or infinite, got 0\.0"),
+            ({"m2": [1.0, math.nan]}, r"m2\[1\]: .*, got nan"),
+            ({"m1": math.inf, "m2": math.inf}, r"m2: .*, got inf"),
+            ({"v1": math.nan}, r"v1: must be a finite number of m/s, got nan"),
+            ({"restitution": math.nan}, r"restitution: must be a finite number, got nan"),
+            ({"v1": [1.0, 3.0], "v2": 2.0}, r"v1\[0\]: must be above the velocity of body 2, 2\.0"),
+        )),
         (lambda: rigid.restitution_from_velocities(1, 1, 0, 0), r"v1_before: .*, 1\.0, got 1"),
         (lambda: rigid.restitution_from_velocities(1, 0, math.nan, 0), "v1_after: must be .* nan"),
         (lambda: rigid.restitution_from_heights(0, 0), r"drop: must be a .*positive .*, got 0\.0"),

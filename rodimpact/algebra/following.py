@@ -109,7 +109,8 @@ class Followed:
     def _before(self, k: int, t: int) -> tuple[int, list[Any], Any]:
         """Status of node k, the waves that arrive there at tick t, and its gap then."""
         state, at = self._state, self._state.node[k]
-        arrivals = [state.line[l].due for l in (2 * k, 2 * k + 3) if state.line[l].due == t]
+        due = [events.arrival(state.segment, state.line, state.log, l) for l in (2 * k, 2 * k + 3)]
+        arrivals = [when for when in due if when == t]
         now = (arrivals or [state.tree[len(state.tree) // 2 + k] if t else 0])[0]
         return at.status, arrivals, at.gap + at.rate * (now - at.since)
 

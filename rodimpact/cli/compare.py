@@ -11,13 +11,15 @@ import argparse
 from functools import partial
 from typing import Any, TypeAlias
 
-from .. import InvalidModel, Misfit, Pulse, Signal, Solution
-from ..records.comparison import gain_unit
+from ..model.frozen import InvalidModel
+from ..records.comparison import Misfit, Pulse, gain_unit
+from ..records.signal import Signal
 from ..results.regions import nothing_to_draw
+from ..results.solution import Solution
 from ..storage.tables import align, as_json
 from ..units import format_si
 from . import record_options
-from .asking import Given, add_run_options, drawn, number
+from .asking import Given, add_run_options, number
 from .progress import solved, status_of
 
 _PULSE = {"start": "pulse starts", "width": "width at half height",
@@ -69,7 +71,7 @@ def run(given: Given) -> tuple[str, int]:
     for name, place in places.items():
         with given.naming(f"--gauge {name}"):
             laid[name] = _laid(records[name], _predicted(solution, place, given), given)
-    status = given.write(save=drawn(partial(_draw, laid))) or status_of(solution)
+    status = given.write(save=partial(_draw, laid)) or status_of(solution)
     return (_json(laid) if given.json else _table(laid)), status
 
 
@@ -127,12 +129,13 @@ def _json(laid: dict[str, Laid]) -> str:
     return as_json(channels=channels)
 
 
-def _draw(laid: dict[str, Laid], plot: Any) -> Any:
+def _draw(laid: dict[str, Laid], path: str, force: bool) -> None:
     """Draw all channels side by side."""
+    from .. import plot
     from ..plot.records import side_by_side
 
     pairs = side_by_side(len(laid))
     for pair, (measured, predicted, found, _) in zip(pairs, laid.values(), strict=True):
         scale = found.scale if measured.unit == predicted.unit else None  # else it was free
         plot.comparison(measured, predicted, pair, shift=found.shift, scale=scale)
-    return pairs[0][0]
+    plot.save(pairs[0][0], path, force=force)

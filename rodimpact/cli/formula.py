@@ -8,8 +8,9 @@ these; transit_time and impedance, too, of which rods are made where wave speeds
 
 import argparse
 
-from .. import ClosedForm, closed_form, read_case
+from ..algebra.formula import ClosedForm, closed_form
 from ..model.numbering import body_names, contact_names
+from ..storage.casefile import read_case
 from . import DONE, MISTAKE, complain
 from .progress import progress_bar
 

@@ -6,7 +6,7 @@ Plain Python around the kernels, which the page has as JavaScript. Tests hold al
 
 from typing import Any
 
-from ..methods.abilities import driven
+from ..methods.abilities import has_driven_end
 from ..methods.clock import most_rounded
 from ..methods.compiling import blank
 from ..methods.fronts import events, march
@@ -19,8 +19,9 @@ from ..methods.laws import Stop
 from ..methods.pieces import reading
 from ..methods.pieces.layout import piece_of
 from ..methods.pieces.records import NEVER
-from ..methods.status import rounding, strain_warning
+from ..methods.status import DRIVEN, is_held, rounding, strain_warning
 from ..methods.walk import smallest, walk
+from ..model.numbering import contact_names
 from ..results.front_polygons import count_of, polygons_of, wave_of
 from ..theory import pair_numbers, pair_restitution
 from ..units import format_si
@@ -143,12 +144,15 @@ def outcome_of(run: Any) -> Any:
     first, inside = heads(row.system, row.spans), segment[1 : len(row.segments) + 1]
     kinetic = sum(piece.mass * (inside[s].initial + it.frame) ** 2 / 2
                   for s, piece in enumerate(row.segments))
-    proved = it.proved != NONE and not (it.until >= 0 and driven(row.system))
+    proved = it.proved != NONE and not (it.until >= 0 and has_driven_end(row.system))
     ticks = [at.transit for at in inside]
     rounded, worst = most_rounded(row, ticks, it.tick)
     trip, contacts = round_trip(run["body"], segment) * it.tick, run["plan"].contacts
-    text = status_of(it, run["node"], contacts, row.system, proved,
-                     last_of(it, run["node"], contacts, trip))
+    text = status_of(it, run["node"], contacts, {
+        "proved": proved, "t_final": last_of(it, run["node"], contacts, trip),
+        "acting": DRIVEN if has_driven_end(row.system) else "", "held": is_held(row.system),
+        "names": contact_names([body.kind for body in row.system.bodies]),
+    })
     strain = it.fastest / smallest([piece.wave_speed for piece in row.segments])
     return outcome_told(row.system, {
         "before": body_velocities(row.system, [segment[s].initial + it.frame for s in first]),

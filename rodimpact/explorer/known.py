@@ -6,7 +6,7 @@ Plain Python, which the page has as JavaScript. A system is that of the model or
 import math
 from typing import Any
 
-from ..methods.abilities import driven
+from ..methods.abilities import has_driven_end
 from ..methods.groups import unilateral
 from ..model.numbering import body_numbers, contact_names
 from ..model.profiles import extremes
@@ -67,8 +67,8 @@ def outcome_told(system: Any, found: Any) -> Any:
     k, count = able[0] if len(able) > 0 else 0, len(able)
     episodes = found["contacts"][k].episodes if count == 1 else 0
     closing = before[k] - before[k + 1] if count == 1 else 0.0
-    why = no_restitution(
-        count, driven(system), episodes, found["final"], closing, found["status"])
+    driven = has_driven_end(system) or system.gravity != 0
+    why = no_restitution(count, driven, episodes, found["final"], closing, found["status"])
     e, error = math.nan, 0.0
     if why == "":
         e = effective_restitution(True, episodes, before[k : k + 2], after[k : k + 2]) + 0.0

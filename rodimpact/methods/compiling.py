@@ -224,19 +224,16 @@ def objects(rows: Iterable[Sequence[Any]], record: Any) -> list[Any]:
 
 
 def as_objects(records: Any) -> list[Any]:
-    """Return an array as a list, for plain Python: of numbers, or of small objects for records."""
+    """Return an array of records as a list of small objects with lists, for plain Python."""
     kind = records.dtype
-    if kind.names is None:
-        return records.tolist()  # type: ignore[no-any-return]
     if any(kind[name].subdtype for name in kind.names):
         return list(map(_kind(kind), *(records[name].tolist() for name in kind.names)))
     return objects(records.tolist(), kind)
 
 
 def as_records(objects: list[Any], record: Any) -> Any:
-    """Return a list of `as_objects` as an array of that kind again."""
-    rows = list(map(operator.attrgetter(*record.names), objects)) if record.names else objects
-    return np.array(rows, record)
+    """Return objects of `as_objects` as an array of records."""
+    return np.array(list(map(operator.attrgetter(*record.names), objects)), record)
 
 
 def lengthened(records: Any, kind: Any) -> Any:

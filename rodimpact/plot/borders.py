@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..methods.signals import Floats
 from ..model import Absorbing, Joint, Moved, Pushed, Rigid, RigidMass, Rod
+from ..results.contacts import ContactHistory
 from ..results.gauges import Gauge
 from .placing import Placing
 from .plane import Plane
@@ -56,29 +57,26 @@ class Borders:
         outer = dict(zip([(0, False), (last, True)], self.system.ends, strict=True))
         ends = [(i, right) for i, body in enumerate(self.system.bodies) if isinstance(body, Rod)
                 for right in (False, True)]
-        drawn = [mark("open") if isinstance(outer.get(end), Absorbing) else mark("end")
-                 for end in ends]
+        open_ = mark("open")
+        absorbing = [isinstance(outer.get(end), Absorbing) for end in ends]
         return self._lines(
             [self._track(i, right, self.cut.bends(i, edges(i)[-right])) for i, right in ends],
-            zorder=3, **{key: [each[key] for each in drawn] for key in mark("end")})
+            zorder=3, linewidths=[open_["linewidth"] if a else 0.8 for a in absorbing],
+            linestyles=[open_["linestyle"] if a else "-" for a in absorbing])
 
     def contacts(self) -> list[collections.LineCollection]:
         """Where bodies press, where they touch without force, and where a gap has no width."""
         paths: tuple[list[Floats], ...] = [], [], []
-        stepped = is_stepped(self.plan.solution)
         for history in self.plan.solution.contacts:
             if history.law.opens:
-                turns = self.times if stepped else history.breakpoints()[0]
-                told = [t for episode in history.episodes[:POINTS] for t in episode if t == t]
-                times = self._within([*turns, *told])
+                times = self._turns(history)
                 force = np.diff(history.impulse_until(times)) / np.diff(times)
                 gap = np.abs(history.gap(times))
                 closed = np.maximum(gap[:-1], gap[1:]) <= ROUND_OFF * gap.max()
                 presses = force > ROUND_OFF * history.peak_force
                 touches = closed & ~presses & isinstance(history.law, Rigid)
                 apart = ~presses & ~touches & (self.plan.magnification == 0)
-                left, right = (self.plan.end(history.index + i, not i, times) for i in (0, 1))
-                track = self.plane.points((left + right) / 2, times)
+                track = self.plane.points(self.plan.between(history.index, times), times)
                 for each, inside in zip(paths, (presses, touches, apart), strict=True):
                     each += _stretches(track, inside)
         casing = [patheffects.withStroke(linewidth=4.5, foreground=self.colours.paper)]
@@ -87,6 +85,12 @@ class Borders:
             "touching": {"linewidths": 1.2, "zorder": 4}, "apart": {"zorder": 4, **mark("apart")}}
         return [self._lines(track, label=label, capstyle="butt", **look)
                 for track, (label, look) in zip(paths, looks.items(), strict=True)]
+
+    def _turns(self, history: ContactHistory) -> Floats:
+        """Times between which a contact presses, touches or is open."""
+        turns = self.times if is_stepped(self.plan.solution) else history.breakpoints()[0]
+        told = [t for episode in history.episodes[:POINTS] for t in episode if t == t]
+        return self._within([*turns, *told])
 
     def _within(self, times: ArrayLike) -> Floats:
         """The times in the picture, with its first and its last."""
@@ -167,8 +171,8 @@ class Borders:
                     label=DRIVEN[type(end)], **mark("drive"))]
 
 
-def mark(kind: Literal["wall", "mass", "drive", "apart", "open", "end"]) -> dict[str, Any]:
-    """Style of walls and fixed ends, rigid masses, driven ends, gaps without width, and ends.
+def mark(kind: Literal["wall", "mass", "drive", "apart", "open"]) -> dict[str, Any]:
+    """Style of walls and fixed ends, rigid masses, driven ends, gaps without width, open ends.
 
     Waves leave through an open end for good.
     """
@@ -180,7 +184,6 @@ def mark(kind: Literal["wall", "mass", "drive", "apart", "open", "end"]) -> dict
         "apart": {"color": paper, "linewidth": 2.4,
                   "path_effects": [patheffects.withStroke(linewidth=3.6, foreground=ink)]},
         "open": {"color": ink, "linewidth": 1.6, "linestyle": (0, (3, 2))},
-        "end": {"color": ink, "linewidth": 0.8, "linestyle": "-"},
     }
     return styles[kind]
 

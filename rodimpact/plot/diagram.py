@@ -1,6 +1,7 @@
 """The space-time diagram: where every piece of rod is at every time, coloured by its state."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from matplotlib import artist
@@ -8,7 +9,6 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from ..model import Absorbing
-from ..model.arguments import one_of
 from ..model.frozen import refusal
 from ..results.gauges import Gauge, check_gauges
 from ..results.solution import Solution, check_waves
@@ -18,7 +18,7 @@ from .plane import Plane
 from .polygons import Polygons, Raster
 from .sampling import is_stepped
 from .scales import FIELDS, axis_scales, field_scale, written
-from .style import Picture, axes, centred, colour_bar, legend_above, styled
+from .style import Picture, axes, centred, check_choice, colour_bar, legend_above, styled
 
 
 @styled
@@ -97,15 +97,18 @@ def spacetime(
     True
     """
     check_waves(solution)
-    one_of("field", field, FIELDS)
-    one_of("coordinates", coordinates, ("lab", "body"))
+    check_choice("field", field, FIELDS)
+    check_choice("coordinates", coordinates, ("lab", "body"))
     stations = {} if gauges is None else check_gauges(gauges)
     cut: Cut = (Raster if is_stepped(solution) else Polygons)(solution, start, stop)
     stop = solution.t_end if stop is None else stop
-    if coordinates == "body" and magnification is not None:
-        raise refusal("magnification", 'nothing moves in coordinates="body"; leave it out, or give '
-                      'coordinates="lab"')
-    plan = placing(solution, start, stop, magnification, still=coordinates == "body")
+    plan = placing(solution, start, stop, magnification)
+    if coordinates == "body":
+        if magnification is not None:
+            raise refusal("magnification", 'nothing moves in coordinates="body"; leave it out, or '
+                             'give coordinates="lab"')
+        plan = replace(plan, magnification=0.0)
+    plan = plan.with_springs(start, stop)
     values = cut.values(field, plan.frame)
     rest = plan.frame if field == "velocity" else 0.0
     reach = [float(np.nanmin(values)), float(np.nanmax(values))]

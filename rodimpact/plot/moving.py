@@ -5,6 +5,8 @@ Axes of bodies and words are drawn again in each frame, over a picture of the ot
 the film, whose later times get the colour of the paper.
 """
 
+import base64
+import html
 import io
 import math
 import os
@@ -20,7 +22,7 @@ from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from ..methods.signals import Floats
-from ..model.arguments import one_of, single
+from ..model.arguments import single
 from ..model.frozen import refusal
 from ..results.solution import Solution, check_waves
 from ..storage import writing
@@ -64,15 +66,10 @@ class Animation:
         self.fps, self.title, self._look = fps, headline(solution), copy_context()
         self.field, self.colours = field, style.colours()
         start, stop = float(times[0]), float(times[-1])
-        plan = placing(solution, start, stop, magnification)
+        plan = placing(solution, start, stop, magnification).with_springs(start, stop)
         self.times = np.concatenate((_approach(plan, times), times,
                                      np.full(round(REST * fps), stop)))
-        # times at which something happens at contacts, and what to read before and after each
-        self._turns = sorted({t for t in contact_turns(solution) if start <= t <= stop})
-        self._captions = ["before contact" if start == 0 and self._turns else ""]
-        for t in self._turns:
-            lines = [f"{written(t, 's')}:", *happening(solution, t).splitlines()]
-            self._captions.append("\n".join(lines[:3]) + ", ..." * (len(lines) > 3))
+        self._turns, self._captions = _captions(solution, start, stop)
         self._time, place = axis_scales(solution, False, stop, plan.row)
         self.figure = style.new_figure(8.4, 6.8)
         self.figure.suptitle(style.broken(self.title, 72 * self.figure.get_figwidth()),
@@ -142,7 +139,8 @@ class Animation:
         """Draw the bodies at a time; nothing else is on their Axes."""
         bars = self._bars
         bars.at(np.array([t]))
-        bars.rods(bars.pieces[self.field] * self._factor, self._norm)
+        values = np.array([getattr(piece, self.field) for piece in bars.pieces]) * self._factor
+        bars.rods(values, self._norm)
         for draw in (bars.walls, bars.masses, bars.outlines, bars.marks):
             draw()
 
@@ -193,7 +191,8 @@ class Animation:
     def _repr_html_(self) -> str:
         memory = io.BytesIO()
         files.write_gif(memory, self, None)
-        return files.as_image(memory.getvalue(), "gif", self.title)
+        data = base64.b64encode(memory.getvalue()).decode()
+        return f'<img src="data:image/gif;base64,{data}" alt="{html.escape(self.title)}">'
 
 
 @style.styled
@@ -243,7 +242,7 @@ def animation(
     ('t = 317 µs', (680, 840, 3))
     """
     check_waves(solution)
-    one_of("field", field, FIELDS)
+    style.check_choice("field", field, FIELDS)
     check_frames(frames, fps)
     start = single("start", start, "s")
     stop = drawn_until(solution) if stop is None else single("stop", stop, "s")
@@ -273,6 +272,16 @@ def _approach(plan: Placing, times: Floats) -> Floats:
     way = WAY * plan.row / (plan.magnification * max(closing))
     count = int(min(way / step, APPROACH * times.size))
     return np.arange(-count, 0, dtype=np.float64) * step
+
+
+def _captions(solution: Solution, start: float, stop: float) -> tuple[list[float], list[str]]:
+    """Times at which something happens at contacts, and what to read before and after each."""
+    turns = sorted({t for t in contact_turns(solution) if start <= t <= stop})
+    told = []
+    for t in turns:
+        lines = happening(solution, t).splitlines()
+        told.append("\n".join([f"{written(t, 's')}:", *lines[:2]]) + ", ..." * (len(lines) > 2))
+    return turns, ["before contact" if start == 0 and turns else "", *told]
 
 
 def _draw_forces(ax: Axes, solution: Solution) -> None:

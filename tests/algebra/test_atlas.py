@@ -2,21 +2,16 @@
 
 import numpy as np
 import pytest
+from networks import UNIT, unit_rod
 
 import rodimpact as ri
 from rodimpact.algebra import rows
 from rodimpact.methods.fronts.driver import laid
 
-UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
-
-
-def rod(length, area=1.0, velocity=0.0):
-    return ri.Rod(length, area=area, material=UNIT, velocity=velocity)
-
 
 @pytest.fixture(scope="module")
 def pair():
-    system = ri.System([rod(1.0, 1.0, 1.0), rod(2.0, 0.7)])
+    system = ri.System([unit_rod(velocity=1.0), unit_rod(2.0, 0.7)])
     return ri.atlas(system, ("bodies.1.length", 0.55, 3.6), ("bodies.1.area", 0.4, 1.7))
 
 
@@ -24,7 +19,7 @@ def pair():
 def stepped():
     striker = ri.Rod(segments=[ri.Segment(0.3, 1.5, UNIT), ri.Segment(0.2, 1.0, UNIT)],
                      velocity=1.0)
-    return ri.atlas(ri.System([striker, rod(1.0, 3.0)]),
+    return ri.atlas(ri.System([striker, unit_rod(1.0, 3.0)]),
                     ("bodies.1.length", 0.6, 2.0), ("bodies.1.area", 0.8, 6.0))
 
 
@@ -89,7 +84,7 @@ def test_mistaken_axes_are_told(pair, x, said):
 
 
 def test_borders_that_floats_do_not_tell_are_there():
-    system = ri.System([rod(0.4, 1.0, 1.0), rod(1.0, 2.0)])
+    system = ri.System([unit_rod(0.4, velocity=1.0), unit_rod(1.0, 2.0)])
     found = ri.atlas(system, ("bodies.0.length", 0.3, 1.5), ("bodies.1.area", 0.5, 4.0))
     x, y = found.borders.T
     level = np.sort(x[np.abs(y - 1) <= 1e-9])

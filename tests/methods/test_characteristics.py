@@ -68,8 +68,6 @@ def test_mass_on_a_free_rod_at_the_default_tolerance(mu):
     assert s.outcome.restitution == pytest.approx(e_of_mass_on_rod(mu), abs=1e-10)
     assert s.outcome.duration == pytest.approx(2.0, rel=1e-12)
     assert s.outcome.peak_force == pytest.approx(1.0, rel=1e-10)
-    right = ri.solve(ri.System([unit_rod(), ri.RigidMass(1 / mu, velocity=-1.0)]))
-    assert right.outcome.restitution == pytest.approx(s.outcome.restitution, rel=1e-12)
 
 
 def mass_on_a_stiff_spring(M, k):
@@ -98,8 +96,7 @@ def mass_on_a_stiff_spring(M, k):
     ("M", "k", "gap"), [(0.1, 500.0, 0.0), (1.0, 500.0, 0.33), (1.0, 2e4, 0.0), (0.3, 1e6, 0.33)]
 )
 def test_a_stiff_spring_is_resolved_in_few_steps(M, k, gap):
-    law = [ri.Spring(k)]
-    s = solved([ri.RigidMass(M, velocity=1.0), unit_rod()], gaps=[gap], contacts=law)
+    s = solved([ri.RigidMass(M, velocity=1.0), unit_rod()], gaps=[gap], contacts=[ri.Spring(k)])
     impulse, top, lasts = mass_on_a_stiff_spring(M, k)
     o = s.outcome
     assert o.impulse == pytest.approx(impulse, rel=1e-8)
@@ -107,8 +104,6 @@ def test_a_stiff_spring_is_resolved_in_few_steps(M, k, gap):
     assert o.duration == pytest.approx(lasts, rel=1e-8)
     assert abs(o.energy_residual) <= 1e-9
     assert s.run.events <= 500
-    left = solved([unit_rod(), ri.RigidMass(M, velocity=-1.0)], gaps=[gap], contacts=law)
-    assert left.outcome.impulse == pytest.approx(o.impulse, rel=1e-8)
 
 
 @pytest.mark.parametrize(
@@ -175,8 +170,7 @@ LAWS = {
 
 
 @pytest.mark.parametrize("name", LAWS)
-@pytest.mark.parametrize("mirrored", [False, True])
-def test_mass_through_a_law_on_an_endless_bar(name, mirrored):
+def test_mass_through_a_law_on_an_endless_bar(name):
     """A bar that absorbs is a dashpot Z: an ordinary differential equation."""
     law, force = LAWS[name]
     M, Z, gap = 0.5, 2.0, 0.0837
@@ -199,7 +193,6 @@ def test_mass_through_a_law_on_an_endless_bar(name, mirrored):
                       events=leaves)
     system = ri.System([ri.RigidMass(M, velocity=1.0), unit_rod(1.0, Z)], [gap], [law],
                        ends=(ri.Free(), ri.Absorbing()))
-    system = system.mirrored() if mirrored else system
     assert ri.solve(system, 4.0).outcome.contacts[0].impulse == pytest.approx(
         exact.y[2, -1], abs=1e-8)
 
@@ -390,16 +383,6 @@ def test_a_gap_of_any_width_closes_on_time(gap):
     assert s.outcome.numerical == pytest.approx(0.0, abs=1e-13)
 
 
-def test_an_impact_happens_at_its_moment():
-    """The mass that was hit leaves at (1 + e) m V/(m + M) = 1/2, and meets the rod at 0.1 + 0.4."""
-    row = [ri.RigidMass(1.0, velocity=1.0), ri.RigidMass(2.0), unit_rod()]
-    s = solved(row, 2.0, gaps=[0.1, 0.2], contacts=[ri.Rigid(restitution=0.5), ri.Rigid()])
-    impact, meeting = (contact.episodes[0] for contact in s.contacts)
-    assert impact == pytest.approx((0.1, 0.1, 0.1), abs=1e-12)
-    assert meeting.start == pytest.approx(0.5, abs=1e-12)
-    assert s.outcome.contacts[0].duration == 0
-
-
 @pytest.mark.parametrize("until", [1e-12, 0.013, 0.5123, 1.9])
 def test_a_run_ends_where_it_was_asked_to_end(until):
     row = [ri.RigidMass(1.0, velocity=1.0), unit_rod()]
@@ -415,48 +398,7 @@ def test_a_run_ends_where_it_was_asked_to_end(until):
 # Ends of a run ------------------------------------------------------------------------------------
 
 
-def test_without_an_end_a_driven_row_is_refused():
-    driven = {"ends": (ri.Pushed(1.0), ri.Free())}, {"ends": (ri.Free(), ri.Moved(0.0))}
-    for options in driven:
-        assert refused("must be given: .*drive", solved, [unit_rod()], **options) == ["until"]
-    falling = [unit_rod(), ri.Wall()]
-    assert refused("must be given: .*gravity", solved, falling, gravity=1.0) == ["until"]
-    assert refused("gravity", solved, [unit_rod()], gravity=1.0,
-                   ends=(ri.Fixed(), ri.Free())) == ["until"]
-    s = solved([unit_rod(0.5, velocity=1.0), unit_rod()], gravity=1.0)
-    assert s.final  # all fall alike
-
-
-def test_max_events_caps_a_run_that_does_not_end():
-    row = [ri.Wall(), unit_rod(velocity=1.0), ri.Wall()]
-    s = solved(row, max_events=1000, contacts=[ri.Spring(1.0)] * 2)
-    assert s.stopped_by == "max_events"
-    assert s.events <= 1000
-    assert not s.final
-    assert math.isnan(s.t_final)
-    assert "Stopped by the cap of 1000 steps of nodes" in s.status
-    assert "until=" in s.status
-
-
 # Which method -------------------------------------------------------------------------------------
-
-RAMP = ri.Samples([0.0, 1.0], step=1.0)
-CAN_NOT = {
-    "bodies.0": ri.System([MASS, unit_rod()]),
-    "contacts.0.law": ri.System([unit_rod(), unit_rod()], contacts=[ri.Spring(1.0)]),
-    "gravity": ri.System([unit_rod()], gravity=1.0),
-    "bodies.0.velocity": ri.System([unit_rod(velocity=ri.Samples([0.0, 1.0]))]),
-    "ends.left.value": ri.System([unit_rod()], ends=(ri.Moved(RAMP), ri.Free())),
-}
-
-
-@pytest.mark.parametrize("path", CAN_NOT)
-def test_fronts_refuse_by_path_and_name_the_method_that_can(path):
-    system = CAN_NOT[path]
-    said = 'method "fronts" has no .*; method "characteristics" has'
-    assert refused(said, ri.solve, system, 1.0, "fronts") == [path]
-    assert ri.solve(system, 1.0).method == METHOD
-
 
 @pytest.mark.parametrize("order", [1, -1])
 def test_large_strains_are_those_of_the_rod_in_which_they_are(order):

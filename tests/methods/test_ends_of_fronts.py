@@ -6,19 +6,15 @@ import pytest
 from exhaustive import few_of
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from networks import unit_rod
 from runs import group_of, tracked
 from systems import horizon, random_end, random_system, with_ends
 
 import rodimpact as ri
 
-M = ri.Material("m", youngs_modulus=1.0, density=1.0)
 STEP = 1 / 16
 CAP = 20_000
 seeds = st.integers(0, 10**6)
-
-
-def rod(length=1.0, velocity=0.0, area=1.0, strain=0.0):
-    return ri.Rod(length, area=area, material=M, velocity=velocity, strain=strain)
 
 
 def commensurate(seed):
@@ -28,7 +24,8 @@ def commensurate(seed):
     for _ in range(rng.integers(1, 4)):
         length = float(rng.integers(2, 9)) / 4
         state = [ri.Steps(rng.uniform(-1, 1, 2).tolist(), [length / 2]) for _ in range(2)]
-        rods.append(rod(length, state[0], float(rng.uniform(0.3, 3)), state[1]))
+        area = float(rng.uniform(0.3, 3))
+        rods.append(unit_rod(length, area, velocity=state[0], strain=state[1]))
     ends = [random_end(rng, body, 1.0, True) for body in (rods[0], rods[-1])]
     return ri.System(rods, contacts=[ri.Bonded()] * (len(rods) - 1), ends=ends)
 
@@ -88,40 +85,6 @@ def test_an_incoming_wave_is_that_of_a_long_rod(method, mirrored):
 # Closed forms ------------------------------------------------------------------------------------
 
 
-def test_nothing_comes_back_from_an_absorbing_end():
-    """The pulse of a striker leaves the bar, whose other end stays where it is."""
-    system = ri.System([rod(0.5, 1.0), rod(2.0)], ends=(ri.Free(), ri.Absorbing()))
-    solution = ri.solve(system)
-    assert solution.method == "fronts"
-    assert solution.final
-    assert solution.t_final == 1.0
-    t = np.linspace(0.01, 8, 100)
-    longer = ri.solve(system, until=8.0)
-    inside = (t > 1.0) & (t < 2.0)
-    assert longer.velocity(1, 1.0, t) == pytest.approx(np.where(inside, 0.5, 0.0), abs=1e-15)
-    assert longer.outcome.velocities_after == pytest.approx((0.0, 0.0), abs=1e-15)
-    assert longer.outcome.radiated == pytest.approx(0.25, rel=1e-14)
-    assert solution.outcome.restitution == pytest.approx(0.0, abs=1e-15)
-
-
-@pytest.mark.parametrize(("side", "area"), [(0, 1.0), (1, 3.0)])
-def test_a_steady_force_makes_staircases(side, area):
-    """The driven end of a free rod moves at F/Z (2 k + 1) after k round trips, the other at 2 k."""
-    ends = [ri.Free(), ri.Free()]
-    ends[side] = ri.Pushed(0.7)
-    solution = ri.solve(ri.System([rod(area=area)], ends=ends), until=12.5)
-    t = np.arange(0.25, 12.5, 0.5)
-    sign, trips = (1, -1)[side], np.floor(t / 2)
-    near, far = (0.0, 1.0) if side == 0 else (1.0, 0.0)
-    v = sign * 0.7 / area
-    assert solution.velocity(0, near, t) == pytest.approx(v * (2 * trips + 1), rel=1e-14)
-    later = np.floor((t + 1) / 2)
-    assert solution.velocity(0, far, t) == pytest.approx(v * 2 * later, rel=1e-14, abs=1e-15)
-    assert solution.mean_velocity(0, t) == pytest.approx(v * t, rel=1e-13)
-    assert solution.outcome.velocities_after == pytest.approx((v * 12.5,), rel=1e-14)
-    assert solution.axial_force(0, near, t) == pytest.approx(-0.7, rel=1e-13)
-
-
 # Balances ----------------------------------------------------------------------------------------
 
 
@@ -170,25 +133,13 @@ def test_an_endless_end_stays_within_its_bound(seed, right):
 @pytest.mark.parametrize("area", [0.3, 1.0, 1.1, 2.0, 10.0])
 def test_a_striker_on_an_endless_bar_comes_to_its_end(area):
     """e = (1 - r)/(1 + r), r the ratio of impedances, or 0 if the striker has the larger one."""
-    row = ri.System([rod(velocity=1e-3, area=area), rod(0.5)], ends=(ri.Free(), ri.Absorbing()))
+    rods = [unit_rod(1.0, area, velocity=1e-3), unit_rod(0.5)]
+    row = ri.System(rods, ends=(ri.Free(), ri.Absorbing()))
     solution = ri.solve(row)
     assert solution.final
     assert "The collision is final" in solution.status
     e = max(0.0, (1 - area) / (1 + area))
     assert solution.outcome.restitution == pytest.approx(e, abs=1e-12)
-
-
-def test_driven_rows_are_never_final():
-    for end in (ri.Pushed(0.0), ri.Moved(0.0), ri.Pushed(ri.Steps([1.0, 0.0], [1.0]))):
-        system = ri.System([rod(), rod()], [1.0], ends=(end, ri.Free()))
-        solution = ri.solve(system, until=5.0)
-        assert solution.method == "fronts"
-        assert not solution.final
-        assert solution.outcome.driven
-        assert "while an end is driven" in solution.status
-        assert "gravity or a driven end" in solution.outcome.why_no_restitution()
-        with pytest.raises(ri.InvalidModel, match="until: must be given"):
-            ri.solve(system)
 
 
 # Times -------------------------------------------------------------------------------------------
@@ -221,7 +172,7 @@ def test_a_drive_that_ends_as_a_wave_returns_leaves_no_sliver(trips):
 
 def test_times_beyond_the_longest_transit_change_no_transit():
     """Lengths 0.3 and 0.1 stay 3 to 1, whatever the times of the drive are."""
-    rods = [rod(0.3), rod(0.1)]
+    rods = [unit_rod(0.3), unit_rod(0.1)]
     force = ri.Pushed(ri.Steps([0.0, 1.0, 2.0, 3.0], [0.1 * np.pi, 7.0, 1e3]))
     run = tracked(ri.System(rods, ends=(force, ri.Free())), 50.0)
     _, first, second, _ = run.clock.ticks

@@ -181,8 +181,6 @@ PAIR = [unit_rod(), unit_rod()]
     (lambda: ri.Joint(-1.0, math.nan, math.inf), {"stiffness": "", "damping": "", "stretch": ""}),
     (lambda: ri.System(PAIR, [1e-3], [ri.Joint(1.0)]),
      {"gaps.0": "must be 0 where bodies are joined, got 0.001; a Joint takes"}),
-    (lambda: ri.solve(ri.System(PAIR, contacts=[ri.Joint(1.0)]), method="fronts"),
-     {"contacts.0.law": '=method "fronts" has no joints; method "characteristics" has'}),
     (ri.System(PAIR, contacts=[ri.Joint(1.0, 0.1)]).reversed, {"contacts.0.damping": ""}),
     (lambda: ri.solve(ri.System(PAIR, contacts=[ri.Joint(1e30)]), 1.0),
      {"contacts.0.stiffness": "use Bonded()"}),

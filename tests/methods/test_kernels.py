@@ -13,17 +13,15 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from runs import tracked
+from runs import bits_of, tracked
+from systems import horizon, random_system
 
 import rodimpact as ri
 from rodimpact.methods import kernels, tick_rule
 from rodimpact.methods.compiling import blank
-from rodimpact.methods.fronts import driver, events, finality, layout, march, records, stock
-from rodimpact.methods.fronts.plan import plan_of
+from rodimpact.methods.fronts import driver, events, finality, layout, march, stock
 from rodimpact.methods.fronts.stock import largest_difference
-from rodimpact.methods.laws import Stop
 from rodimpact.methods.pieces import march as pieces
-from rodimpact.methods.row import Row
 from rodimpact.methods.tick_rule import SPAN, assign_ticks, recognise
 
 
@@ -50,13 +48,6 @@ def test_ratios_are_recognised(ratio):
 @pytest.mark.parametrize("x", [math.sqrt(0.5), math.pi / 4, 1 / 3 + 1e-13, 1e-9])
 def test_other_numbers_are_not(x):
     assert recognise(x) == (0, 0)
-
-
-def test_lengths_in_decimal_fractions_keep_their_ratio():
-    (a, b, c), whole = ticks_of([0.3, 0.1, 1 / 3])
-    assert 10 * a == 9 * c
-    assert a == 3 * b
-    assert abs(math.log2(whole) - 49) < 1e-3
 
 
 def test_ticks_do_not_depend_on_order():
@@ -88,44 +79,12 @@ def test_three_rods_whose_waves_meet_exactly():
     assert clock.transit_error < 1e-14
 
 
-def touching(T, Z, v):
-    """Uniform rods in a row, touching."""
-    unit = ri.Material("unit", youngs_modulus=1.0, density=1.0)
-    plan = plan_of(Row(ri.System([
-        ri.Rod(float(length), area=float(area), material=unit, velocity=float(velocity))
-        for length, area, velocity in zip(T, Z, v, strict=True)])))
-    return driver.laid(plan, plan.numbers, T, 1.0)
-
-
-def test_a_full_log_is_grown_and_the_run_goes_on():
-    roomy, narrow = (touching((3, 10), (5, 1), (1.0, 0.0)) for _ in range(2))
-    del narrow.log[narrow.run.started :]
-    full = 0
-    for state in (roomy, narrow):
-        run = state.run
-        run.target, run.limit, run.tolerance, run.window = -20, 10**6, 1e-12, 1
-        while (stop := march.play(*state)) == Stop.FULL:
-            state.log.extend(blank(3, records.ROW))
-            full += 1
-        assert stop == Stop.FINAL
-        del state.log[run.rows :]
-    assert full > 3
-    for many, few in zip(roomy[1:5], narrow[1:5], strict=True):
-        assert many == few != []
-
-
-def chain(n):
-    m = ri.Material("m", youngs_modulus=1.0, density=1.0)
-    rods = [ri.Rod(1.0 + i % 3, area=1.0 + i % 2, material=m, velocity=1.0 if i == 0 else 0.0)
-            for i in range(n)]
-    return ri.System(rods)
-
-
-@pytest.mark.parametrize("events", [1, 7, 100])
-def test_the_cap_ends_in_a_status(events):
-    solution = ri.solve(chain(6), max_events=events)
-    assert solution.stopped_by == "max_events"
-    assert events <= solution.events <= events + 7  # the events of one tick are taken together
+@pytest.mark.parametrize("compiling", [False, True])
+def test_a_log_that_is_full_grows_and_the_run_goes_on(monkeypatch, compiling):
+    system = random_system(3)
+    roomy = bits_of(system, horizon(system, 8), compiling)
+    monkeypatch.setattr(driver, "ROOM", 1)
+    assert bits_of(system, horizon(system, 8), compiling) == roomy
 
 
 @pytest.mark.parametrize("module", [tick_rule, layout, events, finality, stock, march])

@@ -9,18 +9,14 @@ import numpy as np
 import pytest
 from exhaustive import few_of
 from mistakes import refused
+from systems import rod
 
 import rodimpact as ri
 from rodimpact.methods import kernels, memory
 from rodimpact.methods.fronts import driver
 from rodimpact.running import sweeping
 
-STEEL = ri.materials.steel
 HERTZ = ri.Hertz(1e10)
-
-
-def rod(length=0.5, velocity=0.0):
-    return ri.Rod(length, area=1e-4, material=STEEL, velocity=velocity)
 
 
 PAIR = ri.System([rod(velocity=1.0), rod()], contacts=[HERTZ])

@@ -34,7 +34,7 @@ def everything(solution):
 # The same however it is run -----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_run_that_finds_too_little_room_goes_on_with_more(plain, monkeypatch, seed):
     system = random_network(seed)
     whole = everything(ri.solve(system, 2.0, METHOD))
@@ -89,7 +89,7 @@ def test_plain_python_runs_the_same_bits():
 
 
 @pytest.mark.parametrize("seed", few_of(range(60), range(20)))
-def test_random_rows_are_those_of_finite_differences(plain, seed):
+def test_random_rows_are_those_of_finite_differences(seed):
     """Two methods that share the row and nothing else, on all bodies, laws and ends."""
     system = random_network(seed, bodies=4, driven=seed % 2 == 1)
     s = ri.solve(system, 1.0, METHOD)

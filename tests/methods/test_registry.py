@@ -2,16 +2,19 @@
 
 import dataclasses
 import inspect
+import math
 import pickle
+import re
 
 import numpy as np
 import pytest
 from mistakes import problems, refused
 
 import rodimpact as ri
-from rodimpact.methods.registry import Options
+from rodimpact.methods.registry import METHODS, Options
 
 ROD = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+STILL = ROD.replace(velocity=0.0)
 ROW = ri.System([ROD, ri.Wall()])
 MISTAKES = [
     ("until", -1.0), ("until", float("nan")), ("until", "1"), ("until", [1.0, 2.0]),
@@ -56,10 +59,40 @@ def test_options_of_another_method_are_refused(given, path, said, ask):
     assert said in problems(lambda: ask(ROW, **given))[path]
 
 
-@pytest.mark.parametrize("ask", [ri.solve, ri.sweep])
-def test_a_held_row_under_gravity_needs_an_end(ask):
-    with pytest.raises(ri.InvalidModel, match="until: must be given"):
-        ask(ri.System([ROD, ri.Wall()], gravity=9.81))
+@pytest.mark.parametrize(("bodies", "more", "acting"), [
+    ([ROD, ri.Wall()], {"gravity": 9.81}, "gravity"),
+    ([ROD], {"gravity": 9.81, "ends": (ri.Fixed(), ri.Free())}, "gravity"),
+    *(([ROD, STILL], {"gaps": [1e-3], "ends": (end, ri.Free())}, "an end is driven")
+      for end in (ri.Pushed(0.0), ri.Moved(0.0), ri.Pushed(ri.Steps([1.0, 0.0], [1e-5])))),
+])
+def test_a_row_on_which_something_acts_needs_an_end_and_is_never_final(bodies, more, acting):
+    row = ri.System(bodies, **more)
+    for ask in (ri.solve, ri.sweep):
+        assert refused(f"must be given: .*{acting.split()[-1][:5]}", ask, row) == ["until"]
+    solution = ri.solve(row, 1e-4)
+    assert not solution.final
+    assert solution.outcome.driven
+    assert acting in solution.status
+    said = "gravity or a driven end" if len(bodies) > 1 else "no contact of this row"
+    assert said in solution.outcome.why_no_restitution()
+
+
+def test_bodies_that_fall_alike_come_to_an_end():
+    assert ri.solve(ri.System([ROD, STILL], gravity=1.0)).final
+
+
+@pytest.mark.parametrize(("method", "counted", "remedy"), [
+    ("fronts", "events", "Raise max_events"), ("characteristics", "steps of nodes", "until="),
+    ("finite-difference", "steps times ends", "until="),
+])
+@pytest.mark.parametrize("cap", [7, 100])
+def test_the_cap_ends_a_run_that_does_not_end(method, counted, remedy, cap):
+    row = ri.System([ri.Wall(), ROD, ri.Wall()], [1e-3, 1e-3])
+    solution = ri.solve(row, method=method, max_events=cap)
+    assert (solution.stopped_by, solution.final) == ("max_events", False)
+    assert cap - 3 <= solution.events <= cap + 7  # what happens at once is taken together
+    assert math.isnan(solution.t_final)
+    assert re.search(rf"Stopped by the cap of \d+ {counted}.*{remedy}", solution.status)
 
 
 def test_an_accuracy_that_is_asked_for_chooses_a_method_that_takes_one():
@@ -109,6 +142,44 @@ def test_the_status_names_the_entry_that_calls_for_a_slower_method(system, optio
     status = ri.solve(system, until=1e-5, **options).status
     assert said in status
     assert ("slower" in status) == bool(said)
+
+
+CONE = ri.Rod(0.4, area=ri.Samples([1e-4, 2e-4]), material=STEEL)
+RAMP = ri.Samples([0.0, 1.0], step=1e-5)
+MIXED = ri.Rod(segments=[
+    ri.Segment(0.5, 1e-4, STEEL),
+    ri.Segment(0.5, 1e-4, LOSSY.segments[0].material, polar_moment=1e-8,
+               lateral_inertia="rayleigh-love")])
+
+
+@pytest.mark.parametrize(("needed", "bodies", "more", "lacked"), [
+    ("characteristics", [ri.RigidMass(2.0), ROD], {}, {"bodies.0": "rigid masses"}),
+    ("characteristics", [ROD, ROD], PUSHED, {"contacts.0.law": "compliant contacts"}),
+    ("characteristics", [ROD], {"gravity": 1.0}, {"gravity": "gravity"}),
+    ("characteristics", [ROD, ROD], {"contacts": [ri.Joint(1.0)]}, {"contacts.0.law": "joints"}),
+    ("characteristics", [ROD.replace(velocity=ri.Samples([0.0, 1.0]))], {},
+     {"bodies.0.velocity": "profiles other than steps"}),
+    ("characteristics", [ROD], {"ends": (ri.Moved(RAMP), ri.Free())},
+     {"ends.left.value": "drives other than steps"}),
+    ("finite-difference", [THICK, MIXED, CONE], {}, {
+        "bodies.0.lateral_inertia": "lateral inertia",
+        "bodies.1.segments.1.material.viscosity": "damping",
+        "bodies.1.segments.1.lateral_inertia": "lateral inertia", "bodies.2.area": "tapered rods"}),
+    ("finite-difference", [ROD, THICK.replace(lateral_inertia="mindlin-herrmann")], {},
+     {"bodies.1.lateral_inertia": "lateral inertia"}),
+])
+def test_a_method_says_what_it_lacks_and_which_has_it(needed, bodies, more, lacked):
+    row = ri.System(bodies, **more)
+    for method in list(METHODS)[: list(METHODS).index(needed)]:
+        assert problems(lambda method=method: Options(method=method).method_for(row)) == {
+            path: f'method "{method}" has no {what}; method "{needed}" has'
+            for path, what in lacked.items()}
+    assert Options(until=1.0).method_for(row) == needed
+
+
+def test_steps_are_a_remedy_where_all_that_is_lacked_is_a_taper():
+    [said] = problems(lambda: Options(method="fronts").method_for(ri.System([CONE, ROD]))).values()
+    assert said.endswith('"finite-difference" has, or give rod.in_steps(n)')
 
 
 def test_options_are_values():

@@ -455,33 +455,6 @@ def test_every_new_field_counts_for_equality_and_digest():
 # What the methods lack
 
 
-def refused(method, *bodies):
-    return problems(lambda: Options(method=method).method_for(row(*bodies)))
-
-
-@pytest.mark.parametrize("method", ["fronts", "characteristics"])
-def test_what_only_finite_differences_have(method):
-    damped = steel.damped(0.01, 1e3)
-    pieces = [ri.Segment(0.5, 1e-4, steel),
-              ri.Segment(0.5, 1e-4, damped, polar_moment=1e-8, **LOVE)]
-    head = f'method "{method}" has no '
-    thick = rod(polar_moment="circular", **LOVE)
-    assert refused(method, thick, ri.Rod(segments=pieces), cone()) == {
-        "bodies.0.lateral_inertia": head + 'lateral inertia; method "finite-difference" has',
-        "bodies.1.segments.1.material.viscosity":
-            head + 'damping; method "finite-difference" has',
-        "bodies.1.segments.1.lateral_inertia":
-            head + 'lateral inertia; method "finite-difference" has',
-        "bodies.2.area": head + 'tapered rods; method "finite-difference" has',
-    }
-    word = rod(polar_moment="circular", lateral_inertia="mindlin-herrmann")
-    assert refused(method, word) == {
-        "bodies.0.lateral_inertia": head + 'lateral inertia; method "finite-difference" has'}
-    assert refused(method, cone(), rod()) == {
-        "bodies.0.area": head + 'tapered rods; method "finite-difference" has, or give '
-        "rod.in_steps(n)"}
-
-
 def test_a_taper_in_steps_is_for_every_method():
     row = ri.System([cone(velocity=1.0).in_steps(4), rod()])
     assert Options().method_for(row) == "fronts"

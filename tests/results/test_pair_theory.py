@@ -2,17 +2,12 @@
 
 import numpy as np
 import pytest
+from systems import STEEL, rod
 
 import rodimpact as ri
 from rodimpact.results.pair_theory import COLUMNS, pair_theory
 
-STEEL = ri.materials.steel
 DAMPED = ri.Material("damped", youngs_modulus=1e9, density=1000.0, viscosity=[1.0, 2.0])
-
-
-def rod(length=1.0, velocity=0.0, area=1e-4, material=STEEL, **how):
-    return ri.Rod(length, area=area, material=material, velocity=velocity, **how)
-
 
 LEFT, RIGHT = rod(0.4, 1.0), rod()
 MASS = ri.RigidMass(0.7, velocity=1.0)

@@ -9,7 +9,7 @@ import pytest
 from exhaustive import few_of
 from mistakes import problems
 from networks import random_network
-from systems import MATERIALS, random_system
+from systems import MATERIALS, with_ends
 
 import rodimpact as ri
 from rodimpact import theory
@@ -84,14 +84,24 @@ def test_a_map_equals_the_closed_form():
     np.testing.assert_allclose(result.impulse, exact.impulse, rtol=1e-11)
 
 
-def varied(seed):
-    """A random row of which some numbers become arrays."""
+def varied(seed, driven):
+    """A random row of which some numbers become arrays; places and times of jumps, too."""
     rng = np.random.default_rng(seed)
-    system = random_system(seed, bodies=4)
-    described = system.to_dict()
+    described = with_ends(seed, driven).to_dict()
+
+    def vary(thing, name):
+        if isinstance(thing.get(name), float):
+            thing[name] = thing[name] * rng.uniform(-1, 1, 6)
+        elif name in thing:
+            profile, shares = thing[name], rng.uniform(0.3, 1, 6)
+            profile["values"] = [profile["values"][0] * shares, *profile["values"][1:]]
+            profile["at"] = [at * shares for at in profile["at"]]
+
+    for end in described.get("ends", {}).values():
+        vary(end, "value")
     for body in described["bodies"]:
-        if isinstance(body["velocity"], float):
-            body["velocity"] = rng.uniform(-1, 1, 6)
+        vary(body, "velocity")
+        vary(body, "strain")
         for piece in body.get("segments", [body] if body["kind"] == "rod" else []):
             if rng.random() < 0.5:
                 piece["area"] = piece["area"] * rng.uniform(0.5, 2, (2, 1))
@@ -112,30 +122,6 @@ def test_bonds_and_joints_have_totals(options):
     result = ri.sweep(ri.System(rods, contacts=[ri.Rigid(), law]), **options)
     assert (result.contacts[1].peak_force > 0).all()
     assert_equal_to_one_at_a_time(result, **options)
-
-
-def test_profiles_may_vary():
-    """A jump that moves through a step, along the rod and out of a segment."""
-    pieces = [ri.Segment(0.3, 1e-4, MATERIALS[0]), ri.Segment(0.2, 2e-4, MATERIALS[2])]
-    velocity = ri.Steps([np.array([1.0, 0.5])[:, None], 0.2, 0.7], [0.1, np.linspace(0.2, 0.4, 5)])
-    rod = ri.Rod(segments=pieces, velocity=velocity, strain=ri.Steps([1e-4, 0.0], [0.3]))
-    target = ri.Rod(0.25, area=3e-4, material=MATERIALS[1])
-    result = ri.sweep(ri.System([rod, target], gaps=[np.array([[0.0], [1e-5]])]))
-    assert result.shape == (2, 5)
-    assert_equal_to_one_at_a_time(result)
-
-
-def test_families_of_the_method_on_a_time_step():
-    masses = np.array([0.05, 0.2, 0.8])
-    system = ri.System([ri.RigidMass(masses, velocity=1.0), ri.Rod(0.5, area=1e-4, material=STEEL)])
-    result = ri.sweep(system)
-    assert result.method == "characteristics"
-    mu = system.bodies[1].mass / masses  # closed form of a mass on a free rod
-    exact = (1 - np.exp(-2 * mu)) / mu - np.exp(-2 * mu)
-    np.testing.assert_allclose(result.restitution, exact, atol=1e-6)
-    assert_equal_to_one_at_a_time(result)
-    with pytest.raises(ri.InvalidModel, match='"fronts" has no rigid masses'):
-        ri.sweep(system, method="fronts")
 
 
 def even_network(seed):
@@ -222,26 +208,12 @@ def chain():
 @pytest.mark.parametrize("seed", few_of(range(20), range(8)))
 @pytest.mark.parametrize("until", [None, 0.0, 1.4e-4, 1.86e-3])
 def test_members_of_random_rows_equal_one_at_a_time(seed, until):
-    system = varied(seed)
-    options = {"until": until, "max_events": 2000}
+    system = varied(seed, driven=until is not None)
+    options = {"until": until, "max_events": 2000, "method": "fronts"}
     with kernels.forced(bool(seed % 4)):
         result = ri.sweep(system, **options)
     assert_equal_to_one_at_a_time(result, **options)
     assert result.incomplete.tolist() == (result.status == "max_events").tolist()
-
-
-@pytest.mark.parametrize("end", [
-    ri.Pushed(np.array([-1e3, 0.0, 2e3])),
-    ri.Pushed(ri.Steps([1e3, np.array([-1e3, 0.0, 2e3]), 0.0], [3e-5, 1.1e-4])),
-    ri.Incoming(ri.Steps([-1e-3, 0.0], [np.array([1e-5, 1e-4, 1.0])])),
-])
-def test_driven_rows_run_together_to_a_time(end):
-    rods = [ri.Rod(L, area=1e-4, material=STEEL) for L in (0.3, np.array([[0.2], [0.5]]))]
-    system = ri.System(rods, gaps=[1e-7], ends=(end, ri.Absorbing()))
-    result = ri.sweep(system, until=4e-4)
-    assert result.method == "fronts"
-    assert set(result.status.ravel()) == {"until"}
-    assert_equal_to_one_at_a_time(result, until=4e-4)
 
 
 def test_a_member_that_stops_early_keeps_what_is_known():
@@ -311,16 +283,6 @@ def test_gauges_equal_those_of_single_solutions(make, options, gauges):
             assert np.isnan(found[~inside]).all()
     assert np.nanmax(np.abs(result.strain)) > 0
     assert same(result, ri.sweep(system, **options))
-
-
-def test_gauges_are_the_same_whoever_reads_them():
-    system = small_map()
-    options = {"until": 3e-4, "gauges": [(0, 0.05), (1, 0.5)], "times": TIMES}
-    serial = ri.sweep(system, executor=Here(), **options).strain
-    assert ri.sweep(system, workers=3, **options).strain.tobytes() == serial.tobytes()
-    spawn = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(2, mp_context=spawn) as pool:
-        assert ri.sweep(system, executor=pool, **options).strain.tobytes() == serial.tobytes()
 
 
 def test_a_refused_member_has_no_strain():
@@ -426,11 +388,15 @@ def test_every_executor_gives_the_same_bytes(small_chunks):
     serial = ri.sweep(system, executor=Here())
     with kernels.forced(True):
         assert same(ri.sweep(system), serial)
-    assert same(ri.sweep(system, workers=1), serial)
-    assert same(ri.sweep(system, workers=5), serial)
+    read = {"until": 3e-4, "gauges": [(0, 0.05), (1, 0.5)], "times": TIMES}
+    alone = ri.sweep(system, executor=Here(), **read)
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(2, mp_context=spawn) as pool:
-        assert same(ri.sweep(system, executor=pool), serial)
+        for how in ({"workers": 1}, {"workers": 5}, {"executor": pool}):
+            assert same(ri.sweep(system, **how), serial)
+            found = ri.sweep(system, **read, **how)
+            assert same(found, alone)
+            assert found.strain.tobytes() == alone.strain.tobytes()
 
 
 def test_a_dask_cluster_gives_the_same_bytes(small_chunks):

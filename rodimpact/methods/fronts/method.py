@@ -17,7 +17,15 @@ from ..groups import body_velocities, heads
 from ..laws import Status, Stop
 from ..row import Array, Row
 from ..run import ContactTally, Run
-from ..status import ROUNDED, ending, last_contact, proof_sentence, rounding, strain_warning
+from ..status import (
+    ROUNDED,
+    acting_and_held,
+    ending,
+    last_contact,
+    proof_sentence,
+    rounding,
+    strain_warning,
+)
 from . import driver
 from .plan import plan_of
 from .records import NONE
@@ -59,9 +67,12 @@ def hand_over(
 ) -> Run:
     """What every method hands back, of a run to `until`."""
     a, now, proved = run.clock, run.run.now, run.finality_time != NONE
-    contacts = run.plan.contacts
+    contacts, (acting, held) = run.plan.contacts, acting_and_held(a.system)
     t_final = last_of(run.run, run.node, contacts, 2 * a.longest * a.tick) if proved else math.nan
-    status = status_of(run.run, run.node, contacts, a.system, proved, t_final)
+    status = status_of(run.run, run.node, contacts, {
+        "proved": proved, "t_final": t_final, "acting": acting, "held": held,
+        "names": contact_names(a.system.kinds),
+    })
     tallies = tuple(tally_of(run.node[k], a.tick) for k in contacts)
     return Run(
         method="fronts", until=until, clock=a, end=now,
@@ -74,9 +85,7 @@ def hand_over(
     )
 
 
-def status_of(
-    it: Any, node: Sequence[Any], contacts: Sequence[int], system: Any, proved: bool, t_final: float
-) -> str:
+def status_of(it: Any, node: Sequence[Any], contacts: Sequence[int], known: Any) -> str:
     """Why a run ended, from its records; the page has this as JavaScript.
 
     Parameters
@@ -85,22 +94,19 @@ def status_of(
     node : list of NODE
     contacts : list of int
         Node of each contact.
-    system : System
-    proved : bool
-        Whether nothing meets again.
-    t_final : float
-        As of `last_of`, s.
+    known : dict
+        Whether the end is ``proved``, and ``t_final``, as of `last_of`; what is ``acting`` on the
+        row, and whether walls have it ``held``, as of `ending`; ``names`` of the contacts.
     """
     stopped_by, final, end = REASONS[it.stop], "", format_si(it.now * it.tick, "s")
-    names = contact_names([body.kind for body in system.bodies])
     pressing = ", ".join([
-        names[i] for i, k in enumerate(contacts)
+        known["names"][i] for i, k in enumerate(contacts)
         if node[k].status == Status.PRESS and node[k].force > ROUND_OFF * node[k].peak
     ])
-    if proved and pressing != "":
+    if known["proved"] and pressing != "":
         final = f"Nothing changes any more; contact {pressing} goes on pressing."
-    elif proved:
-        final = proof_sentence(any(at.episodes > 0 for at in node), t_final)
+    elif known["proved"]:
+        final = proof_sentence(any(at.episodes > 0 for at in node), known["t_final"])
     if stopped_by == "max_events" and final == "":
         return (
             f"Stopped by the cap of {it.events} events at {end}; fronts multiply where transit "
@@ -111,7 +117,7 @@ def status_of(
             f"Stopped by the clock after {end}: the next contact may come later than the clock can "
             "count, or never. Give until= to set another end."
         )
-    return ending(stopped_by, final, end, f"{it.events} events", system)
+    return ending(stopped_by, final, end, f"{it.events} events", known["acting"], known["held"])
 
 
 def last_of(it: Any, node: Sequence[Any], contacts: Sequence[int], round_trip: float) -> float:
