@@ -261,12 +261,13 @@ def test_what_ends_a_status(law, status, d, closing, to):
                for i in range(laws.guards(it)))
 
 
-@pytest.mark.parametrize(("law", "side"), [(Law.PUSH_LEFT, "left"), (Law.PUSH_RIGHT, "right")])
+@pytest.mark.parametrize(("law", "side"), [(Law.PUSH_LEFT, 0), (Law.PUSH_RIGHT, 1)])
 def test_a_force_that_pushes_an_end_is_as_rough_as_the_velocity_it_makes(law, side):
     """What comes in is a force there, and a velocity at the other side."""
     forces = drawn(7).tolist()
     it = one(LINK, law=law, ease=0.03)
-    at = one(NODE, links=1, **{side: forces})
+    at = one(NODE, links=1)
+    at.incoming[side] = forces
     assert nodes.roughness([it], [], at) == pytest.approx(2 * 0.03 * series.tail(forces))
     it.law = Law.RIGID
     assert nodes.roughness([it], [], at) == series.tail(forces)

@@ -28,7 +28,7 @@ const py = {
     const all = [], lists = Object.keys(fields).filter((key) => Array.isArray(fields[key]));
     while (all.length < count) {
       const made = { ...fields };
-      for (const key of lists) made[key] = fields[key].slice();
+      for (const key of lists) made[key] = fields[key].map((one) => Array.isArray(one) ? one.slice() : one);
       all.push(made);
     }
     return all;

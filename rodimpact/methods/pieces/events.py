@@ -38,8 +38,8 @@ def happen(
 
 def closing_of(mass: Any, at: Any, q: int) -> float:
     """Closing velocity of rigid bodies at the start of the next piece."""
-    before = at.left[0] if q == 0 else mass[at.mass + q - 1].speed[0]
-    behind = at.right[0] if q == at.links - 1 else mass[at.mass + q].speed[0]
+    before = at.incoming[0][0] if q == 0 else mass[at.mass + q - 1].speed[0]
+    behind = at.incoming[1][0] if q == at.links - 1 else mass[at.mass + q].speed[0]
     return float(before - behind)
 
 

@@ -191,24 +191,19 @@ def nodes_of(row: Any, outside: Any) -> list[Any]:
     """Nodes, with the lines that come in and go out."""
     n = len(row.segments)
     node = blank(n + 1, NODE)
-    for k in range(n + 1):
-        at = node[k]
+    for k, at in enumerate(node):
         at.first, at.mass = k + row.first[k], row.first[k]
         at.links = row.first[k + 1] - row.first[k] + 1
-        at.in_left = at.in_right = at.out_left = at.out_right = NONE
-        if k > 0:
-            at.in_left, at.out_left = 2 * k - 2, 2 * k - 1
-            at.mobility_left = 1 / row.segments[k - 1].impedance
-        if k < n:
-            at.in_right, at.out_right = 2 * k + 1, 2 * k
-            at.mobility_right = 1 / row.segments[k].impedance
-    left, right = node[0], node[n]
-    left.in_left, right.in_right = outside[0], outside[1]
-    left.mirror, right.mirror = int(outside[0] == NONE), int(outside[1] == NONE)
-    if row.outside[0][0] == "absorbing":  # bonded to an endless rod
-        left.mobility_left = left.mobility_right
-    if row.outside[1][0] == "absorbing":
-        right.mobility_right = right.mobility_left
+        at.source, at.target = [2 * k - 2, 2 * k + 1], [2 * k - 1, 2 * k]
+        for side in range(2):
+            if 0 < k + side <= n:
+                at.mobility[side] = 1 / row.segments[k + side - 1].impedance
+    for side in range(2):
+        end = node[side * n]
+        end.source[side], end.target[side] = outside[side], NONE
+        end.mirror = 1 if outside[side] == NONE else end.mirror
+        if row.outside[side][0] == "absorbing":  # bonded to an endless rod
+            end.mobility[side] = end.mobility[1 - side]
     return node
 
 
@@ -220,9 +215,9 @@ def links_of(row: Any, clock: Clock, node: list[Any], time: Any) -> list[Any]:
             it = link[at.first + q]
             set_law(it, row.links[at.first + q], at.first + q)
             if q == 0:
-                it.mobility = it.mobility + at.mobility_left
+                it.mobility = it.mobility + at.mobility[0]
             if q == at.links - 1:
-                it.mobility = it.mobility + at.mobility_right
+                it.mobility = it.mobility + at.mobility[1]
             it.ease = it.mobility
             if q > 0:
                 it.ease = it.ease + time / row.masses[at.mass + q - 1]

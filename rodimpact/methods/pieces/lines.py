@@ -184,9 +184,8 @@ def judge(run: Any, line: Any, log: Any, old: int, i: int, order: int) -> None:
 
 def reflect(run: Any, line: Any, log: Any, at: Any) -> int:
     """Send back from a free end, as it came, the piece that arrives; return the tick behind it."""
-    source, target = at.in_right, at.out_right
-    if at.mobility_right == 0:
-        source, target = at.in_left, at.out_left
+    side = 1 if at.mobility[1] > 0 else 0
+    source, target = at.source[side], at.target[side]
     move_on(line, log, source, at.now)
     piece, delay, old = log[line[source].head], line[source].delay, line[target].tail
     stop = piece.stop + delay

@@ -67,10 +67,10 @@ def advance(
 ) -> bool:
     """Take one step of a node; return whether there was a solution."""
     tick = at.now
-    lines.move_on(line, log, at.in_left, tick)
-    lines.move_on(line, log, at.in_right, tick)
-    left = lines.order_at(line, log, at.in_left, tick)
-    right = lines.order_at(line, log, at.in_right, tick)
+    for side in range(2):
+        lines.move_on(line, log, at.source[side], tick)
+    left = lines.order_at(line, log, at.source[0], tick)
+    right = lines.order_at(line, log, at.source[1], tick)
     end = horizon(run, line, log, at, left <= HARD or right <= HARD)
     ticks, worst, where, which, status = solve(
         run, link, mass, line, log, turn, at, end - tick, G)
@@ -95,7 +95,8 @@ def advance(
         if run.first_rough == NONE:
             run.first_rough = tick
     if which != NONE:
-        at.left[0], at.right[0] = at.left[N], at.right[N]
+        for side in range(2):
+            at.incoming[side][0] = at.incoming[side][N]
         events.happen(run, link, mass, turn, at, tick + ticks, which, status)
         if status == Status.OPEN and run.prove:
             run.check = latest(node, tick + ticks)
@@ -120,7 +121,7 @@ def horizon(run: Any, line: Any, log: Any, at: Any, broken: bool) -> int:
     Where more of them are under way than there are floors in a transit, they are not followed one
     by one: cost would grow without end.
     """
-    tick, l, r = at.now, at.in_left, at.in_right
+    tick, l, r = at.now, at.source[0], at.source[1]
     known = min(run.end, lines.known_until(line, log, l), lines.known_until(line, log, r))
     if run.prove and run.check > tick:
         known = min(known, run.check)
@@ -186,12 +187,11 @@ def solve(
 
 def take_inputs(line: Any, log: Any, at: Any, ticks: int) -> None:
     """Set what comes in from both sides over a piece."""
-    if at.rough:
-        lines.project(line, log, at.in_left, at.now, ticks, at.left)
-        lines.project(line, log, at.in_right, at.now, ticks, at.right)
-    else:
-        lines.sample(line, log, at.in_left, at.now, ticks, at.left)
-        lines.sample(line, log, at.in_right, at.now, ticks, at.right)
+    for side in range(2):
+        if at.rough:
+            lines.project(line, log, at.source[side], at.now, ticks, at.incoming[side])
+        else:
+            lines.sample(line, log, at.source[side], at.now, ticks, at.incoming[side])
 
 
 def shorter(tolerance: float, worst: float, tried: int, ticks: int, before: float) -> float:
@@ -216,12 +216,11 @@ def leave(
         over = laws.smooths(link[at.first + q], over) + 1
         back = laws.smooths(link[at.first + at.links - 1 - q], back) + 1
     for side in range(2):
-        target = at.out_right if side else at.out_left
-        if target == NONE:
+        if at.target[side] == NONE:
             continue
-        nodes.set_leaving(link, at, side == 1)
+        nodes.set_leaving(link, at, side)
         order = min(right, over - 1) if side else min(left, back - 1)
         if at.rough:
             series.flatten(at.leaving)
             order = 0
-        lines.send(run, line, log, target, at, ticks, order)
+        lines.send(run, line, log, at.target[side], at, ticks, order)

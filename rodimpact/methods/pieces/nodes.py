@@ -46,12 +46,11 @@ def set_forces(link: Any, at: Any) -> int:
             n += 1
         for j in range(POINTS):
             it.force[j] = 0.0
-            if it.law == Law.PUSH_LEFT:
-                it.force[j] = at.left[j]
-            elif it.law == Law.PUSH_RIGHT:
-                it.force[j] = at.right[j]
+            if it.law == Law.PUSH_LEFT or it.law == Law.PUSH_RIGHT:
+                it.force[j] = at.incoming[it.law - Law.PUSH_LEFT][j]
             elif it.unknown == NONE and (it.law == Law.BOND or it.status == Status.PRESS):
-                it.force[j] = (at.left[j] - at.right[j]) / it.mobility  # two rods, nothing else
+                # two rods, nothing else
+                it.force[j] = (at.incoming[0][j] - at.incoming[1][j]) / it.mobility
     return n
 
 
@@ -75,8 +74,8 @@ def follow(link: Any, mass: Any, at: Any, h: float) -> None:
         it = link[at.first + q]
         part = share(it) if deforms(it) else 0.0
         for j in range(POINTS):
-            v = at.left[j] if q == 0 else mass[at.mass + q - 1].speed[j]
-            w = at.right[j] if q == at.links - 1 else mass[at.mass + q].speed[j]
+            v = at.incoming[0][j] if q == 0 else mass[at.mass + q - 1].speed[j]
+            w = at.incoming[1][j] if q == at.links - 1 else mass[at.mass + q].speed[j]
             it.closing[j], it.overlaps[j] = v - w, it.overlap
             at.rate[j] = part * (v - w - it.mobility * it.force[j])
         if part != 0:
@@ -196,16 +195,12 @@ def collocate(run: Any, link: Any, mass: Any, at: Any, h: float, G: Any) -> bool
     return True
 
 
-def set_leaving(link: Any, at: Any, right: bool) -> None:
+def set_leaving(link: Any, at: Any, side: int) -> None:
     """What leaves a node: to the left a - 2 F/Z of its first link, to the right b + 2 F/Z."""
-    if right:
-        F, y = link[at.first + at.links - 1].force, 2 * at.mobility_right
-        for j in range(POINTS):
-            at.leaving[j] = at.right[j] + y * F[j]
-    else:
-        F, y = link[at.first].force, 2 * at.mobility_left
-        for j in range(POINTS):
-            at.leaving[j] = at.left[j] - y * F[j]
+    F, y = link[at.first + side * (at.links - 1)].force, (4 * side - 2) * at.mobility[side]
+    came = at.incoming[side]
+    for j in range(POINTS):
+        at.leaving[j] = came[j] + y * F[j]
 
 
 def roughness(link: Any, mass: Any, at: Any) -> float:
@@ -213,16 +208,15 @@ def roughness(link: Any, mass: Any, at: Any) -> float:
 
     What comes in counts too, as it may cancel in what leaves.
     """
-    first, last = link[at.first], link[at.first + at.links - 1]
-    worst = series.tail(at.left) * (2 * first.ease if first.law == Law.PUSH_LEFT else 1.0)
-    worst = max(
-        worst, series.tail(at.right) * (2 * last.ease if last.law == Law.PUSH_RIGHT else 1.0))
-    if at.mobility_left > 0:
-        set_leaving(link, at, False)
-        worst = series.tail(at.leaving)
-    if at.mobility_right > 0:
-        set_leaving(link, at, True)
-        worst = max(worst, series.tail(at.leaving))
+    worst = 0.0
+    for side in range(2):
+        it = link[at.first + side * (at.links - 1)]
+        pushes = it.law == Law.PUSH_LEFT + side
+        if at.mobility[0] == 0:
+            worst = max(worst, series.tail(at.incoming[side]) * (2 * it.ease if pushes else 1.0))
+        if at.mobility[side] > 0:
+            set_leaving(link, at, side)
+            worst = max(worst, series.tail(at.leaving))
     for i in range(at.links - 1):
         worst = max(worst, series.tail(mass[at.mass + i].speed))
     for q in range(at.links if at.links > 1 else 0):
@@ -267,8 +261,8 @@ def next_event(run: Any, link: Any, at: Any, h: float) -> tuple[float, int, int]
 
 def cut(link: Any, mass: Any, at: Any, y: float) -> None:
     """Restrict everything that is known of a piece to the part up to y."""
-    series.restrict(at.left, y, at.series)
-    series.restrict(at.right, y, at.series)
+    for side in range(2):
+        series.restrict(at.incoming[side], y, at.series)
     for q in range(at.links):
         it = link[at.first + q]
         series.restrict(it.force, y, at.series)

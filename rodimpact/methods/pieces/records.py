@@ -41,9 +41,9 @@ NODE = np.dtype([
     ("now", "i8"), ("length", "i8"),  # ticks that the next piece shall last
     ("first", "i8"), ("links", "i8"), ("mass", "i8"), ("mirror", "i8"),  # 1: a free end
     ("rough", "i8"),  # 1: breaks come too densely
-    ("in_left", "i8"), ("in_right", "i8"), ("out_left", "i8"), ("out_right", "i8"),
-    ("mobility_left", "f8"), ("mobility_right", "f8"),
-    ("left", "f8", (POINTS,)), ("right", "f8", (POINTS,)),  # what comes in, over a piece
+    # on the left and on the right: the lines that come in and go out, and 1/Z of the rod
+    ("source", "i8", (2,)), ("target", "i8", (2,)), ("mobility", "f8", (2,)),
+    ("incoming", "f8", (2, POINTS)),  # over a piece
     ("leaving", "f8", (POINTS,)), ("rate", "f8", (POINTS,)), ("series", "f8", (POINTS,)),  # scratch
 ], align=True)
 LINK = np.dtype([

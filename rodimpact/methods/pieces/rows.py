@@ -40,7 +40,7 @@ def as_family(objects: list[Any], record: Any, row: Row) -> Any:
                 column[..., i] = value
                 continue
             for j, number in enumerate(value):
-                if type(number) is not float or number:
+                if not (number == 0 if type(number) is float else type(number) is list):  # scratch
                     column[..., i, j] = number
     return records.reshape(row.members, len(objects))
 

@@ -123,15 +123,15 @@ def _outside(
     kind, value = row.outside[side]
     if kind == "none":
         return None
-    at, inner, outer = records["node"][-side], *(("left", "right") if side else ("right", "left"))
+    at, inner = records["node"][-side], 1 - side
     if kind == "velocity" and isinstance(value, float):
         speed = Pieces([0], [value])
     elif kind == "velocity":
-        speed = lines[at[f"in_{outer}"]] + frame
+        speed = lines[at["source"][side]] + frame
     elif kind == "force" and at["links"] > 1:
         speed = lines[records["mass"]["line"][-side]] + frame
     else:
-        back = at[f"in_{inner}"]
+        back = at["source"][inner]
         arriving = lines[back].later(int(records["line"]["delay"][back]))
-        speed = lines[at[f"out_{inner}"]].times(0.5) + arriving.times(0.5) + frame
+        speed = lines[at["target"][inner]].times(0.5) + arriving.times(0.5) + frame
     return Outside(row.outside_name(side), lines[records["link"]["force_line"][-side]], speed)
