@@ -78,7 +78,8 @@ def run_of(row: Any, asked: Any, tolerance: float, keep: bool, earlier: Any) -> 
     for l in range(len(log)):
         log[l].line = l
     wanted = Asked(until, tolerance, asked.max_events, keep, not has_driven_end(row.system))
-    runs, node, link, mass, line, part = layout.lay_out(row, clock, wanted, log, outside)
+    known = [(1, 0, 1) for _ in log]
+    runs, node, link, mass, line, part = layout.lay_out(row, clock, wanted, known, outside)
     run, turn = runs[0], blank(ROOM + march.FLIPS, TURN)
     log.extend(blank(ROOM, PIECE))
     if earlier is not None:
@@ -171,7 +172,7 @@ def solved_by_pieces(system: Any, asked: Any, tolerance: float) -> Any:
     motion = {
         "row": row, "tick": clock.tick, "frame": clock.frame, "transits": clock.transits,
         "now": run["now"], "waves": waves, "masses": [waves[mass.line] for mass in run["mass"]],
-        "springs": [(link[i], waves[link[i].overlap_line]) for i in row.contact_link
+        "springs": [(link[i], waves[link[i].kept + 1]) for i in row.contact_link
                     if link[i].law >= Law.SPRING],
         "exact": False, "draft": tolerance > RTOL,
     }
@@ -179,8 +180,8 @@ def solved_by_pieces(system: Any, asked: Any, tolerance: float) -> Any:
     for i, law in enumerate(system.contacts):
         it = link[row.contact_link[i]]
         contacts.append({
-            "force": curve_of(motion, [(waves[it.force_line], 0, 1.0)]),
-            "gap": curve_of(motion, [(waves[it.overlap_line], 0, -1.0)]) if law.opens else None})
+            "force": curve_of(motion, [(waves[it.kept], 0, 1.0)]),
+            "gap": curve_of(motion, [(waves[it.kept + 1], 0, -1.0)]) if law.opens else None})
     return {
         "motion": motion, "outcome": outcome, "method": "characteristics", "closed_form": None,
         "notes": [outcome["status"], "The picture shows means over cells."],

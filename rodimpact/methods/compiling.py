@@ -15,7 +15,7 @@ import operator
 import sys
 import threading
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from types import CellType, FunctionType, ModuleType
 from typing import Any
@@ -218,17 +218,12 @@ def blank(count: int, record: Any) -> list[Any]:
     return [kind() for _ in range(count)]
 
 
-def objects(rows: Iterable[Sequence[Any]], record: Any) -> list[Any]:
-    """Return objects with the fields of a record, of a tuple of values each."""
-    return list(itertools.starmap(_kind(record), rows))
-
-
 def as_objects(records: Any) -> list[Any]:
     """Return an array of records as a list of small objects with lists, for plain Python."""
     kind = records.dtype
     if any(kind[name].subdtype for name in kind.names):
         return list(map(_kind(kind), *(records[name].tolist() for name in kind.names)))
-    return objects(records.tolist(), kind)
+    return list(itertools.starmap(_kind(kind), records.tolist()))
 
 
 def as_records(objects: list[Any], record: Any) -> Any:

@@ -17,10 +17,10 @@ from ..row import Row
 from ..run import Stopped
 from . import layout, march
 from .accuracy import Ended
-from .known import Known
+from .known import Known, as_family
 from .layout import Asked
 from .records import LINE, LINK, MASS, NEVER, NODE, PART, PIECE, RUN, TURN
-from .rows import as_family, clock_of, own_laws
+from .rows import clock_of, own_laws
 from .series import N
 
 RECORDS = {"run": RUN, "node": NODE, "link": LINK, "mass": MASS, "line": LINE, "part": PART}
@@ -58,7 +58,7 @@ class Members:
     first : [member, piece] PIECE
         Pieces that are known at t = 0.
     fit : float
-        By how much they miss what was given, relative to the velocity scale.
+        By how much samples miss the functions that they stand for, relative to the velocity scale.
     own : tuple of (int, function)
         Laws of the user, by link.
     log, turn : array
@@ -77,12 +77,12 @@ class Members:
         self.asked = Asked(until, tolerance, max_events, keep, not driven(row.system))
         self.clock, jumps = clock_of(row, until)
         known = Known(row, self.clock, jumps, tolerance, until)
-        laid = layout.lay_out(row, self.clock, self.asked, known.log, known.outside)
-        self.first, self.fit = as_family(known.log, PIECE, row), known.fit
+        laid = layout.lay_out(row, self.clock, self.asked, known.lines, known.outside)
+        self.first, self.fit = np.concatenate(known.log, axis=1), known.fit
         self.run, self.node, self.link, self.mass, self.line, self.part = (
             as_family(objects, kind, row)
             for kind, objects in zip(RECORDS.values(), laid, strict=True))
-        self.log, self.turn = np.zeros(ROOM + 2 * len(known.log), PIECE), np.zeros(TURNS, TURN)
+        self.log, self.turn = np.zeros(ROOM + 2 * self.first.shape[1], PIECE), np.zeros(TURNS, TURN)
         unknowns = N * int(self.node["links"].max())  # of the longest chain
         self._matrix = np.zeros((unknowns, unknowns + 1))
 

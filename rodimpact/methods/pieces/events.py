@@ -168,12 +168,11 @@ def change(run: Any, turn: Any, it: Any, i: int, tick: int, touch: int) -> None:
 
 
 def keep(run: Any, line: Any, log: Any, at: Any, it: Any, ticks: int) -> None:
-    """Keep force, overlap and closing of a link over a piece."""
-    if it.force_line != NONE:
-        lines.append(run, line, log, it.force_line, at.now, ticks, it.force, at.series)
-    if it.overlap_line != NONE:
-        lines.append(run, line, log, it.overlap_line, at.now, ticks, it.overlaps, at.series)
-    if it.closing_line != NONE:
+    """Keep over a piece the force of a link, its overlap, and the closing of what yields."""
+    lines.append(run, line, log, it.kept, at.now, ticks, it.force, at.series)
+    if it.law >= Law.JOINT:
+        lines.append(run, line, log, it.kept + 1, at.now, ticks, it.overlaps, at.series)
+    if it.law == Law.YIELD:
         for j in range(series.POINTS):
             at.rate[j] = it.closing[j] - it.mobility * it.force[j]
-        lines.append(run, line, log, it.closing_line, at.now, ticks, at.rate, at.series)
+        lines.append(run, line, log, it.kept + 2, at.now, ticks, at.rate, at.series)

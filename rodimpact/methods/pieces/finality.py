@@ -65,8 +65,8 @@ def time_until_over(run: Any, link: Any, part: Any) -> float:
 def time_until_apart(it: Any, left: Any, right: Any, slow: float) -> float:
     """Time until a contact between two groups may be proved not to close again, s."""
     least = right.low - left.high if left.plain and right.plain else -math.inf
-    apart = left.right_deviation - right.left_deviation - it.overlap
-    reach = bound(left, left.right_slack) + bound(right, right.left_slack)
+    apart = left.deviation[1] - right.deviation[0] - it.overlap
+    reach = bound(left, left.slack[1]) + bound(right, right.slack[0])
     return proof.separation_time(right.speed - left.speed, least, apart, reach * reach, slow)
 
 
@@ -117,12 +117,13 @@ def look_at(
         it.own = mass[it.index].speed[0]
         it.energy = it.mass * ((it.own - speed) * (it.own - speed)) / 2
     elif it.kind == Part.SEGMENT:
-        T = line[2 * it.index].delay
-        a, b = line[2 * it.index], line[2 * it.index + 1]
-        it.right_wave, it.right_tilt, _, a2 = lines.moments(log, a.head, tick - T, T, speed)
-        it.left_wave, it.left_tilt, _, b2 = lines.moments(log, b.head, tick - T, T, speed)
-        it.own = speed + (it.right_wave + it.left_wave) / 4
-        it.energy = it.mass * (a2 + b2) / 8
+        T, squares = line[2 * it.index].delay, 0.0
+        for way in range(2):
+            head = line[2 * it.index + way].head
+            it.wave[way], it.tilt[way], _, square = lines.moments(log, head, tick - T, T, speed)
+            squares += square
+        it.own = speed + (it.wave[0] + it.wave[1]) / 4
+        it.energy = it.mass * squares / 8
     elif it.kind == Part.JOINT:
         it.energy = link[it.index].stiffness * (link[it.index].overlap * link[it.index].overlap) / 2
 
@@ -133,40 +134,37 @@ def set_ends(
     """Set what is known of the ends of a group.
 
     Waves under way, and what holds the group, are all that an end of a single segment can come to
-    move with. A part begins and stops with the mass fractions g and w beyond it as seen from the
-    right end, far and beyond as seen from the left end.
+    move with. A part begins and stops with the mass fractions g and w beyond it, as seen from the
+    left or the right end.
     """
-    head, held = part[first], part[first].held != NONE
-    head.left_deviation = head.right_deviation = head.left_slack = head.right_slack = 0.0
-    passed, pieces, w, beyond = 0.0, 0, 1.0 if held else 0.0, 1.0
+    head, held, passed, pieces = part[first], part[first].held != NONE, 0.0, 0
+    for side in range(2):
+        head.deviation[side] = head.slack[side] = 0.0
     for k in range(first, last):
-        it, g, far = part[k], w, beyond
+        it, before = part[k], passed
         passed += it.mass
-        if total > 0 and not held:
-            w, beyond = passed / total, 1 - passed / total
-        if it.kind == Part.SEGMENT:
-            pieces += 1
-            low, high = extremes(line, log, 2 * it.index, head.low, head.high)
-            head.low, head.high = extremes(line, log, 2 * it.index + 1, low, high)
-            transit = second * line[2 * it.index].delay
-            head.right_deviation += stretch(it, g, w) * transit
-            head.left_deviation -= stretch(it, far, beyond) * transit
-            head.right_slack += it.compliance * (g * g + g * w + w * w) / 3
-            head.left_slack += it.compliance * (far * far + far * beyond + beyond * beyond) / 3
-        elif it.kind == Part.JOINT:
-            pieces += 2
-            gives, c = it.compliance, link[it.index].damping
-            if gives > 0:
-                head.right_deviation -= link[it.index].overlap * g
-                head.left_deviation += link[it.index].overlap * far
-            else:  # a dashpot stretches by no more than the momentum that passes it, over c
-                gives = DASHPOT * max(passed, total - passed) / (c * c)
-            head.right_slack += gives * (g * g)
-            head.left_slack += gives * (far * far)
-        elif it.kind == Part.MASS:
-            pieces += 2
-        elif it.index == ENDLESS:
-            head.left_slack, head.right_slack = it.compliance, it.compliance
+        pieces += 1 if it.kind == Part.SEGMENT else 2 if it.kind != Part.GROUND else 0
+        for side in range(2):
+            g = w = 1.0
+            if not held:
+                g, w = before / total, passed / total
+            if not held and side == 0:
+                g, w = 1 - g, 1 - w
+            sign, gives = 2 * side - 1, it.compliance
+            if it.kind == Part.SEGMENT:
+                head.low, head.high = extremes(line, log, 2 * it.index + side, head.low, head.high)
+                transit = second * line[2 * it.index].delay
+                head.deviation[side] += sign * stretch(it, g, w) * transit
+                head.slack[side] += gives * (g * g + g * w + w * w) / 3
+            elif it.kind == Part.JOINT:
+                if gives > 0:
+                    head.deviation[side] -= sign * link[it.index].overlap * g
+                else:  # a dashpot stretches by no more than the momentum that passes it, over c
+                    c = link[it.index].damping
+                    gives = DASHPOT * max(passed, total - passed) / (c * c)
+                head.slack[side] += gives * (g * g)
+            elif it.kind == Part.GROUND and it.index == ENDLESS:
+                head.slack[side] = gives
     for k in range(first, last):
         if part[k].kind == Part.GROUND and part[k].index == WALL:  # turns waves around its velocity
             low = min(head.low, 2 * head.speed - head.high)
@@ -181,7 +179,7 @@ def stretch(it: Any, g: float, w: float) -> float:
     As dx is c dt, strain dx is (b - a)/2 dt. What a sent last is at the left end now, what b sent
     last at the right end.
     """
-    mean, slope = it.left_wave - it.right_wave, it.left_tilt + it.right_tilt
+    mean, slope = it.wave[1] - it.wave[0], it.tilt[1] + it.tilt[0]
     return float((g + w) * mean + (w - g) * slope) / 8
 
 

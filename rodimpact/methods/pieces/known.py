@@ -7,14 +7,12 @@ from typing import Any
 import numpy as np
 
 from ...model import Samples, Steps
-from ..compiling import objects
 from ..row import Row
 from ..signals import Ints, Pieces
 from ..walk import wave_of_strain
 from . import layout, waves
 from .layout import Clock
-from .records import NONE, PIECE
-from .series import N
+from .records import HARD, NONE, PIECE
 
 
 def segments_of(row: Row) -> Iterator[tuple[Any, int, Any]]:
@@ -40,17 +38,36 @@ def varies(*profiles: Any) -> bool:
     return any(isinstance(profile, Steps | Samples) for profile in profiles)
 
 
+def as_family(objects: list[Any], record: Any, row: Row) -> Any:
+    """Objects whose fields hold a number, or one for each member, as records [member, i]."""
+    records = np.zeros((*row.system.shape, len(objects)), record)
+    for i, one in enumerate(objects):
+        for name in record.names:
+            value = getattr(one, name)
+            if not isinstance(value, list):
+                records[name][..., i] = value
+                continue
+            for j, number in enumerate(value):
+                if isinstance(number, list):
+                    break  # what is found during the run
+                if type(number) is not float or number:
+                    records[name][..., i, j] = number
+    return records.reshape(row.members, len(objects))
+
+
 class Known:
     """Pieces of all lines that begin at t = 0 or before.
 
     Attributes
     ----------
-    log : list of PIECE
+    log : list of [member, piece] PIECE
         Line by line: two a segment, then what comes from outside.
+    lines : list of (int, int, int)
+        How many pieces, hard breaks and ticks each has.
     outside : list of int
         The lines of what comes from outside, NONE for the free end of a rod.
     fit : float
-        By how much pieces miss what was given, relative to the velocity scale.
+        By how much samples miss the functions that they stand for, relative to the velocity scale.
     """
 
     def __init__(
@@ -58,35 +75,27 @@ class Known:
         until: float | None,
     ) -> None:
         self._row, self._clock, self._jumps, self._until = row, clock, jumps, until
-        self._tolerance, self.log, self.fit = tolerance / 4, list[Any](), 0.0
+        self._tolerance, self.fit = tolerance / 4, 0.0
+        self.log, self.lines = list[Any](), list[tuple[int, int, int]]()
         for rod, s, begin in segments_of(row):
             self._under_way(s, rod, begin)
         self.outside = [self._from_outside(side) for side in (0, 1)]
 
-    def _add(self, *pieces: Any) -> int:
-        """Add a line; return its number."""
-        l = self.log[-1].line + 1 if self.log else 0
-        for piece in pieces:
-            piece.line = l
-        self.log += pieces
-        return int(l)
+    def _add(self, pieces: Any) -> int:
+        """Add a line of pieces, [member, piece]; return its number."""
+        l, first, (_, n) = len(self.log), sum(count for count, _, _ in self.lines), pieces.shape
+        pieces["line"], pieces["after"] = l, [*range(first + 1, first + n), NONE]
+        hard = int(np.sum(pieces["order"][0, 1:] <= HARD))
+        self.log.append(pieces)
+        self.lines.append((n, hard, int(pieces["stop"][0, -1] - pieces["start"][0, 0])))
+        return l
 
-    def _follow(self, signal: Pieces, stop: int, *given: tuple[Any, float]) -> waves.Fitted:
-        """A signal from tick 0 to `stop` as pieces; it is made of profiles times factors."""
+    def _follow(self, signal: Pieces, start: int, stop: int, *given: tuple[Any, float]) -> Any:
+        """A signal between two ticks as pieces; it is made of profiles times factors."""
         scale, samples = float(self._clock.scale), [x for x in given if isinstance(x[0], Samples)]
         kinked = signal.end < stop - 1 or not all(p.smooth for p, _ in samples)
-        made = waves.fitted(signal, stop, kinked, self._tolerance * scale)
-        missed = [made.error, *(abs(factor) * p.error for p, factor in samples)]
-        self.fit = max(self.fit, max(missed) / scale)
-        return made
-
-    def _enter(self, made: waves.Fitted) -> int:
-        """Add a line of pieces; return its number."""
-        degree = np.where(np.any(made.coefficients[:, 1:], axis=1), N, 0)
-        columns = made.ticks[:-1], made.ticks[1:], made.order, degree, made.coefficients
-        rows = zip(*(column.tolist() for column in columns), strict=True)
-        return self._add(*objects(
-            [(start, stop, order, d, 0, NONE, c) for start, stop, order, d, c in rows], PIECE))
+        self.fit = max([self.fit, *(abs(factor) * p.error / scale for p, factor in samples)])
+        return waves.in_pieces(signal, start, stop, kinked, self._tolerance * scale)
 
     def _under_way(self, s: int, rod: Any, begin: Any) -> None:
         """Waves that run through segment s at t = 0: a = v - c strain, and b = v + c strain."""
@@ -94,7 +103,7 @@ class Known:
         c = segment.wave_speed
         if not varies(rod.velocity, rod.strain):
             for piece in layout.under_way(rod.velocity - frame, rod.strain * c, T):
-                self._add(piece)
+                self._add(as_family([piece], PIECE, self._row))
             return
         marks = [(share, tick) for (place, share), tick in self._jumps.items() if place == s]
 
@@ -107,14 +116,11 @@ class Known:
 
         v, strain = (waves.signal_of(p, rod.length, ticks_of) for p in (rod.velocity, rod.strain))
         for factor in (-c, c):
-            wave = v.plus(-frame)
-            if varies(rod.strain):
-                wave = wave + strain.times(factor)
-            elif rod.strain:
-                wave = wave.plus(factor * rod.strain)
-            made = self._follow(wave, int(T), (rod.velocity, 1.0), (rod.strain, c))
-            # what is at x left the left end x/c ago, and leaves it in x/c
-            self._enter(made.backwards() if factor < 0 else made._replace(ticks=made.ticks - T))
+            # what is at x left the left end x/c ago, and the right end T - x/c ago
+            given, since = ((rod.velocity, 1.0), (rod.strain, c)), 0 if factor < 0 else int(-T)
+            wave = (v + strain.times(factor)).plus(-frame).later(since)
+            made = self._follow(wave, since, since + int(T), *given)
+            self._add((waves.backwards(made) if factor < 0 else made)[None])
 
     def _from_outside(self, side: int) -> int:
         """Add what comes from outside an end; return its line, NONE for the free end of a rod."""
@@ -127,14 +133,16 @@ class Known:
         if kind == "velocity":
             start, slope = -clock.frame, -row.gravity
         elif kind == "absorbing":
-            last = 2 * len(row.segments) - 1 if side else 0
-            wave = [piece for piece in self.log if piece.line == last][-1].coefficient
-            start = np.stack(np.broadcast_arrays(*wave)).sum(axis=0)  # at its end
+            ends = self.log[2 * len(row.segments) - 1 if side else 0][:, -1]["coefficient"]
+            start = ends.sum(axis=1).reshape(row.system.shape)
             factor = wave_of_strain(row, side)
         if not varies(value):
-            if np.any(np.asarray(slope) != 0):
-                return self._add(layout.falling(start + value, row.gravity, until, clock.tick))
-            return self._add(layout.steady(start + value * factor))
+            piece = layout.steady(start + value * factor)
+            if np.any(np.asarray(slope) != 0):  # a frame that falls
+                stop = np.rint(until / clock.tick) + 1
+                half = slope * stop * clock.tick / 2
+                piece = layout.piece_of(0, stop, [start + value + half, half])
+            return self._add(as_family([piece], PIECE, row))
         assert until is not None
         tick = float(clock.tick)
         stop = round(max(until, tick) / tick) + 1
@@ -143,5 +151,5 @@ class Known:
         if slope:
             drive = drive + Pieces.through([0, stop], np.array([0.0, slope * stop * tick]))
         least = min((float(s.impedance) for s in row.segments), default=math.inf)
-        return self._enter(self._follow(
-            drive, stop, (value, 2 / least if kind == "force" else float(factor))))
+        weight = 2 / least if kind == "force" else float(factor)
+        return self._add(self._follow(drive, 0, stop, (value, weight))[None])

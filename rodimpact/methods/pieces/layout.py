@@ -12,7 +12,7 @@ from .. import tick_rule as rule
 from ..compiling import blank
 from ..laws import Law, Status
 from . import finality
-from .records import HARD, LINE, LINK, MASS, NEVER, NODE, NONE, PART, PIECE, RUN, SMOOTH, Part
+from .records import LINE, LINK, MASS, NEVER, NODE, NONE, PART, PIECE, RUN, SMOOTH, Part
 from .series import POINTS, N
 
 FLOORS = 128  # in the shortest transit
@@ -109,17 +109,12 @@ def steady(value: Any) -> Any:
     return piece_of(0, NEVER, [value])
 
 
-def falling(value: Any, gravity: Any, until: Any, tick: Any) -> Any:
-    """The velocity of a wall as a frame sees it that falls."""
-    stop = np.rint(until / tick) + 1
-    half = -gravity * stop * tick / 2
-    return piece_of(0, stop, [value + half, half])
-
-
 # Records ------------------------------------------------------------------------------------------
 
 
-def lay_out(row: Any, clock: Clock, asked: Asked, log: list[Any], outside: Any) -> list[list[Any]]:
+def lay_out(
+    row: Any, clock: Clock, asked: Asked, known: list[tuple[int, int, int]], outside: Any
+) -> list[list[Any]]:
     """Put a row on records; return lists of runs, nodes, links, masses, lines and parts.
 
     Parameters
@@ -127,9 +122,9 @@ def lay_out(row: Any, clock: Clock, asked: Asked, log: list[Any], outside: Any) 
     row : Row or Walk
     clock : Clock
     asked : Asked
-    log : list of PIECE
-        What is known at t = 0, line by line: two a segment, to the right and to the left, then what
-        comes from outside.
+    known : list of (int, int, int)
+        Of what is known at t = 0, line by line, the pieces, their hard breaks and their ticks: two
+        lines a segment, to the right and to the left, then what comes from outside.
     outside : list of int
         Lines of what comes from outside the left and the right end; NONE at the free end of a rod.
     """
@@ -142,9 +137,9 @@ def lay_out(row: Any, clock: Clock, asked: Asked, log: list[Any], outside: Any) 
         mass[m].mass, mass[m].line = row.masses[m], NONE
         for j in range(POINTS):
             mass[m].speed[j] = row.mass_velocity[m] - clock.frame
-    part, known = parts_of(row, node, link, outside), log[-1].line + 1
-    line = lines_of(clock, log, known + (keep_lines(link, mass, known) if asked.keep else 0))
-    run = run_of(row, clock, asked, shortest, line, log)
+    part, n = parts_of(row, node, link, outside), len(known)
+    line = lines_of(clock, known, n + (keep_lines(link, mass, n) if asked.keep else 0))
+    run = run_of(row, clock, asked, shortest, known)
     for p in range(len(part)):
         if part[p].kind == Part.GROUND and part[p].parts != 1:
             run.held = 1
@@ -166,15 +161,13 @@ def longest_of(row: Any, clock: Clock, shortest: Any) -> Any:
     return longest
 
 
-def run_of(
-    row: Any, clock: Clock, asked: Asked, shortest: Any, line: list[Any], log: list[Any]
-) -> Any:
+def run_of(row: Any, clock: Clock, asked: Asked, shortest: Any, known: Any) -> Any:
     """The record of a run."""
     run, breaks = blank(1, RUN)[0], 0
-    for it in line:  # where hard breaks are given most densely
-        if it.hard > 0:
-            span = log[it.tail].stop - log[it.first].start
-            breaks = np.maximum(breaks, np.floor(it.hard * (shortest / span)))
+    for pieces, hard, ticks in known:
+        run.pieces += pieces
+        if hard > 0:  # where hard breaks are given most densely
+            breaks = np.maximum(breaks, np.floor(hard * (shortest / ticks)))
     run.tick, run.scale, run.tolerance = clock.tick, clock.scale, asked.tolerance * clock.scale
     run.floor = np.maximum(shortest // (FLOORS + 4 * breaks), 64)
     run.shortest, run.graze = shortest, GRAZE * clock.scale
@@ -183,7 +176,7 @@ def run_of(
     run.proved = run.first_rough = run.surveyed = NONE
     run.prove, run.check = 1 if asked.prove else 0, shortest if asked.prove else NEVER
     run.held = 0 if all(law.opens for law in row.system.contacts) else 1
-    run.pieces, run.extra = len(log), 0 if asked.until is None else NEVER
+    run.extra = 0 if asked.until is None else NEVER
     return run
 
 
@@ -232,8 +225,7 @@ def links_of(row: Any, clock: Clock, node: list[Any], time: Any) -> list[Any]:
 
 def set_law(it: Any, given: Any, i: int) -> None:
     """Set the law of link i of a row, its numbers and its status."""
-    it.force_line = it.overlap_line = it.closing_line = it.left_group = it.right_group = NONE
-    it.first = it.last = it.apart = NONE
+    it.left_group = it.right_group = it.first = it.last = it.apart = NONE
     it.order, it.opened, it.law, it.function = SMOOTH, 1, int(given.law), i
     it.status, it.touch = Status.BOND.value, Status.OPEN.value
     it.stiffness, it.exponent = given.stiffness, given.exponent
@@ -253,33 +245,23 @@ def keep_lines(link: list[Any], mass: list[Any], first: int) -> int:
     """Number the lines that keep what happens in links and masses; return how many there are."""
     l = first
     for it in link:
-        it.force_line = l
-        l += 1
-        if it.law >= Law.JOINT:
-            it.overlap_line = l
-            l += 1
-        if it.law == Law.YIELD:
-            it.closing_line = l
-            l += 1
+        it.kept = l
+        l += 3 if it.law == Law.YIELD else 2 if it.law >= Law.JOINT else 1
     for body in mass:
         body.line = l
         l += 1
     return l - first
 
 
-def lines_of(clock: Clock, log: list[Any], count: int) -> list[Any]:
+def lines_of(clock: Clock, known: Any, count: int) -> list[Any]:
     """Lines, of which the pieces that are known stand at the beginning of the log."""
-    line = blank(count, LINE)
-    for it in line:
+    line, first = blank(count, LINE), 0
+    for it in line[len(known) :]:
         it.first = it.head = it.tail = NONE
-    for i, piece in enumerate(log):
-        it = line[piece.line]
-        if it.first == NONE:
-            it.first = it.head = i
-        else:
-            log[it.tail].after = i
-            it.hard += 1 if piece.order <= HARD else 0
-        it.tail = i
+    for l, (pieces, hard, _) in enumerate(known):
+        line[l].first = line[l].head = first
+        first += pieces
+        line[l].tail, line[l].hard = first - 1, hard
     for l in range(2 * len(clock.transits)):
         line[l].delay = clock.transits[l // 2]
     return line

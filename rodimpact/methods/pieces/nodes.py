@@ -212,8 +212,7 @@ def roughness(link: Any, mass: Any, at: Any) -> float:
     for side in range(2):
         it = link[at.first + side * (at.links - 1)]
         pushes = it.law == Law.PUSH_LEFT + side
-        if at.mobility[0] == 0:
-            worst = max(worst, series.tail(at.incoming[side]) * (2 * it.ease if pushes else 1.0))
+        worst = max(worst, series.tail(at.incoming[side]) * (2 * it.ease if pushes else 1.0))
         if at.mobility[side] > 0:
             set_leaving(link, at, side)
             worst = max(worst, series.tail(at.leaving))

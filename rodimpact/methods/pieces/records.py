@@ -56,7 +56,7 @@ LINK = np.dtype([
     ("overlap", "f8"), ("rate", "f8"), ("bend", "f8"),  # and derivatives, as the last piece ended
     ("ease", "f8"),  # velocity that a force makes in about the shortest transit
     ("rate_after", "f8"),  # of an impact: closing that it leaves
-    ("force_line", "i8"), ("overlap_line", "i8"), ("closing_line", "i8"),
+    ("kept", "i8"),  # first of the lines that keep the force, the overlap and the closing
     ("left_group", "i8"), ("right_group", "i8"),  # their first parts
     ("touch", "i8"), ("unknown", "i8"), ("impulse", "f8"), ("peak", "f8"),
     ("first", "i8"), ("last", "i8"), ("apart", "i8"), ("opened", "i8"), ("pressed", "i8"),
@@ -77,16 +77,15 @@ PART = np.dtype([
     ("held", "i8"),  # line of what holds the group
     ("mass", "f8"), ("compliance", "f8"),  # m/N
     ("own", "f8"), ("energy", "f8"),  # mean velocity of the part; J about that of its group
-    ("right_wave", "f8"), ("right_tilt", "f8"),  # moments of the waves in a segment
-    ("left_wave", "f8"), ("left_tilt", "f8"),
+    ("wave", "f8", (2,)), ("tilt", "f8", (2,)),  # moments of both waves in a segment
     # of the group, at its first part
     ("initial", "f8"), ("mean", "f8"),  # velocity of its centre of mass at t = 0, and now
     ("speed", "f8"),  # of the motion about which it swings: that, or of what holds it
     ("low", "f8"), ("high", "f8"),  # bounds of the waves under way
     ("plain", "i8"),  # whether its ends can move with no others
     ("bound", "f8"),  # energy about that motion, J
-    ("left_deviation", "f8"), ("right_deviation", "f8"),  # of the ends from that motion, m
-    ("left_slack", "f8"), ("right_slack", "f8"),  # m/N
+    ("deviation", "f8", (2,)),  # of the left and the right end from that motion, m
+    ("slack", "f8", (2,)),  # m/N
 ], align=True)
 RUN = np.dtype([
     ("tick", "f8"), ("scale", "f8"),  # s; of velocities, m/s

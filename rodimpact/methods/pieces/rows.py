@@ -29,22 +29,6 @@ def is_even(row: Row) -> bool:
     return not any(varies(*profiles) for profiles in (*states, [value for _, value in row.outside]))
 
 
-def as_family(objects: list[Any], record: Any, row: Row) -> Any:
-    """Objects whose fields hold a number, or one for each member, as records [member, i]."""
-    records = np.zeros((*row.system.shape, len(objects)), record)
-    for name in record.names:
-        column = records[name]
-        for i, one in enumerate(objects):
-            value = getattr(one, name)
-            if not isinstance(value, list):
-                column[..., i] = value
-                continue
-            for j, number in enumerate(value):
-                if not (number == 0 if type(number) is float else type(number) is list):  # scratch
-                    column[..., i, j] = number
-    return records.reshape(row.members, len(objects))
-
-
 def reference_time(row: Row, until: float | None) -> Any:
     """Longest transit, s; without rods `until`, else the longest time of a contact or a flight."""
     if row.segments:

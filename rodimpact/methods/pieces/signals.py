@@ -80,11 +80,12 @@ def _lines(log: Any, count: int) -> list[Pieces]:
 
 def _contact(it: Any, turns: Any, lines: list[Pieces], tick: float) -> ContactSignal:
     """What passed in a link, in which contacts took these turns."""
-    force = lines[it["force_line"]]
-    if it["overlap_line"] < 0:
+    kept = it["kept"]
+    force = lines[kept]
+    if it["law"] < Law.JOINT:
         return ContactSignal(force, NOTHING, NOTHING, ())
-    gap = lines[it["overlap_line"]].times(-1.0)
-    closing = _rate(gap, -1.0 / tick) if it["closing_line"] < 0 else lines[it["closing_line"]]
+    gap = lines[kept + 1].times(-1.0)
+    closing = lines[kept + 2] if it["law"] == Law.YIELD else _rate(gap, -1.0 / tick)
     struck = turns[turns["impulse"] > 0]
     at = np.maximum(struck["tick"] - 1, 0)
     for when in np.unique(at):  # a blow takes no time: one tick before it here
@@ -134,4 +135,4 @@ def _outside(
         back = at["source"][inner]
         arriving = lines[back].later(int(records["line"]["delay"][back]))
         speed = lines[at["target"][inner]].times(0.5) + arriving.times(0.5) + frame
-    return Outside(row.outside_name(side), lines[records["link"]["force_line"][-side]], speed)
+    return Outside(row.outside_name(side), lines[records["link"]["kept"][-side]], speed)
