@@ -109,10 +109,6 @@ class Samples(Declared):
         given = super().to_dict()
         return {"samples": given.pop("values"), **given}
 
-    def with_values(self, values: Floats) -> Samples:
-        """Other values at the same distances."""
-        return Samples(values, self.step, smooth=self.smooth, error=self.error)
-
 
 Profile: TypeAlias = "Number | Steps | Samples"
 ProfileLike: TypeAlias = "ArrayLike | Steps | Samples | Callable[[Any], Any]"
@@ -182,14 +178,14 @@ def negative(profile: Profile) -> Profile:
     if isinstance(profile, Steps):
         return Steps([-v for v in profile.values], profile.at)
     if isinstance(profile, Samples):
-        return profile.with_values(-profile.values)
+        return profile.replace(values=-profile.values)
     return -profile
 
 
 def flipped(profile: Profile, length: Number) -> Profile:
     """Return the profile along a rod of that length, m, seen from the other end."""
     if isinstance(profile, Samples):
-        return profile.with_values(profile.values[::-1])
+        return profile.replace(values=profile.values[::-1])
     if not isinstance(profile, Steps):
         return profile
     at = [length - x for x in profile.at[::-1]]

@@ -81,9 +81,10 @@ class EnergyLedger:
 class BondedGroups(NamedTuple):
     """Groups of bonded bodies at some times; without walls and what is bonded to them.
 
-    ticks [time]; bodies [group]: the bodies that can move against the walls; mass [group] in kg;
-    velocity [group, time] of the centre of mass, momentum over mass, in m/s; moving, strained
-    [body, time]: kinetic energy relative to that velocity, and strain energy, in J, 0 for a wall.
+    ticks [time]; bodies [group]: the bodies that can move against the walls, none of a lone wall;
+    mass [group] in kg; velocity [group, time] of the centre of mass, momentum over mass, in m/s, 0
+    without such bodies; moving, strained [body, time]: kinetic energy relative to that velocity,
+    and strain energy, in J, 0 for a wall.
     """
 
     ticks: Ints
@@ -108,14 +109,14 @@ def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
     """Velocities and energies of the groups at [n] ticks at which the fields know energies."""
     a, system, times = fields.clock, fields.clock.system, ticks * fields.clock.tick
     free, rods = movable(system), [isinstance(body, Rod) for body in system.bodies]
-    bodies = [inside for group in groups(system) if (inside := [i for i in group if i in free])]
+    bodies = [[i for i in group if i in free] for group in groups(system)]
     masses, velocities = [], np.zeros((len(bodies), len(ticks)))
     moving, strained = np.zeros((2, len(system.bodies), len(ticks)))
     for velocity, inside in zip(velocities, bodies, strict=True):
         masses.append(sum(a.mass(i) for i in inside))
         velocity[:] = sum(
             fields.momentum(i, times) if rods[i] else a.mass(i) * fields.velocity(i, 0.0, times)
-            for i in inside) / masses[-1]
+            for i in inside) / (masses[-1] or 1.0)
         for i in inside:
             if rods[i]:
                 known = zip(ticks.tolist(), velocity.tolist(), strict=True)
@@ -177,12 +178,10 @@ def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> T
     book = ledger(fields, contacts, states)
     works = {name: float(getattr(book, name)[-1]) for name in WORKS}
     velocity, vibration = np.zeros((2, len(bodies))), (states.moving + states.strained).T
-    nothing: tuple[list[int], Floats] = [], np.zeros(1)
-    for g, group in enumerate(groups(system)):
-        of = zip(states.bodies, states.velocity, strict=True)
-        inside, mean = next((at for at in of if at[0][0] in group), nothing)
-        ends = (run.groups.before[g], run.groups.after[g]) if run.groups else mean[[0, -1]]
-        for place, own in zip((0, -1), ends, strict=True):
+    own_velocities = (
+        (run.groups.before, run.groups.after) if run.groups else states.velocity[:, [0, -1]].T)
+    for place, each in zip((0, -1), own_velocities, strict=True):
+        for group, inside, own in zip(groups(system), states.bodies, each, strict=True):
             velocity[place, group] = velocities_in_group(system, group, inside, own)
     if run.groups:
         vibration[-1] = run.groups.vibration

@@ -101,12 +101,10 @@ def pair_theory(system: System) -> PairTheory | None:
 def _numbers(body: Body) -> tuple[Floats, ...] | None:
     """Impedance, transit time, mass and velocity; None of a rod that has more to it."""
     if isinstance(body, Rod):
-        segment, velocity = body.segments[0], body.velocity
-        if len(body.segments) > 1 or not segment.ideal or np.any(body.strain != 0):
+        segment, even = body.segments[0], isinstance(body.velocity, float | np.ndarray)
+        if len(body.segments) > 1 or not segment.ideal or not even or np.any(body.strain != 0):
             return None
-        if not isinstance(velocity, float | np.ndarray):
-            return None
-        numbers = (segment.impedance, segment.transit_time, segment.mass, velocity)
+        numbers = (segment.impedance, segment.transit_time, segment.mass, body.velocity)
     elif isinstance(body, RigidMass):
         numbers = (np.inf, 0.0, body.mass, body.velocity)
     else:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..methods.run import Run, Totals, Waves
 from ..methods.signals import Floats, Side, each_once
-from ..model import Body, RigidMass, Rod, Samples, Steps, System, Wall
+from ..model import Body, Rod, Samples, Steps, System
 from ..model.arguments import array, demand, of_kind, single
 from ..model.frozen import refusal
 from ..model.numbering import body_names
@@ -186,9 +186,8 @@ class Solution(Shown):
     def position(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Place in the laboratory in m; the left end of the row starts at 0. As `velocity`."""
         base = self.fields.positions[self._index(body)]
-        if not isinstance(self.system.bodies[body], Rod):
-            return base + self.displacement(body, 0.0, t)
-        return base + array("x", x, "m") + self.displacement(body, x, t)
+        inside = array("x", x, "m") if isinstance(self.system.bodies[body], Rod) else 0.0
+        return base + inside + self.displacement(body, x, t)
 
     @_FAINT
     def mean_velocity(self, body: int, t: ArrayLike) -> Floats:
@@ -259,8 +258,8 @@ class Solution(Shown):
         for name in ("velocity", "displacement", "position", "strain", "stress", "axial_force"):
             values = np.full((len(bodies), x.size, t.size), np.nan)
             for i, body in enumerate(bodies):
-                asked = isinstance(body, Rod) or name in ("velocity", "displacement", "position")
-                if asked and inside[i].any():
+                has = isinstance(body, Rod) or name in ("velocity", "displacement", "position")
+                if has and inside[i].any():
                     values[i, inside[i]] = getattr(self, name)(i, x[inside[i], None], t)
             data[name] = ["body", "x", "time"], values
         means = [self.mean_velocity(i, t) for i in range(len(bodies))]
@@ -353,18 +352,14 @@ class Solution(Shown):
                 raise refusal(f"ends.{side}", "is driven by a function of time; drive it anew")
         bodies: list[Body] = []
         for i, body in enumerate(self.system.bodies):
-            if isinstance(body, Wall):
-                bodies.append(body)
-            elif isinstance(body, RigidMass):
-                bodies.append(RigidMass(body.mass, velocity=float(self.velocity(i, 0.0, t))))
-            else:
+            if isinstance(body, Rod):
                 velocity, strain = state_profiles(self.fields, i, tick)
                 bodies.append(Rod(segments=body.segments, velocity=velocity, strain=strain))
-        gaps = [0.0 if not c.law.opens else float(c.gap(t)) if c.law.overlaps else
-                max(0.0, float(c.gap(t))) for c in self.contacts]
-        return System(
-            bodies, gaps, [contact.law_at(t) for contact in self.contacts],
-            gravity=self.system.gravity, ends=self.system.ends,
+            else:
+                bodies.append(body.replace(velocity=float(self.velocity(i, 0.0, t))))
+        return self.system.replace(
+            bodies=bodies, gaps=[float(c.gap(t)) if c.law.opens else 0.0 for c in self.contacts],
+            contacts=[contact.law_at(t) for contact in self.contacts],
         )
 
     # Files and pictures -------------------------------------------------------------------------
