@@ -7,16 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..units import shown
-from .frozen import (
-    InvalidModel,
-    Problems,
-    broadcast_shape,
-    has_sign,
-    raise_noted,
-    refusal,
-    require,
-    wanted,
-)
+from . import frozen
+from .frozen import InvalidModel, Problems, raise_noted, refusal
 from .quantities import Floats, floats
 from .quantities import Number as Number
 
@@ -33,7 +25,7 @@ def array(name: str, value: ArrayLike, unit: str, sign: str = "") -> Array:
     except ValueError as error:
         raise refusal(name, str(error)) from None
     if sign:
-        demand(has_sign(x, sign), name, wanted(unit, sign), x)
+        demand(frozen.has_sign(x, sign), name, frozen.wanted(unit, sign), x)
     return x
 
 
@@ -55,14 +47,14 @@ def together(**arguments: tuple[Any, str, str]) -> tuple[Array, ...]:
         except InvalidModel as error:
             problems += error.problems
     raise_noted(problems)
-    broadcast_shape(arrays.items())
+    frozen.broadcast_shape(arrays.items())
     return np.broadcast_arrays(*arrays.values())
 
 
 def demand(good: Any, name: str, message: str, *values: Number) -> None:
     """InvalidModel where something does not hold, with the message and values of `require`."""
     problems: Problems = []
-    require(problems, good, name, message, *values)
+    frozen.require(problems, good, name, message, *values)
     raise_noted(problems)
 
 

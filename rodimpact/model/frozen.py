@@ -162,22 +162,19 @@ def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "an
     `unit` and `sign` are those of a `Field`. -0.0 becomes 0.0, so that equal numbers are described
     alike.
     """
-    if type(value) is float:
-        if (value == 0 and sign == "any") or (SMALLEST <= value <= LARGEST and sign in INTERVALS):
+    if type(value) is float and sign in INTERVALS:  # most are: no array, for speed
+        size = abs(value) if sign in ("any", "sampled") else value
+        if SMALLEST <= size <= LARGEST or (size == 0 and "positive" not in sign):
             return value + 0.0
-        array: Any = value
-    else:
-        try:
-            array = floats(value, unit)
-        except ValueError as error:
-            problems.append((path, str(error)))
-            return math.nan
-        if array.ndim == 0:
-            array = array.item()
-        elif array.size == 0:
-            problems.append((path, "must not be an empty array"))
-            return math.nan
-    array = array + 0.0
+    try:
+        array: Any = floats(value, unit)
+    except ValueError as error:
+        problems.append((path, str(error)))
+        return math.nan
+    if array.size == 0:
+        problems.append((path, "must not be an empty array"))
+        return math.nan
+    array = (array if array.ndim else array.item()) + 0.0
     if require(problems, has_sign(array, sign), path, wanted(unit, sign), array):
         require(problems, _in_scale(array, sign), path, OUT_OF_SCALE, array)
     if not isinstance(array, float):

@@ -209,7 +209,7 @@ class Fields(Protocol):
             moved = masses[body].integral(0, ticks) * a.tick + a.frame * time
         else:
             return np.asarray(held.velocity * ticks * a.tick)
-        return np.asarray(moved + a.gravity * time * time / 2)
+        return moved + a.gravity * time * time / 2
 
     @cached_property
     def positions(self) -> list[float]:

@@ -5,11 +5,10 @@ A name such as ``bodies.0.length`` or ``impulse.1`` becomes what a figure or a D
 
 from typing import NamedTuple
 
-from ..model import Material, RigidMass, Rod, Segment, System
+from ..model import System
 from ..model.frozen import Field
 from ..model.numbering import body_names, contact_names
-
-_OF_A_BODY = {**Material.fields, **Segment.fields, **Rod.fields, **RigidMass.fields}
+from ..model.paths import FIELDS
 
 
 class Quantity(NamedTuple):
@@ -67,11 +66,11 @@ def parameter(system: System, path: str) -> Quantity:
     """
     match path.split("."):
         case ["gravity"]:
-            return _quantity(path, System.fields["gravity"])
+            return _quantity(path, FIELDS["gravity"])
         case ["bodies", body, "mass"]:
             return Quantity(_body(system, body), "kg")
         case ["contacts", contact, "gap"]:
-            gap = _quantity("gap", System.fields["gaps"])
+            gap = _quantity("gap", FIELDS["gap"])
             return gap._replace(name=f"{gap.name} {_pair(system, contact)}")
         case ["contacts", contact, field]:
             law = system.contacts[int(contact)]
@@ -86,7 +85,7 @@ def parameter(system: System, path: str) -> Quantity:
         case ["bodies", body, "segments", segment, *_, field]:
             owner = f"segment {int(segment) + 1} of {_body(system, body)}"
         case ["bodies", body, field, ("values" | "at") as what, number]:
-            name, unit = _quantity(field, _OF_A_BODY[field])
+            name, unit = _quantity(field, FIELDS[field])
             count, owner = int(number) + 1, _body(system, body)
             if what == "at":
                 return Quantity(f"place of jump {count} of {name}, {owner}", "m")
@@ -95,7 +94,7 @@ def parameter(system: System, path: str) -> Quantity:
             owner = _body(system, body)
         case _:
             return Quantity(path, "1")
-    name, unit = _quantity(field, _OF_A_BODY.get(field, Field()))
+    name, unit = _quantity(field, FIELDS.get(field, Field()))
     return Quantity(f"{name} of {owner}", unit)
 
 

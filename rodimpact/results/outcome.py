@@ -297,10 +297,9 @@ def effective_restitution(
     closing, parting = before[0] - before[1], after[1] - after[0]
     e = parting / np.where(closing > 0, closing, 1.0)
     largest = np.maximum(np.abs(after[0]), np.abs(after[1]))
-    e = np.where(e > ROUND_OFF, np.where(parting > 2 * np.spacing(largest), e, 0.0), 0.0)
-    for defined in (final, episodes > 0, closing > 0):
-        e = np.where(defined, e, math.nan)
-    return e
+    parted = (e > ROUND_OFF) * (parting > 2 * np.spacing(largest))
+    defined = final * (episodes > 0) * (closing > 0)
+    return np.where(defined, np.where(parted, e, 0.0), math.nan)
 
 
 def outcome_of(run: Run, totals: Totals) -> Outcome:

@@ -258,8 +258,7 @@ class Solution(Shown):
         for name in ("velocity", "displacement", "position", "strain", "stress", "axial_force"):
             values = np.full((len(bodies), x.size, t.size), np.nan)
             for i, body in enumerate(bodies):
-                has = isinstance(body, Rod) or name in ("velocity", "displacement", "position")
-                if has and inside[i].any():
+                if isinstance(body, Rod) or name in ("velocity", "displacement", "position"):
                     values[i, inside[i]] = getattr(self, name)(i, x[inside[i], None], t)
             data[name] = ["body", "x", "time"], values
         means = [self.mean_velocity(i, t) for i in range(len(bodies))]
