@@ -138,48 +138,53 @@ def contact_curves(run: Any, stop: int) -> list[Any]:
 # What it comes to ---------------------------------------------------------------------------------
 
 
-def outcome_of(run: Any) -> Any:
+def outcome_of(run: Any, status: str) -> Any:
     """What the collision did, as `outcome_told` has it."""
     it, segment, row = run["run"], run["segment"], run["plan"].row
     first, inside = heads(row.system, row.spans), segment[1 : len(row.segments) + 1]
     kinetic = sum(piece.mass * (inside[s].initial + it.frame) ** 2 / 2
                   for s, piece in enumerate(row.segments))
-    proved = it.proved != NONE and not (it.until >= 0 and has_driven_end(row.system))
     ticks = [at.transit for at in inside]
-    rounded, worst = most_rounded(row, ticks, it.tick)
-    trip, contacts = round_trip(run["body"], segment) * it.tick, run["plan"].contacts
-    text = status_of(it, run["node"], contacts, {
-        "proved": proved, "t_final": last_of(it, run["node"], contacts, trip),
-        "acting": DRIVEN if has_driven_end(row.system) else "", "held": is_held(row.system),
-        "names": contact_names([body.kind for body in row.system.bodies]),
-    })
-    strain = it.fastest / smallest([piece.wave_speed for piece in row.segments])
+    rounded, _ = most_rounded(row, ticks, it.tick)
     return outcome_told(row.system, {
         "before": body_velocities(row.system, [segment[s].initial + it.frame for s in first]),
         "after": body_velocities(row.system, [segment[s].velocity + it.frame for s in first]),
-        "contacts": [tally_of(run["node"][k], it.tick) for k in contacts],
-        "final": proved, "status": text + rounding(rounded, worst) + strain_warning(strain),
+        "contacts": [tally_of(run["node"][k], it.tick) for k in run["plan"].contacts],
+        "final": is_proved(run), "status": status,
         "errors": {"velocity": (rounded + 1 / max(ticks)) * it.events * it.scale},
         "energy_before": kinetic + sum(at.initial_vibration for at in inside) * it.tick,
         "vibration_after": sum(at.vibration for at in inside) * it.tick,
     })
 
 
-def restitution_of(system: Any, asked: Any) -> Any:
-    """e of a collision; None where there is none."""
-    run = run_of(asked, False, space_of(plan_of(walk(system))))
-    if run["run"].stop >= Stop.OVERFLOW:
-        return None
-    outcome = outcome_of(run)
-    return outcome["restitution"] if outcome["why"] == "" else None
+def is_proved(run: Any) -> bool:
+    """Whether the outcome is final."""
+    it, system = run["run"], run["plan"].row.system
+    proved: bool = it.proved != NONE and not (it.until >= 0 and has_driven_end(system))
+    return proved
+
+
+def sentence_of(run: Any) -> str:
+    """Why the run ended, as `Solution.status` has it."""
+    it, row, contacts = run["run"], run["plan"].row, run["plan"].contacts
+    trip = round_trip(run["body"], run["segment"]) * it.tick
+    sentence = status_of(it, run["node"], contacts, {
+        "proved": is_proved(run), "t_final": last_of(it, run["node"], contacts, trip),
+        "acting": DRIVEN if has_driven_end(row.system) else "", "held": is_held(row.system),
+        "names": contact_names([body.kind for body in row.system.bodies]),
+    })
+    ticks = [at.transit for at in run["segment"][1 : len(row.segments) + 1]]
+    rounded, worst = most_rounded(row, ticks, it.tick)
+    strain = it.fastest / smallest([piece.wave_speed for piece in row.segments])
+    return sentence + rounding(rounded, worst) + strain_warning(strain)
 
 
 def solved_by_fronts(system: Any, asked: Any) -> Any:
-    """A collision as `solved.known_of` takes it; or a ``problem``, path and sentence."""
+    """A collision as `solved.shown_of` takes it; or a ``problem``, path and sentence."""
     run = run_of(asked, True, space_of(plan_of(walk(system))))
     if run["run"].stop >= Stop.OVERFLOW:
         return {"problem": ("bodies", TOO_FAR_APART)}
-    outcome, motion = outcome_of(run), motion_of(run)
+    outcome, motion = outcome_of(run, sentence_of(run)), motion_of(run)
     stop, tick = motion["now"], motion["tick"]
     if stop == 0:
         message = "lasts no time to show" if run["run"].now == 0 else "has too many fronts to show"

@@ -67,7 +67,7 @@ KINDS = {"float": "number", "str": "string", "dict": "object", "list": "array",
 METHODS = {
     "append": "{}.push({})", "extend": "py.extend({},{})", "get": "py.get({},{})",
     "pop": "{}.pop()", "items": "Object.entries({})", "upper": "{}.toUpperCase()",
-    "update": "Object.assign({},{})", "join": "{1}.join({0})",
+    "join": "{1}.join({0})",
 }
 ARRAYS = set(dir(np.ndarray)) - {"base", "mean"}
 """What arrays have and nothing in JavaScript, but for the names of fields of records."""
@@ -169,8 +169,10 @@ class _Translator(ast.NodeVisitor):
             raise Untranslatable(message) from None
 
     def generic_visit(self, node: ast.AST) -> str:
-        """Text of a node that needs a template only."""
-        return self.filled(type(node).__name__, node)
+        """Text of a node that needs a template only: its own, or that of its operator."""
+        kind = type(getattr(node, "op", node)).__name__
+        repeats = kind == "Mult" and isinstance(getattr(node, "left", None), ast.List)
+        return self.filled("List Mult" if repeats else kind, node)
 
     def filled(self, kind: str, node: Any) -> str:
         """The template of a kind with the parts of a node."""
@@ -263,13 +265,6 @@ class _Translator(ast.NodeVisitor):
                 return f"{self.visit(node.value)}.at({self.visit(node.slice)})"
         return self.generic_visit(node)
 
-    def visit_BinOp(self, node: ast.BinOp) -> str:
-        repeats = isinstance(node.left, ast.List) and isinstance(node.op, ast.Mult)
-        return self.filled("List Mult" if repeats else type(node.op).__name__, node)
-
-    def visit_UnaryOp(self, node: ast.UnaryOp) -> str:
-        return self.filled(type(node.op).__name__, node)
-
     def visit_BoolOp(self, node: ast.BoolOp) -> str:
         sign = TEMPLATES[type(node.op).__name__]
         return f"({sign.join(self.truth(x) for x in node.values)})"
@@ -295,8 +290,7 @@ class _Translator(ast.NodeVisitor):
             text = f"Array.from({self.visit(loop.iter)}){kept}.{every}(({item})=>({text}))"
         return text
 
-    def visit_GeneratorExp(self, node: ast.GeneratorExp) -> str:
-        return self.visit_ListComp(node)
+    visit_GeneratorExp = visit_ListComp  # noqa: N815 - a name of ast
 
     def visit_Call(self, node: ast.Call) -> str:
         called, name, calls = self.known(node.func), ast.unparse(node.func), self.program.calls

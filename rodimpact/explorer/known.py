@@ -1,6 +1,7 @@
-"""What is known of a solution before `picture` makes texts of it: the same for every method.
+"""What is known of a row and its collision before `picture` makes texts of it.
 
-Plain Python, which the page has as JavaScript. A system is that of the model or of `tables`.
+It is the same for every method. Plain Python, which the page has as JavaScript. A system is that of
+the model or of `tables`.
 """
 
 import math
@@ -8,53 +9,16 @@ from typing import Any
 
 from ..methods.abilities import has_driven_end
 from ..methods.groups import unilateral
-from ..model.numbering import body_numbers, contact_names
+from ..methods.pieces.accuracy import size_of
+from ..model.numbering import body_numbers
 from ..model.profiles import extremes
 from ..results.outcome import effective_restitution, no_restitution
 from ..units import format_si
 from .texts import capital, name_of, written
 
 
-def described(system: Any, found: Any) -> Any:
-    """What `picture` shows of a solution.
-
-    Parameters
-    ----------
-    system : System
-    found : dict
-        ``method``, ``notes``, and whether it is ``exact``; ``closed_form`` of e, or None;
-        ``gauges``; ``outcome`` as of `outcome_told`; ``tiling``: polygons, or grids with
-        ``across`` cells in a row; ``paths`` of bodies without inside, None of rods. Curves, tables
-        of ``t``, s, and ``y``: ``force`` and ``gap`` of each of the ``contacts``, the gap None for
-        a bond; ``records``, each with the ``name`` of its gauge. ``energy``: times ``t``, and
-        energies by their names.
-    """
-    kinds, tiling = [body.kind for body in system.bodies], found["tiling"]
-    numbers, names, energy = body_numbers(kinds), contact_names(kinds), found["energy"]
-    return {
-        "method": found["method"], "exact": found["exact"], "notes": found["notes"],
-        "closed_form": found["closed_form"], "gauges": found["gauges"],
-        "tiling": tiling, "outcome": found["outcome"],
-        "bodies": [body_told(body, numbers[i], found["paths"][i])
-                   for i, body in enumerate(system.bodies)],
-        "contacts": [{
-            "index": i, "name": names[i], "bonded": law.law == "bonded",
-            "compliant": law.law not in ("rigid", "bonded"), **found["contacts"][i],
-        } for i, law in enumerate(system.contacts)],
-        "plots": [
-            {"key": "energy", "title": "Energy", "unit": "J", "series": [
-                {"name": name, "t": [*energy["t"]], "y": y}
-                for name, y in energy.items() if name != "t"]},
-            {"key": "gauge", "title": "Strain, below 0 compressed", "unit": "µε", "series": [
-                {**record, "y": [1e6 * e for e in record["y"]]} for record in found["records"]]},
-        ],
-        "apart": apart_of(system, tiling), "strain": max([abs(e) for e in tiling["strain"]]),
-        "slowest": slowest_of(system, found["outcome"]["before"]),
-    }
-
-
 def outcome_told(system: Any, found: Any) -> Any:
-    """What the collision did, with e, or why there is none.
+    """What the collision did, with e, or why there is none: then e is None.
 
     Parameters
     ----------
@@ -69,15 +33,30 @@ def outcome_told(system: Any, found: Any) -> Any:
     closing = before[k] - before[k + 1] if count == 1 else 0.0
     driven = has_driven_end(system) or system.gravity != 0
     why = no_restitution(count, driven, episodes, found["final"], closing, found["status"])
-    e, error = math.nan, 0.0
+    e, error = None, 0.0
     if why == "":
         e = effective_restitution(True, episodes, before[k : k + 2], after[k : k + 2]) + 0.0
         error = 2 * found["errors"]["velocity"] / closing
-    contacts = [{
-        "impulse": c.impulse, "peak_force": c.peak_force, "duration": c.duration,
-        "episodes": c.episodes} for c in found["contacts"]]
-    return {**found, "contacts": contacts, "able": able, "why": why, "restitution": e,
-            "error": error}
+    return {**found, "able": able, "why": why, "restitution": e, "error": error}
+
+
+def errors_of(relative: list[float], speed: float, contacts: list[Any]) -> Any:
+    """Stated error of each kind of number, in its unit.
+
+    Parameters
+    ----------
+    relative : list of float
+        Those of velocities, impulses, peak forces and durations.
+    speed : float
+        Scale of the velocities, m/s.
+    contacts : list of ContactTally
+    """
+    return {
+        "velocity": relative[0] * speed,
+        "impulse": relative[1] * size_of([c.impulse for c in contacts]),
+        "peak_force": relative[2] * size_of([c.peak_force for c in contacts]),
+        "duration": relative[3] * size_of([c.duration for c in contacts]),
+    }
 
 
 def body_told(body: Any, number: str, path: Any) -> Any:

@@ -21,6 +21,8 @@ MOMENTS, FEW = 100, 30  # of the energy: of a solution, and of a draft
 MOST_TIMES = 400  # of the energy, with those at which something changes
 SAME = 1e-9  # of the run: times that are one
 POINTS = 32  # of a segment, for its strain energy
+KINDS = ["moving as a whole", "vibration", "strain", "total", "in compliant contacts"]
+"""Of energy, in the order of `energies_at`."""
 
 
 def grids_of(run: Any) -> Any:
@@ -99,41 +101,39 @@ def gauge_curve(run: Any, s: int, x: float) -> Any:
 
 def energy_curves(run: Any, corners: list[float]) -> Any:
     """Energy by kind over time, J, at even times and at `corners`, s, if they are few."""
-    row, frame, moments = run["row"], run["frame"], FEW if run["draft"] else MOMENTS
+    moments = FEW if run["draft"] else MOMENTS
     times = sorted([*corners, *[run["now"] * k / moments * run["tick"]
                                 for k in range(moments + 1)]])
     least = SAME * times[-1]
     times = [t for i, t in enumerate(times) if i == 0 or t > times[i - 1] + least]
     if len(times) > MOST_TIMES:
         times = [times[-1] * i / MOST_TIMES for i in range(MOST_TIMES + 1)]
-    soft = "in compliant contacts"
-    found: Any = {"t": times, "moving as a whole": [], "vibration": [], "strain": [], "total": []}
-    if len(run["springs"]) > 0:
-        found[soft] = []
-    for t in times:
-        now, inside, contact, momenta = t / run["tick"], 0.0, 0.0, []
-        for i, body in enumerate(row.system.bodies):
-            momentum, m = body.mass * frame, row.mass_of[i]
-            for s in range(row.spans[i][0] - 1, row.spans[i][1]):
-                mean, square = means_of(run, s, now)
-                momentum += row.segments[s].mass * mean
-                inside += row.segments[s].mass * (square + frame * (mean + frame / 2))
-            if m >= 0:
-                v = reading.value_at(run["masses"][m], now)
-                momentum += body.mass * v
-                inside += body.mass * (v + frame) ** 2 / 2
-            momenta.append(momentum)
-        for link, overlap in run["springs"]:
-            d, power = max(0.0, reading.value_at(overlap, now)), 1 + link.exponent
-            contact += link.stiffness * d**power / power
-        whole, strain = energy_as_a_whole(row.system, momenta), strain_energy(run, now)
-        found["moving as a whole"].append(whole)
-        found["vibration"].append(max(0.0, clean(inside - whole - strain, inside)))
-        found["strain"].append(strain)
-        if len(run["springs"]) > 0:
-            found[soft].append(contact)
-        found["total"].append(inside + contact)
+    found, rows = {"t": times}, [energies_at(run, t / run["tick"]) for t in times]
+    for i, name in enumerate(KINDS if len(run["springs"]) > 0 else KINDS[:4]):
+        found[name] = [row[i] for row in rows]
     return found
+
+
+def energies_at(run: Any, now: float) -> list[float]:
+    """Energies at a tick, J, in the order of `KINDS`."""
+    row, frame, inside, contact, momenta = run["row"], run["frame"], 0.0, 0.0, []
+    for i, body in enumerate(row.system.bodies):
+        momentum, m = body.mass * frame, row.mass_of[i]
+        for s in range(row.spans[i][0] - 1, row.spans[i][1]):
+            mean, square = means_of(run, s, now)
+            momentum += row.segments[s].mass * mean
+            inside += row.segments[s].mass * (square + frame * (mean + frame / 2))
+        if m >= 0:
+            v = reading.value_at(run["masses"][m], now)
+            momentum += body.mass * v
+            inside += body.mass * (v + frame) ** 2 / 2
+        momenta.append(momentum)
+    for link, overlap in run["springs"]:
+        d, power = max(0.0, reading.value_at(overlap, now)), 1 + link.exponent
+        contact += link.stiffness * d**power / power
+    whole, strain = energy_as_a_whole(row.system, momenta), strain_energy(run, now)
+    vibration = max(0.0, clean(inside - whole - strain, inside))
+    return [whole, vibration, strain, inside + contact, contact]
 
 
 def means_of(run: Any, s: int, now: float) -> Any:

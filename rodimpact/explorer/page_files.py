@@ -65,14 +65,9 @@ def standalone(embedded: Mapping[str, Any], title: str) -> str:
         f'<script type="text/plain" id="packed">{packed(script)}</script>\n'
         f"<script>{loader}</script>"
     )
-    page = read("page.html")
-    for pattern, text in (
-        (r"<title>.*</title>", f"<title>{html.escape(title)}</title>"),
-        (r'<link rel="stylesheet" href="page.css">', head),
-        (r"</body>", f"{tail}\n</body>"),
-    ):
-        page = re.sub(pattern, lambda _, text=text: text, page)  # type: ignore[misc]
-    return page
+    page = read("page.html").replace("<title>rodimpact<", f"<title>{html.escape(title)}<")
+    page = page.replace('<link rel="stylesheet" href="page.css">', head)
+    return page.replace("</body>", f"{tail}\n</body>")
 
 
 def packed(text: str) -> str:

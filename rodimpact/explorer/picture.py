@@ -7,51 +7,89 @@ slices them and needs no physics.
 
 from typing import Any
 
+from ..model.numbering import body_numbers, contact_names
 from ..results.magnification import BLOCK, drifts, magnified, round_down
 from ..storage.tables import clean
 from ..units import TIMES, format_factor, format_si
+from .known import apart_of, body_told, slowest_of
 from .reason import reason_of
 from .texts import capital, stated, written
 
 
-def picture(known: Any) -> Any:
-    """The scene of a solution, of which this is `known`, as of `known.described`.
+def picture(system: Any, found: Any, paths: Any, records: Any, energy: Any) -> Any:
+    """The scene of a solution.
+
+    Parameters
+    ----------
+    system : System
+    found : dict
+        ``method``, ``notes``, and whether it is ``exact``; ``closed_form`` of e, or None;
+        ``gauges``; ``outcome`` as of `outcome_told`; ``tiling``: polygons, or grids with
+        ``across`` cells in a row; ``contacts``, each with its curves of ``force`` and ``gap``, the
+        gap None for a bond. Curves are tables of ``t``, s, and ``y``.
+    paths : list
+        Of bodies without inside, None of rods.
+    records : list of dict
+        Curves of gauges, each with the ``name`` of its gauge.
+    energy : dict
+        Times ``t``, and energies by their names.
 
     Returns
     -------
     dict
         JSON-ready, SI units but for strain in 1e-6; numbers that do not exist are None.
     """
+    kinds = [body.kind for body in system.bodies]
+    numbers, names = body_numbers(kinds), contact_names(kinds)
+    known = {
+        **found,
+        "bodies": [body_told(body, numbers[i], paths[i])
+                   for i, body in enumerate(system.bodies)],
+        "contacts": [{
+            "index": i, "name": names[i], "bonded": law.law == "bonded",
+            "compliant": law.law not in ("rigid", "bonded"), **found["contacts"][i],
+        } for i, law in enumerate(system.contacts)],
+    }
     e = restitution_of(known)
     return {
-        **known, "outcome": None, "end": max(known["tiling"]["t"]), "row": row_of_picture(known),
-        "restitution": e, "reason": reason_of(known, e["text"] if e["why"] == "" else ""),
-        "ratio": ratio_of(known), "results": results_of(known),
+        **known, "outcome": None, "end": max(found["tiling"]["t"]),
+        "plots": [
+            {"key": "energy", "title": "Energy", "unit": "J", "series": [
+                {"name": name, "t": [*energy["t"]], "y": y}
+                for name, y in energy.items() if name != "t"]},
+            {"key": "gauge", "title": "Strain, below 0 compressed", "unit": "µε", "series": [
+                {**record, "y": [1e6 * e for e in record["y"]]} for record in records]},
+        ],
+        "row": row_of_picture(system, known), "restitution": e, "ratio": ratio_of(known),
+        "reason": reason_of(known, e["text"] if e["why"] == "" else ""),
+        "results": results_of(known),
     }
 
 
-def row_of_picture(known: Any) -> Any:
+def row_of_picture(system: Any, known: Any) -> Any:
     """How the row is laid out: X = left + x + magnification * (apart + displacement - frame t).
 
     ``block`` is the width of a mass; bodies lie side by side.
     """
     total = sum(piece["length"] for body in known["bodies"] for piece in body["pieces"])
-    slowest = known["slowest"]
-    reach, relative = spread(known, 0.0), spread(known, slowest)
-    magnification = magnified(total, reach, relative, known["strain"])
+    slowest = slowest_of(system, known["outcome"]["before"])
+    apart = apart_of(system, known["tiling"])
+    reach, relative = spread(known, apart, 0.0), spread(known, apart, slowest)
+    strain = max([abs(e) for e in known["tiling"]["strain"]])
+    magnification = magnified(total, reach, relative, strain)
     frame = slowest if drifts(reach, relative) else 0.0
     note = "true to scale"
     if magnification != 1:
         note = f"displacements {TIMES} {format_factor(magnification)}"
     if frame != 0:
         note = f"{note}, frame moving at {format_si(frame, 'm/s', 4)}"
-    return {"block": round_down(BLOCK * total), "apart": known["apart"],
+    return {"block": round_down(BLOCK * total), "apart": apart,
             "magnification": magnification, "frame": frame, "note": note}
 
 
-def spread(known: Any, frame: float) -> float:
+def spread(known: Any, apart: list[float], frame: float) -> float:
     """How far bodies get from where they would be, m, in a moving frame."""
-    tiling, apart = known["tiling"], known["apart"]
+    tiling = known["tiling"]
     moved: list[float] = []
     for g, i in enumerate(tiling["body"]):
         moved.extend([apart[i] + tiling["displacement"][k] - frame * tiling["t"][k]
@@ -100,12 +138,13 @@ def results_of(known: Any) -> Any:
             rows.append((f"velocity of {body['name']} {after}", text))
     for i in o["able"]:
         c, name = o["contacts"][i], f" {known['contacts'][i]['name']}" if len(o["able"]) > 1 else ""
-        for what, key, unit in (
-            ("impulse", "impulse", "N s"), ("peak force", "peak_force", "N"),
-            ("force duration", "duration", "s"),
+        for what, key, value, unit in (
+            ("impulse", "impulse", c.impulse, "N s"),
+            ("peak force", "peak_force", c.peak_force, "N"),
+            ("force duration", "duration", c.duration, "s"),
         ):
-            if c[key] == c[key]:  # a blow of rigid bodies has no peak force
-                text = stated(written(c[key], unit, 5), c[key], 5, errors.get(key, 0.0), unit)
+            if value == value:  # a blow of rigid bodies has no peak force
+                text = stated(written(value, unit, 5), value, 5, errors.get(key, 0.0), unit)
                 rows.append((f"{what}{name}", text))
     vibration = clean(o["vibration_after"], o["energy_before"])
     text = stated(written(vibration, "J", 5), vibration, 5, errors.get("energy", 0.0), "J")

@@ -19,11 +19,10 @@ from ..methods.pieces.totals import stated, status_of, tally_of, told_of, why_st
 from ..methods.status import DRIVEN, is_held, strain_warning
 from ..methods.walk import frame_of, largest, scale_of, walk, wave_of_strain
 from .fronts import TOO_FAR_APART
-from .known import outcome_told
+from .known import errors_of, outcome_told
 from .motion import curve_of, grids_of
 
 ROOM = 512  # of the log at first
-QUICK = 1e-6  # tolerance of curves and maps
 
 
 def clock_of(row: Any, until: Any) -> Any:
@@ -98,7 +97,7 @@ def run_of(row: Any, asked: Any, tolerance: float, keep: bool, earlier: Any) -> 
 
 
 def solved(row: Any, asked: Any, tolerance: float) -> Any:
-    """A run, as of `run_of`, with the stated ``errors`` of the `MEASURES`."""
+    """A run, as of `run_of`, with the stated ``errors`` of the `MEASURES`, and their ``goal``."""
     fine, coarser = run_of(row, asked, tolerance, True, None), accuracy.COARSER * tolerance
     errors = [0.0 for _ in range(5)]
     if "problem" in fine:
@@ -112,7 +111,7 @@ def solved(row: Any, asked: Any, tolerance: float) -> Any:
     return {**fine, "errors": [error + left for error in errors], "goal": tolerance}
 
 
-def outcome_of(run: Any) -> Any:
+def outcome_of(run: Any, errors: list[float], status: str) -> Any:
     """What the collision did, as `outcome_told` has it."""
     row, ended, tick, frame = run["row"], run["ended"], run["clock"].tick, run["clock"].frame
     heads, it = [part for part in ended.part if part.parts > 0], ended.run
@@ -120,19 +119,13 @@ def outcome_of(run: Any) -> Any:
     energy = sum(body.mass * body.velocity**2 / 2 + sum(
         piece.mass * (piece.wave_speed * body.strain) ** 2 / 2 for piece in body.segments)
         for body in row.system.bodies)
-    speed = run["errors"][0] * it.scale
-    doubt = speed * it.scale * sum(body.mass for body in row.system.bodies)
+    doubt = errors[0] * it.scale * it.scale * sum(body.mass for body in row.system.bodies)
     return outcome_told(row.system, {
         "before": body_velocities(row.system, [part.initial + frame for part in heads]),
         "after": body_velocities(row.system, [part.mean + frame for part in heads]),
-        "contacts": contacts, "final": it.proved >= 0, "status": sentence_of(run),
+        "contacts": contacts, "final": it.proved >= 0, "status": status,
         "energy_before": energy, "vibration_after": sum(part.energy for part in ended.part),
-        "errors": {
-            "velocity": speed, "energy": doubt,
-            "impulse": run["errors"][1] * size_of([c.impulse for c in contacts]),
-            "peak_force": run["errors"][2] * size_of([c.peak_force for c in contacts]),
-            "duration": run["errors"][3] * size_of([c.duration for c in contacts]),
-        },
+        "errors": {**errors_of(errors, it.scale, contacts), "energy": doubt},
     })
 
 
@@ -150,22 +143,14 @@ def sentence_of(run: Any) -> str:
         strain_warning(max(strains)))
 
 
-def restitution_of(system: Any, asked: Any) -> Any:
-    """e of a collision, as quickly as a curve needs it; None where there is none."""
-    run = run_of(walk(system), asked, QUICK, False, None)
-    if "problem" in run:
-        return None
-    outcome = outcome_of({**run, "errors": [0.0 for _ in range(5)], "goal": QUICK})
-    return outcome["restitution"] if outcome["why"] == "" else None
-
-
 def solved_by_pieces(system: Any, asked: Any, tolerance: float) -> Any:
-    """A collision as `solved.known_of` takes it; or a ``problem``, path and sentence."""
+    """A collision as `solved.shown_of` takes it; or a ``problem``, path and sentence."""
     row = walk(system)
     run = solved(row, asked, tolerance)
     if "problem" in run:
         return run
-    outcome, link, clock = outcome_of(run), run["ended"].link, run["clock"]
+    outcome = outcome_of(run, run["errors"], sentence_of(run))
+    link, clock = run["ended"].link, run["clock"]
     if run["now"] == 0:
         return {"problem": ("solve", f"lasts no time to show. {outcome['status']}")}
     waves = reading.waves_of(run["log"], run["lines"])

@@ -19,13 +19,13 @@ def reason_of(known: Any, e: str) -> list[str]:
     Parameters
     ----------
     known : dict
-        As of `known.described`.
+        What `picture` was given, with the ``bodies`` and ``contacts`` that it shows.
     e : str
         The coefficient of restitution as it is written; "" if there is none.
     """
     outcome = known["outcome"]
     pressed = [known["contacts"][i] for i in outcome["able"]
-               if outcome["contacts"][i]["episodes"] > 0]
+               if outcome["contacts"][i].episodes > 0]
     if len(pressed) == 0:
         happened = "No contact that can open presses."
     elif len(outcome["able"]) > 1:
@@ -112,7 +112,7 @@ def of_contact(known: Any, contact: Any) -> str:
         text = f"{capital(pair)} press to the end of the run"
     elif not known["exact"]:
         if len(presses) == 1:  # samples know it less well
-            lasted = known["outcome"]["contacts"][contact["index"]]["duration"]
+            lasted = known["outcome"]["contacts"][contact["index"]].duration
         text = f"The force has fallen to zero {written(lasted, 's', 4)} after the first touch"
         end = "; no single wave ends it" if contact["compliant"] else ""
         most = time_of_most(force) - begun
@@ -192,7 +192,7 @@ def result_of(known: Any, pressed: list[Any], e: str) -> str:
     if len(said) > 1:
         speeds, word = f"{', '.join(said[:len(said) - 1])} and {speeds}", "velocities"
     if len(pressed) == 1 and len(outcome["able"]) == 1:
-        impulse = written(outcome["contacts"][pressed[0]["index"]]["impulse"], "N s", 4)
+        impulse = written(outcome["contacts"][pressed[0]["index"]].impulse, "N s", 4)
         text = f"The impulse of {impulse} changes the mean {word} to {speeds}"
         if e != "":
             text = f"{text}, so e = {e}{ratio_named(known)}"

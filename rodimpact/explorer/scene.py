@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from ..methods import run
 from ..methods.signals import Floats
 from ..model import Bonded
 from ..model.frozen import InvalidModel
@@ -13,7 +14,7 @@ from ..results.regions import nothing_to_draw
 from ..results.solution import Solution
 from ..storage.casefile import Case
 from ..storage.report import ENERGIES
-from .known import described, gauge_of, outcome_told
+from .known import errors_of, gauge_of, outcome_told
 from .picture import picture
 from .tiling import grids
 
@@ -57,7 +58,9 @@ def scene(case: Case, solution: Solution) -> Scene:
         _, _, name = gauge_of(system, {"body": body, "fraction": fraction})
         x = fraction * float(solution.fields.edges(body)[-1])
         records.append({"name": name, **_curve(times, solution.gauge(body, x).strain_at(times))})
-    found: Scene = _short(picture(described(system, {
+    relative = [solution.accuracy.get(name, 0.0) for name in run.MEASURES]
+    speeds = [*o.velocities_before, *o.velocities_after]
+    found: Scene = _short(picture(system, {
         "method": solution.method, "exact": False,
         "closed_form": theory and {
             "restitution": float(theory.collision().restitution), "source": theory.source},
@@ -66,13 +69,13 @@ def scene(case: Case, solution: Solution) -> Scene:
         "gauges": [{"body": body, "fraction": at} for body, at, _ in case.gauges],
         "outcome": outcome_told(system, {
             "before": o.velocities_before, "after": o.velocities_after, "contacts": o.contacts,
-            "final": o.final, "status": o.status, "errors": _errors(solution),
+            "final": o.final, "status": o.status,
+            "errors": errors_of(relative, max(speeds) - min(speeds), [*o.contacts]),
             "energy_before": o.kinetic_before + sum(o.vibration_before),
             "vibration_after": sum(o.vibration_after),
         }),
-        "tiling": grids(solution), "paths": [_path(solution, i) for i in range(len(system.bodies))],
-        "contacts": contacts, "energy": _energy(solution), "records": records,
-    })))
+        "tiling": grids(solution), "contacts": contacts,
+    }, [_path(solution, i) for i in range(len(system.bodies))], records, _energy(solution)))
     found["tiling"].pop("strain")
     return found
 
@@ -80,17 +83,6 @@ def scene(case: Case, solution: Solution) -> Scene:
 def _curve(times: Floats, values: Floats) -> dict[str, list[float]]:
     """A curve over time, of straight lines."""
     return {"t": times.tolist(), "y": values.tolist()}
-
-
-def _errors(solution: Solution) -> dict[str, float]:
-    """Stated error of each kind of number, in its unit."""
-    o, own = solution.outcome, solution.accuracy
-    speeds = (*o.velocities_before, *o.velocities_after)
-    found = {"velocity": own.get("velocity", 0.0) * (max(speeds) - min(speeds))}
-    for key in ("impulse", "peak_force", "duration"):
-        known = [abs(v) for tally in o.contacts if (v := getattr(tally, key)) == v]
-        found[key] = own.get(key.replace("_", " "), 0.0) * max(known, default=0.0)
-    return found
 
 
 def _path(solution: Solution, i: int) -> Any:

@@ -5,12 +5,17 @@ Plain Python, which the page has as JavaScript.
 
 from typing import Any
 
+from ..methods.fronts.plan import plan_of
+from ..methods.laws import Stop
 from ..methods.pieces.method import RTOL
+from ..methods.walk import walk
 from . import fronts, pieces
-from .known import described, gauge_of
+from .known import gauge_of
 from .motion import energy_curves, gauge_curve, path_of
 from .picture import picture
 from .tables import asked_of, is_smooth, system_of
+
+QUICK = 1e-6  # tolerance of pieces for curves and maps
 
 
 def scene_of(case: Any, gauges: Any, library: Any, tolerance: float = RTOL) -> Any:
@@ -28,11 +33,11 @@ def scene_of(case: Any, gauges: Any, library: Any, tolerance: float = RTOL) -> A
         found = pieces.solved_by_pieces(system, asked, tolerance)
     else:
         found = fronts.solved_by_fronts(system, asked)
-    return found if "problem" in found else picture(known_of(system, gauges, found))
+    return found if "problem" in found else shown_of(system, gauges, found)
 
 
-def known_of(system: Any, gauges: Any, found: Any) -> Any:
-    """What `picture` shows of a collision that is solved.
+def shown_of(system: Any, gauges: Any, found: Any) -> Any:
+    """The `picture` of a collision that is solved.
 
     Parameters
     ----------
@@ -48,15 +53,21 @@ def known_of(system: Any, gauges: Any, found: Any) -> Any:
         s, x, name = gauge_of(system, gauge)
         curve = gauge_curve(motion, motion["row"].spans[gauge["body"]][0] - 1 + s, x)
         records.append({"name": name, **curve})
-    return described(system, {
-        **found, "exact": exact, "gauges": gauges, "records": records,
-        "paths": [path_of(motion, i) for i in range(len(system.bodies))],
-        "energy": energy_curves(motion, found["tiling"]["t"] if exact else [])})
+    paths = [path_of(motion, i) for i in range(len(system.bodies))]
+    energy = energy_curves(motion, found["tiling"]["t"] if exact else [])
+    found = {**found, "motion": None, "exact": exact, "gauges": gauges}
+    return picture(system, found, paths, records, energy)
 
 
 def e_of(case: Any, library: Any) -> Any:
     """e of a case, as quickly as a curve needs it; None where there is none."""
-    system, asked = system_of(case, library), asked_of(case)
+    row, asked = walk(system_of(case, library)), asked_of(case)
     if is_smooth(case):
-        return pieces.restitution_of(system, asked)
-    return fronts.restitution_of(system, asked)
+        run = pieces.run_of(row, asked, QUICK, False, None)
+        if "problem" in run:
+            return None
+        return pieces.outcome_of(run, [0.0 for _ in range(5)], "")["restitution"]
+    run = fronts.run_of(asked, False, fronts.space_of(plan_of(row)))
+    if run["run"].stop >= Stop.OVERFLOW:
+        return None
+    return fronts.outcome_of(run, "")["restitution"]

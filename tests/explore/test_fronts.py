@@ -52,7 +52,7 @@ def test_runs_and_curves_are_those_of_the_solution(number):
     assert plan[1:] == known[1:]
     solution = ri.solve(system, **solve, max_events=20_000)
     run = fronts.run_of(asked, True, fronts.space_of(plan))
-    found, outcome = fronts.outcome_of(run), solution.outcome
+    found, outcome = fronts.outcome_of(run, fronts.sentence_of(run)), solution.outcome
     assert found["status"] == solution.status
     assert found["after"] == list(outcome.velocities_after)
     assert found["why"] == outcome.why_no_restitution()

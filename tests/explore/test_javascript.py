@@ -253,7 +253,7 @@ def solved_by_the_page(cases):
     const answer = ({{ cases, library }}) => cases.map((tables) => {{
       const plan = plan_of(walk(system_of(tables, library)));
       const run = run_of(asked_of(tables), false, space_of(plan));
-      const outcome = outcome_of(run);
+      const outcome = outcome_of(run, "");
       const rounded = outcome.errors.velocity / (run.run.events * run.run.scale || 1);
       return {{ ...outcome, events: run.run.events, rounded }};
     }});"""
