@@ -1,8 +1,6 @@
 """Kernels by stock numba: what is kept on disk, and what is not used again."""
 
 import os
-import subprocess
-import sys
 import warnings
 from pathlib import Path
 
@@ -84,49 +82,6 @@ def test_machine_code_is_found_again_unless_a_source_changed(cache, monkeypatch)
     assert answers(compiling.Compiled(recognise)) == 0
     assert answers(compiling.Compiled(recognise)) == 1
     assert answers(compiling.Compiled(recognise)) == 1
-
-
-KERNELS = {
-    "__init__": "",
-    "constants": "MOST = 7\nTABLE = [[1.0, 2.0], [3.0, 4.0]]\n",
-    "inner": "def scaled(x):\n    return 10 * x\n",
-    "outer": "from . import inner\nfrom .constants import MOST, TABLE\n\n\n"
-             "def answer(x):\n    return inner.scaled(x) + MOST + TABLE[1][0]\n",
-}
-
-CALL = """
-import sys
-sys.path.insert(0, sys.argv[1])
-from rodimpact.methods import compiling
-compiling.__name__ = "rows_of_a_test.compiling"  # kernels are modules of its package
-from rows_of_a_test import outer
-made = compiling.Compiled(outer.answer)
-print(made(1), sum(made._fast.stats.cache_hits.values()), outer.answer(1))
-"""
-
-
-@pytest.mark.exhaustive
-def test_stale_machine_code_is_not_run(cache):
-    """An imported kernel, a constant and a table change, and the file of the kernel does not."""
-    folder = cache / "rows_of_a_test"
-    folder.mkdir()
-
-    def write(**texts):
-        for name, text in texts.items():
-            (folder / f"{name}.py").write_text(text)
-
-    def process():
-        done = subprocess.run(
-            [sys.executable, "-B", "-c", CALL, str(cache)], capture_output=True, text=True,
-            env={**os.environ, "NUMBA_CACHE_DIR": str(cache)}, check=True)
-        return done.stdout.split()
-
-    write(**KERNELS)
-    assert process() == ["20.0", "0", "20.0"]
-    assert process() == ["20.0", "1", "20.0"]
-    write(inner=KERNELS["inner"].replace("10", "20"),
-          constants="MOST = 8\nTABLE = [[0.0], [5.0]]\n")
-    assert process() == ["33.0", "0", "33.0"]
 
 
 def test_without_a_place_for_machine_code_it_is_made_in_each_process(cache, monkeypatch):

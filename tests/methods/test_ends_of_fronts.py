@@ -101,9 +101,9 @@ def test_the_peak_force_of_a_bond_is_the_largest_of_its_force(seed):
 # Finality ----------------------------------------------------------------------------------------
 
 
-@given(seeds, st.booleans())
-def test_an_endless_end_stays_within_its_bound(seed, right):
-    """A vibrating group that goes on for ever, watched until it has come to rest."""
+@given(seeds, st.booleans(), st.booleans())
+def test_an_end_stays_within_its_bound(seed, right, endless):
+    """A vibrating rod far from anything; one that goes on for ever comes to rest."""
     system = random_system(seed, bodies=3, walls=False)
     pieces = [s for b in system.bodies for s in b.segments]
     length = sum(float(s.length) for s in pieces)
@@ -112,7 +112,7 @@ def test_an_endless_end_stays_within_its_bound(seed, right):
                  for size, part in ((1.0, 0.3), (1e-4, 0.7)))
     body = ri.Rod(segments=pieces, velocity=v, strain=strain)
     other = ri.Rod(0.1, area=1e-4, material=pieces[0].material, velocity=-9.0 if right else 9.0)
-    row, ends = [body, other], (ri.Absorbing(), ri.Free())
+    row, ends = [body, other], (ri.Absorbing() if endless else ri.Free(), ri.Free())
     if right:
         row, ends = row[::-1], ends[::-1]
     row = ri.System(row, [10.0], ends=ends)
@@ -127,7 +127,7 @@ def test_an_endless_end_stays_within_its_bound(seed, right):
     place = end - end[0] - (it.mean + a.frame) * t + it.deviation * a.tick
     assert np.abs(place).max() <= reach * (1 + 1e-9) + 1e-12 * np.abs(end).max()
     late = np.abs(place[t > 0.9 * until]).max()
-    assert late <= 0.25 * reach + 1e-12 * np.abs(end).max()
+    assert not endless or late <= 0.25 * reach + 1e-12 * np.abs(end).max()
 
 
 @pytest.mark.parametrize("area", [0.3, 1.0, 1.1, 2.0, 10.0])

@@ -163,6 +163,7 @@ COMPLIANT = {
         [unit_rod(velocity=WAVE), ri.RigidMass(0.5, velocity=WAVE.values[-1]), unit_rod(0.6, 2.0)],
         [ri.Bonded(), ri.Spring(4.0)],
         {"gravity": 0.3, "ends": (ri.Moved(0.3), ri.Pushed(np.sin, duration=3.0))}),
+    "a power": ([unit_rod(0.4, velocity=1.0), unit_rod(1.0, 2.0)], [ri.PowerLaw(5.0, 2.0)], {}),
     "yielding": ([unit_rod(0.4, velocity=1.0), unit_rod(1.0, 2.0)],
                  [ri.Yielding(5.0, 0.2, 0.5)], {}),
     "an incoming wave": ([unit_rod(0.4), unit_rod(1.0, 2.0, velocity=0.3)],

@@ -133,23 +133,6 @@ def test_radii_make_a_family():
 # A force that is a power of the indentation
 
 
-@pytest.mark.parametrize(("exponent", "twin"), [(1.0, ri.Spring(1e8)), (1.5, ri.Hertz(1e10))])
-@pytest.mark.parametrize("options", [
-    {"method": "characteristics"},
-    {"method": "finite-difference", "cells": 40},
-], ids=str)
-def test_spring_and_hertz_are_two_of_its_kind(exponent, twin, options):
-    def run(law):
-        rods = [ri.Rod(x, area=1e-4, material=STEEL, velocity=v) for x, v in ((0.4, 1.0), (1, 0))]
-        solution = ri.solve(ri.System(rods, contacts=[law]), 1e-3, **options)
-        return solution.contacts[0].force(np.linspace(0, 1e-3, 777))
-
-    expected = run(twin)
-    found = run(ri.PowerLaw(twin.stiffness, exponent))
-    assert found == pytest.approx(expected, rel=1e-12, abs=1e-12 * expected.max())
-    assert expected.max() > 0
-
-
 @pytest.mark.parametrize("exponent", [1.0, 1.5])
 def test_the_mean_force_of_a_power_is_accurate_where_indentations_are_near(exponent):
     rng = np.random.default_rng(1)

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import rodimpact as ri
-from rodimpact.methods.grid.mesh import lasting_mode
 
 STEEL = ri.materials.steel
 LOSSY = STEEL.damped(loss_factor=0.05, frequency=1e3)
@@ -48,22 +47,6 @@ def test_masses_and_the_rod_that_lasts():
     found = solution.ring_down()
     assert found.body == 1
     assert found.rigid == pytest.approx(solution.outcome.kinetic_after, rel=1e-9)
-
-
-@pytest.mark.parametrize("length", [0.2, 1.0])
-def test_the_lasting_mode_of_a_uniform_rod(length):
-    omega, rate = lasting_mode([ri.Segment(length, 1e-4, LOSSY)])
-    known = math.pi * LOSSY.wave_speed / length
-    assert omega == pytest.approx(known, rel=1e-4)
-    assert rate == pytest.approx(ri.theory.kelvin_voigt_decay(
-        LOSSY.youngs_modulus, LOSSY.viscosity, known), rel=1e-4)
-
-
-def test_the_lasting_mode_of_a_rod_damped_in_one_half():
-    """Half the material damps: the strain energy of the lowest mode is even, so half the rate."""
-    halves = [ri.Segment(0.5, 1e-4, STEEL), ri.Segment(0.5, 1e-4, LOSSY)]
-    _, whole = lasting_mode([ri.Segment(1.0, 1e-4, LOSSY)])
-    assert lasting_mode(halves)[1] == pytest.approx(whole / 2, rel=1e-3)
 
 
 def test_what_has_no_ring_down_says_so():
