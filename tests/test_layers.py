@@ -36,8 +36,10 @@ def imports_of(name, path):
                 full = [*target, alias.name]
                 inside = ROOT.joinpath(*full)
                 is_module = inside.is_dir() or inside.with_suffix(".py").exists()
-                if any(full if is_module else target):
-                    yield ".".join(full if is_module else target)
+                # a public name of the package lies in some module
+                home = target or rodimpact._HOME.get(alias.name, "").split(".")[1:]
+                if any(full if is_module else home):
+                    yield ".".join(full if is_module else home)
 
 
 def test_modules_import_only_what_lies_below_and_not_each_other_in_a_loop():

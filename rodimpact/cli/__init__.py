@@ -12,6 +12,7 @@ import sys
 import traceback
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
+from functools import partial
 from importlib import import_module
 
 from ..version import __version__
@@ -87,7 +88,10 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(argv: list[str]) -> tuple[str | Iterable[str], int]:
-    parser = argparse.ArgumentParser(
+    parser_of = partial(
+        argparse.ArgumentParser, formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False)
+    parser = parser_of(
         prog="rodimpact",
         description="Collisions of elastic rods: exact waves, and the restitution that follows.",
         epilog="commands:\n"
@@ -95,8 +99,6 @@ def _run(argv: list[str]) -> tuple[str | Iterable[str], int]:
         + "\n\nexit status:\n"
         + "\n".join(f"  {status:<10} {what}" for status, what in STATUSES.items())
         + "\n\nrodimpact COMMAND --help tells more about a command.",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
     )
     parser.add_argument("--version", action="version", version=f"rodimpact {__version__}")
     parser.add_argument("command", nargs="?", default="", metavar="COMMAND",
@@ -109,10 +111,7 @@ def _run(argv: list[str]) -> tuple[str | Iterable[str], int]:
         parser.error(f"unknown command {called.command!r}; {hint}")
     asking = import_module(".asking", __name__)  # which imports this package
     command = import_module(f".{called.command}", __name__)
-    own = argparse.ArgumentParser(
-        prog=f"rodimpact {called.command}", description=command.__doc__,
-        formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
-    )
+    own = parser_of(prog=f"rodimpact {called.command}", description=command.__doc__)
     command.add_arguments(own)
     # what begins as a number is a value, such as -20cm/s or -5.npz; no option does
     own._negative_number_matcher = re.compile(r"-\.?[0-9]")

@@ -9,10 +9,10 @@ from contextlib import contextmanager
 from types import MappingProxyType
 from typing import Any, TypeVar
 
+from .. import Case, InvalidModel, Options, read_case
 from ..methods.memory import LargeFile
-from ..methods.registry import METHOD_NAMES, Options
-from ..model.frozen import InvalidModel, Problems, raise_noted
-from ..storage.casefile import Case, read_case
+from ..methods.registry import METHOD_NAMES
+from ..model.frozen import Problems, raise_noted
 from ..storage.writing import check_target
 from ..units import parse
 from . import DONE, FAULT, complain
@@ -163,20 +163,11 @@ class Given(argparse.Namespace):
 
 
 class Number(argparse.Action):
-    """An option that is a number of a dimension; its mistakes are noted in what is given."""
-
-    def __init__(
-        self, option_strings: Sequence[str], dest: str, dimension: str = "", **more: Any
-    ) -> None:
-        names = {"": "N", "dimensionless": "X"}
-        metavar = names.get(dimension, dimension.upper())
-        super().__init__(option_strings, dest, **{"metavar": metavar, **more})
-        self.dimension = dimension
+    """An option that is a number of the dimension `const`; its mistakes are noted in the call."""
 
     def __call__(self, _: object, given: Any, text: Any, *__: object) -> None:
         """Read the number."""
-        number = given.number(self.option_strings[-1], text, self.dimension)
-        setattr(given, self.dest, number)
+        setattr(given, self.dest, given.number(self.option_strings[-1], text, self.const))
 
 
 def add_run_options(parser: argparse.ArgumentParser, names: Sequence[str] = (*NUMBERS,)) -> None:
@@ -190,7 +181,19 @@ def number(
     parser: argparse._ActionsContainer, option: str, dimension: str, what: str, **more: Any
 ) -> None:
     """Add an option that is a number of a dimension."""
-    parser.add_argument(option, action=Number, dimension=dimension, help=what, **more)
+    metavar = {"": "N", "dimensionless": "X"}.get(dimension, dimension.upper())
+    parser.add_argument(
+        option, action=Number, const=dimension, metavar=metavar, help=what, **more)
+
+
+def drawn(draw: Callable[[Any], Any]) -> Callable[..., None]:
+    """Writer of the figure that is drawn with `plot`, which is imported only for that."""
+    def write(path: str, force: bool) -> None:
+        from .. import plot
+
+        plot.save(draw(plot), path, force=force)
+
+    return write
 
 
 def _whole(text: str) -> int:

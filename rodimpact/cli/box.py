@@ -11,12 +11,10 @@ from html import escape
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from .. import Material, Rod, Solution, System, Wall, collide, solve
 from ..materials import TABLE
-from ..model import Material, Rod, System, Wall
 from ..model.frozen import raise_noted
 from ..results.pair_theory import pair_theory
-from ..results.solution import Solution
-from ..running.solving import collide, solve
 from ..storage.tables import align, as_html, clean
 from ..storage.writing import write_text
 from ..units import format_si

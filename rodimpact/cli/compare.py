@@ -11,15 +11,13 @@ import argparse
 from functools import partial
 from typing import Any, TypeAlias
 
-from ..model.frozen import InvalidModel
-from ..records.comparison import Misfit, Pulse, gain_unit
-from ..records.signal import Signal
+from .. import InvalidModel, Misfit, Pulse, Signal, Solution
+from ..records.comparison import gain_unit
 from ..results.regions import nothing_to_draw
-from ..results.solution import Solution
 from ..storage.tables import align, as_json
 from ..units import format_si
 from . import record_options
-from .asking import Given, add_run_options, number
+from .asking import Given, add_run_options, drawn, number
 from .progress import solved, status_of
 
 _PULSE = {"start": "pulse starts", "width": "width at half height",
@@ -71,7 +69,7 @@ def run(given: Given) -> tuple[str, int]:
     for name, place in places.items():
         with given.naming(f"--gauge {name}"):
             laid[name] = _laid(records[name], _predicted(solution, place, given), given)
-    status = given.write(save=partial(_draw, laid)) or status_of(solution)
+    status = given.write(save=drawn(partial(_draw, laid))) or status_of(solution)
     return (_json(laid) if given.json else _table(laid)), status
 
 
@@ -129,13 +127,12 @@ def _json(laid: dict[str, Laid]) -> str:
     return as_json(channels=channels)
 
 
-def _draw(laid: dict[str, Laid], path: str, force: bool) -> None:
+def _draw(laid: dict[str, Laid], plot: Any) -> Any:
     """Draw all channels side by side."""
-    from .. import plot
     from ..plot.records import side_by_side
 
     pairs = side_by_side(len(laid))
     for pair, (measured, predicted, found, _) in zip(pairs, laid.values(), strict=True):
         scale = found.scale if measured.unit == predicted.unit else None  # else it was free
         plot.comparison(measured, predicted, pair, shift=found.shift, scale=scale)
-    plot.save(pairs[0][0], path, force=force)
+    return pairs[0][0]

@@ -11,15 +11,12 @@ from contextlib import suppress
 from importlib import metadata
 from typing import Any
 
+from .. import Rod, System, Wall, __version__, solve, warm
 from ..materials import brass, steel
 from ..methods import kernels
 from ..methods.fronts import march
-from ..model import Rod, System, Wall
-from ..running.solving import solve
-from ..running.warming import warm
 from ..storage.report import solution_dict
 from ..storage.tables import align, as_json
-from ..version import __version__
 from . import DONE, UNVERIFIED
 from .asking import note
 

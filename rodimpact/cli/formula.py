@@ -8,9 +8,8 @@ these; transit_time and impedance, too, of which rods are made where wave speeds
 
 import argparse
 
-from ..algebra.formula import ClosedForm, closed_form
+from .. import ClosedForm, closed_form, read_case
 from ..model.numbering import body_names, contact_names
-from ..storage.casefile import read_case
 from . import DONE, MISTAKE, complain
 from .progress import progress_bar
 

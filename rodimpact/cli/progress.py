@@ -1,7 +1,5 @@
 """A line on a terminal: how much is done, how fast it goes, and how long it takes yet."""
 
-from __future__ import annotations
-
 import math
 import shutil
 import sys
@@ -11,44 +9,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from .. import Solution, System, solve
 from ..methods.duration import how_long
-from ..model import System
-from ..results.solution import Solution
-from ..running.solving import solve
 from . import DONE, INCOMPLETE, complain
 
 REDRAWN = 0.1  # s between two states of the bar
 BAR = 30  # characters
-
-
-@contextmanager
-def progress_bar(of: str) -> Iterator[ProgressBar | None]:
-    """A bar for so many things, erased for warnings and in the end; none where nobody looks."""
-    bar = ProgressBar(of) if sys.stderr.isatty() else None
-
-    def tell(message: Warning | str, *_: Any, **__: Any) -> None:
-        if bar:
-            bar.erase()
-        complain(str(message), DONE)
-
-    try:
-        with warnings.catch_warnings():
-            warnings.showwarning = tell
-            yield bar
-    finally:
-        if bar:
-            bar.erase()
-
-
-def status_of(solution: Solution) -> int:
-    """Exit status of a run: whether it came to its end."""
-    return INCOMPLETE if solution.stopped_by in ("max_events", "clock") else DONE
-
-
-def solved(system: System, **options: Any) -> Solution:
-    """Solve, with a bar."""
-    with progress_bar("steps") as bar:
-        return solve(system, progress=bar, **options)
 
 
 class ProgressBar:
@@ -84,3 +50,31 @@ class ProgressBar:
     def _show(self, line: str) -> None:
         print(f"\r{line:{self.width}}", end="", file=sys.stderr, flush=True)
         self.width = len(line)
+
+
+@contextmanager
+def progress_bar(of: str) -> Iterator[ProgressBar | None]:
+    """A bar for so many things, erased for warnings and in the end; none where nobody looks."""
+    bar = ProgressBar(of)
+
+    def tell(message: Warning | str, *_: Any, **__: Any) -> None:
+        bar.erase()
+        complain(str(message), DONE)
+
+    try:
+        with warnings.catch_warnings():
+            warnings.showwarning = tell
+            yield bar if sys.stderr.isatty() else None
+    finally:
+        bar.erase()
+
+
+def status_of(solution: Solution) -> int:
+    """Exit status of a run: whether it came to its end."""
+    return INCOMPLETE if solution.stopped_by in ("max_events", "clock") else DONE
+
+
+def solved(system: System, **options: Any) -> Solution:
+    """Solve, with a bar."""
+    with progress_bar("steps") as bar:
+        return solve(system, progress=bar, **options)

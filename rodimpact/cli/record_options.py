@@ -7,13 +7,10 @@ import argparse
 from collections.abc import Iterable
 from typing import Any, TypeAlias
 
-from ..model import Rod
+from .. import Bridge, Case, Rod, Signal, read_signals
 from ..model.frozen import nearest
 from ..model.numbering import body_names
-from ..records.bridge import ALONG, Bridge
-from ..records.reading import read_signals
-from ..records.signal import Signal
-from ..storage.casefile import Case
+from ..records.bridge import ALONG
 from .asking import Given, number
 from .options import flag
 from .progress import progress_bar
@@ -121,8 +118,8 @@ def read_record(given: Given, wanted: Iterable[str]) -> dict[str, Signal]:
         return {}
     for name in wanted if signals else ():
         if name not in signals:
-            message = f"the record has no channel {name!r}; {nearest(name, signals)}"
-            given.problems.append((f"--gauge {name}", message))
+            near = nearest(name, signals)
+            given.note(f"--gauge {name}", f"the record has no channel {name!r}; {near}")
         elif bridge:
             with given.naming(names={"volts": f"--bridge of {name}"}):
                 signals[name] = bridge.strain(signals[name])

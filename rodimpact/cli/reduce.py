@@ -9,14 +9,12 @@ of a gauge is the name of its channel in the record.
 """
 
 import argparse
-from functools import partial
 from typing import Any
 
-from ..records.bars import BarGauge
-from ..records.reduction import Reduction, Specimen, reduce
+from .. import BarGauge, Reduction, Specimen, reduce
 from ..storage.tables import as_json
 from . import record_options
-from .asking import Given, number
+from .asking import Given, drawn, number
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -65,7 +63,7 @@ def run(given: Given) -> tuple[str, int]:
     with given.naming(names={"bars": case.path, **names}):
         found = reduce(*gauges, bars, specimen, compression=given.compression,
                        align_within=given.align_within)
-    status = given.write(csv=found.to_csv, save=partial(_draw, found))
+    status = given.write(csv=found.to_csv, save=drawn(lambda plot: plot.reduction(found)))
     return (_json(found) if given.json else str(found)), status
 
 
@@ -73,9 +71,3 @@ def _json(found: Reduction) -> str:
     """All columns as JSON, in SI units."""
     columns = {name: signal.values.tolist() for name, signal in found.signals.items()}
     return as_json(shifts=found.shifts, time=found.times.tolist(), **columns)
-
-
-def _draw(found: Reduction, path: str, force: bool) -> None:
-    from .. import plot
-
-    plot.save(plot.reduction(found).ax, path, force=force)

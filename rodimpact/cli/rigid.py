@@ -21,8 +21,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                             help=f'mass of the {where} body, "2 kg", or inf for a wall')
         number(parser, f"--v{i}", "velocity", 'its velocity, "0.5 m/s", positive to the right',
                required=True)
-    parser.add_argument("--restitution", "-e", required=True, action=Number,
-                        dimension="dimensionless", metavar="E",
+    parser.add_argument("--restitution", "-e", required=True, metavar="E",
+                        action=Number, const="dimensionless",
                         help="coefficient of restitution: 0 they stick, 1 no energy is lost; "
                         "below 0 one passes through the other")
     parser.add_argument("--energy-release", action="store_true",

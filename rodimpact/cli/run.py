@@ -6,14 +6,12 @@ Exit status 3 if the run stopped before what was asked, at a cap on events or on
 
 import argparse
 import json
-from functools import partial
 
-from ..results.gauges import Gauge, gauges_to_csv
+from .. import Gauge, Solution, gauges_to_csv
 from ..results.regions import nothing_to_draw
-from ..results.solution import Solution
 from ..storage.report import solution_dict, solution_table
 from ..storage.tables import misnamed
-from .asking import Given, add_run_options
+from .asking import Given, add_run_options, drawn
 from .options import as_options
 from .progress import solved, status_of
 from .record_options import FORM, Places, add_gauge_option, gauge_places
@@ -51,25 +49,15 @@ def run(given: Given) -> tuple[str, int]:
         given.problems.append(("--gauge", "goes with --gauges or --plot, which show its record"))
     given.check_outputs("save", "plot", "gauges", figure="plot")
     solution = solved(case.system, **options)
-    wrote = given.write(save=solution.save, plot=partial(_draw, solution, places),
-                        gauges=partial(_record, solution, places))
+    wrote = given.write(
+        save=solution.save,
+        plot=drawn(lambda plot: plot.overview(solution, _gauges(solution, places))),
+        gauges=lambda path, force: gauges_to_csv(path, _gauges(solution, places), force=force))
     status = status_of(solution) or wrote  # a run that stopped early also tells why a file lacks
     if given.json:
         told = solution_dict(solution)
         return as_options(json.dumps(told, indent=2, allow_nan=False)), status
     return as_options(solution_table(solution)), status
-
-
-def _draw(solution: Solution, places: Places, path: str, force: bool) -> None:
-    """Draw a run; ValueError if there is nothing to draw."""
-    from .. import plot
-
-    plot.save(plot.overview(solution, _gauges(solution, places)), path, force=force)
-
-
-def _record(solution: Solution, places: Places, path: str, force: bool) -> None:
-    """Write what gauges show of a run; ValueError if that is nothing."""
-    gauges_to_csv(path, _gauges(solution, places), force=force)
 
 
 def _gauges(solution: Solution, places: Places) -> dict[str, Gauge]:

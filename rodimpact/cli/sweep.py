@@ -10,18 +10,15 @@ Exit status 3 if some did not come to their end; the status of each says why.
 
 import argparse
 from collections.abc import Iterable
-from functools import partial
 
+from .. import Case, sweep
 from ..methods.abilities import driven
 from ..methods.run import ALSO
 from ..model.paths import suggestion
 from ..running.columns import Readings, arrays_of
 from ..running.sweep_report import sweep_json, sweep_table
-from ..running.sweep_result import SweepResult
-from ..running.sweeping import sweep
-from ..storage.casefile import Case
 from . import INCOMPLETE
-from .asking import Given, add_run_options, number
+from .asking import Given, add_run_options, drawn, number
 from .options import as_options
 from .progress import progress_bar
 
@@ -68,20 +65,15 @@ def run(given: Given) -> tuple[str | Iterable[str], int]:
 
     with given.naming(), progress_bar("collisions") as bar:
         result = sweep(case.system, progress=bar, **options, **how)
-    wrote = given.write(save=result.save, plot=partial(_draw, result, given.quantity))
+    # refused for a quantity that no collision has; the table tells why
+    figure = drawn(lambda plot: plot.sweep(result, quantity=given.quantity))
+    wrote = given.write(save=result.save, plot=figure)
     status = INCOMPLETE if result.incomplete.any() else wrote
     if given.csv:
         return result.csv_lines(), status
     if given.json:
         return sweep_json(result, case.varied), status
     return as_options(sweep_table(result, case.varied, MORE)), status
-
-
-def _draw(result: SweepResult, quantity: str, path: str, force: bool) -> None:
-    """Draw a sweep; ValueError if no collision has this quantity, and the table tells why."""
-    from .. import plot
-
-    plot.save(plot.sweep(result, quantity=quantity), path, force=force)
 
 
 def _vary(given: Given) -> dict[str, str]:
@@ -103,19 +95,17 @@ def _vary(given: Given) -> dict[str, str]:
 def _check_case(given: Given, case: Case) -> None:
     """Refuse what only a single run takes, and a figure that cannot be drawn."""
     if "snapshots" in case.solve:
-        message = "a sweep keeps no states; take snapshots out of the case"
-        given.problems.append(("solve.snapshots", message))
+        given.note("solve.snapshots", "a sweep keeps no states; take snapshots out of the case")
     if given.plot is None:
         return
     known = arrays_of(case.system, Readings())
     if given.quantity not in known:
         message = f"there is no {given.quantity!r}; {suggestion(given.quantity, known)}"
-        given.problems.append(("--quantity", message))
+        given.note("--quantity", message)
     wide = sum(len(axis.values) > 1 for axis in case.varied)
     contacts = sum(law.opens for law in case.system.contacts)
     if case.varied and not 1 <= wide <= 2:
-        message = f"a figure has one or two axes, and {wide} numbers vary; leave it out"
-        given.problems.append(("--plot", message))
+        given.note("--plot", f"a figure has one or two axes, and {wide} numbers vary; leave it out")
     elif given.quantity == "restitution" and (contacts != 1 or driven(case.system)):
         message = "such a row has no e; name another --quantity, such as velocity_after.0"
-        given.problems.append(("--plot", message))
+        given.note("--plot", message)

@@ -10,12 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..algebra.rational import exact
+from .. import Bonded, Material, Rigid, RigidMass, Rod, Segment, System, Wall, exact, solve
 from ..explorer.presets import steel_rod
 from ..materials import steel
-from ..model import Bonded, Material, Rigid, RigidMass, Rod, Segment, System, Wall
 from ..results.pair_theory import pair_theory
-from ..running.solving import solve
 from ..storage.tables import align, as_json
 from ..theory import mass_on_rod
 from . import DONE, UNVERIFIED
@@ -69,8 +67,7 @@ def run(given: argparse.Namespace) -> tuple[str, int]:
     failed = sum(not check.passed for check in found)
     status = UNVERIFIED if failed else DONE
     if given.json:
-        rows = [{"name": c.name, "expected": c.expected, "got": c.got, "bound": c.bound,
-                 "residual": c.residual, "passed": c.passed} for c in found]
+        rows = [{**c._asdict(), "residual": c.residual, "passed": c.passed} for c in found]
         return as_json(passed=not failed, checks=rows), status
     table = [["check", "expected", "found", "residual", "bound", ""], *(
         [c.name, f"{c.expected:.9g}", f"{c.got:.9g}", f"{c.residual:.1e}", f"{c.bound:.0e}",
