@@ -5,7 +5,6 @@ long as is wanted, and to be a small share of what is left. Jobs end in any orde
 """
 
 import contextlib
-import math
 import os
 import threading
 from collections import deque
@@ -72,68 +71,59 @@ def workers_of(executor: Any) -> int:
 
 def _processors() -> int:
     """Processors that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+    mine = getattr(os, "sched_getaffinity", None)
+    return len(mine(0)) if mine else os.cpu_count() or 1
 
 
-class Jobs:
-    """Members of a family that are to be run.
+def results_of(
+    pool: Pool, submit: Callable[[int, int], Future[Any]], spans: list[Span], unit: int, most: int,
+    wanted: Callable[[int], bool],
+) -> Generator[list[tuple[int, int, Any]]]:
+    """Run members of a family; yield what has come in, if anything, twice a second or more often.
 
     Parameters
     ----------
     pool : Pool
     submit : function
-        Hands the members of a span to the pool; the future's result has how many of them were run,
-        the seconds that took, and what came out.
+        Hands the members of a span to the pool; the future's result has the seconds that it took,
+        and what came out.
     spans : list of (int, int)
         First member and the one after the last, of what is to be run.
     unit, most : int
         Jobs begin at multiples of `unit` and have at most `most` members.
+    wanted : function
+        Whether what begins with this member is still to be run.
 
-    Attributes
-    ----------
-    end : float
-        Members from here on are wanted no longer.
+    Yields
+    ------
+    list of (int, int, object)
+        Spans, and what came out of each.
     """
-
-    def __init__(
-        self, pool: Pool, submit: Callable[[int, int], Future[Any]], spans: list[Span], unit: int,
-        most: int,
-    ) -> None:
-        self._pool, self._submit, self._unit, self._most = pool, submit, unit, most
-        self._waiting, self._running = deque(spans), dict[Future[Any], Span]()
-        self._left, self._size = sum(stop - start for start, stop in spans), unit
-        self.end = math.inf
-
-    def results(self) -> Generator[list[tuple[int, int, Any]]]:
-        """Yield what has come in, if anything, with its span; twice a second or more often."""
-        try:
-            while self._hand_out():
-                ended, _ = wait(self._running, HEARTBEAT, FIRST_COMPLETED)
-                yield [self._take(job) for job in ended]
-        finally:
-            for job in self._running:
-                job.cancel()
-
-    def _hand_out(self) -> bool:
-        """Give every worker a job, and one to go on with; False if there is nothing left."""
-        while self._waiting and len(self._running) < 2 * self._pool.workers:
-            start, stop = self._waiting.popleft()
-            if start >= self.end:
-                continue
-            fair = self._left // (2 * self._pool.workers)  # so that all end together
-            units = max(1, min(self._size, fair) // self._unit)
-            cut = min(start - start % self._unit + units * self._unit, stop)
-            if cut < stop:
-                self._waiting.appendleft((cut, stop))
-            self._left -= cut - start
-            self._running[self._submit(start, cut)] = start, cut
-        return bool(self._running)
-
-    def _take(self, job: Future[Any]) -> tuple[int, int, Any]:
-        start, stop = self._running.pop(job)
-        seconds, result = job.result()
-        wanted = (stop - start) * SECONDS / max(seconds, 1e-9)
-        self._size = int(min(wanted, GROWTH * (stop - start), self._most))
-        return start, stop, result
+    waiting, running = deque(spans), dict[Future[Any], Span]()
+    left, size = sum(stop - start for start, stop in spans), unit
+    try:
+        while True:
+            while waiting and len(running) < 2 * pool.workers:  # one to do, and one to go on with
+                start, stop = waiting.popleft()
+                if not wanted(start):
+                    continue
+                fair = left // (2 * pool.workers)  # so that all end together
+                units = max(1, min(size, fair) // unit)
+                cut = min(start - start % unit + units * unit, stop)
+                if cut < stop:
+                    waiting.appendleft((cut, stop))
+                left -= cut - start
+                running[submit(start, cut)] = start, cut
+            if not running:
+                return
+            news = []
+            for job in wait(running, HEARTBEAT, FIRST_COMPLETED).done:
+                start, stop = running.pop(job)
+                seconds, result = job.result()
+                fitting = (stop - start) * SECONDS / max(seconds, 1e-9)
+                size = int(min(fitting, GROWTH * (stop - start), most))
+                news.append((start, stop, result))
+            yield news
+    finally:
+        for job in running:
+            job.cancel()

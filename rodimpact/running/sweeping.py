@@ -33,7 +33,7 @@ from ..storage.writing import PathLike
 from ..units import shown
 from ..version import __version__
 from .columns import ENDED, STATUS, Columns, Readings, arrays_of, row_of
-from .jobs import Jobs, pool_of
+from .jobs import pool_of, results_of
 from .sweep_result import SweepResult, explanation
 
 FORECAST = warn, "a smaller family", None, "this sweep"
@@ -212,35 +212,32 @@ def sweep(
         **asdict(options), **readings._asdict(), "times": readings.times.tolist(),
     }
     keep = Checkpoint(of, size, unit, checkpoint, described)
+    raises, status = on_error == "raise", keep.columns["status"]
+    bad = [i for start, stop in keep.spans(keep.done) for i in _bad(start, status[start:stop])]
     with contextlib.closing(keep), pool_of(executor, workers) as pool:
         tell = _news_of(keep, pool.workers, together > 0, progress)
-        jobs = Jobs(pool, lambda start, stop: pool.executor.submit(
+        results = results_of(pool, lambda start, stop: pool.executor.submit(
             run_job, _members(system, start, stop), options, readings,
             *([*pool.asking, size - stop] if pool.asking else ()),
-        ), keep.spans(~keep.done), unit, together or TOGETHER)
-        _collect(jobs, keep, tell, on_error == "raise")
-    if jobs.end < size:
-        _raise_for(int(jobs.end), system, options)
+        ), keep.spans(~keep.done), unit, together or TOGETHER,
+            lambda i: not raises or i < min(bad, default=size))
+        with contextlib.closing(results):
+            for parts in results:
+                for start, stop, part in parts:
+                    keep.put(start, stop, part)
+                    bad += _bad(start, part["status"])
+                tell(sum(stop - start for start, stop, _ in parts))
+    if bad and raises:
+        _raise_for(min(bad), system, options)
     shaped = {name: column.reshape((*system.shape, *column.shape[1:]))
               for name, column in keep.columns.items()}
     strain = shaped.pop("strain", None)
     return SweepResult(system, options, shaped, readings, strain)
 
 
-def _collect(jobs: Jobs, keep: Checkpoint, tell: Callable[[int], None], raises: bool) -> None:
-    """Put what jobs bring where it is kept, until all is there or, if it `raises`, one is bad."""
-    def look(start: int, status: Any) -> None:
-        if raises and (bad := np.flatnonzero(~np.isin(status, ENDED))).size:
-            jobs.end = min(jobs.end, start + int(bad[0]))
-
-    for start, stop in keep.spans(keep.done):
-        look(start, keep.columns["status"][start:stop])
-    with contextlib.closing(jobs.results()) as results:
-        for parts in results:
-            for start, stop, part in parts:
-                keep.put(start, stop, part)
-                look(start, part["status"])
-            tell(sum(stop - start for start, stop, _ in parts))
+def _bad(start: int, status: Any) -> list[int]:
+    """The first of these members that did not come to its end, if there is one."""
+    return (start + np.flatnonzero(~np.isin(status, ENDED))[:1]).tolist()  # type: ignore[no-any-return]
 
 
 def _news_of(
@@ -302,10 +299,11 @@ def _one_by_one(
     system: System, options: Options, readings: Readings, stop: Callable[[], bool]
 ) -> Columns:
     """Columns of members that are solved each alone."""
-    rows = []
-    refused = {name: np.full(beyond, math.nan if kind is np.float64 else 0)
-               for name, (kind, beyond) in arrays_of(system, readings).items()}
-    refused["status"] = np.array(STATUS.index("refused"))
+    # a member that is refused has no numbers
+    columns = {
+        name: np.full((math.prod(system.shape), *beyond), math.nan if kind is np.float64 else 0)
+        for name, (kind, beyond) in arrays_of(system, readings).items()}
+    columns["status"][...] = STATUS.index("refused")
     seen = readings.gauges or "largest_stress" in readings.also
     if "snapshots" in METHODS[options.method].takes and not seen:
         options = replace(options, snapshots=2)  # an outcome needs the first and the last state
@@ -314,14 +312,13 @@ def _one_by_one(
         if stop():
             raise Stopped
 
-    for index in np.ndindex(system.shape):
+    for i, index in enumerate(np.ndindex(system.shape)):
         ask()
-        try:
+        with contextlib.suppress(InvalidModel):
             solution = Solution(options.run(options.method, system[index], progress=ask))
-            rows.append(row_of(solution, readings))
-        except InvalidModel:
-            rows.append(refused)
-    return {name: np.array([row[name] for row in rows]) for name in refused}
+            for name, value in row_of(solution, readings).items():
+                columns[name][i] = value
+    return columns
 
 
 def _together(
