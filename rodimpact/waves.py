@@ -314,9 +314,7 @@ def rayleigh_speed(poisson_ratio: ArrayLike) -> Number:
     return plain(np.vectorize(root, otypes=[float])(nu))
 
 
-def _each(
-    wave: Any, given: Array, poisson_ratio: Array, progress: Progress | None = None
-) -> Array:
+def _each(wave: Any, given: Array, poisson_ratio: Array, progress: Progress | None = None) -> Array:
     """Lowest roots x = c/c0 of the equation, where G is `wave` of what is given and of x."""
     known, nu, roots = given.ravel(), poisson_ratio.ravel(), np.ones(given.size)
     forecast = Forecast(warn, "fewer values, and a curve through them,", progress, "this")

@@ -182,8 +182,7 @@ def number(
 ) -> None:
     """Add an option that is a number of a dimension."""
     metavar = {"": "N", "dimensionless": "X"}.get(dimension, dimension.upper())
-    parser.add_argument(
-        option, action=Number, const=dimension, metavar=metavar, help=what, **more)
+    parser.add_argument(option, action=Number, const=dimension, metavar=metavar, help=what, **more)
 
 
 def drawn(draw: Callable[[Any], Any]) -> Callable[..., None]:

@@ -9,13 +9,12 @@ import platform
 import time
 from contextlib import suppress
 from importlib import metadata
-from typing import Any
 
 from .. import Rod, System, Wall, __version__, solve, warm
 from ..materials import brass, steel
 from ..methods import kernels
 from ..methods.fronts import march
-from ..storage.report import solution_dict
+from ..storage.report import solution_json
 from ..storage.tables import align, as_json
 from . import DONE, UNVERIFIED
 from .asking import note
@@ -75,8 +74,8 @@ def try_compiled() -> tuple[str | None, bool | None, str]:
     return cache, True, f"works ({seconds:.2g} s), agrees with interpreted code exactly"
 
 
-def solve_a_row() -> dict[str, Any]:
+def solve_a_row() -> str:
     """Every number that one run tells."""
     left = Rod(0.31, area=1e-4, material=steel, velocity=1.0)
     right = Rod(0.52, area=1e-4, material=brass)
-    return solution_dict(solve(System([left, right, Wall()], gaps=[1e-6, 1e-5])))
+    return solution_json(solve(System([left, right, Wall()], gaps=[1e-6, 1e-5])))

@@ -5,11 +5,10 @@ Exit status 3 if the run stopped before what was asked, at a cap on events or on
 """
 
 import argparse
-import json
 
 from .. import Gauge, Solution, gauges_to_csv
 from ..results.regions import nothing_to_draw
-from ..storage.report import solution_dict, solution_table
+from ..storage.report import solution_json, solution_table
 from ..storage.tables import misnamed
 from .asking import Given, add_run_options, drawn
 from .options import as_options
@@ -54,10 +53,8 @@ def run(given: Given) -> tuple[str, int]:
         plot=drawn(lambda plot: plot.overview(solution, _gauges(solution, places))),
         gauges=lambda path, force: gauges_to_csv(path, _gauges(solution, places), force=force))
     status = status_of(solution) or wrote  # a run that stopped early also tells why a file lacks
-    if given.json:
-        told = solution_dict(solution)
-        return as_options(json.dumps(told, indent=2, allow_nan=False)), status
-    return as_options(solution_table(solution)), status
+    tell = solution_json if given.json else solution_table
+    return as_options(tell(solution)), status
 
 
 def _gauges(solution: Solution, places: Places) -> dict[str, Gauge]:

@@ -62,17 +62,11 @@ def sweep_json(result: SweepResult, varied: Varied) -> Iterator[str]:
         column is a number that varies or a result: a list with one entry a collision, the last axis
         fastest, in SI units and full precision, with null for what does not exist.
     """
-    yield "{"
-    for name, value in {
-        "schema_version": SCHEMA_VERSION,
-        "method": result.method,
-        "shape": result.shape,
-        "varied": [
-            {"path": path, "unit": unit, "values": values.tolist()} for path, values, unit in varied
-        ],
-    }.items():
-        yield f"{json.dumps(name)}: {json.dumps(value)},"
-    yield '"columns": {'
+    axes = [{"path": path, "unit": unit, "values": values.tolist()}
+            for path, values, unit in varied]
+    head = {"schema_version": SCHEMA_VERSION, "method": result.method, "shape": result.shape,
+            "varied": axes}
+    yield json.dumps(head).removesuffix("}") + ', "columns": {'
     columns = {**result.parameters, **result.columns, "status": result.status}
     for i, (name, column) in enumerate(columns.items(), 1):
         entries = [

@@ -12,7 +12,7 @@ from ..methods.registry import NUMBERS, Options
 from ..model import SIDES, System
 from ..model.bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from ..model.ends import ENDS, FREE, End
-from ..model.frozen import Field, InvalidModel, Number, defaults_of
+from ..model.frozen import Field, InvalidModel, Number, defaults_of, refusal
 from ..model.lateral_inertia import THEORIES
 from ..model.laws import CONTACT_LAWS, FACE, ContactLaw, Hertz, Spring
 from ..model.paths import FIELDS, SPEED, suggestion
@@ -53,7 +53,7 @@ def case_from(
         With all mistakes, each with the path of its entry.
     """
     if not isinstance(data, dict):
-        raise InvalidModel([(source, f"must be the tables of a case file, got {shown(data)}")])
+        raise refusal(source, f"must be the tables of a case file, got {shown(data)}")
     top = Table("", data, Grids(vary), {})
     _check_schema(top)
     known = _read_materials(top)
@@ -82,7 +82,7 @@ def _check_schema(top: Table) -> None:
     schema = top.get("schema")
     if type(schema) is int and schema > SCHEMA:  # its other entries may mean other things
         message = f"is {shown(schema)}; this rodimpact reads {SCHEMA}, get a newer one"
-        raise InvalidModel([("schema", message)])
+        raise refusal("schema", message)
     if type(schema) is not int or schema != SCHEMA:
         top.note("schema", f"must be {SCHEMA}; begin the file with schema = {SCHEMA}")
 
@@ -194,9 +194,7 @@ def _read_law(table: Table, pair: tuple[Body | None, ...], known: Materials) -> 
     return law or Spring(1.0)
 
 
-def _read_faces(
-    table: Table, pair: tuple[Body | None, ...], known: Materials
-) -> dict[str, Any]:
+def _read_faces(table: Table, pair: tuple[Body | None, ...], known: Materials) -> dict[str, Any]:
     """Radii and materials of a Hertz contact, for `Hertz.from_radii`."""
     faces: dict[str, Any] = {}
     for side, body, end in zip(SIDES, pair, (-1, 0), strict=True):

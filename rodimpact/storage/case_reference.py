@@ -5,7 +5,6 @@ shortest example of it, which `parse_case` reads.
 """
 
 import inspect
-import json
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
@@ -18,6 +17,7 @@ from ..model.lateral_inertia import THEORIES
 from ..model.laws import CONTACT_LAWS, FACE, Hertz
 from .case import SCHEMA
 from .case_reading import DAMPING
+from .case_writing import toml_table
 
 TYPICAL = {
     "m": "400 mm", "m^2": "1 cm^2", "kg": "2 kg", "m/s": "1 m/s", "Pa": "200 GPa",
@@ -85,17 +85,17 @@ def sections() -> list[Section]:
         _section("[[bodies.segments]]", made_of, Segment, after=shape),
         Section("[[contacts]]", "Entry i lies between bodies i and i + 1. Without any, "
                 "all bodies touch.",
-                contact, _toml("[[contacts]]", {"gap": "50 um"})),
+                contact, toml_table("[[contacts]]", {"gap": "50 um"})),
         *(_section("[[contacts]]", {}, law, after=_faces() if law is Hertz else [])
           for law in CONTACT_LAWS.values()),
         *(_section("[ends.right]", {}, end) for end in ENDS.values()),
         Section("[solve]", "How to solve it; `rodimpact run --help` says what these mean.",
-                _options(), _toml("[solve]", {"until": "2 ms"}), Options.__name__),
+                _options(), toml_table("[solve]", {"until": "2 ms"}), Options.__name__),
         Section("[output]", "What `rodimpact run` writes.", files,
-                _toml("[output]", {"plot": "case.png"})),
+                toml_table("[output]", {"plot": "case.png"})),
         Section("[[gauges]]", "A strain gauge for `rodimpact explore`, `export`, `compare` and "
                 "`run --gauges`: on which rod, and where, over its length from the left end.",
-                gauge, _toml("[[gauges]]", {"body": 0, "fraction": 0.5})),
+                gauge, toml_table("[[gauges]]", {"body": 0, "fraction": 0.5})),
     ]
 
 
@@ -108,7 +108,7 @@ def _section(
     title = header.replace("right", "SIDE") + tag
     meaning = (inspect.getdoc(kind) or "").partition("\n")[0]
     return Section(title, meaning, [*before, *_numbers(kind), *after],
-                   _toml(header, kind._tag | described | _needed(kind)), kind.__name__)
+                   toml_table(header, kind._tag | described | _needed(kind)), kind.__name__)
 
 
 def _numbers(kind: Any) -> list[Entry]:
@@ -166,7 +166,3 @@ def _options() -> list[Entry]:
 
 def _either(words: Iterable[str]) -> str:
     return " or ".join(f'"{word}"' for word in words)
-
-
-def _toml(header: str, entries: dict[str, Any]) -> str:
-    return "\n".join([header, *(f"{key} = {json.dumps(v)}" for key, v in entries.items())])

@@ -6,7 +6,7 @@ from typing import Any
 
 from ..model import System
 from ..model.bodies import Material, Rod
-from ..model.frozen import InvalidModel
+from ..model.frozen import refusal
 from ..units import shown
 from .case import SCHEMA, Case
 
@@ -42,31 +42,27 @@ def write_case(case: Case | System) -> str:
     if isinstance(case, System):
         case = Case(case)
     if not isinstance(case, Case) or not isinstance(case.system, System):
-        raise InvalidModel([("case", f"must be a Case or a System, got {shown(case)}")])
+        raise refusal("case", f"must be a Case or a System, got {shown(case)}")
     system = case.system
     if system.shape != ():
         message = f"a family of shape {system.shape} is no single case; write system[index]"
-        raise InvalidModel([("system", message)])
+        raise refusal("system", message)
     system.check_file()
     described = system.to_dict()
-    lines = [f"schema = {SCHEMA}"]
-    lines += [f"{key} = {_toml(described[key])}" for key in ("gravity",) if key in described]
+    parts = [toml_table(f"schema = {SCHEMA}", {"gravity": described.get("gravity")})]
     for name, material in _materials(system).items():
         key = name if re.fullmatch("[A-Za-z0-9_-]+", name) else _toml(name)
-        lines += _table(f"[materials.{key}]", material.to_dict(), without="name")
+        parts.append(toml_table(f"[materials.{key}]", material.to_dict() | {"name": None}))
     for body in described["bodies"]:
-        lines += _table("[[bodies]]", body, without="segments")
-        for segment in body.get("segments", ()):
-            lines += _table("[[bodies.segments]]", segment)
-    for contact in described["contacts"]:
-        lines += _table("[[contacts]]", contact)
-    for side, end in described.get("ends", {}).items():
-        lines += _table(f"[ends.{side}]", end)
-    for gauge in case.gauges:
-        lines += _table("[[gauges]]", gauge._asdict(), without="" if gauge.name else "name")
-    for name, options in (("solve", case.solve), ("output", case.output)):
-        lines += _table(f"[{name}]", options) if options else []
-    return "\n".join(lines) + "\n"
+        parts.append(toml_table("[[bodies]]", body | {"segments": None}))
+        parts += [toml_table("[[bodies.segments]]", piece) for piece in body.get("segments", ())]
+    parts += [toml_table("[[contacts]]", contact) for contact in described["contacts"]]
+    parts += [toml_table(f"[ends.{side}]", end) for side, end in described.get("ends", {}).items()]
+    parts += [toml_table("[[gauges]]", gauge._asdict() | {"name": gauge.name or None})
+              for gauge in case.gauges]
+    options = ("[solve]", case.solve), ("[output]", case.output)
+    parts += [toml_table(header, given) for header, given in options if given]
+    return "\n\n".join(parts) + "\n"
 
 
 def _materials(system: System) -> dict[str, Material]:
@@ -77,15 +73,14 @@ def _materials(system: System) -> dict[str, Material]:
             material = segment.material
             if named.setdefault(material.name, material) != material:
                 message = f"another material is called {shown(material.name)} too; rename one"
-                raise InvalidModel([(f"bodies.{i}.material", message)])
+                raise refusal(f"bodies.{i}.material", message)
     return named
 
 
-def _table(header: str, entries: dict[str, Any], without: str = "") -> list[str]:
-    kept = {key: value for key, value in entries.items() if key != without and value is not None}
-    if "material" in kept:
-        kept["material"] = kept["material"]["name"]
-    return ["", header, *(f"{key} = {_toml(value)}" for key, value in kept.items())]
+def toml_table(header: str, entries: dict[str, Any]) -> str:
+    """A table of a case file, of the entries that are not None."""
+    kept = (f"{key} = {_toml(value)}" for key, value in entries.items() if value is not None)
+    return "\n".join([header, *kept])
 
 
 def _toml(value: Any) -> str:
@@ -93,6 +88,8 @@ def _toml(value: Any) -> str:
         value = value.tolist()
     if isinstance(value, str):  # a string of JSON is one of TOML, but for DEL
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, dict) and "youngs_modulus" in value:  # a material, with a table of its own
+        return _toml(value["name"])
     if isinstance(value, dict):
         return "{" + ", ".join(f"{key} = {_toml(item)}" for key, item in value.items()) + "}"
     if isinstance(value, list | tuple):

@@ -61,11 +61,10 @@ may then be absent, and the case becomes a family with one axis a grid.
 
 import os
 import tomllib
-import warnings
 from collections.abc import Mapping
 
-from ..methods.duration import Forecast, LongRun
-from ..model.frozen import InvalidModel
+from ..methods.duration import Forecast, warn
+from ..model.frozen import refusal
 from ..units import shown
 from .case import Case as Case
 from .case import GaugePlace as GaugePlace
@@ -114,22 +113,18 @@ def read_case(path: str | os.PathLike[str], vary: Mapping[str, str] | None = Non
         with open_regular(name) as file:
             raw = file.read(MOST_BYTES + 1)
     except OSError as error:
-        raise InvalidModel([(name, f"cannot be read: {error.strerror}")]) from None
+        raise refusal(name, f"cannot be read: {error.strerror}") from None
     if len(raw) > MOST_BYTES:
-        message = f"has more than {MOST_BYTES} bytes; is it a case file?"
-        raise InvalidModel([(name, message)])
+        raise refusal(name, f"has more than {MOST_BYTES} bytes; is it a case file?")
     try:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = raw.count(b"\n", 0, error.start) + 1
-        message = f"is not text in UTF-8 (at line {line}); save it as UTF-8"
-        raise InvalidModel([(name, message)]) from None
+        raise refusal(name, f"is not text in UTF-8 (at line {line}); save it as UTF-8") from None
     return parse_case(text, name, vary)
 
 
-def parse_case(
-    text: str, source: str = "case", vary: Mapping[str, str] | None = None
-) -> Case:
+def parse_case(text: str, source: str = "case", vary: Mapping[str, str] | None = None) -> Case:
     """Read the text of a case file.
 
     Parameters
@@ -169,16 +164,16 @@ def parse_case(
     ((20,), 1.0)
     """
     if not isinstance(source, str):
-        raise InvalidModel([("source", f"must be the name of a case, got {shown(source)}")])
+        raise refusal("source", f"must be the name of a case, got {shown(source)}")
     if not isinstance(text, str):
-        raise InvalidModel([(source, f"must be the text of a case file, got {shown(text)}")])
-    forecast = Forecast(lambda said: warnings.warn(said, LongRun, stacklevel=4), "a shorter file")
-    forecast.expect(len(text) / CHARACTERS_A_SECOND, f"{len(text) / 1e6:.3g} MB of TOML")
+        raise refusal(source, f"must be the text of a case file, got {shown(text)}")
+    seconds = len(text) / CHARACTERS_A_SECOND
+    Forecast(warn, "a shorter file").expect(seconds, f"{len(text) / 1e6:.3g} MB of TOML")
     try:
         data = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # a number of 5000 digits is a plain ValueError
         reason = str(error).partition("; use sys.")[0]
-        raise InvalidModel([(source, f"is not valid TOML: {reason}")]) from None
+        raise refusal(source, f"is not valid TOML: {reason}") from None
     return case_from(data, source, vary)
 
 

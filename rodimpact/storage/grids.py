@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .. import units
-from ..model.frozen import MOST_MEMBERS, InvalidModel, Number
+from ..model.frozen import MOST_MEMBERS, Number, refusal
 from ..model.quantities import MOST_AXES, Floats
 from ..units import shown
 
@@ -35,13 +35,13 @@ class Grids:
         given: Any = {} if vary is None else vary
         if not isinstance(given, Mapping) or not all(isinstance(path, str) for path in given):
             message = f"must name numbers by their paths, each with a grid, got {shown(given)}"
-            raise InvalidModel([("vary", message)])
+            raise refusal("vary", message)
         self.texts: dict[str, Any] = dict(given)
         self.known: dict[str, None] = {}  # all numbers that can be varied
         self.taken: dict[str, Varied] = {}
         if len(self.texts) > MOST_AXES:
             message = f"is one of {len(self.texts)} numbers; at most {MOST_AXES} vary at once"
-            raise InvalidModel([(list(self.texts)[MOST_AXES], message)])
+            raise refusal(list(self.texts)[MOST_AXES], message)
 
     def ask(self, path: str) -> bool:
         """Whether this number is varied."""

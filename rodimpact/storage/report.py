@@ -9,7 +9,7 @@ from typing import Any
 
 from ..model.numbering import body_names, contact_names
 from ..units import format_si
-from .tables import SCHEMA_VERSION, align, clean, finite, joules
+from .tables import align, as_json, clean, joules
 
 MOST_EPISODES = 12  # listed in a table
 ENERGIES = {
@@ -57,13 +57,10 @@ def solution_table(solution: Any) -> str:
         The tables of `outcome_table`, and when each contact pressed and opened.
     """
     outcome = solution.outcome
-    last = [["last contact ended at", format_si(solution.t_final, "s")]]
-    run = [
-        *(last if 0 < solution.t_final < math.inf else []),
-        ["run to", format_si(solution.t_end, "s")],
-        ["method", solution.method],
-        ["events", str(solution.events)],
-    ]
+    run = [["run to", format_si(solution.t_end, "s")], ["method", solution.method],
+           ["events", str(solution.events)]]
+    if 0 < solution.t_final < math.inf:
+        run.insert(0, ["last contact ended at", format_si(solution.t_final, "s")])
     blocks = [*_tables(outcome), *_episodes(solution), align(run), _sentences(outcome)]
     return "\n\n".join(blocks)
 
@@ -95,25 +92,8 @@ def ring_down_table(found: Any) -> str:
     ])
 
 
-def outcome_dict(outcome: Any) -> dict[str, Any]:
-    """What a collision did, for programs: JSON-ready, SI units, full precision, None for null.
-
-    Parameters
-    ----------
-    outcome : Outcome
-
-    Returns
-    -------
-    dict
-        With ``schema_version``; numbers that do not exist or are infinite are None, and
-        ``restitution_undefined`` is then the reason.
-    """
-    return finite({  # type: ignore[no-any-return]
-        "schema_version": SCHEMA_VERSION, **_outcome(outcome)})
-
-
-def solution_dict(solution: Any) -> dict[str, Any]:
-    """What a collision did and how the run went, for programs; as `outcome_dict`.
+def solution_json(solution: Any) -> str:
+    """What a collision did and how the run went, for programs: SI units, full precision.
 
     Parameters
     ----------
@@ -121,20 +101,21 @@ def solution_dict(solution: Any) -> dict[str, Any]:
 
     Returns
     -------
-    dict
-        With ``schema_version``, the system, the outcome, and for each contact its episodes.
+    str
+        With ``schema_version``, the system, the outcome, and for each contact its episodes. Numbers
+        that do not exist or are infinite are null; where there is no restitution,
+        ``restitution_undefined`` is the reason.
     """
     names = ("final", "stopped_by", "status", "t_end", "t_final", "t_proved", "events",
              "transit_error")
-    return finite({  # type: ignore[no-any-return]
-        "schema_version": SCHEMA_VERSION,
-        "system": solution.system.to_dict(),
-        "method": solution.method,
-        "outcome": _outcome(solution.outcome),
-        "episodes": [[episode._asdict() for episode in contact.episodes]
-                     for contact in solution.contacts],
+    return as_json(
+        system=solution.system.to_dict(),
+        method=solution.method,
+        outcome=_outcome(solution.outcome),
+        episodes=[[episode._asdict() for episode in contact.episodes]
+                  for contact in solution.contacts],
         **{name: getattr(solution, name) for name in names},
-    })
+    )
 
 
 def _tables(outcome: Any) -> list[str]:

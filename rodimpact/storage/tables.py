@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from ..model.frozen import InvalidModel
+from ..model.frozen import refusal
 from ..units import format_si, shown
 from .writing import PathLike, written
 
@@ -49,14 +49,11 @@ def align(rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> str:
     left    0.4 m
     right     1 m
     """
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return "\n".join(
-        "  ".join(
-            cell.ljust(width) if i in left else cell.rjust(width)
-            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in rows
-    )
+    columns = []
+    for i, column in enumerate(zip(*rows, strict=True)):
+        width = max(map(len, column))
+        columns.append([cell.ljust(width) if i in left else cell.rjust(width) for cell in column])
+    return "\n".join("  ".join(row).rstrip() for row in zip(*columns, strict=True))
 
 
 def clean(value: float, scale: float) -> float:
@@ -89,10 +86,10 @@ def heading(column: str, unit: str) -> str:
     ('incident [V]', 'strain [1]')
     """
     if column != "time" and (sentence := misnamed(column)):
-        raise InvalidModel([("name", sentence)])
+        raise refusal("name", sentence)
     if re.search(r'[]["(),;]', unit):
         message = f"a unit in a table has no brackets, commas or quotes; got {shown(unit)}"
-        raise InvalidModel([("unit", message)])
+        raise refusal("unit", message)
     return f"{column} [{unit or 1}]"
 
 

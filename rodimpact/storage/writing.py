@@ -18,7 +18,7 @@ from typing import Any, BinaryIO, TypeAlias
 
 import numpy as np
 
-from ..model.frozen import InvalidModel
+from ..model.frozen import refusal
 from ..units import shown
 from ..version import __version__
 
@@ -39,7 +39,7 @@ def file_name(path: Any) -> str:
     """A path as text; InvalidModel for what is none, such as the number of an open file."""
     name = os.fspath(path) if isinstance(path, str | os.PathLike) else None
     if not isinstance(name, str) or "\0" in name:
-        raise InvalidModel([("path", f"must be the name of a file, got {shown(path)}")])
+        raise refusal("path", f"must be the name of a file, got {shown(path)}")
     return name
 
 
