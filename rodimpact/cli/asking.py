@@ -6,7 +6,6 @@ import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from types import MappingProxyType
 from typing import Any, TypeVar
 
 from .. import Case, InvalidModel, Options, read_case
@@ -19,8 +18,7 @@ from . import DONE, FAULT, complain
 from .options import flag
 
 Made = TypeVar("Made")
-Names = Mapping[str, str]
-NONE: Names = MappingProxyType({})
+Names = Mapping[str, str] | None
 NUMBERS = {  # that say how to run, with their dimensions
     "until": ("time", "end of the run, instead of the case's"),
     "dt": ("time", "time step of finite-difference"),
@@ -62,7 +60,7 @@ class Given(argparse.Namespace):
             return math.nan
 
     def attempt(
-        self, make: Callable[..., Made], *given: object, names: Names = NONE, **more: object
+        self, make: Callable[..., Made], *given: object, names: Names = None, **more: object
     ) -> Made | None:
         """What `make` makes of what was given; None, and its mistakes noted, if it refuses.
 
@@ -77,12 +75,12 @@ class Given(argparse.Namespace):
             return None
 
     @contextmanager
-    def naming(self, every: str = "", names: Names = NONE) -> Iterator[None]:
+    def naming(self, every: str = "", names: Names = None) -> Iterator[None]:
         """Mistakes bear the options that gave the arguments, or `every` one the same.
 
         An error that names no argument has the path ""; where that has no name, it is a fault.
         """
-        known = {**self.options, **names}
+        known = {**self.options, **(names or {})}
         try:
             yield
         except (ValueError, LargeFile) as error:

@@ -84,7 +84,8 @@ def run(given: Given) -> tuple[str, int]:
     folder.mkdir(parents=True, exist_ok=True)
 
     material = TABLE[given.material]
-    replays = [replay(key, material, given.ratio) for key in keys]
+    replays = [Replay(title, names, solve(System(bodies)))
+               for title, names, bodies in collisions(material, given.ratio)[: len(keys)]]
     struck = rod(material, 1.0)
     values = [collide(rod(material, r, 1.0), struck).restitution for r in RATIOS]
     largest = max(abs(e - r) for e, r in zip(values, RATIOS, strict=True))
@@ -105,20 +106,18 @@ def rod(material: Material, length: float, velocity: float = 0.0) -> Rod:
     return Rod(length, area=AREA, material=material, velocity=velocity)
 
 
-def replay(key: str, material: Material, ratio: float) -> Replay:
-    """Solve this collision of the box."""
+def collisions(material: Material, ratio: float) -> list[tuple[Any, ...]]:
+    """Title, names of the bodies, and the bodies of each collision of the box."""
     both = "left rod", "right rod"
     metre, struck = rod(material, 1.0, 1.0), rod(material, 1.0)
-    rows: dict[str, tuple[str, tuple[str, str], list[Rod | Wall]]] = {
-        "identical": ("Identical rods", both, [metre, struck]),
-        "wall": ("A rod on a rigid wall", ("rod", "wall"), [metre, Wall()]),
-        "unequal": (f"Rods of different length, l1/l2 = {ratio:g}", both,
-                    [rod(material, ratio, 1.0), struck]),
-        "dowel": ("A wooden dowel, 3 ft long, on a stone floor", ("dowel", "floor"),
-                  [Rod(DOWEL[0], area=DOWEL[1], material=TABLE["oak"], velocity=1.0), Wall()]),
-    }
-    title, names, bodies = rows[key]
-    return Replay(title, names, solve(System(bodies)))
+    shorter = rod(material, ratio, 1.0)
+    dowel = Rod(DOWEL[0], area=DOWEL[1], material=TABLE["oak"], velocity=1.0)
+    return [
+        ("Identical rods", both, [metre, struck]),
+        ("A rod on a rigid wall", ("rod", "wall"), [metre, Wall()]),
+        (f"Rods of different length, l1/l2 = {ratio:g}", both, [shorter, struck]),
+        ("A wooden dowel, 3 ft long, on a stone floor", ("dowel", "floor"), [dowel, Wall()]),
+    ]
 
 
 def introduction(material: Material) -> str:

@@ -23,8 +23,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(given: argparse.Namespace) -> tuple[str, int]:
     """Write the page and open it."""
-    if given.case is None:
-        case = next(preset.case for preset in presets() if preset.key == FIRST)
-    else:
-        case = read_case(given.case)
+    first = (preset.case for preset in presets() if preset.key == FIRST)
+    case = next(first) if given.case is None else read_case(given.case)
     return page_of(case, solved).open(not given.no_browser), DONE

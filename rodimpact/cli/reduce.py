@@ -11,7 +11,7 @@ of a gauge is the name of its channel in the record.
 import argparse
 from typing import Any
 
-from .. import BarGauge, Reduction, Specimen, reduce
+from .. import BarGauge, Specimen, reduce
 from ..storage.tables import as_json
 from . import record_options
 from .asking import Given, drawn, number
@@ -64,10 +64,7 @@ def run(given: Given) -> tuple[str, int]:
         found = reduce(*gauges, bars, specimen, compression=given.compression,
                        align_within=given.align_within)
     status = given.write(csv=found.to_csv, save=drawn(lambda plot: plot.reduction(found)))
-    return (_json(found) if given.json else str(found)), status
-
-
-def _json(found: Reduction) -> str:
-    """All columns as JSON, in SI units."""
+    if not given.json:
+        return str(found), status
     columns = {name: signal.values.tolist() for name, signal in found.signals.items()}
-    return as_json(shifts=found.shifts, time=found.times.tolist(), **columns)
+    return as_json(shifts=found.shifts, time=found.times.tolist(), **columns), status
