@@ -125,7 +125,9 @@ Use one of s, ms, us, ns, or a bare number in SI units.
             raise refusal("it is not a decimal number followed by a unit")
         unit = _spelt(quantity["unit"] or "")
         if unit and unit not in units:
-            raise refusal(_explain(unit, units))
+            unknown = f"unknown unit {shown(unit)}{_meant(unit, units)}"
+            other = DIMENSION.get(unit)
+            raise refusal(f"{unit!r} is a unit of {other}" if other else unknown)
         if abs(int(quantity["power"] or 0)) > 2 * MOST_CHARACTERS:
             raise refusal("its power of ten is out of range")
         exact = Fraction(quantity["number"]) * Fraction(units[unit] if unit else 1)
@@ -179,13 +181,11 @@ def in_si(values: Any, unit: Any) -> tuple[Any, str]:
     if known is None:
         hint = _meant(shown(unit)[1:-1], DIMENSION) or "; use one such as 'V', 'mV' or 'N'"
         raise ValueError(f"unknown unit {shown(unit)}{hint}")
-    # one operation, which rounds once
-    factor = known.factor
-    try:
-        scaled = values * float(factor) if factor >= 1 else values / float(1 / factor)
+    si, factor = known
+    try:  # one operation, which rounds once
+        return (values * float(factor) if factor >= 1 else values / float(1 / factor)), si
     except (TypeError, OverflowError):
         raise ValueError(f"values: must be numbers of {unit}, got {shown(values)}") from None
-    return scaled, known.unit
 
 
 def dimension_of(unit: str) -> str:
@@ -209,13 +209,6 @@ def _spelt(unit: str) -> str:
     """A unit as `UNITS` spells it."""
     spelt = " ".join(unit.translate(_SPELLINGS).split())
     return _ALIASES.get(spelt, spelt)
-
-
-def _explain(unit: str, units: dict[str, str]) -> str:
-    """Why `unit` is not among `units`: of another dimension, or unknown and perhaps misspelt."""
-    if unit in DIMENSION:
-        return f"{unit!r} is a unit of {DIMENSION[unit]}"
-    return f"unknown unit {shown(unit)}{_meant(unit, units)}"
 
 
 def _meant(word: str, units: Iterable[str]) -> str:

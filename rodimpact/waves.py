@@ -27,7 +27,7 @@ from .methods.duration import Forecast, Progress, warn
 from .methods.registry import check_function
 from .model.arguments import Array, Number, array, demand, plain, together
 from .model.bodies import Rod, Segment
-from .model.frozen import Declared, InvalidModel, Problems, quantity, raise_noted
+from .model.frozen import Declared, Problems, quantity, raise_noted, refusal
 from .model.lateral_inertia import INERTIA, radial_moduli
 from .units import shown
 
@@ -97,17 +97,17 @@ class Bar(Declared):
         """
         pieces: Any = rod.segments if isinstance(rod, Rod) else [rod]
         if len(pieces) != 1 or not isinstance(pieces[0], Segment) or pieces[0].tapered:
-            message = "must be a uniform Rod or Segment, or a waves.Bar"
-            raise InvalidModel([("bar", f"{message}, got {shown(rod)}")])
+            message = f"must be a uniform Rod or Segment, or a waves.Bar, got {shown(rod)}"
+            raise refusal("bar", message)
         (piece,) = pieces
         material = piece.material
         if material.poisson_ratio is None:
             message = f"is missing in {shown(material.name)}; dispersion needs it"
-            raise InvalidModel([("bar.material.poisson_ratio", message)])
+            raise refusal("bar.material.poisson_ratio", message)
         if radius is None and not piece.solid_round:
             message = "is not said to be round; give the rod its diameter in place of the area, or "
             message += "radius=, the equivalent radius in m"
-            raise InvalidModel([("bar.section", message)])
+            raise refusal("bar.section", message)
         a = np.sqrt(piece.area / math.pi) if radius is None else radius
         return cls(material.wave_speed, material.poisson_ratio, a)
 

@@ -116,8 +116,7 @@ def _run(argv: list[str]) -> tuple[str | Iterable[str], int]:
     # what begins as a number is a value, such as -20cm/s or -5.npz; no option does
     own._negative_number_matcher = re.compile(r"-\.?[0-9]")
     os.environ["MPLBACKEND"] = "agg"  # no command opens a window
-    text, status = command.run(own.parse_args(called.rest, asking.Given(own)))
-    return text, status
+    return command.run(own.parse_args(called.rest, asking.Given(own)))  # type: ignore[no-any-return]
 
 
 def _print(text: str | Iterable[str]) -> bool:

@@ -8,6 +8,7 @@ the run stopped before what was asked.
 """
 
 import argparse
+from contextlib import suppress
 from functools import partial
 from typing import Any, TypeAlias
 
@@ -88,12 +89,10 @@ def _laid(measured: Signal, predicted: Signal, given: Given) -> Laid:
     found = measured.misfit(predicted, shift=given.shift, scale=given.scale)
     moved = predicted.replace(values=found.scale * predicted.values,
                               times=predicted.times + found.shift, unit=measured.unit)
-    pulses: list[Pulse | None] = []
-    for signal in (measured, moved):
-        try:
-            pulses.append(signal.window(measured.start, measured.end).pulse())
-        except ValueError:  # there is no whole one
-            pulses.append(None)
+    pulses: list[Pulse | None] = [None, None]
+    for i, signal in enumerate((measured, moved)):
+        with suppress(ValueError):  # there is no whole one
+            pulses[i] = signal.window(measured.start, measured.end).pulse()
     return measured, predicted, found, pulses
 
 

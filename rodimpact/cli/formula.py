@@ -45,9 +45,8 @@ def run(given: argparse.Namespace) -> tuple[str, int]:
 def _told(form: ClosedForm, kinds: list[str], conditions: bool) -> str:
     """All that a formula says, with all conditions or the nearest."""
     results = [("e", form.restitution)] if form.restitution is not None else []
-    names = body_names(kinds)
     results += [(f"velocity of {name} after", v)
-                for name, v in zip(names, form.velocities_after, strict=True)]
+                for name, v in zip(body_names(kinds), form.velocities_after, strict=True)]
     contacts = contact_names(kinds)
     for k, J, episodes in zip(contacts, form.impulses, form.contact_times, strict=True):
         results.append((f"impulse at contact {k}", J))

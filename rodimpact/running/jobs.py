@@ -10,7 +10,7 @@ import threading
 from collections import deque
 from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..methods import memory
 
@@ -22,19 +22,16 @@ UNKNOWN = 256  # workers of an executor that does not say how many it has
 Span = tuple[int, int]
 
 
-class Pool(NamedTuple):
-    """An executor, its workers, and, of threads of our own, what jobs ask whether to stop."""
-
-    executor: Any
-    workers: int
-    asking: tuple[Callable[[], bool], ...] = ()
-
-
 @contextlib.contextmanager
-def pool_of(executor: Executor | None, workers: int | None) -> Iterator[Pool]:
-    """The executor given, or threads of our own."""
+def pool_of(
+    executor: Executor | None, workers: int | None
+) -> Iterator[tuple[Executor, int, Callable[[], bool] | None]]:
+    """The executor given, or threads of our own, and the workers it has.
+
+    Jobs of our own threads ask the function whether to stop.
+    """
     if executor is not None:
-        yield Pool(executor, workers_of(executor))
+        yield executor, workers_of(executor), None
         return
     stopping, threads = threading.Event(), workers or _processors()
     own = ThreadPoolExecutor(threads, initializer=memory.share, initargs=(threads,))
@@ -44,7 +41,7 @@ def pool_of(executor: Executor | None, workers: int | None) -> Iterator[Pool]:
     except RuntimeError:  # no thread can start, as in a browser
         doing = Here()
     try:
-        yield Pool(doing, threads, (stopping.is_set,))
+        yield doing, threads, stopping.is_set
     finally:  # who interrupts does not wait for a member, or for a compiler, to end
         stopping.set()
         own.shutdown(wait=False, cancel_futures=True)
@@ -76,16 +73,17 @@ def _processors() -> int:
 
 
 def results_of(
-    pool: Pool, submit: Callable[[int, int], Future[Any]], spans: list[Span], unit: int, most: int,
-    wanted: Callable[[int], bool],
+    workers: int, submit: Callable[[int, int], Future[Any]], spans: list[Span], unit: int,
+    most: int, wanted: Callable[[int], bool],
 ) -> Generator[list[tuple[int, int, Any]]]:
     """Run members of a family; yield what has come in, if anything, twice a second or more often.
 
     Parameters
     ----------
-    pool : Pool
+    workers : int
+        How many jobs run at a time.
     submit : function
-        Hands the members of a span to the pool; the future's result has the seconds that it took,
+        Hands the members of a span over; the future's result has the seconds that it took,
         and what came out.
     spans : list of (int, int)
         First member and the one after the last, of what is to be run.
@@ -103,11 +101,11 @@ def results_of(
     left, size = sum(stop - start for start, stop in spans), unit
     try:
         while True:
-            while waiting and len(running) < 2 * pool.workers:  # one to do, and one to go on with
+            while waiting and len(running) < 2 * workers:  # one to do, and one to go on with
                 start, stop = waiting.popleft()
                 if not wanted(start):
                     continue
-                fair = left // (2 * pool.workers)  # so that all end together
+                fair = left // (2 * workers)  # so that all end together
                 units = max(1, min(size, fair) // unit)
                 cut = min(start - start % unit + units * unit, stop)
                 if cut < stop:

@@ -1,12 +1,11 @@
 """Results survive in files: what `load` returns equals what was saved, bit for bit."""
 
-from collections.abc import Callable
 from typing import Any
 
 from ..results.run_file import put_together
 from ..results.solution import Solution
 from ..storage.reading import read_npz
-from ..storage.writing import Arrays, PathLike
+from ..storage.writing import PathLike
 from .sweep_result import SweepResult
 
 
@@ -46,10 +45,7 @@ def load(path: PathLike) -> Any:
     ...     ri.load(f"{folder}/run.npz").outcome == solution.outcome
     True
     """
-    return read_npz(path, _READERS)
-
-
-_READERS: dict[str, Callable[[dict[str, Any], Arrays], Any]] = {
-    "solution": lambda document, arrays: Solution(put_together(document, arrays)),
-    "sweep": SweepResult.restored,
-}
+    return read_npz(path, {
+        "solution": lambda document, arrays: Solution(put_together(document, arrays)),
+        "sweep": SweepResult.restored,
+    })

@@ -37,13 +37,12 @@ def sweep_table(result: SweepResult, varied: Varied, more: str) -> str:
     str
         The grids, the extremes of e, all collisions or some, and why some have no e.
     """
-    rows = [["varied", "values", "from", "to"]]
-    rows += [
+    rows = [["varied", "values", "from", "to"], *(
         [path, str(len(values)), format_si(values.min(), unit), format_si(values.max(), unit)]
         for path, values, unit in varied
-    ]
+    )]
     blocks = [align(rows), _extremes(result, varied), _members(result, varied, more)]
-    return "\n\n".join([*blocks, *_missing(result, varied)])
+    return "\n\n".join(filter(None, [*blocks, _missing(result, varied)]))
 
 
 def sweep_json(result: SweepResult, varied: Varied) -> Iterator[str]:
@@ -140,7 +139,7 @@ def _digits(value: float, scale: float, unit: str = "") -> str:
     return "-" if math.isnan(value) else f"{clean(value, scale):.6g}{unit}"
 
 
-def _missing(result: SweepResult, varied: Varied) -> list[str]:
+def _missing(result: SweepResult, varied: Varied) -> str:
     """How many have no e, and why: a sentence for each kind."""
     missing = np.isnan(result.restitution)
     met = sum(contact.episodes for contact in result.contacts) > 0
@@ -149,13 +148,12 @@ def _missing(result: SweepResult, varied: Varied) -> list[str]:
     for code in np.unique(status[missing]):
         for which in (met, ~met):
             kind = missing & (status == code) & which
-            if kind.any():
+            if count := int(np.count_nonzero(kind)):
                 index = _first(kind)
-                count = int(np.count_nonzero(kind))
                 have = "1 collision has" if count == 1 else f"{count} collisions have"
                 reason = result.explain(index).removesuffix(".")
                 sentences.append(f"{have} no e. At {_where(index, varied)}: {reason}.")
-    return ["\n".join(sentences)] if sentences else []
+    return "\n".join(sentences)
 
 
 def _first(which: Any) -> Any:

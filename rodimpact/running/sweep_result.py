@@ -266,8 +266,7 @@ class SweepResult(Shown, OnlyContact[Any]):
             If the file is there and `force` is false.
         """
         with written(path, force=force) as file:
-            for line in self.csv_lines():
-                file.write(f"{line}\n".encode())
+            file.writelines(f"{line}\n".encode() for line in self.csv_lines())
 
     def to_dataframe(self) -> Any:
         """All members as a pandas DataFrame (extra ``dataframe``), one a row.
@@ -307,8 +306,9 @@ class SweepResult(Shown, OnlyContact[Any]):
         """
         xarray = optional("xarray", "xarray")
         names = [axis.name for axis in self.axes]
-        whole = {path: np.broadcast_to(v, self.shape) for path, v in self.parameters.items()}
-        coordinates: Columns = {path: (names, values) for path, values in whole.items()}
+        known = {*names, *self.parameters}
+        coordinates: Columns = {
+            path: (names, np.broadcast_to(v, self.shape)) for path, v in self.parameters.items()}
         coordinates |= {name: ([name], values) for name, values in self.axes}
         columns = {name: (names, values) for name, values in self.columns.items()}
         columns["status"] = names, self.status
@@ -319,7 +319,7 @@ class SweepResult(Shown, OnlyContact[Any]):
             columns["strain"] = [*names, "gauge", "time"], self.strain
         return xarray.Dataset(
             {k: (*v, outcome(self.system, k).attributes) for k, v in columns.items()},
-            {k: (*v, (parameter if k in (*names, *whole) else outcome)(self.system, k).attributes)
+            {k: (*v, (parameter if k in known else outcome)(self.system, k).attributes)
              for k, v in coordinates.items()},
         )
 

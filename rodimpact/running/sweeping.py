@@ -206,19 +206,18 @@ def sweep(
     raise_noted(problems)
     together = 0 if _alone(options, readings) else METHODS[options.method].together(Row(system))
     size, unit = math.prod(system.shape), min(TOGETHER, together) or 1
-    of = arrays_of(system, readings)
     described = {} if checkpoint is None else {
         "rodimpact": __version__, "system": system.digest, "shape": system.shape,
         **asdict(options), **readings._asdict(), "times": readings.times.tolist(),
     }
-    keep = Checkpoint(of, size, unit, checkpoint, described)
+    keep = Checkpoint(arrays_of(system, readings), size, unit, checkpoint, described)
     raises, status = on_error == "raise", keep.columns["status"]
     bad = [i for start, stop in keep.spans(keep.done) for i in _bad(start, status[start:stop])]
-    with contextlib.closing(keep), pool_of(executor, workers) as pool:
-        tell = _news_of(keep, pool.workers, together > 0, progress)
-        results = results_of(pool, lambda start, stop: pool.executor.submit(
+    with contextlib.closing(keep), pool_of(executor, workers) as (pool, running, stopping):
+        tell = _news_of(keep, running, together > 0, progress)
+        results = results_of(running, lambda start, stop: pool.submit(
             run_job, _members(system, start, stop), options, readings,
-            *([*pool.asking, size - stop] if pool.asking else ()),
+            *((stopping, size - stop) if stopping else ()),
         ), keep.spans(~keep.done), unit, together or TOGETHER,
             lambda i: not raises or i < min(bad, default=size))
         with contextlib.closing(results):

@@ -12,7 +12,7 @@ from ..methods.registry import NUMBERS, Options
 from ..model import SIDES, System
 from ..model.bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from ..model.ends import ENDS, FREE, End
-from ..model.frozen import Field, InvalidModel, Number, defaults_of, refusal
+from ..model.frozen import Field, InvalidModel, defaults_of, refusal
 from ..model.lateral_inertia import THEORIES
 from ..model.laws import CONTACT_LAWS, FACE, ContactLaw, Hertz, Spring
 from ..model.paths import FIELDS, SPEED, suggestion
@@ -61,8 +61,16 @@ def case_from(
     bodies = [_read_body(table, known) for table in top.tables("bodies")]
     if not bodies:
         top.note("bodies", "is missing; describe each body in a [[bodies]] table")
-    gaps, laws = _read_contacts(top, bodies, known)
-    ends = _read_ends(top.table("ends"))
+    gaps, laws = [], []
+    contacts = top.tables("contacts")
+    if "contacts" not in top.data:
+        contacts = [top.inner(f"contacts.{i}", {}) for i in range(len(bodies) - 1)]
+    for i, table in enumerate(contacts):
+        gaps.append(table.entry("gap", System.fields["gaps"]))
+        laws.append(_read_law(table, (*bodies[i : i + 2], None, None)[:2], known))
+    sides = top.table("ends")  # of the row; where mistakes allow nothing, nothing happens there
+    ends = [_read_end(sides.table(side)) if sides.has(side) else FREE for side in SIDES]
+    sides.close()
     system: Any = bodies and top.make(
         System, OF_SYSTEM, bodies=[body or ANY_ROD for body in bodies], gaps=gaps, contacts=laws,
         gravity=gravity, ends=ends,
@@ -73,8 +81,7 @@ def case_from(
     _check_varied(top, system)
     if top.mistakes:
         raise InvalidModel(list(top.mistakes.items()))
-    taken = top.grids.taken
-    varied = tuple(taken[path] for path in top.grids.texts)
+    varied = tuple(top.grids.taken[path] for path in top.grids.texts)
     return Case(system, options, output, source, varied, gauges)
 
 
@@ -163,20 +170,6 @@ def _varied(table: Table, material: Material) -> Material:
     return material
 
 
-def _read_contacts(
-    top: Table, bodies: list[Body | None], known: Materials
-) -> tuple[list[Number], list[ContactLaw]]:
-    """Gaps and laws of all pairs."""
-    tables = top.tables("contacts")
-    if "contacts" not in top.data:
-        tables = [top.inner(f"contacts.{i}", {}) for i in range(len(bodies) - 1)]
-    gaps, laws = [], []
-    for i, table in enumerate(tables):
-        gaps.append(table.entry("gap", System.fields["gaps"]))
-        laws.append(_read_law(table, (*bodies[i : i + 2], None, None)[:2], known))
-    return gaps, laws
-
-
 def _read_law(table: Table, pair: tuple[Body | None, ...], known: Materials) -> ContactLaw:
     """The law; a spring, which goes between any bodies, where mistakes allow none."""
     name = table.word("law", CONTACT_LAWS, "rigid")
@@ -207,13 +200,6 @@ def _read_faces(table: Table, pair: tuple[Body | None, ...], known: Materials) -
         else:
             faces[key] = None if body else materials.steel
     return faces
-
-
-def _read_ends(table: Table) -> list[End]:
-    """What happens at the two ends of the row; where mistakes allow nothing, nothing does."""
-    ends = [_read_end(table.table(side)) if table.has(side) else FREE for side in SIDES]
-    table.close()
-    return ends
 
 
 def _read_end(table: Table) -> End:
