@@ -47,7 +47,7 @@ class Followed:
     def __init__(self, system: System, changes: Array, max_events: int) -> None:
         self._row = Row(system)
         run, directions = track(self._row, max_events=max_events), changes.shape[1]
-        plan, n, end = run.plan, run.plan.segments, run.finality_time
+        plan, n, end = run.plan, len(run.plan.kinds) - 1, run.finality_time
         self._tick, self._frame, self._nodes = run.clock.tick, run.clock.frame, plan.contacts
         self.event, self.node = np.full(directions, SMOOTH), np.full(directions, -1)
         self.when, self._least = np.full(directions, end * self._tick), LEAST * run.run.scale

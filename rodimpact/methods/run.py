@@ -10,6 +10,8 @@ from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ..model import System
 from .clock import Clock
 from .laws import Status
@@ -249,6 +251,13 @@ class FamilyRun(NamedTuple):
     final: Floats
     stopped_by: Ints
     further: Mapping[str, Floats] = {}
+
+
+def stopped_by(refused: Any, final: Any, capped: Any, until: float | None) -> Ints:
+    """Place in `STOPPED_BY` of each member: it was refused, is final, or had too many events."""
+    reasons = [refused, final & (until is None), capped]
+    places = [STOPPED_BY.index(name) for name in ("refused", "final", "max_events")]
+    return np.select(reasons, places, STOPPED_BY.index("clock" if until is None else "until"))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

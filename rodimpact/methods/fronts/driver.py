@@ -154,7 +154,7 @@ def laid(
     tick, frame
         What a tick lasts, s, and the velocity from which velocities are counted.
     """
-    made, n = {**blank_records(plan, ROOM), "given": numbers}, plan.segments
+    made, n = {**blank_records(plan, ROOM), "given": numbers}, len(plan.kinds) - 1
     run, body, _, piece, segment, node, line, log, tree = (made[name] for name in FOLLOWED)
     run.tick, run.frame = tick, frame
     layout.cut(body, numbers, 0, piece, segment)

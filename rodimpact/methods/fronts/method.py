@@ -250,12 +250,9 @@ def solve_family(
     contacts = {"episodes": [run["episodes"][:, k] for k in plan.contacts]}
     for name in ("impulse", "peak_force", "duration"):
         contacts[name] = [unknown + run[name][:, k] for k in plan.contacts]
-    why = run["stop"]
-    reasons = [refused, final & (until is None), why == Stop.CAP, why == Stop.CLOCK]
-    places = [runs.STOPPED_BY.index(name) for name in ("refused", "final", "max_events", "clock")]
     return runs.FamilyRun(
         before, after, unknown + run["vibration"], contacts, final,
-        np.select(reasons, places, runs.STOPPED_BY.index("until")),
+        runs.stopped_by(refused, final, run["stop"] == Stop.CAP, until),
         {"dissipated": unknown, **(_read(row, run, unknown) if reads else {})},
     )
 

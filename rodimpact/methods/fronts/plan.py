@@ -26,24 +26,22 @@ class Plan(NamedTuple):
     Attributes
     ----------
     row : Row
-    bodies : list of tuple
-        Of each a BODY.
+    body : list of BODY
     kinds : list of int
         Of each node.
     numbers : list of float or array
         In which members differ, see `layout`.
     contacts : list of int
         Node of each contact.
-    segments, pieces, fronts : int
-        How many segments, durations and fronts at t = 0 a member has.
+    pieces, fronts : int
+        How many durations and fronts at t = 0 a member has.
     """
 
     row: Any
-    bodies: list[Any]
+    body: list[Any]
     kinds: list[int]
     numbers: list[Any]
     contacts: list[int]
-    segments: int
     pieces: int
     fronts: int
 
@@ -67,16 +65,15 @@ def plan_of(row: Any) -> Plan:
             value = end.value if end.kind in ("force", "velocity", "incoming") else 0.0
             entry = enter(numbers, (1, 0), (value, 0.0), BEYOND[end.kind])
             bodies = [*bodies, entry] if side == 1 else [entry, *bodies]
-    n, pieces = len(segments), len(segments)
-    for _, _, _, velocities, strains, _ in bodies:
-        pieces += velocities + strains - 2  # where they jump
+    pieces = len(segments) + sum(it.velocities + it.strains - 2 for it in bodies)  # cut at jumps
     contacts = [last for _, last in row.spans[: len(system.gaps)]]
-    return Plan(row, bodies, kinds, numbers, contacts, n, pieces, 2 * pieces + 2)
+    return Plan(row, bodies, kinds, numbers, contacts, pieces, 2 * pieces + 2)
 
 
 def enter(numbers: list[Any], span: Any, profiles: Any, outside: int) -> Any:
     """A BODY, whose profiles of velocity and strain are added to the numbers."""
-    place, counts = len(numbers), []
+    it, counts = blank(1, BODY)[0], []
+    it.first, it.last, it.profile, it.outside = span[0], span[1], len(numbers), outside
     for profile in profiles:
         if isinstance(profile, Steps):
             numbers.extend(profile.values)
@@ -85,7 +82,8 @@ def enter(numbers: list[Any], span: Any, profiles: Any, outside: int) -> Any:
         else:
             numbers.append(profile)
             counts.append(1)
-    return (span[0], span[1], place, counts[0], counts[1], outside)
+    it.velocities, it.strains = counts
+    return it
 
 
 def blank_records(plan: Plan, rows: int) -> dict[str, Any]:
@@ -93,20 +91,17 @@ def blank_records(plan: Plan, rows: int) -> dict[str, Any]:
 
     The log has room for so many `rows` beside those at t = 0.
     """
-    n, run, body = plan.segments, blank(1, RUN)[0], blank(len(plan.bodies), BODY)
-    for i, (first, last, profile, velocities, strains, outside) in enumerate(plan.bodies):
-        it = body[i]
-        it.first, it.last, it.profile = first, last, profile
-        it.velocities, it.strains, it.outside = velocities, strains, outside
-        run.lasting = 1 if run.lasting or outside == Beyond.ENDLESS else 0
+    n, run = len(plan.kinds) - 1, blank(1, RUN)[0]
     node = blank(n + 1, NODE)
     for k in range(n + 1):
         node[k].kind, node[k].contact = plan.kinds[k], NONE
     for i, k in enumerate(plan.contacts):
         node[k].contact = i
-        run.lasting = 1 if run.lasting or plan.kinds[k] == Status.BOND else 0
+    endless = any(it.outside == Beyond.ENDLESS for it in plan.body)
+    bonded = any(plan.kinds[k] == Status.BOND for k in plan.contacts)
+    run.lasting = 1 if endless or bonded else 0
     return {
-        "run": run, "body": body, "piece": blank(plan.pieces, PIECE),
+        "run": run, "body": plan.body, "piece": blank(plan.pieces, PIECE),
         "segment": blank(n + 2, SEGMENT), "node": node, "line": blank(2 * n + 4, LINE),
         "log": blank(plan.fronts + rows, ROW),
         "tree": [0 for _ in range(events.size_of_tree(n + 1))],

@@ -24,8 +24,6 @@ class FrontRun:
     plan : Plan
     run, segment, node, line
         The kernel's records as objects, or lists of them.
-    gaps : list of float
-        Of each contact at t = 0, velocity times ticks.
     stopped_by : str
         ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``.
     finality_time : int
@@ -39,7 +37,6 @@ class FrontRun:
         if self.run.stop >= Stop.OVERFLOW:
             raise InvalidModel([_refusal(self)])
         self.clock, self.stopped_by = _clock(self), REASONS[Stop(self.run.stop)]
-        self.gaps = [it / self.clock.tick for it in map(float, self.plan.row.system.gaps)]
         pushed = self.run.until >= 0 and driven(self.plan.row.system)
         self.finality_time = NONE if pushed else self.run.proved
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ...model import Absorbing, Bonded, Fixed, Free, Wall
+from ...model import Absorbing, Fixed, Free, Wall
 from ..clock import Clock
 from ..laws import Status
 from ..run import INWARD, ContactSignal, Outside, Signals, Waves, episodes_of
@@ -18,11 +18,8 @@ from .run import FrontRun
 def signals_of(run: FrontRun) -> Signals:
     """All that a run knows of the motion."""
     system, end = run.clock.system, run.run.now
-    lines, changes = _waves(len(run.segment), run.log), _changes(run)
-    contacts = tuple(
-        _contact(run, lines, changes[node], k, isinstance(law, Bonded))
-        for k, (node, law) in enumerate(zip(run.plan.contacts, system.contacts, strict=True))
-    )
+    lines = _waves(len(run.segment), run.log)
+    contacts = tuple(_contact(run, lines, k) for k in range(len(system.contacts)))
     left, right = (_outside(run.clock, lines, contacts, place, end) for place in (0, -1))
     return Signals(Waves(lines), contacts, (left, right))
 
@@ -36,23 +33,16 @@ def _waves(segments: int, log: Any) -> list[Pieces | None]:
             for i, j in pairwise(bounds)]
 
 
-def _changes(run: FrontRun) -> dict[int, Pieces]:
-    """Status of each contact, by node; that before any change holds from tick -1 on."""
-    by_node: dict[int, tuple[list[int], list[int]]] = {}
-    for node, gap in zip(run.plan.contacts, run.gaps, strict=True):
-        by_node[node] = [-1], [Status.OPEN if gap > 0 else run.node[node].kind]
-    for row in run.log[run.log["line"] == CHANGE]:
-        ticks, statuses = by_node[int(row["after"])]
-        ticks.append(int(row["tick"]))
-        statuses.append(int(row["value"]))
-    return {node: Pieces(*columns) for node, columns in by_node.items()}
+def _contact(run: FrontRun, lines: Sequence[Pieces | None], contact: int) -> ContactSignal:
+    """Force and gap, from the waves that arrive at a contact and its changes of status.
 
-
-def _contact(
-    run: FrontRun, lines: Sequence[Pieces | None], changes: Pieces, contact: int, bonded: bool,
-) -> ContactSignal:
-    """Force and gap, from the waves that arrive at a contact and its changes of status."""
+    The status before any change holds from tick -1 on.
+    """
     a, node, end = run.clock, run.plan.contacts[contact], run.run.now
+    first, bonded = float(a.system.gaps[contact]) / a.tick, run.node[node].kind == Status.BOND
+    log = run.log[(run.log["line"] == CHANGE) & (run.log["after"] == node)]
+    before = Status.OPEN if first > 0 else run.node[node].kind
+    changes = Pieces([-1, *log["tick"]], [before, *log["value"]])
     left, right = (_arrivals(run, lines, node, side) for side in (0, 1))
     ticks = each_once([0], left.ticks, right.ticks, changes.ticks)
     ticks = ticks[(ticks >= 0) & (ticks <= end)]
@@ -67,7 +57,7 @@ def _contact(
     # every change of status but the initial one leaves the gap at 0
     change = np.searchsorted(ticks, changes.ticks[1:])
     last = np.searchsorted(changes.ticks[1:], ticks, "right") - 1
-    zero = np.append(travelled[change], -run.gaps[contact])[last]
+    zero = np.append(travelled[change], -first)[last]
     gap = np.where(status == Status.OPEN, travelled - zero, 0.0)
     until = gap + opening * np.diff(ticks, append=end)
     episodes = () if bonded else episodes_of(changes.ticks[1:], changes.values[1:], a.tick)

@@ -49,9 +49,7 @@ def left_open(run: Any, fit: float) -> float:
 def measured(r: Ended) -> list[list[float]]:
     """What a run comes to, in the order of `MEASURES`."""
     link = [it for it in r.link if it.law >= Law.JOINT]
-    tick, times = r.run.tick, [it.first for it in link]
-    times.extend([it.last for it in link])
-    times.extend([it.apart for it in link])
+    tick, times = r.run.tick, [t for it in link for t in (it.first, it.last, it.apart)]
     moving = [it.mean for it in r.part if it.parts > 0]
     if r.run.held:  # after the proof, at whatever time it came, other groups go on evenly
         moving = [it.own for it in r.part]
@@ -83,7 +81,4 @@ def apart(fine: Ended, coarse: Ended) -> list[float]:
 
 def size_of(values: list[float]) -> float:
     """Largest absolute value."""
-    largest = 0.0
-    for value in values:
-        largest = max(largest, abs(value))
-    return largest
+    return max([0.0, *[abs(value) for value in values]])

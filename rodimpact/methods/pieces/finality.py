@@ -12,7 +12,6 @@ from . import lines
 from .records import NEVER, NONE, Part
 from .series import N
 
-WALL, ENDLESS = 0, 1  # `index` of what holds a group
 DASHPOT = 16.0  # (2 sqrt(2 E m)/c)^2 over 2 E, twice as the sum of two bounds is squared
 STILL = 2.0**-40  # of the velocity scale: slower is at rest
 ROUGH = 1e-3  # of the tolerance of pieces: what they leave open
@@ -143,7 +142,7 @@ def set_ends(
     for k in range(first, last):
         it, before = part[k], passed
         passed += it.mass
-        pieces += 1 if it.kind == Part.SEGMENT else 2 if it.kind != Part.GROUND else 0
+        pieces += 1 if it.kind == Part.SEGMENT else 2 if it.kind < Part.WALL else 0
         for side in range(2):
             g = w = 1.0
             if not held:
@@ -163,10 +162,10 @@ def set_ends(
                     c = link[it.index].damping
                     gives = DASHPOT * max(passed, total - passed) / (c * c)
                 head.slack[side] += gives * (g * g)
-            elif it.kind == Part.GROUND and it.index == ENDLESS:
+            elif it.kind == Part.ENDLESS:
                 head.slack[side] = gives
     for k in range(first, last):
-        if part[k].kind == Part.GROUND and part[k].index == WALL:  # turns waves around its velocity
+        if part[k].kind == Part.WALL:  # turns waves around its velocity
             low = min(head.low, 2 * head.speed - head.high)
             head.high = max(head.high, 2 * head.speed - head.low)
             head.low = low

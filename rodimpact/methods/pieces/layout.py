@@ -11,7 +11,7 @@ import numpy as np
 from .. import tick_rule as rule
 from ..compiling import blank
 from ..laws import Law, Status
-from . import finality
+from ..walk import largest
 from .records import LINE, LINK, MASS, NEVER, NODE, NONE, PART, PIECE, RUN, SMOOTH, Part
 from .series import POINTS, N
 
@@ -94,8 +94,7 @@ def piece_of(start: Any, stop: Any, values: Any) -> Any:
     it = blank(1, PIECE)[0]
     it.start, it.stop, it.order, it.after = start, stop, SMOOTH, NONE
     it.degree = N if len(values) > 1 else 0
-    for m in range(len(values)):
-        it.coefficient[m] = values[m]
+    it.coefficient = [*values, *([0.0] * (POINTS - len(values)))]
     return it
 
 
@@ -133,16 +132,13 @@ def lay_out(
         shortest = np.minimum(shortest, T)
     node, mass = nodes_of(row, outside), blank(len(row.masses), MASS)
     link = links_of(row, clock, node, shortest * clock.tick)
-    for m in range(len(mass)):
-        mass[m].mass, mass[m].line = row.masses[m], NONE
-        for j in range(POINTS):
-            mass[m].speed[j] = row.mass_velocity[m] - clock.frame
+    for m, body in enumerate(mass):
+        body.mass, body.speed = row.masses[m], [row.mass_velocity[m] - clock.frame] * POINTS
     part, n = parts_of(row, node, link, outside), len(known)
     line = lines_of(clock, known, n + (keep_lines(link, mass, n) if asked.keep else 0))
     run = run_of(row, clock, asked, shortest, known)
-    for p in range(len(part)):
-        if part[p].kind == Part.GROUND and part[p].parts != 1:
-            run.held = 1
+    if any(it.kind >= Part.WALL and it.parts != 1 for it in part):
+        run.held = 1
     if asked.until is None and (run.held or asked.keep):  # else no more than the proof is needed
         run.extra = 2 * longest_of(row, clock, shortest)
     for at in node:
@@ -152,13 +148,9 @@ def lay_out(
 
 def longest_of(row: Any, clock: Clock, shortest: Any) -> Any:
     """Ticks in which a wave goes through the longest body."""
-    longest = 0 if len(clock.transits) > 0 else shortest
-    for first, last in row.spans:
-        span = 0
-        for s in range(first - 1, last):
-            span = span + clock.transits[s]
-        longest = np.maximum(longest, span)
-    return longest
+    without_rods = 0 if len(clock.transits) > 0 else shortest
+    return largest([without_rods, *[
+        sum(clock.transits[first - 1 : last]) for first, last in row.spans]])
 
 
 def run_of(row: Any, clock: Clock, asked: Asked, shortest: Any, known: Any) -> Any:
@@ -207,15 +199,11 @@ def links_of(row: Any, clock: Clock, node: list[Any], time: Any) -> list[Any]:
         for q in range(at.links):
             it = link[at.first + q]
             set_law(it, row.links[at.first + q], at.first + q)
-            if q == 0:
-                it.mobility = it.mobility + at.mobility[0]
-            if q == at.links - 1:
-                it.mobility = it.mobility + at.mobility[1]
+            last = q == at.links - 1
+            it.mobility = (at.mobility[0] if q == 0 else 0.0) + (at.mobility[1] if last else 0.0)
             it.ease = it.mobility
-            if q > 0:
-                it.ease = it.ease + time / row.masses[at.mass + q - 1]
-            if q < at.links - 1:
-                it.ease = it.ease + time / row.masses[at.mass + q]
+            for m in range(max(q - 1, 0), q if last else q + 1):
+                it.ease = it.ease + time / row.masses[at.mass + m]
             if it.law == Law.IMPACT:
                 it.strength = clock.scale / it.ease  # the force that is one
             elif it.law == Law.OWN:
@@ -302,9 +290,8 @@ def add_part(part: list[Any], head: int, kind: int, index: int, mass: Any, compl
 
 def add_ground(part: list[Any], head: int, kind: str, line: int) -> None:
     """Add what holds an end of the row, with the line of what comes from there."""
-    if kind == "absorbing":
-        add_part(part, head, Part.GROUND.value, finality.ENDLESS, 0.0, 1e300)
-    elif kind == "velocity":
-        add_part(part, head, Part.GROUND.value, finality.WALL, 0.0, 0.0)
     if kind in ("absorbing", "velocity"):
+        endless = kind == "absorbing"
+        what = Part.ENDLESS.value if endless else Part.WALL.value
+        add_part(part, head, what, NONE, 0.0, 1e300 if endless else 0.0)
         part[head].held = line

@@ -237,9 +237,6 @@ def _family_run(family: Members, refused: Any) -> runs.FamilyRun:
         "episodes": [it["episodes"].copy() for it in links],
     }
     final = (run["proved"] >= 0) & ~refused
-    reasons = [refused, final & (until is None), run["stop"] == Stop.CAP]
-    places = [runs.STOPPED_BY.index(name) for name in ("refused", "final", "max_events")]
-    otherwise = runs.STOPPED_BY.index("clock" if until is None else "until")
-    vibration = sum(vibration_of(family), unknown)
-    stopped_by = np.select(reasons, places, otherwise)
-    return runs.FamilyRun(before, after, vibration, contacts, final, stopped_by)
+    stopped_by = runs.stopped_by(refused, final, run["stop"] == Stop.CAP, until)
+    return runs.FamilyRun(
+        before, after, sum(vibration_of(family), unknown), contacts, final, stopped_by)

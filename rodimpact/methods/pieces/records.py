@@ -20,7 +20,8 @@ class Part(IntEnum):
     SEGMENT = 0
     MASS = 1
     JOINT = 2
-    GROUND = 3  # a wall, or what lies beyond an end
+    WALL = 3  # from here on what holds the group
+    ENDLESS = 4
 
 
 SMOOTH = 99  # order of a break that is none
