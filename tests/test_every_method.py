@@ -87,6 +87,19 @@ def assert_gaps_are_between_ends(solution, near):
             assert contact.gap(t) == pytest.approx(distance, abs=near)
 
 
+def assert_strains_stretch_rods(solution):
+    """At two times, but for the jumps between 400 places."""
+    t = np.array([0.0, 0.7 * solution.t_end])
+    for i, body in enumerate(solution.system.bodies):
+        if isinstance(body, ri.Rod):
+            x = (np.arange(400)[:, None] + 0.5) / 400 * body.length
+            strain = solution.strain(i, x, t)
+            moved = [solution.displacement(i, end, t) for end in (0.0, body.length)]
+            near = 0.1 * body.length * np.abs(strain).max() + 1e-15
+            assert moved[1] - moved[0] == pytest.approx(
+                body.length * strain.mean(axis=0), abs=near)
+
+
 @by_method
 @given(seeds, st.booleans())
 def test_energy_momentum_and_gaps(method, seed, driven):
@@ -95,6 +108,7 @@ def test_energy_momentum_and_gaps(method, seed, driven):
     assert_forces_move_bodies(solution, near)
     if method != "finite-difference":  # where strains at the start are means over cells
         assert_gaps_are_between_ends(solution, 20 * near)
+        assert_strains_stretch_rods(solution)
 
 
 def assert_alike(one, other, sign, shift, near):

@@ -57,6 +57,17 @@ def test_modules_import_only_what_lies_below_and_not_each_other_in_a_loop():
         imports = {name: targets for name, targets in imports.items() if name not in free}
 
 
+def test_kernels_of_fronts_know_numbers_and_each_other():
+    """So the page can take them."""
+    kernels = {f"methods.fronts.{name}" for name in (
+        "layout", "events", "finality", "stock", "march")}
+    kernels |= {"methods.tick_rule", "methods.finality_kernel"}
+    known = kernels | {"methods.fronts.records", "methods.laws"}
+    for name, path in modules():
+        if name in kernels:
+            assert set(imports_of(name, path)) <= known, name
+
+
 def test_modules_are_imported_by_name_only_for_the_public_names_and_commands():
     by_string = {n for n, path in modules() if 'import_module(f".' in path.read_text("utf-8")}
     assert by_string == {"cli"}

@@ -57,19 +57,6 @@ def test_fronts_are_met_to_round_off(seed):
 # Masses and rods ----------------------------------------------------------------------------------
 
 
-def e_of_mass_on_rod(mu):
-    return (1 - math.exp(-2 * mu)) / mu - math.exp(-2 * mu)
-
-
-@pytest.mark.parametrize("mu", [0.25, 1.0, 4.0])
-def test_mass_on_a_free_rod_at_the_default_tolerance(mu):
-    s = ri.solve(ri.System([ri.RigidMass(1 / mu, velocity=1.0), unit_rod()]))
-    assert s.method == METHOD
-    assert s.outcome.restitution == pytest.approx(e_of_mass_on_rod(mu), abs=1e-10)
-    assert s.outcome.duration == pytest.approx(2.0, rel=1e-12)
-    assert s.outcome.peak_force == pytest.approx(1.0, rel=1e-10)
-
-
 def mass_on_a_stiff_spring(M, k):
     """Impulse, largest force and duration: two exponentials, and an equation with their echo."""
     root = math.sqrt(k * k - 4 * k / M)
@@ -104,26 +91,6 @@ def test_a_stiff_spring_is_resolved_in_few_steps(M, k, gap):
     assert o.duration == pytest.approx(lasts, rel=1e-8)
     assert abs(o.energy_residual) <= 1e-9
     assert s.run.events <= 500
-
-
-@pytest.mark.parametrize(
-    ("ratio", "time", "rebound", "struck", "fixed"),
-    [(1, 3.068, -0.6876, 2.1353, 2.2707), (2, 4.709, -0.9252, 2.3679, 2.7358)],
-)
-@pytest.mark.parametrize("held", ["wall", "end"])
-def test_mass_on_a_fixed_rod(ratio, time, rebound, struck, fixed, held):
-    bodies, laws, ends = [ri.RigidMass(float(ratio), velocity=1.0), unit_rod()], None, None
-    if held == "wall":
-        bodies, laws = [*bodies, ri.Wall()], [ri.Rigid(), ri.Bonded()]
-    else:
-        ends = (ri.Free(), ri.Fixed())
-    s = solved(bodies, 9.0, contacts=laws, ends=ends)
-    over = s.contacts[0].episodes[0].force_end
-    assert over == pytest.approx(time, abs=5e-4)
-    assert float(s.velocity(0, 0.0, over)) == pytest.approx(rebound, abs=5e-5)
-    near, far = (np.union1d(np.linspace(0, t, 20_001), np.arange(t)) for t in (over, over + 1))
-    forces = s.contacts[0].force(near), -s.stress(1, 1.0, far)
-    assert [F.max() for F in forces] == pytest.approx([struck, fixed], abs=1e-4)
 
 
 @pytest.mark.parametrize("gravity", [0.0, -0.5])

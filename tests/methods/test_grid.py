@@ -223,16 +223,6 @@ def test_a_mode_with_lateral_inertia_swings_slower(wave):
     assert order(errors) >= 1.8
 
 
-def test_a_cone_in_steps_is_the_cone():
-    cone = ri.Rod(1.0, area=lambda x: (1 + x) ** 2, material=UNIT, velocity=0.7)
-    other = unit_rod(0.8, 2.0)
-    whole = ri.solve(ri.System([cone, other]), 4.0, cells=300)
-    assert whole.method == METHOD
-    steps = ri.solve(ri.System([cone.in_steps(64), other]), 4.0, "characteristics")
-    assert whole.outcome.velocities_after == pytest.approx(steps.outcome.velocities_after, abs=3e-3)
-    assert whole.outcome.impulse == pytest.approx(steps.outcome.impulse, rel=4e-3)
-
-
 # Symmetry -----------------------------------------------------------------------------------------
 
 

@@ -17,9 +17,9 @@ from runs import bits_of, tracked
 from systems import horizon, random_system
 
 import rodimpact as ri
-from rodimpact.methods import kernels, tick_rule
+from rodimpact.methods import kernels
 from rodimpact.methods.compiling import blank
-from rodimpact.methods.fronts import driver, events, finality, layout, march, stock
+from rodimpact.methods.fronts import driver, march
 from rodimpact.methods.fronts.stock import largest_difference
 from rodimpact.methods.pieces import march as pieces
 from rodimpact.methods.tick_rule import SPAN, assign_ticks, recognise
@@ -85,18 +85,6 @@ def test_a_log_that_is_full_grows_and_the_run_goes_on(monkeypatch, compiling):
     roomy = bits_of(system, horizon(system, 8), compiling)
     monkeypatch.setattr(driver, "ROOM", 1)
     assert bits_of(system, horizon(system, 8), compiling) == roomy
-
-
-@pytest.mark.parametrize("module", [tick_rule, layout, events, finality, stock, march])
-def test_kernel_files_stand_alone(module):
-    """They know numbers and each other, and nothing of the model; so the page can take them."""
-    imported = {
-        f"{getattr(node, 'module', None) or ''}.{name.name}".strip(".")
-        for node in ast.walk(ast.parse(Path(module.__file__).read_text()))
-        if isinstance(node, ast.Import | ast.ImportFrom) for name in node.names
-    }
-    known = "__future__|math|typing|laws|records|events|finality|layout|stock|tick_rule"
-    assert {name for name in imported if not re.match(known, name)} <= {"numpy"}
 
 
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")

@@ -71,19 +71,3 @@ def test_energy_of_a_dashpot_under_the_cut():
     assert np.abs(ledger.residual).max() <= 1e-9
     assert np.all(np.diff(ledger.dissipated)[cut] > 0)
     assert np.all(np.diff(ledger.contact)[cut] < 0)
-
-
-def test_forces_and_steps_that_pump_a_row():
-    """Constant force on a mass far from anything: work F^2 t^2/2M, and with gravity besides."""
-    mass, rod = ri.RigidMass(2.0, velocity=0.5), unit_rod()
-    for g in (0.0, -3.0):
-        s = solved([mass, rod], until=1.0, gaps=[100.0], gravity=g,
-                   contacts=[ri.Spring(1.0)], ends=(ri.Pushed(4.0), ri.Free()))
-        way = 0.5 + (2.0 + g) / 2
-        assert float(s.displacement(0, 0.0, 1.0)) == pytest.approx(way, rel=1e-14)
-        assert float(s.velocity(0, 0.0, 1.0)) == pytest.approx(2.5 + g, rel=1e-14)
-        book = s.energy(np.array([1.0]))
-        assert book.drive_work[0] == pytest.approx(4.0 * way, rel=1e-14)
-        fallen = 2.0 * g * way + g * g / 2
-        assert book.gravity_work[0] == pytest.approx(fallen, rel=1e-13, abs=1e-15)
-        assert abs(book.residual[0]) <= 1e-13

@@ -26,7 +26,7 @@ def test_a_closed_form_is_that_of_the_collision(system, source):
     outcome, theory = ri.solve(system).outcome, pair_theory(system)
     assert theory.source == source
     found = theory.collision()
-    for name in ("restitution", "impulse", "duration"):
+    for name in ("restitution", "impulse", "duration", "peak_force"):
         assert getattr(found, name) == pytest.approx(getattr(outcome, name), rel=1e-5)
     after = [theory.column(f"velocity_after.{i}").item() for i in (0, 1)]
     assert after == pytest.approx(outcome.velocities_after, abs=1e-5)
