@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..methods.abilities import has_driven_end
+from ..methods.abilities import driven
 from ..methods.fronts.plan import plan_of
 from ..methods.laws import Stop
 from ..methods.walk import walk
@@ -151,6 +151,6 @@ def page_solves(tables: dict[str, Any]) -> bool:
         return False
     row, asked = walk(system_of(tables, LIBRARY)), asked_of(tables)
     if is_smooth(tables):
-        return asked.until >= 0 or not has_driven_end(row.system)
+        return asked.until >= 0 or not driven(row.system)
     run = run_of(asked, True, space_of(plan_of(row)))
     return run["run"].stop in (Stop.DONE, Stop.FINAL) and motion_of(run)["now"] > 0

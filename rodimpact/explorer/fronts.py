@@ -6,7 +6,7 @@ Plain Python around the kernels, which the page has as JavaScript. Tests hold al
 
 from typing import Any
 
-from ..methods.abilities import has_driven_end
+from ..methods.abilities import driven
 from ..methods.clock import most_rounded
 from ..methods.compiling import blank
 from ..methods.fronts import events, march
@@ -19,9 +19,8 @@ from ..methods.laws import Stop
 from ..methods.pieces import reading
 from ..methods.pieces.layout import piece_of
 from ..methods.pieces.records import NEVER
-from ..methods.status import DRIVEN, is_held, rounding, strain_warning
+from ..methods.status import rounding, strain_warning
 from ..methods.walk import smallest, walk
-from ..model.numbering import contact_names
 from ..results.front_polygons import count_of, polygons_of, wave_of
 from ..theory import pair_numbers, pair_restitution
 from ..units import format_si
@@ -160,7 +159,7 @@ def outcome_of(run: Any, status: str) -> Any:
 def is_proved(run: Any) -> bool:
     """Whether the outcome is final."""
     it, system = run["run"], run["plan"].row.system
-    proved: bool = it.proved != NONE and not (it.until >= 0 and has_driven_end(system))
+    proved: bool = it.proved != NONE and not (it.until >= 0 and driven(system))
     return proved
 
 
@@ -168,11 +167,8 @@ def sentence_of(run: Any) -> str:
     """Why the run ended, as `Solution.status` has it."""
     it, row, contacts = run["run"], run["plan"].row, run["plan"].contacts
     trip = round_trip(run["body"], run["segment"]) * it.tick
-    sentence = status_of(it, run["node"], contacts, {
-        "proved": is_proved(run), "t_final": last_of(it, run["node"], contacts, trip),
-        "acting": DRIVEN if has_driven_end(row.system) else "", "held": is_held(row.system),
-        "names": contact_names([body.kind for body in row.system.bodies]),
-    })
+    sentence = status_of(it, run["node"], contacts, row.system, is_proved(run),
+                         last_of(it, run["node"], contacts, trip))
     ticks = [at.transit for at in run["segment"][1 : len(row.segments) + 1]]
     rounded, worst = most_rounded(row, ticks, it.tick)
     strain = it.fastest / smallest([piece.wave_speed for piece in row.segments])

@@ -61,6 +61,7 @@ CALLS: dict[Any, str] = {
     np.where: "py.where", np.minimum: "py.min", np.maximum: "py.max", np.floor: "Math.floor",
     np.abs: "Math.abs", np.exp: "Math.exp", np.expm1: "Math.expm1", np.arctanh: "Math.atanh",
     np.rint: "py.round", np.spacing: "py.spacing", np.isfinite: "Number.isFinite",
+    np.any: "py.truth",
 }
 KINDS = {"float": "number", "str": "string", "dict": "object", "list": "array",
          "Steps": "object"}

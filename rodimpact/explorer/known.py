@@ -7,7 +7,7 @@ the model or of `tables`.
 import math
 from typing import Any
 
-from ..methods.abilities import has_driven_end
+from ..methods.abilities import driven
 from ..methods.groups import unilateral
 from ..methods.pieces.accuracy import size_of
 from ..model.numbering import body_numbers
@@ -31,8 +31,8 @@ def outcome_told(system: Any, found: Any) -> Any:
     k, count = able[0] if len(able) > 0 else 0, len(able)
     episodes = found["contacts"][k].episodes if count == 1 else 0
     closing = before[k] - before[k + 1] if count == 1 else 0.0
-    driven = has_driven_end(system) or system.gravity != 0
-    why = no_restitution(count, driven, episodes, found["final"], closing, found["status"])
+    why = no_restitution(
+        count, driven(system), episodes, found["final"], closing, found["status"])
     e, error = None, 0.0
     if why == "":
         e = effective_restitution(True, episodes, before[k : k + 2], after[k : k + 2]) + 0.0

@@ -5,7 +5,7 @@ Plain Python around the kernels, which the page has as JavaScript.
 
 from typing import Any
 
-from ..methods.abilities import has_driven_end
+from ..methods.abilities import driven
 from ..methods.compiling import blank
 from ..methods.groups import body_velocities
 from ..methods.laws import Law, Stop
@@ -16,7 +16,7 @@ from ..methods.pieces.method import RTOL
 from ..methods.pieces.records import NONE, PIECE, TURN
 from ..methods.pieces.series import N
 from ..methods.pieces.totals import stated, status_of, tally_of, told_of, why_stopped
-from ..methods.status import DRIVEN, is_held, strain_warning
+from ..methods.status import strain_warning
 from ..methods.walk import frame_of, largest, scale_of, walk, wave_of_strain
 from .fronts import TOO_FAR_APART
 from .known import errors_of, outcome_told
@@ -76,7 +76,7 @@ def run_of(row: Any, asked: Any, tolerance: float, keep: bool, earlier: Any) -> 
     log, outside = waves_at_start(row, clock)
     for l in range(len(log)):
         log[l].line = l
-    wanted = Asked(until, tolerance, asked.max_events, keep, not has_driven_end(row.system))
+    wanted = Asked(until, tolerance, asked.max_events, keep, not driven(row.system))
     known = [(1, 0, 1) for _ in log]
     runs, node, link, mass, line, part = layout.lay_out(row, clock, wanted, known, outside)
     run, turn = runs[0], blank(ROOM + march.FLIPS, TURN)
@@ -134,11 +134,9 @@ def sentence_of(run: Any) -> str:
     row, ended, tick, it = run["row"], run["ended"], run["clock"].tick, run["ended"].run
     strains = [sum(abs(c) for c in piece.coefficient) / row.segments[piece.line // 2].wave_speed
                for piece in run["log"] if piece.line < 2 * len(row.segments)]
-    sentence = status_of(it, ended.link, {
-        "stopped_by": why_stopped(it, run["until"] >= 0), "end": run["now"] * tick,
-        "round_trip": 2 * layout.longest_of(row, run["clock"], 0) * tick,
-        "acting": DRIVEN if has_driven_end(row.system) else "", "held": is_held(row.system),
-    })
+    sentence = status_of(
+        it, ended.link, row.system, why_stopped(it, run["until"] >= 0), run["now"] * tick,
+        2 * layout.longest_of(row, run["clock"], 0) * tick)
     return sentence + stated(size_of(run["errors"][:3]), run["goal"]) + told_of(it) + (
         strain_warning(max(strains)))
 

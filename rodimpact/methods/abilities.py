@@ -51,16 +51,15 @@ def _of_rod(rod: model.Rod) -> list[tuple[str, str]]:
     return found
 
 
-def driven(system: model.System) -> bool:
-    """Whether forces from outside act: no bound says when the last contact is over."""
-    kinds = {system.bodies[0].kind, system.bodies[-1].kind, *(end.kind for end in system.ends)}
-    held = not kinds.isdisjoint(("wall", "fixed", "absorbing"))
-    return has_driven_end(system) or (held and not vanishes(system.gravity))
+def driven(system: Any) -> bool:
+    """Whether forces from outside act: no bound says when the last contact is over.
 
-
-def has_driven_end(system: Any) -> bool:
-    """Whether something moves or pushes an end; the page has this as JavaScript."""
-    return any(end.kind in ("force", "velocity", "incoming") for end in system.ends)
+    The page has this as JavaScript.
+    """
+    kinds = [each.kind for each in (*system.bodies, *system.ends)]
+    held = any(kind in ("wall", "fixed", "absorbing") for kind in kinds)
+    pushed = any(kind in ("force", "velocity", "incoming") for kind in kinds)
+    return pushed or (held and not vanishes(system.gravity))
 
 
 def require_end(system: model.System, until: float | None) -> None:

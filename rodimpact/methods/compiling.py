@@ -219,16 +219,19 @@ def blank(count: int, record: Any) -> list[Any]:
 
 
 def as_objects(records: Any) -> list[Any]:
-    """Return an array of records as a list of small objects with lists, for plain Python."""
+    """Return an array as a list, for plain Python: of numbers, or of small objects for records."""
     kind = records.dtype
+    if kind.names is None:
+        return records.tolist()  # type: ignore[no-any-return]
     if any(kind[name].subdtype for name in kind.names):
         return list(map(_kind(kind), *(records[name].tolist() for name in kind.names)))
     return list(itertools.starmap(_kind(kind), records.tolist()))
 
 
 def as_records(objects: list[Any], record: Any) -> Any:
-    """Return objects of `as_objects` as an array of records."""
-    return np.array(list(map(operator.attrgetter(*record.names), objects)), record)
+    """Return a list of `as_objects` as an array of that kind again."""
+    rows = list(map(operator.attrgetter(*record.names), objects)) if record.names else objects
+    return np.array(rows, record)
 
 
 def lengthened(records: Any, kind: Any) -> Any:

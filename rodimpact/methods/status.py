@@ -4,19 +4,11 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from ..model import System
 from ..units import format_si
 from .abilities import driven
 
 LARGE_STRAIN = 0.01  # from which the linear theory is doubtful
-DRIVEN = "an end is driven"
 ROUNDED = 2.0**-36  # relative change of a transit time that is told
-
-
-def acting_and_held(system: System) -> tuple[str, bool]:
-    """What drives a row, "" where nothing does, and whether walls hold it in."""
-    acting = "gravity acts" if system.gravity else DRIVEN
-    return acting if driven(system) else "", is_held(system)
 
 
 def is_held(system: Any) -> bool:
@@ -27,17 +19,18 @@ def is_held(system: Any) -> bool:
     return len(walls) == 2 or not all(opens for opens in walls)
 
 
-def ending(stopped_by: str, final: str, end: str, cap: str, acting: str, held: bool) -> str:
-    """Why a run ended: `acting` says what drives the row, `held` that walls hold it in."""
+def ending(stopped_by: str, final: str, end: str, cap: str, system: Any) -> str:
+    """Why a run ended, with the remedy; the page has this as JavaScript."""
     if stopped_by == "final":
         return final
     if stopped_by == "until" and final != "":
         return f"Stopped at the time asked for. {final}"
     if stopped_by == "until":
         way = "leave out until= to run to the proof"
-        if acting != "":
+        if driven(system):
+            acting = "gravity acts" if system.gravity != 0 else "an end is driven"
             way = f"while {acting}, no contact is known to be the last"
-        elif held:
+        elif is_held(system):
             way = "a row between walls, or joined to one, may never come to an end"
         asked = f"Stopped at the time asked for, {end}, before the collision was final"
         return f"{asked}; {way}."

@@ -249,7 +249,7 @@ def averages(profile: Any, edges: Any, length: float) -> Floats:
         integral += values[0] * np.minimum(edges, 0.0)
         mean: Floats = np.diff(integral) / np.diff(edges)
         return mean
-    return np.full(len(edges) - 1, float(profile))
+    return np.full(len(edges[1:]), float(profile))
 
 
 def profile_from(data: Any) -> Any:

@@ -17,15 +17,7 @@ from ..groups import body_velocities, heads
 from ..laws import Status, Stop
 from ..row import Array, Row
 from ..run import ContactTally, Run
-from ..status import (
-    ROUNDED,
-    acting_and_held,
-    ending,
-    last_contact,
-    proof_sentence,
-    rounding,
-    strain_warning,
-)
+from ..status import ROUNDED, ending, last_contact, proof_sentence, rounding, strain_warning
 from . import driver
 from .plan import plan_of
 from .records import NONE
@@ -67,12 +59,9 @@ def hand_over(
 ) -> Run:
     """What every method hands back, of a run to `until`."""
     a, now, proved = run.clock, run.run.now, run.finality_time != NONE
-    contacts, (acting, held) = run.plan.contacts, acting_and_held(a.system)
+    contacts = run.plan.contacts
     t_final = last_of(run.run, run.node, contacts, 2 * a.longest * a.tick) if proved else math.nan
-    status = status_of(run.run, run.node, contacts, {
-        "proved": proved, "t_final": t_final, "acting": acting, "held": held,
-        "names": contact_names(a.system.kinds),
-    })
+    status = status_of(run.run, run.node, contacts, a.system, proved, t_final)
     tallies = tuple(tally_of(run.node[k], a.tick) for k in contacts)
     return Run(
         method="fronts", until=until, clock=a, end=now,
@@ -85,7 +74,9 @@ def hand_over(
     )
 
 
-def status_of(it: Any, node: Sequence[Any], contacts: Sequence[int], known: Any) -> str:
+def status_of(
+    it: Any, node: Sequence[Any], contacts: Sequence[int], system: Any, proved: bool, t_final: float
+) -> str:
     """Why a run ended, from its records; the page has this as JavaScript.
 
     Parameters
@@ -94,19 +85,22 @@ def status_of(it: Any, node: Sequence[Any], contacts: Sequence[int], known: Any)
     node : list of NODE
     contacts : list of int
         Node of each contact.
-    known : dict
-        Whether the end is ``proved``, and ``t_final``, as of `last_of`; what is ``acting`` on the
-        row, and whether walls have it ``held``, as of `ending`; ``names`` of the contacts.
+    system : System
+    proved : bool
+        Whether nothing meets again.
+    t_final : float
+        As of `last_of`, s.
     """
     stopped_by, final, end = REASONS[it.stop], "", format_si(it.now * it.tick, "s")
+    names = contact_names([body.kind for body in system.bodies])
     pressing = ", ".join([
-        known["names"][i] for i, k in enumerate(contacts)
+        names[i] for i, k in enumerate(contacts)
         if node[k].status == Status.PRESS and node[k].force > ROUND_OFF * node[k].peak
     ])
-    if known["proved"] and pressing != "":
+    if proved and pressing != "":
         final = f"Nothing changes any more; contact {pressing} goes on pressing."
-    elif known["proved"]:
-        final = proof_sentence(any(at.episodes > 0 for at in node), known["t_final"])
+    elif proved:
+        final = proof_sentence(any(at.episodes > 0 for at in node), t_final)
     if stopped_by == "max_events" and final == "":
         return (
             f"Stopped by the cap of {it.events} events at {end}; fronts multiply where transit "
@@ -117,7 +111,7 @@ def status_of(it: Any, node: Sequence[Any], contacts: Sequence[int], known: Any)
             f"Stopped by the clock after {end}: the next contact may come later than the clock can "
             "count, or never. Give until= to set another end."
         )
-    return ending(stopped_by, final, end, f"{it.events} events", known["acting"], known["held"])
+    return ending(stopped_by, final, end, f"{it.events} events", system)
 
 
 def last_of(it: Any, node: Sequence[Any], contacts: Sequence[int], round_trip: float) -> float:

@@ -8,7 +8,8 @@ import math
 
 import numpy as np
 
-from ..run import Episode
+from ..laws import Status
+from ..run import Episode, episodes_of
 from ..signals import Floats
 
 LATEST = 2.0  # steps, by which a gap can close later than its contact first presses
@@ -53,7 +54,7 @@ def pressings(force: Floats, gap: Floats, least: float) -> Floats:
 
     A gap has opened once it passes `least`, m. What does not come is nan.
     """
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], force > 0, [False])))).tolist()
+    edges = np.flatnonzero(np.diff(force > 0, prepend=False, append=False)).tolist()
     far, ends, found = np.flatnonzero(gap > least), [*edges, len(force)], []
     for i, j, following in zip(edges[::2], edges[1::2], ends[2::2], strict=True):
         begin, end, opening = begin_of_force(force, gap, i), math.nan, math.nan
@@ -68,12 +69,9 @@ def pressings(force: Floats, gap: Floats, least: float) -> Floats:
 
 def touchings(pressed: Floats) -> tuple[Episode, ...]:
     """From the first force until a gap has opened."""
-    found: list[Episode] = []
-    for start, end, opening in pressed.tolist():
-        if found and math.isnan(found[-1].opening):
-            start = found.pop().start
-        found.append(Episode(start, end, opening))
-    return tuple(found)
+    statuses = np.broadcast_to([Status.PRESS, Status.GRAZE, Status.OPEN], pressed.shape)
+    known = ~np.isnan(pressed)
+    return episodes_of(pressed[known], statuses[known], 1.0)
 
 
 def begin_of_force(force: Floats, gap: Floats, i: int) -> float:
@@ -143,7 +141,5 @@ def _parting(gap: Floats, k: int, least: float, end: float) -> float:
 
 def _passed(gap: Floats, k: int, level: float) -> float:
     """When a gap that is more at step end k was at this level for the last time."""
-    i = k - 1
-    while i >= 0 and gap[i] > level:
-        i -= 1
-    return k - 1.0 if i < 0 else i + float((level - gap[i]) / (gap[i + 1] - gap[i]))
+    i = next((i for i in range(k - 1, -1, -1) if gap[i] <= level), None)
+    return k - 1.0 if i is None else i + float((level - gap[i]) / (gap[i + 1] - gap[i]))

@@ -244,8 +244,7 @@ def _in_series(springs: Array) -> Array:
     """Of neighbours half of each in series [node]."""
     left, right = springs[:-1], springs[1:]
     both = left * right
-    joined: Array = 2 * both / np.where(both > 0, left + right, 1.0)
-    return joined
+    return np.asarray(2 * both / np.where(both > 0, left + right, 1.0))
 
 
 def crossing_time(segment: Any) -> float:
@@ -277,8 +276,6 @@ def stable_step(segment: Any, count: int) -> float:
 
 def most_cells(segment: Any, count: int, step: float) -> int:
     """How many cells, `count` at most, a segment may have for a step in s to be stable."""
-    if segment.lateral_inertia != MINDLIN_HERRMANN:
-        return count
     unstable = bisect_left(range(1, count + 1), True, key=lambda N: stable_step(segment, N) < step)
     return max(1, unstable)
 

@@ -140,13 +140,16 @@ class GridRun:
 
     def _take(self, window: Track, end: int, tell: Callable[[int], None] | None) -> None:
         """Take the steps to `end`, and fill a window with them."""
-        first, arrays = self.steps, [self.grid, Track(*(x.reshape(-1) for x in window))]
+        first = self.steps
+        arrays: list[Any] = [self.grid, Track(*(x.reshape(-1) for x in window))]
         self.grid.run["first"], self.grid.run["kept"] = first, 0
         numbers = sum(x.nbytes for held in arrays for x in held) // 8
         seconds = (end - first) * cost(self.mesh, plain=True) + numbers * kernels.LIST_TIME
         fast = kernels.worth_compiling(seconds, grid_kernel.follow)
         go: Any = kernels.compiled(grid_kernel.follow) if fast else grid_kernel.follow
-        given, done = arrays if fast else list(map(as_lists, arrays)), True
+        given, done = arrays, True
+        if not fast:
+            given = [held._make(map(compiling.as_objects, held)) for held in arrays]
         chunk = max(1, int(ROUND / cost(self.mesh, plain=not fast)))
         for taken in (*range(first + chunk, end, chunk), end):
             done = done and go(*given, taken)
@@ -154,7 +157,7 @@ class GridRun:
                 tell(taken)
         for x, found in zip(chain(*arrays), chain(*given), strict=True):
             if not fast:
-                x[:] = compiling.as_records(found, x.dtype) if x.dtype.names else found
+                x[:] = compiling.as_records(found, x.dtype)
         if not done:
             raise squeezed(self.steps * self.step)
 
@@ -178,7 +181,7 @@ class GridRun:
         return GridMotion(mesh.counts, mesh.first, mesh.last, mesh.starts, mesh.mass, mesh.shear,
                           mesh.cells, **kept, pushes=pushes or {})
 
-    def _entered(self, link: int, field: str) -> Array:
+    def entered(self, link: int, field: str) -> Array:
         """What a link that is not bonded entered in each step."""
         place = list(self.mesh.touching).index(link)
         return np.ascontiguousarray(self.track.signal[:, place][field])
@@ -186,8 +189,8 @@ class GridRun:
     def contact(self, contact: int) -> tuple[Array, Array]:
         """Mean force in each step, N, and gap at the ends of steps, m; not of a bonded contact."""
         link = self.row.contact_link[contact]
-        gap = self._entered(link, "gap") * self.step
-        return self._entered(link, "force"), np.append(float(self.row.links[link].gap), gap)
+        gap = self.entered(link, "gap") * self.step
+        return self.entered(link, "force"), np.append(float(self.row.links[link].gap), gap)
 
     def pressed(self, contact: int) -> Array:
         """[n, 3] as of `pressings`, s; none of a contact that cannot open."""
@@ -203,7 +206,7 @@ class GridRun:
 
     def path(self, contact: int) -> Array:
         """How far a contact that is not bonded closes in each step, m."""
-        return self._entered(self.row.contact_link[contact], "closing") * self.step
+        return self.entered(self.row.contact_link[contact], "closing") * self.step
 
     def velocity(self, node: int) -> Array:
         """Velocity of a watched node at the ends of the steps, the first at t = 0, in the frame."""
@@ -228,24 +231,6 @@ class GridRun:
         pulled = force + mesh.viscous[cell] * stretch[:-1] + bound
         gained = mesh.cell_mass[cell] / 2 / self.step * np.diff(v)
         return np.asarray(-pulled - gained if cell == node else gained - pulled)
-
-    def outer(self, side: int) -> tuple[Array, Array]:
-        """Force of what is outside the left or right end on the row, and its velocity, by steps.
-
-        N and m/s, in the laboratory; positive to the inside, and to the right.
-        """
-        row, link = self.row, (0, len(self.row.links) - 1)[side]
-        v = self.velocity(self.mesh.ends[side])
-        speed, force = (v[:-1] + v[1:]) / 2, self.track.given[:, side]
-        if link in self.mesh.touching:
-            force = self._entered(link, "force")
-        elif row.outside[side][0] == "velocity":
-            force = self.bond(link)
-        elif row.outside[side][0] == "absorbing":
-            end = self.grid.end[side]
-            force = (1, -1)[side] * (end["impedance"] * (end["rest"] + force - speed))
-        fall = row.gravity * self.step * (np.arange(self.steps) + 0.5)
-        return np.ascontiguousarray(force), speed + row.frame + fall
 
     @property
     def largest_strain(self) -> float:
@@ -284,12 +269,6 @@ def cost(mesh: Mesh, plain: bool) -> float:
     """About how long a step takes, s, in plain Python or compiled."""
     times = 1 + mesh.swells + (2 if plain else 6) * mesh.implicit
     return STEP_TIMES[plain] + len(mesh.mass) * times * CELL_TIMES[plain]
-
-
-def as_lists(arrays: Any) -> Any:
-    """Lists of objects and of numbers."""
-    return arrays._make(
-        compiling.as_objects(x) if x.dtype.names else x.tolist() for x in arrays)
 
 
 def clock_on(mesh: Mesh, step: float) -> Clock:

@@ -58,8 +58,7 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
 
 def bound_of(mesh: Mesh, step: float) -> Array:
     """By what a cell joins the changes of velocity at its nodes [cell]."""
-    bound: Array = mesh.lateral / step + mesh.viscous / 2
-    return bound
+    return np.asarray(mesh.lateral / step + mesh.viscous / 2)
 
 
 def filled(kind: Any, count: int, /, **columns: Any) -> Array:
@@ -134,16 +133,11 @@ def pushed(step: float, value: Any, steps: int) -> Array:
     """What drives an end at each kick: its mean over two steps, which waves can follow."""
     halves = averages(value, step / 2 * np.arange(2 * steps + 2), 0.0)
     around = np.concatenate((halves[:1], halves))
-    mean: Array = (around[:-3:2] + around[1:-2:2] + around[2:-1:2] + around[3::2]) / 4
-    return mean
+    return np.asarray((around[:-3:2] + around[1:-2:2] + around[2:-1:2] + around[3::2]) / 4)
 
 
 def moved(row: Row, step: float, value: Any, t: Array) -> Array:
     """Velocity of a wall or a driven end, averaged over a step about times t, in the frame."""
-    if isinstance(value, float):
-        found: Array = np.full(len(t), value)
-    else:
-        edges = np.append(t - step / 2, t[-1:] + step / 2)
-        found = averages(value, np.maximum(edges, 0.0), 0.0)
-    result: Array = found - row.frame - row.gravity * t
-    return result
+    edges = np.append(t - step / 2, t[-1:] + step / 2)
+    found = averages(value, np.maximum(edges, 0.0), 0.0)
+    return np.asarray(found - row.frame - row.gravity * t)

@@ -9,7 +9,7 @@ from ...units import format_si
 from ..groups import fill_bonds
 from ..run import INWARD, ContactSignal, ContactTally, Outside, Run, Signals
 from ..signals import Floats, Pieces
-from ..status import acting_and_held, ending, last_contact, proof_sentence, strain_warning
+from ..status import ending, last_contact, proof_sentence, strain_warning
 from .measures import largest_force, touchings
 from .mesh import STEP_TICKS
 from .refinement import ROUGH
@@ -33,7 +33,7 @@ def hand_over(run: GridRun, until: float | None) -> Run:
     proof = proof_sentence(any(x.episodes for x in contacts), t_final) if final else ""
     events = run.steps * len(run.row.links)
     status = ending(run.stopped_by, proof, format_si(t_end, "s"), f"{events} steps times ends",
-                    *acting_and_held(run.row.system))
+                    run.row.system)
     status += f" Time step {format_si(run.step, 's')}, {size} cells."
     end = run.steps * STEP_TICKS
     if until and not run.steps:
@@ -101,10 +101,22 @@ def _tally(run: GridRun, k: int, force: Floats, pressed: Floats) -> ContactTally
 
 
 def _outside(run: GridRun, side: int) -> Outside | None:
-    """What acted on the left or right end."""
-    if run.row.outside[side][0] == "none" or not run.steps:
+    """What acted on the left or right end, in the laboratory, and its velocity."""
+    row, link, kind = run.row, (0, len(run.row.links) - 1)[side], run.row.outside[side][0]
+    if kind == "none" or not run.steps:
         return None
-    return Outside(run.row.outside_name(side), *(_over(run, means) for means in run.outer(side)))
+    v = run.velocity(run.mesh.ends[side])
+    speed, force = (v[:-1] + v[1:]) / 2, run.track.given[:, side]
+    if link in run.mesh.touching:
+        force = run.entered(link, "force")
+    elif kind == "velocity":
+        force = run.bond(link)
+    elif kind == "absorbing":
+        end = run.grid.end[side]
+        force = INWARD[side] * (end["impedance"] * (end["rest"] + force - speed))
+    fall = row.gravity * run.step * (np.arange(run.steps) + 0.5)
+    return Outside(row.outside_name(side), _over(run, np.ascontiguousarray(force)),
+                   _over(run, speed + row.frame + fall))
 
 
 def _over(run: GridRun, means: Floats) -> Pieces:

@@ -144,13 +144,12 @@ class Members:
     def _slice(self, member: int, fast: bool) -> Stop:
         """Run on: on arrays of records, or on lists of objects in plain Python."""
         held = self.records(member)
-        matrix = held.pop("matrix")
         if fast:
             follow: Any = compiling.compiled(march.follow, self.own)
         else:
-            follow, matrix = compiling.interpreted(march.follow, self.own), matrix.tolist()
+            follow = compiling.interpreted(march.follow, self.own)
             held = {name: compiling.as_objects(array) for name, array in held.items()}
-        while (stop := Stop(follow(*held.values(), matrix))) == Stop.FULL:
+        while (stop := Stop(follow(*held.values()))) == Stop.FULL:
             pieces = len(held["log"])
             ask(4 * pieces * PIECE.itemsize / 8, "until",
                 f"a run of more than {pieces} pieces of waves",

@@ -23,7 +23,7 @@ from ..groups import groups, movable, velocities_in_group
 from ..laws import Law, Stop
 from ..row import Row, squeezed
 from ..run import ContactTally, Run
-from ..status import acting_and_held, last_contact, rounding, strain_warning
+from ..status import last_contact, rounding, strain_warning
 from . import march, totals
 from .accuracy import COARSER, COARSEST, SHOWN, apart, compare, left_open
 from .driver import Members
@@ -145,9 +145,7 @@ def _hand_over(one: Members, accuracy: dict[str, float], goal: float) -> Run:
     proved, t_final, trip = run.proved >= 0, math.nan, 2 * clock.longest * tick
     if proved:
         t_final = last_contact(totals.ends_of_contacts(ended.link, tick), t_end, trip)
-    acting, held = acting_and_held(row.system)
-    status = totals.status_of(run, ended.link, {
-        "stopped_by": stopped_by, "end": t_end, "round_trip": trip, "acting": acting, "held": held})
+    status = totals.status_of(run, ended.link, row.system, stopped_by, t_end, trip)
     log = r["log"][: run.pieces]
     waves = log[log["line"] < 2 * len(row.segments)]
     c = np.array([0.0, *(float(segment.wave_speed) for segment in row.segments)])

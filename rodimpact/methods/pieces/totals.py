@@ -42,25 +42,26 @@ def why_stopped(run: Any, asked: bool) -> str:
     return "final" if run.proved >= 0 else "clock"
 
 
-def status_of(run: Any, link: Any, known: Any) -> str:
+def status_of(
+    run: Any, link: Any, system: Any, stopped_by: str, end: float, round_trip: float
+) -> str:
     """Why a run ended.
 
     Parameters
     ----------
     run : RUN
     link : list of LINK
-    known : dict
-        As of `ending`: ``stopped_by``, what is ``acting``, and whether walls have the row ``held``;
-        ``end`` and ``round_trip`` of the longest body, s.
+    system : System
+    stopped_by : str
+    end, round_trip : float
+        End of the run, and round trip of waves in the longest body, s.
     """
     proof = ""
     if run.proved >= 0:
         ends = ends_of_contacts(link, run.tick)
         proof = proof_sentence(
-            any(it.episodes > 0 for it in link),
-            last_contact(ends, known["end"], known["round_trip"]))
-    end, cap = format_si(known["end"], "s"), f"{run.steps} steps of nodes"
-    return ending(known["stopped_by"], proof, end, cap, known["acting"], known["held"])
+            any(it.episodes > 0 for it in link), last_contact(ends, end, round_trip))
+    return ending(stopped_by, proof, format_si(end, "s"), f"{run.steps} steps of nodes", system)
 
 
 def stated(worst: float, goal: float) -> str:
