@@ -6,7 +6,7 @@ No method can prove a collision final where something acts on and on from outsid
 from typing import Any
 
 from .. import model
-from ..model.frozen import InvalidModel, vanishes
+from ..model.frozen import vanishes
 
 MASSES, COMPLIANCE, GRAVITY = "rigid masses", "compliant contacts", "gravity"
 JOINTS, OWN_LAWS = "joints", "laws given as a Python function"
@@ -60,10 +60,3 @@ def driven(system: Any) -> bool:
     held = any(kind in ("wall", "fixed", "absorbing") for kind in kinds)
     pushed = any(kind in ("force", "velocity", "incoming") for kind in kinds)
     return pushed or (held and not vanishes(system.gravity))
-
-
-def require_end(system: model.System, until: float | None) -> None:
-    """Raise InvalidModel where a run has no time to be reached, and no proof to run to."""
-    if until is None and driven(system):
-        message = "must be given: where gravity or drives act, there is no last contact to wait for"
-        raise InvalidModel([("until", message)])

@@ -148,7 +148,9 @@ class Options:
             remedy += ", or give rod.in_steps(n)"
         raise_noted([(path, f'method "{method}" has no {what}; {remedy}')
                      for path, what in missing])
-        abilities.require_end(system, self.until)
+        if self.until is None and abilities.driven(system):
+            raise refusal("until", "must be given: where gravity or drives act, there is no last "
+                          "contact to wait for")
         return method
 
     def run(self, method: str, system: System, **calls: Any) -> Run:

@@ -91,13 +91,8 @@ class Pieces:
         return np.maximum(np.diff(self.ticks, append=self.end), 1)
 
     @cached_property
-    def _whole(self) -> Floats:
-        """Integrals of all pieces but the last."""
-        return np.asarray(self._primitive[:-1].sum(axis=1))
-
-    @cached_property
     def _integral_to_piece(self) -> Floats:
-        return np.concatenate(([0.0], np.cumsum(self._whole)))
+        return np.concatenate(([0.0], np.cumsum(self._primitive[:-1].sum(axis=1))))
 
     @cached_property
     def _primitive(self) -> Floats:
@@ -111,8 +106,7 @@ class Pieces:
     def bends(self) -> Floats:
         """Bound of the second derivative of each piece by its own variable, [n]."""
         k = np.arange(self.size)
-        bends: Floats = np.abs(self.coefficients) @ (k**2 * (k**2 - 1) / 3)
-        return bends
+        return np.asarray(np.abs(self.coefficients) @ (k**2 * (k**2 - 1) / 3))
 
     @cached_property
     def marks(self) -> Ints:
@@ -216,11 +210,12 @@ class Pieces:
 
         That stands in a product: summed up, it would add its round-off even where nothing acts.
         """
+        whole = self._primitive[:-1].sum(axis=1)
         if self.size == 1:
             inside = self.values[:-1] * (np.diff(self.ticks) * 1.0) ** 2 / 2
         else:
             inside = self._twice_inside[:-1].sum(axis=1)
-        return np.concatenate(([0.0], np.cumsum(inside - self._whole * self.ticks[1:])))
+        return np.concatenate(([0.0], np.cumsum(inside - whole * self.ticks[1:])))
 
     def breaks_in(self, start: int, stop: int) -> Ints:
         """Breaks strictly between `start` and `stop`."""

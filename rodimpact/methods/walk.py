@@ -190,10 +190,7 @@ def frame_of(row: Any) -> Any:
     if len(walls) == 0:
         velocities = velocities_of(row)
         return smallest(velocities) / 2 + largest(velocities) / 2
-    total = 0.0
-    for v in walls:
-        total = total + v
-    return total / len(walls)
+    return sum(walls) / len(walls)
 
 
 def wave_of_strain(row: Any, side: int) -> Any:

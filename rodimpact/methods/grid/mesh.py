@@ -48,7 +48,7 @@ class Cells(NamedTuple):
     @property
     def relaxed(self) -> Array:
         """Stiffness E A/dx [cell] of slow stretching, where q follows, N/m."""
-        return self.stiffness - self.coupling**2 / np.where(self.radial > 0, self.radial, 1.0)
+        return self.stiffness - quotient(self.coupling**2, self.radial)
 
 
 class GridMotion(NamedTuple):
@@ -85,7 +85,7 @@ class GridMotion(NamedTuple):
         with np.errstate(under="ignore"):  # ahead of the waves strains are next to nothing
             if self.radial.size:
                 force = force - self.cells.coupling * self.radial * step
-            return np.asarray(force / np.where(k > 0, k, np.inf))
+            return quotient(force, k)
 
     def energies(
         self, nodes: slice, mass: Array, place: int, v: Array, step: float
@@ -243,8 +243,12 @@ NO_CELL = Cells(*np.append(np.zeros(8), 1.0)[:, None])
 def _in_series(springs: Array) -> Array:
     """Of neighbours half of each in series [node]."""
     left, right = springs[:-1], springs[1:]
-    both = left * right
-    return np.asarray(2 * both / np.where(both > 0, left + right, 1.0))
+    return quotient(2 * (left * right), left + right)
+
+
+def quotient(a: Any, b: Array) -> Array:
+    """a/b, and 0 where b is 0, as between pieces."""
+    return np.asarray(a / np.where(b > 0, b, np.inf))
 
 
 def crossing_time(segment: Any) -> float:

@@ -131,8 +131,7 @@ def _mesh_size(
         steps = numbers[:, None] * (T / T[longest])
         waste = (1 - np.floor(steps * STABLE) / steps).max(axis=1)
         cells = int(numbers[int(np.argmax(waste <= waste.min() + 2.0**-20))])
-    base = dt if cells is None else float(T[longest]) / cells
-    assert base is not None
+    base: Any = dt if cells is None else float(T[longest]) / cells
     counts = np.floor(T / base * STABLE)
     if cells is not None:
         counts[longest] = cells

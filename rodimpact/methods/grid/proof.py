@@ -13,7 +13,7 @@ import numpy as np
 from .. import abilities, finality_kernel
 from ..laws import Law
 from ..row import Array
-from .mesh import GridMotion
+from .mesh import GridMotion, quotient
 from .run import GridRun
 
 
@@ -74,10 +74,8 @@ def side_of(
     beyond = np.cumsum(m[:-1]) / m.sum()
     g = np.ones(b - a) if mesh.held[far] or Z else beyond if right_end else 1 - beyond
     energy = sum(motion.energies(nodes, m, 0, v - mean, h))
-    stretch, slack = longer[a + 1 : b + 1].copy(), np.zeros(b - a)
-    stiff = mesh.cells.relaxed[a + 1 : b + 1]
-    slack[stiff > 0] = 1 / stiff[stiff > 0]
-    loose = 0.0
+    stretch, loose = longer[a + 1 : b + 1].copy(), 0.0
+    slack = quotient(1.0, mesh.cells.relaxed[a + 1 : b + 1])
     for place, (link, (_, right)) in enumerate(mesh.touching.items()):
         if a < right <= b:
             cell, k = right - a - 1, float(run.row.links[link].stiffness)

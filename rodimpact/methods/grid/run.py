@@ -204,10 +204,6 @@ class GridRun:
         begins, ends, _ = pressed.T
         return begins, np.nan_to_num(ends, nan=self.times[-1])
 
-    def path(self, contact: int) -> Array:
-        """How far a contact that is not bonded closes in each step, m."""
-        return self.entered(self.row.contact_link[contact], "closing") * self.step
-
     def velocity(self, node: int) -> Array:
         """Velocity of a watched node at the ends of the steps, the first at t = 0, in the frame."""
         entered = self.track.speed[:, self.mesh.watched.index(node)]

@@ -13,7 +13,7 @@ from ..laws import Beyond
 from ..row import Array, Row
 from . import elimination_kernel as elimination
 from . import records
-from .mesh import Mesh
+from .mesh import Mesh, quotient
 from .records import NONE, Grid
 
 LEAST = 2.0**-800  # stiffness, where time is counted in steps
@@ -34,8 +34,6 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
         answered(multipliers, np.bincount(nodes, mesh.held[nodes] == 0, n))
         for nodes in (mesh.starts, mesh.stops))
     stiffness, cells = mesh.stiffness * h, mesh.cells
-    swells = cells.swelling > 0
-    constant = np.where(cells.stiffness > 0, cells.stiffness, 1.0)
     return Grid(
         run=filled(records.RUN, 1, tolerance=TOLERANCE * row.scale, swells=mesh.swells,
                    implicit=mesh.implicit),
@@ -45,9 +43,9 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
         piece=filled(records.PIECE, len(mesh.starts), start=mesh.starts),
         viscous=mesh.viscous, lost=np.zeros(n + 1), change=np.zeros(n), old=np.zeros(n),
         strain=np.zeros(n + 1), rate=np.zeros(n + 1),
-        ease=np.divide(h, cells.swelling, out=np.zeros(n + 1), where=swells),
-        coupling=cells.coupling * h,
-        own=(cells.radial - cells.coupling**2 / constant) * h, share=cells.coupling / constant,
+        ease=quotient(h, cells.swelling), coupling=cells.coupling * h,
+        own=(cells.radial - quotient(cells.coupling**2, cells.stiffness)) * h,
+        share=quotient(cells.coupling, cells.stiffness),
         shear=np.append(mesh.shear * h, 0.0),
         link=_links(mesh, h, by_first, by_last),
         end=filled(records.END, 2, kind=[KINDS[kind] for kind, _ in row.outside], node=mesh.ends,

@@ -130,11 +130,11 @@ def _signals(
     row, mesh, edges, contacts = run.row, run.mesh, run.edges, []
     pushes: dict[int, Floats] = {}  # by node
     for k, (force, link) in enumerate(zip(forces, row.contact_link, strict=True)):
-        gap, path = np.zeros(run.steps + 1), np.zeros(run.steps)
+        gap, closing = np.zeros(run.steps + 1), np.zeros(run.steps)
         if k in row.by_law:
-            gap, path = run.contact(k)[1], run.path(k)
+            gap, closing = run.contact(k)[1], run.entered(link, "closing")
         contacts.append(ContactSignal(
-            _over(run, force), Pieces.through(edges, gap), _over(run, path / run.step),
+            _over(run, force), Pieces.through(edges, gap), _over(run, closing),
             touchings(pressed[k])))
         for node, sign in zip(mesh.touching.get(link, ()), INWARD[::-1], strict=False):
             pushes[node] = pushes.get(node, 0.0) + sign * force

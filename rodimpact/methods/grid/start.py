@@ -7,7 +7,7 @@ from ...model.profiles import averages
 from ..laws import Law
 from ..row import Array
 from . import scheme
-from .mesh import Mesh
+from .mesh import Mesh, quotient
 from .records import Grid
 
 LITTLE_RETARDATION = 1 / 64  # eta/E in steps, where ends shut with half of the delay
@@ -22,8 +22,7 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Overlaps:
     v, strain = grid.velocity, np.zeros(len(grid.force))
     v[:] = _velocities(mesh, strain)
     v += _dragged(mesh, step, grid)
-    slow = -mesh.cells.coupling / np.where(mesh.cells.radial > 0, mesh.cells.radial, 1.0)
-    radial = slow * strain
+    radial = quotient(-mesh.cells.coupling, mesh.cells.radial) * strain
     grid.strain[:] = radial / step
     tension = mesh.stiffness * strain + mesh.cells.coupling * radial
     kick = _first_kick(mesh, step, grid, tension)
@@ -62,8 +61,7 @@ def _velocities(mesh: Mesh, strain: Array) -> Array:
             left += L
     for place, node in enumerate(mesh.node_of_mass):
         v[node] += row.masses[place] * row.mass_velocity[place]
-    weight = np.where(mesh.mass > 0, mesh.mass, 1.0)
-    return np.where(mesh.mass > 0, v / weight - row.frame, 0.0)
+    return np.where(mesh.mass > 0, quotient(v, mesh.mass) - row.frame, 0.0)
 
 
 def _dragged(mesh: Mesh, step: float, grid: Grid) -> Array:
@@ -110,11 +108,10 @@ def _parted(mesh: Mesh, step: float, grid: Grid, closing: Array, kick: Array) ->
     link, (l, r) = grid.link, (grid.link["left"], grid.link["right"])
     parting = kick[r] - kick[l]
     overlap = (closing - parting) / 2 - link["gap"]
-    ease = np.where(mesh.held == 1, 0.0, 1 / np.where(mesh.held == 1, 1.0, mesh.mass))
+    ease = quotient(mesh.held == 0, mesh.mass)
     late = (link["law"] == Law.RIGID) & (link["shut"] == 1) & (ease[l] + ease[r] > 0)
     late &= (overlap > grid.run["tolerance"]) & (closing > 2 * parting)
-    stiffness = np.where(mesh.stiffness > 0, mesh.stiffness, 1.0)
-    retardation = (mesh.viscous / stiffness)[[l, r + 1]].max(axis=0)
+    retardation = quotient(mesh.viscous, mesh.stiffness)[[l, r + 1]].max(axis=0)
     late &= retardation <= MOST_RETARDATION * max(mesh.counts) * step
     overlap *= retardation / (retardation + LITTLE_RETARDATION * step)
     overlaps: Overlaps = []
