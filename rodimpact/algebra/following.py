@@ -109,8 +109,7 @@ class Followed:
     def _before(self, k: int, t: int) -> tuple[int, list[Any], Any]:
         """Status of node k, the waves that arrive there at tick t, and its gap then."""
         state, at = self._state, self._state.node[k]
-        due = [events.arrival(state.segment, state.line, state.log, l) for l in (2 * k, 2 * k + 3)]
-        arrivals = [when for when in due if when == t]
+        arrivals = [state.line[l].due for l in (2 * k, 2 * k + 3) if state.line[l].due == t]
         now = (arrivals or [state.tree[len(state.tree) // 2 + k] if t else 0])[0]
         return at.status, arrivals, at.gap + at.rate * (now - at.since)
 

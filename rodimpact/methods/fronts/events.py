@@ -52,6 +52,7 @@ def begin(run: Any, segment: Any, node: Any, line: Any, log: Any, tree: Any) -> 
     for l in range(2 * n + 2):
         it = line[l]
         it.first = it.head = it.tail = NONE
+        it.due = IDLE
         if 1 < l < 2 * n:
             it.arrived = zero
     for r in range(run.started):
@@ -63,12 +64,12 @@ def begin(run: Any, segment: Any, node: Any, line: Any, log: Any, tree: Any) -> 
         else:
             log[it.tail].after = r
             if it.head == NONE:
-                it.head = r
+                it.head, it.due = r, front.tick + segment[front.line // 2].transit
         it.tail = r
     for k in range(n):
         rest(node[k], zero)
     gather(segment, node)
-    plant(segment, node, line, log, tree)
+    plant(node, line, log, tree)
     run.now, run.rows, run.events = 0, run.started, 0
     run.probe, run.rest, run.proved = 0, 0, NONE
 
@@ -95,7 +96,7 @@ def gather(segment: Any, node: Any) -> None:
             segment[n - i].last = segment[n - i + 1].last
 
 
-def plant(segment: Any, node: Any, line: Any, log: Any, tree: Any) -> None:
+def plant(node: Any, line: Any, log: Any, tree: Any) -> None:
     """Schedule all nodes now; free ends with nothing to do before an arrival, then."""
     leaves = len(tree) // 2
     for k in range(leaves):
@@ -103,18 +104,17 @@ def plant(segment: Any, node: Any, line: Any, log: Any, tree: Any) -> None:
         if k < len(node) and node[k].status == Status.FREE:
             l = 3 if k == 0 else 2 * k
             if log[line[l ^ 1].tail].value == line[l].arrived:
-                tree[leaves + k] = arrival(segment, line, log, l)
+                tree[leaves + k] = line[l].due
     for i in range(leaves - 1, 0, -1):
         tree[i] = min(tree[2 * i], tree[2 * i + 1])
 
 
-def arrival(segment: Any, line: Any, log: Any, l: int) -> int:
-    """When the next front of a line arrives; IDLE if none is under way."""
-    r = line[l].head
-    if r == NONE:
-        return IDLE
-    due: int = log[r].tick + segment[l // 2].transit
-    return due
+def arrive(it: Any, log: Any, transit: int) -> None:
+    """Take the front that has come to the end of a line; the one behind it is the next."""
+    front = log[it.head]
+    it.arrived, it.head, it.due = front.value, front.after, IDLE
+    if it.head != NONE:
+        it.due = log[it.head].tick + transit
 
 
 def resolve_contact(at: Any, closing: Any, dt: int, tol: Any, window: int) -> int:
@@ -209,9 +209,8 @@ def advance(
         k, t = i - leaves, tree[i]  # as large as at the root; its derivatives are its own
         at, Yl, Yr, dt = node[k], segment[k].mobility, segment[k + 1].mobility, t - node[k].since
         for l in (2 * k, 2 * k + 3):
-            r = line[l].head
-            if r != NONE and log[r].tick + segment[l // 2].transit == t:
-                line[l].arrived, line[l].head = log[r].value, log[r].after
+            if line[l].due == t:
+                arrive(line[l], log, segment[l // 2].transit)
         a, b = line[2 * k].arrived, line[2 * k + 3].arrived
         account(at, dt, window)
         # the force from now on: of a contact that presses, a bond, or what is outside
@@ -231,13 +230,14 @@ def advance(
             out = u - 2 * F * Yl if l % 2 else b + 2 * F * Yr
             q = line[l].tail
             if q != NONE and abs(out - log[q].value) > tol:
-                new_front(line[l], log, n, q, t, l, out)
-                due = t + segment[l // 2].transit
-                there = leaves + k - 1 + 2 * (1 - l % 2)
-                if line[l].head == n and due < tree[there]:
-                    schedule(tree, there, due)
+                new_front(line[l], log, n, t, l, out)
+                if line[l].head == NONE:
+                    line[l].head, line[l].due = n, t + segment[l // 2].transit
+                    there = leaves + k - 1 + 2 * (1 - l % 2)
+                    if line[l].due < tree[there]:
+                        schedule(tree, there, line[l].due)
                 n += 1
-        due = min(arrival(segment, line, log, 2 * k), arrival(segment, line, log, 2 * k + 3))
+        due = min(line[2 * k].due, line[2 * k + 3].due)
         if at.status == Status.OPEN:
             due = closing_time(at, t, due, window)
         schedule(tree, leaves + k, due)
@@ -247,13 +247,12 @@ def advance(
     return stop
 
 
-def new_front(it: Any, log: Any, n: int, q: int, t: int, l: int, value: Any) -> None:
-    """Send a front on a line, as row n of the log, behind row q."""
+def new_front(it: Any, log: Any, n: int, t: int, l: int, value: Any) -> None:
+    """Send a front on a line, as row n of the log."""
     front = log[n]
     front.tick, front.after, front.line, front.value = t, NONE, l, value
-    log[q].after = it.tail = n
-    if it.head == NONE:
-        it.head = n
+    log[it.tail].after = n
+    it.tail = n
 
 
 def closing_time(at: Any, t: int, due: int, window: int) -> int:

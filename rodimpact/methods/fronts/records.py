@@ -55,6 +55,7 @@ NODE = np.dtype([
 LINE = np.dtype([
     ("arrived", "f8"),  # wave at the receiving end
     ("first", "i8"), ("head", "i8"),  # row of the log: at t = 0, next to arrive; NONE if none is
+    ("due", "i8"),  # when that arrives; IDLE if none is under way
     ("tail", "i8"),  # last sent; NONE for lines that lead outside
 ], align=True)
 ROW = np.dtype([
