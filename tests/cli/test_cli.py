@@ -17,7 +17,7 @@ from cli.processes import ENVIRONMENT, ROOT, python, started
 
 import rodimpact as ri
 from rodimpact.cli import COMMANDS, main
-from rodimpact.cli.verify import Check, checks
+from rodimpact.cli.verify import Check
 from rodimpact.methods import kernels
 
 ENDLESS = """\
@@ -33,6 +33,7 @@ bodies = [
 ]
 solve.until = 1.0
 """
+SAMPLE = ["rigid", "--m1", "2", "--v1", "0.5", "--m2", "10", "--v2", "0.2"]
 
 
 # The program --------------------------------------------------------------------------------------
@@ -64,6 +65,12 @@ def test_help_lists_exit_statuses_and_commands_with_their_own_help(told):
     (["zzz"], "choose one of box, run"),
     (["run"], "the following arguments are required: CASE.toml"),
     (["verify", "--js"], "unrecognized arguments: --js"),
+    (["help", "cases"], "invalid choice: 'cases'"),
+    (["run", "missing.toml"], "missing.toml: cannot be read"),
+    (["run", "."], ".: cannot be read"),
+    ([*SAMPLE, "-e", "1.5"], "-e: must lie in [-1, 1], got 1.5"),
+    ([*SAMPLE, "-e", "1", "--m1", "-2"], "--m1: must be a positive number of kilograms"),
+    ([*SAMPLE, "-e", "1", "--v1", "0"], "--v1: must be above the velocity of body 2"),
 ])
 def test_a_wrong_call_ends_with_2_and_says_what_is_meant(argv, said, refuses):
     refuses(argv, said)
@@ -235,6 +242,20 @@ def test_outputs_are_checked_before_solving(case, refuses, monkeypatch, argv, sa
     assert {path.name for path in case.parent.iterdir()} == {"case.toml", "there.npz"}
 
 
+@pytest.mark.parametrize(("argv", "said"), [
+    (["-o", "film.avi"], "--output: must end in one of .gif, .mp4, got 'film.avi'"),
+    (["-o", "film.gif", "--frames", "1"], "--frames: must be a whole number from 2"),
+    (["-o", "film.gif", "--until", "soon"], "--until: "),
+    (["-o", "film.gif", "--until", "0"], "--until: there is nothing to draw"),
+    (["-o", "film.gif", "--magnify", "0"], "--magnify: must be a finite positive number"),
+    (["-o", "film.gif", "--field", "heat"], "--field: invalid choice"),
+    ([], "required: -o/--output"),
+])
+def test_a_film_that_cannot_be_made_is_refused(case, refuses, argv, said):
+    refuses(["animate", "case.toml", *argv], said)
+    assert [path.name for path in case.parent.iterdir()] == ["case.toml"]
+
+
 def test_gauges_of_the_case_are_written(case):
     text = case.read_text()
     case.write_text(text + '[[gauges]]\nbody = 1\nfraction = 0.5\nname = "far"\n'
@@ -317,11 +338,16 @@ def test_options_overrule_the_case(case, told):
 
 
 def test_a_run_that_stops_early_ends_with_3_and_still_reports_and_saves(case, told):
-    case.write_text(ENDLESS)
-    out = told("run", str(case), "--max-events", "500", "--save", "a.npz", status=3)
+    case.write_text(f"{ENDLESS}solve.max_events = 40\n")
+    out = told("run", "case.toml", "--max-events", "50", "--save", "a.npz", status=3)
     assert "velocity at the end" in out
     assert "Raise --max-events" in out
     assert ri.load("a.npz").stopped_by == "max_events"
+    told("export", "case.toml", "-o", "a.html", status=3)
+    out = told("animate", "case.toml", "-o", "a.gif", "--frames", "2", status=3)
+    assert "cap of 40 events" in out
+    assert Path("a.html").exists()
+    assert Path("a.gif").exists()
 
 
 def test_an_existing_file_needs_force_and_is_left_alone(case, refuses):
@@ -346,11 +372,6 @@ def test_all_mistakes_are_reported_at_once(case, refuses):
     assert "unit of mass" in said["--until"]
 
 
-@pytest.mark.parametrize("name", ["missing.toml", "."])
-def test_a_case_that_cannot_be_read_ends_with_2(case, refuses, name):
-    refuses(["run", name], f"{name}: cannot be read")
-
-
 PROFILE = {"values": [i % 7 for i in range(11_000)],
            "at": [0.4 * i / 11_000 for i in range(1, 11_000)]}
 
@@ -367,8 +388,6 @@ def test_a_run_that_no_picture_can_show_keeps_its_table(case, capsys):
 
 
 # rigid --------------------------------------------------------------------------------------------
-
-SAMPLE = ["rigid", "--m1", "2", "--v1", "0.5", "--m2", "10", "--v2", "0.2"]
 
 
 def test_rigid_prints_sample_10_19(told):
@@ -392,33 +411,30 @@ def test_rigid_reports_all_mistakes_at_once(refuses):
 
 
 def test_rigid_refuses_energy_unless_it_is_released(refuses, told):
-    refuses([*SAMPLE, "-e", "1.5"], "-e: must lie in [-1, 1], got 1.5", "--energy-release")
+    refuses([*SAMPLE, "-e", "1.5"], "--energy-release")
     assert "-93.75 mJ" in told(*SAMPLE, "-e", "1.5", "--energy-release")
-    for m1, v1, said in (("-2", "1", "--m1: must be a positive number of kilograms or infinite, "),
-                         ("2", "0", "--v1: must be above the velocity of body 2, 0.0, got 0.0")):
-        refuses(["rigid", "--m1", m1, "--v1", v1, "--m2", "1", "--v2", "0", "-e", "1"], said)
 
 
 # verify, materials, doctor ------------------------------------------------------------------------
 
 
 def test_verify_prints_every_check(told):
-    out = told("verify")
-    assert out.count("  ok\n") == len(checks())
-    assert "checks passed" in out.splitlines()[-1]
-    data = json.loads(told("verify", "--json"))
-    assert data["passed"] is True
-    assert all(check["residual"] <= check["bound"] for check in data["checks"])
+    *table, verdict = told("verify").splitlines()
+    passed = [line for line in table if line.endswith("  ok")]
+    assert verdict.startswith(f"All {len(passed)} checks passed")
+    assert len(passed) > 25
 
 
-@pytest.mark.parametrize("got", [1.5, float("nan")])
-def test_verify_ends_with_4_if_a_number_is_off(monkeypatch, got, told):
+@pytest.mark.parametrize(("got", "said", "status"), [
+    (1.0, "All 2 checks passed", 0), (1.5, "1 checks FAILED", 4),
+    (float("nan"), "1 checks FAILED", 4)])
+def test_verify_ends_with_4_if_a_number_is_off(monkeypatch, told, got, said, status):
     found = [Check("a", 1.0, 1.0), Check("b", 1.0, got)]
     monkeypatch.setattr("rodimpact.cli.verify.checks", lambda: found)
-    out = told("verify", status=4)
-    assert "1 checks FAILED" in out
-    data = json.loads(told("verify", "--json", status=4))
-    assert [check["passed"] for check in data["checks"]] == [True, False]
+    assert said in told("verify", status=status)
+    data = json.loads(told("verify", "--json", status=status))
+    assert data["passed"] is (status == 0)
+    assert [check["passed"] for check in data["checks"]] == [True, status == 0]
 
 
 def test_materials_names_speeds_and_sources(told):

@@ -8,18 +8,10 @@ from rodimpact.cli import verify
 from rodimpact.cli.verify import checks
 
 
-@pytest.mark.parametrize("check", checks(), ids=lambda check: check.name)
-def test_the_solver_meets_the_closed_form(check):
-    assert check.passed, check
-
-
-def test_every_check_has_a_name_of_its_own():
-    names = [check.name for check in checks()]
-    assert len(set(names)) == len(names) > 25
-
-
-def test_round_off_stays_far_below_the_bound():
-    assert max(check.residual for check in checks()) < verify.BOUND / 100
+def test_the_solver_meets_the_closed_forms_far_within_the_bound():
+    found = checks()
+    assert len({check.name for check in found}) == len(found) > 25
+    assert [check for check in found if not check.residual < verify.BOUND / 100] == []
 
 
 @pytest.mark.parametrize(("expected", "got", "residual"), [

@@ -98,18 +98,6 @@ def test_all_of_the_script_is_inside(case, tmp_path):
     assert files | {"kernels.js"} == {*SCRIPTS, LOADER}
 
 
-def test_a_run_cut_short_says_so(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    pieces = [
-        ri.Segment(L, A, ri.materials.steel) for L, A in ((0.41421356, 1e-4), (0.73205081, 3e-4))
-    ]
-    system = ri.System([ri.Wall(), ri.Rod(segments=pieces, velocity=1.0), ri.Wall()])
-    case = ri.Case(system, {"until": 1.0, "max_events": 2000})
-    (tmp_path / "case.toml").write_text(ri.write_case(case))
-    assert main(["export", "case.toml", "-o", "page.html"]) == 3
-    assert (tmp_path / "page.html").exists()
-
-
 def test_the_page_shows_what_run_would_print(tmp_path, monkeypatch, capsys):
     """What the page cannot solve is solved as the case asks."""
     monkeypatch.chdir(tmp_path)

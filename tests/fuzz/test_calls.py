@@ -7,7 +7,6 @@ import inspect
 import re
 from types import FunctionType
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from fuzz.generators import (
@@ -117,7 +116,6 @@ def test_calls_answer_or_refuse_in_a_sentence(monkeypatch, tmp_path, seed):
         result = called(function, *positional, **named)
         refused += isinstance(result, Exception)
         names.add(result)
-        plt.close("all")
     assert EXAMPLES / 10 < refused < EXAMPLES
     assert not list(tmp_path.rglob(".rodimpact*"))
 

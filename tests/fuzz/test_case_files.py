@@ -1,11 +1,13 @@
 """Case files spoilt at random are refused in sentences, or run to numbers that balance."""
 
 import json
+from contextlib import suppress
 
 import numpy as np
 import pytest
 from fuzz.generators import CASES, SEEDS, TIMES, one_of, patience, spoilt_bytes, spoilt_text
 
+import rodimpact as ri
 from rodimpact.cli import main
 
 EXAMPLES = 60 * TIMES  # of each seed
@@ -46,6 +48,13 @@ def check(status, out, errors, files):
         assert all(line.startswith("rodimpact: ") for line in errors.splitlines())
 
 
+def check_round_trip(data):
+    """What the reader takes is written and read back equal; all else is a mistake with a path."""
+    with suppress(UnicodeDecodeError, ri.InvalidModel):
+        case = ri.parse_case(data.decode())
+        assert ri.parse_case(ri.write_case(case)) == case
+
+
 # what other tests left behind may be collected here, and tell that it was not closed
 @pytest.mark.filterwarnings("default", "ignore::ResourceWarning", "ignore::DeprecationWarning")
 @pytest.mark.parametrize("seed", SEEDS)
@@ -56,5 +65,6 @@ def test_a_spoilt_case_is_refused_or_balances(capsys, monkeypatch, tmp_path, see
         data = spoilt_bytes(rng, spoilt_text(rng, one_of(rng, CASES)))
         status, *rest = ran(capsys, monkeypatch, tmp_path, data)
         check(status, *rest)
+        check_round_trip(data)
         refused += status == 2
     assert EXAMPLES / 4 < refused < EXAMPLES

@@ -525,9 +525,12 @@ def test_suffix_names_the_format(solved, tmp_path, suffix, magic):
 
 def test_save_refuses_unknown_suffixes_and_existing_files(solved, tmp_path):
     figure = plot.energy(solved["unequal"]).ax.figure
-    for name in ("picture.gif", "picture"):
-        with pytest.raises(ValueError, match=r"\.png, \.svg, \.pdf"):
-            plot.save(figure, tmp_path / name)
+    film = plot.animation(solved["unequal"], frames=2)
+    for drawn, name, suffixes in ((figure, "a.gif", ".png, .svg, .pdf"),
+                                  (figure, "a", ".png, .svg, .pdf"), (film, "a.png", ".gif, .mp4"),
+                                  (film, "a", ".gif, .mp4")):
+        with pytest.raises(ValueError, match=suffixes):
+            plot.save(drawn, tmp_path / name)
     target = tmp_path / "picture.png"
     target.write_text("mine")
     with pytest.raises(FileExistsError):

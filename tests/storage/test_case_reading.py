@@ -18,8 +18,6 @@ from case_texts import (
     problems,
     with_area,
 )
-from hypothesis import given
-from hypothesis import strategies as st
 
 import rodimpact as ri
 from rodimpact.storage.casefile import Case, parse_case, write_case
@@ -382,59 +380,3 @@ def test_all_mistakes_at_once_each_with_its_path():
 
 def test_a_newer_schema_is_said_alone():
     assert list(problems("schema = 2\nnews = 1\n")) == ["schema"]
-
-
-def toml(value):
-    if isinstance(value, list):
-        return "[" + ", ".join(map(toml, value)) + "]"
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{k} = {toml(v)}" for k, v in value.items()) + "}"
-    return str(value).lower() if isinstance(value, bool) else repr(value)
-
-
-json_like = st.recursive(
-    st.booleans() | st.integers(-3, 3) | st.floats() | st.sampled_from(["", "rod", "1 mm", "x"]),
-    lambda inner: st.lists(inner, max_size=3)
-    | st.dictionaries(st.sampled_from(["values", "at", "kind", "length", "gap", "samples", "step"]),
-                      inner, max_size=3),
-    max_leaves=6,
-)
-
-
-@given(
-    key=st.sampled_from([
-        "schema", "gravity", "bodies", "contacts", "ends", "materials", "solve", "output",
-    ]),
-    inner=st.sampled_from(["", "kind", "length", "area", "material", "velocity", "segments", "gap",
-                           "law", "stiffness", "left_radius", "restitution", "left", "value",
-                           "steel", "until", "method", "max_events", "dt", "plot", "cells",
-                           "polar_moment", "lateral_inertia"]),
-    value=json_like,
-)
-def test_no_value_anywhere_escapes_as_another_error(key, inner, value):
-    document = {
-        "schema": 1,
-        "gravity": 0,
-        "bodies": [{"kind": "rod", "length": 1, "area": 1, "material": "steel"}, {"kind": "wall"}],
-        "contacts": [{"law": "hertz", "left_radius": 1}],
-        "ends": {"kind": "force", "value": 1},
-        "materials": {},
-        "solve": {},
-        "output": {},
-    }
-    if not inner:
-        document[key] = value
-    else:
-        place = document[key]
-        if key == "ends":
-            document[key] = {"left": place}
-        place = place[0] if isinstance(place, list) else place
-        if isinstance(place, dict):
-            place[inner] = value
-    text = "\n".join(f"{k} = {toml(v)}" for k, v in document.items())
-    try:
-        case = parse_case(text)
-    except ri.InvalidModel as error:
-        assert "is not valid TOML" not in str(error)  # noqa: PT017  (some values are right)
-    else:
-        assert parse_case(write_case(case)).system == case.system
