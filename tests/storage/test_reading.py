@@ -96,15 +96,8 @@ def test_a_sentence_does_not_repeat_the_file(saved):
     assert len(str(refused.value)) < 1000
 
 
-def test_numbers_that_changed_places_are_refused(saved):
-    document, arrays = contents(saved)
-    arrays["f8"] = arrays["f8"][::-1]
-    put(saved, document, arrays)
-    with pytest.raises(ri.FileFormatError, match=r"f8.* is not what the document says"):
-        ri.load(saved)
-
-
 @pytest.mark.parametrize("change", [
+    lambda document, arrays: arrays.update(f8=arrays["f8"][::-1]),
     lambda document, arrays: arrays.update(more=np.zeros(3)),
     lambda document, arrays: arrays.pop("i8"),
     lambda document, arrays: document.pop("arrays"),
