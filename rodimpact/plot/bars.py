@@ -1,20 +1,20 @@
 """The bodies of a row at chosen instants: rods as bars, walls, masses, and marks at the ends."""
 
 from collections.abc import Mapping
-from itertools import groupby, pairwise
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib import collections, colors, patches
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from numpy.typing import NDArray
 
 from ..methods.signals import Floats
-from ..model import Absorbing, RigidMass, Rod
+from ..model import Absorbing, Rigid, RigidMass, Rod
 from ..model.profiles import extremes
 from ..results.gauges import Gauge
 from .borders import DRIVEN, WALL, mark
-from .placing import Placing, is_compliant
+from .placing import Placing
 from .sampling import is_stepped, properties, state_at
 from .scales import Scale
 from .style import SMALL, colours
@@ -34,18 +34,8 @@ ALONG = np.concatenate([[0.0], np.linspace(0.12, 0.88, TURNS + 2), [1.0]])
 """A spring from 0 to 1: a zigzag between two straight ends."""
 
 
-class Piece(NamedTuple):
-    """A uniform piece of rod in a row of the picture: its ends, half thickness and state."""
-
-    row: int
-    body: int
-    segment: int
-    left: float
-    right: float
-    half: float
-    velocity: float
-    strain: float
-    stress: float
+PIECE = ("row", "body", "segment", "left", "right", "half", "velocity", "strain", "stress", "speed")
+"""A uniform piece of rod in a row of the picture: its ends, half thickness, state and bar speed."""
 
 
 class Bars:
@@ -53,7 +43,7 @@ class Bars:
 
     Attributes
     ----------
-    pieces : list of Piece
+    pieces : record array of `PIECE`
         Of all rods, row by row.
     rows : array
         Heights of the rows in the picture.
@@ -77,43 +67,42 @@ class Bars:
         self.largest = self.largest or max(
             float(np.abs(profile.strain).max()) for *_, profile in states) or 1.0
         widest = max(extremes(s.area)[1] for _, rod in rods for s in rod.segments)
-        self.pieces: list[Piece] = []
+        parts = []
         for row, i, rod, profile in states:
-            x, segment = profile.edges, profile.segment - profile.segment[0]
+            x, strain = profile.edges, profile.strain
             places = self.plan.point(i, x, times[row]) * self.place.factor
-            area, modulus, _ = properties(rod, x, segment)
+            area, modulus, density = properties(rod, x, profile.segment)
             thick = THICKNESS * np.maximum(THINNEST, np.sqrt(area / widest))
-            half = thick / 2 * (1 - SWELLING * profile.strain / self.largest)
-            columns = (segment, places[:-1], places[1:], half, profile.velocity, profile.strain,
-                       modulus * profile.strain)
-            wide = np.diff(x) > NARROWEST * x[-1]
-            found = [Piece(row, i, *each) for each in zip(*(c[wide] for c in columns), strict=True)]
+            half = thick / 2 * (1 - SWELLING * strain / self.largest)
+            found: Any = np.rec.fromarrays(np.broadcast_arrays(
+                row, i, profile.segment, places[:-1], places[1:], half, profile.velocity, strain,
+                modulus * strain, np.sqrt(modulus / density)), names=PIECE)
+            found = found[np.diff(x) > NARROWEST * x[-1]]
             crowd = not self.stepped and len(found) > MANY
-            room = ALIKE * float(np.ptp(profile.velocity))
-            self.pieces += joined(found, room) if crowd else found
+            parts.append(joined(found, ALIKE * np.ptp(profile.velocity)) if crowd else found)
+        self.pieces: Any = np.concatenate(parts).view(np.recarray)
 
     def fronts(self) -> list[Line2D]:
         """Triangles above the fronts that show their direction."""
-        marks = []
-        for one, other in pairwise(() if self.stepped else self.pieces):
-            if one[:3] == other[:3]:
-                rod: Any = self.system.bodies[one.body]
-                jump = other.velocity - one.velocity
-                stretch = float(rod.segments[one.segment].wave_speed) * (other.strain - one.strain)
-                if np.isclose(abs(jump), abs(stretch), rtol=ONE_WAY, atol=0.0):
-                    marks += self.ax.plot(
-                        other.left, 0.4 - other.row, marker=">" if jump * stretch < 0 else "<",
-                        color=self.colours.ink, markersize=3.5, zorder=4)
+        pieces, marks = self.pieces, []
+        jump, stretch = np.diff(pieces.velocity), pieces.speed[1:] * np.diff(pieces.strain)
+        one_way = np.isclose(abs(jump), abs(stretch), rtol=ONE_WAY, atol=0.0)
+        one_way &= _follow(pieces) & (not self.stepped)
+        for i in np.flatnonzero(one_way):
+            marks += self.ax.plot(
+                pieces.right[i], 0.4 - pieces.row[i], color=self.colours.ink, markersize=3.5,
+                marker=">" if jump[i] * stretch[i] < 0 else "<", zorder=4)
         return marks
 
     def rods(self, numbers: Floats, norm: colors.Normalize) -> collections.PolyCollection:
         """A polygon for each piece, with these numbers; outlined each where pieces are few."""
         lines: Any = ({"linewidths": 0.0, "antialiased": False} if self.stepped
                       else {"linewidths": 0.6, "edgecolors": self.colours.ink})
+        p = self.pieces
+        corners = np.array([[p.left, p.right, p.right, p.left],
+                            np.multiply.outer([-1, -1, 1, 1], p.half) - p.row])
         bars = collections.PolyCollection(
-            [[(p.left, -p.row - p.half), (p.right, -p.row - p.half),
-              (p.right, -p.row + p.half), (p.left, -p.row + p.half)] for p in self.pieces],
-            array=numbers, cmap=self.colours.signed, norm=norm, zorder=2,
+            corners.T, array=numbers, cmap=self.colours.signed, norm=norm, zorder=2,
             rasterized=self.stepped, **lines)
         self.ax.add_collection(bars)
         return bars
@@ -122,11 +111,11 @@ class Bars:
         """Lines round the rods where pieces are many."""
         if not self.stepped:
             return None
-        lines = []
-        for (row, _), rod in groupby(self.pieces, lambda piece: piece[:2]):
-            upper = [(x, p.half - row) for p in rod for x in (p.left, p.right)]
-            lower = [(x, -2.0 * row - y) for x, y in reversed(upper)]
-            lines.append([*upper, *lower, upper[0]])
+        lines, pieces = [], self.pieces
+        for p in np.split(pieces, np.flatnonzero(np.diff(pieces.row) | np.diff(pieces.body)) + 1):
+            x, half = np.array([p.left, p.right]).T.ravel(), np.repeat(p.half, 2)
+            y = np.concatenate([half, -half[::-1], half[:1]]) - p.row[0]
+            lines.append(np.column_stack([np.concatenate([x, x[::-1], x[:1]]), y]))
         drawn = collections.LineCollection(
             lines, colors=self.colours.ink, linewidths=0.6, zorder=2.5)
         self.ax.add_collection(drawn)
@@ -164,7 +153,7 @@ class Bars:
             self.ax.plot(x * self.place.factor, np.add.outer(UP, self.rows), zorder=3,
                          color=self.colours.ink, linewidth=0.9)
         for history in self.plan.solution.contacts:
-            if history.law.opens and not is_compliant(history):
+            if isinstance(history.law, Rigid):
                 presses = (history.force(np.maximum(self.times, 0.0)) > 0) & (self.times >= 0)
                 self._upright(np.where(presses, self._end(history.index, True), np.nan),
                               linewidth=2.6, zorder=4)
@@ -191,17 +180,19 @@ class Bars:
                        **{"color": self.colours.ink, **how})
 
 
-def joined(pieces: list[Piece], room: float) -> list[Piece]:
+def joined(pieces: Any, room: float) -> Any:
     """Neighbours in a segment whose velocities differ by `room` at most, as one with their mean."""
-    groups: list[list[Piece]] = []
-    for piece in pieces:
-        group = groups[-1] if groups else []
-        speeds = [p.velocity for p in (*group, piece)]
-        if group and group[0][:3] == piece[:3] and max(speeds) - min(speeds) <= room:
-            group.append(piece)
-        else:
-            groups.append([piece])
-    means = [np.average([p[5:] for p in group], axis=0, weights=[p.right - p.left for p in group])
-             for group in groups]
-    return [Piece(*group[0][:4], group[-1].right, *mean.tolist())
-            for group, mean in zip(groups, means, strict=True)]
+    follow, velocity, starts = _follow(pieces), pieces.velocity, [0]
+    for i in range(1, len(pieces)):
+        if not follow[i - 1] or np.ptp(velocity[starts[-1] : i + 1]) > room:
+            starts.append(i)
+    whole, width = pieces[starts], pieces.right - pieces.left
+    whole.right = pieces.right[np.append(starts[1:], len(pieces)) - 1]
+    for name in PIECE[5:]:
+        whole[name] = np.add.reduceat(width * pieces[name], starts) / np.add.reduceat(width, starts)
+    return whole
+
+
+def _follow(pieces: Any) -> NDArray[np.bool_]:
+    """Whether each piece but the first is in the row and segment of the piece before it."""
+    return ~np.diff([pieces.row, pieces.body, pieces.segment]).any(axis=0)

@@ -76,7 +76,8 @@ class Borders:
                 presses = force > ROUND_OFF * history.peak_force
                 touches = closed & ~presses & isinstance(history.law, Rigid)
                 apart = ~presses & ~touches & (self.plan.magnification == 0)
-                track = self.plane.points(self.plan.between(history.index, times), times)
+                left, right = (self.plan.end(history.index + i, not i, times) for i in (0, 1))
+                track = self.plane.points((left + right) / 2, times)
                 for each, inside in zip(paths, (presses, touches, apart), strict=True):
                     each += _stretches(track, inside)
         casing = [patheffects.withStroke(linewidth=4.5, foreground=self.colours.paper)]

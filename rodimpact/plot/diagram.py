@@ -1,7 +1,6 @@
 """The space-time diagram: where every piece of rod is at every time, coloured by its state."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 from matplotlib import artist
@@ -102,13 +101,10 @@ def spacetime(
     stations = {} if gauges is None else check_gauges(gauges)
     cut: Cut = (Raster if is_stepped(solution) else Polygons)(solution, start, stop)
     stop = solution.t_end if stop is None else stop
-    plan = placing(solution, start, stop, magnification)
-    if coordinates == "body":
-        if magnification is not None:
-            raise refusal("magnification", 'nothing moves in coordinates="body"; leave it out, or '
-                             'give coordinates="lab"')
-        plan = replace(plan, magnification=0.0)
-    plan = plan.with_springs(start, stop)
+    if coordinates == "body" and magnification is not None:
+        raise refusal("magnification", 'nothing moves in coordinates="body"; leave it out, or give '
+                      'coordinates="lab"')
+    plan = placing(solution, start, stop, magnification, still=coordinates == "body")
     values = cut.values(field, plan.frame)
     rest = plan.frame if field == "velocity" else 0.0
     reach = [float(np.nanmin(values)), float(np.nanmax(values))]

@@ -66,7 +66,7 @@ class Animation:
         self.fps, self.title, self._look = fps, headline(solution), copy_context()
         self.field, self.colours = field, style.colours()
         start, stop = float(times[0]), float(times[-1])
-        plan = placing(solution, start, stop, magnification).with_springs(start, stop)
+        plan = placing(solution, start, stop, magnification)
         self.times = np.concatenate((_approach(plan, times), times,
                                      np.full(round(REST * fps), stop)))
         self._turns, self._captions = _captions(solution, start, stop)
@@ -139,8 +139,7 @@ class Animation:
         """Draw the bodies at a time; nothing else is on their Axes."""
         bars = self._bars
         bars.at(np.array([t]))
-        values = np.array([getattr(piece, self.field) for piece in bars.pieces]) * self._factor
-        bars.rods(values, self._norm)
+        bars.rods(bars.pieces[self.field] * self._factor, self._norm)
         for draw in (bars.walls, bars.masses, bars.outlines, bars.marks):
             draw()
 

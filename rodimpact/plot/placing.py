@@ -9,9 +9,7 @@ A rigid mass has no length; in pictures it is a block. A compliant contact is a 
 long that magnified faces stay apart.
 """
 
-from __future__ import annotations
-
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -88,14 +86,14 @@ class Placing:
               if isinstance(end, Fixed)),
         ]
 
-    def moved(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
-        """Displacement, m; before t = 0 bodies come as they are then, with their velocity."""
-        before = np.minimum(t, 0.0) * self.solution.outcome.velocities_before[body]
-        return np.asarray(self.solution.displacement(body, x, np.maximum(t, 0.0)) + before)
-
     def point(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
-        """Place X of points of a body, x m from its left end, at t."""
-        return self.place(body, x, t, self.moved(body, x, t))
+        """Place X of points of a body, x m from its left end, at t.
+
+        Before t = 0 bodies come as they are then, with their velocity.
+        """
+        before = np.minimum(t, 0.0) * self.solution.outcome.velocities_before[body]
+        displacement = self.solution.displacement(body, x, np.maximum(t, 0.0)) + before
+        return self.place(body, x, t, displacement)
 
     def end(self, body: int, right: bool, t: ArrayLike) -> Floats:
         """Place X of the left or right end of a body at t."""
@@ -104,10 +102,6 @@ class Placing:
     def middle(self, body: int, t: ArrayLike) -> Floats:
         """Place X half-way between the ends of a body at t."""
         return (self.end(body, False, t) + self.end(body, True, t)) / 2
-
-    def between(self, contact: int, t: ArrayLike) -> Floats:
-        """Place X of a contact at t: half-way between the faces."""
-        return (self.end(contact, True, t) + self.end(contact + 1, False, t)) / 2
 
     def centre(self, body: int, t: Floats) -> Floats:
         """Place X of the centre of mass of a rod at t [n]."""
@@ -127,27 +121,10 @@ class Placing:
                 found.append((history, left, np.minimum(right, longest)))
         return found
 
-    def with_springs(self, start: float, stop: float) -> Placing:
-        """The row with every body moved to the right by the springs on its left.
-
-        True to scale nothing is moved.
-        """
-        if self.magnification <= 1:
-            return self
-        times, free = np.linspace(start, stop, 301), self.free.copy()
-        for history in filter(is_compliant, self.solution.contacts):
-            deepest = max(0.0, -float(np.min(history.gap(times))))
-            free[history.index] = ROOM * self.row + self.magnification * deepest
-        return replace(self, free=free, left=self.left + np.cumsum([0.0, *free]))
-
-
-def is_compliant(history: ContactHistory) -> bool:
-    """Whether the faces of a contact come closer than touching."""
-    return not isinstance(history.law, Rigid | Bonded)
-
 
 def placing(
-    solution: Solution, start: float, stop: float, magnification: float | None = None
+    solution: Solution, start: float, stop: float, magnification: float | None = None,
+    still: bool = False,
 ) -> Placing:
     """Choose frame and magnification (1, 2 or 5 times a power of ten) for an interval of time.
 
@@ -158,6 +135,8 @@ def placing(
         s.
     magnification : float, optional
         To be used instead of the automatic one.
+    still : bool
+        Whether bodies stay in the undeformed row.
 
     Raises
     ------
@@ -175,26 +154,29 @@ def placing(
         apart[body] + solution.displacement(body, x, times)
         for body, length in enumerate(lengths) for x in (0.0, length)
     ])
-    slowest = _slowest(solution)
+    # velocity of a wall, 0 if an end is held, else the least of the bodies' velocities
+    held = [float(body.velocity) for body in bodies if isinstance(body, Wall)]
+    held += [0.0 for end in solution.system.ends if isinstance(end, Fixed | Moved)]
+    slowest = min(held or solution.outcome.velocities_before, key=abs)
     relative = float(np.ptp(moved - slowest * times))
     reach = float(np.ptp(moved))
     row = sum(lengths) or reach or 1.0  # the scale of masses alone is how far they move
     masses = np.array([isinstance(body, RigidMass) for body in bodies])
     block = round_down(BLOCK * row) if masses.any() else 0.0
     left = begin + block * (np.cumsum(masses) - masses)
-    if magnification is None:
+    widths = np.where(masses, block, lengths)
+    if still:
+        magnification = 0.0
+    elif magnification is None:
         strain = max((
             np.abs(solution.strain(body, np.linspace(0, length, 33)[:, None], times)).max()
             for body, length in enumerate(lengths) if length), default=0.0)
         magnification = magnified(row, reach, relative, float(strain))
     frame = slowest if drifts(reach, relative) else 0.0
-    widths = np.where(masses, block, lengths)
-    return Placing(solution, magnification, frame, left, widths, apart, block,
-                   np.zeros(len(solution.contacts)))
-
-
-def _slowest(solution: Solution) -> float:
-    """Velocity of a wall, 0 if an end is held, else the least of the bodies' velocities."""
-    held = [float(b.velocity) for b in solution.system.bodies if isinstance(b, Wall)]
-    held += [0.0 for end in solution.system.ends if isinstance(end, Fixed | Moved)]
-    return min(held or solution.outcome.velocities_before, key=abs)
+    free, often = np.zeros(len(solution.contacts)), np.linspace(start, stop, 301)
+    for history in solution.contacts if magnification > 1 else ():  # true to scale none is drawn
+        if not isinstance(history.law, Rigid | Bonded):
+            deepest = max(0.0, -float(np.min(history.gap(often))))
+            free[history.index] = ROOM * (left[-1] + widths[-1]) + magnification * deepest
+    return Placing(solution, magnification, frame, left + np.cumsum([0.0, *free]), widths, apart,
+                   block, free)

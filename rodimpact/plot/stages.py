@@ -16,7 +16,7 @@ from ..model.numbering import body_names
 from ..results.gauges import Gauge, check_gauges
 from ..results.solution import Solution, check_waves
 from . import scales, style
-from .bars import TOLD, Bars, Piece, joined
+from .bars import TOLD, Bars, joined
 from .moments import happening, moments
 from .placing import Placing, placing
 from .sampling import is_stepped
@@ -81,13 +81,13 @@ def snapshots(
         raise refusal("times", "needs at least one time, got none")
     solution.fields.to_ticks(when)  # refuses times outside the solution
     last = float(when.max())
-    plan = placing(solution, 0.0, last, magnification).with_springs(0.0, last)
+    plan = placing(solution, 0.0, last, magnification)
     place = scales.place_scale(plan.row)
     ax = style.axes(ax, 9.6, 0.9 + 0.72 * when.size)
 
     stepped, (_, ink, faint, *_) = is_stepped(solution), style.colours()
     drawn = Bars(ax, plan, when, place)
-    velocities = np.array([piece.velocity for piece in drawn.pieces])
+    velocities = drawn.pieces.velocity
     norm = style.centred(velocities, plan.frame)
     bars, outlines, fronts = drawn.rods(velocities, norm), drawn.outlines(), drawn.fronts()
     walls, masses = drawn.walls(), drawn.masses()
@@ -167,7 +167,7 @@ def _mass_labels(
 
 
 def _labels(
-    ax: Axes, pieces: list[Piece], norm: Any, write: Callable[[float], str], stepped: bool
+    ax: Axes, pieces: Any, norm: Any, write: Callable[[float], str], stepped: bool
 ) -> list[Text]:
     """Write the velocity into each piece, or below it where it is too narrow.
 
