@@ -10,7 +10,7 @@ All waves are those of `rodimpact.solve`.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -208,36 +208,6 @@ def striker(
     problems: Problems = []
     check_function(problems, "progress", progress)
     raise_noted(problems)
-    search = _checked(
-        wanted, bar, velocity, duration, until, segments, area_ratio, material, contact)
-    found: list[_Found] = []
-    silence = staircase([0.0], [0.0], search.wanted.end, "nothing")
-    if search.parts(silence)[1].max() <= PERFECT:  # steps: they may be met exactly
-        found = [search.descend(np.zeros(0))]
-    if not found or found[0].misfit >= PERFECT:
-        forecast = Forecast(warn, "a smaller number of segments", progress, "this design")
-        total = segments * (segments + 3) // 2  # a striker of n segments takes n + 1 runs a step
-        found = []
-        for n in range(1, segments + 1):
-            coarser = found[-1].logarithms if found else np.zeros(0)
-            found.append(search._replace(segments=n).descend(coarser))
-            forecast.report(n * (n + 3) // 2, total, f"{segments} segments")
-    least = min(each.misfit for each in found)
-    best = next(each for each in found if each.misfit * (1 - BETTER) <= least)
-    search = search._replace(segments=len(best.logarithms))
-    bounded = {
-        i: name for bound, name in zip(search.bounds, ("smallest", "largest"), strict=True)
-        for i in np.flatnonzero(np.abs(best.logarithms[::-1] - bound) <= AT_BOUND).tolist()}
-    return PulseDesign(
-        search.system(best.logarithms), 0, search.wanted,
-        search.force(best.logarithms, search.wanted.end), best.misfit, best.within, bounded)
-
-
-def _checked(
-    wanted: Any, bar: Any, velocity: Any, duration: Any, until: Any, segments: Any,
-    area_ratio: Any, material: Any, contact: Any,
-) -> _Search:
-    """What is looked for; the errors of `striker`."""
     of_kind("bar", bar, Rod, "Rod(2.0, area=1e-4, material=materials.steel)")
     steel = bar.segments[0].material if material is None else material
     of_kind("material", steel, Material, "materials.steel")
@@ -266,4 +236,25 @@ def _checked(
     if lowest < 0 and isinstance(contact, Rigid):
         raise refusal("wanted", f"pulls with {-lowest!r} N, and faces only push; make it 0 there, "
                       "or take contact=Bonded()")
-    return _Search(bar, steel, V, T, contact, force, np.log(ratios), segments)
+    search = _Search(bar, steel, V, T, contact, force, np.log(ratios), segments)
+    found: list[_Found] = []
+    silence = staircase([0.0], [0.0], search.wanted.end, "nothing")
+    if search.parts(silence)[1].max() <= PERFECT:  # steps: they may be met exactly
+        found = [search.descend(np.zeros(0))]
+    if not found or found[0].misfit >= PERFECT:
+        forecast = Forecast(warn, "a smaller number of segments", progress, "this design")
+        total = segments * (segments + 3) // 2  # a striker of n segments takes n + 1 runs a step
+        found = []
+        for n in range(1, segments + 1):
+            coarser = found[-1].logarithms if found else np.zeros(0)
+            found.append(search._replace(segments=n).descend(coarser))
+            forecast.report(n * (n + 3) // 2, total, f"{segments} segments")
+    least = min(each.misfit for each in found)
+    best = next(each for each in found if each.misfit * (1 - BETTER) <= least)
+    search = search._replace(segments=len(best.logarithms))
+    bounded = {
+        i: name for bound, name in zip(search.bounds, ("smallest", "largest"), strict=True)
+        for i in np.flatnonzero(np.abs(best.logarithms[::-1] - bound) <= AT_BOUND).tolist()}
+    return PulseDesign(
+        search.system(best.logarithms), 0, search.wanted,
+        search.force(best.logarithms, search.wanted.end), best.misfit, best.within, bounded)

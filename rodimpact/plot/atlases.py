@@ -5,7 +5,7 @@ from textwrap import wrap
 from typing import Any
 
 import numpy as np
-from matplotlib import collections, colors, patches
+from matplotlib import collections, colors
 from matplotlib.axes import Axes
 
 from ..algebra.atlas import Atlas
@@ -56,13 +56,13 @@ def atlas(found: Atlas, ax: Axes | None = None) -> style.Picture:
     edges = [np.linspace(low, high, MESH + 1) for _, low, high in (found.x, found.y)]
     middles = np.meshgrid(*((edge[1:] + edge[:-1]) / 2 for edge in edges))
     e = found.restitution(*middles)
-    paper, ink, faint, *_ = style.colours()
     x, y = (edge * scale.factor for edge, scale in zip(edges, scales, strict=True))
     low = float(np.nanmin(e)) if np.isfinite(e).any() else 0.0
-    cells = ax.pcolormesh(x, y, np.ma.masked_invalid(e), cmap=style.RISING, rasterized=True,
-                          norm=colors.Normalize(low, max(1.0, low + 1e-3)), zorder=1)
+    cells, without = style.cells(
+        ax, (x, y), e.T, style.RISING, colors.Normalize(low, max(1.0, low + 1e-3)),
+        "no value, or unresolved")
     lines = found.lines * [scale.factor for scale in scales]
-    drawn = []
+    drawn, ink = [], style.colours().ink
     for kind, (what, width, colour) in enumerate((
             ("another formula", 0.8, ink), ("other contacts", 2.0, ink),
             ("e = 1", 2.0, style.colours().series[4]))):
@@ -71,14 +71,10 @@ def atlas(found: Atlas, ax: Axes | None = None) -> style.Picture:
             drawn.append(collections.LineCollection(
                 here, colors=colour, label=what, zorder=3 + kind, linewidths=width))
             ax.add_collection(drawn[-1])
-    handles: list[Any] = list(drawn)
-    if np.isnan(e).any():
-        handles.append(patches.Patch(
-            facecolor=paper, edgecolor=faint, label="no value, or unresolved"))
     with suppress(ImportError):  # formulas need sympy
         _name_largest(ax, found, scales)
     bar = style.colour_bar(ax, cells, "coefficient of restitution e")
-    style.dress(ax, handles, xlim=x[[0, -1]], ylim=y[[0, -1]], xlabel=scales[0].label,
+    style.dress(ax, [*drawn, *without], xlim=x[[0, -1]], ylim=y[[0, -1]], xlabel=scales[0].label,
                 ylabel=scales[1].label)
     return style.Picture(ax=ax, cells=cells, borders=drawn, colour_bar=bar)
 

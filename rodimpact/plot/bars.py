@@ -34,7 +34,9 @@ ALONG = np.concatenate([[0.0], np.linspace(0.12, 0.88, TURNS + 2), [1.0]])
 """A spring from 0 to 1: a zigzag between two straight ends."""
 
 
-PIECE = ("row", "body", "segment", "left", "right", "half", "velocity", "strain", "stress", "speed")
+STATE = ("half", "velocity", "strain", "stress", "speed")
+PIECE = np.dtype([*((name, int) for name in ("row", "body", "segment")),
+                  *((name, float) for name in ("left", "right", *STATE))])
 """A uniform piece of rod in a row of the picture: its ends, half thickness, state and bar speed."""
 
 
@@ -43,7 +45,7 @@ class Bars:
 
     Attributes
     ----------
-    pieces : record array of `PIECE`
+    pieces : array of `PIECE`
         Of all rods, row by row.
     rows : array
         Heights of the rows in the picture.
@@ -62,21 +64,21 @@ class Bars:
         """Draw other times, with the same thickening of the bars."""
         self.times, self.rows = times, -np.arange(float(times.size))
         rods = [(i, body) for i, body in enumerate(self.system.bodies) if isinstance(body, Rod)]
-        states = [(row, i, rod, state_at(self.plan.solution, i, t))
-                  for row, t in enumerate(np.maximum(times, 0.0).tolist()) for i, rod in rods]
+        states = [(row, i, state_at(self.plan.solution, i, t))
+                  for row, t in enumerate(np.maximum(times, 0.0).tolist()) for i, _ in rods]
         self.largest = self.largest or max(
             float(np.abs(profile.strain).max()) for *_, profile in states) or 1.0
         widest = max(extremes(s.area)[1] for _, rod in rods for s in rod.segments)
         parts = []
-        for row, i, rod, profile in states:
+        for row, i, profile in states:
             x, strain = profile.edges, profile.strain
             places = self.plan.point(i, x, times[row]) * self.place.factor
-            area, modulus, density = properties(rod, x, profile.segment)
+            area, modulus, density = properties(self.plan.solution, i, (x[:-1] + x[1:]) / 2)
             thick = THICKNESS * np.maximum(THINNEST, np.sqrt(area / widest))
             half = thick / 2 * (1 - SWELLING * strain / self.largest)
             found: Any = np.rec.fromarrays(np.broadcast_arrays(
                 row, i, profile.segment, places[:-1], places[1:], half, profile.velocity, strain,
-                modulus * strain, np.sqrt(modulus / density)), names=PIECE)
+                modulus * strain, np.sqrt(modulus / density)), dtype=PIECE)
             found = found[np.diff(x) > NARROWEST * x[-1]]
             crowd = not self.stepped and len(found) > MANY
             parts.append(joined(found, ALIKE * np.ptp(profile.velocity)) if crowd else found)
@@ -99,7 +101,7 @@ class Bars:
         lines: Any = ({"linewidths": 0.0, "antialiased": False} if self.stepped
                       else {"linewidths": 0.6, "edgecolors": self.colours.ink})
         p = self.pieces
-        corners = np.array([[p.left, p.right, p.right, p.left],
+        corners: Any = np.array([[p.left, p.right, p.right, p.left],
                             np.multiply.outer([-1, -1, 1, 1], p.half) - p.row])
         bars = collections.PolyCollection(
             corners.T, array=numbers, cmap=self.colours.signed, norm=norm, zorder=2,
@@ -111,8 +113,9 @@ class Bars:
         """Lines round the rods where pieces are many."""
         if not self.stepped:
             return None
-        lines, pieces = [], self.pieces
-        for p in np.split(pieces, np.flatnonzero(np.diff(pieces.row) | np.diff(pieces.body)) + 1):
+        pieces, lines = self.pieces, []
+        starts = np.flatnonzero(np.diff(pieces.row) | np.diff(pieces.body)) + 1
+        for p in map(np.rec.array, np.split(pieces, starts)):
             x, half = np.array([p.left, p.right]).T.ravel(), np.repeat(p.half, 2)
             y = np.concatenate([half, -half[::-1], half[:1]]) - p.row[0]
             lines.append(np.column_stack([np.concatenate([x, x[::-1], x[:1]]), y]))
@@ -126,7 +129,7 @@ class Bars:
         depth = WALL * self.plan.row * self.place.factor
         blocks: list[patches.Rectangle] = []
         for i, right in self.plan.walls():
-            faces = self._end(i, right)
+            faces = self.end(i, right)
             blocks += self.ax.barh(self.rows, depth, 2 * TALL, faces if right else faces - depth,
                                    **mark("wall"))
             self._upright(faces, linewidth=1.5)
@@ -136,13 +139,13 @@ class Bars:
         """A block for each rigid mass."""
         width = self.plan.block * self.place.factor
         return [block for i, body in enumerate(self.system.bodies) if isinstance(body, RigidMass)
-                for block in self.ax.barh(self.rows, width, THICKNESS, self._end(i, False),
+                for block in self.ax.barh(self.rows, width, THICKNESS, self.end(i, False),
                                           zorder=3, **mark("mass"))]
 
     def marks(self) -> None:
         """Dashes at absorbing ends, arrow heads at driven ones, springs, lines that press."""
         for side, end in enumerate(self.system.ends):
-            places = self._end(side * (len(self.system.bodies) - 1), bool(side))
+            places = self.end(side * (len(self.system.bodies) - 1), bool(side))
             if isinstance(end, Absorbing):
                 self._upright(places, **mark("open"))
             elif type(end) in DRIVEN:
@@ -155,7 +158,7 @@ class Bars:
         for history in self.plan.solution.contacts:
             if isinstance(history.law, Rigid):
                 presses = (history.force(np.maximum(self.times, 0.0)) > 0) & (self.times >= 0)
-                self._upright(np.where(presses, self._end(history.index, True), np.nan),
+                self._upright(np.where(presses, self.end(history.index, True), np.nan),
                               linewidth=2.6, zorder=4)
 
     def gauges(self, records: Mapping[str, Gauge]) -> None:
@@ -169,7 +172,7 @@ class Bars:
                              ha="center", va="top", fontsize=SMALL + 1, color=self.colours.ink,
                              parse_math=False)
 
-    def _end(self, body: int, right: bool) -> Floats:
+    def end(self, body: int, right: bool) -> Floats:
         """Places of an end of a body, in the unit of the picture."""
         return self.plan.end(body, right, self.times) * self.place.factor
 
@@ -180,7 +183,7 @@ class Bars:
                        **{"color": self.colours.ink, **how})
 
 
-def joined(pieces: Any, room: float) -> Any:
+def joined(pieces: Any, room: Any) -> Any:
     """Neighbours in a segment whose velocities differ by `room` at most, as one with their mean."""
     follow, velocity, starts = _follow(pieces), pieces.velocity, [0]
     for i in range(1, len(pieces)):
@@ -188,11 +191,11 @@ def joined(pieces: Any, room: float) -> Any:
             starts.append(i)
     whole, width = pieces[starts], pieces.right - pieces.left
     whole.right = pieces.right[np.append(starts[1:], len(pieces)) - 1]
-    for name in PIECE[5:]:
+    for name in STATE:
         whole[name] = np.add.reduceat(width * pieces[name], starts) / np.add.reduceat(width, starts)
     return whole
 
 
 def _follow(pieces: Any) -> NDArray[np.bool_]:
     """Whether each piece but the first is in the row and segment of the piece before it."""
-    return ~np.diff([pieces.row, pieces.body, pieces.segment]).any(axis=0)
+    return np.asarray(~np.diff([pieces.row, pieces.body, pieces.segment]).any(axis=0))

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..methods.signals import Floats
 from ..model import Absorbing, Joint, Moved, Pushed, Rigid, RigidMass, Rod
-from ..results.contacts import ContactHistory
 from ..results.gauges import Gauge
 from .placing import Placing
 from .plane import Plane
@@ -57,19 +56,21 @@ class Borders:
         outer = dict(zip([(0, False), (last, True)], self.system.ends, strict=True))
         ends = [(i, right) for i, body in enumerate(self.system.bodies) if isinstance(body, Rod)
                 for right in (False, True)]
-        open_ = mark("open")
-        absorbing = [isinstance(outer.get(end), Absorbing) for end in ends]
+        drawn = [mark("open") if isinstance(outer.get(end), Absorbing) else mark("end")
+                 for end in ends]
         return self._lines(
             [self._track(i, right, self.cut.bends(i, edges(i)[-right])) for i, right in ends],
-            zorder=3, linewidths=[open_["linewidth"] if a else 0.8 for a in absorbing],
-            linestyles=[open_["linestyle"] if a else "-" for a in absorbing])
+            zorder=3, **{key: [each[key] for each in drawn] for key in mark("end")})
 
     def contacts(self) -> list[collections.LineCollection]:
         """Where bodies press, where they touch without force, and where a gap has no width."""
         paths: tuple[list[Floats], ...] = [], [], []
+        stepped = is_stepped(self.plan.solution)
         for history in self.plan.solution.contacts:
             if history.law.opens:
-                times = self._turns(history)
+                turns = self.times if stepped else history.breakpoints()[0]
+                told = [t for episode in history.episodes[:POINTS] for t in episode if t == t]
+                times = self._within([*turns, *told])
                 force = np.diff(history.impulse_until(times)) / np.diff(times)
                 gap = np.abs(history.gap(times))
                 closed = np.maximum(gap[:-1], gap[1:]) <= ROUND_OFF * gap.max()
@@ -86,12 +87,6 @@ class Borders:
             "touching": {"linewidths": 1.2, "zorder": 4}, "apart": {"zorder": 4, **mark("apart")}}
         return [self._lines(track, label=label, capstyle="butt", **look)
                 for track, (label, look) in zip(paths, looks.items(), strict=True)]
-
-    def _turns(self, history: ContactHistory) -> Floats:
-        """Times between which a contact presses, touches or is open."""
-        turns = self.times if is_stepped(self.plan.solution) else history.breakpoints()[0]
-        told = [t for episode in history.episodes[:POINTS] for t in episode if t == t]
-        return self._within([*turns, *told])
 
     def _within(self, times: ArrayLike) -> Floats:
         """The times in the picture, with its first and its last."""
@@ -172,8 +167,8 @@ class Borders:
                     label=DRIVEN[type(end)], **mark("drive"))]
 
 
-def mark(kind: Literal["wall", "mass", "drive", "apart", "open"]) -> dict[str, Any]:
-    """Style of walls and fixed ends, rigid masses, driven ends, gaps without width, open ends.
+def mark(kind: Literal["wall", "mass", "drive", "apart", "open", "end"]) -> dict[str, Any]:
+    """Style of walls and fixed ends, rigid masses, driven ends, gaps without width, and ends.
 
     Waves leave through an open end for good.
     """
@@ -185,6 +180,7 @@ def mark(kind: Literal["wall", "mass", "drive", "apart", "open"]) -> dict[str, A
         "apart": {"color": paper, "linewidth": 2.4,
                   "path_effects": [patheffects.withStroke(linewidth=3.6, foreground=ink)]},
         "open": {"color": ink, "linewidth": 1.6, "linestyle": (0, (3, 2))},
+        "end": {"color": ink, "linewidth": 0.8, "linestyle": "-"},
     }
     return styles[kind]
 

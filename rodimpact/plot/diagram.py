@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from ..model import Absorbing
+from ..model.arguments import one_of
 from ..model.frozen import refusal
 from ..results.gauges import Gauge, check_gauges
 from ..results.solution import Solution, check_waves
@@ -17,7 +18,7 @@ from .plane import Plane
 from .polygons import Polygons, Raster
 from .sampling import is_stepped
 from .scales import FIELDS, axis_scales, field_scale, written
-from .style import Picture, axes, centred, check_choice, colour_bar, legend_above, styled
+from .style import Picture, axes, centred, colour_bar, legend_above, styled
 
 
 @styled
@@ -96,8 +97,8 @@ def spacetime(
     True
     """
     check_waves(solution)
-    check_choice("field", field, FIELDS)
-    check_choice("coordinates", coordinates, ("lab", "body"))
+    one_of("field", field, FIELDS)
+    one_of("coordinates", coordinates, ("lab", "body"))
     stations = {} if gauges is None else check_gauges(gauges)
     cut: Cut = (Raster if is_stepped(solution) else Polygons)(solution, start, stop)
     stop = solution.t_end if stop is None else stop

@@ -9,7 +9,7 @@ interpolation. Each count has its own colour; counts have no contour lines.
 from typing import Any, NamedTuple
 
 import numpy as np
-from matplotlib import artist, colors, contour, patches, patheffects, ticker
+from matplotlib import artist, collections, colors, contour, patches, patheffects, ticker
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.lines import Line2D
@@ -48,7 +48,7 @@ class Side(NamedTuple):
     order: NDArray[np.intp]
     values: Floats
     scale: Scale
-    beside: list[str]  # what varies along with it
+    label: str  # with what varies along with it
 
     @property
     def numbers(self) -> Floats:
@@ -130,8 +130,20 @@ def sweep(
     'length of rod 1 (m)'
     """
     of_kind("result", result, SweepResult, "rodimpact.sweep(family)")
-    column = _column(result, quantity)
-    sides = [side_of(result, i) for i in _dimensions(result)]
+    if not isinstance(quantity, str) or quantity not in result.columns:
+        raise refusal("quantity", f"no result is called {shown_text(quantity)}; "
+                                  f"{nearest(quantity, result.columns)}")
+    column: NDArray[Any] = result.columns[quantity]
+    if not np.isfinite(column).any():
+        raise refusal("quantity", f"{quantity!r} has no value anywhere in this family; "
+                      "result.explain(index) says why")
+    wide = [i for i, count in enumerate(result.shape) if count > 1]
+    if not 1 <= len(wide) <= 2:
+        raise refusal(
+            "result", f"has shape {result.shape}, but a curve has one axis and a map two; give an "
+            "array for one or two numbers of the system, such as length=np.linspace(0.1, 1, 50), "
+            "or draw part of the family, such as sweep(system[0])")
+    sides = [side_of(result, i) for i in wide]
     order = np.ix_(*(side.order for side in sides))
 
     def arranged(table: NDArray[Any]) -> NDArray[Any]:
@@ -146,29 +158,6 @@ def sweep(
     if len(sides) == 1:
         return _curve(style.axes(ax, 5.6, 3.6), sides[0], shown, theory)
     return _map(style.axes(ax, 6.0, 4.6), sides, shown, theory)
-
-
-def _column(result: SweepResult, quantity: str) -> NDArray[Any]:
-    """Values of a quantity; ValueError if there is none of this name, or no value at all."""
-    if not isinstance(quantity, str) or quantity not in result.columns:
-        raise refusal("quantity", f"no result is called {shown_text(quantity)}; "
-                                  f"{nearest(quantity, result.columns)}")
-    column: NDArray[Any] = result.columns[quantity]
-    if not np.isfinite(column).any():
-        raise refusal("quantity", f"{quantity!r} has no value anywhere in this family; "
-                      "result.explain(index) says why")
-    return column
-
-
-def _dimensions(result: SweepResult) -> list[int]:
-    """Dimensions with more than one value; ValueError unless they are one or two."""
-    wide = [i for i, count in enumerate(result.shape) if count > 1]
-    if not 1 <= len(wide) <= 2:
-        raise refusal(
-            "result", f"has shape {result.shape}, but a curve has one axis and a map two; give an "
-            "array for one or two numbers of the system, such as length=np.linspace(0.1, 1, 50), "
-            "or draw part of the family, such as sweep(system[0])")
-    return wide
 
 
 def _curve(ax: Axes, side: Side, shown: Shown, theory: PairTheory | None) -> style.Picture:
@@ -223,17 +212,15 @@ def _jumps(values: Floats) -> NDArray[np.bool_]:
 
 def _map(ax: Axes, sides: list[Side], shown: Shown, theory: PairTheory | None) -> style.Picture:
     """Draw values over two axes, the first one to the right."""
-    palette, norm = _colours(shown)
-    paper, ink, faint, *_ = style.colours()
-    cells = ax.pcolormesh(*(side.edges for side in sides), np.ma.masked_invalid(shown.values.T),
-                          cmap=palette, norm=norm, shading="flat", rasterized=True, zorder=1)
+    cells, without = style.cells(ax, [side.edges for side in sides], shown.values,
+                                 *_colours(shown))
     _dress_side(ax.xaxis, sides[0])
     _dress_side(ax.yaxis, sides[1])
     plane = [side.numbers for side in sides]
-    contours, labels = (None, []) if shown.is_count else _contours(
-        ax, plane, shown.values, palette, norm)
+    contours, labels = (None, []) if shown.is_count else _contours(plane, shown.values, cells)
     lines: list[contour.QuadContourSet] = []
     handles: list[artist.Artist] = []
+    paper, ink, *_ = style.colours()
     rods = theory is not None and np.isfinite(theory.impedance).all()
     for name, (dash, number) in EQUALITIES.items() if rods else ():
         excess = np.log(np.divide(*getattr(theory, number)))
@@ -243,12 +230,10 @@ def _map(ax: Axes, sides: list[Side], shown: Shown, theory: PairTheory | None) -
                                     colors=ink, linewidths=1.4, linestyles=dash, zorder=4))
             lines[-1].set_path_effects([patheffects.withStroke(linewidth=2.6, foreground=paper)])
             handles.append(Line2D([], [], color=ink, linewidth=1.4, linestyle=dash, label=name))
-    if np.isnan(shown.values).any():
-        handles.append(patches.Patch(facecolor=paper, edgecolor=faint, label="no value"))
     bar = style.colour_bar(ax, cells, shown.scale.label)
     if shown.is_count:
         _count_ticks(bar.ax.yaxis, shown)
-    style.dress(ax, handles)
+    style.dress(ax, [*handles, *without])
     return style.Picture(ax=ax, cells=cells, contours=contours, labels=labels, theory=lines,
                          colour_bar=bar)
 
@@ -271,7 +256,7 @@ def _colours(shown: Shown) -> tuple[colors.Colormap, colors.Normalize]:
 
 
 def _contours(
-    ax: Axes, plane: list[Floats], values: Floats, palette: colors.Colormap, norm: colors.Normalize
+    plane: list[Floats], values: Floats, cells: collections.QuadMesh
 ) -> tuple[contour.QuadContourSet | None, list[Text]]:
     """Draw lines at round values, each with its value, up to the jumps and not across them."""
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
@@ -287,9 +272,10 @@ def _contours(
         smooth[i, j] = smooth[i + 1 - axis, j + axis] = False
     if not levels or not smooth.any() or high - low <= ROUND_OFF * max(-low, high):
         return None, []
+    ax: Any = cells.axes
     lines = ax.contour(
         *plane, np.ma.array(values, mask=~smooth).T, levels=levels, linestyles="-", linewidths=0.8,
-        colors=[style.ink_on(norm, x, palette) for x in levels], zorder=3)
+        colors=[style.ink_on(cells.norm, x, cells.cmap) for x in levels], zorder=3)
     return lines, list(ax.clabel(lines, fmt=lambda x: signed(f"{x:g}"), fontsize=style.SMALL + 1,
                                  inline_spacing=3))
 
@@ -301,21 +287,19 @@ def side_of(result: SweepResult, dimension: int) -> Side:
     if values.min() == values.max():
         name, values = f"axis {dimension}", np.arange(values.size, dtype=float)
     order = np.argsort(values, kind="stable")
-    quantity = parameter(result.system, name)
+    scale = scale_of(parameter(result.system, name), float(np.abs(values).max()))
     from_end = len(result.shape) - dimension
     beside = [parameter(result.system, path).name for path, numbers in result.parameters.items()
               if path != name and numbers.ndim >= from_end and numbers.shape[-from_end] > 1]
-    return Side(order, values[order], scale_of(quantity, float(np.abs(values).max())), beside)
+    more = f" and {len(beside) - 1} more" if len(beside) > 1 else ""
+    label = f"{scale.label}\nwith {beside[0]}{more}" if beside else scale.label
+    return Side(order, values[order], scale, label)
 
 
 def _dress_side(axis: Any, side: Side) -> None:
     """Limits, label and ticks of an axis of the family."""
-    label = side.scale.label
-    if side.beside:
-        more = len(side.beside) - 1
-        label += f"\nwith {side.beside[0]}" + f" and {more} more" * (more > 0)
     first, last = side.edges[[0, -1]]
-    axis.set_label_text(label)
+    axis.set_label_text(side.label)
     axis.axes.set(**{f"{axis.axis_name}scale": "log" if side.is_log else "linear",
                      f"{axis.axis_name}lim": (first, last)})
     if side.is_log:

@@ -4,7 +4,9 @@ Matplotlib's own writers of films draw every frame anew through `savefig` and ke
 frames the GIF takes 8 times as long, the MP4 4 times.
 """
 
+import base64
 import contextlib
+import html
 import io
 import os
 import re
@@ -111,6 +113,13 @@ def check_film(path: str | os.PathLike[str]) -> str:
             "on the path; install it, or write a .gif"
         )
     return kind
+
+
+def as_image(data: bytes, kind: str, words: str) -> str:
+    """A picture as HTML that needs no file."""
+    code = base64.b64encode(data).decode()
+    return (f'<img src="data:image/{kind};base64,{code}" alt="{html.escape(words)}" '
+            'style="max-width: 100%">')
 
 
 def write_gif(file: BinaryIO, film: Any, progress: Progress) -> None:

@@ -142,10 +142,11 @@ def _widest(
     """Centre of the roomiest box for a text between two curves; none if there is no room."""
     point = np.ptp([ax.get_xlim(), ax.get_ylim()], axis=1) / extent(ax)
     width, height = 0.6 * SMALL * (len(text) + 1) * point[0], 1.5 * SMALL * point[1]
-    best, spot = height, None
-    for centre in np.linspace(width / 2, float(x[-1]) - width / 2, 60):
-        under = (x >= centre - width / 2) & (x <= centre + width / 2)
-        floor, ceiling = float(low[under].max()), float(high[under].min())
-        if ceiling - floor > best:
-            best, spot = ceiling - floor, (float(centre), (floor + ceiling) / 2)
-    return spot
+    centres = np.linspace(width / 2, float(x[-1]) - width / 2, 60)
+    under = np.abs(x - centres[:, None]) <= width / 2
+    floor = np.where(under, low, -np.inf).max(axis=1)
+    ceiling = np.where(under, high, np.inf).min(axis=1)
+    best = int(np.argmax(ceiling - floor))
+    if ceiling[best] - floor[best] <= height:
+        return None
+    return float(centres[best]), float(floor[best] + ceiling[best]) / 2

@@ -48,15 +48,10 @@ def moments(solution: Solution, most: int = 8) -> Floats:
     others = np.setdiff1d(reflections, chosen)
     chosen = np.union1d(chosen, others[evenly(others.size, most - chosen.size)])
     shortest = 0.75 * float(np.diff(np.union1d(first, after)).min(initial=np.inf))
-    return _halved(chosen, first, last, most, shortest if after.size else 0.0)
-
-
-def _halved(chosen: Floats, first: float, last: float, most: int, shortest: float) -> Floats:
-    """Instants, and middles of the longest waits between `first` and `last` if not too short."""
-    while chosen.size < most:
+    while chosen.size < most:  # the middles of the longest waits, if these are not too short
         inside = chosen[(chosen >= first) & (chosen <= last)]
         waits = np.diff(inside)
-        if waits.max(initial=0.0) <= shortest:
+        if waits.max(initial=0.0) <= (shortest if after.size else 0.0):
             break
         i = int(waits.argmax())
         chosen = np.union1d(chosen, (inside[i] + inside[i + 1]) / 2)

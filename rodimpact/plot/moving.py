@@ -5,8 +5,6 @@ Axes of bodies and words are drawn again in each frame, over a picture of the ot
 the film, whose later times get the colour of the paper.
 """
 
-import base64
-import html
 import io
 import math
 import os
@@ -22,7 +20,7 @@ from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from ..methods.signals import Floats
-from ..model.arguments import single
+from ..model.arguments import one_of, single
 from ..model.frozen import refusal
 from ..results.solution import Solution, check_waves
 from ..storage import writing
@@ -69,7 +67,12 @@ class Animation:
         plan = placing(solution, start, stop, magnification)
         self.times = np.concatenate((_approach(plan, times), times,
                                      np.full(round(REST * fps), stop)))
-        self._turns, self._captions = _captions(solution, start, stop)
+        # times at which something happens at contacts, and what to read before and after each
+        self._turns = sorted({t for t in contact_turns(solution) if start <= t <= stop})
+        self._captions = ["before contact" if start == 0 and self._turns else ""]
+        for t in self._turns:
+            lines = [f"{written(t, 's')}:", *happening(solution, t).splitlines()]
+            self._captions.append("\n".join(lines[:3]) + ", ..." * (len(lines) > 3))
         self._time, place = axis_scales(solution, False, stop, plan.row)
         self.figure = style.new_figure(8.4, 6.8)
         self.figure.suptitle(style.broken(self.title, 72 * self.figure.get_figwidth()),
@@ -190,8 +193,7 @@ class Animation:
     def _repr_html_(self) -> str:
         memory = io.BytesIO()
         files.write_gif(memory, self, None)
-        data = base64.b64encode(memory.getvalue()).decode()
-        return f'<img src="data:image/gif;base64,{data}" alt="{html.escape(self.title)}">'
+        return files.as_image(memory.getvalue(), "gif", self.title)
 
 
 @style.styled
@@ -241,7 +243,7 @@ def animation(
     ('t = 317 µs', (680, 840, 3))
     """
     check_waves(solution)
-    style.check_choice("field", field, FIELDS)
+    one_of("field", field, FIELDS)
     check_frames(frames, fps)
     start = single("start", start, "s")
     stop = drawn_until(solution) if stop is None else single("stop", stop, "s")
@@ -271,16 +273,6 @@ def _approach(plan: Placing, times: Floats) -> Floats:
     way = WAY * plan.row / (plan.magnification * max(closing))
     count = int(min(way / step, APPROACH * times.size))
     return np.arange(-count, 0, dtype=np.float64) * step
-
-
-def _captions(solution: Solution, start: float, stop: float) -> tuple[list[float], list[str]]:
-    """Times at which something happens at contacts, and what to read before and after each."""
-    turns = sorted({t for t in contact_turns(solution) if start <= t <= stop})
-    told = []
-    for t in turns:
-        lines = happening(solution, t).splitlines()
-        told.append("\n".join([f"{written(t, 's')}:", *lines[:2]]) + ", ..." * (len(lines) > 2))
-    return turns, ["before contact" if start == 0 and turns else "", *told]
 
 
 def _draw_forces(ax: Axes, solution: Solution) -> None:

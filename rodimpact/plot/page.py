@@ -65,7 +65,13 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
     waves = any(isinstance(body, Rod) for body in solution.system.bodies)  # masses have none
     many = len(able) > TOGETHER
     contacts: list[Any] = ["force" if many else [["force"], ["gap"]]] if able else []
-    figure, panels = _panels([*["velocity", "stress"] * waves, *contacts, "energy"])
+    names = [*["velocity", "stress"] * waves, *contacts, "energy"]
+    columns = 1 if wanted_width(PAGE[0]) < NARROW else 2
+    names += names[-1:] * (len(names) % columns)  # the energy is below, or in the last row
+    rows = [names[i : i + columns] for i in range(0, len(names), columns)]
+    heights = [*[TALLER] * (len(rows) - 1), 1.0]
+    figure = new_figure(*PAGE if columns == 2 else (COLUMN, ROW * sum(heights)))
+    panels: dict[str, Axes] = figure.subplot_mosaic(rows, height_ratios=heights)
     if waves:
         stop = drawn_until(solution)
         for field in ("velocity", "stress"):
@@ -87,16 +93,6 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
     figure.supxlabel("\n".join(line for note in notes for line in wrap(note, letters)),
                      fontsize=SMALL + 1)
     return figure
-
-
-def _panels(names: list[Any]) -> tuple[Figure, dict[str, Axes]]:
-    """A figure with panels of these names, the last of them below or in the last row."""
-    columns = 1 if wanted_width(PAGE[0]) < NARROW else 2
-    names = names + names[-1:] * (len(names) % columns)
-    rows = [names[i : i + columns] for i in range(0, len(names), columns)]
-    heights = [*[TALLER] * (len(rows) - 1), 1.0]
-    figure = new_figure(*PAGE if columns == 2 else (COLUMN, ROW * sum(heights)))
-    return figure, figure.subplot_mosaic(rows, height_ratios=heights)
 
 
 def headline(solution: Solution) -> str:

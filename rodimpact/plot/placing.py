@@ -105,11 +105,12 @@ class Placing:
 
     def centre(self, body: int, t: Floats) -> Floats:
         """Place X of the centre of mass of a rod at t [n]."""
-        edges, segment = pieces(self.solution, body)
-        area, _, density = properties(self.solution.system.bodies[body], edges, segment)
+        edges = pieces(self.solution, body)
+        middle = (edges[:-1] + edges[1:]) / 2
+        area, _, density = properties(self.solution, body, middle)
         mass = density * area * np.diff(edges)
         part: Floats = mass / mass.sum()
-        return part @ self.point(body, (edges[:-1, None] + edges[1:, None]) / 2, t)
+        return part @ self.point(body, middle[:, None], t)
 
     def springs(self, times: Floats) -> list[tuple[ContactHistory, Floats, Floats]]:
         """Contacts with a spring, and its ends at times; in an open contact it is not stretched."""

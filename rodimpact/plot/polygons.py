@@ -42,10 +42,11 @@ class Polygons:
 
     def __init__(self, solution: Solution, start: float, stop: float | None) -> None:
         self.system, self.regions = solution.system, regions_of(solution, start, stop)
-        self._body, starts = self.regions.body_of_vertices(), self.regions.start
+        starts = self.regions.start
+        self._region = np.repeat(np.arange(len(self.regions)), np.diff(starts))  # of each corner
+        self._body, self._first = self.regions.body[self._region], starts[self._region]
         self._next = np.arange(1, self._body.size + 1)  # corner of the same region
         self._next[starts[1:] - 1] = starts[:-1]
-        self._first = np.repeat(starts[:-1], np.diff(starts))
 
     def values(self, field: str, frame: float) -> Floats:
         """Values of a field in each region; displacements, in a frame, at its corners; SI."""
@@ -71,20 +72,19 @@ class Polygons:
         r = self.regions
         places = plan.place(self._body, r.x, r.t, r.displacement)
         self._corners = corners = plane.points(places, r.t)
-        self._norm, self._across, self._moving = norm, plane.across, plan.magnification > 0
+        self._numbers, self._norm, self._across = numbers, norm, plane.across
+        self._moving = plan.magnification > 0
         if numbers.size == len(r):
-            polygons = collections.PolyCollection(
+            drawn = collections.PolyCollection(
                 np.split(corners, r.start[1:-1]), array=numbers, cmap=colours().signed, norm=norm,
                 zorder=2, edgecolors="face", linewidths=0.4)
-            ax.add_collection(polygons)
-            self._drawn: collections.PolyCollection | collections.TriMesh = polygons
-            return polygons
+            ax.add_collection(drawn)
+            return drawn
         inner = np.flatnonzero((self._next != self._first) & (np.arange(r.x.size) != self._first))
-        self._drawn = ax.tripcolor(
+        return ax.tripcolor(
             corners[:, 0], corners[:, 1], numbers, shading="gouraud", cmap=colours().signed,
             norm=norm, zorder=1.9, rasterized=True,
             triangles=np.column_stack((self._first[inner], inner, self._next[inner])))
-        return self._drawn
 
     def finish(self, ax: Axes) -> list[Text]:
         """Once limits are set: lines of fronts, and words and numbers where there is room."""
@@ -100,12 +100,11 @@ class Polygons:
             ax.add_collection(collections.LineCollection(
                 list(self._corners[sides[seen]]), colors=colours().ink, alpha=strength[seen],
                 linewidths=0.5, zorder=2.2, label="fronts"))
-        numbers = np.asarray(self._drawn.get_array())
-        if numbers.size != len(self.regions):
+        if self._numbers.size != len(self.regions):
             return []
         if seen.sum() <= NAMED:
-            self._name(ax, sides[seen & ~steps], owners[seen & ~steps], numbers)
-        return self._labels(ax, numbers)
+            self._name(ax, sides[seen & ~steps], owners[seen & ~steps])
+        return self._labels(ax)
 
     def _fronts(self) -> tuple[Ints, Ints]:
         """[n, 2] ends of the sides that two regions share, and these regions, the earlier first."""
@@ -114,9 +113,8 @@ class Polygons:
         sides = {(corners[i], corners[j]): i for i, j in enumerate(self._next.tolist())}
         shared = [(i, sides[b, a]) for (a, b), i in sides.items() if a < b and (b, a) in sides]
         both = np.array(shared, dtype=np.int64).reshape(-1, 2)
-        counts = np.diff(r.start)
-        middle = np.add.reduceat(r.t, r.start[:-1]) / counts
-        owners = np.repeat(np.arange(len(r)), counts)[both]
+        middle = np.add.reduceat(r.t, r.start[:-1]) / np.diff(r.start)
+        owners = self._region[both]
         earlier = np.argsort(middle[owners], axis=1, kind="stable")
         return (np.column_stack((both[:, 0], self._next[both[:, 0]])),
                 np.take_along_axis(owners, earlier, axis=1))
@@ -131,7 +129,7 @@ class Polygons:
         away: Floats = np.add.reduceat(turn * (one + other), starts) / (3 * areas)
         return origin[starts] + away
 
-    def _name(self, ax: Axes, sides: Ints, owners: Ints, numbers: Floats) -> None:
+    def _name(self, ax: Axes, sides: Ints, owners: Ints) -> None:
         """Write along each front, on its later side, whether it compresses or stretches the rod."""
         stress, centres = self.regions.stress, _points(ax, self._centres(self._corners))
         for side, (before, after) in zip(self._corners[sides], owners, strict=True):
@@ -145,28 +143,27 @@ class Polygons:
                 ax.text(x, y, word, rotation=math.degrees(math.atan2(dy, dx)),
                         rotation_mode="anchor", transform_rotates_text=True, ha="center", zorder=6,
                         fontsize=SMALL, va="top" if self._across and dy > 0 else "bottom",
-                        color=ink_on(self._norm, float(numbers[after])))
+                        color=ink_on(self._norm, self._numbers[after]))
 
-    def _labels(self, ax: Axes, numbers: Floats) -> list[Text]:
+    def _labels(self, ax: Axes) -> list[Text]:
         """Write each number where its region has room for it; boxed, over paths that cross it."""
         low, high = self._norm.inverse(np.array([0.0, 1.0])).tolist()
         reach = (high - low) / 2
         count = 3 + max(0, math.ceil(math.log10(max(-low, high) / reach)))
-        texts = [digits(value, reach, count) for value in numbers.tolist()]
+        texts = [digits(value, reach, count) for value in self._numbers.tolist()]
         # a text fits if half its width and height, and more, lie inside of every side
         half = np.array([(0.35 * SMALL * len(text) + 1.0, 0.6 * SMALL + 1.0) for text in texts])
-        owner = np.repeat(np.arange(len(texts)), np.diff(self.regions.start))
         centres, corners = self._centres(self._corners), _points(ax, self._corners)
         side = corners[self._next] - corners
-        room = np.abs(_cross(side, _points(ax, centres)[owner] - corners))
-        roomy = room > (np.abs(side[:, ::-1]) * half[owner]).sum(axis=1)
+        room = np.abs(_cross(side, _points(ax, centres)[self._region] - corners))
+        roomy = room > (np.abs(side[:, ::-1]) * half[self._region]).sum(axis=1)
         fits = np.logical_and.reduceat(roomy, self.regions.start[:-1])
         written = []
         for i, (x, y) in zip(np.flatnonzero(fits).tolist(), centres[fits].tolist(), strict=True):
-            ground = colours().signed(self._norm(numbers[i]))
+            ground = colours().signed(self._norm(self._numbers[i]))
             written.append(ax.text(
                 x, y, texts[i], ha="center", va="center", zorder=6, fontsize=SMALL,
-                color=ink_on(self._norm, float(numbers[i])), bbox=None if not self._moving else {
+                color=ink_on(self._norm, self._numbers[i]), bbox=None if not self._moving else {
                     "facecolor": ground, "edgecolor": "none", "pad": 1.0}))
         return written
 
@@ -200,15 +197,14 @@ class Raster:
 
     def _of_rod(self, body: int, field: str, frame: float) -> Floats:
         """Values [places, times] in a rod."""
-        edges, segment = pieces(self.solution, body)
+        edges = pieces(self.solution, body)
         middle = (edges[:-1] + edges[1:]) / 2
         if field == "displacement":
             t = (self.times[:-1] + self.times[1:]) / 2
             return self.solution.displacement(body, middle[:, None], t) - frame * t
         # exact means over time: waves too quick for the picture leave no false pattern in it
         velocity, strain = self.solution.fields.averaged(body, middle, self.times)
-        area, modulus, density = (each[:, None] for each in properties(
-            self.solution.system.bodies[body], edges, segment))
+        area, modulus, density = properties(self.solution, body, middle[:, None])
         stress = modulus * strain
         energy = area * (density * (velocity - frame) ** 2 + stress * strain) / 2
         values: dict[str, Floats] = {
@@ -224,7 +220,7 @@ class Raster:
     ) -> collections.QuadMesh:
         """Draw the cells with these numbers, as pixels in vector files too."""
         when = self.times[:, None]
-        across = np.concatenate([plan.point(body, pieces(self.solution, body)[0], when)
+        across = np.concatenate([plan.point(body, pieces(self.solution, body), when)
                                  for body in self._rods], axis=1)
         return ax.pcolormesh(
             *np.moveaxis(plane.points(across, when), -1, 0), np.ma.masked_invalid(numbers),

@@ -3,7 +3,7 @@
 Such a solution has no fronts to draw between; a few hundred pieces show what can be seen of it.
 """
 
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -22,17 +22,15 @@ def is_stepped(solution: Solution) -> bool:
     return not solution.fields.constant_between_fronts
 
 
-def pieces(solution: Solution, body: int) -> tuple[Floats, Ints]:
-    """Ends of the pieces of a rod [n + 1], m from its left end, and the segment of each [n]."""
+def pieces(solution: Solution, body: int) -> Floats:
+    """Ends of the pieces of a rod, m from its left end; each piece is in one segment."""
     rods = [b for b in solution.system.bodies if isinstance(b, Rod)]
     row = sum(float(rod.length) for rod in rods)
     corners = solution.fields.edges(body)
     counts = np.maximum(1, np.rint(COLUMNS * np.diff(corners) / row)).astype(int)
     parts = [np.linspace(left, right, count, endpoint=False)
              for left, right, count in zip(corners[:-1], corners[1:], counts, strict=True)]
-    first = solution.fields.clock.spans[body][0]
-    return np.append(np.concatenate(parts), corners[-1]), np.repeat(
-        first + np.arange(counts.size), counts)
+    return np.append(np.concatenate(parts), corners[-1])
 
 
 def state_at(solution: Solution, body: int, t: float) -> Profile:
@@ -40,10 +38,10 @@ def state_at(solution: Solution, body: int, t: float) -> Profile:
     fields = solution.fields
     if not is_stepped(solution):
         return fields.profile(body, int(fields.to_ticks(t)))
-    edges, segment = pieces(solution, body)
+    edges = pieces(solution, body)
     middle = (edges[:-1] + edges[1:]) / 2
-    return Profile(edges, solution.velocity(body, middle, t),
-                   solution.strain(body, middle, t), segment)
+    return Profile(edges, solution.velocity(body, middle, t), solution.strain(body, middle, t),
+                   fields.locate(body, middle)[0])
 
 
 def steps_until(
@@ -60,23 +58,9 @@ def steps_until(
     return np.append(times[inside], end), values[inside]
 
 
-def properties(rod: Any, edges: Floats, segment: Ints) -> tuple[Floats, Floats, Floats]:
-    """Mean area, m^2, Young's modulus, Pa, and density, kg/m^3, of the pieces of a rod [n].
-
-    They lie between edges [n + 1], m, each in a segment; the first piece is in the first segment.
-    """
-    starts = np.cumsum([0.0, *(float(s.length) for s in rod.segments)])
-    segment = segment - segment[0]
-    areas = np.empty(segment.size)
-    for i, piece in enumerate(rod.segments):
-        here = np.flatnonzero(segment == i)
-        if here.size:
-            inside = edges[here[0] : here[-1] + 2] - starts[i]
-            areas[here] = piece.area_between(inside)
-    materials = [s.material for s in rod.segments]
-    moduli = np.array([float(m.youngs_modulus) for m in materials])
-    densities = np.array([float(m.density) for m in materials])
-    return areas, moduli[segment], densities[segment]
+def properties(solution: Solution, body: int, x: Floats) -> Iterator[Floats]:
+    """Area, m^2, Young's modulus, Pa, and density, kg/m^3, at places in a rod, m."""
+    return (solution._along(body, x, name) for name in ("area", "youngs_modulus", "density"))
 
 
 def evenly(count: int, most: int) -> Ints:

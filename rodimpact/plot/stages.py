@@ -18,8 +18,7 @@ from ..results.solution import Solution, check_waves
 from . import scales, style
 from .bars import TOLD, Bars, joined
 from .moments import happening, moments
-from .placing import Placing, placing
-from .sampling import is_stepped
+from .placing import placing
 
 BESIDE = 0.36  # from the middle of a row to numbers that have no room in a bar, up or down
 ALIKE = 0.02  # velocities of a stretch that bears one label, in parts of the largest
@@ -85,9 +84,8 @@ def snapshots(
     place = scales.place_scale(plan.row)
     ax = style.axes(ax, 9.6, 0.9 + 0.72 * when.size)
 
-    stepped, (_, ink, faint, *_) = is_stepped(solution), style.colours()
     drawn = Bars(ax, plan, when, place)
-    velocities = drawn.pieces.velocity
+    velocities, stepped, bar = drawn.pieces.velocity, drawn.stepped, None
     norm = style.centred(velocities, plan.frame)
     bars, outlines, fronts = drawn.rods(velocities, norm), drawn.outlines(), drawn.fronts()
     walls, masses = drawn.walls(), drawn.masses()
@@ -98,8 +96,8 @@ def snapshots(
     ax.autoscale_view()
     ax.set_ylim(0.45 - when.size, 0.8)
     for i in range(len(solution.system.bodies) - 1):
-        x = plan.end(i, True, when[0]) * place.factor
-        ax.axvline(float(x), color=faint, linewidth=0.6, linestyle=(0, (4, 4)), zorder=1)
+        ax.axvline(float(drawn.end(i, True)[0]), color=drawn.colours.faint, linewidth=0.6,
+                   linestyle=(0, (4, 4)), zorder=1)
 
     _name_rows(ax, solution, when)
     largest, closing = float(np.abs(velocities).max()), scales.closing_speed(solution)
@@ -108,7 +106,6 @@ def snapshots(
         f"velocities ({scale.unit})")
     ax.set_xlabel("\n".join(style.broken(label, style.extent(ax)[0]) for label in (
         scales.place_label(plan, place), unit, TOLD)))
-    bar = None
     if stepped:
         bar = style.colour_bar(
             ax, bars, scale.label, plan.frame, location="bottom", fraction=0.03, aspect=50,
@@ -121,14 +118,13 @@ def snapshots(
         return scales.multiple(part, "v") if closing else scales.digits(
             part * largest * scale.factor, largest * scale.factor)
 
-    labels = _labels(ax, drawn.pieces, norm, write, stepped)
-    labels += _mass_labels(ax, plan, when, place, write)
+    labels = _labels(drawn, norm, write) + _mass_labels(drawn, write)
     names = body_names(solution.system.kinds)
     for i, body in enumerate(solution.system.bodies):
         wide = plan.widths[i] * place.factor > _width(ax, names[i])
         if wide and isinstance(body, Rod):
             middle = float(plan.middle(i, when[0])) * place.factor
-            _write(ax, middle, 0.5, names[i], ink, "bottom")
+            _write(ax, middle, 0.5, names[i], drawn.colours.ink, "bottom")
     return style.Picture(ax=ax, times=when, bars=bars, labels=labels, fronts=fronts, walls=walls,
                          masses=masses, outlines=outlines, colour_bar=bar)
 
@@ -150,32 +146,28 @@ def _name_rows(ax: Axes, solution: Solution, when: Floats) -> None:
                 fontsize=style.SMALL + 1)
 
 
-def _mass_labels(
-    ax: Axes, plan: Placing, times: Floats, place: scales.Scale,
-    write: Callable[[float], str],
-) -> list[Text]:
+def _mass_labels(drawn: Bars, write: Callable[[float], str]) -> list[Text]:
     """Velocity of each mass, below it; of every second of neighbours above it."""
-    labels, above = [], True
-    for i, body in enumerate(plan.solution.system.bodies):
+    labels, above, times = [], True, drawn.times
+    for i, body in enumerate(drawn.system.bodies):
         above = not (above and isinstance(body, RigidMass))
         up, va = (BESIDE, "bottom") if above else (-BESIDE, "top")
         if isinstance(body, RigidMass):
-            middle = plan.middle(i, times) * place.factor
-            labels += [_write(ax, middle[row], up - row, write(v), style.colours().ink, va)
-                       for row, v in enumerate(plan.solution.velocity(i, 0.0, times).tolist())]
+            middle = drawn.plan.middle(i, times) * drawn.place.factor
+            speeds = drawn.plan.solution.velocity(i, 0.0, times).tolist()
+            labels += [_write(drawn.ax, middle[row], up - row, write(v), drawn.colours.ink, va)
+                       for row, v in enumerate(speeds)]
     return labels
 
 
-def _labels(
-    ax: Axes, pieces: Any, norm: Any, write: Callable[[float], str], stepped: bool
-) -> list[Text]:
+def _labels(drawn: Bars, norm: Any, write: Callable[[float], str]) -> list[Text]:
     """Write the velocity into each piece, or below it where it is too narrow.
 
     Where velocities vary along the rods, into stretches in which they hardly do, and never below.
     """
     labels: list[Text] = []
-    row, taken = -1, -math.inf
-    if stepped:
+    row, taken, ax, pieces = -1, -math.inf, drawn.ax, drawn.pieces
+    if drawn.stepped:
         pieces = joined(pieces, ALIKE * float(norm.vmax - norm.vmin) / 2)
     for piece in pieces:
         text = write(piece.velocity)
@@ -184,8 +176,8 @@ def _labels(
         if piece.right - piece.left > width:
             labels.append(_write(ax, x, float(-piece.row), text, style.ink_on(norm, piece.velocity),
                                  "center_baseline"))
-        elif not stepped and (row != piece.row or x - width / 2 > taken):
-            labels.append(_write(ax, x, -piece.row - BESIDE, text, style.colours().ink, "top"))
+        elif not drawn.stepped and (row != piece.row or x - width / 2 > taken):
+            labels.append(_write(ax, x, -piece.row - BESIDE, text, drawn.colours.ink, "top"))
             row, taken = piece.row, x + width / 2
     return labels
 

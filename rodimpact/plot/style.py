@@ -9,7 +9,7 @@ kind of colour-blindness.
 import io
 import math
 import re
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import wraps
@@ -17,12 +17,12 @@ from types import SimpleNamespace
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
-from matplotlib import artist, cm, colorbar, colors, rc_context
+from matplotlib import artist, cm, collections, colorbar, colors, patches, rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..methods.signals import Floats
-from ..model.arguments import of_kind, single
+from ..model.arguments import of_kind, one_of, single
 from ..model.frozen import refusal
 from ..units import shown
 
@@ -100,7 +100,7 @@ def look(name: str = "light", width: float | None = None) -> Iterator[None]:
     >>> float(round(25.4 * picture.ax.figure.get_figwidth(), 3))
     85.0
     """
-    check_choice("name", name, LOOKS)
+    one_of("name", name, LOOKS)
     if width is not None:
         width = single("width", width, "mm")
         if not 50 <= width <= 1000:
@@ -110,13 +110,6 @@ def look(name: str = "light", width: float | None = None) -> Iterator[None]:
         yield
     finally:
         _look.reset(before)
-
-
-def check_choice(argument: str, value: str, known: Collection[str]) -> None:
-    """Raise ValueError if the value of an argument is none of those known."""
-    if not isinstance(value, str) or value not in known:
-        *others, last = (f'"{name}"' for name in known)
-        raise refusal(argument, f"must be {', '.join(others)} or {last}, got {shown(value)}")
 
 
 def styled(draw: Callable[P, R]) -> Callable[P, R]:
@@ -262,6 +255,18 @@ def legend_above(
     ax.legend(handles=shown, loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.1,
               ncols=columns, frameon=False, fontsize=SMALL, title=title, title_fontsize=SMALL,
               alignment="left", columnspacing=1.2, handlelength=1.6)
+
+
+def cells(
+    ax: Axes, edges: Sequence[Floats], values: Floats, palette: colors.Colormap,
+    norm: colors.Normalize, missing: str = "no value",
+) -> tuple[collections.QuadMesh, list[artist.Artist]]:
+    """Draw values [x, y] as cells of one colour each; cells without value, if any, have a name."""
+    paper, _, faint, *_ = colours()
+    drawn = ax.pcolormesh(*edges, np.ma.masked_invalid(values.T), cmap=palette, norm=norm,
+                          shading="flat", rasterized=True, zorder=1)
+    name = patches.Patch(facecolor=paper, edgecolor=faint, label=missing)
+    return drawn, [name] if np.isnan(values).any() else []
 
 
 def colour_bar(

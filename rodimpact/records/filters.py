@@ -5,6 +5,7 @@ Before the record its first value holds, after the record its last value.
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -28,20 +29,19 @@ def blurred(values: Floats, dt: float, deviation: float) -> Floats:
     return gaussian(values, dt, math.sqrt(math.log(2)) / (2 * math.pi * deviation))
 
 
-def first_order(values: Floats, dt: float, frequency: float) -> Floats:
-    """Response of an amplifier 1/(1 + s/w), exact for straight lines between samples."""
-    w = 2 * math.pi * frequency
-    return _answer([w], [1.0, w], values, dt)
+def amplified(values: Floats, dt: float, frequency: float, order: int) -> Floats:
+    """Response of a Butterworth amplifier at rest before, exact for lines between samples."""
+    from scipy import signal
 
-
-def second_order(values: Floats, dt: float, frequency: float) -> Floats:
-    """Response of a Butterworth amplifier, exact for straight lines between samples."""
-    w = 2 * math.pi * frequency
-    return _answer([w * w], [1.0, math.sqrt(2) * w, w * w], values, dt)
+    analog = signal.butter(order, 2 * math.pi * frequency, analog=True)
+    top, bottom, _ = signal.cont2discrete(analog, dt, method="foh")
+    result: Floats = values[0] + signal.lfilter(np.ravel(top), bottom, values - values[0])
+    return result
 
 
 LOW_PASS: dict[str, Callable[[Floats, float, float], Floats]] = {
-    "gaussian": gaussian, "first-order": first_order, "second-order": second_order,
+    "gaussian": gaussian, "first-order": partial(amplified, order=1),
+    "second-order": partial(amplified, order=2),
 }
 
 
@@ -94,13 +94,4 @@ def _through(values: Floats, dt: float, transfer: Callable[[Floats], Any], tail:
     ))
     spectrum = fft.rfft(whole) * transfer(fft.rfftfreq(count, dt))
     result: Floats = fft.irfft(spectrum, count)[: len(values)]
-    return result
-
-
-def _answer(above: list[float], below: list[float], values: Floats, dt: float) -> Floats:
-    """Answer of an amplifier with these polynomials in s, at rest before."""
-    from scipy import signal
-
-    top, bottom, _ = signal.cont2discrete((above, below), dt, method="foh")
-    result: Floats = values[0] + signal.lfilter(np.ravel(top), bottom, values - values[0])
     return result

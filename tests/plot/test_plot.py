@@ -209,12 +209,12 @@ def test_region_labels_are_the_values_on_the_colour_bar(solved):
 
 
 REFUSED = [
-    (plot.spacetime, {"field": "heat"}, '"velocity", "stress", "strain"'),
+    (plot.spacetime, {"field": "heat"}, "'velocity', 'stress', 'strain'"),
     (plot.spacetime, {"magnification": 0.0}, "magnification"),
     (plot.spacetime, {"magnification": float("nan")}, "magnification"),
     (plot.spacetime, {"start": 2e-4, "stop": 1e-4}, "stop: must be later"),
     (plot.spacetime, {"stop": 1.0}, "t: must lie in the solution"),
-    (plot.spacetime, {"coordinates": "rod"}, '"lab" or "body"'),
+    (plot.spacetime, {"coordinates": "rod"}, "'lab', 'body'"),
     (plot.spacetime, {"coordinates": "body", "magnification": 2.0}, "magnification: nothing moves"),
     (plot.snapshots, {"times": []}, "at least one time"),
     (plot.snapshots, {"times": [1.0]}, "must lie in the solution"),
@@ -222,7 +222,7 @@ REFUSED = [
     (plot.contact, {"contact": 1}, "from 0 to 0, got 1"),
     (plot.contact, {"ax": axes()}, "ax: needs a pair of Axes"),
     (plot.contact, {"ax": [axes()]}, "ax: needs a pair of Axes"),
-    (plot.animation, {"field": "energy"}, 'field: must be "velocity", "stress" or "strain"'),
+    (plot.animation, {"field": "energy"}, "field: must be one of 'velocity', 'stress', 'strain'"),
     (plot.animation, {"frames": 1}, "frames: must be a whole number from 2 to 10000"),
     (plot.animation, {"frames": 2.5}, "frames"),
     (plot.animation, {"fps": 51}, "fps: must be 1 to 50"),
