@@ -190,7 +190,7 @@ def joined(pieces: Any, room: Any) -> Any:
         if not follow[i - 1] or np.ptp(velocity[starts[-1] : i + 1]) > room:
             starts.append(i)
     whole, width = pieces[starts], pieces.right - pieces.left
-    whole.right = pieces.right[np.append(starts[1:], len(pieces)) - 1]
+    whole.right = pieces.right[np.append(starts, len(pieces))[1:] - 1]
     for name in STATE:
         whole[name] = np.add.reduceat(width * pieces[name], starts) / np.add.reduceat(width, starts)
     return whole

@@ -6,7 +6,7 @@ differ far more than around it. On a map each collision is a cell of one colour,
 interpolation. Each count has its own colour; counts have no contour lines.
 """
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from matplotlib import artist, collections, colors, contour, patches, patheffects, ticker
@@ -272,10 +272,10 @@ def _contours(
         smooth[i, j] = smooth[i + 1 - axis, j + axis] = False
     if not levels or not smooth.any() or high - low <= ROUND_OFF * max(-low, high):
         return None, []
-    ax: Any = cells.axes
+    ax, norm = cast("Any", (cells.axes, cells.norm))
     lines = ax.contour(
         *plane, np.ma.array(values, mask=~smooth).T, levels=levels, linestyles="-", linewidths=0.8,
-        colors=[style.ink_on(cells.norm, x, cells.cmap) for x in levels], zorder=3)
+        colors=[style.ink_on(norm, x, cells.cmap) for x in levels], zorder=3)
     return lines, list(ax.clabel(lines, fmt=lambda x: signed(f"{x:g}"), fontsize=style.SMALL + 1,
                                  inline_spacing=3))
 

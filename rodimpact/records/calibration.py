@@ -153,8 +153,17 @@ def calibrate(
     for name, given in (("input_gauges", input_gauges), ("output_gauges", output_gauges)):
         of_kind(name, given, BarGauge, EXAMPLE)  # each gauge of a bar is calibrated alone
     first, second = sides_of(input_gauges, output_gauges, bars, compression)
-    second, error2 = _timed_back(second)
-    first, error1 = _timed_through(first, second, error2)
+    # the pulse comes back to the output gauge from the far end of its bar
+    back = 2 * (float(second.rod.length) - float(second.distances[0]))
+    passed_second = _passing(second)
+    second, error2 = _timed(second, back, second, lambda now: -now.carried(passed_second, back))
+    # from the input gauge it goes through the rest of both bars to the output gauge
+    pulse = np.interp(second.times, first.times, _passing(first), left=0.0, right=0.0)
+    path, rest = float(first.distances[0]), float(second.distances[0])
+    first, own = _timed(first, path, second, lambda now: second.carried(
+        now._replace(dt=second.dt).carried(pulse, path), rest))
+    other = error2 / second.speed * rest / second.speed  # s, by which the second bar may be off
+    error1 = math.hypot(own, first.speed**2 / path * other)
     Z1, Z2 = (side.stiffness / side.speed for side in (first, second))
     struck, passed = first.front.plateau, second.front.plateau
     gain = 1.0
@@ -183,26 +192,6 @@ def with_speed(rod: Rod, speed: float) -> Rod:
 def _noise(side: Side) -> float:
     """Standard deviation before the pulse."""
     return float(side.strains[0, : side.quiet].std())
-
-
-def _timed_back(side: Side) -> tuple[Side, float]:
-    """The output bar with the wave speed by which its pulse comes back, and its error, m/s."""
-    path = 2 * (float(side.rod.length) - float(side.distances[0]))
-    pulse = _passing(side)
-    return _timed(side, path, side, lambda now: -now.carried(pulse, path))
-
-
-def _timed_through(first: Side, second: Side, error: float) -> tuple[Side, float]:
-    """The input bar with the wave speed by which its pulse reaches the output gauge."""
-    pulse = np.interp(second.times, first.times, _passing(first), left=0.0, right=0.0)
-    path, rest = float(first.distances[0]), float(second.distances[0])
-
-    def arriving(now: Side) -> Floats:
-        return second.carried(now._replace(dt=second.dt).carried(pulse, path), rest)
-
-    found, own = _timed(first, path, second, arriving)
-    other = error / second.speed * rest / second.speed  # s, by which the second bar may be off
-    return found, math.hypot(own, found.speed**2 / path * other)
 
 
 def _timed(

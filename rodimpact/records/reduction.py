@@ -15,7 +15,7 @@ calibration. Both go through the same linear steps as the curve.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any, NamedTuple
 
@@ -303,10 +303,20 @@ def reduce(
     of_kind("specimen", specimen, Specimen, "ri.Specimen(length=5e-3, diameter=8e-3)")
     limit = single("align_within", align_within, "s", "non-negative")
     known = bars if isinstance(bars, Calibration) else None
-    shot = _Shot.of(
-        sides_of(input_gauges, output_gauges, known.bars if known else bars, compression), specimen)
+    sides: tuple[Side, ...] = sides_of(
+        input_gauges, output_gauges, known.bars if known else bars, compression)
+    # from the arrival at the specimen as long as the records separate the waves
+    first = sides[0]
+    start = first.foot + float(first.distances[0]) / first.speed
+    end = min(side.clean_until() for side in sides)
+    count = int((end - start) / first.dt)
+    if count < QUIET:
+        message = f"the wave reaches the specimen at {start:.6g} s, but from {end:.6g} s on the"
+        raise refusal("input_gauges", f"{message} records do not separate the waves; use longer "
+                      "records or bars, and check the distances")
     if known:
-        shot = replace(shot, sides=known.applied(shot.sides))
+        sides = known.applied(sides)
+    shot = _Shot(sides, specimen, start + first.dt * np.arange(count, dtype=float))
     if limit:
         shot = shot.aligned(limit)
     curve = shot.curve()
@@ -324,19 +334,6 @@ class _Shot:
     specimen: Specimen
     times: Floats
     shifts: tuple[float, float] = (0.0, 0.0)
-
-    @classmethod
-    def of(cls, sides: tuple[Side, Side], specimen: Specimen) -> _Shot:
-        """A shot from the arrival at the specimen as long as the records separate the waves."""
-        first, _ = sides
-        start = first.foot + float(first.distances[0]) / first.speed
-        end = min(side.clean_until() for side in sides)
-        count = int((end - start) / first.dt)
-        if count < QUIET:
-            message = f"the wave reaches the specimen at {start:.6g} s, but from {end:.6g} s on the"
-            raise refusal("input_gauges", f"{message} records do not separate the waves; use "
-                          "longer records or bars, and check the distances")
-        return cls(sides, specimen, start + first.dt * np.arange(count, dtype=float))
 
     def curve(self) -> Curve:
         """Forces, velocities and strain of the strains that the sides hold."""
@@ -386,18 +383,15 @@ class _Shot:
                  for _ in range(TWO_GAUGE_DRAWS if two else DRAWS)]
         off = [replace(self, sides=sides).curve()
                for sides in (known.off_by_one_error(self.sides) if known else ())]
-        stress, strain = (
-            self._band(*([getattr(each, name) for each in curves]
-                         for curves in ([curve], drawn, off))) for name in ("stress", "strain"))
-        return stress, strain
 
-    def _band(self, column: list[Floats], drawn: list[Floats], off: list[Floats]) -> Floats:
-        """Band of one column, from what noise makes of it and what it is with other constants."""
-        variance = np.mean(np.square(drawn), axis=0)
-        variance += sum((other - column[0]) ** 2 for other in off)
-        lost = self._fine(column[0]) - np.mean([self._fine(each) for each in drawn], axis=0)
-        band: Floats = COVER * np.sqrt(variance + np.maximum(lost, 0.0))
-        return band
+        def band(column: Callable[[Curve], Floats]) -> Floats:
+            variance = np.mean([column(each) ** 2 for each in drawn], axis=0)
+            variance += sum((column(other) - column(curve)) ** 2 for other in off)
+            kept = np.mean([self._fine(column(each)) for each in drawn], axis=0)
+            lost = np.maximum(self._fine(column(curve)) - kept, 0.0)
+            return np.asarray(COVER * np.sqrt(variance + lost))
+
+        return band(lambda each: each.stress), band(lambda each: each.strain)
 
     def _fine(self, column: Floats) -> Floats:
         """Local mean square of what lies in the last octave that records and bars carry.

@@ -106,7 +106,7 @@ def test_a_column_is_as_wide_as_asked_and_labels_stay_inside(name):
 
 
 @pytest.mark.parametrize(("wrong", "named"), [
-    ({"name": "grey"}, '"light" or "dark"'), ({"width": 20}, "50 to 1000 mm"),
+    ({"name": "grey"}, "'light', 'dark'"), ({"width": 20}, "50 to 1000 mm"),
     ({"width": float("nan")}, "finite number of mm"),
 ])
 def test_wrong_looks_are_refused(wrong, named):
