@@ -3,17 +3,10 @@
 import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from steel import STEEL, C, rod  # noqa: F401
 
-import rodimpact as ri
 from rodimpact import plot
 from rodimpact.plot.style import figure_of
-
-STEEL = ri.materials.steel
-C = STEEL.wave_speed
-
-
-def rod(length=1.0, velocity=0.0, area=1e-4, material=STEEL, **kwargs):
-    return ri.Rod(length, area=area, material=material, velocity=velocity, **kwargs)
 
 
 def axes():

@@ -154,12 +154,11 @@ def test_a_deleted_working_directory_is_named(case, tmp_path):
 
 @pytest.mark.skipif(os.name == "nt", reason="needs a shell of POSIX")
 @pytest.mark.parametrize(("argv", "status"), [(["run", "missing.toml"], 2), (["materials"], 0)])
-def test_nothing_but_results_goes_to_standard_output_when_stderr_is_closed(case, argv, status):
+def test_nothing_but_results_goes_to_standard_output_when_stderr_is_closed(told, argv, status):
     closed = ["sh", "-c", 'exec "$@" 2>&-', "sh", sys.executable, "-m", "rodimpact", *argv]
     done = subprocess.run(closed, env=ENVIRONMENT, stdout=subprocess.PIPE, text=True, check=False)
-    assert done.returncode == status
-    expected = python("-m", "rodimpact", *argv).stdout
-    assert done.stdout == expected
+    expected = told(*argv, status=status)
+    assert (done.returncode, done.stdout) == (status, expected)
     assert bool(expected) == (status == 0)
 
 

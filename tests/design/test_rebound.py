@@ -2,14 +2,9 @@
 
 import numpy as np
 import pytest
+from steel import rod
 
 import rodimpact as ri
-
-STEEL = ri.materials.steel
-
-
-def rod(length=1.0, velocity=0.0, area=1e-4):
-    return ri.Rod(length, area=area, material=STEEL, velocity=velocity)
 
 
 @pytest.mark.parametrize("e", [0.2, 0.45, 0.777, 1.0])

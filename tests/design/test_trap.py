@@ -2,18 +2,11 @@
 
 import numpy as np
 import pytest
+from steel import STEEL, C, rod
 
 import rodimpact as ri
 
-STEEL = ri.materials.steel
-C = STEEL.wave_speed
 SPEED = 10.0
-
-
-def rod(length=1.0, velocity=0.0, area=1e-4):
-    return ri.Rod(length, area=area, material=STEEL, velocity=velocity)
-
-
 ROW = ri.System([rod(0.2, SPEED), rod()])
 
 

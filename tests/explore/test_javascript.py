@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from exhaustive import few_of
 from in_node import needs_node, run
+from networks import random_network
 from systems import random_system
 
 import rodimpact as ri
@@ -173,30 +174,9 @@ def test_what_is_not_translated_is_named_with_its_line(function, line, what):
 # Kernels on records
 
 KERNEL = march.follow
-RODS = [ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0),
-        ri.Rod(1.0, area=2e-4, material=ri.materials.aluminium)]
-MASSES = [ri.RigidMass(0.3, velocity=1.0), ri.RigidMass(0.2), ri.RigidMass(0.5)]
-SIDES = [ri.Wall(), RODS[0].replace(velocity=-1.0), RODS[1], ri.Wall()]
-RECORDED = {
-    "rigid": ri.System(RODS),
-    "walls": ri.System(SIDES, gaps=[1e-5, 0.0, 1e-5]),
-    "spring": ri.System(RODS, contacts=[ri.Spring(1e8)]),
-    "hertz": ri.System(RODS, contacts=[ri.Hertz(1e10)]),
-    "yielding": ri.System(RODS, contacts=[ri.Yielding(1e8, yield_force=800.0)]),
-    "tabulated": ri.System(RODS, contacts=[ri.Tabulated([1e-5, 2e-5], [800.0, 1200.0], 1e8)]),
-    "mass on a rod": ri.System([MASSES[0], RODS[1]]),
-    "joint": ri.System([*MASSES[:2], RODS[1]], contacts=[ri.Joint(1e8), ri.Rigid()]),
-    "impacts": ri.System([*MASSES, ri.Wall()], gaps=[0.0, 1e-3, 2e-3],
-                         contacts=[ri.Rigid(restitution=0.8)] * 3),
-    "driven": ri.System(RODS, contacts=[ri.Spring(1e8)], ends=(
-        ri.Pushed(ri.Samples(np.sin(np.linspace(0.0, 3.0, 41)) * 1e3, step=1e-5)), ri.Absorbing())),
-}
-
-
-def recorded(system):
+def recorded(system, until):
     """The records of a system on the clock of the page, as objects."""
-    until = 4e-4 if system.ends != (ri.Free(), ri.Free()) else None
-    records = driver.Members(Row(system), until, 1e-8, 3000, True).start()
+    records = driver.Members(Row(system), until, 1e-8, 400, True).start()
     for name in ("log", "turn"):
         records[name] = np.concatenate([records[name]] * 4)
     return {name: x.tolist() if name == "matrix" else compiling.as_objects(x)
@@ -209,21 +189,24 @@ def tables(objects):
 
 
 @needs_node
-@pytest.mark.parametrize("name", RECORDED)
-def test_the_kernel_of_characteristics_does_the_same_on_the_same_records(name, monkeypatch):
+def test_the_kernel_of_characteristics_does_the_same_on_the_same_records(monkeypatch):
     for module in (tick_rule, finality, layout, driver):
         for constant in CONSTANTS.keys() & vars(module).keys():
             monkeypatch.setattr(module, constant, CONSTANTS[constant])
-    given = recorded(RECORDED[name])
-    arguments = [*given.values()]
     script = f"""{read("python.js")}\n{javascript([KERNEL], CONSTANTS)}
-    const answer = (given) => ({{ why: follow(...given), given: given.slice(0, -1) }});"""
-    page = run(script, [tables(objects) for objects in arguments])
-    assert page["why"] == KERNEL(*arguments)
-    for record, theirs, objects in zip(given, page["given"], arguments, strict=False):
-        for i, (one, other) in enumerate(zip(theirs, tables(objects), strict=True)):
-            for key, value in other.items():
-                assert one[key] == value, (record, i, key)
+    const answer = (all) => all.map((given) => (
+      {{ why: follow(...given), given: given.slice(0, -1) }}));"""
+    rows = [recorded(random_network(seed, driven=driven), 0.7 if driven else None)
+            for seed in range(16) for driven in [seed % 2 > 0]]
+    pages = run(script, [[*map(tables, given.values())] for given in rows])
+    assert {page["why"] for page in pages} == {2, 4, 6}  # events, time and proofs end them
+    for seed, (given, page) in enumerate(zip(rows, pages, strict=True)):
+        arguments = [*given.values()]
+        assert page["why"] == KERNEL(*arguments)
+        for record, theirs, objects in zip(given, page["given"], arguments, strict=False):
+            for i, (one, other) in enumerate(zip(theirs, tables(objects), strict=True)):
+                for key, value in other.items():
+                    assert one[key] == value, (seed, record, i, key)
 
 
 # The solver

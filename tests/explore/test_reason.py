@@ -4,30 +4,14 @@ import re
 
 import numpy as np
 import pytest
+from explore.scenes import shown
+from steel import STEEL, rod
 
 import rodimpact as ri
-from rodimpact.explorer.design import LIBRARY, tables_of, with_gauges
-from rodimpact.explorer.exploring import page_solves
-from rodimpact.explorer.scene import scene
-from rodimpact.explorer.solved import scene_of
 
-STEEL, ALUMINIUM = ri.materials.steel, ri.materials.aluminium
+ALUMINIUM = ri.materials.aluminium
 RETURNS = "wave returns after"
 ENDS = "and the force ends, since a contact cannot pull"
-
-
-def rod(length, velocity=0.0, area=1e-4, material=STEEL):
-    return ri.Rod(length, area=area, material=material, velocity=velocity)
-
-
-def found_for(system, **solve):
-    case = with_gauges(ri.Case(system, solve))
-    sent = tables_of(case)
-    if page_solves(sent["case"]):
-        return scene_of(sent["case"], sent["gauges"], LIBRARY)
-    return scene(case, ri.solve(system, **solve))
-
-
 STEPPED = ri.Rod(velocity=1.0, segments=[ri.Segment(0.2, area, STEEL) for area in (1e-4, 3e-4)])
 SYSTEMS = {
     "short hits long": ([rod(0.4, 1.0), rod(1.0)], {}, {}, [
@@ -54,7 +38,7 @@ SYSTEMS = {
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_the_reason_names_what_happens_at_the_contacts(name):
     bodies, how, solve, words = SYSTEMS[name]
-    said = " ".join(found_for(ri.System(bodies, **how), **solve)["reason"])
+    said = " ".join(shown(ri.System(bodies, **how), **solve)[1]["reason"])
     assert [word for word in words if word not in said] == []
 
 
@@ -70,7 +54,7 @@ CLAIMS = {
 @pytest.mark.parametrize("name", CLAIMS)
 def test_e_is_a_ratio_of_lengths_only_where_that_holds(name):
     bodies, how, holds = CLAIMS[name]
-    said = found_for(ri.System(bodies, **how))["reason"][1]
+    said = shown(ri.System(bodies, **how))[1]["reason"][1]
     assert "so e = " in said
     assert ("/l" in said or "/T" in said) == holds
 
@@ -80,7 +64,8 @@ def test_numbers_of_the_reason_are_those_of_the_solution(seed):
     rng = np.random.default_rng(seed)
     system = ri.System([rod(rng.uniform(0.1, 1.0), rng.uniform(0.5, 2.0), rng.uniform(1e-4, 2e-4)),
                         rod(rng.uniform(0.1, 1.0), area=rng.uniform(1e-4, 2e-4))])
-    said, outcome = found_for(system)["reason"][1], ri.solve(system).outcome
+    solution, scene = shown(system)
+    said, outcome = scene["reason"][1], solution.outcome
     number = r"(-?[\d.e-]+)"
     first, second, e, share = re.search(
         rf"velocities to {number} m/s and {number} m/s, so e = {number}\S*; {number} %", said
@@ -95,7 +80,7 @@ def test_numbers_of_the_reason_are_those_of_the_solution(seed):
 def test_the_weak_tail_of_a_stiff_contact_is_told_from_its_impulse():
     """Nearly flat ends press weakly until they open; the impulse came with the first wave."""
     bodies = [rod(0.4, 2.0), rod(1.0)]
-    said, rounder = (found_for(ri.System(bodies, contacts=[ri.Hertz(k)]))["reason"][0]
+    said, rounder = (shown(ri.System(bodies, contacts=[ri.Hertz(k)]))[1]["reason"][0]
                      for k in (3e12, 3e9))
     first = 1e6 * 2 * bodies[0].transit_time
     assert float(re.search(r"99 % of the impulse came in the first ([\d.]+) µs", said)[1]) == (

@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 from exhaustive import few_of
-from scipy.signal import lfilter
+from validation_cases import validation_module
 
 import rodimpact as ri
 from rodimpact.fitting.objective import Objective
@@ -128,9 +128,8 @@ def test_derivatives_are_those_of_the_residuals(at):
 
 def coloured(random, n, steps):
     """Noise of variance 1 whose correlation falls to 1/e within so many steps."""
-    a = math.exp(-1 / steps) if steps else 0.0
-    white = random.standard_normal(n + 40 * math.ceil(steps)) * math.sqrt(1 - a * a)
-    return lfilter([1.0], [1.0, -a], white)[-n:]
+    apart = np.abs(np.subtract.outer(np.arange(n), np.arange(n)))
+    return np.linalg.cholesky(np.exp(-apart / max(steps, 1e-3))) @ random.standard_normal(n)
 
 
 @pytest.mark.parametrize("correlation", [0.0, 1e-6, 5e-6])
@@ -153,6 +152,41 @@ def test_standard_errors_are_the_scatter_of_fits(correlation):
     ratio = np.mean(errors, axis=0) / np.std(moved, axis=0)
     assert (ratio > 0.8).all()
     assert (ratio < 1.3).all()
+
+
+@pytest.mark.exhaustive
+def test_all_searches_for_a_measured_pulse_end_at_one_place():
+    pulses = validation_module("measured_pulses")
+    vary = {**pulses.ENDS, pulses.SPEED: (4200.0, 5400.0)}
+    found = pulses.fitted(pulses.TITANIUM, vary, starts=3)
+    for end in found.descents:
+        for name, value in end.values.items():
+            assert abs(value - found.values[name]) < 0.01 * found.standard_errors[name]
+    assert found.misfits[0] < 0.02
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("correlation", [0.0, 1e-6, 5e-6])
+def test_standard_errors_are_the_scatter_of_fits_of_noisy_pulses(correlation):
+    near, until, step = (1, 0.02), 2.5e-4, 4e-7  # where the exact mode begins; between samples
+    pulses = validation_module("measured_pulses")
+    shot, random = pulses.TITANIUM, np.random.default_rng(4)
+    system = pulses.row_of(shot, shot.bar.wave_speed, ri.Hertz(6e10), None, until)
+    carried = {"distance": 0.361, "radius": shot.bar.radius}
+    strain = ri.solve(system, until=until).gauge(*near).signal(step / 4).extended(1e-4, 1e-4)
+    pulse = strain.propagated(carried["distance"], shot.bar).low_pass(0.1325 / 2e-6)
+    clean = pulse.resampled(times=np.arange(5e-5, 2e-4, step))
+    values, errors = [], []
+    for _ in range(50):
+        noise = 0.02 * np.abs(clean.values).max() * coloured(random, len(clean), correlation / step)
+        measured = ri.Measured(clean.replace(values=clean.values + noise), near, **carried)
+        vary = {pulses.LENGTH: shot.length, **pulses.ENDS, "records.0.blur": (0.0, 1e-5)}
+        found = ri.fit(system, measured, vary, until, starts=1)
+        values.append(list(found.values.values()))
+        errors.append(list(found.standard_errors.values()))
+    ratio = np.mean(errors, axis=0) / np.std(values, axis=0)
+    assert (ratio > 0.8).all(), ratio
+    assert (ratio < 1.3).all(), ratio
 
 
 @pytest.mark.parametrize("lasting", [1, 10])

@@ -76,11 +76,7 @@ def test_who_does_without_the_public_names_sees_the_table():
 
 def test_every_picture_shows_its_figure():
     solution = ri.solve(ri.System([rod(0.4, 1.0), rod()]))
-    pictures = [
-        ri.plot.spacetime(solution), ri.plot.contact(solution), ri.plot.restitution([0.5], [0.5]),
-        ri.plot.sweep(ri.sweep(FAMILIES["map"][0])),
-    ]
-    for drawn in pictures:
+    for drawn in (ri.plot.contact(solution), ri.plot.restitution([0.5], [0.5])):
         shown = np.asarray(Image.open(io.BytesIO(drawn._repr_png_())).convert("L"))
         assert min(shown.shape) > 200
         assert np.ptp(shown) > 200

@@ -61,8 +61,8 @@ def cells(picture):
     for case in itertools.product(ROWS, ["velocity", "stress", "strain"])])
 def test_cells_hold_the_mean_of_the_field_over_their_time(solved, name, field):
     solution = solved[name]
-    values, _ = cells(plot.spacetime(solution, axes(), field, coordinates="lab", magnification=1.0))
-    scale = plot.spacetime(solution, axes(), field).colour_bar.ax.get_ylabel()
+    picture = plot.spacetime(solution, axes(), field, coordinates="lab", magnification=1.0)
+    (values, _), scale = cells(picture), picture.colour_bar.ax.get_ylabel()
     factor = {"(m/s)": 1, "(mm/s)": 1e3, "(MPa)": 1e-6, "(kPa)": 1e-3, "(10⁻⁶)": 1e6,
               "(10⁻³)": 1e3, "(10⁻⁹)": 1e9}[scale[scale.rindex("("):]]
     edges = np.linspace(0, solution.t_end, values.shape[0] + 1)
@@ -102,12 +102,14 @@ def test_masses_are_strips_of_the_width_that_the_label_names(solved):
 
 
 def test_borders_are_told_in_the_legend(solved):
-    legends = {name: legend(plot.spacetime(solved[name], axes()).ax) for name in ROWS}
-    assert legends["hertz"] == ["pressing", "apart", "rigid mass", "absorbing end"]
-    assert legends["hopkinson"] == ["pressing", "touching", "apart", "absorbing end"]
-    assert legends["mass"] == ["pressing", "apart", "rigid mass"]
-    assert legends["driven"] == ["driven at a velocity", "absorbing end"]
-    assert "driven by a force" in legends["pushed"]
+    for name, told in {
+        "hertz": ["pressing", "apart", "rigid mass", "absorbing end"],
+        "hopkinson": ["pressing", "touching", "apart", "absorbing end"],
+        "mass": ["pressing", "apart", "rigid mass"],
+        "driven": ["driven at a velocity", "absorbing end"],
+    }.items():
+        assert legend(plot.spacetime(solved[name], axes()).ax) == told
+    assert "driven by a force" in legend(plot.spacetime(solved["pushed"], axes()).ax)
 
 
 def test_a_fixed_end_is_hatched_like_a_wall_by_every_method():
@@ -141,8 +143,6 @@ def test_an_interval(solved):
     picture = plot.spacetime(solved["mass"], axes(), start=1e-4, stop=2e-4)
     _, corners = cells(picture)
     assert corners[[0, -1], 0, 1] == pytest.approx([100, 200])
-    with pytest.raises(ValueError, match="stop: must be later"):
-        plot.spacetime(solved["mass"], axes(), start=2e-4, stop=1e-4)
 
 
 def test_cells_stay_pixels_so_that_vector_files_are_small(solved, tmp_path):

@@ -4,15 +4,10 @@ import json
 import math
 
 import pytest
+from steel import rod
 
 import rodimpact as ri
 from rodimpact.storage import report, tables
-
-STEEL = ri.materials.steel
-
-
-def rod(length, velocity=0.0):
-    return ri.Rod(length, area=1e-4, material=STEEL, velocity=velocity)
 
 
 @pytest.fixture
