@@ -14,8 +14,8 @@ from .algebra.formula import closed_form as closed_form
 from .algebra.gradient_result import Gradient as Gradient
 from .algebra.gradient_result import Kink as Kink
 from .algebra.gradients import gradient as gradient
-from .algebra.rational import Exact as Exact
 from .algebra.rational import exact as exact
+from .algebra.rows import Exact as Exact
 from .explorer.exploring import Page as Page
 from .explorer.exploring import explore as explore
 from .fitting.measured import Measured as Measured

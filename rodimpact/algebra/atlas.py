@@ -8,7 +8,7 @@ and is solved. Cells with the same formula and the same contacts make a region.
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -22,7 +22,7 @@ from ..model.frozen import InvalidModel, listed, number, raise_noted
 from ..units import shown
 from .cell import Cell, Floats
 from .field import Field
-from .formula import FEW, LINE
+from .formula import FEW, named, short
 from .naming import Naming
 from .rows import check_arguments
 
@@ -120,7 +120,7 @@ class Atlas:
         most : int
             How many at most.
         """
-        field = Field(Naming(self.system, [self.x[0], self.y[0]]))
+        formulas = Field(Naming(self.system, [self.x[0], self.y[0]]))
         ends = [np.linspace(low, high, 2 * SAMPLES + 1)[1::2] for _, low, high in (self.x, self.y)]
         x, y = (side.ravel() for side in np.meshgrid(*ends))
         cells = self.locate(x, y)
@@ -131,22 +131,17 @@ class Atlas:
             here = np.flatnonzero(regions == r)
             off = [(v[here] - v[here].mean()) / np.ptp(v) for v in (x, y)]
             middle = here[np.argmin(off[0] ** 2 + off[1] ** 2)]
-            results = self.cells[self.region.index(int(r))].results
-            e = results.restitution
-            wanted = results.velocities_after if e is None else [e]
-            values = [field.quotient(f) for f in field.of(wanted)]
-            heads = ["e"] if e is not None else [f"V{i}" for i in range(1, len(values) + 1)]
-            formula = ", ".join(f"{h} = {v}" for h, v in zip(heads, values, strict=True))
-            if len(formula) > LINE:
-                formula = formula[:LINE].rsplit(" ", 1)[0] + " ..."
+            results = dict(named(self.cells[self.region.index(int(r))].results))
+            formula = ", ".join(f"{name} = {formulas.quotient(f)}" for name, f in zip(
+                results, formulas.of(results.values()), strict=True))
             place = float(x[middle]), float(y[middle])
-            found.append(Region(len(here) / len(x), place, formula))
+            found.append(Region(len(here) / len(x), place, short(formula)))
         return found
 
     def locate(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.int64]:
         """Index of the cell in which places lie, -1 for what is unresolved."""
         xs, ys = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
-        return _locate(self.cells, xs.ravel(), ys.ravel()).reshape(xs.shape)
+        return _locate(self.cells, xs, ys)
 
     def restitution(self, x: ArrayLike, y: ArrayLike) -> Floats:
         """e by the formula of the cell in which places lie; nan where there is none."""
@@ -240,10 +235,9 @@ def _name(naming: Naming, axis: str, path: str) -> str:
 def _locate(cells: list[Cell], x: Floats, y: Floats) -> NDArray[np.int64]:
     found = np.full(x.shape, -1)
     for i, cell in enumerate(cells):
-        open_ = np.flatnonzero(found < 0)
-        if not open_.size:
-            break
-        found[open_[cell.inside(x[open_], y[open_])]] = i
+        open_ = found < 0
+        if open_.any():
+            found[open_] = np.where(cell.inside(x[open_], y[open_]), i, -1)
     return found
 
 
@@ -259,20 +253,21 @@ def _rounded(places: Floats, room: Any = 1.0) -> Floats:
     return shares
 
 
+@dataclass
 class _Search:
     """Finds the cells of a plane; places are shares of the axes."""
 
-    def __init__(
-        self, naming: Naming, names: list[str], axes: list[Any], most: int, max_events: int,
-        forecast: Forecast,
-    ) -> None:
-        self.naming, self.names, self.axes, self.forecast = naming, names, axes, forecast
-        self.done = 0  # places and edges
-        self.most, self.max_events = most, max_events
-        self.runs = 0  # that began a cell, also one that is not told
-        self.cells: list[Cell] = []
-        self.region: list[int] = []
-        self._formulas: dict[tuple[Any, ...], int] = {}
+    naming: Naming
+    names: list[str]
+    axes: list[Any]
+    most: int
+    max_events: int
+    forecast: Forecast
+    done: int = 0  # places and edges
+    runs: int = 0  # that began a cell, also one that is not told
+    cells: list[Cell] = field(default_factory=list)
+    region: list[int] = field(default_factory=list)
+    _formulas: dict[tuple[Any, ...], int] = field(default_factory=dict)
 
     def atlas(self) -> Atlas:
         rng = np.random.default_rng(1867)
@@ -353,7 +348,7 @@ class _Search:
 
         parts = [(e, nodes[i], nodes[j], owner[i], owner[j]) for e, (i, j) in enumerate(edges)]
         for _ in range(MOST_BETWEEN):
-            parts = [p for p in parts if self._differ(*p[3:])]
+            parts = [part for part in parts if len(set(sides(part))) > 1]
             if not parts:
                 break
             P, Q = (np.array([part[i] for part in parts]) for i in (1, 2))
@@ -385,9 +380,6 @@ class _Search:
                     of.append(parts[i][0])
             parts = more
         return np.array(places).reshape(-1, 2), np.array(between).reshape(-1, 2), np.array(of)
-
-    def _differ(self, a: int, b: int) -> bool:
-        return a != b and (min(a, b) < 0 or self.region[a] != self.region[b])
 
     def _end(self, P: Floats, Q: Floats, cells: Any) -> Floats:
         """Share of the way from P to Q at which cells end."""

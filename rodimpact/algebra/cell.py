@@ -17,7 +17,7 @@ from .field import Field
 from .inequalities import factors, reduced
 from .naming import Naming
 from .numbers import Number, Program, evaluate, mark
-from .rows import ExactRun, each
+from .rows import Exact, ExactRun, each
 
 Floats = NDArray[np.float64]
 CUTS = 64  # in which a way is cut where a border is looked for, and each of these again
@@ -102,12 +102,12 @@ class Cell:
 
     # Formulas
 
-    def results_as(self, what: Callable[[Any], Any]) -> tuple[Any, Any, Any, Any]:
+    def results_as(self, what: Callable[[Any], Any]) -> Exact:
         """What `what` makes of each result as a rational function."""
         return each(self._functions, what)
 
     @cached_property
-    def _functions(self) -> Any:
+    def _functions(self) -> Exact:
         values: list[Number] = []
         each(self.results, values.append)
         functions = iter(self._field.of(values))
@@ -115,7 +115,7 @@ class Cell:
 
     def contains(self, values: Mapping[str, Fraction], open_to: Collection[Any] = ()) -> bool:
         """Whether the cell has this place inside, or on one of the borders `open_to`."""
-        found = self._values(values)
+        found = _values(self._conditions, values)
         return all(x >= 0 for x in found) and all(
             self._field.at(p, values) > 0 or p in open_to for p in self._factors(self._zero(found)))
 
@@ -128,7 +128,7 @@ class Cell:
     def ties(self) -> list[Any]:
         """Borders on which the numbers of the system lie."""
         base = self._field.naming.values({})
-        zero = self._factors(self._zero(self._values(base)))
+        zero = self._factors(self._zero(_values(self._conditions, base)))
         return reduced((p for p in zero if self._field.at(p, base) == 0), self._field.told)
 
     @cached_property
@@ -144,15 +144,12 @@ class Cell:
         told = self._field.told(self._field.of(numbers))
         return factors(told, lambda p: self._field.at(p, self.place))
 
-    def _values(self, values: Mapping[str, Fraction]) -> list[Fraction]:
-        """Values of the conditions; 0 where they have none but in the limit."""
-        try:
-            return evaluate(self._conditions, values, Fraction)
-        except ZeroDivisionError:
-            found = []
-            for x in self._conditions:
-                try:
-                    found += evaluate([x], values, Fraction)
-                except ZeroDivisionError:
-                    found.append(Fraction(0))
-            return found
+
+def _values(wanted: list[Number], values: Mapping[str, Fraction]) -> list[Fraction]:
+    """Values of numbers at a place; 0 where they have none but in the limit."""
+    try:
+        return evaluate(wanted, values, Fraction)
+    except ZeroDivisionError:
+        if len(wanted) == 1:
+            return [Fraction(0)]
+        return [value for x in wanted for value in _values([x], values)]

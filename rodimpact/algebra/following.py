@@ -53,14 +53,14 @@ class Followed:
         self.when, self._least = np.full(directions, end * self._tick), LEAST * run.run.scale
         y: Any = list(map(Dual, plan.numbers, changes))
         times = [L / c for c, L in zip(y[:n], y[2 * n : 3 * n], strict=True)]
-        ticks = [Dual(T, T / time.v * time.d)
+        ticks = [Dual(T, T / time.value * time.d)
                  for T, time in zip(run.clock.ticks[1:-1], times, strict=True)]
         self._state = state = laid(plan, y, ticks, self._tick, self._frame)
         state.run.limit, state.run.rest = IDLE, IDLE  # nothing is to be proved on the way
         state.run.tolerance, state.run.window = run.run.tolerance, run.run.window
         for k in self._nodes:
             gap = state.node[k].gap
-            self._note(BORDER, 0, k, gap.d * float(gap.v == 0), 0.0)
+            self._note(BORDER, 0, k, gap.d * float(gap.value == 0), 0.0)
         t, nodes, leaves = 0, range(len(state.node)), len(state.tree) // 2
         due: Sequence[int] = nodes
         while t <= end:
@@ -123,7 +123,7 @@ class Followed:
         if before == Status.OPEN and at.gap == 0:
             self._note(CLOSING, t, k, gap.d, self._least * t)
         if at.status == Status.OPEN:  # bodies that graze move apart when a number changes
-            at.rate = Dual(at.rate.v, (b - a).d)
+            at.rate = Dual(at.rate.value, (b - a).d)
         elif at.status in (Status.TOUCH, Status.GRAZE):
             self._note(FORCE, t, k, (a - b).d, self._least)
         for l, wave in ((2 * k + 1, a - 2 * F * Yl), (2 * k + 2, b + 2 * F * Yr)):

@@ -24,8 +24,8 @@ from .cell import Cell
 from .field import Field
 from .inequalities import reduced
 from .naming import Naming
-from .rational import Exact, fractions_of
-from .rows import check_arguments, check_final
+from .rational import fractions_of
+from .rows import Exact, check_arguments, check_final
 
 SHORT = 1 << 24  # denominator of directions, so that fractions are short
 HAIR = Fraction(1, 1 << 120)  # how far from the numbers of the system runs are made, of themselves
@@ -184,28 +184,28 @@ class ClosedForm:
         """What the symbols are in the system, to 400 bits where a wave speed is irrational."""
         return dict(self._field.naming.base)
 
-    @cached_property
+    @property
     def restitution(self) -> Any:
         """e; None where not exactly one contact can open, or nothing collides."""
-        return self._results[0]
+        return self._results.restitution
 
     @property
     def velocities_after(self) -> tuple[Any, ...]:
         """Of the centres of mass, m/s."""
-        return tuple(self._results[1])
+        return self._results.velocities_after
 
     @property
     def impulses(self) -> tuple[Any, ...]:
         """At each contact, N s; at a bond its average, as vibration goes on."""
-        return tuple(self._results[2])
+        return self._results.impulses
 
     @property
     def contact_times(self) -> tuple[tuple[tuple[Any, Any], ...], ...]:
         """At each contact, when its force began and ended, s."""
-        return tuple(self._results[3])
+        return self._results.contact_times
 
     @cached_property
-    def _results(self) -> tuple[Any, Any, Any, Any]:
+    def _results(self) -> Exact:
         return self._cells[0].results_as(self._field.quotient)
 
     @cached_property
@@ -225,7 +225,7 @@ class ClosedForm:
 
     def where(self, remedy: str) -> str:
         """The nearest conditions in a line; where there are more, how many, and what shows all."""
-        told = ", ".join(map(_short, self.nearest)) or "always"
+        told = ", ".join(map(short, self.nearest)) or "always"
         more = len(self.cell) - len(self.nearest)
         return f"where {told}" + (f", and {more} more; {remedy}" if more else "")
 
@@ -258,7 +258,7 @@ class ClosedForm:
             under = at(f.denom, known)
             return at(f.numer, known) / under if under else None
 
-        return Exact(*self._cells[0].results_as(value), 1.0)
+        return self._cells[0].results_as(value)
 
     def holds(self, **values: Any) -> bool:
         """Whether the formula holds for values as `at` takes them; on its outer borders not."""
@@ -280,10 +280,10 @@ class ClosedForm:
         return self._field.naming.values(fractions_of(values))
 
     def __str__(self) -> str:
-        lines = [f"{name} = {value}" for name, value in self._named()]
+        lines = [f"{name} = {value}" for name, value in named(self._results)]
         lines.append(self.where(".cell has all"))
         if self.sides:
-            border = ", ".join(_short(f"{tie.lhs} = {tie.rhs}") for tie in self._ties[:FEW])
+            border = ", ".join(short(f"{tie.lhs} = {tie.rhs}") for tie in self._ties[:FEW])
             count = len(self.sides)
             others = f"{count} other formulas" if count > 1 else "another formula"
             e = self.at().restitution
@@ -304,25 +304,27 @@ class ClosedForm:
 
     def _repr_latex_(self) -> str:
         latex = self._field.sympy.latex
-        lines = [f"{name} &= {latex(value)}" for name, value in self._named()]
+        lines = [f"{name} &= {latex(value)}" for name, value in named(self._results)]
         cell = ",\\ ".join(map(latex, self.nearest))
         if len(self.cell) > NEAREST:
             cell += f"\\ \\text{{and {len(self.cell) - NEAREST} more}}"
         return "$$\\begin{aligned}" + "\\\\".join(lines) + "\\end{aligned}\\qquad " + cell + "$$"
 
-    def _named(self) -> list[tuple[str, Any]]:
-        if self.restitution is not None:
-            return [("e", self.restitution)]
-        return [(f"V{i}", v) for i, v in enumerate(self.velocities_after, 1)]
-
 
 def _line(form: ClosedForm) -> str:
     """A formula beside another, in short."""
-    formula = _short(", ".join(f"{name} = {value}" for name, value in form._named()))
-    return f"{formula} where {', '.join(map(_short, form._ties[:FEW]))}"
+    formula = ", ".join(f"{name} = {value}" for name, value in named(form._results))
+    return f"{short(formula)} where {', '.join(map(short, form._ties[:FEW]))}"
 
 
-def _short(told: Any) -> str:
+def named(results: Exact) -> list[tuple[str, Any]]:
+    """What a formula tells: e, or where there is none the velocities after."""
+    if results.restitution is not None:
+        return [("e", results.restitution)]
+    return [(f"V{i}", v) for i, v in enumerate(results.velocities_after, 1)]
+
+
+def short(told: Any) -> str:
     """The beginning of what is too long for a line."""
     text = str(told)
     return text if len(text) <= LINE else text[:LINE].rsplit(" ", 1)[0] + " ..."

@@ -187,8 +187,8 @@ def _follow(
         jump, event = 0.0, one.event[p]
         if event != SMOOTH:
             below, above, jump = x.differences(totals)
-            jump *= abs(jump) > CONTINUOUS * abs(found.v)
-            event *= not x.agree(found.v, below, above, jump)
+            jump *= abs(jump) > CONTINUOUS * abs(found.value)
+            event *= not x.agree(found.value, below, above, jump)
         columns.append([below, above, jump, event, one.when[p], one.node[p]])
     return np.transpose(columns)
 

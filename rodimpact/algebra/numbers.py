@@ -23,7 +23,34 @@ HALF = Fraction(1, 2)
 DECIMALS = 150  # with which formulas are evaluated to be told apart
 
 
-class Number:
+class Judged:
+    """A number that carries more: kernels decide by its value alone."""
+
+    __slots__ = ()
+    value: Any
+
+    def __int__(self) -> int:
+        return int(self.value)
+
+    def __eq__(self, other: object) -> bool:
+        return bool(self.value == value_of(other))
+
+    def __lt__(self, other: Any) -> bool:
+        return bool(self.value < value_of(other))
+
+    def __le__(self, other: Any) -> bool:
+        return bool(self.value <= value_of(other))
+
+    def __gt__(self, other: Any) -> bool:
+        return bool(self.value > value_of(other))
+
+    def __ge__(self, other: Any) -> bool:
+        return bool(self.value >= value_of(other))
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+class Number(Judged):
     """A fraction with its history.
 
     Attributes
@@ -83,28 +110,8 @@ class Number:
         """Time in whole ticks is truncated half a tick later; exact time needs no ticks."""
         return self - HALF
 
-    def __int__(self) -> int:
-        return int(self.value)
-
     def __float__(self) -> float:
         return float(self.value)
-
-    def __eq__(self, other: object) -> bool:
-        return bool(self.value == value_of(other))
-
-    def __lt__(self, other: Any) -> bool:
-        return bool(self.value < value_of(other))
-
-    def __le__(self, other: Any) -> bool:
-        return bool(self.value <= value_of(other))
-
-    def __gt__(self, other: Any) -> bool:
-        return bool(self.value > value_of(other))
-
-    def __ge__(self, other: Any) -> bool:
-        return bool(self.value >= value_of(other))
-
-    __hash__ = None  # type: ignore[assignment]
 
 
 ZERO = Number(0)
@@ -116,8 +123,8 @@ def number(x: Any) -> Number:
 
 
 def value_of(x: Any) -> Any:
-    """The fraction of a number; others as they are."""
-    return x.value if isinstance(x, Number) else x
+    """The value of a number that carries more; others as they are."""
+    return x.value if isinstance(x, Judged) else x
 
 
 def _made(operation: str, a: Number, b: Number) -> Number:

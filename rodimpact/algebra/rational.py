@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -12,43 +11,7 @@ from ..model.frozen import InvalidModel, Problems, raise_noted
 from ..model.paths import places_of, suggestion
 from ..units import shown
 from .numbers import Number
-from .rows import MOST_EVENTS, check, check_arguments, check_final, each, read, run, written
-
-
-@dataclass(frozen=True)
-class Exact:
-    """A collision in fractions: nothing in it is rounded.
-
-    Attributes
-    ----------
-    restitution : Fraction or None
-        e; None where not exactly one contact can open, or nothing collides.
-    velocities_after : tuple of Fraction
-        Of the centres of mass, m/s.
-    impulses : tuple of Fraction
-        At each contact, N s; at a bond its average, as vibration goes on.
-    contact_times : tuple of tuple of (Fraction, Fraction)
-        At each contact, when its force began and ended, in units of `time_unit`.
-    time_unit : float
-        s. It is 1 if wave speeds are rational or transit times are given. Otherwise it is the time
-        in which a wave runs 1 m in the first rod. Only this number may be rounded.
-
-    Examples
-    --------
-    >>> import rodimpact as ri
-    >>> steel = ri.materials.steel
-    >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
-    >>> right = ri.Rod(1.0, area=1e-4, material=steel)
-    >>> found = ri.exact(ri.System([left, right]))
-    >>> found.velocities_after
-    (Fraction(0, 1), Fraction(2, 5))
-    """
-
-    restitution: Fraction | None
-    velocities_after: tuple[Fraction, ...]
-    impulses: tuple[Fraction, ...]
-    contact_times: tuple[tuple[tuple[Fraction, Fraction], ...], ...]
-    time_unit: float
+from .rows import MOST_EVENTS, Exact, check, check_arguments, check_final, each, read, run, written
 
 
 def exact(
@@ -114,7 +77,7 @@ def exact(
         raise InvalidModel(unknown)
     done = run(row, numbers, max_events)
     check_final(done, max_events)
-    return Exact(*each(done.results, lambda x: x.value), unit)
+    return each(done.results, lambda x: x.value)._replace(time_unit=unit)
 
 
 def fractions_of(values: Any) -> dict[str, Fraction]:

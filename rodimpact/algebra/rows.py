@@ -36,22 +36,47 @@ class Numbers(NamedTuple):
     gap: list[Number]  # [contact]
 
 
-class Results(NamedTuple):
-    """What the collision comes to; restitution only where one contact opens."""
+class Exact(NamedTuple):
+    """A collision in fractions: nothing in it is rounded.
 
-    restitution: Number | None
-    velocities_after: tuple[Number, ...]  # [body]
-    impulses: tuple[Number, ...]  # [contact]; of a bond on average
-    contact_times: tuple[tuple[tuple[Number, Number], ...], ...]  # [contact][episode]
+    Attributes
+    ----------
+    restitution : Fraction or None
+        e; None where not exactly one contact can open, or nothing collides.
+    velocities_after : tuple of Fraction
+        Of the centres of mass, m/s.
+    impulses : tuple of Fraction
+        At each contact, N s; at a bond its average, as vibration goes on.
+    contact_times : tuple of tuple of (Fraction, Fraction)
+        At each contact, when its force began and ended, in units of `time_unit`.
+    time_unit : float
+        s. It is 1 if wave speeds are rational or transit times are given. Otherwise it is the time
+        in which a wave runs 1 m in the first rod. Only this number may be rounded.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=steel)
+    >>> found = ri.exact(ri.System([left, right]))
+    >>> found.velocities_after
+    (Fraction(0, 1), Fraction(2, 5))
+    """
+
+    restitution: Any
+    velocities_after: tuple[Any, ...]
+    impulses: tuple[Any, ...]
+    contact_times: tuple[tuple[tuple[Any, Any], ...], ...]
+    time_unit: float = 1.0
 
 
-def each(results: Results, what: Callable[[Number], Any]) -> tuple[Any, Any, Any, Any]:
+def each(results: Exact, what: Callable[[Any], Any]) -> Exact:
     """Results with what `what` makes of each number."""
     def mapped(x: Any) -> Any:
         return tuple(map(mapped, x)) if isinstance(x, tuple) else None if x is None else what(x)
 
-    e, velocities, impulses, times = map(mapped, tuple(results))
-    return e, velocities, impulses, times
+    return Exact(*map(mapped, results[:-1]))
 
 
 class ExactRun(NamedTuple):
@@ -63,7 +88,7 @@ class ExactRun(NamedTuple):
     rate: Fraction
     state: Laid
     final: bool
-    results: Results
+    results: Exact  # of `Number`
 
 
 def written(x: float) -> Fraction:
@@ -175,7 +200,7 @@ def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:
             impulses[i] = lost + (impulses[i - 1] if i else ZERO)
     return ExactRun(
         row, nodes, numbers, rate, state, final,
-        Results(
+        Exact(
             e, tuple(after), tuple(impulses), tuple(_episodes(state, k, rate) for k in nodes),
         ),
     )

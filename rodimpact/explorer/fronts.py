@@ -208,7 +208,6 @@ def closed_form_of(system: Any, before: list[float]) -> Any:
     if any(body.kind == "wall" for body in bodies):
         return {"restitution": 1.0, "source": "textbook, box 10.4"}
     left, right = [body.segments[0] for body in bodies]
-    short_time, long_time, q, p, log_q = pair_numbers(
-        left.impedance, left.transit_time, right.impedance, right.transit_time)
-    e = pair_restitution(short_time, long_time, q, p, log_q) * 1.0
-    return {"restitution": e, "source": "Saint-Venant 1867"}
+    e = pair_restitution(*pair_numbers(
+        left.impedance, left.transit_time, right.impedance, right.transit_time))
+    return {"restitution": e * 1.0, "source": "Saint-Venant 1867"}
