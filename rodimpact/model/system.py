@@ -141,11 +141,10 @@ class System(Frozen):
     def _parts(self) -> Iterator[tuple[str, Any]]:
         for name, value in super()._parts():
             kind, _, place = name.partition(".")
-            match kind:
-                case "gaps":
-                    name = f"contacts.{place}.gap"
-                case "ends":
-                    name = f"ends.{SIDES[int(place)]}"
+            if kind == "gaps":
+                name = f"contacts.{place}.gap"
+            elif kind == "ends":
+                name = f"ends.{SIDES[int(place)]}"
             yield name, value
 
     def __getitem__(self, index: Any) -> System:

@@ -70,8 +70,7 @@ def parameter(system: System, path: str) -> Quantity:
         case ["bodies", body, "mass"]:
             return Quantity(_body(system, body), "kg")
         case ["contacts", contact, "gap"]:
-            gap = _quantity("gap", FIELDS["gap"])
-            return gap._replace(name=f"{gap.name} {_pair(system, contact)}")
+            return Quantity(f"gap {_pair(system, contact)}", FIELDS["gap"].unit)
         case ["contacts", contact, field]:
             law = system.contacts[int(contact)]
             if getattr(law, field, None) is None:

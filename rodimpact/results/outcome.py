@@ -325,13 +325,11 @@ def outcome_of(run: Run, totals: Totals) -> Outcome:
 
 def _unbalanced(momentum: float, energy: float) -> str:
     """A warning of balances that do not close."""
-    missing = [
+    missing = " and ".join(
         f"{abs(share):.1g} of the {name}" for name, share in
         (("momentum", momentum), ("energy", energy)) if not abs(share) <= UNBALANCED
-    ]
-    if not missing:
-        return ""
-    return (
-        f" The balance does not close: {' and '.join(missing)} is missing. Take a smaller "
+    )
+    return missing and (
+        f" The balance does not close: {missing} is missing. Take a smaller "
         "rtol, or numbers that are nearer to each other."
     )
