@@ -392,6 +392,10 @@ class Yielding(Plastic):
             message = "must be less than the stiffness {0!r}, got {1!r}"
             frozen.require(problems, less, "hardening", message, k, self.hardening)
 
+    def hardened(self, force: Any) -> Yielding:
+        """The law after a peak force, N."""
+        return self.replace(yield_force=max(self.yield_force, force))
+
 
 class Tabulated(Plastic):
     """A specimen or contact by table: force over compression on loading, a stiffness on unloading.

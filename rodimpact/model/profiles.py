@@ -247,8 +247,7 @@ def averages(profile: Any, edges: Any, length: float) -> Floats:
         integral = total[i] + values[i] * s + slope * s * s / 2
         integral += values[-1] * np.maximum(edges - knots[-1], 0.0)
         integral += values[0] * np.minimum(edges, 0.0)
-        mean: Floats = np.diff(integral) / np.diff(edges)
-        return mean
+        return np.asarray(np.diff(integral) / np.diff(edges))
     return np.full(len(edges[1:]), float(profile))
 
 

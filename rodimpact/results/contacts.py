@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from ..methods.run import ContactSignal, ContactTally
 from ..methods.signals import Floats, Pieces, Side, each_once
-from ..model import ContactLaw, Joint, Plastic, Rigid, Tabulated, Yielding
+from ..model import ContactLaw, Joint, Rigid, Tabulated, Yielding
 from .fields import Fields
 
 
@@ -69,17 +69,13 @@ class ContactHistory:
 
     def law_at(self, t: float) -> ContactLaw:
         """The law as it is at t: what has yielded has hardened, and a joint is stretched."""
-        law = self.law
-        if isinstance(law, Joint):
-            return law.replace(stretch=float(self.gap(t)))
-        if not isinstance(law, Plastic):
-            return law
-        earlier = self._gap.values[self._gap.ticks <= self._fields.to_ticks(t)]
-        deepest = -min(float(np.min(earlier, initial=0.0)), float(self.gap(t)))
-        if isinstance(law, Tabulated):
-            return law.hardened(law.stiffness * deepest)
-        assert isinstance(law, Yielding)
-        return law.replace(yield_force=max(law.yield_force, law.stiffness * deepest))
+        if isinstance(self.law, Joint):
+            return self.law.replace(stretch=float(self.gap(t)))
+        if isinstance(self.law, Yielding | Tabulated):
+            earlier = self._gap.values[self._gap.ticks <= self._fields.to_ticks(t)]
+            deepest = -min(float(np.min(earlier, initial=0.0)), float(self.gap(t)))
+            return self.law.hardened(self.law.stiffness * deepest)
+        return self.law
 
     def breakpoints(self) -> tuple[Floats, Floats, Floats]:
         """Times, s, force just after them, N, and gap, m.

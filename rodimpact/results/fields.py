@@ -182,9 +182,9 @@ class Fields(Protocol):
 
     # Of rods, masses and walls ----------------------------------------------------------------
 
-    def _fallen(self, t: ArrayLike) -> Floats:
-        """Velocity that the frame has gained at times t."""
-        return np.asarray(self.clock.gravity * self.to_ticks(t) * self.clock.tick)
+    def _fallen(self, ticks: Ints) -> Floats:
+        """Velocity that the frame has gained."""
+        return np.asarray(self.clock.gravity * ticks * self.clock.tick)
 
     def velocity(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         """m/s; x and t broadcast, and x is left out of account in a mass or a wall."""
@@ -196,7 +196,7 @@ class Fields(Protocol):
             v = masses[body].at(ticks, side) + a.frame
         else:
             return np.asarray(held.velocity + 0.0 * ticks)
-        return v + self._fallen(t) if a.gravity else v
+        return v + self._fallen(self.to_ticks(t)) if a.gravity else v
 
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """m from the place at t = 0; x and t broadcast, as for the velocity."""

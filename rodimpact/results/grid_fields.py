@@ -210,8 +210,9 @@ class GridFields(Fields):
     def momentum(self, body: int, t: ArrayLike) -> Floats:
         nodes, _, mass = self._span(body)
         own = (self.motion.velocity[:, nodes] * mass).sum(axis=1)  # state by state the same bits
-        moving = self._in_time(own[:, None], 0, self.to_ticks(t))
-        momentum: Floats = moving + mass.sum() * (self.clock.frame + self._fallen(t))
+        ticks = self.to_ticks(t)
+        moving = self._in_time(own[:, None], 0, ticks)
+        momentum: Floats = moving + mass.sum() * (self.clock.frame + self._fallen(ticks))
         return momentum
 
     @_FAINT
@@ -232,8 +233,7 @@ class GridFields(Fields):
 
     def damped(self, ticks: Ints) -> Floats:
         place = np.searchsorted(self.motion.when, ticks // STEP_TICKS)
-        lost: Floats = self.motion.lost[place] * self._step
-        return lost
+        return np.asarray(self.motion.lost[place] * self._step)
 
     def profile(self, body: int, tick: int) -> Profile:
         nodes, cells, _ = self._span(body)

@@ -173,7 +173,7 @@ class WaveFields(Fields):
         for s, T, A, B in self.along(body):
             inside = A.integral(ticks - T, ticks) + B.integral(ticks - T, ticks)
             total = total + a.impedance[s] * (inside / 2 + a.frame * T) * a.tick
-        return np.asarray(total + a.mass(body) * self._fallen(t))
+        return np.asarray(total + a.mass(body) * self._fallen(ticks))
 
     def energy(self, body: int, tick: int, velocity: float) -> tuple[float, float]:
         a = self.clock
