@@ -287,8 +287,7 @@ def stack_drop(
     """
     M = np.atleast_1d(array("masses", masses, "kg", "positive"))
     e = np.atleast_1d(array("restitutions", restitutions, "", "[0, 1]"))
-    h = array("height", height, "m", "positive")
-    g = array("gravity", gravity, "m/s^2", "positive")
+    h, g = together(height=(height, "m", "positive"), gravity=(gravity, "m/s^2", "positive"))
     balls = M.shape[-1]
     if balls != e.shape[-1] or balls == 0:
         raise ValueError(
@@ -297,8 +296,7 @@ def stack_drop(
         )
     drop_speed = np.sqrt(2 * g * h)
     shape = np.broadcast_shapes(M.shape[:-1], e.shape[:-1], drop_speed.shape)
-    v = np.empty((*shape, balls))
-    v[...] = -drop_speed[..., np.newaxis]
+    v = np.full((*shape, balls), -drop_speed[..., np.newaxis])
     v[..., 0] = e[..., 0] * drop_speed
     for i, j in pairwise(range(balls)):
         after = collide(M[..., i], v[..., i], M[..., j], v[..., j], e[..., j])
