@@ -79,10 +79,11 @@ def clock_of(row: Row, ticks: Sequence[int], tick: float, **known: Any) -> Clock
     for name in ("wave_speed", "impedance", "length"):
         if name not in known:
             known[name] = [0.0, *(float(getattr(piece, name)) for piece in row.segments), 0.0]
+    if "frame" not in known:  # which takes longer than all else here
+        known["frame"] = float(row.frame)
     error, worst = most_rounded(row, ticks, tick)
-    known = {"frame": float(row.frame), "transit_error": error, **known}
     return Clock(system=row.system, spans=tuple(row.spans), ticks=[0, *ticks, 0], tick=tick,
-                 gravity=float(row.gravity), worst=worst, **known)
+                 gravity=float(row.gravity), worst=worst, **{"transit_error": error, **known})
 
 
 def most_rounded(row: Any, ticks: Any, tick: float) -> tuple[float, str]:

@@ -226,7 +226,7 @@ class GridRun:
         force = self.track.pull[:, mesh.pulled.index(cell)]
         pulled = force + mesh.viscous[cell] * stretch[:-1] + bound
         gained = mesh.cell_mass[cell] / 2 / self.step * np.diff(v)
-        return np.asarray(-pulled - gained if cell == node else gained - pulled)
+        return np.asarray(-pulled - sign * gained)
 
     @property
     def largest_strain(self) -> float:
