@@ -15,7 +15,7 @@ from ..methods.pieces.layout import Asked, Clock
 from ..methods.pieces.method import RTOL
 from ..methods.pieces.records import NONE, PIECE, TURN
 from ..methods.pieces.series import N
-from ..methods.pieces.totals import stated, status_of, tally_of, told_of, why_stopped
+from ..methods.pieces.totals import last_of, stated, status_of, tally_of, told_of, why_stopped
 from ..methods.status import strain_warning
 from ..methods.walk import frame_of, largest, scale_of, walk, wave_of_strain
 from .fronts import TOO_FAR_APART
@@ -134,9 +134,10 @@ def sentence_of(run: Any) -> str:
     row, ended, tick, it = run["row"], run["ended"], run["clock"].tick, run["ended"].run
     strains = [sum(abs(c) for c in piece.coefficient) / row.segments[piece.line // 2].wave_speed
                for piece in run["log"] if piece.line < 2 * len(row.segments)]
+    end, round_trip = run["now"] * tick, 2 * layout.longest_of(row, run["clock"], 0) * tick
     sentence = status_of(
-        it, ended.link, row.system, why_stopped(it, run["until"] >= 0), run["now"] * tick,
-        2 * layout.longest_of(row, run["clock"], 0) * tick)
+        it, ended.link, row.system, why_stopped(it, run["until"] >= 0), end,
+        last_of(it, ended.link, end, round_trip))
     return sentence + stated(size_of(run["errors"][:3]), run["goal"]) + told_of(it) + (
         strain_warning(max(strains)))
 

@@ -29,11 +29,11 @@ def look(run: Any, link: Any, mass: Any, line: Any, log: Any, part: Any, tick: i
         if run.surveyed == NONE:
             for i in range(len(part)):
                 part[i].initial = part[i].mean
-        elif run.prove and run.stop == Stop.NONE and tick < run.end:
+        elif run.check < NEVER and run.stop == Stop.NONE and tick < run.end:
             time = time_until_over(run, link, part)
             run.check = tick + max(run.shortest, int(min(time / run.tick, 0.5 * NEVER)) + 1)
             if time == 0:
-                run.proved, run.prove, run.check = tick, 0, NEVER
+                run.proved, run.check = tick, NEVER
                 run.end = min(run.end, tick + run.extra)
         run.surveyed = tick
     if tick >= run.end:

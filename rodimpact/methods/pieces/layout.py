@@ -166,7 +166,7 @@ def run_of(row: Any, clock: Clock, asked: Asked, shortest: Any, known: Any) -> A
     run.window = np.maximum(np.rint(clock.reference / clock.tick * WINDOW), 1)
     run.end, run.limit, run.keep = clock.last, asked.limit, 1 if asked.keep else 0
     run.proved = run.first_rough = run.surveyed = NONE
-    run.prove, run.check = 1 if asked.prove else 0, shortest if asked.prove else NEVER
+    run.check = shortest if asked.prove else NEVER
     run.held = 0 if all(law.opens for law in row.system.contacts) else 1
     run.extra = 0 if asked.until is None else NEVER
     return run

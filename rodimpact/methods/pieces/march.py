@@ -10,7 +10,7 @@ from typing import Any
 
 from ..laws import Status, Stop
 from . import events, finality, laws, lines, nodes, series
-from .records import HARD, NONE
+from .records import HARD, NEVER, NONE
 from .series import N
 
 FLIPS = 1000  # changes of status at one instant: beyond, none of them lasts, and none matters
@@ -98,7 +98,7 @@ def advance(
         for side in range(2):
             at.incoming[side][0] = at.incoming[side][N]
         events.happen(run, link, mass, turn, at, tick + ticks, which, status)
-        if status == Status.OPEN and run.prove:
+        if status == Status.OPEN and run.check < NEVER:
             run.check = latest(node, tick + ticks)
     at.now = tick + ticks
     grow = 4.0 if worst <= 0 else min(4.0, 0.9 * (run.tolerance / worst) ** (1 / N))
@@ -123,7 +123,7 @@ def horizon(run: Any, line: Any, log: Any, at: Any, broken: bool) -> int:
     """
     tick, l, r = at.now, at.source[0], at.source[1]
     known = min(run.end, lines.known_until(line, log, l), lines.known_until(line, log, r))
-    if run.prove and run.check > tick:
+    if run.check > tick:
         known = min(known, run.check)
     end = min(known, tick + at.length)
     end = lines.next_break(line, log, l, tick, end)

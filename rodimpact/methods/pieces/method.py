@@ -23,7 +23,7 @@ from ..groups import groups, movable, velocities_in_group
 from ..laws import Law, Stop
 from ..row import Row, squeezed
 from ..run import ContactTally, Run
-from ..status import last_contact, rounding, strain_warning
+from ..status import rounding, strain_warning
 from . import march, totals
 from .accuracy import COARSER, COARSEST, SHOWN, apart, compare, left_open
 from .driver import Members
@@ -142,10 +142,8 @@ def _hand_over(one: Members, accuracy: dict[str, float], goal: float) -> Run:
     end, tick = min(int(r["node"]["now"].min()), run.end), clock.tick
     stopped_by = totals.why_stopped(run, until is not None)
     t_end = until if until is not None and stopped_by == "until" else end * tick
-    proved, t_final, trip = run.proved >= 0, math.nan, 2 * clock.longest * tick
-    if proved:
-        t_final = last_contact(totals.ends_of_contacts(ended.link, tick), t_end, trip)
-    status = totals.status_of(run, ended.link, row.system, stopped_by, t_end, trip)
+    t_final = totals.last_of(run, ended.link, t_end, 2 * clock.longest * tick)
+    status = totals.status_of(run, ended.link, row.system, stopped_by, t_end, t_final)
     log = r["log"][: run.pieces]
     waves = log[log["line"] < 2 * len(row.segments)]
     c = np.array([0.0, *(float(segment.wave_speed) for segment in row.segments)])
@@ -157,7 +155,7 @@ def _hand_over(one: Members, accuracy: dict[str, float], goal: float) -> Run:
     before, after = _velocities(one)
     return Run(
         method="characteristics", until=until, clock=clock, end=end, t_end=t_end, t_final=t_final,
-        t_proved=run.proved * tick if proved else math.nan, stopped_by=stopped_by,
+        t_proved=run.proved * tick if run.proved >= 0 else math.nan, stopped_by=stopped_by,
         status=status, events=run.steps,
         contacts=_tallies(row, ended.link, tick, end, signals),
         groups=runs.GroupTotals(np.array(before), np.array(after), np.ravel(vibration_of(one))),

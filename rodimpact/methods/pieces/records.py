@@ -92,10 +92,11 @@ RUN = np.dtype([
     ("tick", "f8"), ("scale", "f8"),  # s; of velocities, m/s
     ("tolerance", "f8"),  # of a piece, m/s
     ("floor", "i8"), ("window", "i8"), ("shortest", "i8"),  # ticks
-    ("end", "i8"), ("limit", "i8"), ("keep", "i8"), ("prove", "i8"), ("proved", "i8"),
+    ("end", "i8"), ("limit", "i8"), ("keep", "i8"), ("proved", "i8"),
     ("held", "i8"),  # 1: bodies are joined to others, a wall or an endless rod
     ("surveyed", "i8"),  # when its groups were looked at last
-    ("check", "i8"), ("extra", "i8"),  # ticks to go on after the proof
+    ("check", "i8"),  # when they are to be looked at again, NEVER where nothing is to be proved
+    ("extra", "i8"),  # ticks to go on after the proof
     ("pieces", "i8"), ("turns", "i8"), ("steps", "i8"), ("rough", "i8"), ("first_rough", "i8"),
     ("roughest", "f8"),  # largest tail that was accepted, m/s
     ("rested", "i8"), ("stop", "i8"), ("graze", "f8"),  # m/s; forces that move no faster are none

@@ -20,9 +20,9 @@ def tally_of(it: Any, tick: float, now: int) -> ContactTally:
         it.first * tick if met else math.nan, last * tick if met else math.nan, it.episodes)
 
 
-def ends_of_contacts(link: Any, tick: float) -> list[Any]:
-    """When the force and the touch of each contact that pressed ended, as `last_contact` asks."""
-    ends = []
+def last_of(run: Any, link: Any, end: float, round_trip: float) -> float:
+    """When the last contact ended, s, as of `last_contact`; nan without a proof."""
+    ends, tick = [], run.tick
     for it in link:
         if it.law >= Law.RIGID and it.episodes > 0:
             struck = it.law == Law.IMPACT and it.status == Status.OPEN
@@ -30,7 +30,7 @@ def ends_of_contacts(link: Any, tick: float) -> list[Any]:
             apart = it.apart if it.touch == Status.OPEN or struck else -1
             ends.append((math.nan if pressing else it.last * tick,
                          apart * tick if apart >= 0 else math.nan))
-    return ends
+    return last_contact(ends, end, round_trip) if run.proved >= 0 else math.nan
 
 
 def why_stopped(run: Any, asked: bool) -> str:
@@ -43,7 +43,7 @@ def why_stopped(run: Any, asked: bool) -> str:
 
 
 def status_of(
-    run: Any, link: Any, system: Any, stopped_by: str, end: float, round_trip: float
+    run: Any, link: Any, system: Any, stopped_by: str, end: float, t_final: float
 ) -> str:
     """Why a run ended.
 
@@ -53,14 +53,11 @@ def status_of(
     link : list of LINK
     system : System
     stopped_by : str
-    end, round_trip : float
-        End of the run, and round trip of waves in the longest body, s.
+    end, t_final : float
+        End of the run, and of the last contact, as of `last_of`, s.
     """
-    proof = ""
-    if run.proved >= 0:
-        ends = ends_of_contacts(link, run.tick)
-        proof = proof_sentence(
-            any(it.episodes > 0 for it in link), last_contact(ends, end, round_trip))
+    met = any(it.episodes > 0 for it in link)
+    proof = proof_sentence(met, t_final) if run.proved >= 0 else ""
     return ending(stopped_by, proof, format_si(end, "s"), f"{run.steps} steps of nodes", system)
 
 
