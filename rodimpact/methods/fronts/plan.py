@@ -10,9 +10,7 @@ from . import events
 from .records import BODY, LINE, NODE, NONE, PIECE, ROW, RUN, SEGMENT
 
 BEYOND = {
-    "fixed": Beyond.STEADY.value, "absorbing": Beyond.ENDLESS.value,
-    "incoming": Beyond.ENDLESS.value, "force": Beyond.PUSHED.value,
-    "velocity": Beyond.MOVED.value,
+    "velocity": Beyond.MOVED.value, "force": Beyond.PUSHED.value, "absorbing": Beyond.ENDLESS.value,
 }
 STATUS = {
     Law.PUSH_LEFT: Status.PUSH.value, Law.PUSH_RIGHT: Status.PUSH.value,
@@ -58,12 +56,13 @@ def plan_of(row: Any) -> Plan:
         strain = body.strain if body.kind == "rod" else 0.0
         bodies.append(enter(numbers, span, (body.velocity, strain), Beyond.STEADY.value))
     kinds = [STATUS[it.law] for it in row.links]
-    for side, end in enumerate(system.ends):
-        if row.outside[side][0] == "none":
+    for side, (kind, value) in enumerate(row.outside):
+        end = system.ends[side].kind
+        if kind == "none":
             kinds[side * (len(kinds) - 1)] = Status.FREE.value
-        if end.kind != "free":
-            value = end.value if end.kind in ("force", "velocity", "incoming") else 0.0
-            entry = enter(numbers, (1, 0), (value, 0.0), BEYOND[end.kind])
+        if end != "free":
+            beyond = Beyond.STEADY.value if end == "fixed" else BEYOND[kind]
+            entry = enter(numbers, (1, 0), (value, 0.0), beyond)
             bodies = [*bodies, entry] if side == 1 else [entry, *bodies]
     pieces = len(segments) + sum(it.velocities + it.strains - 2 for it in bodies)  # cut at jumps
     contacts = [last for _, last in row.spans[: len(system.gaps)]]

@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ...model import Absorbing, Fixed, Free, Wall
-from ..clock import Clock
+from ...model import Fixed, Free, Wall
 from ..laws import Status
 from ..run import INWARD, ContactSignal, Outside, Signals, Waves, episodes_of
 from ..signals import Pieces, each_once
@@ -17,10 +16,9 @@ from .run import FrontRun
 
 def signals_of(run: FrontRun) -> Signals:
     """All that a run knows of the motion."""
-    system, end = run.clock.system, run.run.now
     lines = _waves(len(run.segment), run.log)
-    contacts = tuple(_contact(run, lines, k) for k in range(len(system.contacts)))
-    left, right = (_outside(run.clock, lines, contacts, place, end) for place in (0, -1))
+    contacts = tuple(_contact(run, lines, k) for k in range(len(run.plan.contacts)))
+    left, right = (_outside(run, lines, contacts, side) for side in (0, 1))
     return Signals(Waves(lines), contacts, (left, right))
 
 
@@ -78,21 +76,19 @@ def _arrivals(
 
 
 def _outside(
-    a: Clock, lines: Sequence[Pieces | None], contacts: Sequence[ContactSignal],
-    place: int, end: int,
+    run: FrontRun, lines: Sequence[Pieces | None], contacts: Sequence[ContactSignal], side: int
 ) -> Outside | None:
-    """What acts on the first (0) or the last (-1) end of the row."""
-    wall, kind, sign = a.system.bodies[place], a.system.ends[place], INWARD[place]
+    """What acts on the left (0) or the right (1) end of the row."""
+    a, end, wall = run.clock, run.run.now, run.clock.system.bodies[-side]
     if isinstance(wall, Wall):
-        return Outside("wall", contacts[place].force, Pieces([0], [float(wall.velocity)]))
-    if isinstance(kind, Free | Fixed):
+        return Outside("wall", contacts[-side].force, Pieces([0], [float(wall.velocity)]))
+    if isinstance(a.system.ends[side], Free | Fixed):
         return None
-    s = range(len(a.ticks))[1:-1][place]
-    inward, outward = lines[2 * s : 2 * s + 2][::sign]
+    s = range(len(a.ticks))[1:-1][-side]
+    inward, outward = lines[2 * s + side], lines[2 * s + 1 - side]
     assert inward is not None
     assert outward is not None
     old = outward.later(a.ticks[s])
-    push = (inward - old).times(sign * a.impedance[s] / 2)
+    push = (inward - old).times(INWARD[side] * a.impedance[s] / 2)
     speed = (inward + old).times(0.5).plus(a.frame)
-    return Outside("absorbing" if isinstance(kind, Absorbing) else "drive",
-                   push.within(0, end), speed.within(0, end))
+    return Outside(run.plan.row.outside_name(side), push.within(0, end), speed.within(0, end))

@@ -92,10 +92,11 @@ class Known:
 
     def _follow(self, signal: Pieces, start: int, stop: int, *given: tuple[Any, float]) -> Any:
         """A signal between two ticks as pieces; it is made of profiles times factors."""
-        scale, samples = float(self._clock.scale), [x for x in given if isinstance(x[0], Samples)]
-        kinked = signal.end < stop - 1 or not all(p.smooth for p, _ in samples)
-        self.fit = max([self.fit, *(abs(factor) * p.error / scale for p, factor in samples)])
-        return waves.in_pieces(signal, start, stop, kinked, self._tolerance * scale)
+        scale = float(self._clock.scale)
+        for profile, factor in given:
+            if isinstance(profile, Samples):
+                self.fit = max(self.fit, abs(factor) * profile.error / scale)
+        return waves.in_pieces(signal, start, stop, self._tolerance * scale)
 
     def _under_way(self, s: int, rod: Any, begin: Any) -> None:
         """Waves that run through segment s at t = 0: a = v - c strain, and b = v + c strain."""

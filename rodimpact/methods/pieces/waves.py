@@ -40,11 +40,11 @@ def signal_of(profile: Any, length: float, ticks_of: Callable[[Any], Ints]) -> P
     return Pieces(ticks[:-1], values @ series.T, ticks[-1])
 
 
-def in_pieces(signal: Pieces, start: int, stop: int, kinked: bool, tolerance: float) -> Any:
+def in_pieces(signal: Pieces, start: int, stop: int, tolerance: float) -> Any:
     """A signal between two ticks in its own pieces, [n] PIECE.
 
-    Breaks of a smooth curve are no kinks; nor is a kink one that changes values by less than the
-    tolerance until the next break: straight lines between close samples of a smooth curve.
+    A kink is one if it changes values by more than the tolerance until the next break: straight
+    lines between close samples of a smooth curve have none.
     """
     edges = each_once([start], signal.breaks_in(start, stop), [stop])
     ends, widths = edges[1:], np.diff(edges) * 1.0
@@ -54,10 +54,11 @@ def in_pieces(signal: Pieces, start: int, stop: int, kinked: bool, tolerance: fl
     jumps = np.abs(signal.at(ends, "left") - signal.at(ends)) > EXACT * tolerance + least
     k = np.arange(own.shape[1])
     right, left = own @ k**2 * 2 / widths, own @ (k**2 * (-1.0) ** (k + 1)) * 2 / widths
-    bends = np.abs(left[1:] - right[:-1]) * np.minimum(widths[1:], widths[:-1]) / 8 > tolerance
+    bends = np.abs(left[1:] - right[:-1]) * np.minimum(widths[1:], widths[:-1]) / 8
     made = np.zeros(len(own), PIECE)
     made["start"], made["stop"], made["order"] = edges[:-1], ends, SMOOTH
-    made["order"][1:] = np.where(jumps[:-1], 0, np.where(bends & kinked, 1, SMOOTH))
+    made["order"][1:] = np.where(
+        jumps[:-1], 0, np.where(bends > tolerance + least, 1, SMOOTH))
     made["degree"] = np.where(own[:, 1:].any(axis=1), N, 0)
     made["coefficient"][:, k] = own
     return made
