@@ -25,15 +25,10 @@ from rodimpact.methods.pieces import march as pieces
 from rodimpact.methods.tick_rule import SPAN, assign_ticks, recognise
 
 
-def spans_of(durations):
+def ticks_of(durations, bits=49):
     spans = blank(len(durations), SPAN)
     for span, duration in zip(spans, durations, strict=True):
         span.time = duration
-    return spans
-
-
-def ticks_of(durations, bits=49):
-    spans = spans_of(durations)
     whole = assign_ticks(spans, bits)
     return [span.ticks for span in spans], whole
 

@@ -14,13 +14,6 @@ from rodimpact.methods.pieces import driver, method
 METHOD = "characteristics"
 
 
-@pytest.fixture
-def plain():
-    """Nothing is compiled."""
-    with kernels.forced(False):
-        yield
-
-
 def everything(solution):
     """Numbers that a run comes to, and its waves at some places."""
     t = np.linspace(0, solution.t_end, 9)
@@ -35,12 +28,13 @@ def everything(solution):
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_a_run_that_finds_too_little_room_goes_on_with_more(plain, monkeypatch, seed):
+def test_a_run_that_finds_too_little_room_goes_on_with_more(monkeypatch, seed):
     system = random_network(seed)
-    whole = everything(ri.solve(system, 2.0, METHOD))
-    monkeypatch.setattr(driver, "ROOM", 4)
-    monkeypatch.setattr(driver, "TURNS", 1100)
-    assert everything(ri.solve(system, 2.0, METHOD)).tolist() == whole.tolist()
+    with kernels.forced(False):
+        whole = everything(ri.solve(system, 2.0, METHOD))
+        monkeypatch.setattr(driver, "ROOM", 4)
+        monkeypatch.setattr(driver, "TURNS", 1100)
+        assert everything(ri.solve(system, 2.0, METHOD)).tolist() == whole.tolist()
 
 
 def family():

@@ -8,7 +8,6 @@ import rodimpact as ri
 
 ROD = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
 MASS = ri.RigidMass(2.0)
-HERTZ = ri.Hertz(1e9)
 OTHERS = [
     ri.Fixed(), ri.Absorbing(), ri.Pushed(1e3), ri.Moved(2.0),
     ri.Pushed(ri.Steps([1e3, 0.0], [1e-4])), ri.Moved(ri.Samples([0.0, 1.0], step=1e-5)),
