@@ -113,25 +113,21 @@ def contact_curves(run: Any, stop: int) -> list[Any]:
     go(again)  # what happens at t = 0
     it.limit, it.rest = run["run"].limit, IDLE  # nothing is to be proved
     contacts, laws = run["plan"].contacts, run["plan"].row.system.contacts
-    curves: list[Any] = [
-        {"force": {"t": [], "y": []}, "gap": {"t": [], "y": []} if law.opens else None}
-        for law in laws]
+    changes: list[Any] = [[] for _ in contacts]  # time, force, gap
     while now <= stop:
         for i, k in enumerate(contacts):
-            at, force, gap = node[k], curves[i]["force"], curves[i]["gap"]
+            at = node[k]
             if at.since == now or now in (0, stop):
-                if now > 0:  # the value before
-                    force["t"].append(now * tick)
-                    force["y"].append(force["y"][-1])
-                force["t"].append(now * tick)
-                force["y"].append(at.force)
-                if gap is not None:
-                    gap["t"].append(now * tick)
-                    gap["y"].append(max(at.gap + at.rate * (now - at.since), 0.0) * tick)
+                gap = max(at.gap + at.rate * (now - at.since), 0.0)
+                changes[i].append((now * tick, at.force, gap * tick))
         now = min(tree[1], stop) if now < stop else stop + 1
         while events.advance(it, segment, node, line, log, tree, min(now, stop)) == Stop.FULL:
             log.extend(blank(len(log), ROW))
-    return curves
+    return [{  # of forces the one before, and the new one
+        "force": {"t": [at[0] for at in of for _ in (0, 1)][1:],
+                  "y": [at[1] for at in of for _ in (0, 1)][:-1]},
+        "gap": {"t": [at[0] for at in of], "y": [at[2] for at in of]} if law.opens else None,
+    } for law, of in zip(laws, changes, strict=True)]
 
 
 # What it comes to ---------------------------------------------------------------------------------

@@ -186,6 +186,7 @@ def test_e_falls_from_that_of_balls_to_that_of_waves_as_ends_get_flatter():
     for page, (kappa, e) in zip(pages, known, strict=True):
         assert 10 ** page["here"] == pytest.approx(kappa, rel=0.01)
         assert page["e"] == pytest.approx(e, abs=6e-4)
+        assert (page["ratios"][0], page["ratios"][-1]) == (-2, 4)  # from round to flat ends
         assert np.interp(math.log10(kappa), page["ratios"], page["values"]) == pytest.approx(
             e, abs=0.01)
         assert page["values"] == pytest.approx(pages[0]["values"], abs=1e-9)
