@@ -4,7 +4,7 @@ An atlas tries many places of a plane at once, in floats. A formula asks in frac
 polynomials that border the cell.
 """
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
@@ -102,12 +102,9 @@ class Cell:
 
     # Formulas
 
-    def results_as(self, what: Callable[[Any], Any]) -> Exact:
-        """What `what` makes of each result as a rational function."""
-        return each(self._functions, what)
-
     @cached_property
-    def _functions(self) -> Exact:
+    def functions(self) -> Exact:
+        """The results as rational functions."""
         values: list[Number] = []
         each(self.results, values.append)
         functions = iter(self._field.of(values))

@@ -27,15 +27,10 @@ class Field:
         self.names = dict(zip(names, generators, strict=True))
         self.symbols = {name: self.sympy.Symbol(name, **{"real" if name[0] == "v" else "positive":
                                                          True}) for name in naming.base}
-        self._shown = [self.symbols.get(name) or self._speed(name) for name in names]
-
-    def _speed(self, name: str) -> Any:
-        E, rho = (self.symbols.get(x) or self.rational(x) for x in self.naming.speeds[name])
-        return self.sympy.sqrt(E / rho)
-
-    def rational(self, x: Fraction) -> Any:
-        """SymPy's number."""
-        return self.sympy.Rational(x.numerator, x.denominator)
+        self._shown = list(self.symbols.values())
+        for pair in naming.speeds.values():
+            E, rho = (self.symbols.get(x) or self.sympy.Rational(x) for x in pair)
+            self._shown.append(self.sympy.sqrt(E / rho))
 
     def of(self, wanted: Iterable[Number]) -> list[Any]:
         """Numbers of a run as rational functions."""

@@ -25,7 +25,7 @@ from .field import Field
 from .inequalities import reduced
 from .naming import Naming
 from .rational import fractions_of
-from .rows import Exact, check_arguments, check_final
+from .rows import Exact, check_arguments, check_final, each
 
 SHORT = 1 << 24  # denominator of directions, so that fractions are short
 HAIR = Fraction(1, 1 << 120)  # how far from the numbers of the system runs are made, of themselves
@@ -35,16 +35,6 @@ FEW = 4  # other formulas, and borders, that are told in short
 NEAREST = 3  # conditions that are told beside a formula
 LINE = 160  # characters of a condition, and of another formula
 MANY = 10**6  # the largest denominator that is shown
-
-
-def _cell(field: Field, direction: Mapping[str, Fraction], max_events: int) -> Cell:
-    """The cell a hair's breadth away from the numbers of the system."""
-    values = field.naming.values({})
-    for name, share in direction.items():
-        values[name] += (values[name] or 1) * HAIR * share
-    run = field.naming.run(values, max_events)
-    check_final(run, max_events)
-    return Cell(field.naming, run, values, field)
 
 
 def sides_of(field: Field, max_events: int) -> tuple[list[Cell], bool]:
@@ -63,19 +53,18 @@ def sides_of(field: Field, max_events: int) -> tuple[list[Cell], bool]:
     while unseen.any() and len(sides) < MOST_SIDES:
         i = int(np.flatnonzero(unseen)[0])
         unseen[i] = False
-        try:
-            side = _cell(field, dict(zip(names, map(Fraction, directions[i]), strict=True)),
-                         max_events)
-        except InvalidModel:
-            if not sides:
-                raise
+        values = field.naming.values({})
+        for name, share in zip(names, directions[i], strict=True):
+            values[name] += (values[name] or 1) * HAIR * Fraction(share)
+        run = field.naming.run(values, max_events)
+        if not sides:
+            check_final(run, max_events)
+        if not run.final:
             unsolved = True
             continue
-        sides.append(side)
-        if not len(side.slopes):
-            unseen[:] = False
-        else:
-            unseen &= ~(directions @ np.transpose(side.slopes) > 0).all(axis=1)
+        sides.append(Cell(field.naming, run, values, field))
+        slopes = np.reshape(sides[-1].slopes, (-1, len(names)))
+        unseen &= ~(directions @ slopes.T > 0).all(axis=1)
     return sides, unsolved or bool(unseen.any())
 
 
@@ -206,7 +195,7 @@ class ClosedForm:
 
     @cached_property
     def _results(self) -> Exact:
-        return self._cells[0].results_as(self._field.quotient)
+        return each(self._cells[0].functions, self._field.quotient)
 
     @cached_property
     def cell(self) -> tuple[Any, ...]:
@@ -258,7 +247,7 @@ class ClosedForm:
             under = at(f.denom, known)
             return at(f.numer, known) / under if under else None
 
-        return self._cells[0].results_as(value)
+        return each(self._cells[0].functions, value)
 
     def holds(self, **values: Any) -> bool:
         """Whether the formula holds for values as `at` takes them; on its outer borders not."""
