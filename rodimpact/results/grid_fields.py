@@ -167,8 +167,7 @@ class GridFields(Fields):
 
     def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         self.locate(body, x)  # there is none in a wall
-        places, strains, _ = self._stretched[body]
-        return self._at(body, x, self.to_ticks(t, side), places, strains)
+        return self._at(body, x, self.to_ticks(t, side), *self._stretched[body][:2])
 
     def strain_rate(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         places, _, rates = self._stretched[body]

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..methods.grid.mesh import lasting_mode
 from ..methods.signals import Floats
-from ..model import Rod, System
+from ..model import Rod
 from ..model.frozen import refusal
 from .energy import bonded_groups
 from .fields import Fields
@@ -91,12 +91,15 @@ def ring_down(
         masses[i] * math.sqrt(2 * (rigid + vibration).max() / masses[i])
         for group in states.bodies for i in group
     )
-    modal, body, frequency = _longest_mode(fields.clock.system)
+    modes = []
+    for i, rod in enumerate(fields.clock.system.bodies):
+        if isinstance(rod, Rod):
+            omega, rate = lasting_mode(rod.segments)
+            modes.append((1 / (2 * rate) if rate > 0 else math.inf, i, omega / (2 * math.pi)))
     return RingDown(
         times, vibration, float(rigid[-1]),
         float(np.ptp(states.momentum)) / scale if scale else 0.0,
-        _decay_time(times, vibration, ENOUGH * float(rigid.max() + vibration.max())), modal, body,
-        frequency,
+        _decay_time(times, vibration, ENOUGH * float(rigid.max() + vibration.max())), *max(modes),
     )
 
 
@@ -109,13 +112,3 @@ def _decay_time(times: Floats, vibration: Floats, least: float) -> float:
         return math.inf
     rate = -float(np.polyfit(t[late] - t[0], np.log(E[late]), 1)[0])
     return 1 / rate if rate > 1e-9 / (t[-1] - t[0]) else math.inf
-
-
-def _longest_mode(system: System) -> tuple[float, int, float]:
-    """Time constant of energy (s), rod and frequency (Hz) of the mode that lasts longest."""
-    modes = []
-    for i, rod in enumerate(system.bodies):
-        if isinstance(rod, Rod):
-            omega, rate = lasting_mode(rod.segments)
-            modes.append((1 / (2 * rate) if rate > 0 else math.inf, i, omega / (2 * math.pi)))
-    return max(modes)

@@ -213,8 +213,7 @@ class WaveFields(Fields):
         return float(parted / (2 * self.clock.wave_speed[segment]))
 
     def profile(self, body: int, tick: int) -> Profile:
-        a, places, segments = self.clock, list[Any]([[0.0]]), list[Ints]()
-        velocity, strain = list[Floats](), list[Floats]()
+        a, parts = self.clock, []
         drift = a.frame + a.gravity * tick * a.tick
         ends = pairwise(self.edges(body))
         for (s, T, A, B), (start, stop) in zip(self.along(body), ends, strict=True):
@@ -224,9 +223,10 @@ class WaveFields(Fields):
             bounds = np.concatenate(([0], cuts[(cuts > unsure) & (cuts < T - unsure)], [T]))
             right = A.means(tick - bounds[1:], tick - bounds[:-1])
             left = B.means(tick - T + bounds[:-1], tick - T + bounds[1:])
-            places += [start + a.length[s] * (bounds[1:-1] / T), [stop]]
-            velocity.append((right + left) / 2 + drift)
-            strain.append((left - right) * (0.5 / a.wave_speed[s]))
-            segments.append(np.full(len(right), s))
-        return Profile(np.concatenate(places), np.concatenate(velocity), np.concatenate(strain),
-                       np.concatenate(segments))
+            parts.append((
+                np.append(start + a.length[s] * (bounds[1:-1] / T), stop),
+                (right + left) / 2 + drift, (left - right) * (0.5 / a.wave_speed[s]),
+                np.full(len(right), s),
+            ))
+        edges, *others = (np.concatenate(of) for of in zip(*parts, strict=True))
+        return Profile(np.append(0.0, edges), *others)
