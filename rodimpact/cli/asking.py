@@ -175,10 +175,8 @@ def add_run_options(parser: argparse.ArgumentParser, names: Sequence[str] = (*NU
         number(parser, flag(name), *NUMBERS[name])
 
 
-def number(
-    parser: argparse._ActionsContainer, option: str, dimension: str, what: str, **more: Any
-) -> None:
-    """Add an option that is a number of a dimension."""
+def number(parser: Any, option: str, dimension: str, what: str, **more: Any) -> None:
+    """Add to a parser, or a group of it, an option that is a number of a dimension."""
     metavar = {"": "N", "dimensionless": "X"}.get(dimension, dimension.upper())
     parser.add_argument(option, action=Number, const=dimension, metavar=metavar, help=what, **more)
 

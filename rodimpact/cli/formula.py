@@ -37,8 +37,7 @@ def run(given: argparse.Namespace) -> tuple[str, int]:
         if given.latex:
             return "\n".join(form._repr_latex_() for form in forms), DONE
         names = "\n".join(f"{name}: {path}" for name, path in found.symbols.items())
-        kinds = case.system.kinds
-        told = [_told(form, kinds, given.conditions) for form in forms]
+        told = [_told(form, case.system.kinds, given.conditions) for form in forms]
         return "\n\n".join([names, *told]), DONE
 
 

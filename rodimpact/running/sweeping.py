@@ -327,8 +327,7 @@ def _together(
     method = METHODS[options.method]
     assert method.family is not None
     own = {name: getattr(options, name) for name in method.takes}
-    if method.also:
-        own["also"] = [name for name in also if name in method.also]
+    own["also"] = [name for name in also if name in method.also]
     run = method.family(row, options.until, options.max_events, **own, stop=stop, more=more)
     able, e = unilateral(row.system), np.full(len(run.final), math.nan)
     if len(able) == 1:

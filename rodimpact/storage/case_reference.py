@@ -73,6 +73,10 @@ def sections() -> list[Section]:
            Entry("segments", "", "[[bodies.segments]]", "in place of all above")]
     contact = [_number("gap", System.fields["gaps"]),
                Entry("law", "", _either(CONTACT_LAWS), "rigid")]
+    faces = [entry for side in SIDES for entry in (  # in place of the stiffness of Hertz contact
+        _number(f"{side}_radius", FACE, "flat; in place of stiffness"),
+        Entry(f"{side}_material", "", WORD, "that of the rod; else rigid"),
+    )]
     files = [Entry(key, "", "name of a file", "none") for key in ("plot", "save")]
     gauge = [Entry("body", "", "number of a rod, from 0", "required"),
              Entry("fraction", "1", "[0, 1]", "required"),
@@ -86,7 +90,7 @@ def sections() -> list[Section]:
         Section("[[contacts]]", "Entry i lies between bodies i and i + 1. Without any, "
                 "all bodies touch.",
                 contact, toml_table("[[contacts]]", {"gap": "50 um"})),
-        *(_section("[[contacts]]", {}, law, after=_faces() if law is Hertz else [])
+        *(_section("[[contacts]]", {}, law, after=faces if law is Hertz else [])
           for law in CONTACT_LAWS.values()),
         *(_section("[ends.right]", {}, end) for end in ENDS.values()),
         Section("[solve]", "How to solve it; `rodimpact run --help` says what these mean.",
@@ -145,14 +149,6 @@ def _needed(kind: Any) -> dict[str, Any]:
         key: TYPICAL.get(key, TYPICAL[field.unit]) for key, field in kind.fields.items()
         if field.default is REQUIRED or _place(kind, key).startswith("required")
     }
-
-
-def _faces() -> list[Entry]:
-    """Of rounded ends, in place of the stiffness of Hertz contact."""
-    return [entry for side in SIDES for entry in (
-        _number(f"{side}_radius", FACE, "flat; in place of stiffness"),
-        Entry(f"{side}_material", "", WORD, "that of the rod; else rigid"),
-    )]
 
 
 def _options() -> list[Entry]:
