@@ -5,7 +5,6 @@ Plain Python around the kernels, which the page has as JavaScript.
 
 from typing import Any
 
-from ..methods.abilities import driven
 from ..methods.compiling import blank
 from ..methods.groups import body_velocities
 from ..methods.laws import Law, Stop
@@ -76,7 +75,7 @@ def run_of(row: Any, asked: Any, tolerance: float, keep: bool, earlier: Any) -> 
     log, outside = waves_at_start(row, clock)
     for l in range(len(log)):
         log[l].line = l
-    wanted = Asked(until, tolerance, asked.max_events, keep, not driven(row.system))
+    wanted = Asked(until, tolerance, asked.max_events, keep)
     known = [(1, 0, 1) for _ in log]
     runs, node, link, mass, line, part = layout.lay_out(row, clock, wanted, known, outside)
     run, turn = runs[0], blank(ROOM + march.FLIPS, TURN)

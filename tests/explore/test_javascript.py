@@ -176,7 +176,7 @@ def test_what_is_not_translated_is_named_with_its_line(function, line, what):
 KERNEL = march.follow
 def recorded(system, until):
     """The records of a system on the clock of the page, as objects."""
-    records = driver.Members(Row(system), until, 1e-8, 400, True).start()
+    records = driver.Members(Row(system), layout.Asked(until, 1e-8, 400, True)).start()
     for name in ("log", "turn"):
         records[name] = np.concatenate([records[name]] * 4)
     return {name: x.tolist() if name == "matrix" else compiling.as_objects(x)

@@ -10,6 +10,7 @@ from rodimpact.methods import compiling
 from rodimpact.methods.laws import Law, Status
 from rodimpact.methods.pieces import finality
 from rodimpact.methods.pieces.driver import Members
+from rodimpact.methods.pieces.layout import Asked
 from rodimpact.methods.pieces.records import LINK, PART, RUN
 from rodimpact.methods.row import Row
 
@@ -27,7 +28,7 @@ def stepped(rng, velocity, n=3):
 
 def surveyed(system):
     """The parts of a row at t = 0."""
-    r = Members(Row(system), 8.0, 1e-8, 10**6, keep=True).start()
+    r = Members(Row(system), Asked(8.0, 1e-8, 10**6, keep=True)).start()
     link, mass, line, log, part = (
         compiling.as_objects(r[name]) for name in ("link", "mass", "line", "log", "part"))
     finality.survey(link, mass, line, log, part, float(r["run"][0]["tick"]), 0)

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from .. import compiling, kernels
-from ..abilities import driven
 from ..duration import Forecast
 from ..laws import Stop
 from ..memory import ask
@@ -42,14 +41,7 @@ class Members:
     ----------
     row : Row
         Or a family of even ones.
-    until : float or None
-        s.
-    tolerance : float
-        Of pieces, relative to the velocity scale.
-    max_events : int
-        Cap on steps of nodes.
-    keep : bool
-        Whether to keep forces, overlaps and velocities of masses.
+    asked : Asked
 
     Attributes
     ----------
@@ -70,14 +62,11 @@ class Members:
         If transit times are too far apart for one clock, or the run is too long for it.
     """
 
-    def __init__(
-        self, row: Row, until: float | None, tolerance: float, max_events: int, keep: bool
-    ) -> None:
-        self.row, self.own = row, own_laws(row)
-        self.asked = Asked(until, tolerance, max_events, keep, not driven(row.system))
-        self.clock, jumps = clock_of(row, until)
-        known = Known(row, self.clock, jumps, tolerance, until)
-        laid = layout.lay_out(row, self.clock, self.asked, known.lines, known.outside)
+    def __init__(self, row: Row, asked: Asked) -> None:
+        self.row, self.asked, self.own = row, asked, own_laws(row)
+        self.clock, jumps = clock_of(row, asked.until)
+        known = Known(row, self.clock, jumps, asked)
+        laid = layout.lay_out(row, self.clock, asked, known.lines, known.outside)
         self.first, self.fit = np.concatenate(known.log, axis=1), known.fit
         self.run, self.node, self.link, self.mass, self.line, self.part = (
             as_family(objects, kind, row)

@@ -11,7 +11,7 @@ from ..row import Row
 from ..signals import Ints, Pieces
 from ..walk import wave_of_strain
 from . import layout, waves
-from .layout import Clock
+from .layout import Asked, Clock
 from .records import HARD, NONE, PIECE
 
 
@@ -71,12 +71,10 @@ class Known:
     """
 
     def __init__(
-        self, row: Row, clock: Clock, jumps: dict[tuple[int, float], int], tolerance: float,
-        until: float | None,
+        self, row: Row, clock: Clock, jumps: dict[tuple[int, float], int], asked: Asked
     ) -> None:
-        self._row, self._clock, self._jumps, self._until = row, clock, jumps, until
-        self._tolerance, self.fit = tolerance / 4, 0.0
-        self.log, self.lines = list[Any](), list[tuple[int, int, int]]()
+        self._row, self._clock, self._jumps, self._asked = row, clock, jumps, asked
+        self.log, self.lines, self.fit = list[Any](), list[tuple[int, int, int]](), 0.0
         for rod, s, begin in segments_of(row):
             self._under_way(s, rod, begin)
         self.outside = [self._from_outside(side) for side in (0, 1)]
@@ -96,7 +94,7 @@ class Known:
         for profile, factor in given:
             if isinstance(profile, Samples):
                 self.fit = max(self.fit, abs(factor) * profile.error / scale)
-        return waves.in_pieces(signal, start, stop, self._tolerance * scale)
+        return waves.in_pieces(signal, start, stop, self._asked.tolerance * scale / 4)
 
     def _under_way(self, s: int, rod: Any, begin: Any) -> None:
         """Waves that run through segment s at t = 0: a = v - c strain, and b = v + c strain."""
@@ -125,7 +123,7 @@ class Known:
 
     def _from_outside(self, side: int) -> int:
         """Add what comes from outside an end; return its line, NONE for the free end of a rod."""
-        row, clock, until = self._row, self._clock, self._until
+        row, clock, until = self._row, self._clock, self._asked.until
         kind, value = row.outside[side]
         first, stop = row.first[-2:] if side else row.first[:2]
         if kind == "none" and first == stop:

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .. import tick_rule as rule
+from ..abilities import driven
 from ..compiling import blank
 from ..laws import Law, Status
 from ..walk import largest
@@ -53,7 +54,6 @@ class Asked(NamedTuple):
     tolerance: Any  # relative to the velocity scale
     limit: int
     keep: bool  # forces, overlaps and velocities of masses
-    prove: bool  # that the collision is final
 
 
 # The clock ----------------------------------------------------------------------------------------
@@ -166,7 +166,7 @@ def run_of(row: Any, clock: Clock, asked: Asked, shortest: Any, known: Any) -> A
     run.window = np.maximum(np.rint(clock.reference / clock.tick * WINDOW), 1)
     run.end, run.limit, run.keep = clock.last, asked.limit, 1 if asked.keep else 0
     run.proved = run.first_rough = run.surveyed = NONE
-    run.check = shortest if asked.prove else NEVER
+    run.check = NEVER if driven(row.system) else shortest
     run.held = 0 if all(law.opens for law in row.system.contacts) else 1
     run.extra = 0 if asked.until is None else NEVER
     return run

@@ -27,6 +27,7 @@ from ..status import rounding, strain_warning
 from . import march, totals
 from .accuracy import COARSER, COARSEST, SHOWN, apart, compare, left_open
 from .driver import Members
+from .layout import Asked
 from .records import Part
 from .rows import is_even, own_laws
 from .signals import signals_of
@@ -46,7 +47,7 @@ def solve(
     """Run a single collision to `until`, s, or to its proof of finality and one round trip more."""
     if row.segments:
         row.check_scales()
-    fine = Members(row, until, tolerance_of(rtol), max_events, keep=True)
+    fine = Members(row, Asked(until, tolerance_of(rtol), max_events, keep=True))
     forecast = Forecast(announce, LESS, progress)
     fine.go(forecast=forecast)
     if fine.run_of(0).stop == Stop.STUCK:
@@ -96,7 +97,7 @@ def solve_family(
     for bad, _, _ in row.beyond_scales() if row.segments else ():
         refused |= bad
     tolerance, members = tolerance_of(rtol), np.flatnonzero(~refused)
-    fine = Members(row, until, tolerance, max_events, keep=False)
+    fine = Members(row, Asked(until, tolerance, max_events, keep=False))
     fine.run_all(members, stop)
     found = _family_run(fine, refused.ravel() | (fine.run["stop"][:, 0] == Stop.STUCK))
     if "accuracy" not in also:
@@ -116,8 +117,7 @@ def stated_errors(
     errors, alike = np.full((len(fine.run), len(runs.MEASURES)), math.nan), members
     tolerance = COARSER * fine.asked.tolerance
     while len(alike) and tolerance <= coarsest:
-        asked = fine.asked
-        coarse = Members(fine.row, asked.until, tolerance, asked.limit, keep=False)
+        coarse = Members(fine.row, fine.asked._replace(tolerance=tolerance, keep=False))
         compare(fine.run.view(np.recarray), coarse.run.view(np.recarray))
         coarse.run_all(alike, stop, forecast)
         for m in alike:
