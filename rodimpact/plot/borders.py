@@ -5,14 +5,12 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from matplotlib import collections, patches, patheffects
-from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
 from ..methods.signals import Floats
 from ..model import Absorbing, Joint, Moved, Pushed, Rigid, RigidMass, Rod
 from ..results.gauges import Gauge
-from .placing import Placing
 from .plane import Plane
 from .polygons import Polygons, Raster
 from .sampling import evenly, is_stepped
@@ -30,9 +28,9 @@ CENTRES = 101  # points of the path of a centre of mass
 class Borders:
     """Draws what bounds the rods."""
 
-    def __init__(self, ax: Axes, plan: Placing, cut: Cut, plane: Plane) -> None:
-        self.ax, self.plan, self.cut, self.plane = ax, plan, cut, plane
-        self.colours, self.system = colours(), plan.solution.system
+    def __init__(self, plane: Plane, cut: Cut) -> None:
+        self.ax, self.plan, self.cut, self.plane = plane.ax, plane.plan, cut, plane
+        self.colours, self.system = colours(), self.plan.solution.system
         self.times = np.linspace(*plane.span, POINTS)
 
     def _track(self, body: int, right: bool, times: Floats) -> Floats:
@@ -148,7 +146,7 @@ class Borders:
         paths = []
         for name, record in records.items():
             times = self._within(record.times[evenly(record.times.size, POINTS)])
-            track = self.plane.points(self.plan.point(record.body, record.x, times), times)
+            track = self.plane.path(record.body, record.x, times)
             paths += self.ax.plot(*track.T, color=self.colours.ink, linewidth=1.0, linestyle="-.",
                                   zorder=5, path_effects=casing, label=name)
             self.ax.annotate(name, track[0], textcoords="offset points", va="bottom", zorder=6,

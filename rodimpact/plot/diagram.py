@@ -113,16 +113,17 @@ def spacetime(
     if plan.frame and field in ("displacement", "energy"):
         scale = scale._replace(
             name=f"{scale.name}\nin a frame moving at {written(plan.frame, 'm/s')}")
-    plane = Plane(*axis_scales(solution, dimensionless, stop, plan.row), (start, stop), across)
     ax = axes(ax, *(6.6, 4.4) if across else (5.6, 5.2))
+    plane = Plane(ax, plan, *axis_scales(solution, dimensionless, stop, plan.row), (start, stop),
+                  across)
 
     norm = centred([v * scale.factor for v in reach], rest * scale.factor)
-    drawn = cut.draw(ax, plan, plane, values * scale.factor, norm)
-    borders = Borders(ax, plan, cut, plane)
+    drawn = cut.draw(plane, values * scale.factor, norm)
+    borders = Borders(plane, cut)
     walls, ends, contacts = borders.walls(), borders.ends(), borders.contacts()
     masses, joints, drives = borders.masses(), borders.joints(), borders.drives()
     springs, paths, centres = borders.springs(), borders.gauges(stations), borders.centres()
-    plane.dress(ax, plan)
+    plane.dress()
     bar = colour_bar(ax, drawn, scale.label, rest * scale.factor)
     marks = [lines for lines in contacts if lines.get_segments()]
     named: list[artist.Artist] = [Line2D([], [], label="apart", **mark("apart"))
@@ -133,5 +134,5 @@ def spacetime(
     legend_above(ax, named)
     pressing, touching, apart = contacts
     return Picture(ax=ax, regions=drawn, ends=ends, pressing=pressing, touching=touching,
-                   apart=apart, walls=walls, labels=cut.finish(ax), colour_bar=bar, masses=masses,
+                   apart=apart, walls=walls, labels=cut.finish(), colour_bar=bar, masses=masses,
                    scale=scale, gauges=paths, centres=centres)

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import AutoLocator
+from numpy.typing import ArrayLike
 
 from ..methods.signals import Floats
 from ..model import Rod
@@ -25,6 +26,9 @@ class Plane(NamedTuple):
 
     Attributes
     ----------
+    ax : Axes
+    plan : Placing
+        Of the row.
     time, place : Scale
     span : (float, float)
         Interval of time, s.
@@ -32,6 +36,8 @@ class Plane(NamedTuple):
         Whether time runs to the right and places lie upward, instead of the other way round.
     """
 
+    ax: Axes
+    plan: Placing
     time: Scale
     place: Scale
     span: tuple[float, float]
@@ -42,8 +48,13 @@ class Plane(NamedTuple):
         both = np.broadcast_arrays(places * self.place.factor, times * self.time.factor)
         return np.stack(both[::-1] if self.across else both, axis=-1)
 
-    def dress(self, ax: Axes, plan: Placing) -> None:
+    def path(self, body: int, x: ArrayLike, times: Floats) -> Floats:
+        """Points of a place in a body, m from its left end, at times, s."""
+        return self.points(self.plan.point(body, x, times), times)
+
+    def dress(self) -> None:
         """Limits, labels and ticks of the Axes."""
+        ax, plan = self.ax, self.plan
         dress(ax)
         ax.use_sticky_edges = False
         ax.margins(*(0.0, 0.02) if self.across else (0.02, 0.0))

@@ -7,7 +7,7 @@ import math
 from typing import Any
 
 import numpy as np
-from matplotlib import collections, colors
+from matplotlib import cm, collections, colors
 from matplotlib.axes import Axes
 from matplotlib.text import Text
 
@@ -16,7 +16,6 @@ from ..model import Rod
 from ..model.frozen import refusal
 from ..results.regions import readable_until, regions_of
 from ..results.solution import Solution
-from .placing import Placing
 from .plane import Plane
 from .sampling import is_stepped, pieces, properties
 from .scales import ROUND_OFF, digits
@@ -65,15 +64,12 @@ class Polygons:
         """Times at which the path of a rod's end at x, m, may bend, with first and last."""
         return np.unique(self.regions.t[(self._body == body) & (self.regions.x == x)])
 
-    def draw(
-        self, ax: Axes, plan: Placing, plane: Plane, numbers: Floats, norm: colors.Normalize
-    ) -> collections.PolyCollection | collections.TriMesh:
+    def draw(self, plane: Plane, numbers: Floats, norm: colors.Normalize) -> cm.ScalarMappable:
         """Draw the regions with these numbers: one each, or one for each corner."""
-        r = self.regions
-        places = plan.place(self._body, r.x, r.t, r.displacement)
+        r, ax = self.regions, plane.ax
+        places = plane.plan.place(self._body, r.x, r.t, r.displacement)
         self._corners = corners = plane.points(places, r.t)
-        self._numbers, self._norm, self._across = numbers, norm, plane.across
-        self._moving = plan.magnification > 0
+        self._numbers, self._norm, self._plane = numbers, norm, plane
         if numbers.size == len(r):
             drawn = collections.PolyCollection(
                 np.split(corners, r.start[1:-1]), array=numbers, cmap=colours().signed, norm=norm,
@@ -86,9 +82,9 @@ class Polygons:
             norm=norm, zorder=1.9, rasterized=True,
             triangles=np.column_stack((self._first[inner], inner, self._next[inner])))
 
-    def finish(self, ax: Axes) -> list[Text]:
+    def finish(self) -> list[Text]:
         """Once limits are set: lines of fronts, and words and numbers where there is room."""
-        sides, owners = self._fronts()
+        ax, (sides, owners) = self._plane.ax, self._fronts()
         jumps = np.abs(np.diff(self.regions.velocity[owners]))[:, 0]
         steps = np.ptp(self.regions.x[sides], axis=1) == 0  # of area or material
         strength = np.where(steps, 1.0, np.sqrt(jumps / (jumps.max(initial=0.0) or 1.0)))
@@ -142,7 +138,7 @@ class Polygons:
                 x, y = side.mean(axis=0)
                 ax.text(x, y, word, rotation=math.degrees(math.atan2(dy, dx)),
                         rotation_mode="anchor", transform_rotates_text=True, ha="center", zorder=6,
-                        fontsize=SMALL, va="top" if self._across and dy > 0 else "bottom",
+                        fontsize=SMALL, va="top" if self._plane.across and dy > 0 else "bottom",
                         color=ink_on(self._norm, self._numbers[after]))
 
     def _labels(self, ax: Axes) -> list[Text]:
@@ -158,13 +154,13 @@ class Polygons:
         room = np.abs(_cross(side, _points(ax, centres)[self._region] - corners))
         roomy = room > (np.abs(side[:, ::-1]) * half[self._region]).sum(axis=1)
         fits = np.logical_and.reduceat(roomy, self.regions.start[:-1])
+        box = {"edgecolor": "none", "pad": 1.0} if self._plane.plan.magnification else None
         written = []
         for i, (x, y) in zip(np.flatnonzero(fits).tolist(), centres[fits].tolist(), strict=True):
-            ground = colours().signed(self._norm(self._numbers[i]))
             written.append(ax.text(
                 x, y, texts[i], ha="center", va="center", zorder=6, fontsize=SMALL,
-                color=ink_on(self._norm, self._numbers[i]), bbox=None if not self._moving else {
-                    "facecolor": ground, "edgecolor": "none", "pad": 1.0}))
+                color=ink_on(self._norm, self._numbers[i]),
+                bbox=box and {**box, "facecolor": colours().signed(self._norm(self._numbers[i]))}))
         return written
 
 
@@ -215,19 +211,16 @@ class Raster:
         """Times between which the path of a rod's end is drawn straight."""
         return self.times
 
-    def draw(
-        self, ax: Axes, plan: Placing, plane: Plane, numbers: Floats, norm: colors.Normalize
-    ) -> collections.QuadMesh:
+    def draw(self, plane: Plane, numbers: Floats, norm: colors.Normalize) -> cm.ScalarMappable:
         """Draw the cells with these numbers, as pixels in vector files too."""
-        when = self.times[:, None]
-        across = np.concatenate([plan.point(body, pieces(self.solution, body), when)
-                                 for body in self._rods], axis=1)
-        return ax.pcolormesh(
-            *np.moveaxis(plane.points(across, when), -1, 0), np.ma.masked_invalid(numbers),
+        corners = np.concatenate([plane.path(body, pieces(self.solution, body), self.times[:, None])
+                                  for body in self._rods], axis=1)
+        return plane.ax.pcolormesh(
+            *np.moveaxis(corners, -1, 0), np.ma.masked_invalid(numbers),
             cmap=colours().signed, norm=norm, zorder=2, shading="flat", rasterized=True,
             antialiased=False, edgecolors="none", linewidth=0)
 
-    def finish(self, ax: Axes) -> list[Text]:  # noqa: ARG002  (as in `Polygons`)
+    def finish(self) -> list[Text]:
         """Cells bear no numbers."""
         return []
 
