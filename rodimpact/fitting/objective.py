@@ -127,7 +127,8 @@ class Objective:
             end[self.places[SHIFT]] = own
             end[place] = shift
             self._set_gains(end, curves)
-            ends.append((float(np.sum(self._apart(curves, end) ** 2)), end))
+            apart = self._predicted(curves, end) - self.recorded
+            ends.append((float(np.sum(apart**2)), end))
         return min(ends, key=lambda end: end[0])
 
     def _set_gains(self, point: Floats, curves: Sequence[Any]) -> None:
@@ -141,19 +142,15 @@ class Objective:
         point[gains] = np.clip(best, self.low, self.high)[gains]
 
     def residuals(self, point: Floats) -> Floats:
-        """All records, one after another."""
-        return self._apart(self.blurred(self._signals_at(point), point), point)
+        """Predictions less records, over their levels, one record after another."""
+        curves = self.blurred(self._signals_at(point), point)
+        return np.asarray(self._predicted(curves, point) - self.recorded)
 
     def _signals_at(self, point: Floats) -> list[Signal]:
         shares = point[: len(self.parameters)]
         if self.known[0] != shares.tobytes():
             self.known = shares.tobytes(), self.signals([shares])[0]
         return self.known[1]
-
-    def _apart(self, curves: Sequence[Any], point: Floats) -> Floats:
-        """Predictions less records, over their levels."""
-        apart: Floats = self._predicted(curves, point) - self.recorded
-        return apart
 
     def _predicted(self, curves: Sequence[Any], point: Floats) -> Floats:
         """Predictions at the times of all records, over their levels."""

@@ -104,7 +104,7 @@ def record_numbers(
             groups.setdefault(names[0], []).append((k, kind))
     found = []
     for name, members in groups.items():
-        alike = {(kind, _unit(measured[k], kind)) for k, kind in members}
+        alike = {(kind, measured[k].signal.unit if kind == "gain" else "s") for k, kind in members}
         if len(alike) != 1:
             raise refusal(f"vary.{name}", "is not one number of records, in one unit; give a name "
                           f"such as {HEAD}0.shift, or {HEAD}*.gain for one gain of all")
@@ -121,10 +121,6 @@ def record_numbers(
         low, high = ends or (-math.inf, math.inf)
         found.append(Parameter(name, low, high, unit, kind=kind, records=records))
     return found
-
-
-def _unit(measured: Measured, kind: str) -> str:
-    return measured.signal.unit if kind == "gain" else "s"
 
 
 def ends_of(path: str, bounds: Any, unit: str) -> tuple[float, float]:

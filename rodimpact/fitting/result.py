@@ -212,7 +212,9 @@ class Fit(Shown):
     def __str__(self) -> str:
         names, last = [f.name for f in self.fitted], len(self.fitted) - 1
         numbers = [["", "value", "standard error", "from", "to"]]
-        numbers += [[f.name, *_with_error(f), _end(f.low, f), _end(f.high, f)] for f in self.fitted]
+        numbers += [[f.name, *_with_error(f), *(
+            format_si(end, f.unit, 4) if math.isfinite(end) else "-" for end in (f.low, f.high)
+        )] for f in self.fitted]
         matrix = [["correlation", *map(str, range(1, last + 1))]]
         matrix += [
             [f"{i + 1} {name}", *(f"{c:.2f}" for c in self.correlation[i, :i]), *[""] * (last - i)]
@@ -268,11 +270,6 @@ def correlation_of(covariance: Floats) -> Floats:
     correlation: Floats = covariance / np.outer(errors, errors)
     np.fill_diagonal(correlation, 1.0)
     return correlation
-
-
-def _end(bound: float, f: Fitted) -> str:
-    """A bound, if there is one."""
-    return format_si(bound, f.unit, 4) if math.isfinite(bound) else "-"
 
 
 def _with_error(f: Fitted) -> list[str]:

@@ -124,8 +124,10 @@ def fit(
     ours = {path: ends for path, ends in vary.items() if str(path).startswith(HEAD)}
     parameters = parameters_of(system, {p: e for p, e in vary.items() if p not in ours})
     of_records = record_numbers(system, records, ours, options.until)
-    if dt is rtol is cells is None:
-        options = replace(options, cells=_cells(options.method, system, step))
+    if dt is rtol is cells is None and "cells" in METHODS[options.method].takes:
+        pieces = [s for rod in system.bodies if isinstance(rod, Rod) for s in rod.segments]
+        crossing = max(s.transit_time for s in pieces)
+        options = replace(options, cells=math.ceil(crossing / step))
     objective = Objective(system, records, parameters, of_records, options, step, executor)
 
     tried = _coarse([p.share(p.start) for p in parameters])
@@ -142,14 +144,6 @@ def fit(
                       for n, x in zip(objective.all, least[0], strict=True)])[objective.free]
     ends = [_descend(objective, point, sizes) for point in least]
     return _result(objective, sorted(ends, key=lambda end: end.cost), sizes)
-
-
-def _cells(method: str, system: System, interval: float) -> int | None:
-    """Cells that a grid takes where none are given; None for a method without."""
-    if "cells" not in METHODS[method].takes:
-        return None
-    pieces = [s for rod in system.bodies if isinstance(rod, Rod) for s in rod.segments]
-    return math.ceil(max(s.transit_time for s in pieces) / interval)
 
 
 def _coarse(own: Sequence[float]) -> list[Floats]:

@@ -2,7 +2,6 @@
 
 from contextlib import suppress
 from textwrap import wrap
-from typing import Any
 
 import numpy as np
 from matplotlib import collections, colors
@@ -62,11 +61,18 @@ def atlas(found: Atlas, ax: Axes | None = None) -> style.Picture:
         ax, (x, y), e.T, style.RISING, colors.Normalize(low, max(1.0, low + 1e-3)),
         "no value, or unresolved")
     lines = found.lines * [scale.factor for scale in scales]
+    # what changes at the places of the borders: 0 the formula alone, 1 contacts, 2 at e = 1
+    contacts = dict(enumerate(found.contacts))
+    pairs = [(contacts.get(a), contacts.get(b)) for a, b in found.between.tolist()]
+    kinds = np.array([None not in pair and pair[0] != pair[1] for pair in pairs], dtype=int)
+    for region, i in {region: i for i, region in enumerate(found.region)}.items():
+        here = np.flatnonzero((found.between == region).any(axis=1))
+        kinds[here[np.abs(found.cells[i].restitution(*found.borders[here].T) - 1) < WHOLE]] = 2
     drawn, ink = [], style.colours().ink
     for kind, (what, width, colour) in enumerate((
             ("another formula", 0.8, ink), ("other contacts", 2.0, ink),
             ("e = 1", 2.0, style.colours().series[4]))):
-        here = lines[_kinds(found)[found.of_line] == kind]
+        here = lines[kinds[found.of_line] == kind]
         if len(here):
             drawn.append(collections.LineCollection(
                 here, colors=colour, label=what, zorder=3 + kind, linewidths=width))
@@ -102,15 +108,3 @@ def _scale(system: System, path: str, low: float, high: float) -> Scale:
         name, unit = DERIVED[word]
         return engineering(f"{name} of {head}", largest, unit)
     return scale_of(parameter(system, path), largest)
-
-
-def _kinds(found: Atlas) -> Any:
-    """What changes at the places of the borders: 0 the formula alone, 1 contacts, 2 at e = 1."""
-    contacts = [found.contacts[r] if r >= 0 else None for r in range(-1, len(found.contacts))]
-    pairs = [(contacts[a + 1], contacts[b + 1]) for a, b in found.between]
-    kinds = np.array([None not in pair and pair[0] != pair[1] for pair in pairs], dtype=int)
-    for region, i in {region: i for i, region in enumerate(found.region)}.items():
-        here = np.flatnonzero((found.between == region).any(axis=1))
-        e = found.cells[i].restitution(*found.borders[here].T)
-        kinds[here[np.abs(e - 1) < WHOLE]] = 2
-    return kinds

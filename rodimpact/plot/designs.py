@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.patches import StepPatch
 
 from ..design.pulses import PulseDesign
 from ..design.rebound import RestitutionDesign
@@ -56,7 +55,18 @@ def design(found: PulseDesign | RestitutionDesign, ax: Axes | None = None) -> Pi
     outline = None
     if ax is None and len(rod.segments) > 1:
         above, ax = new_figure(5.6, 4.6).subplots(2, 1, height_ratios=[1, 2.5]).tolist()
-        outline = _silhouette(above, rod)
+        edges = np.cumsum([0.0, *(float(piece.length) for piece in rod.segments)])
+        radii = np.sqrt(np.array([float(piece.area) for piece in rod.segments]) / np.pi)
+        place = place_scale(float(edges[-1]))
+        thickness = engineering("diameter", 2 * float(radii.max()), "m")
+        x, radii = edges * place.factor, radii * thickness.factor
+        outline = above.stairs(radii, x, fill=True, baseline=-radii, facecolor=colours().wall,
+                               edgecolor=colours().ink, linewidth=0.8)
+        reach = 1.1 * float(radii.max())
+        dress(above, xlim=(0, 1.02 * x[-1]), ylim=(-reach, reach), xlabel=place.label,
+              ylabel=f"from axis\n({thickness.unit})")
+        above.annotate("striking end", (x[-1], 0.0), (-4, 0), textcoords="offset points",
+                       ha="right", va="center", fontsize=SMALL)
     ax = axes(ax, 5.6, 3.4)
     end, largest = found.wanted.end, max(
         float(np.abs(each.values).max()) for each in (found.wanted, found.reached))
@@ -76,23 +86,6 @@ def design(found: PulseDesign | RestitutionDesign, ax: Axes | None = None) -> Pi
     dress(ax, [wanted, reached], xlim=(0, end * time.factor), xlabel=time.label,
           ylabel=force.label)
     return Picture(ax=ax, wanted=wanted, reached=reached, outline=outline)
-
-
-def _silhouette(ax: Axes, rod: Any) -> StepPatch:
-    """Draw a rod as if it were round, all parts to one scale."""
-    edges = np.concatenate([[0.0], np.cumsum([float(piece.length) for piece in rod.segments])])
-    radii = np.sqrt(np.array([float(piece.area) for piece in rod.segments]) / np.pi)
-    place = place_scale(float(edges[-1]))
-    thickness = engineering("diameter", 2 * float(radii.max()), "m")
-    body = ax.stairs(radii * thickness.factor, edges * place.factor, fill=True,
-                     baseline=-radii * thickness.factor, facecolor=colours().wall,
-                     edgecolor=colours().ink, linewidth=0.8)
-    reach = 1.1 * float(radii.max()) * thickness.factor
-    dress(ax, xlim=(0, 1.02 * edges[-1] * place.factor), ylim=(-reach, reach), xlabel=place.label,
-          ylabel=f"from axis\n({thickness.unit})")
-    ax.annotate("striking end", (edges[-1] * place.factor, 0.0), (-4, 0),
-                textcoords="offset points", ha="right", va="center", fontsize=SMALL)
-    return body
 
 
 def _restitution(found: RestitutionDesign, ax: Axes | None) -> Picture:

@@ -164,7 +164,16 @@ def _curve(ax: Axes, side: Side, shown: Shown, theory: PairTheory | None) -> sty
     """Draw values over one axis."""
     _dress_side(ax.xaxis, side)
     ink = style.colours().ink
-    law = None if theory is None else _law(ax, side, shown, theory)
+    law = None
+    if theory is not None:  # a wide line, also between the values of the family
+        rises, count = side.values[0] > 0, side.values.size - 1
+        known = np.log(side.values) if rises else side.values
+        parts = -(-SMOOTH // count)
+        wanted = np.interp(np.arange(count * parts + 1) / parts, np.arange(count + 1), known)
+        values = theory.along(known, wanted).column(shown.quantity) * shown.scale.factor
+        x = (np.exp(wanted) if rises else wanted) * side.scale.factor
+        (law,) = ax.plot(*_broken(x, values), color=style.colours().series[1], alpha=0.45,
+                         linewidth=5.0, solid_capstyle="butt", label="closed form")
     drawn: Line2D | patches.StepPatch
     if shown.is_count:
         drawn = ax.stairs(shown.values, side.edges, baseline=None, color=ink, linewidth=1.4)
@@ -179,20 +188,6 @@ def _curve(ax: Axes, side: Side, shown: Shown, theory: PairTheory | None) -> sty
     style.dress(ax, () if law is None else (law, drawn), ylabel=shown.scale.label,
                 ylim=(min(0.0, low), max(0.0, high)))
     return style.Picture(ax=ax, values=drawn, theory=law)
-
-
-def _law(ax: Axes, side: Side, shown: Shown, theory: PairTheory) -> Line2D:
-    """Draw the closed form as a wide line, also between the values of the family."""
-    known = np.log(side.values) if side.values[0] > 0 else side.values
-    count = side.values.size - 1
-    parts = -(-SMOOTH // count)
-    wanted = np.interp(np.arange(count * parts + 1) / parts, np.arange(count + 1), known)
-    values = theory.along(known, wanted).column(shown.quantity)
-    at = np.exp(wanted) if side.values[0] > 0 else wanted
-    (law,) = ax.plot(*_broken(at * side.scale.factor, values * shown.scale.factor),
-                     color=style.colours().series[1], alpha=0.45, linewidth=5.0,
-                     solid_capstyle="butt", label="closed form")
-    return law
 
 
 def _broken(x: Floats, y: Floats) -> tuple[Floats, Floats]:

@@ -85,12 +85,12 @@ def contact(
         word = f"{word},\nor stretch" if laws > {Joint} else "stretch"
     scale = engineering(word, max(-low, high), "m")
 
-    forces, time = drawn.draw(force_ax), drawn.time.factor
+    forces, time, (_, ink, faint, *_) = drawn.draw(force_ax), drawn.time.factor, style.colours()
     gaps = [line for force, (times, gap) in zip(forces, drawn.gaps, strict=True)
             for line in gap_ax.plot(times * time, gap * scale.factor, linewidth=1.5,
                                     color=force.get_edgecolor(), linestyle=force.get_linestyle())]
     if overlaps or Joint in laws:
-        gap_ax.axhline(0.0, color=style.colours().faint, linewidth=0.6, zorder=0)
+        gap_ax.axhline(0.0, color=faint, linewidth=0.6, zorder=0)
     gap_ax.set_xlabel(drawn.time.label)
     for each, label, named in ((force_ax, drawn.scale.label, forces[len(forces) == 1 :]),
                                (gap_ax, scale.label, ())):
@@ -98,7 +98,22 @@ def contact(
         high = 1.3 * high or (1.0 if low == 0 else -0.1 * low)  # room for words
         style.dress(each, named, ylabel=style.broken(label, style.extent(each)[1]),
                     xlim=(0, solution.t_end * time), ylim=(1.1 * low, high))
-    marks = [] if len(gaps) > 1 else _marks(solution, drawn, force_ax, gap_ax)
+    marks: list[Annotation] = []
+    episodes, names = drawn.histories[0].episodes, round_trips(solution)
+    few = len(gaps) == 1 and len(episodes) <= MARKED_UP_TO
+    for k, (_, force_end, opening) in enumerate(episodes if few else ()):
+        for on, t, what in ((force_ax, force_end, "force ends"), (gap_ax, opening, "gap opens")):
+            if not t < np.inf:
+                continue
+            x = t * time
+            for each in (force_ax, gap_ax):
+                each.axvline(x, color=faint, linewidth=0.8, linestyle=":", zorder=0)
+            left = x > np.mean(on.get_xlim())  # where there is more room
+            name = f"{names[t]} = " if t in names else ""
+            marks.append(on.annotate(
+                f"{what} at {name}{drawn.time.write(t)}", (x, 1.0),
+                (-4 if left else 4, -3 - 11 * k), on.get_xaxis_transform(), "offset points",
+                ha="right" if left else "left", va="top", fontsize=style.SMALL + 1, color=ink))
     return style.Picture(ax=force_ax, force_ax=force_ax, gap_ax=gap_ax, forces=forces, gaps=gaps,
                          marks=marks)
 
@@ -160,28 +175,6 @@ class Forces:
                     xlabel=self.time.label)
         ax.set_title(f"{self.scale.name}, largest {self.scale.write(self.largest)}", loc="left",
                      fontsize=style.SMALL + 1)
-
-
-def _marks(
-    solution: Solution, drawn: Forces, force_ax: Axes, gap_ax: Axes
-) -> list[Annotation]:
-    """Lines at the times when force ends and gap opens, each with its words."""
-    episodes, names = drawn.histories[0].episodes, round_trips(solution)
-    marks, (_, ink, faint, *_) = [], style.colours()
-    for k, (_, force_end, opening) in enumerate(episodes if len(episodes) <= MARKED_UP_TO else ()):
-        for ax, t, what in ((force_ax, force_end, "force ends"), (gap_ax, opening, "gap opens")):
-            if not t < np.inf:
-                continue
-            x = t * drawn.time.factor
-            for each in (force_ax, gap_ax):
-                each.axvline(x, color=faint, linewidth=0.8, linestyle=":", zorder=0)
-            left = x > np.mean(ax.get_xlim())  # where there is more room
-            name = f"{names[t]} = " if t in names else ""
-            marks.append(ax.annotate(
-                f"{what} at {name}{drawn.time.write(t)}", (x, 1.0),
-                (-4 if left else 4, -3 - 11 * k), ax.get_xaxis_transform(), "offset points",
-                ha="right" if left else "left", va="top", fontsize=style.SMALL + 1, color=ink))
-    return marks
 
 
 @style.styled
@@ -256,29 +249,23 @@ def gauge(
     low, high = ax.get_ylim()
     style.dress(ax, xlim=(0, record.end * time.factor), ylim=(low, high), xlabel=time.label,
                 ylabel=scale.label)
+    pulses = dict(zip(("incident", "reflected"), _passing(record), strict=True))
+    if transmitted is not None:
+        pulses["transmitted"] = _passing(transmitted)[0]
+    (first, last, _), *others = pulses.values()
+    vibrates = any(start == 0 for start, *_ in others)  # a bar that does has no such pulses
     windows = {
         name: ax.add_patch(Rectangle(
-            (start * time.factor, 0.0), (stop - start) * time.factor, high if tension else low,
-            color=shades[name], alpha=0.18, linewidth=0, zorder=0, label=name))
-        for name, (start, stop, tension) in _pulses(record, transmitted).items()
+            (start * time.factor, 0.0), min(last - first, record.end - start) * time.factor,
+            high if tension else low, color=shades[name], alpha=0.18, linewidth=0, zorder=0,
+            label=name))
+        for name, (start, _, tension) in pulses.items() if start < record.end and not vibrates
     }
     lines = (strain, rightward, leftward, beyond, *windows.values())
     places = listed([f"{r.name} at {place_scale(r.x).write(r.x)}" for r in records])
     style.legend_above(ax, lines, title=f"gauge on {places}")
     return style.Picture(ax=ax, strain=strain, rightward=rightward, leftward=leftward,
                          transmitted=beyond, windows=windows)
-
-
-def _pulses(record: Gauge, transmitted: Gauge | None) -> dict[str, tuple[float, float, bool]]:
-    """Start and stop of the pulses in one record, or two, s, and whether each is in tension."""
-    pulses = dict(zip(("incident", "reflected"), _passing(record), strict=True))
-    if transmitted is not None:
-        pulses["transmitted"] = _passing(transmitted)[0]
-    if any(start == 0 for name, (start, *_) in pulses.items() if name != "incident"):
-        return {}
-    first, last, _ = pulses["incident"]
-    return {name: (start, min(start + last - first, record.end), tension)
-            for name, (start, _, tension) in pulses.items() if start < record.end}
 
 
 def _passing(record: Gauge) -> list[tuple[float, float, bool]]:

@@ -1,6 +1,7 @@
 """Forms of energy, as bands stacked over time."""
 
 from contextlib import suppress
+from itertools import pairwise
 
 import numpy as np
 from matplotlib import artist
@@ -73,17 +74,28 @@ def energy(solution: Solution, ax: Axes | None = None) -> Picture:
     ax = axes(ax, 5.6, 3.2)
     times = _times(solution)
     frame = placing(solution, 0.0, solution.t_end).frame
-    parts, supplied, workers = _seen_from(solution, frame, times)
-    total = np.sum(list(parts.values()), axis=0)
-    time = time_scale(solution.t_end)
-    scale = engineering("energy", float(total.max()), "J")
-    x = times * time.factor
+    ledger, masses, free = solution.energy(times), solution.outcome.masses, movable(solution.system)
+    momentum = sum(masses[i] * solution.mean_velocity(i, times) for i in free)
+    drift = frame * (momentum - frame / 2 * sum(masses[i] for i in free))
+    entries = {entry: getattr(ledger, entry) for entry in BANDS}
+    entries["kinetic"] = ledger.kinetic - drift
+    works = {name: getattr(ledger, entry) for entry, name in WORKS.items()}
+    works["waves that enter through absorbing ends"] = np.maximum(-entries["radiated"], 0.0)
+    supplied = ledger.total[0] - drift + sum(works.values())
+    parts = {entry: np.maximum(part, 0.0) for entry, part in entries.items()}
+    total = float(sum(parts.values()).max())
+    parts = {entry: part for entry, part in parts.items()
+             if entry in ALWAYS or part.max() > ROUND_OFF * total}
+    workers = [name for name, work in works.items() if np.ptp(work) > ROUND_OFF * total]
+
+    time, scale = time_scale(solution.t_end), engineering("energy", total, "J")
+    x, heights = times * time.factor, list(parts.values())
     bands = ax.stackplot(
-        x, np.stack(list(parts.values())) * scale.factor, linewidth=0.0,
+        x, np.stack(heights) * scale.factor, linewidth=0.0,
         colors=[BANDS[entry] for entry in parts], labels=[ENERGIES[entry] for entry in parts])
     seen = f" in a frame moving at {written(frame, 'm/s')}" if frame else ""
     dress(ax, xlim=(0, solution.t_end * time.factor), xlabel=time.label,
-          ylim=(0, 1.08 * float(max(total.max(), supplied.max())) * scale.factor or 1.0),
+          ylim=(0, 1.08 * max(total, float(supplied.max())) * scale.factor or 1.0),
           ylabel=f"{scale.name}{seen} ({scale.unit})")
     work = None
     if workers:
@@ -91,14 +103,14 @@ def energy(solution: Solution, ax: Axes | None = None) -> Picture:
                           label=f"initial energy and work of {listed(workers)}")
     labels: list[Text] = []
     missing: list[artist.Artist | None] = [work]
-    upper = np.zeros(times.size)
-    for band, (entry, part) in zip(bands, parts.items(), strict=True):
-        lower, upper, name = upper, upper + part, ENERGIES[entry]
-        spot = _widest(ax, x, lower * scale.factor, upper * scale.factor, name)
+    borders = np.cumsum([np.zeros(x.size), *heights], axis=0) * scale.factor
+    for band, (low, high) in zip(bands, pairwise(borders), strict=True):
+        name = str(band.get_label())
+        spot = _widest(ax, x, low, high, name)
         if spot:
-            labels.append(ax.text(*spot, name, color="white" if entry == "kinetic" else INK,
+            labels.append(ax.text(*spot, name, color="white" if band is bands[0] else INK,
                                   ha="center", va="center", fontsize=SMALL + 1))
-        elif part.max() > ROUND_OFF * total.max():
+        elif (high - low).max() > ROUND_OFF * borders.max():
             missing.append(band)
     legend_above(ax, missing)
     return Picture(ax=ax, bands=bands, labels=labels, work=work)
@@ -113,27 +125,6 @@ def _times(solution: Solution) -> Floats:
             known = np.unique(regions_of(solution, limit=CORNERS_UP_TO).t)
     even = np.linspace(0.0, solution.t_end, SAMPLES if waves else OF_MASSES)
     return np.union1d(even, np.minimum(known, solution.t_end))
-
-
-def _seen_from(
-    solution: Solution, frame: float, times: Floats
-) -> tuple[dict[str, Floats], Floats, list[str]]:
-    """Entries of the ledger, initial energy plus works [n] in a frame, and the sources of work."""
-    ledger = solution.energy(times)
-    free = movable(solution.system)
-    masses = solution.outcome.masses
-    momentum = sum(masses[i] * solution.mean_velocity(i, times) for i in free)
-    less = frame * (momentum - frame / 2 * sum(masses[i] for i in free))
-    entries = {entry: getattr(ledger, entry) for entry in BANDS}
-    entries["kinetic"] = ledger.kinetic - less
-    supplied = ledger.total[0] - less
-    works = {name: getattr(ledger, entry) for entry, name in WORKS.items()}
-    works["waves that enter through absorbing ends"] = np.maximum(-entries["radiated"], 0.0)
-    parts = {entry: np.maximum(part, 0.0) for entry, part in entries.items()}
-    least = ROUND_OFF * float(np.sum(list(parts.values()), axis=0).max())
-    return ({entry: part for entry, part in parts.items() if entry in ALWAYS or part.max() > least},
-            supplied + sum(works.values()),
-            [name for name, work in works.items() if np.ptp(work) > least])
 
 
 def _widest(

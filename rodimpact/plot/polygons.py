@@ -188,24 +188,23 @@ class Raster:
         Displacements, in a frame, are those in the middle; the energy is that of the mean motion.
         """
         between = np.full((1, self.times.size - 1), np.nan)
-        columns = [part for i in self._rods for part in (self._of_rod(i, field, frame), between)]
+        t, columns = (self.times[:-1] + self.times[1:]) / 2, list[Floats]()
+        for body in self._rods:
+            edges = pieces(self.solution, body)
+            middle = (edges[:-1] + edges[1:]) / 2
+            if field == "displacement":
+                moved = self.solution.displacement(body, middle[:, None], t) - frame * t
+                columns += [moved, between]
+                continue
+            # exact means over time: waves too quick for the picture leave no false pattern in it
+            velocity, strain = self.solution.fields.averaged(body, middle, self.times)
+            area, modulus, density = properties(self.solution, body, middle[:, None])
+            stress = modulus * strain
+            values: dict[str, Floats] = {
+                "velocity": velocity, "strain": strain, "stress": stress,
+                "energy": area * (density * (velocity - frame) ** 2 + stress * strain) / 2}
+            columns += [values[field], between]
         return np.concatenate(columns[:-1]).T
-
-    def _of_rod(self, body: int, field: str, frame: float) -> Floats:
-        """Values [places, times] in a rod."""
-        edges = pieces(self.solution, body)
-        middle = (edges[:-1] + edges[1:]) / 2
-        if field == "displacement":
-            t = (self.times[:-1] + self.times[1:]) / 2
-            return self.solution.displacement(body, middle[:, None], t) - frame * t
-        # exact means over time: waves too quick for the picture leave no false pattern in it
-        velocity, strain = self.solution.fields.averaged(body, middle, self.times)
-        area, modulus, density = properties(self.solution, body, middle[:, None])
-        stress = modulus * strain
-        energy = area * (density * (velocity - frame) ** 2 + stress * strain) / 2
-        values: dict[str, Floats] = {
-            "velocity": velocity, "strain": strain, "stress": stress, "energy": energy}
-        return values[field]
 
     def bends(self, body: int, x: float) -> Floats:  # noqa: ARG002  (as in `Polygons`)
         """Times between which the path of a rod's end is drawn straight."""

@@ -208,7 +208,15 @@ class _Table:
         self.start = sum(len(line) + 1 for line in lines[:before])
         heads = [*lines[:before], said] if said else lines[:before]
         self.names, self.units = _heads(heads, self.form, self.count)
-        self.columns = self._read(progress).T
+        delimiter = self.form.delimiter.translate(self.form.to_points) or None
+        try:
+            rows: Any = np.loadtxt(self._plain(progress), delimiter=delimiter, comments=None,
+                                   quotechar='"', ndmin=2)
+        except ValueError:
+            rows = np.empty((0, 0))
+        if rows.shape[1] != self.count or not np.isfinite(rows).all():
+            rows = np.array([self._checked(i, row) for i, row in self._rows()])
+        self.columns = rows.T
         if decimal is None and self.form != COMMAS:
             self._check_decimal()
 
@@ -217,18 +225,6 @@ class _Table:
         for i, line in enumerate(_LINE.finditer(self.text, self.start), self.first):
             if row := self.form.row(line[0]):
                 yield i, row
-
-    def _read(self, progress: Any) -> Any:
-        """Rows of numbers."""
-        delimiter = self.form.delimiter.translate(self.form.to_points) or None
-        try:
-            numbers = np.loadtxt(self._plain(progress), delimiter=delimiter, comments=None,
-                                 quotechar='"', ndmin=2)
-        except ValueError:
-            numbers = np.empty((0, 0))
-        if numbers.shape[1] != self.count or not np.isfinite(numbers).all():
-            numbers = np.array([self._checked(i, row) for i, row in self._rows()])
-        return numbers
 
     def _plain(self, progress: Progress | None) -> Iterator[str]:
         """Rows with decimal points."""
@@ -282,7 +278,15 @@ class _Table:
             raise FileFormatError("has one line of numbers; a signal needs two samples or more")
         named = [name for name in self.names if TIMES.fullmatch(name)]
         if rate is None:
-            clock = self._clock(time, named)
+            first = ["1"] if self.names[0] == "1" else named  # the first column without heads
+            found = first if time is None else [time]
+            if len(found) != 1 or found[0] not in self.names or self.count < 2:
+                heads = ", ".join(map(shown, self.names[:8]))
+                raise FileFormatError(
+                    f"must have one column called {shown(time or 'time')} and another one, has "
+                    f"{heads}; give the head of one as time=, or give rate=, the sampling rate in "
+                    "Hz")
+            clock = self.names.index(found[0])
             times = self._times(clock, time_unit)
         elif named:
             raise FileFormatError(f"has a column of times, {shown(named[0])}; leave rate out")
@@ -310,18 +314,6 @@ class _Table:
         except ValueError as error:
             name = shown(self.names[column])
             raise FileFormatError(f"column {name}: {error}; give {option}=") from None
-
-    def _clock(self, time: str | None, named: list[str]) -> int:
-        """Which column has the times."""
-        if self.names[0] == "1":  # without heads
-            named = ["1"]
-        found = named if time is None else [time]
-        if len(found) != 1 or found[0] not in self.names or self.count < 2:
-            heads = ", ".join(map(shown, self.names[:8]))
-            raise FileFormatError(
-                f"must have one column called {shown(time or 'time')} and another one, has {heads};"
-                " give the head of one as time=, or give rate=, the sampling rate in Hz")
-        return self.names.index(found[0])
 
     def _times(self, column: int, unit: str | None) -> Floats:
         """Times in s, increasing and without gaps."""
