@@ -121,25 +121,20 @@ class Objective:
             times = c.x[1:-1]  # of its samples
             pair = (m.signal.times, m.signal.values), (times, c(times))
             own.append(misfit_of(*pair, *bounds).shift)
-        ends = []
+        ends, gains = [], self.places[GAIN]
         for place, shift in zip(self.places[SHIFT], own, strict=True):
             end = point.copy()
             end[self.places[SHIFT]] = own
             end[place] = shift
-            self._set_gains(end, curves)
+            end[gains] = 1.0  # then the best gains for its shifts
+            model = self._predicted(curves, end)
+            cross, power = (np.bincount(gains[self.record], model * each, len(end))
+                            for each in (self.recorded, model))
+            best = np.divide(cross, power, out=np.ones_like(end), where=power > 0)
+            end[gains] = np.clip(best, self.low, self.high)[gains]
             apart = self._predicted(curves, end) - self.recorded
             ends.append((float(np.sum(apart**2)), end))
         return min(ends, key=lambda end: end[0])
-
-    def _set_gains(self, point: Floats, curves: Sequence[Any]) -> None:
-        """Set the gains of a point to the best ones for its shifts."""
-        gains = self.places[GAIN]
-        point[gains] = 1.0
-        model = self._predicted(curves, point)
-        cross, power = (np.bincount(gains[self.record], model * each, len(point))
-                        for each in (self.recorded, model))
-        best = np.divide(cross, power, out=np.ones_like(point), where=power > 0)
-        point[gains] = np.clip(best, self.low, self.high)[gains]
 
     def residuals(self, point: Floats) -> Floats:
         """Predictions less records, over their levels, one record after another."""

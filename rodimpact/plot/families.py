@@ -6,10 +6,10 @@ differ far more than around it. On a map each collision is a cell of one colour,
 interpolation. Each count has its own colour; counts have no contour lines.
 """
 
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 import numpy as np
-from matplotlib import artist, collections, colors, contour, patches, patheffects, ticker
+from matplotlib import artist, colors, contour, patches, patheffects, ticker
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.lines import Line2D
@@ -207,12 +207,31 @@ def _jumps(values: Floats) -> NDArray[np.bool_]:
 
 def _map(ax: Axes, sides: list[Side], shown: Shown, theory: PairTheory | None) -> style.Picture:
     """Draw values over two axes, the first one to the right."""
-    cells, without = style.cells(ax, [side.edges for side in sides], shown.values,
-                                 *_colours(shown))
+    palette, norm = _colours(shown)
+    edges = [side.edges for side in sides]
+    cells, without = style.cells(ax, edges, shown.values, palette, norm)
     _dress_side(ax.xaxis, sides[0])
     _dress_side(ax.yaxis, sides[1])
     plane = [side.numbers for side in sides]
-    contours, labels = (None, []) if shown.is_count else _contours(plane, shown.values, cells)
+    contours, labels = None, list[Text]()
+    low, high = float(np.nanmin(shown.values)), float(np.nanmax(shown.values))
+    if not shown.is_count and high - low > ROUND_OFF * max(-low, high):
+        # lines at round values, each with its value, up to the jumps and not across them
+        near = 0.002 * (high - low)
+        levels = [
+            x for x in ticker.MaxNLocator(8, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
+            if low + 10 * near < x < high - 10 * near
+            and np.sum(np.abs(shown.values - x) < near) < PLATEAU * max(shown.values.shape)]
+        smooth = np.isfinite(shown.values)
+        for axis in (0, 1):
+            i, j = np.nonzero(_jumps(shown.values) if axis == 0 else _jumps(shown.values.T).T)
+            smooth[i, j] = smooth[i + 1 - axis, j + axis] = False
+        if levels and smooth.any():
+            contours = ax.contour(
+                *plane, np.ma.array(shown.values, mask=~smooth).T, levels=levels, linestyles="-",
+                linewidths=0.8, zorder=3, colors=[style.ink_on(norm, x, palette) for x in levels])
+            labels = list(ax.clabel(contours, fmt=lambda x: signed(f"{x:g}"), inline_spacing=3,
+                                    fontsize=style.SMALL + 1))
     lines: list[contour.QuadContourSet] = []
     handles: list[artist.Artist] = []
     paper, ink, *_ = style.colours()
@@ -248,31 +267,6 @@ def _colours(shown: Shown) -> tuple[colors.Colormap, colors.Normalize]:
     if high - low <= ROUND_OFF * largest:
         low, high = min(low, 0.0), max(high, 0.0)
     return style.RISING, colors.Normalize(low, high if high > low else low + 1.0)
-
-
-def _contours(
-    plane: list[Floats], values: Floats, cells: collections.QuadMesh
-) -> tuple[contour.QuadContourSet | None, list[Text]]:
-    """Draw lines at round values, each with its value, up to the jumps and not across them."""
-    low, high = float(np.nanmin(values)), float(np.nanmax(values))
-    near = 0.002 * (high - low)
-    levels = [
-        x for x in ticker.MaxNLocator(8, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
-        if low + 10 * near < x < high - 10 * near
-        and np.sum(np.abs(values - x) < near) < PLATEAU * max(values.shape)
-    ]
-    smooth = np.isfinite(values)
-    for axis in (0, 1):
-        i, j = np.nonzero(_jumps(values) if axis == 0 else _jumps(values.T).T)
-        smooth[i, j] = smooth[i + 1 - axis, j + axis] = False
-    if not levels or not smooth.any() or high - low <= ROUND_OFF * max(-low, high):
-        return None, []
-    ax, norm = cast("Any", (cells.axes, cells.norm))
-    lines = ax.contour(
-        *plane, np.ma.array(values, mask=~smooth).T, levels=levels, linestyles="-", linewidths=0.8,
-        colors=[style.ink_on(norm, x, cells.cmap) for x in levels], zorder=3)
-    return lines, list(ax.clabel(lines, fmt=lambda x: signed(f"{x:g}"), fontsize=style.SMALL + 1,
-                                 inline_spacing=3))
 
 
 def side_of(result: SweepResult, dimension: int) -> Side:

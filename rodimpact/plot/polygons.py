@@ -84,9 +84,18 @@ class Polygons:
 
     def finish(self) -> list[Text]:
         """Once limits are set: lines of fronts, and words and numbers where there is room."""
-        ax, (sides, owners) = self._plane.ax, self._fronts()
-        jumps = np.abs(np.diff(self.regions.velocity[owners]))[:, 0]
-        steps = np.ptp(self.regions.x[sides], axis=1) == 0  # of area or material
+        ax, r = self._plane.ax, self.regions
+        # ends of the sides that two regions share [n, 2], and these regions, the earlier first
+        corners = list(zip(self._body.tolist(), r.t.tolist(), r.x.tolist(), strict=True))
+        known = {(corners[i], corners[j]): i for i, j in enumerate(self._next.tolist())}
+        shared = [(i, known[b, a]) for (a, b), i in known.items() if a < b and (b, a) in known]
+        both = np.array(shared, dtype=np.int64).reshape(-1, 2)
+        middle = np.add.reduceat(r.t, r.start[:-1]) / np.diff(r.start)
+        earlier = np.argsort(middle[self._region[both]], axis=1, kind="stable")
+        owners = np.take_along_axis(self._region[both], earlier, axis=1)
+        sides = np.column_stack((both[:, 0], self._next[both[:, 0]]))
+        jumps = np.abs(np.diff(r.velocity[owners]))[:, 0]
+        steps = np.ptp(r.x[sides], axis=1) == 0  # of area or material
         strength = np.where(steps, 1.0, np.sqrt(jumps / (jumps.max(initial=0.0) or 1.0)))
         lengths = np.hypot(*np.diff(_points(ax, self._corners[sides]), axis=1)[:, 0].T)
         strongest = np.argsort(-strength, kind="stable")
@@ -96,24 +105,11 @@ class Polygons:
             ax.add_collection(collections.LineCollection(
                 list(self._corners[sides[seen]]), colors=colours().ink, alpha=strength[seen],
                 linewidths=0.5, zorder=2.2, label="fronts"))
-        if self._numbers.size != len(self.regions):
+        if self._numbers.size != len(r):
             return []
         if seen.sum() <= NAMED:
             self._name(ax, sides[seen & ~steps], owners[seen & ~steps])
         return self._labels(ax)
-
-    def _fronts(self) -> tuple[Ints, Ints]:
-        """[n, 2] ends of the sides that two regions share, and these regions, the earlier first."""
-        r = self.regions
-        corners = list(zip(self._body.tolist(), r.t.tolist(), r.x.tolist(), strict=True))
-        sides = {(corners[i], corners[j]): i for i, j in enumerate(self._next.tolist())}
-        shared = [(i, sides[b, a]) for (a, b), i in sides.items() if a < b and (b, a) in sides]
-        both = np.array(shared, dtype=np.int64).reshape(-1, 2)
-        middle = np.add.reduceat(r.t, r.start[:-1]) / np.diff(r.start)
-        owners = self._region[both]
-        earlier = np.argsort(middle[owners], axis=1, kind="stable")
-        return (np.column_stack((both[:, 0], self._next[both[:, 0]])),
-                np.take_along_axis(owners, earlier, axis=1))
 
     def _centres(self, corners: Floats) -> Floats:
         """Centre of area of each region, [n, 2]."""

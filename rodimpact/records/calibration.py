@@ -164,6 +164,11 @@ def calibrate(
         now._replace(dt=second.dt).carried(pulse, path), rest))
     other = error2 / second.speed * rest / second.speed  # s, by which the second bar may be off
     error1 = math.hypot(own, first.speed**2 / path * other)
+    # strain that comes back from the joint over the incident one, by least squares
+    sent = first.carried(_passing(first), 2 * path)
+    where = np.abs(sent) > FAINT * np.abs(sent).max()
+    back_again = (first.strains[0] - _passing(first))[where]
+    reflected = float(sent[where] @ back_again / (sent[where] @ sent[where]))
     Z1, Z2 = (side.stiffness / side.speed for side in (first, second))
     struck, passed = first.front.plateau, second.front.plateau
     gain = 1.0
@@ -177,7 +182,7 @@ def calibrate(
               for share, side, gain in zip(noise, (first, second), gains, strict=True)]
     return Calibration(
         (first.rod, second.rod), gains, (error1, error2), (errors[0], errors[1]),
-        _reflected(first), (Z2 - Z1) / (Z1 + Z2), noise,
+        reflected, (Z2 - Z1) / (Z1 + Z2), noise,
         (_bending(input_gauges, first), _bending(output_gauges, second)))
 
 
@@ -225,15 +230,6 @@ def _passing(side: Side) -> Floats:
     past = side.front.start + side.front.width + 2 * side.front.rise
     passing: Floats = np.where(side.times < past, side.strains[0], 0.0)
     return passing
-
-
-def _reflected(side: Side) -> float:
-    """Strain that comes back from the joint over the incident one, by least squares."""
-    passing = _passing(side)
-    sent = side.carried(passing, 2 * float(side.distances[0]))
-    where = np.abs(sent) > FAINT * np.abs(sent).max()
-    back = (side.strains[0] - passing)[where]
-    return float(sent[where] @ back / (sent[where] @ sent[where]))
 
 
 def _bending(gauge: BarGauge, side: Side) -> float | None:

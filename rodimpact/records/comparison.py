@@ -149,8 +149,25 @@ def misfit_of(
     if high > low:
         from scipy.optimize import minimize_scalar
 
-        shifts, step = _best_shifts(record, model, (low, high), scale)
-        options = {"xatol": 1e-9 * (times[-1] - times[0])}
+        # of all shifts by whole samples those that suit best; the sums of products for all shifts
+        # at once are a correlation, by Fourier transforms
+        length = times[-1] - times[0]
+        step = float(max(min(np.diff(times).min(), np.diff(model[0]).min()),
+                         (length + high - low) / MOST_LAGS))
+        n, lags = int(length / step) + 1, int((high - low) / step) + 1
+        y = np.interp(times[0] + step * np.arange(n), times, values)
+        m = np.interp(times[0] - high + step * np.arange(n + lags - 1), *model)
+        size = 1 << (len(m) - 1).bit_length()
+        cross = np.fft.irfft(np.fft.rfft(m, size) * np.conj(np.fft.rfft(y, size)), size)[:lags]
+        sums = np.concatenate(([0.0], np.cumsum(m * m)))
+        power = sums[n : n + lags] - sums[:lags]
+        power[power <= FAINT * sums[-1]] = 0.0
+        c = _best_scale(cross, power, scale)
+        error = np.concatenate(([np.inf], c * c * power - 2 * c * cross, [np.inf]))
+        least = np.flatnonzero((error[1:-1] <= error[:-2]) & (error[1:-1] <= error[2:]))
+        chosen = least[np.argsort(error[least + 1], kind="stable")[:REFINED]]
+        shifts = [float(min(max(high - j * step, low), high)) for j in chosen]
+        options = {"xatol": 1e-9 * length}
         refined = [
             float(minimize_scalar(lambda x: at(x)[0], method="bounded", options=options,
                                   bounds=(max(s - step, low), min(s + step, high))).x)
@@ -171,30 +188,3 @@ def _best_scale(cross: Any, power: Any, scale: tuple[float, float] | None) -> An
     """What multiplies a model best: of its products with the record and with itself."""
     best = np.where(power > 0, cross / np.where(power > 0, power, 1.0), 1.0)
     return best if scale is None else np.clip(best, *scale)
-
-
-def _best_shifts(
-    record: Record, model: Record, bounds: tuple[float, float], scale: tuple[float, float] | None
-) -> tuple[list[float], float]:
-    """The shifts at which a model suits best, of all by whole samples, and a sample, s.
-
-    The sums of products for all shifts at once are a correlation, by Fourier transforms.
-    """
-    (times, values), (low, high) = record, bounds
-    length = times[-1] - times[0]
-    step = max(min(np.diff(times).min(), np.diff(model[0]).min()),
-               (length + high - low) / MOST_LAGS)
-    n, lags = int(length / step) + 1, int((high - low) / step) + 1
-    y = np.interp(times[0] + step * np.arange(n), times, values)
-    m = np.interp(times[0] - high + step * np.arange(n + lags - 1), *model)
-    size = 1 << (len(m) - 1).bit_length()
-    cross = np.fft.irfft(np.fft.rfft(m, size) * np.conj(np.fft.rfft(y, size)), size)[:lags]
-    sums = np.concatenate(([0.0], np.cumsum(m * m)))
-    power = sums[n : n + lags] - sums[:lags]
-    power[power <= FAINT * sums[-1]] = 0.0
-    c = _best_scale(cross, power, scale)
-    error = np.concatenate(([np.inf], c * c * power - 2 * c * cross, [np.inf]))
-    least = np.flatnonzero((error[1:-1] <= error[:-2]) & (error[1:-1] <= error[2:]))
-    chosen = least[np.argsort(error[least + 1], kind="stable")[:REFINED]]
-    return [float(min(max(high - j * step, low), high)) for j in chosen], float(step)
-
