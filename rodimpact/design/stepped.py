@@ -15,11 +15,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..methods.duration import Forecast, Progress, warn
-from ..methods.registry import check_function
 from ..model import Absorbing, Bonded, Free, Material, Rigid, Rod, Segment, System
 from ..model.arguments import array, of_kind, single
 from ..model.ends import FREE
-from ..model.frozen import Problems, raise_noted, refusal
+from ..model.frozen import refusal
 from ..model.laws import RIGID
 from ..model.profiles import Steps
 from ..model.quantities import Floats
@@ -205,9 +204,8 @@ def striker(
     >>> len(found.system.bodies[0].segments), round(100 * found.misfit, 1)
     (10, 12.9)
     """
-    problems: Problems = []
-    check_function(problems, "progress", progress)
-    raise_noted(problems)
+    if progress is not None and not callable(progress):
+        raise refusal("progress", f"must be a function, got {shown(progress)}")
     of_kind("bar", bar, Rod, "Rod(2.0, area=1e-4, material=materials.steel)")
     steel = bar.segments[0].material if material is None else material
     of_kind("material", steel, Material, "materials.steel")

@@ -7,7 +7,7 @@ from ..methods.registry import check_function
 from ..model import System
 from ..model.arguments import of_kind, single
 from ..model.frozen import Declared, Problems, quantity, refusal
-from ..records.comparison import Bounds, overlaps, plateau
+from ..records.comparison import Bounds, plateau
 from ..records.signal import Signal, bounds_of
 from ..units import shown
 
@@ -94,7 +94,7 @@ class Measured(Declared):
     def shifts(self, until: float, system: System) -> tuple[float, float]:
         """Smallest and largest shift, s, with which a collision to `until` overlaps the record."""
         longer = self._lasting(system)
-        return overlaps((self.signal.start, self.signal.end), (-longer, until + longer))
+        return self.signal.start - (until + longer), self.signal.end + longer
 
     def _lasting(self, system: System) -> float:
         """How long waves take over `distance`, s."""

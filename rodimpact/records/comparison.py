@@ -124,11 +124,6 @@ def gain_unit(measured: str, predicted: str) -> str:
     return f"{measured or 1}/{predicted}" if predicted else measured
 
 
-def overlaps(record: tuple[float, float], model: tuple[float, float]) -> tuple[float, float]:
-    """Smallest and largest shift of a model with which its times overlap those of a record, s."""
-    return record[0] - model[1], record[1] - model[0]
-
-
 def misfit_of(
     record: Record, model: Record, shift: tuple[float, float] | None,
     scale: tuple[float, float] | None,
@@ -143,8 +138,8 @@ def misfit_of(
         best = float(_best_scale(m @ values, m @ m, scale))
         return float(np.sqrt(np.mean((best * m - values) ** 2))) / level, best
 
-    ends = (times[0], times[-1]), (model[0][0], model[0][-1])
-    low, high = overlaps(*ends) if shift is None else shift
+    # a free shift is one with which the two overlap
+    low, high = shift or (times[0] - model[0][-1], times[-1] - model[0][0])
     best, near = low, 0.0
     if high > low:
         from scipy.optimize import minimize_scalar

@@ -372,7 +372,10 @@ def _form_of(lines: list[str], text: str, decimal: str | None) -> tuple[_Form, i
              and (form != QUOTED or _QUOTED.search(text))]
     found: list[_Form] = []
     for start in range(len(lines)):
-        if found := [form for form in forms if _begins(lines, start, form)]:
+        # so many lines from there on, or all that follow, have equally many numbers
+        rows = [line for line in lines[start : start + 2 * SURE] if line.strip()][:SURE]
+        if found := [form for form in forms if (count := form.numbers(lines[start]))
+                     and all(form.numbers(row) == count for row in rows)]:
             break
     else:
         raise FileFormatError(f"has no table of numbers{_why_none(lines, forms)}")
@@ -407,14 +410,6 @@ def _why_none(lines: list[str], forms: list[_Form]) -> str:
     return (f": line {i + 1} has {shown(odd)}; below the heads write only numbers, in columns "
             "separated by tabs, semicolons, commas or blanks, times in seconds, and no separators "
             "of thousands")
-
-
-def _begins(lines: list[str], start: int, form: _Form) -> bool:
-    """Whether `SURE` lines from there on, or all that follow, have equally many numbers."""
-    if not (count := form.numbers(lines[start])):
-        return False
-    rows = [line for line in lines[start : start + 2 * SURE] if line.strip()][:SURE]
-    return all(form.numbers(row) == count for row in rows)
 
 
 def _heads(lines: list[str], form: _Form, count: int) -> tuple[list[str], list[str]]:
