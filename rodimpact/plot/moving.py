@@ -34,7 +34,6 @@ from .placing import Placing, placing
 from .polygons import drawn_until
 from .scales import axis_scales, signed, written
 
-FIELDS = ("velocity", "stress", "strain")
 MOST_FRAMES, MOST_PER_SECOND = 10_000, 50
 DOTS_PER_INCH = 100
 CONTACTS = 5  # shown at most
@@ -243,7 +242,7 @@ def animation(
     ('t = 317 µs', (680, 840, 3))
     """
     check_waves(solution)
-    one_of("field", field, FIELDS)
+    one_of("field", field, ("velocity", "stress", "strain"))
     check_frames(frames, fps)
     start = single("start", start, "s")
     stop = drawn_until(solution) if stop is None else single("stop", stop, "s")

@@ -11,7 +11,7 @@ from ..fitting.result import Fit
 from ..methods.signals import Floats
 from ..model.arguments import of_kind
 from ..model.frozen import refusal
-from ..records.comparison import Bounds, Misfit, gain_unit, plateau
+from ..records.comparison import Bounds, gain_unit, plateau
 from ..records.reduction import Reduction
 from ..records.signal import Signal
 from ..units import TIMES, shown
@@ -91,9 +91,18 @@ def comparison(
         kept = telling(y)
         return on.plot(t[kept] * time.factor, y[kept] * factor, **how)[0]
 
+    told = "predicted"  # and its shift and scale in words, if it was changed
+    if found.shift:
+        late = engineering("", abs(found.shift), "s").write(abs(found.shift))
+        told += f", {late} {'later' if found.shift > 0 else 'earlier'}"
+        told += " (at its limit)" if "shift" in found.at_limit else ""
+    if found.scale != 1:
+        gain = gain_unit(measured.unit, predicted.unit)
+        told += f", {TIMES} {signed(f'{found.scale:.4g} {gain}')}".rstrip()
+        told += " (at its limit)" if "scale" in found.at_limit else ""
     one = line(upper, values, unit.factor, color=series[0], linewidth=1.2, label="measured")
     other = line(upper, model, unit.factor, color=series[1], linewidth=1.2, linestyle="--",
-                 label=f"predicted{_adjusted(measured, predicted, found)}")
+                 label=told)
     left = line(lower, values - model, percent, color=colours().ink, linewidth=0.9)
     for each, named in ((upper, [one, other, area]), (lower, ())):
         each.axhline(0.0, color=faint, linewidth=0.6, zorder=0)
@@ -164,20 +173,6 @@ def side_by_side(count: int) -> list[tuple[Axes, Axes]]:
     figure = new_figure(5.6 * count, 4.2)
     grid = figure.subplots(2, count, squeeze=False, sharex="col", height_ratios=(3, 1))
     return list(zip(*grid.tolist(), strict=True))
-
-
-def _adjusted(measured: Signal, predicted: Signal, found: Misfit) -> str:
-    """Shift and scale of the prediction in words; "" if it was not changed."""
-    text = ""
-    if found.shift:
-        late = engineering("", abs(found.shift), "s").write(abs(found.shift))
-        text += f", {late} {'later' if found.shift > 0 else 'earlier'}"
-        text += " (at its limit)" if "shift" in found.at_limit else ""
-    if found.scale != 1:
-        unit = gain_unit(measured.unit, predicted.unit)
-        text += f", {TIMES} {signed(f'{found.scale:.4g} {unit}')}".rstrip()
-        text += " (at its limit)" if "scale" in found.at_limit else ""
-    return text
 
 
 @styled
