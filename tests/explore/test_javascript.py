@@ -190,7 +190,7 @@ def tables(objects):
 
 @needs_node
 def test_the_kernel_of_characteristics_does_the_same_on_the_same_records(monkeypatch):
-    for module in (tick_rule, finality, layout, driver):
+    for module in (tick_rule, finality, layout, driver, march):
         for constant in CONSTANTS.keys() & vars(module).keys():
             monkeypatch.setattr(module, constant, CONSTANTS[constant])
     script = f"""{read("python.js")}\n{javascript([KERNEL], CONSTANTS)}
