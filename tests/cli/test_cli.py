@@ -280,13 +280,6 @@ def test_names_that_are_no_text(case, refuses):
             "a column is named by letters")
 
 
-@pytest.mark.parametrize("option", ["cells", "snapshots"])
-@pytest.mark.parametrize("command", [["run"], ["sweep", "--vary", "bodies.0.length=0.1,0.2"]])
-def test_counts_beyond_a_register_are_told(case, refuses, option, command):
-    case.write_text(f"{CASE}[solve]\n{option} = {10**30}\n")
-    refuses([command[0], "case.toml", *command[1:]], f"{option}: must be a positive whole number")
-
-
 def test_run_prints_the_table(case, capsys):
     assert main(["run", str(case)]) == 0
     out, err = capsys.readouterr()

@@ -103,7 +103,7 @@ def test_the_page_shows_what_run_would_print(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     lossy = ri.materials.steel.damped(loss_factor=0.05, frequency=1e4)
     rods = [ri.Rod(0.137, area=1e-4, material=lossy, velocity=1.0),
-            ri.Rod(1.0, area=1e-4, material=lossy)]
+            ri.Rod(1.0, area=ri.Samples([1e-4, 3e-4]), material=lossy)]
     system = ri.System(rods)
     path = tmp_path / "lossy.toml"
     path.write_text(ri.write_case(ri.Case(system, {"cells": 30})))
@@ -115,6 +115,11 @@ def test_the_page_shows_what_run_would_print(tmp_path, monkeypatch, capsys):
     known = ri.solve(system, cells=30)
     assert scene["restitution"]["value"] == known.outcome.restitution
     assert known.status in scene["notes"]
+    assert not scene["exact"]
+    assert scene["restitution"]["closed_form"] is None
+    energy = next(plot for plot in scene["plots"] if plot["key"] == "energy")
+    curves = {series["name"]: series["y"] for series in energy["series"]}
+    assert curves["lost in material"][-1] > 0
 
 
 def test_explore_opens_a_temporary_page(case, tmp_path, monkeypatch, capsys):

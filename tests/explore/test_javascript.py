@@ -351,7 +351,8 @@ def test_the_page_shows_what_python_finds_with_the_same_functions():
     pages = answers("sceneOf", [*DESIGNS.values()])
     for (key, sent), answer in zip(DESIGNS.items(), pages, strict=True):
         page = answer["data"]
-        here = json.loads(json.dumps(scene_of(sent["case"], sent["gauges"], LIBRARY)))
+        here = json.loads(json.dumps(
+            scene_of(sent["case"], sent["gauges"], LIBRARY), allow_nan=False))
         e = here["restitution"]
         if e["closed_form"]:
             assert e["value"] == pytest.approx(e["closed_form"]["restitution"], abs=1e-12)

@@ -1,6 +1,5 @@
 """Compliant contacts and rigid masses on the page: characteristics as JavaScript."""
 
-import math
 import tomllib
 from itertools import pairwise
 
@@ -133,6 +132,7 @@ def test_the_picture_is_that_of_the_solution(name):
         known = solution.displacement(body, x, np.minimum(t, solution.t_end))
         assert u == pytest.approx(known, abs=1e-13 + 1e-7 * max(abs(u)))
     for i, body in enumerate(page["bodies"]):
+        assert (body["path"] is None) == (i in rods)
         if body["path"] is not None:
             t = np.minimum(body["path"]["t"], solution.t_end)
             assert body["path"]["displacement"] == pytest.approx(
@@ -162,31 +162,3 @@ def test_the_picture_is_that_of_the_solution(name):
     known = 1e6 * solution.gauge(rods[-1], x).strain_at(middles)
     shown = np.interp(middles, gauge[0]["t"], gauge[0]["y"])
     assert shown == pytest.approx(known, abs=0.01 * max(abs(known)))
-
-
-@needs_node
-def test_e_falls_from_that_of_balls_to_that_of_waves_as_ends_get_flatter():
-    """e of 0.4 m on 1 m over kappa = k (V T)^(1/2) L/(E A): from 1 to l1/l2."""
-    rods = [ROD, ROD.replace(length=1.0, velocity=0.0)]
-    cases = [ri.Case(ri.System(rods, contacts=[ri.Hertz(k)])) for k in (1e8, 1e9, 1e10, 1e11, 1e12)]
-    files = ("numbers.js", "python.js", "kernels.js", "controls.js", "solver.js")
-    script = "\n".join(map(read, files))
-    script += """
-    let start;
-    const answer = ({ cases, materials }) => {
-      start = { materials };
-      return cases.map((tables) => {
-        const scene = fronts.scene_of(tables, [], materials);
-        const { here, solve } = curvesOf({ case: tables }, scene).roundness;
-        return { e: scene.restitution.value, here, ...solve() };
-      });
-    };"""
-    pages = run(script, {"cases": [*map(tables_of, cases)], "materials": LIBRARY})
-    known = [(0.07, 0.9999), (0.7, 0.976), (7, 0.662), (70, 0.464), (704, 0.414)]
-    for page, (kappa, e) in zip(pages, known, strict=True):
-        assert 10 ** page["here"] == pytest.approx(kappa, rel=0.01)
-        assert page["e"] == pytest.approx(e, abs=6e-4)
-        assert (page["ratios"][0], page["ratios"][-1]) == (-2, 4)  # from round to flat ends
-        assert np.interp(math.log10(kappa), page["ratios"], page["values"]) == pytest.approx(
-            e, abs=0.01)
-        assert page["values"] == pytest.approx(pages[0]["values"], abs=1e-9)

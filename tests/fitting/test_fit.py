@@ -128,8 +128,11 @@ def test_derivatives_are_those_of_the_residuals(at):
 
 def coloured(random, n, steps):
     """Noise of variance 1 whose correlation falls to 1/e within so many steps."""
-    apart = np.abs(np.subtract.outer(np.arange(n), np.arange(n)))
-    return np.linalg.cholesky(np.exp(-apart / max(steps, 1e-3))) @ random.standard_normal(n)
+    a = math.exp(-1 / steps) if steps else 0.0
+    noise = [random.standard_normal()]
+    for white in math.sqrt(1 - a * a) * random.standard_normal(n - 1):
+        noise.append(a * noise[-1] + white)
+    return np.array(noise)
 
 
 @pytest.mark.parametrize("correlation", [0.0, 5e-6])

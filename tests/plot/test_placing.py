@@ -45,6 +45,7 @@ def test_figures_film_and_page_magnify_by_the_same_factor_in_the_same_frame(solu
     plan, row = placing(solution, 0.0, solution.t_end), page_row(solution)
     assert row["magnification"] == plan.magnification
     assert row["frame"] == plan.frame
+    assert plan.block in (0, row["block"])
     assert plan.scale in row["note"]
     snapshots = plot.snapshots(solution, times=[0.0, solution.t_end]).ax
     for ax in (plot.spacetime(solution, coordinates="lab").ax, snapshots):

@@ -9,30 +9,23 @@ import pytest
 from exhaustive import few_of
 from fuzz.generators import SEED, TIMES
 from networks import random_network
+from storage.test_checkpoint import family
 
 import rodimpact as ri
 
-STEEL = ri.materials.steel
 DAMAGES = 25 * TIMES  # of each seed
 SEEDS = few_of(range(SEED, SEED + 12), range(SEED, SEED + 2))  # 300 of them in all
-
-
-def family():
-    return ri.System([
-        ri.Rod(np.linspace(0.1, 1, 15)[:, None], area=1e-4, material=STEEL, velocity=1.0),
-        ri.Rod(1.0, area=np.array([1e-4, 3e-4]), material=STEEL),
-    ])
 
 
 @pytest.fixture(scope="module")
 def originals(tmp_path_factory):
     """Results of all kinds, saved: a file each."""
-    rods = family()[3, 1]
+    rods = family(15)[3, 1]
     results = {
         "fronts": ri.solve(rods),
         "steps": ri.solve(random_network(1, driven=True), until=1.0, method="characteristics"),
         "grid": ri.solve(random_network(2, driven=False), 0.5, "finite-difference", cells=6),
-        "sweep": ri.sweep(family(), until=2e-4, gauges=[(1, 0.5)], times=[1e-4, 2e-4]),
+        "sweep": ri.sweep(family(15), until=2e-4, gauges=[(1, 0.5)], times=[1e-4, 2e-4]),
     }
     folder = tmp_path_factory.mktemp("saved")
     for name, result in results.items():
@@ -153,8 +146,8 @@ def test_a_damaged_checkpoint_is_refused_or_comes_to_the_same_end(tmp_path, monk
     for name in ("EVERY", "SHARE"):  # a file a chunk
         monkeypatch.setattr(f"rodimpact.storage.checkpoint.{name}", 0.0)
     rng, whole, folder = np.random.default_rng(seed), tmp_path / "whole", tmp_path / "damaged"
-    result = ri.sweep(family(), checkpoint=whole)
-    ri.sweep(family(), checkpoint=tmp_path / "other", max_events=1)
+    result = ri.sweep(family(15), checkpoint=whole)
+    ri.sweep(family(15), checkpoint=tmp_path / "other", max_events=1)
     other = next((tmp_path / "other").iterdir())
     refusals, gone_on = [], 0
     for _ in range(DAMAGES):
@@ -163,7 +156,7 @@ def test_a_damaged_checkpoint_is_refused_or_comes_to_the_same_end(tmp_path, monk
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ri.DamagedChunks)
             try:
-                again = ri.sweep(family(), checkpoint=folder)
+                again = ri.sweep(family(15), checkpoint=folder)
             except ri.FileFormatError as error:
                 refusals.append(str(error))
             else:
