@@ -307,11 +307,9 @@ class _Search:
 
     def _solved(self, place: Floats) -> Cell | None:
         """The cell of a place; None if its collision does not come to an end."""
-        exact = tuple(
-            Fraction(low) + Fraction(float(at)) * (Fraction(high) - Fraction(low))
-            for at, (_, low, high) in zip(place, self.axes, strict=True)
-        )
-        values = self.naming.values(dict(zip(self.names, exact, strict=True)))
+        values = self.naming.values({
+            name: Fraction(low) + Fraction(float(at)) * (Fraction(high) - Fraction(low))
+            for name, at, (_, low, high) in zip(self.names, place, self.axes, strict=True)})
         run = self.naming.run(values, self.max_events)
         return Cell(self.naming, run, values, names=self.names) if run.final else None
 

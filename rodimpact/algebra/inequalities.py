@@ -69,8 +69,6 @@ def _is_linear(p: Any) -> bool:
 
 def _follows(p: Any, others: list[Any]) -> bool:
     """Whether a linear form is a sum of positive shares of others and of positive numbers."""
-    if not others:
-        return False
     rows = np.array([[float(q.coeff(x)) for x in (1, *p.ring.gens)] for q in [p, *others]])
     positive = [x for x in p.ring.gens if definite(x)]
     units = np.eye(rows.shape[1])[[0, *(p.ring.gens.index(x) + 1 for x in positive)]]

@@ -118,20 +118,19 @@ def check(system: System) -> None:
     problems: Problems = []
     if system.shape:
         problems.append(("system", f"has members of shape {system.shape}; take one: system[0]"))
-    for path, what in needs(system):
-        problems.append((path, f"formulas and fractions know no {what}; leave it out, or solve()"))
+    found = [(path, f"know no {what}; leave it out") for path, what in needs(system)]
     for i, body in enumerate(system.bodies):
         if isinstance(body, Rod) and (isinstance(body.velocity, Steps) or body.strain != 0):
-            message = "formulas and fractions need a uniform velocity and no strain"
-            problems.append((f"bodies.{i}", f"{message}; put pieces of rod there, or solve()"))
+            found.append((f"bodies.{i}", "need a uniform velocity and no strain; "
+                          "put pieces of rod there"))
     for side, end in zip(("left", "right"), system.ends, strict=True):
         if not isinstance(end, Free):
-            message = f"formulas and fractions need Free(), got {type(end).__name__}()"
-            problems.append((f"ends.{side}", f"{message}; leave it out, or solve()"))
+            wrong = f"need Free(), got {type(end).__name__}(); leave it out"
+            found.append((f"ends.{side}", wrong))
     for k, law in enumerate(system.contacts):
         if isinstance(law, Bonded) and Wall in map(type, system.bodies[k : k + 2]):
-            message = "formulas and fractions know no rod bonded to a wall"
-            problems.append((f"contacts.{k}", f"{message}; let it touch, or solve()"))
+            found.append((f"contacts.{k}", "know no rod bonded to a wall; let it touch"))
+    problems += [(path, f"formulas and fractions {wrong}, or solve()") for path, wrong in found]
     raise_noted(problems)
 
 

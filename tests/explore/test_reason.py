@@ -19,7 +19,7 @@ SYSTEMS = {
     "equal": ([rod(1.0, 1.0), rod(1.0)], {}, {}, [f"Each rod's {RETURNS}", "; 0 % of the energy"]),
     "wall": ([rod(1.0, 1.0), ri.Wall()], {}, {}, [
         f"Rod 1's {RETURNS}", "since a wall cannot pull", "the mean velocity to -1 m/s"]),
-    "thick hits thin": ([rod(0.4, 1.0, 3e-4), rod(1.0)], {}, {}, [
+    "thick hits thin": ([rod(0.5, 1.0, 3e-4), rod(1.0)], {}, {}, [  # in the end both are back
         f"Rod 1's {RETURNS}", "lowers the force to 0.5 times its value", "contact goes on",
         f"Rod 2's {RETURNS}", ENDS]),
     "stepped": ([STEPPED, rod(1.0)], {}, {}, ["a wave arrives and lowers the force"]),
