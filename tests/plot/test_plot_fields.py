@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from drawing import STEEL, axes, corners, render, rod
+from drawing import STEEL, axes, corners, rod
 from matplotlib.collections import TriMesh
 
 import rodimpact as ri
@@ -162,8 +162,3 @@ def test_in_places_of_the_bodies_nothing_moves(solved, name):
     assert starts == pytest.approx([0.0, *np.cumsum(lengths)])
     label = " ".join(picture.ax.get_xlabel().split())
     assert label == "material coordinate x (m), rods laid end to end, gaps left out"
-
-
-def test_they_render(solved, stepwise):
-    for solution, field in ((solved["stepped"], "displacement"), (stepwise, "energy")):
-        render(plot.spacetime(solution, None, field, across=True).ax)

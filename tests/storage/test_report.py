@@ -129,11 +129,6 @@ def test_html_is_escaped(unequal):
     assert '">body' in unequal.outcome._repr_html_()
 
 
-@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
-def test_numbers_json_lacks_are_null(value):
-    assert tables.finite(value) is None
-
-
 @pytest.mark.parametrize(("value", "scale", "text"), [
     (math.inf, math.inf, "inf J"), (2.0, math.inf, "2 J"), (1e-20, 1.0, "0 J"),
     (math.nan, math.inf, "-"),
