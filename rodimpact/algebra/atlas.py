@@ -102,15 +102,14 @@ class Atlas:
         if len(set(self.region)) > len(found):
             lines.append("...")
         if found:
-            lines.append("where " + ", ".join(f"{n} = {path}" for n, path in self._names.items()))
+            naming = self._naming
+            lines.append("where " + ", ".join(
+                f"{name} = {naming.symbol_of(path)}" for name, path in naming.paths.items()))
         return "\n".join(lines)
 
-    @property
-    def _names(self) -> dict[str, str]:
-        """Path of each of the two numbers, by its name in formulas."""
-        naming = Naming(self.system, [self.x[0], self.y[0]])
-        paths = {name: naming.symbol_of(path) for name, path in naming.paths.items()}
-        return {name: path for name, path in paths.items() if path}
+    @cached_property
+    def _naming(self) -> Naming:
+        return Naming(self.system, [self.x[0], self.y[0]])
 
     def largest(self, most: int) -> list[Region]:
         """The largest regions, with their formulas; needs sympy.
@@ -120,7 +119,7 @@ class Atlas:
         most : int
             How many at most.
         """
-        formulas = Field(Naming(self.system, [self.x[0], self.y[0]]))
+        formulas = Field(self._naming)
         ends = [np.linspace(low, high, 2 * SAMPLES + 1)[1::2] for _, low, high in (self.x, self.y)]
         x, y = (side.ravel() for side in np.meshgrid(*ends))
         cells = self.locate(x, y)

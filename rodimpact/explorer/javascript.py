@@ -100,9 +100,8 @@ def javascript(
     program = _Program(constants or {}, {**CALLS, **(known or {})})
     for root in roots:
         program.name(root, root.__name__, root.__module__)
-    for function in program.functions:  # which grow
-        program.texts.append(_Translator(function, program).text())
-    return "\n".join([*program.tables, *program.texts])
+    texts = [_Translator(function, program).text() for function in program.functions]  # they grow
+    return "\n".join([*program.tables, *texts])
 
 
 class _Program:
@@ -111,7 +110,6 @@ class _Program:
     def __init__(self, constants: Mapping[str, float], calls: Mapping[Any, str]) -> None:
         self.constants, self.calls = constants, calls
         self.functions: list[FunctionType] = []
-        self.texts: list[str] = []
         self.tables: list[str] = []
         self._names: dict[int, str] = {}
 
