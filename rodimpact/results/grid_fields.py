@@ -87,13 +87,14 @@ class GridFields(Fields):
         """
         found, cells, rate = {}, self.motion.cells, np.zeros(self.motion.force.shape)
         rate[:, 1:-1] = np.diff(self.motion.velocity, axis=1) / cells.width[1:-1]
-        # elastic and viscous; none between pieces
-        known = self.motion.force + cells.viscous * cells.width * rate, (self._strain, rate)
+        tension = self.motion.force  # none between pieces
+        if cells.viscous.any():
+            tension = tension + cells.viscous * cells.width * rate
         for body, rod in enumerate(self.clock.system.bodies):
             if isinstance(rod, Rod):
                 segments = enumerate(rod.segments, self.clock.spans[body][0])
                 parts = [(np.concatenate((x[:1], (x[1:] + x[:-1]) / 2, x[-1:])),
-                          *self._held(*of, *known))
+                          *self._held(*of, tension, (self._strain, rate)))
                          for of, x in zip(segments, self._places(body), strict=True)]
                 found[body] = [np.concatenate(of, axis=-1) for of in zip(*parts, strict=True)]
         return found
