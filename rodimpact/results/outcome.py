@@ -167,8 +167,7 @@ class Outcome(OnlyContact[float]):
             If the run is not final, nothing met, the bodies did not approach each other, or there
             is more than one contact.
         """
-        reason = self.why_no_restitution()
-        if reason:
+        if reason := self.why_no_restitution():
             raise UndefinedRestitution(reason)
         k = self.unilateral[0]
         before, after = self.velocities_before[k : k + 2], self.velocities_after[k : k + 2]
