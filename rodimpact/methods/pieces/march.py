@@ -99,20 +99,15 @@ def advance(
             at.incoming[side][0] = at.incoming[side][N]
         events.happen(run, link, mass, turn, at, tick + ticks, which, status)
         if status == Status.OPEN and run.check < NEVER:
-            run.check = latest(node, tick + ticks)
+            run.check = tick + ticks
+            for i in range(len(node)):  # to which some node may have come already
+                run.check = max(run.check, node[i].now)
     at.now = tick + ticks
     grow = 4.0 if worst <= 0 else min(4.0, 0.9 * (run.tolerance / worst) ** (1 / N))
     wish = int(full * max(0.25, grow)) + 1
     limited = at.rough == 1 or (full == end - tick and full < at.length)  # and not by smoothness
     at.length = max(at.length, wish) if limited else wish
     return True
-
-
-def latest(node: Any, tick: int) -> int:
-    """The tick to which some node has come already, at least this one."""
-    for i in range(len(node)):
-        tick = max(tick, node[i].now)
-    return tick
 
 
 def horizon(run: Any, line: Any, log: Any, at: Any, broken: bool) -> int:
