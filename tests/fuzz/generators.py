@@ -115,7 +115,8 @@ def spoilt_text(rng, text):
         kind = rng.integers(20)
         if kind < 12 and numbers:
             place = one_of(rng, numbers)
-            tokens[place] = random_number(rng, tokens[place])
+            odd = rng.random() < 0.2
+            tokens[place] = one_of(rng, WORDS) if odd else random_number(rng, tokens[place])
         elif kind < 15 and words:
             tokens[one_of(rng, words)] = tokens[one_of(rng, words)]
         elif kind == 15:

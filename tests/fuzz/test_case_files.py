@@ -65,6 +65,7 @@ def test_a_spoilt_case_is_refused_or_balances(capsys, monkeypatch, tmp_path, see
         data = spoilt_bytes(rng, spoilt_text(rng, one_of(rng, CASES)))
         status, *rest = ran(capsys, monkeypatch, tmp_path, data)
         check(status, *rest)
-        check_round_trip(data)
+        for spoilt in (data, *(spoilt_text(rng, one_of(rng, CASES)).encode() for _ in range(4))):
+            check_round_trip(spoilt)
         refused += status == 2
     assert EXAMPLES / 4 < refused < EXAMPLES
