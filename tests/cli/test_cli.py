@@ -3,6 +3,7 @@
 import contextlib
 import io
 import json
+import math
 import os
 import re
 import signal
@@ -16,8 +17,8 @@ from case_texts import UNEQUAL_RODS as CASE
 from cli.processes import ENVIRONMENT, ROOT, python, started
 
 import rodimpact as ri
-from rodimpact.cli import COMMANDS, main
-from rodimpact.cli.verify import Check
+from rodimpact.cli import COMMANDS, main, verify
+from rodimpact.cli.verify import Check, checks
 from rodimpact.methods import kernels
 
 ENDLESS = """\
@@ -419,7 +420,7 @@ def test_verify_prints_every_check(told):
 
 @pytest.mark.parametrize(("got", "said", "status"), [
     (1.0, "All 2 checks passed", 0), (1.5, "1 checks FAILED", 4),
-    (float("nan"), "1 checks FAILED", 4)])
+    (math.nan, "1 checks FAILED", 4)])
 def test_verify_ends_with_4_if_a_number_is_off(monkeypatch, told, got, said, status):
     found = [Check("a", 1.0, 1.0), Check("b", 1.0, got)]
     monkeypatch.setattr("rodimpact.cli.verify.checks", lambda: found)
@@ -427,6 +428,41 @@ def test_verify_ends_with_4_if_a_number_is_off(monkeypatch, told, got, said, sta
     data = json.loads(told("verify", "--json", status=status))
     assert data["passed"] is (status == 0)
     assert [check["passed"] for check in data["checks"]] == [True, status == 0]
+
+
+def test_the_solver_meets_the_closed_forms_far_within_the_bound():
+    found = checks()
+    assert len({check.name for check in found}) == len(found) > 25
+    assert [check for check in found if not check.residual < verify.BOUND / 100] == []
+
+
+@pytest.mark.parametrize(("expected", "got", "residual"), [
+    (1e6, 1e6 + 1e-3, 1e-9), (0.0, -1e-9, 1e-9), (1.0, 1.0 + 1e-11, 1e-11),
+    (1.0, math.nan, math.nan), ([1.0, 2.0, 3.0], [1.0, math.nan, 3.5], math.nan),
+])
+def test_a_wrong_number_or_a_missing_one_fails(expected, got, residual):
+    """Residuals are relative unless nothing is expected."""
+    check = verify.worst("x", expected, got)
+    assert check.residual == pytest.approx(residual, rel=1e-4, nan_ok=True)
+    assert not check.passed
+    assert verify.worst("x", 1.0, 1.0 + 1e-13).passed
+
+
+def test_a_wrong_solver_is_noticed(monkeypatch):
+    right = verify.solve
+
+    def wrong(system, **options):
+        solution = right(system, **options)
+        object.__setattr__(
+            solution.outcome, "velocities_after",
+            tuple(v * (1 + 1e-9) for v in solution.outcome.velocities_after),
+        )
+        return solution
+
+    monkeypatch.setattr(verify, "solve", wrong)
+    failed = [check.name for check in checks() if not check.passed]
+    assert "lengths l1 < l2: restitution" in failed
+    assert any(name.startswith("35 pairs of rods: restitution") for name in failed)
 
 
 def test_materials_names_speeds_and_sources(told):

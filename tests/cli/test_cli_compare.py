@@ -45,17 +45,16 @@ def shot(tmp_path, monkeypatch):
         + "".join("{:.1f};{:.4f};{:.4f}\n".format(*row).replace(".", ",") for row in rows))
 
 
-def call(capsys, *options):
-    status = main(["compare", "case.toml", "shot.txt", *options])
-    return status, *capsys.readouterr()
+@pytest.fixture
+def compared(told):
+    """What a comparison prints."""
+    return lambda *options: told("compare", "case.toml", "shot.txt", *options)
 
 
-def test_what_was_done_to_the_record_is_found(capsys, tmp_path):
-    status, out, err = call(
-        capsys, "--gauge", "near #1=1:0.5", "--gauge", "far=1:100 cm", "--stop", "320 us", "--json",
-        "--save", "shot.svg")
-    assert (status, err) == (0, "")
-    found = json.loads(out)["channels"]
+def test_what_was_done_to_the_record_is_found(compared, tmp_path):
+    found = json.loads(compared(
+        "--gauge", "near #1=1:0.5", "--gauge", "far=1:100 cm", "--stop", "320 us", "--json",
+        "--save", "shot.svg"))["channels"]
     for name, x in (("near #1", 0.5), ("far", 1.0)):
         channel = found[name]
         assert channel["unit"] == "V"
@@ -67,17 +66,15 @@ def test_what_was_done_to_the_record_is_found(capsys, tmp_path):
             assert pulse["width"] == pytest.approx(0.4 / C, abs=2e-7)
             assert pulse["plateau"] == pytest.approx(-10 / (2 * C) / 4e-3, rel=1e-3)
     assert "<svg" in (tmp_path / "shot.svg").read_text()
-    status, out, _ = call(capsys, "--gauge", "far=1:1.0", "--stop", "320 us")
+    out = compared("--gauge", "far=1:1.0", "--stop", "320 us")
     for words in ("measured", "predicted", "pulse starts", "misfit, root mean", "shift of", "gain"):
         assert words in out
 
 
-def test_a_bridge_makes_strain_and_fixed_numbers_stay(capsys):
+def test_a_bridge_makes_strain_and_fixed_numbers_stay(compared):
     bridge = ["--bridge", "half", "--gauge-factor", "2", "--excitation", "5 V", "--gain", "100"]
     options = ["--gauge", "far=1:1.0", "--shift", "33us", "--scale", "1", "--stop", "320 us"]
-    status, out, _ = call(capsys, *options, *bridge, "--json")
-    assert status == 0
-    channel = json.loads(out)["channels"]["far"]
+    channel = json.loads(compared(*options, *bridge, "--json"))["channels"]["far"]
     misfit = channel["misfit"]
     assert (channel["unit"], misfit["shift"], misfit["scale"]) == ("", 33e-6, 1)
     half = 4 / (2 * 2 * 5 * 100) / 4e-3  # of the strain that the record was made of
@@ -86,12 +83,10 @@ def test_a_bridge_makes_strain_and_fixed_numbers_stay(capsys):
     assert misfit["rms"] > 0.2
 
 
-def test_what_passes_near_the_end_is_carried_on(capsys):
+def test_what_passes_near_the_end_is_carried_on(compared):
     """Long waves run at the wave speed; the plateau of a pulse is one."""
-    status, out, _ = call(capsys, "--gauge", "far=1:0.2", "--carried", "80 cm", "--radius", "1 cm",
-                          "--stop", "320 us", "--json")
-    assert status == 0
-    channel = json.loads(out)["channels"]["far"]
+    carried = ["--carried", "80 cm", "--radius", "1 cm", "--stop", "320 us", "--json"]
+    channel = json.loads(compared("--gauge", "far=1:0.2", *carried))["channels"]["far"]
     assert channel["misfit"]["shift"] == pytest.approx(33e-6, abs=2e-6)
     assert channel["misfit"]["scale"] == pytest.approx(250.0, rel=0.05)
     assert channel["misfit"]["rms"] < 0.1
@@ -118,19 +113,17 @@ def test_mistakes(refuses, tmp_path, options, said):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["case.toml", "shot.txt"]
 
 
-def test_gauges_of_the_case_serve(capsys, refuses, tmp_path):
+def test_gauges_of_the_case_serve(compared, refuses, tmp_path):
     gauges = '[[gauges]]\nbody = 1\nfraction = 0.5\nname = "far"\n'
     (tmp_path / "case.toml").write_text(CASE + gauges)
-    by_case = call(capsys, "--stop", "320 us")
-    assert by_case == call(capsys, "--gauge", "far=1:1.0", "--stop", "320 us")
-    assert by_case[0] == 0
+    assert compared("--stop", "320 us") == compared("--gauge", "far=1:1.0", "--stop", "320 us")
     (tmp_path / "case.toml").write_text(CASE + gauges.replace("far", "fra"))
     refuses(["compare", "case.toml", "shot.txt"],
             "the record has no channel 'fra'; perhaps 'far' is meant")
 
 
-def test_waves_are_carried_along_a_rod_that_has_a_diameter(capsys, refuses, tmp_path):
-    assert call(capsys, "--gauge", "far=1:0.5", "--carried", "0.5")[0] == 0
+def test_waves_are_carried_along_a_rod_that_has_a_diameter(compared, refuses, tmp_path):
+    assert compared("--gauge", "far=1:0.5", "--carried", "0.5")
     (tmp_path / "case.toml").write_text(CASE.replace("diameter = 0.02", "area = 1e-4"))
     refuses(["compare", "case.toml", "shot.txt", "--gauge", "far=1:0.5", "--carried", "0.5"],
             "give the rod its diameter in place of the area, or --radius")
