@@ -28,15 +28,13 @@ def outcome_told(system: Any, found: Any) -> Any:
         it is ``final``, its ``status``, stated ``errors``, and energies.
     """
     able, before, after = unilateral(system), found["before"], found["after"]
-    k, count = able[0] if len(able) > 0 else 0, len(able)
-    episodes = found["contacts"][k].episodes if count == 1 else 0
-    closing = before[k] - before[k + 1] if count == 1 else 0.0
     why = no_restitution(
-        count, driven(system), episodes, found["final"], closing, found["status"])
+        able, before, found["contacts"], driven(system), found["final"], found["status"])
     e, error = None, 0.0
     if why == "":
-        e = effective_restitution(True, episodes, before[k : k + 2], after[k : k + 2]) + 0.0
-        error = 2 * found["errors"]["velocity"] / closing
+        k = able[0]
+        e = effective_restitution(True, 1, before[k : k + 2], after[k : k + 2]) + 0.0
+        error = 2 * found["errors"]["velocity"] / (before[k] - before[k + 1])
     return {**found, "able": able, "why": why, "restitution": e, "error": error}
 
 

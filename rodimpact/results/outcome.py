@@ -175,13 +175,8 @@ class Outcome(OnlyContact[float]):
 
     def why_no_restitution(self) -> str:
         """Return the sentence that says why `restitution` is undefined, empty if it is defined."""
-        episodes, closing = 0, 0.0
-        if len(self.unilateral) == 1:
-            k = self.unilateral[0]
-            episodes = self.contacts[k].episodes
-            closing = self.velocities_before[k] - self.velocities_before[k + 1]
-        return no_restitution(
-            len(self.unilateral), self.driven, episodes, self.final, closing, self.status)
+        return no_restitution(self.unilateral, self.velocities_before, self.contacts, self.driven,
+                              self.final, self.status)
 
     def as_rigid(self) -> RigidCollision:
         """Return the collision as rigid-body mechanics sees it.
@@ -233,31 +228,33 @@ class Outcome(OnlyContact[float]):
 
 
 def no_restitution(
-    contacts: int, driven: bool, episodes: int, final: bool, closing: float, status: str
+    able: Sequence[int], before: Sequence[float], contacts: Sequence[ContactTally], driven: bool,
+    final: bool, status: str,
 ) -> str:
     """Why there is no coefficient of restitution; empty if there is one.
 
     Parameters
     ----------
-    contacts : int
-        How many can open.
+    able : list of int
+        Contacts that can open.
+    before : list of float
+        Velocities of the bodies, m/s.
+    contacts : list of ContactTally
     driven : bool
         Whether velocities change besides at contacts.
-    episodes : int
-        How often the only contact pressed.
     final : bool
-    closing : float
-        Velocity at which the two sides of the only contact approached each other, m/s.
     status : str
         Why the run ended.
     """
-    if contacts == 0:
+    if len(able) == 0:
         return "restitution is undefined: no contact of this row can open"
-    if contacts != 1:
+    if len(able) != 1:
         return (
-            f"restitution is defined for one contact, this row has {contacts}; "
+            f"restitution is defined for one contact, this row has {len(able)}; "
             "read velocities_after instead"
         )
+    k = able[0]
+    episodes, closing = contacts[k].episodes, before[k] - before[k + 1]
     if driven:
         return (
             "restitution is undefined: gravity or a driven end changes the velocities "
