@@ -91,16 +91,20 @@ def status_of(
     t_final : float
         As of `last_of`, s.
     """
-    stopped_by, final, end = REASONS[it.stop], "", format_si(it.now * it.tick, "s")
-    names = contact_names([body.kind for body in system.bodies])
-    pressing = ", ".join([
-        names[i] for i, k in enumerate(contacts)
+    stopped_by, final = REASONS[it.stop], ""
+    pressing = [
+        i for i, k in enumerate(contacts)
         if node[k].status == Status.PRESS and node[k].force > ROUND_OFF * node[k].peak
-    ])
-    if proved and pressing != "":
-        final = f"Nothing changes any more; contact {pressing} goes on pressing."
+    ]
+    if proved and len(pressing) > 0:
+        names = contact_names([body.kind for body in system.bodies])
+        those = ", ".join([names[i] for i in pressing])
+        final = f"Nothing changes any more; contact {those} goes on pressing."
     elif proved:
         final = proof_sentence(any(at.episodes > 0 for at in node), t_final)
+    if stopped_by == "final":
+        return final
+    end = format_si(it.now * it.tick, "s")
     if stopped_by == "max_events" and final == "":
         return (
             f"Stopped by the cap of {it.events} events at {end}; fronts multiply where transit "
