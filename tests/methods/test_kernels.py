@@ -74,7 +74,8 @@ def test_three_rods_whose_waves_meet_exactly():
     assert clock.transit_error < 1e-14
 
 
-@pytest.mark.parametrize("compiling", [False, True])
+@pytest.mark.parametrize("compiling", [False, pytest.param(True, marks=pytest.mark.skipif(
+    not kernels.enabled(), reason="compiling is disabled"))])
 def test_a_log_that_is_full_grows_and_the_run_goes_on(monkeypatch, compiling):
     system = random_system(3)
     roomy = bits_of(system, horizon(system, 8), compiling)
