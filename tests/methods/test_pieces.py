@@ -196,7 +196,8 @@ def test_a_break_is_hard_where_what_jumps_is_above_tolerance(jump, slope, bend, 
 
 def test_a_wave_with_a_jump_and_a_kink_becomes_pieces_either_way():
     signal = Pieces.lines([0, 300, 700], np.array([1.0, 3.0, 2.0]), np.array([1.0, 2.0, 4.0]), 1000)
-    made = waves.in_pieces(signal, 0, 1000, 1e-9)
+    made, missed = waves.in_pieces(signal, 0, 1000, 1e-9)
+    assert missed == 0
     back = waves.backwards(made)
     assert (made["start"].tolist(), made["order"].tolist()) == ([0, 300, 700], [SMOOTH, 0, 1])
     assert (back["start"].tolist(), back["order"].tolist()) == ([-1000, -700, -300], [SMOOTH, 1, 0])

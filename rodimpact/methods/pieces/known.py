@@ -67,7 +67,8 @@ class Known:
     outside : list of int
         The lines of what comes from outside, NONE for the free end of a rod.
     fit : float
-        By how much samples miss the functions that they stand for, relative to the velocity scale.
+        By how much the pieces miss what was given, or samples the functions that they stand for,
+        relative to the velocity scale.
     """
 
     def __init__(
@@ -91,10 +92,10 @@ class Known:
     def _follow(self, signal: Pieces, start: int, stop: int, *given: tuple[Any, float]) -> Any:
         """A signal between two ticks as pieces; it is made of profiles times factors."""
         scale = float(self._clock.scale)
-        for profile, factor in given:
-            if isinstance(profile, Samples):
-                self.fit = max(self.fit, abs(factor) * profile.error / scale)
-        return waves.in_pieces(signal, start, stop, self._asked.tolerance * scale / 4)
+        made, missed = waves.in_pieces(signal, start, stop, self._asked.tolerance * scale / 4)
+        misses = [abs(factor) * p.error for p, factor in given if isinstance(p, Samples)]
+        self.fit = max(self.fit, max([missed, *misses]) / scale)
+        return made
 
     def _under_way(self, s: int, rod: Any, begin: Any) -> None:
         """Waves that run through segment s at t = 0: a = v - c strain, and b = v + c strain."""

@@ -7,11 +7,12 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from ...model import Samples, Steps
-from ..signals import ROUND_OFF, Ints, Pieces, each_once
+from ..signals import ROUND_OFF, Floats, Ints, Pieces, each_once
 from .lines import EXACT
 from .records import PIECE, SMOOTH
-from .series import POINTS, N
+from .series import POINTS, SERIES, N, X
 
+LEVELS = 12  # pieces of at most 2^12 intervals
 INSIDE = 6  # values in an interval: what runs there is of degree 5 at most
 SHARES = (1 - np.cos(np.pi * np.arange(INSIDE) / (INSIDE - 1))) / 2
 
@@ -40,28 +41,78 @@ def signal_of(profile: Any, length: float, ticks_of: Callable[[Any], Ints]) -> P
     return Pieces(ticks[:-1], values @ series.T, ticks[-1])
 
 
-def in_pieces(signal: Pieces, start: int, stop: int, tolerance: float) -> Any:
-    """A signal between two ticks in its own pieces, [n] PIECE.
+def in_pieces(signal: Pieces, start: int, stop: int, tolerance: float) -> tuple[Any, float]:
+    """A signal between two ticks as pieces that are as long as they fit to a tolerance.
 
-    A kink is one if it changes values by more than the tolerance until the next break: straight
-    lines between close samples of a smooth curve have none.
+    Pieces begin at breaks of the signal. A kink is one if it changes values by more than the
+    tolerance until the next break: straight lines between close samples of a smooth curve have
+    none.
+
+    Returns
+    -------
+    made : [n] PIECE
+    missed : float
+        By how much they miss the signal at most.
     """
     edges = each_once([start], signal.breaks_in(start, stop), [stop])
-    ends, widths = edges[1:], np.diff(edges) * 1.0
-    own = signal.cut(edges[:-1], stop).coefficients
     least = ROUND_OFF * np.abs(signal.coefficients).max()
+    jumps = np.abs(signal.at(edges[1:], "left") - signal.at(edges[1:])) > EXACT * tolerance + least
+    first, own, missed = _merged(signal, edges, jumps, tolerance)
     own[np.abs(own[:, 1:]).sum(axis=1) <= least, 1:] = 0.0  # a constant stays one
-    jumps = np.abs(signal.at(ends, "left") - signal.at(ends)) > EXACT * tolerance + least
-    k = np.arange(own.shape[1])
+    ends, inner = edges[np.append(first[1:], -1)], first[1:]
+    widths, k = (ends - edges[first]) * 1.0, np.arange(POINTS)
     right, left = own @ k**2 * 2 / widths, own @ (k**2 * (-1.0) ** (k + 1)) * 2 / widths
-    bends = np.abs(left[1:] - right[:-1]) * np.minimum(widths[1:], widths[:-1]) / 8
+    near = np.minimum(edges[inner] - edges[inner - 1], edges[inner + 1] - edges[inner])
+    bends = np.abs(left[1:] - right[:-1]) * near / 8
     made = np.zeros(len(own), PIECE)
-    made["start"], made["stop"], made["order"] = edges[:-1], ends, SMOOTH
+    made["start"], made["stop"], made["order"] = edges[first], ends, SMOOTH
     made["order"][1:] = np.where(
-        jumps[:-1], 0, np.where(bends > tolerance + least, 1, SMOOTH))
+        jumps[inner - 1], 0, np.where(bends > tolerance + least, 1, SMOOTH))
     made["degree"] = np.where(own[:, 1:].any(axis=1), N, 0)
-    made["coefficient"][:, k] = own
-    return made
+    made["coefficient"] = own
+    return made, missed
+
+
+def _merged(
+    signal: Pieces, edges: Ints, jumps: Any, tolerance: float
+) -> tuple[Ints, Floats, float]:
+    """First intervals of pieces, their series, and by how much they miss the signal at most."""
+    passed = np.cumsum(np.append(0, jumps[:-1]))  # jumps before each interval
+    n = len(edges) - 1
+    width = 1 << min(LEVELS, max(n - 1, 0).bit_length())
+    first, found, worst = np.arange(0, n, width), list[tuple[Ints, Floats]](), 0.0
+    while width > 1:  # what does not fit is halved
+        last = np.minimum(first + width, n)
+        good = (first + width == last) & (passed[last - 1] == passed[first])
+        series, missed = _through(signal, edges, first[good], width)
+        good[good] = fits = missed <= tolerance
+        worst = max(worst, missed[fits].max(initial=0.0))
+        found.append((first[good], series[fits]))
+        width //= 2
+        first = np.concatenate((first[~good], first[~good] + width))
+        first = first[first < n]
+    given = signal.cut(edges[:-1], int(edges[-1])).coefficients[first]
+    single = np.zeros((len(first), POINTS))
+    single[:, : given.shape[1]] = given
+    begin, own = (np.concatenate(x) for x in zip(*found, (first, single), strict=True))
+    order = np.argsort(begin)
+    return begin[order], own[order], float(worst)
+
+
+def _through(signal: Pieces, edges: Ints, first: Ints, width: int) -> tuple[Floats, Floats]:
+    """Series through so many intervals from each `first` on, and by how much they miss them."""
+    low, high = edges[first], edges[first + width]
+    values = signal.at(low[:, None] + (high - low)[:, None] * (np.array(X) + 1) / 2)
+    values[:, -1] = signal.at(high, "left")
+    series = values @ np.array(SERIES).T
+    at = first[:, None] + np.arange(width)
+    starts, stops = edges[at], edges[at + 1]
+    inside = starts[..., None] + (stops - starts)[..., None] * SHARES
+    shape = len(first), width * INSIDE
+    y = 2 * (inside.reshape(shape) - low[:, None]) / (high - low)[:, None] - 1
+    given = signal.inside(starts.ravel(), stops.ravel(), SHARES) * np.ones(INSIDE)
+    missed = chebyshev.chebval(y.T, series.T, tensor=False).T - given.reshape(shape)
+    return series, np.abs(missed).max(axis=1, initial=0.0)
 
 
 def backwards(pieces: Any) -> Any:
