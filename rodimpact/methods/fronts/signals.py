@@ -17,7 +17,8 @@ from .run import FrontRun
 def signals_of(run: FrontRun) -> Signals:
     """All that a run knows of the motion."""
     lines = _waves(len(run.segment), run.log)
-    contacts = tuple(_contact(run, lines, k) for k in range(len(run.plan.contacts)))
+    changes = run.log[run.log["line"] == CHANGE]
+    contacts = tuple(_contact(run, lines, changes, k) for k in range(len(run.plan.contacts)))
     left, right = (_outside(run, lines, contacts, side) for side in (0, 1))
     return Signals(Waves(lines), contacts, (left, right))
 
@@ -31,16 +32,18 @@ def _waves(segments: int, log: Any) -> list[Pieces | None]:
             for i, j in pairwise(bounds)]
 
 
-def _contact(run: FrontRun, lines: Sequence[Pieces | None], contact: int) -> ContactSignal:
+def _contact(
+    run: FrontRun, lines: Sequence[Pieces | None], changed: Any, contact: int
+) -> ContactSignal:
     """Force and gap, from the waves that arrive at a contact and its changes of status.
 
     The status before any change holds from tick -1 on.
     """
     a, node, end = run.clock, run.plan.contacts[contact], run.run.now
     first, bonded = float(a.system.gaps[contact]) / a.tick, run.node[node].kind == Status.BOND
-    log = run.log[(run.log["line"] == CHANGE) & (run.log["after"] == node)]
+    own = changed[changed["after"] == node]
     before = Status.OPEN if first > 0 else run.node[node].kind
-    changes = Pieces([-1, *log["tick"]], [before, *log["value"]])
+    changes = Pieces([-1, *own["tick"]], [before, *own["value"]])
     left, right = (_arrivals(run, lines, node, side) for side in (0, 1))
     ticks = each_once([0], left.ticks, right.ticks, changes.ticks)
     ticks = ticks[(ticks >= 0) & (ticks <= end)]

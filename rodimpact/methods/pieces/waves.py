@@ -14,6 +14,7 @@ from .series import POINTS, SERIES, N, X
 
 LEVELS = 12  # pieces of at most 2^12 intervals
 INSIDE = 6  # values in an interval: what runs there is of degree 5 at most
+_SERIES, _X = np.array(SERIES), np.array(X)
 SHARES = (1 - np.cos(np.pi * np.arange(INSIDE) / (INSIDE - 1))) / 2
 
 
@@ -102,9 +103,9 @@ def _merged(
 def _through(signal: Pieces, edges: Ints, first: Ints, width: int) -> tuple[Floats, Floats]:
     """Series through so many intervals from each `first` on, and by how much they miss them."""
     low, high = edges[first], edges[first + width]
-    values = signal.at(low[:, None] + (high - low)[:, None] * (np.array(X) + 1) / 2)
+    values = signal.at(low[:, None] + (high - low)[:, None] * (_X + 1) / 2)
     values[:, -1] = signal.at(high, "left")
-    series = values @ np.array(SERIES).T
+    series = values @ _SERIES.T
     at = first[:, None] + np.arange(width)
     starts, stops = edges[at], edges[at + 1]
     inside = starts[..., None] + (stops - starts)[..., None] * SHARES
