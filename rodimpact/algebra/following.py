@@ -72,7 +72,7 @@ class Followed:
             due = [k for k in nodes if state.tree[leaves + k] == t]
         state.run.now = end
         events.close_books(state.run, state.node, end)
-        stock.final(*state[:5])
+        stock.settle(*state[:5])
         lasting = ending(system)
         for i in unilateral(system):
             apart = self._motion(i + 1)[1] - self._motion(i)[1]

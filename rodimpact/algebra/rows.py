@@ -177,7 +177,7 @@ def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:
         given += [v, ZERO]  # of a strain
     state = laid(plan, given, [T * rate for T in numbers.transit], 1 / rate, ZERO)
     final = state.go(-1, max_events, ZERO) == Stop.FINAL
-    stock.final(*state[:5])
+    stock.settle(*state[:5])
     before, after = (
         [getattr(state.segment[s], name) if e else v
          for (s, e), v in zip(row.spans, numbers.velocity, strict=True)]

@@ -9,13 +9,15 @@ arrays compiled, lists of small objects in plain Python.
 import contextlib
 import dataclasses
 import functools
+import gc
 import hashlib
 import itertools
 import operator
 import sys
 import threading
 import warnings
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import CellType, FunctionType, ModuleType
 from typing import Any
@@ -42,6 +44,18 @@ def compiler() -> Any:
         import numba
 
         return numba
+
+
+@contextlib.contextmanager
+def uncollected() -> Iterator[None]:
+    """Look for no garbage: numba makes millions of objects that stay, a seventh of its time."""
+    before = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if before:
+            gc.enable()
 
 
 class DamagedCache(UserWarning):
@@ -84,7 +98,7 @@ class Compiled:
         """Run it."""
         try:
             if not self._fast.signatures:  # with a lock that a fork waits for; numba's is private
-                with ONE_AT_A_TIME:
+                with ONE_AT_A_TIME, uncollected():
                     self._fast.compile(tuple(map(compiler().typeof, given)))
             return self._fast(*given)
         except Exception as error:
@@ -119,7 +133,7 @@ def interpreted(kernel: Any, own: Functions = ()) -> Kernel:
     """Return a kernel in plain Python, with these functions for `own`."""
     if not own:
         return kernel  # type: ignore[no-any-return]
-    twin = _twin(sys.modules[kernel.__module__], own, False)
+    twin = _twin(sys.modules[kernel.__module__], own)
     return getattr(twin, kernel.__name__)  # type: ignore[no-any-return]
 
 
@@ -136,26 +150,41 @@ def _entry(kernel: Any, own: Functions) -> FunctionType:
     module = sys.modules[kernel.__module__]
     code = kernel.__code__.replace(co_freevars=("digest",))
     digest = (CellType(f"{kernel.__name__} {digest_of(module)}"),)
-    scope = vars(_twin(module, own, True))
+    scope = vars(_twin(module, own, _once(module)))
     twin = FunctionType(code, scope, kernel.__name__, kernel.__defaults__, digest)
     twin.__qualname__, twin.__module__ = kernel.__qualname__, kernel.__module__
     return twin
 
 
+def _once(module: ModuleType) -> frozenset[str]:
+    """Names that one function uses, of those in a kernel module and in what it imports."""
+    uses = Counter(name for one in _modules(module) for value in vars(one).values()
+                   if isinstance(value, FunctionType) for name in {*value.__code__.co_names})
+    return frozenset(name for name, times in uses.items() if times == 1)
+
+
 @functools.cache
-def _twin(module: ModuleType, own: Functions, jitted: bool) -> ModuleType:
-    """The same module with its functions jitted, its tables as arrays, and the user's functions."""
+def _twin(module: ModuleType, own: Functions, once: frozenset[str] | None = None) -> ModuleType:
+    """The same module with the user's functions; jitted if it is known what is called `once`.
+
+    That becomes part of what calls it, which makes no more code: handing arrays over takes time.
+    """
     twin = ModuleType(module.__name__)
-    jit: Any = compiler().njit(**INNER) if jitted else lambda function: function
+
+    def jit(function: Any, name: str = "") -> Any:
+        if once is None:
+            return function
+        return compiler().njit(**INNER, forceinline=name in once)(function)
+
     for name, value in vars(module).items():
         made = value
         if name == "own" and own:
             made = _one_of(own, jit)
         elif isinstance(value, FunctionType) and value.__module__ == module.__name__:
-            made = jit(FunctionType(value.__code__, vars(twin), name, value.__defaults__))
+            made = jit(FunctionType(value.__code__, vars(twin), name, value.__defaults__), name)
         elif _is_kernel(value):
-            made = _twin(value, own, jitted)
-        elif isinstance(value, list) and jitted:
+            made = _twin(value, own, once)
+        elif isinstance(value, list) and once is not None:
             made = np.array(value)
         if not name.startswith("__"):
             setattr(twin, name, made)
@@ -183,18 +212,21 @@ def _is_kernel(value: Any) -> bool:
     return isinstance(value, ModuleType) and value.__name__.startswith(f"{package}.")
 
 
+def _modules(module: ModuleType) -> list[ModuleType]:
+    """A kernel module, and those that it imports."""
+    found = [module]
+    for one in found:
+        found += [it for it in vars(one).values() if _is_kernel(it) and it not in found]
+    return found
+
+
 def digest_of(module: ModuleType) -> str:
     """Of all sources in the folders of a kernel module and of those that it imports.
 
     Constants and records come from files of which a module keeps no more than names.
     """
-    files, seen, waiting = {Path(__file__)}, set[str](), [module]
-    while waiting:
-        here = waiting.pop()
-        if here.__name__ not in seen:
-            seen.add(here.__name__)
-            files.update(Path(str(here.__file__)).parent.glob("*.py"))
-            waiting += [value for value in vars(here).values() if _is_kernel(value)]
+    folders = {Path(str(one.__file__)).parent for one in _modules(module)}
+    files = {Path(__file__)}.union(*(folder.glob("*.py") for folder in folders))
     digest = hashlib.blake2b(digest_size=16)
     for file in sorted(files):
         digest.update(hashlib.blake2b(file.read_bytes()).digest())

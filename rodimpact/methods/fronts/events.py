@@ -226,7 +226,7 @@ def advance(
             F, u = outer_force(at, k, a, b, Yl, Yr)
         at.force, at.speed = F, u - F * Yl
         # waves that leave to the left and to the right: a front where they change
-        for l in (2 * k + 1, 2 * k + 2):
+        for l in range(2 * k + 1, 2 * k + 3):
             out = u - 2 * F * Yl if l % 2 else b + 2 * F * Yr
             q = line[l].tail
             if q != NONE and abs(out - log[q].value) > tol:

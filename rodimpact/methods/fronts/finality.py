@@ -37,7 +37,7 @@ def survey_group(segment: Any, node: Any, line: Any, log: Any, k: int, s: int, t
     for i in range(first, last + 1):
         Z = 1 / segment[i].mobility
         mass += 2 * Z * segment[i].transit
-        for l in (2 * i, 2 * i + 1):
+        for l in range(2 * i, 2 * i + 2):
             r, wave, edge = line[l].head, line[l].arrived, segment[i].transit
             low, high = min(low, wave), max(high, wave)
             while r != NONE:
@@ -89,7 +89,7 @@ def bound_deviation(segment: Any, node: Any, line: Any, log: Any, k: int, s: int
         if held:
             g0 = g1 = 1 + zero
         slack += Y * T * (g0 * g0 + g0 * g1 + g1 * g1) / 3
-        for l in (2 * inner, 2 * inner + 1):
+        for l in range(2 * inner, 2 * inner + 2):
             outward = (l % 2 == 1) == right  # runs towards the end at the contact
             sign = 1 if l % 2 else -1
             r, wave, edge, more = line[l].head, line[l].arrived - it.mean, T, True
@@ -120,14 +120,14 @@ def time_until_apart(
 ) -> float:
     """Ticks until contact k may be proved not to close again, see `finality_kernel`."""
     at, left, right = node[k], segment[k], segment[k + 1]
-    for s in (k, k + 1):
+    for s in range(k, k + 2):
         survey_group(segment, node, line, log, k, s, t)
     opening, least = right.mean - left.mean, -1 - tol  # fractions know no infinity
     if left.bounded and right.bounded:
         least = right.low - left.high
     apart = square = 0 * opening
     if proof.undecided(opening, least, tol):
-        for s in (k, k + 1):
+        for s in range(k, k + 2):
             bound_deviation(segment, node, line, log, k, s, t)
         apart = at.gap + at.rate * (t - at.since) - right.deviation + left.deviation
         square = 2 * (left.bound + right.bound)  # of a sum of roots at most, without roots

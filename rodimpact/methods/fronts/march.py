@@ -60,7 +60,7 @@ def follow(
 
 def finish(run: Any, segment: Any, node: Any, line: Any, log: Any) -> None:
     """Add up what a run has come to."""
-    stock.final(run, segment, node, line, log)
+    stock.settle(run, segment, node, line, log)
     run.vibration = 0 * run.tick
     for s in range(len(segment)):
         run.vibration += segment[s].vibration

@@ -17,7 +17,7 @@ def take(run: Any, segment: Any, line: Any, log: Any) -> None:
         it = segment[s]
         Z, V = 1 / it.mobility, it.velocity
         total, square = 0 * V, 0 * V
-        for l in (2 * s, 2 * s + 1):
+        for l in range(2 * s, 2 * s + 2):
             r, wave, edge = line[l].head, line[l].arrived, it.transit
             while r != NONE:
                 width = edge - t + log[r].tick
@@ -29,8 +29,8 @@ def take(run: Any, segment: Any, line: Any, log: Any) -> None:
         it.momentum, it.vibration = Z * total / 2, Z * square / 4
 
 
-def share(segment: Any, node: Any, pushed: bool) -> None:
-    """Set the velocities of bonded groups: from their momenta, or `pushed` by their impulses.
+def share(run: Any, segment: Any, node: Any) -> None:
+    """Set the velocities of bonded groups: at t = 0 from their momenta, then from their impulses.
 
     The impulses are more exact than the momenta of waves, and independent of them; only groups
     bonded to what is outside have no other velocity than that of their momenta.
@@ -44,7 +44,7 @@ def share(segment: Any, node: Any, pushed: bool) -> None:
             momentum += segment[s].momentum
         own = momentum / mass
         held = node[first - 1].status == Status.BOND or node[last].status == Status.BOND
-        if pushed and not held:
+        if run.events > 0 and not held:
             own = segment[first].initial + (node[first - 1].impulse - node[last].impulse) / mass
         for s in range(first, last + 1):
             segment[s].velocity = own
@@ -52,28 +52,27 @@ def share(segment: Any, node: Any, pushed: bool) -> None:
 
 
 def initial(run: Any, segment: Any, node: Any, line: Any, log: Any) -> None:
-    """Take stock at t = 0, of nodes that have their status: momenta, and the velocities of them.
-
-    The vibration is asked of what runs further only.
-    """
+    """Take stock at t = 0, of nodes that have their status."""
     for s in range(len(segment)):
         segment[s].velocity = segment[s].momentum = segment[s].vibration = 0 * segment[1].mobility
-    take(run, segment, line, log)
-    share(segment, node, False)
-    if run.further:
-        take(run, segment, line, log)
+    settle(run, segment, node, line, log)
     for s in range(len(segment)):
         it = segment[s]
         it.initial, it.initial_momentum = it.velocity, it.momentum
         it.initial_vibration = it.vibration
 
 
-def final(run: Any, segment: Any, node: Any, line: Any, log: Any) -> None:
-    """Take stock at the end."""
-    if node[0].status == Status.BOND or node[len(node) - 1].status == Status.BOND:
+def settle(run: Any, segment: Any, node: Any, line: Any, log: Any) -> None:
+    """Find the velocities of groups, and the momenta and vibration of segments about them.
+
+    The vibration at t = 0 is asked of what runs further only.
+    """
+    held = node[0].status == Status.BOND or node[len(node) - 1].status == Status.BOND
+    if held or run.events == 0:
         take(run, segment, line, log)
-    share(segment, node, True)
-    take(run, segment, line, log)
+    share(run, segment, node)
+    if run.further or run.events > 0:
+        take(run, segment, line, log)
 
 
 def largest_difference(log: Any, a: int, b: int, T: int, end: int, window: int) -> Any:

@@ -103,13 +103,14 @@ def keep(grid: Any, track: Any) -> None:
     strain, rate, coupling = grid.strain, grid.rate, grid.coupling
     kept, radial, n, total = track.force, track.radial, len(v), 0.0
     nodes, cells, pieces = run.kept * n, run.kept * (n + 1) & FAR, run.kept * len(grid.piece)
-    track.velocity[nodes : nodes + n] = v
     kept[cells] = kept[cells + n] = 0.0
-    for i in range(1, n):
-        kept[cells + i] = force[i] + stiffness[i] * (v[i] - v[i - 1]) / 2
+    for i in range(n):  # numba compiles a loop in a tenth of the time of a copied slice
+        track.velocity[nodes + i] = v[i]
+        if i > 0:
+            kept[cells + i] = force[i] + stiffness[i] * (v[i] - v[i - 1]) / 2
     if run.swells > 0:
-        track.radial_rate[cells : cells + n + 1] = rate
         for i in range(n + 1):
+            track.radial_rate[cells + i] = rate[i]
             kept[cells + i] += coupling[i] * rate[i] / 2
             radial[cells + i] = strain[i] + rate[i] / 2
     for i in range(len(grid.piece)):

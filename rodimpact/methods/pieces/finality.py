@@ -82,9 +82,10 @@ def bound(group: Any, slack: float) -> float:
 
 def survey(link: Any, mass: Any, line: Any, log: Any, part: Any, second: float, tick: int) -> None:
     """Set what all groups do at a tick that every node has reached; `second` is s a tick."""
-    first = 0
-    while first < len(part):
+    for first in range(len(part)):
         head, last = part[first], first + part[first].parts
+        if head.parts == 0:
+            continue
         momentum = total = 0.0
         for k in range(first, last):
             look_at(link, mass, line, log, part[k], 0.0, tick)
@@ -104,7 +105,6 @@ def survey(link: Any, mass: Any, line: Any, log: Any, part: Any, second: float, 
             look_at(link, mass, line, log, part[k], head.mean, tick)
             head.bound += part[k].energy
         set_ends(link, line, log, part, first, last, total, second)
-        first = last
 
 
 def look_at(

@@ -138,12 +138,13 @@ def append(
     run: Any, line: Any, log: Any, l: int, tick: int, ticks: int, f: Any, c: Any
 ) -> int:
     """Append what has the values f at the points of a piece, with c as scratch, as `put` does."""
-    if not series.is_constant(f):
-        series.coefficients(f, c)
-        return put(run, line, log, l, tick, tick + ticks, N, c)
+    degree = 0
     for m in range(POINTS):
         c[m] = f[0] if m == 0 else 0.0
-    return put(run, line, log, l, tick, tick + ticks, 0, c)
+    if not series.is_constant(f):
+        degree = N
+        series.coefficients(f, c)
+    return put(run, line, log, l, tick, tick + ticks, degree, c)
 
 
 def send(
@@ -153,14 +154,15 @@ def send(
     old = line[l].tail
     i = append(run, line, log, l, at.now, ticks, at.leaving, at.series)
     if i != NONE and order <= HARD:
-        judge(run, line, log, old, i, order)
+        log[i].order = order
+        judge(run, line, log, old, i)
 
 
-def judge(run: Any, line: Any, log: Any, old: int, i: int, order: int) -> None:
-    """Set the order of the break between two pieces: it is hard if what jumps is above tolerance.
+def judge(run: Any, line: Any, log: Any, old: int, i: int) -> None:
+    """Judge the break between two pieces: it is hard if what jumps is above tolerance.
 
-    Theory says of what `order` it can be; jumps of value, slope and curvature are measured over the
-    shortest transit, a typical length of a piece.
+    Its `order` is what theory says it can be; jumps of value, slope and curvature are measured over
+    the shortest transit, a typical length of a piece.
     """
     before, new = log[old], log[i]
     s0 = 0.5 * run.shortest / (before.stop - before.start)
@@ -173,9 +175,8 @@ def judge(run: Any, line: Any, log: Any, old: int, i: int, order: int) -> None:
         slope -= q * (c * s1 + b * s0)
         bend += q * (q - 1) / 6 * (c * s1 * s1 - b * s0 * s0)
         sign = -sign
-    new.order = order
     if abs(jump) <= EXACT * run.tolerance:
-        new.order = max(order, 1)
+        new.order = max(new.order, 1)
         if abs(slope) + abs(bend) <= 4 * run.tolerance:
             new.order = SMOOTH
     if new.order <= HARD:
@@ -191,7 +192,8 @@ def reflect(run: Any, line: Any, log: Any, at: Any) -> int:
     stop = piece.stop + delay
     i = put(run, line, log, target, at.now, stop, piece.degree, piece.coefficient)
     if i != NONE and at.now == 0:  # the first that meets what was under way
-        judge(run, line, log, old, i, 0)
+        log[i].order = 0
+        judge(run, line, log, old, i)
     elif i != NONE and at.now == piece.start + delay:
         log[i].order = piece.order
         line[target].hard += piece.order <= HARD

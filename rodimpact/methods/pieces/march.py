@@ -153,7 +153,7 @@ def solve(
     int, float, float, int, int
         Its ticks, 0 without a solution; its tail; where its first event is, in which link, to what.
     """
-    flips, tried, rough_before = 0, 0, 0.0
+    flips, tried, rough_before = 0, ticks, 0.0
     while True:
         h = ticks * run.tick
         take_inputs(line, log, at, ticks)
