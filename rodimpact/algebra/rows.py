@@ -17,9 +17,10 @@ from ..methods.fronts.driver import Laid, laid
 from ..methods.fronts.plan import plan_of
 from ..methods.groups import unilateral
 from ..methods.laws import Status, Stop
-from ..methods.registry import check_function, check_system, count
+from ..methods.registry import check_function, count
 from ..methods.row import Row
 from ..model import Bonded, Free, Rod, Steps, System, Wall
+from ..model.arguments import of_kind
 from ..model.frozen import InvalidModel, Problems, raise_noted
 from .numbers import ZERO, Number
 
@@ -114,7 +115,7 @@ def check_final(done: ExactRun, max_events: int) -> None:
 
 def check(system: System) -> None:
     """Raise InvalidModel where something has no exact numbers: that is told."""
-    check_system(system)
+    of_kind("system", system, System, "System([rod, Wall()])")
     problems: Problems = []
     if system.shape:
         problems.append(("system", f"has members of shape {system.shape}; take one: system[0]"))

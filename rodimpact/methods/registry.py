@@ -1,15 +1,15 @@
 """The methods, the physics that each lacks, and what a run is asked for, checked in one place."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..model import System
-from ..model.arguments import array
-from ..model.frozen import Field, Problems, raise_noted, refusal
+from ..model.arguments import array, of_kind
+from ..model.frozen import Declared, Problems, quantity, raise_noted, refusal
 from ..units import shown
 from . import abilities
 from .fronts import method as fronts
@@ -47,12 +47,9 @@ METHODS = {
 
 MOST_COUNTED = 10**15
 METHOD_NAMES = ("auto", *METHODS)
-NUMBERS = {name: Field(unit, sign, default=None, single=True) for name, unit, sign in (
-    ("until", "s", "non-negative"), ("dt", "s", "positive"), ("rtol", "", "positive"))}
 
 
-@dataclass(frozen=True)
-class Options:
+class Options(Declared):
     """How to run a collision, or each one of a family.
 
     Parameters
@@ -88,35 +85,28 @@ class Options:
     1e-06
     """
 
-    until: float | None = None
+    until: float | None = quantity("s", "non-negative", default=None, single=True)
     method: str = "auto"
     max_events: int = MAX_EVENTS
-    dt: float | None = None
-    rtol: float | None = None
+    dt: float | None = quantity("s", "positive", default=None, single=True)
+    rtol: float | None = quantity("", "positive", default=None, single=True)
     cells: int | None = None
     snapshots: int | ArrayLike | None = None
 
-    def __post_init__(self) -> None:
-        problems: Problems = []
-        for name, field in NUMBERS.items():
-            self._set(name, field.checked(problems, name, getattr(self, name)))
+    def _check(self, problems: Problems) -> None:
         if not isinstance(self.method, str) or self.method not in METHOD_NAMES:
             known = ", ".join(f'"{m}"' for m in METHOD_NAMES)
             problems.append(("method", f"must be one of {known}, got {shown(self.method)}"))
-        self._set("max_events", count(problems, "max_events", self.max_events))
+        self._set(max_events=count(problems, "max_events", self.max_events))
         if self.cells is not None:
-            self._set("cells", count(problems, "cells", self.cells))
+            self._set(cells=count(problems, "cells", self.cells))
         if self.snapshots is not None:
-            self._set("snapshots", _snapshots(problems, self.snapshots, self.until))
+            self._set(snapshots=_snapshots(problems, self.snapshots, self.until))
         told = [path for path, _ in problems]
         problems += [
             (name, "fixes the step, rtol chooses it; give one of them") for name in ("dt", "cells")
             if self.rtol is not None and getattr(self, name) is not None and name not in told
         ]
-        raise_noted(problems)
-
-    def _set(self, name: str, value: Any) -> None:
-        object.__setattr__(self, name, value)
 
     def method_for(self, system: Any) -> str:
         """Choose the method that is to run.
@@ -132,7 +122,7 @@ class Options:
             If that is no System, the method lacks something that it has, an option is for another
             method, or `until` is missing.
         """
-        check_system(system)
+        of_kind("system", system, System, "System([rod, Wall()])")
         needs = abilities.needs(system)
         able = [name for name, method in METHODS.items() if not method.lacking(needs)]
         method = self._first(needs) if self.method == "auto" else self.method
@@ -190,13 +180,6 @@ class Options:
 def _takers(option: str) -> str:
     """Methods that take an option."""
     return " or ".join(f'"{name}"' for name, method in METHODS.items() if option in method.takes)
-
-
-def check_system(system: Any) -> None:
-    """Raise InvalidModel for what is no System."""
-    if not isinstance(system, System):
-        message = f"must be a System, such as System([rod, Wall()]), got {shown(system)}"
-        raise refusal("system", message)
 
 
 def count(problems: Problems, name: str, value: Any) -> int:

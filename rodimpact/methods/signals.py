@@ -180,42 +180,12 @@ class Pieces:
             passed = passed + outside * self.at(ticks)
         return self._integral_to_piece[i] + passed
 
-    def integrated_twice(self, stop: ArrayLike) -> Floats:
+    def integrated_twice(self, stop: Any) -> Floats:
         """Integral of (stop - t) f(t) over t from 0 to `stop`, value times ticks squared."""
-        stop = np.asarray(stop)
-        twice: Floats = self._twice(stop) - self._twice(np.asarray(0)) - self._from_first(0) * stop
+        last = np.max(stop)
+        time = Pieces.through([0, last], np.array([0.0, last]))
+        twice: Floats = stop * self.integral(0, stop) - (self * time).integral(0, stop)
         return twice
-
-    def _twice(self, ticks: Any) -> Any:
-        i = self.piece(ticks)
-        width = (ticks - self.ticks[i]) * 1.0  # whole ticks overflow when they are squared
-        passed = self._integral_to_piece[i] * ticks
-        if self.size == 1:
-            passed = passed + self.values[i] * width * width / 2
-        else:
-            passed = passed + _polynomials(self._twice_inside, i, self._own_time(i, ticks))
-            passed = passed + np.maximum(ticks - self.end, 0) * self._primitive[i].sum(axis=-1)
-        return self._twice_to_piece[i] + passed
-
-    @cached_property
-    def _twice_inside(self) -> Floats:
-        from numpy.polynomial.chebyshev import chebint
-
-        scale = np.diff(self.ticks, append=self.end)[:, None] / 2
-        return np.asarray(chebint(self._primitive, lbnd=-1, axis=1) * scale)
-
-    @cached_property
-    def _twice_to_piece(self) -> Floats:
-        """Up to each piece, without the share of the pieces before that grows with the ticks.
-
-        That stands in a product: summed up, it would add its round-off even where nothing acts.
-        """
-        whole = self._primitive[:-1].sum(axis=1)
-        if self.size == 1:
-            inside = self.values[:-1] * (np.diff(self.ticks) * 1.0) ** 2 / 2
-        else:
-            inside = self._twice_inside[:-1].sum(axis=1)
-        return np.concatenate(([0.0], np.cumsum(inside - whole * self.ticks[1:])))
 
     def breaks_in(self, start: int, stop: int) -> Ints:
         """Breaks strictly between `start` and `stop`."""

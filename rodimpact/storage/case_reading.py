@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from .. import materials
-from ..methods.registry import NUMBERS, Options
+from ..methods.registry import Options
 from ..model import SIDES, System
 from ..model.bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from ..model.ends import ENDS, FREE, End
@@ -212,8 +212,8 @@ def _read_end(table: Table) -> End:
 
 def _read_solve(table: Table) -> dict[str, Any]:
     options = {key: table.data[key] for key in defaults_of(Options) if table.has(key)}
-    for key in [key for key in NUMBERS if key in options]:
-        options[key] = table.quantity(key, options[key], NUMBERS[key].dimension)
+    for key in [key for key in Options.fields if key in options]:
+        options[key] = table.quantity(key, options[key], Options.fields[key].dimension)
     table.make(Options, **options)
     table.close()
     return options

@@ -8,7 +8,7 @@ import inspect
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
-from ..methods.registry import METHOD_NAMES, NUMBERS, Options
+from ..methods.registry import METHOD_NAMES, Options
 from ..model import SIDES, System
 from ..model.bodies import BODIES, Material, Rod, Segment
 from ..model.ends import ENDS
@@ -156,7 +156,7 @@ def _options() -> list[Entry]:
     for key, default in defaults_of(Options).items():
         takes = _either(METHOD_NAMES) if key == "method" else "whole number"
         entry = Entry(key, "", takes, "none" if default is None else str(default))
-        entries.append(_number(key, NUMBERS[key]) if key in NUMBERS else entry)
+        entries.append(_number(key, Options.fields[key]) if key in Options.fields else entry)
     return entries
 
 
