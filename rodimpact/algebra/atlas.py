@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..methods.duration import Forecast, Progress, warn
 from ..model import System
-from ..model.frozen import InvalidModel, listed, number, raise_noted
+from ..model.frozen import InvalidModel, listed, quantity, raise_noted
 from ..units import shown
 from .cell import Cell, Floats
 from .field import Field
@@ -213,8 +213,9 @@ def _axis(name: str, given: Any) -> tuple[str, float, float]:
     """Path of a number and the ends of its axis; InvalidModel for anything else."""
     if isinstance(given, list | tuple) and len(given) == 3 and isinstance(given[0], str):
         path, problems = given[0], list[tuple[str, str]]()
-        sign = SIGNS.get(path.rpartition(".")[2], "positive")  # near 0 there are cells without end
-        low, high = (number(problems, f"{name}, {path}", end, "", sign) for end in given[1:])
+        # near 0 there are cells without end
+        field = quantity("", SIGNS.get(path.rpartition(".")[2], "positive"))
+        low, high = (field.checked(problems, f"{name}, {path}", end) for end in given[1:])
         raise_noted(problems)
         if isinstance(low, float) and isinstance(high, float) and low < high:
             return path, low, high

@@ -11,7 +11,7 @@ from typing import Any
 
 from ..methods import abilities
 from ..model import Bonded, Material, Rigid, RigidMass, Rod, Segment, System, Wall
-from ..model.frozen import LARGEST, OUT_OF_SCALE, SMALLEST, TINY, Field, wanted
+from ..model.frozen import LARGEST, OUT_OF_SCALE, SMALLEST, TINY, Field
 from ..model.laws import Hertz, HuntCrossley, PowerLaw, Spring, SpringDashpot
 from ..model.profiles import Steps
 
@@ -21,7 +21,7 @@ RANGES = {"positive": (TINY, MAX), "non-negative": (0.0, MAX), "any": (-MAX, MAX
           "[0, 1]": (0.0, 1.0), "[1, inf)": (1.0, MAX)}
 """The smallest and the largest number of each sign."""
 RULES: dict[str, dict[str, tuple[float, float, str]]] = {
-    table: {name: (*RANGES[fields[name].sign], wanted(*fields[name][:2])[:-11]) for name in names}
+    table: {name: (*RANGES[fields[name].sign], fields[name].wanted[:-11]) for name in names}
     for table, fields, names in (
         ("segment", Segment.fields, ("length", "area")), ("rod", Rod.fields, tuple(Rod.fields)),
         ("wall", Wall.fields, ("velocity",)), ("mass", RigidMass.fields, ("mass", "velocity")),

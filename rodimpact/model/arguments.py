@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from ..units import shown
 from . import frozen
-from .frozen import InvalidModel, Problems, raise_noted, refusal
+from .frozen import Field, InvalidModel, Problems, raise_noted, refusal
 from .quantities import Floats, floats
 from .quantities import Number as Number
 
@@ -25,7 +25,8 @@ def array(name: str, value: ArrayLike, unit: str, sign: str = "") -> Array:
     except ValueError as error:
         raise refusal(name, str(error)) from None
     if sign:
-        demand(frozen.has_sign(x, sign), name, frozen.wanted(unit, sign), x)
+        field = Field(unit, sign)
+        demand(field.holds(x), name, field.wanted, x)
     return x
 
 

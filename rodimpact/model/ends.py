@@ -6,7 +6,7 @@ array, which makes a family.
 
 from typing import ClassVar, TypeAlias, get_args
 
-from .frozen import Frozen, Problems, quantity, raise_noted
+from .frozen import Frozen, quantity
 from .profiles import Profile, ProfileLike, in_time
 
 
@@ -67,10 +67,7 @@ class _Driven(Frozen):
     value: Profile
 
     def __init__(self, value: ProfileLike, *, duration: float | None = None) -> None:
-        problems: Problems = []
-        profile = in_time(problems, "value", value, self.fields["value"], duration)
-        raise_noted(problems)
-        self._set(value=profile)
+        self._set(value=in_time(value, self.fields["value"], duration))
 
 
 class Pushed(_Driven):

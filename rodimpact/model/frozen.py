@@ -122,21 +122,74 @@ class Field(NamedTuple):
         """What kind of quantity it is, for `units.parse`."""
         return units.dimension_of(self.unit)
 
-    def checked(self, problems: Problems, path: str, value: Any) -> Number:
-        """Return `value` as this number; note a mistake in `problems`."""
+    @property
+    def wanted(self) -> str:
+        """What it must be; it may show a value as ``{0!r}``."""
+        if self.sign == "positive or infinite":
+            return f"must be a positive number{number_of(self.unit)} or infinite, got {{0!r}}"
+        if self.sign[0] in "[(":
+            return f"must lie in {self.sign}, got {{0!r}}"
+        kind = f"finite {self.sign}" if self.sign in ("positive", "non-negative") else "finite"
+        return f"must be a {kind} number{number_of(self.unit)}, got {{0!r}}"
+
+    def holds(self, value: Any) -> Any:
+        """Where numbers are of its sign; those that are none are of no sign."""
+        interval = INTERVALS.get(self.sign, self.sign)
+        low, high = map(float, interval[1:-1].split(","))
+        above = value >= low if interval[0] == "[" else value > low
+        return above & (value <= high if interval[-1] == "]" else value < high)
+
+    def checked(self, problems: Problems, path: str, value: Any) -> Any:
+        """Return `value` as a float or a read-only array; note a mistake in `problems`.
+
+        -0.0 becomes 0.0, so that equal numbers are described alike.
+        """
         if value is None and self.default is None:
-            return None  # type: ignore[return-value]
+            return None
         if self.word and isinstance(value, str):
             if value != self.word:
-                wanted = f'must be a number{number_of(self.unit)} or "{self.word}"'
-                note(problems, path, wanted, value)
-            return value  # type: ignore[return-value]
+                message = f'must be a number{number_of(self.unit)} or "{self.word}"'
+                note(problems, path, message, value)
+            return value
         if self.many:
-            return numbers(problems, path, value, self.unit, self.sign)  # type: ignore[return-value]
-        held = number(problems, path, value, self.unit, self.sign)
-        if self.single and isinstance(held, np.ndarray):
-            note(problems, path, "must be a single number", value)
-        return held
+            return self._each_checked(problems, path, value)
+        sign = self.sign
+        if type(value) is float and sign in INTERVALS:  # most are: no array, for speed
+            size = abs(value) if sign in ("any", "sampled") else value
+            if SMALLEST <= size <= LARGEST or (size == 0 and "positive" not in sign):
+                return value + 0.0
+        try:
+            array: Any = floats(value, self.unit)
+            if not array.size:
+                raise ValueError("must not be an empty array")
+        except ValueError as error:
+            problems.append((path, str(error)))
+            return math.nan
+        array = (array if array.ndim else array.item()) + 0.0
+        if require(problems, self.holds(array), path, self.wanted, array):
+            # what may be 0 may be small, too; but a number that stands alone has all its digits
+            least = SMALLEST if "positive" in sign else 0.0 if sign == "sampled" else TINY
+            size = abs(array)
+            good = (size == 0) | (size >= least) & (size <= LARGEST) | (size == math.inf)
+            require(problems, good, path, OUT_OF_SCALE, array)
+        if isinstance(array, np.ndarray):
+            array.flags.writeable = False
+            if self.single:
+                note(problems, path, "must be a single number", value)
+        return array
+
+    def _each_checked(self, problems: Problems, path: str, items: Any) -> tuple[Any, ...]:
+        """Return a list of numbers as a tuple, each as `checked` returns it."""
+        if not isinstance(items, list | tuple):
+            try:
+                items = list(floats(items, self.unit))
+            except (TypeError, ValueError) as error:  # a single number, or what is none
+                single = isinstance(error, TypeError)
+                wrong = f"must be a list of numbers, got {shown(items)}" if single else str(error)
+                problems.append((path, wrong))
+                return ()
+        each = self._replace(many=False)
+        return tuple(each.checked(problems, f"{path}.{i}", v) for i, v in enumerate(items))
 
 
 def quantity(unit: str = "", sign: str = "any", label: str = "", **more: Any) -> Any:
@@ -156,81 +209,11 @@ Numeric: TypeAlias = Taken[Number, ArrayLike]
 NumericOrNone: TypeAlias = Taken[Number | None, ArrayLike | None]
 
 
-def number(problems: Problems, path: str, value: Any, unit: str, sign: str = "any") -> Number:
-    """Return `value` as a float or a read-only array; note a mistake in `problems`.
-
-    `unit` and `sign` are those of a `Field`. -0.0 becomes 0.0, so that equal numbers are described
-    alike.
-    """
-    if type(value) is float and sign in INTERVALS:  # most are: no array, for speed
-        size = abs(value) if sign in ("any", "sampled") else value
-        if SMALLEST <= size <= LARGEST or (size == 0 and "positive" not in sign):
-            return value + 0.0
-    try:
-        array: Any = floats(value, unit)
-    except ValueError as error:
-        problems.append((path, str(error)))
-        return math.nan
-    if array.size == 0:
-        problems.append((path, "must not be an empty array"))
-        return math.nan
-    array = (array if array.ndim else array.item()) + 0.0
-    if require(problems, has_sign(array, sign), path, wanted(unit, sign), array):
-        require(problems, _in_scale(array, sign), path, OUT_OF_SCALE, array)
-    if not isinstance(array, float):
-        array.flags.writeable = False
-    return array  # type: ignore[no-any-return]
-
-
-def numbers(
-    problems: Problems, path: str, items: Any, unit: str, sign: str
-) -> tuple[Number, ...]:
-    """Return a list of numbers as a tuple, each with what `number` makes of it."""
-    if not isinstance(items, list | tuple):
-        try:
-            items = list(floats(items, unit))
-        except (TypeError, ValueError) as error:  # a single number, or what is none
-            single = isinstance(error, TypeError)
-            wrong = f"must be a list of numbers, got {shown(items)}" if single else str(error)
-            problems.append((path, wrong))
-            return ()
-    return tuple(number(problems, f"{path}.{i}", v, unit, sign) for i, v in enumerate(items))
-
-
 def increasing(problems: Problems, path: str, values: Iterable[Number]) -> None:
     """Note numbers that do not lie above the one before them."""
     for i, (low, high) in enumerate(pairwise(values), 1):
         message = "must lie above {0!r}, got {1!r}"
         require(problems, np.greater(high, low), f"{path}.{i}", message, low, high)
-
-
-def _in_scale(value: Any, sign: str) -> Any:
-    """Where numbers and their squares are within what a float holds.
-
-    A number that may be 0 may be small, too; but one that stands alone has all its digits.
-    """
-    least = SMALLEST if "positive" in sign else 0.0 if sign == "sampled" else TINY
-    size = abs(value)
-    good = ((size >= least) | (size == 0)) & (size <= LARGEST)
-    return good | (size == math.inf) if "infinite" in sign else good
-
-
-def has_sign(value: Any, sign: str) -> Any:
-    """Where numbers are of that sign; those that are none are of no sign."""
-    interval = INTERVALS.get(sign, sign)
-    low, high = map(float, interval[1:-1].split(","))
-    above = value >= low if interval[0] == "[" else value > low
-    return above & (value <= high if interval[-1] == "]" else value < high)
-
-
-def wanted(unit: str, sign: str) -> str:
-    """What a number of that unit and sign must be; it may show a value as ``{0!r}``."""
-    if sign == "positive or infinite":
-        return f"must be a positive number{number_of(unit)} or infinite, got {{0!r}}"
-    if sign[0] in "[(":
-        return f"must lie in {sign}, got {{0!r}}"
-    kind = f"finite {sign}" if sign in ("positive", "non-negative") else "finite"
-    return f"must be a {kind} number{number_of(unit)}, got {{0!r}}"
 
 
 def family_shape(numbers: Iterable[tuple[str, Any]]) -> tuple[int, ...]:

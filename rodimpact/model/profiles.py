@@ -122,55 +122,54 @@ def along_rod(
     A function is sampled at `ALONG_ROD` places from end to end. Without a length, which a mistake
     elsewhere leaves unknown, only what does not depend on it is checked. `Steps` bear any sign.
     """
-    if type(value) is float:
-        return field.checked(problems, path, value)
-    if isinstance(value, Steps):
+    held: Profile = value
+    if type(value) is float or not (isinstance(value, Steps | Samples) or callable(value)):
+        held = field.checked(problems, path, value)
+    elif isinstance(value, Steps):
         if value.at and length is not None:
             frozen.family_shape([("length", length), *value._numbers(path)])
             last, end = f"{path}.at.{len(value.at) - 1}", value.at[-1]
             message = "must lie inside the rod of length {0!r}, got {1!r}"
             frozen.require(problems, np.asarray(end) < length, last, message, length, end)
-        return value
-    if isinstance(value, Samples):
+    elif isinstance(value, Samples):
         if value.step is not None:
             message = "is for samples in time; those of a rod run from end to end; leave it out"
             problems.append((f"{path}.step", message))
         if field.sign != "any":
             field.checked(problems, f"{path}.values", value.values)
-        return value
-    if not callable(value):
-        return field.checked(problems, path, value)
-    if isinstance(length, np.ndarray):
+    elif isinstance(length, np.ndarray):
         message = "is a function, but the members of the family differ in length; give Samples"
         problems.append((path, message))
     elif length is not None:
-        return _curve(problems, path, value, np.linspace(0.0, length, ALONG_ROD), field, None)
-    return 0.0
+        held = _curve(problems, path, value, np.linspace(0.0, length, ALONG_ROD), field, None)
+    return held
 
 
-def in_time(problems: Problems, path: str, value: Any, field: Field, duration: Any) -> Profile:
-    """Return `value` as a profile from t = 0 on; note a mistake in `problems`.
+def in_time(value: Any, field: Field, duration: Any) -> Profile:
+    """Return the `value` of a drive as a profile from t = 0 on; InvalidModel if it is none.
 
     A function is sampled at `IN_TIME` times from 0 to `duration`, s, which only a function has.
     """
-    if not callable(value):
+    problems: Problems = []
+    held: Profile = value
+    if callable(value):
+        if duration is None:
+            message = "is missing; give the seconds for which the function is to be sampled"
+            problems.append(("duration", message))
+        end = Field("s", "positive", default=None, single=True).checked(
+            problems, "duration", duration)
+        if not problems:
+            times, step = np.linspace(0.0, end, IN_TIME), end / (IN_TIME - 1)
+            held = _curve(problems, "value", value, times, field, step)
+    else:
         if duration is not None:
             note(problems, "duration", "belongs to a function of time; leave it out", duration)
         if isinstance(value, Samples) and value.step is None:
-            problems.append((f"{path}.step", "is missing; give the seconds between two samples"))
-        if isinstance(value, Steps | Samples):
-            return value
-        return field.checked(problems, path, value)
-    if duration is None:
-        message = "is missing; give the seconds for which the function is to be sampled"
-        problems.append(("duration", message))
-        return 0.0
-    before = len(problems)
-    end: Any = Field("s", "positive", single=True).checked(problems, "duration", duration)
-    if len(problems) > before:
-        return 0.0
-    times, step = np.linspace(0.0, end, IN_TIME), end / (IN_TIME - 1)
-    return _curve(problems, path, value, times, field, step)
+            problems.append(("value.step", "is missing; give the seconds between two samples"))
+        if not isinstance(value, Steps | Samples):
+            held = field.checked(problems, "value", value)
+    frozen.raise_noted(problems)
+    return held
 
 
 def negative(profile: Profile) -> Profile:

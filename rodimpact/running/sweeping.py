@@ -25,7 +25,7 @@ from ..methods.registry import METHODS, Options, check_function, count
 from ..methods.row import Row
 from ..methods.run import ALSO, MAX_EVENTS, Stopped
 from ..model import Rod, System
-from ..model.frozen import InvalidModel, Problems, number, quantity, raise_noted
+from ..model.frozen import Field, InvalidModel, Problems, quantity, raise_noted
 from ..results.outcome import effective_restitution
 from ..results.solution import Solution
 from ..storage.checkpoint import Checkpoint
@@ -376,7 +376,7 @@ def readings_of(problems: Problems, system: System, gauges: Any, times: Any) -> 
             problems.append((f"gauges.{i}.x", message))
         else:
             places.append((int(body), x))
-    read_at: Any = number(problems, "times", times, "s", "non-negative")
+    read_at: Any = Field("s", "non-negative").checked(problems, "times", times)
     if np.ndim(read_at) != 1:
         problems.append(("times", f"must be a list of times, got {times!r}"))
     return Readings(tuple(places), read_at)

@@ -44,7 +44,7 @@ SINGLE = [
                                            poisson_ratio=0.3),
     ri.BarGauge(ri.Signal([0.0, 1.0], dt=1.0), 0.5),
     ri.Specimen(5e-3, area=1e-4, youngs_modulus=1e11),
-    ri.Measured(ri.Signal([0.0, 1.0], dt=1.0), (1, 0.5), radius=1.0),
+    ri.Measured(ri.Signal([0.0, 1.0], dt=1.0), (1, 0.5), radius=1.0), ri.Options(),
 ]
 """Of these no number can be an array."""
 APART = {"gaps": "a list", "diameter": "becomes an area", "exponent": "is at least 1",
