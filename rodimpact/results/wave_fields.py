@@ -8,21 +8,19 @@ momentum and energy. Times are rounded to the nearest tick, so that one-sided li
 from collections.abc import Callable, Iterator
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..methods import kernels
-from ..methods.compiling import as_objects
-from ..methods.fronts.records import NONE, ROW
-from ..methods.fronts.stock import largest_difference
 from ..methods.signals import Floats, Ints, Pieces, Side, each_once, integral_of_product
 from ..model import Rod
 from .fields import Fields, Profile, Trace
 
-PAIR_TIME = 5e-7  # s of plain Python for two waves that meet
 SLIVER = 64  # ticks: waves that last no longer come of round-off
+
+Seen: TypeAlias = Callable[[int, Ints, Ints], Floats]
+"""A value, of the segment and the ticks at which the waves that meet left its two ends."""
 
 
 class WaveFields(Fields):
@@ -63,37 +61,30 @@ class WaveFields(Fields):
     # Fields -----------------------------------------------------------------------------------
 
     def moving(self, body: int, x: ArrayLike, ticks: Ints, side: Side) -> Floats:
-        return self._combine(body, x, ticks, side, 1.0, lambda _: 0.5, self.clock.frame)
+        frame = self.clock.frame
+        return self._combine(body, x, ticks, side, lambda _, a, b: (a + b) * 0.5 + frame)
 
     def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
-        c = self.clock.wave_speed
+        c, ticks = self.clock.wave_speed, self.to_ticks(t, side)
         return self._combine(
-            body, x, self.to_ticks(t, side), side, -1.0, lambda s: 0.5 / c[s], 0.0)
+            body, x, ticks, side, lambda s, a, b: (b - a) * (0.5 / c[s]) + 0.0)  # no -0.0
 
     def _combine(
-        self, body: int, x: ArrayLike, ticks: Ints, side: Side, sign: float, factor: Any,
-        shift: float,
+        self, body: int, x: ArrayLike, ticks: Ints, side: Side,
+        combined: Callable[[int, Floats, Floats], Floats],
     ) -> Floats:
-        """(sign a + b) * factor(segment) + shift."""
-        if (side == "right" and self.constant_between_fronts and ticks.ndim == 1
-                and np.shape(x) == (np.size(x) or 1, 1) and np.all(ticks[1:] >= ticks[:-1])):
-            segment, offset = (of[:, 0] for of in self._offset(body, x))
-            grids = [self._on_grid(s, offset[segment == s], ticks, sign, factor(s), shift)
-                     for s in np.unique(segment).tolist()]
-            if len(grids) == 1:  # copying a large one takes longer than finding it
-                return grids[0]
-            return np.concatenate(grids)[np.argsort(np.argsort(segment, kind="stable"))]
-
+        """What is made, with the segment, of the two waves that meet."""
         def both(s: int, p: Ints, q: Ints) -> Floats:
             A, B = self.waves(s)
-            return np.asarray((sign * A.at(p, side) + B.at(q, side)) * factor(s) + shift)
+            return combined(s, A.at(p, side), B.at(q, side))
 
+        if (side == "right" and self.constant_between_fronts and ticks.ndim == 1
+                and np.shape(x) == (np.size(x) or 1, 1) and np.all(ticks[1:] >= ticks[:-1])):
+            return self._on_grid(body, x, ticks, both)
         return self._pointwise(body, x, ticks, both)
 
-    def _pointwise(
-        self, body: int, x: ArrayLike, ticks: Ints, value: Callable[[int, Ints, Ints], Floats]
-    ) -> Floats:
-        """Values at places and ticks, of segment and the ticks at which waves left its two ends."""
+    def _pointwise(self, body: int, x: ArrayLike, ticks: Ints, value: Seen) -> Floats:
+        """Values at places and ticks."""
         segment, offset = self._offset(body, x)
         self._together(offset, ticks)
         segment, offset, ticks = np.broadcast_arrays(segment, offset, ticks)
@@ -104,22 +95,20 @@ class WaveFields(Fields):
             out[here] = value(s, p, p + 2 * offset[here] - self.clock.ticks[s])
         return out
 
-    def _on_grid(
-        self, s: int, offset: Ints, when: Ints, sign: float, factor: float, shift: float
-    ) -> Floats:
-        """Values where they are constant between the times at which fronts come to each place."""
-        A, B = self.waves(s)
-        fronts = A.ticks[1:, None] + offset, B.ticks[1:, None] + (self.clock.ticks[s] - offset)
-        first = np.searchsorted(when, np.concatenate(fronts).T)  # time that sees each, by place
-        order = np.argsort(first, axis=1, kind="stable")
-        come = np.zeros((2, len(offset), order.shape[1] + 1), int)  # of A, and of B
-        np.cumsum(order < len(A.ticks) - 1, axis=1, out=come[0, :, 1:])
-        come[1] = np.arange(order.shape[1] + 1) - come[0]
-        level = (sign * A.values[come[0]] + B.values[come[1]]) * factor + shift
-        stops = np.full(level.shape, len(when))
-        stops[:, :-1] = np.take_along_axis(first, order, axis=1)
-        counts = np.diff(stops, axis=1, prepend=0)
-        return np.repeat(level.ravel(), counts.ravel()).reshape(len(offset), len(when))
+    def _on_grid(self, body: int, x: ArrayLike, when: Ints, value: Seen) -> Floats:
+        """Values at places [place, 1] and increasing ticks, each found once between two fronts."""
+        segment, offset = self._offset(body, x)
+        levels, counts = [], []
+        borders = np.flatnonzero(np.diff(segment, axis=0, prepend=0, append=0))
+        for start, stop in pairwise(borders):
+            s, inside = int(segment[start, 0]), offset[start:stop]
+            (A, B), T = self.waves(s), self.clock.ticks[s]
+            fronts = np.sort(np.concatenate((A.ticks + inside, B.ticks + T - inside), axis=1))
+            levels.append(value(s, fronts - inside, fronts + inside - T).ravel())
+            seen = when.searchsorted(fronts[:, 1:])
+            counts.append(np.diff(seen, prepend=0, append=len(when)).ravel())
+        whole = np.repeat(np.concatenate(levels), np.concatenate(counts))
+        return whole.reshape(len(offset), len(when))
 
     def moved(self, body: int, x: ArrayLike, ticks: Ints) -> Floats:
         return self._pointwise(body, x, ticks, self._displaced)
@@ -135,13 +124,12 @@ class WaveFields(Fields):
     @cached_property
     def _initial_stretch(self) -> list[float]:
         """Initial displacement of each segment's left end."""
-        a = self.clock
-        starts = [0.0] * len(a.ticks)
-        for body in range(len(a.spans)):
-            left = 0.0
+        starts = [0.0] * (len(self.clock.ticks) + 1)
+        for body, (first, _) in enumerate(self.clock.spans):
+            starts[first] = 0.0
             for s, T, A, B in self.along(body):
-                starts[s] = left
-                left += float(A.integral(0, -T) + B.integral(-T, 0)) / 2 * a.tick
+                longer = float(A.integral(0, -T) + B.integral(-T, 0)) / 2 * self.clock.tick
+                starts[s + 1] = starts[s] + longer
         return starts
 
     def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:
@@ -196,20 +184,21 @@ class WaveFields(Fields):
 
     def _largest_strain(self, segment: int) -> float:
         """Largest absolute strain anywhere in a segment at any time."""
-        waves = [wave if wave.size == 1 else Pieces(wave.marks, wave.at(wave.marks))
-                 for wave in self.waves(segment)]  # in steps that follow it closely
-        counts, T = [len(wave.ticks) for wave in waves], self.clock.ticks[segment]
-        log = np.zeros(sum(counts), ROW)
-        log["tick"] = np.concatenate([w.ticks for w in waves])
-        log["value"] = np.concatenate([w.values for w in waves])
-        log["after"] = np.arange(1, sum(counts) + 1)
-        log["after"][[counts[0] - 1, -1]] = NONE
-        overlapping = counts[0] * counts[1] * min(1.0, 2 * T / self.end)
-        ends = 0, counts[0], T, self.end, SLIVER
-        if kernels.worth_compiling(overlapping * PAIR_TIME, largest_difference):
-            parted = kernels.compiled(largest_difference)(log, *ends)
-        else:
-            parted = largest_difference(as_objects(log), *ends)
+        T, end = self.clock.ticks[segment], self.end
+        starts, values = [], []
+        for wave in self.waves(segment):
+            marks = wave.marks  # in steps that follow it closely
+            edges = np.concatenate(([-T], marks[(marks > -T) & (marks < end)], [end]))
+            starts.append(edges)
+            values.append(np.where(np.diff(edges) > SLIVER, wave.at(edges[:-1]), np.nan))
+        (p, q), (right, left) = starts, values
+        # waves that leave the ends at p and q meet at (p + q + T)/2 if |p - q| < T
+        first = q[1:].searchsorted(np.maximum(p[:-1] - T, -T - p[1:]), "right")
+        last = q[:-1].searchsorted(np.minimum(p[1:] + T, end - T + (end - p[:-1])))
+        meeting = np.stack((first, last), axis=1).ravel()
+        most, least = (extreme.reduceat(np.append(left, np.nan), meeting)[::2]
+                       for extreme in (np.fmax, np.fmin))
+        parted = np.fmax.reduce([*(most - right), *(right - least)], initial=0.0)
         return float(parted / (2 * self.clock.wave_speed[segment]))
 
     def profile(self, body: int, tick: int) -> Profile:

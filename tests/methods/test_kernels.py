@@ -20,7 +20,6 @@ import rodimpact as ri
 from rodimpact.methods import kernels
 from rodimpact.methods.compiling import blank
 from rodimpact.methods.fronts import driver, march
-from rodimpact.methods.fronts.stock import largest_difference
 from rodimpact.methods.pieces import march as pieces
 from rodimpact.methods.tick_rule import SPAN, assign_ticks, recognise
 
@@ -199,7 +198,7 @@ def test_everything_that_may_run_compiled_is_warmed(monkeypatch):
                         lambda seconds, kernel, ahead=0.0: bool(met.add(kernel)))
     monkeypatch.setattr(kernels, "why_not", lambda: "")
     ri.warm()
-    assert {FOLLOW, PIECES, largest_difference} <= asked_about() <= met
+    assert {FOLLOW, PIECES} <= asked_about() <= met
 
 
 FORKS = """
