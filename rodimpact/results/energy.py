@@ -82,27 +82,20 @@ class BondedGroups(NamedTuple):
     """Groups of bonded bodies at some times; without walls and what is bonded to them.
 
     ticks [time]; bodies [group]: the bodies that can move against the walls, none of a lone wall;
-    mass [group] in kg; velocity [group, time] of the centre of mass, momentum over mass, in m/s, 0
-    without such bodies; moving, strained [body, time]: kinetic energy relative to that velocity,
-    and strain energy, in J, 0 for a wall.
+    velocity [group, time] of the centre of mass, momentum over mass, in m/s, 0 without such bodies;
+    mass of all together, kg; momentum, kg m/s, and kinetic, the energy of the motion of the centres
+    of mass, J, of all together [time]; moving, strained [body, time]: kinetic energy relative to
+    the velocity of the group, and strain energy, in J, 0 for a wall.
     """
 
     ticks: Ints
     bodies: list[list[int]]
-    mass: Floats
     velocity: Floats
+    mass: float
+    momentum: Floats
+    kinetic: Floats
     moving: Floats
     strained: Floats
-
-    @property
-    def momentum(self) -> Floats:
-        """Of all groups together, by time, kg m/s."""
-        return np.asarray(np.sum(self.mass[:, None] * self.velocity, axis=0))
-
-    @property
-    def kinetic(self) -> Floats:
-        """Energy of the motion of the centres of mass, by time, J."""
-        return np.asarray(np.sum(self.mass[:, None] * self.velocity**2, axis=0) / 2)
 
 
 def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
@@ -110,13 +103,13 @@ def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
     a, system, times = fields.clock, fields.clock.system, ticks * fields.clock.tick
     free, rods = movable(system), [isinstance(body, Rod) for body in system.bodies]
     bodies = [[i for i in group if i in free] for group in groups(system)]
-    masses, velocities = [], np.zeros((len(bodies), len(ticks)))
+    mass, velocities = np.zeros((len(bodies), 1)), np.zeros((len(bodies), len(ticks)))
     moving, strained = np.zeros((2, len(system.bodies), len(ticks)))
-    for velocity, inside in zip(velocities, bodies, strict=True):
-        masses.append(sum(a.mass(i) for i in inside))
+    for g, (velocity, inside) in enumerate(zip(velocities, bodies, strict=True)):
+        mass[g] = sum(a.mass(i) for i in inside)
         velocity[:] = sum(
             fields.momentum(i, times) if rods[i] else a.mass(i) * fields.velocity(i, 0.0, times)
-            for i in inside) / (masses[-1] or 1.0)
+            for i in inside) / (mass[g] or 1.0)
         for i in inside:
             if rods[i]:
                 known = zip(ticks.tolist(), velocity.tolist(), strict=True)
@@ -124,7 +117,9 @@ def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
             else:
                 off = fields.velocity(i, 0.0, times) - velocity
                 moving[i] = a.mass(i) * off * off / 2
-    return BondedGroups(ticks, bodies, np.array(masses), velocities, moving, strained)
+    return BondedGroups(
+        ticks, bodies, velocities, float(mass.sum()), np.sum(mass * velocities, axis=0),
+        np.sum(mass * velocities**2, axis=0) / 2, moving, strained)
 
 
 def stored(law: Any, gap: Floats) -> Floats:
@@ -140,7 +135,7 @@ def ledger(
     a, ticks = fields.clock, states.ticks
     t = ticks * a.tick
     works = {kind: np.zeros(t.shape) for kind in ("wall", "drive", "absorbing")}
-    path = (states.mass.sum() * a.gravity * t / 2 + states.momentum[0]) * t
+    path = (states.mass * a.gravity * t / 2 + states.momentum[0]) * t
     for side, sign in zip(fields.signals.outside, INWARD, strict=True):
         if side is not None:
             power = side.push * side.speed
@@ -172,37 +167,36 @@ WORKS = ("wall_work", "drive_work", "gravity_work", "radiated", "dissipated", "d
 
 def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> Totals:
     """Read the totals off the fields of a finished run: the ledger at its beginning and its end."""
-    system, clock, bodies = run.system, run.clock, range(len(run.system.bodies))
+    system, clock = run.system, run.clock
     ticks = np.unique(fields.nearest_known(np.array([0, run.end])))
-    states, last = bonded_groups(fields, ticks), float(ticks[-1])
+    states = bonded_groups(fields, ticks)
     book = ledger(fields, contacts, states)
-    works = {name: float(getattr(book, name)[-1]) for name in WORKS}
-    velocity, vibration = np.zeros((2, len(bodies))), (states.moving + states.strained).T
-    own_velocities = (
-        (run.groups.before, run.groups.after) if run.groups else states.velocity[:, [0, -1]].T)
-    for place, each in zip((0, -1), own_velocities, strict=True):
-        for group, inside, own in zip(groups(system), states.bodies, each, strict=True):
-            velocity[place, group] = velocities_in_group(system, group, inside, own)
+    first, last = ({name: float(entry[place]) for name, entry in vars(book).items()}
+                   for place in (0, -1))
+    works = {name: last[name] for name in WORKS}
+    own = (run.groups.before, run.groups.after) if run.groups else states.velocity[:, [0, -1]].T
+    velocities = [
+        [float(v) for of in zip(groups(system), states.bodies, each, strict=True)
+         for v in velocities_in_group(system, *of)] for each in own]
+    vibration = (states.moving + states.strained).T[[0, -1]]
     if run.groups:
         vibration[-1] = run.groups.vibration
     impulse = sum(
         sign * float(side.push.integral(0, ticks[-1])) * clock.tick
         for side, sign in zip(fields.signals.outside, INWARD, strict=True) if side is not None
     )
-    total = float(states.mass.sum())
     gained = float(states.momentum[-1] - states.momentum[0])
-    missing = gained - impulse - total * clock.gravity * last * clock.tick
+    missing = gained - impulse - states.mass * clock.gravity * float(ticks[-1]) * clock.tick
     pushed = sum(abs(tally.impulse) for tally in run.contacts if tally.impulse == tally.impulse)
     turnover = float(book.total[0]) + abs(works["gravity_work"]) + sum(
         abs(works[name]) for name in ("wall_work", "drive_work", "radiated")
-    ) + total * clock.scale**2 / 2
+    ) + states.mass * clock.scale**2 / 2
     return Totals(
-        masses=[clock.mass(i) for i in bodies],
-        velocities=(velocity[0].tolist(), velocity[-1].tolist()),
-        kinetic=(float(book.kinetic[0]), float(book.kinetic[-1])),
-        vibration=(vibration[0].tolist(), vibration[-1].tolist()),
-        momentum=(missing, total * clock.scale + pushed),
-        energy=(float(book.residual[-1]), turnover),
-        works={**works, "contact_energy": float(book.contact[-1]),
-               "contact_energy_before": float(book.contact[0])},
+        masses=[clock.mass(i) for i in range(len(system.bodies))],
+        velocities=(velocities[0], velocities[1]), kinetic=(first["kinetic"], last["kinetic"]),
+        vibration=(vibration[0].tolist(), vibration[1].tolist()),
+        momentum=(missing, states.mass * clock.scale + pushed),
+        energy=(last["residual"], turnover),
+        works={**works, "contact_energy": last["contact"],
+               "contact_energy_before": first["contact"]},
     )

@@ -22,8 +22,6 @@ from ..model import Rod, Segment
 from ..model.profiles import Samples
 from .fields import Fields, Profile, Trace
 
-_FAINT = np.errstate(under="ignore")  # ahead of the waves strains are next to nothing
-
 
 class GridFields(Fields):
     """Fields of a row from its states on a grid.
@@ -79,29 +77,26 @@ class GridFields(Fields):
         return np.concatenate([*(places[:-1] for places in earlier), last])
 
     @cached_property
-    @_FAINT
-    def _stretched(self) -> dict[int, list[Floats]]:
-        """By rod: places, m, strains and their rates there [state, place].
+    def _stretched(self) -> dict[int, tuple[Floats, Floats]]:
+        """By rod: places, m, and there strains and their rates [2, state, place].
 
         These are the ends of segments, on either side of a step, and the middles of cells.
         """
-        found, cells, rate = {}, self.motion.cells, np.zeros(self.motion.force.shape)
-        rate[:, 1:-1] = np.diff(self.motion.velocity, axis=1) / cells.width[1:-1]
-        tension = self.motion.force  # none between pieces
-        if cells.viscous.any():
-            tension = tension + cells.viscous * cells.width * rate
+        found, cells, kept = {}, self.motion.cells, np.zeros((2, *self.motion.force.shape))
+        kept[0] = self._strain
+        kept[1, :, 1:-1] = np.diff(self.motion.velocity, axis=1) / cells.width[1:-1]
+        tension = self.motion.force + cells.viscous * cells.width * kept[1]  # none between pieces
         for body, rod in enumerate(self.clock.system.bodies):
             if isinstance(rod, Rod):
                 segments = enumerate(rod.segments, self.clock.spans[body][0])
                 parts = [(np.concatenate((x[:1], (x[1:] + x[:-1]) / 2, x[-1:])),
-                          *self._held(*of, tension, (self._strain, rate)))
+                          self._held(*of, tension, kept))
                          for of, x in zip(segments, self._places(body), strict=True)]
-                found[body] = [np.concatenate(of, axis=-1) for of in zip(*parts, strict=True)]
+                places, states = (np.concatenate(of, axis=-1) for of in zip(*parts, strict=True))
+                found[body] = places, states
         return found
 
-    def _held(
-        self, s: int, segment: Segment, tension: Floats, kept: tuple[Floats, Floats]
-    ) -> tuple[Floats, Floats]:
+    def _held(self, s: int, segment: Segment, tension: Floats, kept: Floats) -> Floats:
         """Strains of a segment and their rates at its left end, in its cells, at its right end.
 
         `tension` and `kept`, strains and rates, are those of all cells, [state, cell].
@@ -112,20 +107,19 @@ class GridFields(Fields):
         """
         mesh, cells, (E, eta) = self.motion, self.motion.cells, _moduli(segment)
         a, b = mesh.first[s], mesh.last[s]
-        strains, rates = (of[:, a : b + 2].copy() for of in kept)
+        held = kept[..., a : b + 2].copy()
         areas = segment.area.values if isinstance(segment.area, Samples) else [segment.area]
         for node, cell, inward, area in ((a, a + 1, 1, areas[0]), (b, b, -1, areas[-1])):
             behind, end = cell + inward * (b > a + 1), (inward - 1) // 2
-            strain, rate = (1.5 * of[:, cell] - 0.5 * of[:, behind] for of in kept)
+            held[..., end] = strain, rate = 1.5 * kept[..., cell] - 0.5 * kept[..., behind]
             if not (cells.lateral[node] or cells.lateral[node + 1] or cells.swelling[cell]):
                 pull = tension[:, node + 1] - tension[:, node] + self._pushed(node)
                 gained = pull * cells.cell_mass[cell] / 2 / mesh.mass[node]
                 stress = (tension[:, cell] - inward * gained) / float(area)
                 missing = stress - E * strain - eta * rate
-                strain += missing / (E + eta / self._step)
-                rate += missing / (E * self._step + eta)
-            strains[:, end], rates[:, end] = strain, rate
-        return strains, rates
+                held[0, :, end] += missing / (E + eta / self._step)
+                held[1, :, end] += missing / (E * self._step + eta)
+        return held
 
     def _pushed(self, node: int) -> Floats:
         """Force to the right on a node from outside its piece, at the states."""
@@ -137,13 +131,11 @@ class GridFields(Fields):
         return np.asarray(at_steps[self.motion.when])
 
     @cached_property
-    @_FAINT
     def _strain(self) -> Floats:
         """[state, cell]."""
         return np.asarray(self.motion.stretches(self._step) / self.motion.cells.width)
 
     @cached_property
-    @_FAINT
     def _displaced(self) -> dict[int, Floats]:
         """By rod: [state, node of the rod] displacements in the frame, m."""
         stretched = np.cumsum(self._strain[:, :-1] * self.motion.cells.width[:-1], axis=1)
@@ -168,17 +160,17 @@ class GridFields(Fields):
 
     def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         self.locate(body, x)  # there is none in a wall
-        return self._at(body, x, self.to_ticks(t, side), *self._stretched[body][:2])
+        places, (strains, _) = self._stretched[body]
+        return self._at(body, x, self.to_ticks(t, side), places, strains)
 
     def strain_rate(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
-        places, _, rates = self._stretched[body]
+        places, (_, rates) = self._stretched[body]
         return self._at(body, x, self.to_ticks(t), places, rates)
 
     def moved(self, body: int, x: ArrayLike, ticks: Ints) -> Floats:
         moved = self._at(body, x, ticks, self._node_places(body), self._displaced[body])
         return moved + self.clock.frame * (ticks * self.clock.tick)
 
-    @_FAINT
     def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:
         ticks, traces = self.to_ticks(t), [self.trace(body, place) for place in x.tolist()]
         velocity = np.diff(self.displacement(body, x[:, None], t))
@@ -186,10 +178,9 @@ class GridFields(Fields):
         lasts = np.diff(ticks)
         return velocity / (lasts * self.clock.tick), np.array(strain) / lasts
 
-    @_FAINT
     def trace(self, body: int, x: float) -> Trace:
         c, ticks = self.clock.wave_speed[int(self.locate(body, x)[0])], self.known
-        v, (places, strains, _) = self._in_frame(body, x, ticks), self._stretched[body]
+        v, (places, (strains, _)) = self._in_frame(body, x, ticks), self._stretched[body]
         stretch = c * self._at(body, x, ticks, places, strains)
         right, left, change = (
             Pieces.through(ticks, values) for values in (v - stretch, v + stretch, 2 * stretch)
@@ -206,7 +197,6 @@ class GridFields(Fields):
         half = self.motion.cells.cell_mass[cells] / 2
         return slice(a, b + 1), cells, np.append(half, 0.0) + np.append(0.0, half)
 
-    @_FAINT
     def momentum(self, body: int, t: ArrayLike) -> Floats:
         nodes, _, mass = self._span(body)
         own = (self.motion.velocity[:, nodes] * mass).sum(axis=1)  # state by state the same bits
@@ -215,17 +205,15 @@ class GridFields(Fields):
         momentum: Floats = moving + mass.sum() * (self.clock.frame + self._fallen(ticks))
         return momentum
 
-    @_FAINT
     def energy(self, body: int, tick: int, velocity: float) -> tuple[float, float]:
         a, (nodes, _, mass) = self.clock, self._span(body)
         place = int(np.searchsorted(self.motion.when, tick // STEP_TICKS))
         v = self.motion.velocity[place, nodes] + a.frame + a.gravity * tick * a.tick - velocity
         return self.motion.energies(nodes, mass, place, v, self._step)
 
-    @_FAINT
     def largest_stress(self, body: int) -> float:
         """Of the states that were kept."""
-        rod, (_, strains, rates) = self.clock.system.bodies[body], self._stretched[body]
+        rod, (_, (strains, rates)) = self.clock.system.bodies[body], self._stretched[body]
         assert isinstance(rod, Rod)
         counts = [len(x) + 1 for x in self._places(body)]
         E, eta = (np.repeat(of, counts) for of in zip(*map(_moduli, rod.segments), strict=True))

@@ -29,7 +29,8 @@ from .run_file import take_apart
 from .state_profiles import state_profiles
 from .wave_fields import WaveFields
 
-_FAINT = np.errstate(under="ignore")  # squares of round-off, and of very slow motion, may vanish
+_FAINT = np.errstate(under="ignore")
+"""Squares of round-off and of very slow motion may vanish, and strains ahead of waves."""
 
 
 class Solution(Shown):
@@ -103,7 +104,6 @@ class Solution(Shown):
         return kind(self.run.clock, self.run.end, signals)
 
     @cached_property
-    @_FAINT
     def outcome(self) -> Outcome:
         """What the collision did."""
         return outcome_of(self.run, self._totals)
@@ -114,6 +114,7 @@ class Solution(Shown):
         return self.outcome.status
 
     @cached_property
+    @_FAINT
     def _totals(self) -> Totals:
         return self.run.totals or totals_of(self.run, self.fields, self.contacts)
 
@@ -293,6 +294,7 @@ class Solution(Shown):
             name: entry[1:].reshape(ticks.shape) for name, entry in vars(from_start).items()
         })
 
+    @_FAINT
     def ring_down(self) -> RingDown:
         """How the vibration that the collision left dies out, until the end of the solution.
 
@@ -330,6 +332,7 @@ class Solution(Shown):
             self.t_final if self.t_final < self.t_end else self.t_proved, self.t_end,
         )
 
+    @_FAINT
     def system_at(self, t: float) -> System:
         """State at time t in s as a new system: continue it, change it, or reverse it.
 

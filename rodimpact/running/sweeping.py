@@ -313,7 +313,7 @@ def _one_by_one(
 
     for i, index in enumerate(np.ndindex(system.shape)):
         ask()
-        with contextlib.suppress(InvalidModel):
+        with contextlib.suppress(InvalidModel), np.errstate(under="ignore"):
             solution = Solution(options.run(options.method, system[index], progress=ask))
             for name, value in row_of(solution, readings).items():
                 columns[name][i] = value
