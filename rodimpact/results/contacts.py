@@ -5,7 +5,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..methods.run import ContactSignal, ContactTally
+from ..methods.run import Run
 from ..methods.signals import Floats, Pieces, Side, each_once
 from ..model import ContactLaw, Joint, Rigid, Tabulated, Yielding
 from .fields import Fields
@@ -42,10 +42,9 @@ class ContactHistory:
     ('0.000158493', 1)
     """
 
-    def __init__(
-        self, index: int, fields: Fields, tally: ContactTally, signal: ContactSignal
-    ) -> None:
-        self.index, self.law = index, fields.clock.system.contacts[index]
+    def __init__(self, index: int, fields: Fields, run: Run) -> None:
+        self.index, self.law = index, run.system.contacts[index]
+        tally, signal = run.contacts[index], run.signals.contacts[index]
         self.impulse, self.duration = tally.impulse, tally.duration
         self.peak_force, self.episodes = tally.peak_force, tuple(signal.episodes)
         self._fields, self._tick = fields, fields.clock.tick

@@ -1,7 +1,7 @@
 """Records of strain gauges, and the tables that Hopkinson-bar tools read."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -117,19 +117,17 @@ class Gauge:
         >>> round(gauge.signal(1e-7).pulse().width / (0.2 / ri.materials.steel.wave_speed), 4)
         1.0
         """
-        step = _interval(interval, self.end)
+        step, rows = _sampling(interval, self.end)
         if self.end < step:
             message = f"must not be longer than the record, {self.end!r} s, got {step!r}"
             raise refusal("interval", message)
-        rows = _rows(self.end, step)
-        means = [self._means(step / self.tick, start, min(start + TOGETHER, rows))
-                 for start in range(0, rows, TOGETHER)]
+        means = [self._means(step / self.tick, block) for block in _blocks(rows)]
         return Signal(np.concatenate(means), step * np.arange(rows), name=name)
 
-    def _means(self, step: float, first: int, last: int) -> Floats:
-        """Samples from `first` to `last` - 1 that are so many ticks apart."""
+    def _means(self, step: float, rows: Ints) -> Floats:
+        """Samples that are so many ticks apart."""
         # each cell of a step is cut where the record has breaks; Gauss's rule is exact in between
-        bounds = step * (np.arange(first, last + 3) - 1.5)
+        bounds = step * (np.append(rows, rows[-1] + [1, 2, 3]) - 1.5)
         low, high = np.searchsorted(self.record.breaks, bounds[[0, -1]])
         breaks = self.record.breaks[low:high]
         place = np.searchsorted(bounds[:-1], breaks, "right")
@@ -213,12 +211,9 @@ def gauges_to_csv(
         raise refusal("gauges", "needs at least one record, such as solution.gauge(1, 0.5)")
     raise_noted([("gauges", sentence) for name in gauges if (sentence := misnamed(name))])
     end = min(record.end for record in gauges.values())
-    step = _interval(interval, end)
-    rows = _rows(end, step)
-    blocks = (step * np.arange(start, min(start + TOGETHER, rows))
-              for start in range(0, rows, TOGETHER))
-    columns = ([times, *(record.strain_at(times) for record in gauges.values())]
-               for times in blocks)
+    step, rows = _sampling(interval, end)
+    columns = ([step * block, *(record.strain_at(step * block) for record in gauges.values())]
+               for block in _blocks(rows))
     heads = [heading("time", "s"), *(heading(name, "") for name in gauges)]
     write_table(path, heads, columns, force=force)
 
@@ -231,17 +226,17 @@ def check_gauges(gauges: Any) -> Mapping[str, Gauge]:
     return gauges
 
 
-def _interval(interval: Any, end: float) -> float:
-    """Seconds between samples of a record; InvalidModel if they are none, or make too many."""
-    if interval is None:
-        return end / SAMPLES if end else 1.0
-    step = single("interval", interval, "s", "positive")
+def _sampling(interval: Any, end: float) -> tuple[float, int]:
+    """Seconds between samples of a record, and how many; InvalidModel if none, or too many."""
+    step = end / SAMPLES if end else 1.0
+    if interval is not None:
+        step = single("interval", interval, "s", "positive")
     if end / step > MOST_ROWS:
         message = f"gives {end / step:.3g} rows, more than {MOST_ROWS}; take at least"
         raise refusal("interval", f"{message} {end / MOST_ROWS:.3g} s, got {step!r}")
-    return step
+    return step, int(end / step * (1 + 1e-12)) + 1
 
 
-def _rows(end: float, step: float) -> int:
-    """How many samples a record has at this step."""
-    return int(end / step * (1 + 1e-12)) + 1
+def _blocks(rows: int) -> Iterator[Ints]:
+    """All rows of a table, some at a time."""
+    return (np.arange(start, min(start + TOGETHER, rows)) for start in range(0, rows, TOGETHER))

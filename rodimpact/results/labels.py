@@ -3,12 +3,13 @@
 A name such as ``bodies.0.length`` or ``impulse.1`` becomes what a figure or a Dataset says of it.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..model import System
 from ..model.frozen import Field
 from ..model.numbering import body_names, contact_names
 from ..model.paths import FIELDS
+from ..storage.extras import optional
 
 
 class Quantity(NamedTuple):
@@ -98,7 +99,7 @@ def parameter(system: System, path: str) -> Quantity:
 
 
 def outcome(system: System, column: str) -> Quantity:
-    """What a column of results is, or a field.
+    """What a column of results is, a field, or else the number of a system at this path.
 
     Examples
     --------
@@ -114,9 +115,19 @@ def outcome(system: System, column: str) -> Quantity:
         return Quantity(f"displacement of {_body(system, index)} at the end", "m")
     if kind == "largest_stress":
         return Quantity(f"largest stress in {_body(system, index)}", "Pa")
-    name, unit = _NAMES.get(kind, Quantity(column, "1"))
+    name, unit = _NAMES.get(kind) or parameter(system, column)
     where = f" at contact {_pair(system, index)}" if index and len(system.contacts) > 1 else ""
     return Quantity(name + where, unit)
+
+
+def dataset(
+    system: System, data: dict[str, Any], over: dict[str, Any], **attributes: str
+) -> Any:
+    """An xarray Dataset of variables and coordinates, (dimensions, values) by name, with labels."""
+    xarray = optional("xarray", "xarray")
+    labelled = ({name: (*values, outcome(system, name).attributes) for name, values in of.items()}
+                for of in (data, over))
+    return xarray.Dataset(*labelled, attributes)
 
 
 def _body(system: System, index: str) -> str:

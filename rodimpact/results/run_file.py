@@ -5,6 +5,7 @@ file. Arrays of one type stand one behind another, in the document is where each
 """
 
 import math
+from collections import Counter, defaultdict
 from collections.abc import Mapping
 from typing import Any
 
@@ -42,17 +43,16 @@ NOT_IN_JSON = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
 
 def take_apart(content: Any) -> tuple[dict[str, Any], Arrays]:
     """Document and arrays that `put_together` makes the same of, bit for bit."""
-    columns: dict[str, list[Any]] = {}
-    sizes: dict[str, int] = {}
+    columns, sizes = defaultdict[str, list[Any]](list), Counter[str]()
     places: dict[int, tuple[Any, dict[str, Any]]] = {}  # with the array, so that its id is its own
 
     def put(array: Any) -> dict[str, Any]:
         if id(array) not in places:
             name = array.dtype.str[1:]
-            place = {"array": name, "start": sizes.get(name, 0), "shape": list(array.shape)}
-            columns.setdefault(name, []).append(array.ravel())
-            sizes[name] = sizes.get(name, 0) + array.size
+            place = {"array": name, "start": sizes[name], "shape": list(array.shape)}
             places[id(array)] = array, place
+            columns[name].append(array.ravel())
+            sizes[name] += array.size
         return places[id(array)][1]
 
     def plain(value: Any) -> Any:

@@ -14,14 +14,13 @@ from ..model import Body, Rod, Samples, Steps, System
 from ..model.arguments import array, demand, of_kind, single
 from ..model.frozen import refusal
 from ..model.numbering import body_names
-from ..storage.extras import optional
 from ..storage.writing import write_npz
 from .contacts import ContactHistory
 from .energy import EnergyLedger, bonded_groups, ledger, totals_of
 from .fields import Fields
 from .gauges import Gauge
 from .grid_fields import GridFields
-from .labels import outcome
+from .labels import dataset
 from .notebook import Shown
 from .outcome import Outcome, outcome_of
 from .ring_down import RingDown, ring_down
@@ -121,12 +120,8 @@ class Solution(Shown):
     @cached_property
     def contacts(self) -> tuple[ContactHistory, ...]:
         """History of each contact."""
-        return tuple(
-            ContactHistory(i, self.fields, tally, signal)
-            for i, (tally, signal) in enumerate(
-                zip(self.run.contacts, self.run.signals.contacts, strict=True)
-            )
-        )
+        count = len(self.run.contacts)
+        return tuple(ContactHistory(i, self.fields, self.run) for i in range(count))
 
     # Fields -------------------------------------------------------------------------------------
 
@@ -248,7 +243,6 @@ class Solution(Shown):
         >>> data["force"].dims, data["stress"].attrs["units"]
         (('contact', 'time'), 'Pa')
         """
-        xarray = optional("xarray", "xarray")
         x, t = array("x", x, "m").ravel(), array("t", t, "s").ravel()
         bodies = self.system.bodies
         lengths = [float(b.length) if isinstance(b, Rod) else 0.0 for b in bodies]
@@ -275,12 +269,7 @@ class Solution(Shown):
             "contact": (["contact"], range(len(self.contacts))),
             "law": (["contact"], [law.law for law in self.system.contacts]),
         }
-        said = {name: outcome(self.system, name).attributes for name in (*data, *over)}
-        return xarray.Dataset(
-            {name: (*values, said[name]) for name, values in data.items()},
-            {name: (*values, said[name]) for name, values in over.items()},
-            {"method": self.method, "status": self.status},
-        )
+        return dataset(self.system, data, over, method=self.method, status=self.status)
 
     # Energy and state ---------------------------------------------------------------------------
 

@@ -177,29 +177,26 @@ class WaveFields(Fields):
         return kinetic, strain
 
     def largest_stress(self, body: int) -> float:
-        rod = self.clock.system.bodies[body]
+        rod, largest = self.clock.system.bodies[body], [0.0]
         assert isinstance(rod, Rod)
-        return max(float(segment.material.youngs_modulus) * self._largest_strain(s)
-                   for s, segment in enumerate(rod.segments, self.clock.spans[body][0]))
+        for (s, T, *waves), segment in zip(self.along(body), rod.segments, strict=True):
+            (p, right), (q, left) = (self._lasting(wave, -T) for wave in waves)
+            # waves that leave the ends at p and q meet at (p + q + T)/2 if |p - q| < T
+            first = q[1:].searchsorted(np.maximum(p[:-1] - T, -T - p[1:]), "right")
+            last = q[:-1].searchsorted(np.minimum(p[1:] + T, self.end - T + (self.end - p[:-1])))
+            meeting = np.stack((first, last), axis=1).ravel()
+            most, least = (extreme.reduceat(np.append(left, np.nan), meeting)[::2]
+                           for extreme in (np.fmax, np.fmin))
+            parted = np.fmax.reduce(np.fmax(most - right, right - least), initial=0.0)
+            strain = float(parted / (2 * self.clock.wave_speed[s]))
+            largest.append(float(segment.material.youngs_modulus) * strain)
+        return max(largest)
 
-    def _largest_strain(self, segment: int) -> float:
-        """Largest absolute strain anywhere in a segment at any time."""
-        T, end = self.clock.ticks[segment], self.end
-        starts, values = [], []
-        for wave in self.waves(segment):
-            marks = wave.marks  # in steps that follow it closely
-            edges = np.concatenate(([-T], marks[(marks > -T) & (marks < end)], [end]))
-            starts.append(edges)
-            values.append(np.where(np.diff(edges) > SLIVER, wave.at(edges[:-1]), np.nan))
-        (p, q), (right, left) = starts, values
-        # waves that leave the ends at p and q meet at (p + q + T)/2 if |p - q| < T
-        first = q[1:].searchsorted(np.maximum(p[:-1] - T, -T - p[1:]), "right")
-        last = q[:-1].searchsorted(np.minimum(p[1:] + T, end - T + (end - p[:-1])))
-        meeting = np.stack((first, last), axis=1).ravel()
-        most, least = (extreme.reduceat(np.append(left, np.nan), meeting)[::2]
-                       for extreme in (np.fmax, np.fmin))
-        parted = np.fmax.reduce([*(most - right), *(right - least)], initial=0.0)
-        return float(parted / (2 * self.clock.wave_speed[segment]))
+    def _lasting(self, wave: Pieces, start: int) -> tuple[Ints, Floats]:
+        """Steps that follow a wave closely, [n + 1] ticks and [n] values; nan of slivers."""
+        marks = wave.marks
+        edges = np.concatenate(([start], marks[(marks > start) & (marks < self.end)], [self.end]))
+        return edges, np.where(np.diff(edges) > SLIVER, wave.at(edges[:-1]), np.nan)
 
     def profile(self, body: int, tick: int) -> Profile:
         a, parts = self.clock, []

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..model import Wall
 from ..results.labels import outcome
-from ..storage.tables import SCHEMA_VERSION, align, clean, joules
+from ..storage.tables import SCHEMA_VERSION, align, clean, finite, joules
 from ..units import format_si
 from .columns import columns_of
 from .sweep_result import SweepResult
@@ -66,13 +66,10 @@ def sweep_json(result: SweepResult, varied: Varied) -> Iterator[str]:
     head = {"schema_version": SCHEMA_VERSION, "method": result.method, "shape": result.shape,
             "varied": axes}
     yield json.dumps(head).removesuffix("}") + ', "columns": {'
-    columns = {**result.parameters, **result.columns, "status": result.status}
+    columns = result.table()
     for i, (name, column) in enumerate(columns.items(), 1):
-        entries = [
-            None if isinstance(entry, float) and not math.isfinite(entry) else entry
-            for entry in np.broadcast_to(column, result.shape).ravel().tolist()
-        ]
-        yield f"{json.dumps(name)}: {json.dumps(entries)}" + "," * (i < len(columns))
+        entries = json.dumps(finite(column.tolist()))
+        yield f"{json.dumps(name)}: {entries}" + "," * (i < len(columns))
     yield "}}"
 
 
@@ -91,9 +88,8 @@ def _extremes(result: SweepResult, varied: Varied) -> str:
 def _members(result: SweepResult, varied: Varied, more: str) -> str:
     """All collisions of a small family, some of a large one."""
     count, system = result.restitution.size, result.system
-    shown = np.arange(count)
-    if count > MOST_MEMBERS:
-        shown = np.linspace(0, count - 1, SOME_MEMBERS).round().astype(int)
+    listed = count if count <= MOST_MEMBERS else SOME_MEMBERS
+    shown = np.linspace(0, count - 1, listed).round().astype(int)
     read = {name: np.ravel(column)[shown] for name, column in result.columns.items()}
     bodies, pairs = list(range(len(system.bodies))), result.unilateral
     velocities = [read[f"velocity_after.{i}"] for i in bodies]
@@ -126,8 +122,8 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
         quantity = outcome(system, name)
         columns[quantity.name] = _written(read[name], quantity.unit)
     table = align([list(columns), *zip(*columns.values(), strict=True)], left=())
-    if len(shown) < count:
-        table += f"\n... {len(shown)} of {count}; {more}"
+    if listed < count:
+        table += f"\n... {listed} of {count}; {more}"
     return table
 
 

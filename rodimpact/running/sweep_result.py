@@ -19,7 +19,7 @@ from ..methods.groups import unilateral
 from ..methods.registry import Options
 from ..model import System
 from ..model.frozen import InvalidModel, refusal
-from ..results.labels import outcome, parameter
+from ..results.labels import dataset
 from ..results.notebook import Shown
 from ..results.outcome import OnlyContact
 from ..results.run_file import put_together, take_apart
@@ -304,9 +304,7 @@ class SweepResult(Shown, OnlyContact[Any]):
         >>> data["impulse.0"].attrs["units"], data["status"].sel({"bodies.0.length": 0.4}).item()
         ('N s', 'final')
         """
-        xarray = optional("xarray", "xarray")
         names = [axis.name for axis in self.axes]
-        known = {*names, *self.parameters}
         coordinates: Columns = {
             path: (names, np.broadcast_to(v, self.shape)) for path, v in self.parameters.items()}
         coordinates |= {name: ([name], values) for name, values in self.axes}
@@ -317,11 +315,7 @@ class SweepResult(Shown, OnlyContact[Any]):
             coordinates |= {"time": (["time"], self.times)}
             coordinates |= {"body": (["gauge"], bodies), "x": (["gauge"], places)}
             columns["strain"] = [*names, "gauge", "time"], self.strain
-        return xarray.Dataset(
-            {k: (*v, outcome(self.system, k).attributes) for k, v in columns.items()},
-            {k: (*v, (parameter if k in known else outcome)(self.system, k).attributes)
-             for k, v in coordinates.items()},
-        )
+        return dataset(self.system, columns, coordinates)
 
     def __repr__(self) -> str:
         what = ", ".join(self.parameters) or "nothing"

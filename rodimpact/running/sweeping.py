@@ -69,10 +69,9 @@ class SweepError(ValueError):
         numbers = ", ".join(f"{path} = {value!r}" for path, value in parameters.items())
         self.problems = [(f"member {list(index)} ({numbers})", reason)]
         super().__init__(f"{self.problems[0][0]}: {reason}")
-        self._arguments = (index, parameters, reason)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return SweepError, self._arguments
+        return SweepError, (self.index, self.parameters, self.problems[0][1])
 
 
 def sweep(
