@@ -30,10 +30,10 @@ def unilateral(system: Any) -> list[int]:
 def grounds(system: Any, group: list[int]) -> list[Any]:
     """Velocities of the walls and fixed ends that hold a group, from left to right."""
     held: list[Any] = []
-    for side, i in ((0, 0), (1, len(system.bodies) - 1)):
-        if group[side * (len(group) - 1)] == i and system.bodies[i].kind == "wall":
+    for side, i in enumerate([0, len(system.bodies) - 1]):
+        if i in group and system.bodies[i].kind == "wall":
             held.append(system.bodies[i].velocity)
-        elif group[side * (len(group) - 1)] == i and system.ends[side].kind == "fixed":
+        elif i in group and system.ends[side].kind == "fixed":
             held.append(0.0)
     return held
 
@@ -76,19 +76,14 @@ def without_walls(system: Any, group: list[int]) -> list[int]:
 
 def body_velocities(system: Any, own: list[Any]) -> list[Any]:
     """Velocities of the bodies, m/s: `own` of their group, or that of its wall."""
-    found: list[Any] = []
-    for g, group in enumerate(groups(system)):
-        found.extend(velocities_in_group(system, group, without_walls(system, group), own[g]))
-    return found
+    return [v for g, group in enumerate(groups(system))
+            for v in velocities_in_group(system, group, without_walls(system, group), own[g])]
 
 
 def heads(system: Any, spans: Any) -> list[int]:
     """A segment of each group of bonded rods, from the first and last one of each body."""
-    found = []
-    for group in groups(system):
-        inside = without_walls(system, group)
-        found.append(spans[inside[0] if len(inside) > 0 else group[0]][0])
-    return found
+    first = [[*without_walls(system, group), *group][0] for group in groups(system)]
+    return [spans[body][0] for body in first]
 
 
 def fill_bonds(

@@ -128,10 +128,9 @@ def add_contact(row: Walk, law: Any, gap: Any) -> None:
 
 def add_end(row: Walk, side: int, end: Any) -> None:
     """Add the link at an end of the row."""
-    kind, value = ENDS[end.kind], 0.0
-    if end.kind in ("velocity", "force", "incoming"):
-        value = end.value
-    row.outside[side] = (kind, value)
+    kind = ENDS[end.kind]
+    driven = end.kind in ("velocity", "force", "incoming")
+    row.outside[side] = (kind, end.value if driven else 0.0)
     push = Law.PUSH_RIGHT if side > 0 else Law.PUSH_LEFT
     add(row, push if kind in ("none", "force") else Law.BOND)
 
@@ -162,8 +161,7 @@ def largest(values: Any) -> Any:
     """Largest of some numbers, for each member of a family."""
     found = values[0]
     for value in values[1:]:
-        single = isinstance(value, float) and isinstance(found, float)
-        found = max(found, value) if single else np.maximum(found, value)
+        found = np.maximum(found, value)
     return found
 
 
@@ -174,14 +172,9 @@ def smallest(values: Any) -> Any:
 
 def velocities_of(row: Any) -> list[Any]:
     """Velocities of all that moves at t = 0 or is moved, m/s."""
-    found = [*row.mass_velocity]
-    for body in row.system.bodies:
-        if body.kind != "mass":
-            found.extend(extremes(body.velocity))
-    for kind, value in row.outside:
-        if kind == "velocity":
-            found.extend(extremes(value))
-    return found
+    given = [body.velocity for body in row.system.bodies if body.kind != "mass"]
+    driven = [value for kind, value in row.outside if kind == "velocity"]
+    return [*row.mass_velocity, *[v for speed in [*given, *driven] for v in extremes(speed)]]
 
 
 def frame_of(row: Any) -> Any:
