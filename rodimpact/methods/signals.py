@@ -77,8 +77,7 @@ class Pieces:
     @cached_property
     def values(self) -> Floats:
         """Value at the start of each piece, [n]."""
-        signs = np.where(np.arange(self.size) % 2, -1.0, 1.0)
-        return np.asarray(self.coefficients @ signs)
+        return np.asarray(self.coefficients @ (-1.0) ** np.arange(self.size))
 
     @cached_property
     def breaks(self) -> Ints:
@@ -230,6 +229,12 @@ class Pieces:
         """The signal so many ticks later."""
         return Pieces(self.ticks + ticks, self.coefficients, self.end + ticks)
 
+    def turned(self, about: int) -> Pieces:
+        """The signal at `about` minus the time: backwards, with `about` in ticks."""
+        starts = (about - self.ticks - self.widths)[::-1]
+        mirrored = self.coefficients * (-1.0) ** np.arange(self.size)
+        return Pieces(starts, mirrored[::-1], int(about - self.ticks[0]))
+
     def cut(self, ticks: Ints, end: int) -> Pieces:
         """The signal from ticks[0] to `end` in pieces that begin at `ticks`, its breaks among them.
 
@@ -275,45 +280,6 @@ def each_once(*ticks: ArrayLike) -> Ints:
     first = np.ones(len(merged), dtype=bool)
     first[1:] = merged[1:] != merged[:-1]
     return merged[first]
-
-
-def integral_of_product(
-    f: Pieces, g: Pieces, start: int, stop: int, about: int | None = None
-) -> float:
-    """Integral of f(t) g(t), or with `about` of f(t) g(about - t), from `start` to `stop`.
-
-    Parameters
-    ----------
-    f, g : Pieces
-    start, stop : int
-        Ticks.
-    about : int, optional
-        Sum of the two arguments when g runs backwards.
-
-    Returns
-    -------
-    float
-        Product of values times ticks; exact but for rounding.
-
-    Examples
-    --------
-    >>> f, g = Pieces([0, 4], [1.0, 3.0]), Pieces([0, 6], [2.0, -1.0])
-    >>> integral_of_product(f, g, 0, 10), integral_of_product(f, g, 0, 10, about=10)
-    (8.0, 32.0)
-    """
-    if about is None:
-        other = g.breaks_in(start, stop)
-    else:
-        other = about - g.breaks_in(about - stop, about - start)
-    edges = np.concatenate(([start], each_once(f.breaks_in(start, stop), other), [stop]))
-    left, right = edges[:-1], edges[1:]
-    shares, weights = quadrature((f.size + g.size) // 2)
-    if about is None:
-        partner = g.inside(left, right, shares)
-    else:  # the shares lie symmetrically
-        partner = g.inside(about - right, about - left, shares)[:, ::-1]
-    with np.errstate(under="ignore"):  # of round-off squared
-        return float(np.sum((f.inside(left, right, shares) * partner) @ weights * (right - left)))
 
 
 @cache

@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..methods.signals import Floats, Ints, Pieces, Side, each_once, integral_of_product
+from ..methods.signals import Floats, Ints, Pieces, Side, each_once, quadrature
 from ..model import Rod
 from .fields import Fields, Profile, Trace
 
@@ -165,15 +165,19 @@ class WaveFields(Fields):
 
     def energy(self, body: int, tick: int, velocity: float) -> tuple[float, float]:
         a = self.clock
-        kinetic = strain = 0.0
+        energies = np.zeros(2)
         V = velocity - a.frame - a.gravity * tick * a.tick
         for s, T, A, B in self.along(body):
-            A, B = (wave.within(tick - T, tick).plus(-V) for wave in (A, B))
-            both = sum(integral_of_product(w, w, tick - T, tick) for w in (A, B)) / 4
-            crossed = integral_of_product(A, B, tick - T, tick, about=2 * tick - T) / 2
-            scale = a.impedance[s] * a.tick
-            kinetic += scale * (both + crossed) / 2
-            strain += scale * (both - crossed) / 2
+            start = tick - T
+            waves = A.within(start, tick), B.within(start, tick).turned(start + tick)
+            breaks = (wave.breaks_in(start, tick) for wave in waves)
+            edges = each_once([start], *breaks, [tick])
+            shares, weights = quadrature(max(A.size, B.size))
+            up, down = (wave.inside(edges[:-1], edges[1:], shares) - V for wave in waves)
+            with np.errstate(under="ignore"):  # of round-off squared
+                squares = [(w * w) @ weights @ np.diff(edges) for w in (up + down, up - down)]
+            energies += np.array(squares) * (a.impedance[s] * a.tick / 8)
+        kinetic, strain = energies.tolist()
         return kinetic, strain
 
     def largest_stress(self, body: int) -> float:

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from numpy.polynomial import Chebyshev
 from scipy.integrate import quad
 
-from rodimpact.methods.signals import Pieces, integral_of_product
+from rodimpact.methods.signals import Pieces
 
 steps = st.lists(st.tuples(st.integers(0, 60), st.integers(-5, 5)), min_size=1, max_size=8,
                  unique_by=lambda pair: pair[0]).map(sorted)
@@ -37,9 +37,9 @@ def test_value_limits_and_integral(pairs, t, u):
 def test_integral_of_a_product(f, g, start, length, about):
     stop = start + length
     plain = sum(brute(f, k) * brute(g, k) for k in range(start, stop))
-    assert integral_of_product(signal(f), signal(g), start, stop) == plain
+    assert (signal(f) * signal(g)).integral(start, stop) == plain
     turned = sum(brute(f, k) * brute(g, about - k - 1) for k in range(start, stop))
-    assert integral_of_product(signal(f), signal(g), start, stop, about) == turned
+    assert (signal(f) * signal(g).turned(about)).integral(start, stop) == turned
 
 
 # Polynomial pieces, beside NumPy's polynomials and SciPy's quadrature
@@ -96,11 +96,10 @@ def test_integrals_of_polynomials(seed):
     assert f.integral([start, stop], [stop, start]) / span == pytest.approx(
         np.array([1, -1]) * by_scipy / span, abs=1e-12)
     both = integrated(lambda t: exactly(known, t) * exactly(others, t), known, low, high, *breaks)
-    assert integral_of_product(f, g, start, stop) / span == pytest.approx(both / span, abs=1e-12)
     assert (f * g).integral(start, stop) / span == pytest.approx(both / span, abs=1e-12)
     turned = integrated(lambda t: exactly(known, t) * exactly(others, low + high - t), known, low,
                         high, *(low + high - t for t in breaks))
-    found = integral_of_product(f, g, start, stop, start + stop)
+    found = (f * g.turned(start + stop)).integral(start, stop)
     assert found / span == pytest.approx(turned / span, abs=1e-12)
 
 
