@@ -174,8 +174,7 @@ class WaveFields(Fields):
             edges = each_once([start], *breaks, [tick])
             shares, weights = quadrature(max(A.size, B.size))
             up, down = (wave.inside(edges[:-1], edges[1:], shares) - V for wave in waves)
-            with np.errstate(under="ignore"):  # of round-off squared
-                squares = [(w * w) @ weights @ np.diff(edges) for w in (up + down, up - down)]
+            squares = [(w * w) @ weights @ np.diff(edges) for w in (up + down, up - down)]
             energies += np.array(squares) * (a.impedance[s] * a.tick / 8)
         kinetic, strain = energies.tolist()
         return kinetic, strain
