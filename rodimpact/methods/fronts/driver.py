@@ -25,7 +25,7 @@ ROW_NUMBERS, LIST_NUMBERS = 18, 60  # that a row of the log takes with what resu
 EVENT_TIMES = 2e-5, 2e-6  # s, about what an event takes in plain Python, and compiled
 ROW_TIME = 1e-5  # s, about what plain Python takes for a row of the log
 PAIR_TIME = 4e-7  # s, about what plain Python takes to compare two durations
-FIRST_BLOCK, LAST_BLOCK = 32, 512  # members of a block
+FIRST_BLOCK, LAST_BLOCK = 32, 1024  # members of a block
 RECORDS = {"run": RUN, "segment": SEGMENT, "node": NODE, "line": LINE, "log": ROW, "piece": PIECE,
            "body": BODY}
 FOLLOWED = ("run", "body", "given", "piece", "segment", "node", "line", "log", "tree")

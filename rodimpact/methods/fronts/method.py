@@ -183,11 +183,12 @@ def totals_of(run: FrontRun) -> runs.Totals:
     a, scale, system = run.clock, run.run.scale, run.clock.system
     masses = [a.mass(i) for i in range(len(a.spans))]
     moving = sum(m for m in masses if m < math.inf)
+    beside = heads(system, a.spans)
     velocities, kinetic, vibration, momentum = [], [], [], []
     for names in (("initial", "initial_vibration", "initial_momentum"),
                   ("velocity", "vibration", "momentum")):
         own, energy, impulse = ([getattr(s, name) for s in run.segment] for name in names)
-        means = body_velocities(system, [own[s] + a.frame for s in heads(system, a.spans)])
+        means = body_velocities(system, [own[s] + a.frame for s in beside])
         velocities.append(list(map(float, means)))
         kinetic.append(sum(m * (own[s] + a.frame) ** 2 / 2
                            for m, (s, e) in zip(masses, a.spans, strict=True) if e))
