@@ -14,15 +14,13 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from ..methods.fronts import finality
-from ..methods.fronts.records import NONE
+from ..methods.fronts.records import CHANGE, NONE
 from ..methods.groups import unilateral
 from ..methods.laws import Status
 from ..model import Wall
 from .numbers import HALF, ZERO, Number, since
 from .rows import ExactRun
 
-Loop = list[tuple[Number, Number]]
-"""Levels of the waves that go round in a rod, and when each began to leave its left end."""
 ENDLESS = 1 << 62
 
 
@@ -42,43 +40,24 @@ def conditions(run: ExactRun, *, in_order: bool) -> list[Number]:
 
     If waves may come to contacts in any order, some of these numbers are no rational functions.
     """
-    spells, found, loops = _history(run)
-    for left, right in loops:
-        found += [later - t for loop in (left, right) for (_, t), (_, later) in pairwise(loop)]
-        found += [high - low for high, _ in right for low, _ in left]
-    for spell in spells:
-        found += _lasting(spell, in_order)
-    if in_order:  # a hair's breadth from the system what is alike is the same
-        found = list({x.value: x for x in found}.values())
-    return [x for x in found if x.made and x.value]
-
-
-def _history(run: ExactRun) -> tuple[list[Spell], list[Number], list[tuple[Loop, Loop]]]:
-    """Spells of all contacts, and why there are no others: conditions, and rods that go apart."""
     contacts, state = unilateral(run.row.system), run.state
     end, wait = _end(state)
-    found: list[Number] = []
-    loops: list[tuple[Loop, Loop]] = []
-    vibrating = False
-    for k in contacts:
-        after = _for_ever_after(run, k, end)
-        vibrating |= len(after) == 3
-        if isinstance(after, tuple):
-            loops.append(after)
-        else:
-            found += after
+    proofs = [_for_ever_after(run, k, end) for k in contacts]
+    found = [x for proof, _ in proofs for x in proof]
     longest = max(sum(it.transit for it in state.segment[s : e + 1]) for s, e in run.row.spans if e)
     # what is under way must not come before the end: let it come
     state.go(end + wait + 2 * longest, ENDLESS, ZERO)
-    spells: list[Spell] = []
     for k in contacts:
-        of_contact, later = _spells(run, k, end + wait)
-        spells += of_contact
-        last = of_contact[-1].start
+        spells, later = _spells(run, k, end + wait)
+        last = spells[-1].start
         found += [x for t in later for x in (t - end, t - last)]
-        if vibrating:  # the energy is that of the end once all have ceased to press
-            found.append(abs(end - last))
-    return spells, found, loops
+        if any(bridged for _, bridged in proofs):
+            found.append(abs(end - last))  # the energy is that once all have ceased to press
+        for spell in spells:
+            found += _lasting(spell, in_order)
+    if in_order:  # a hair's breadth from the system what is alike is the same
+        found = list({x.value: x for x in found}.values())
+    return [x for x in found if x.made and x.value]
 
 
 def _end(state: Any) -> tuple[Number, Number]:
@@ -100,29 +79,24 @@ def _end(state: Any) -> tuple[Number, Number]:
 def _spells(run: ExactRun, contact: int, until: Number) -> tuple[list[Spell], list[Number]]:
     """Spells of a contact, and when waves come to it later."""
     state, k = run.state, run.nodes[contact]
-    arrived = [state.line[0].arrived if k == 0 else ZERO,
-               state.line[-1].arrived if k == len(state.node) - 1 else ZERO]
-    events: dict[Any, list[Any]] = {}  # by time: itself, the waves that arrive, the new status
-    for front in state.log[: state.run.rows]:
-        if front.line in (2 * k, 2 * k + 3):
-            t = front.tick + state.segment[front.line // 2].transit
-            event = events.setdefault(t.value, [t, None, None, None])
-            event[1 + (front.line != 2 * k)] = front.value
-    for change in state.changes:
-        if change.after == k:
-            t = change.tick + ZERO
-            events.setdefault(t.value, [t, None, None, None])[3] = change.value
+    arrived = {2 * k: state.line[0].arrived if k == 0 else ZERO,
+               2 * k + 3: state.line[-1].arrived if k == len(state.node) - 1 else ZERO}
+    events: dict[Any, tuple[Number, dict[int, Any]]] = {}  # by time: waves by line, and the status
+    for row in state.log[: state.run.rows]:
+        if row.line in arrived or (row.line == CHANGE and row.after == k):
+            way = ZERO if row.line == CHANGE else state.segment[row.line // 2].transit
+            events.setdefault((row.tick + way).value, (row.tick + way, {}))[1][row.line] = row.value
     gap, closing = run.numbers.gap[contact] * run.rate, ZERO
     spells, later = [Spell(Status.OPEN if gap > 0 else -1, ZERO, gap, ZERO, [], [])], []
     for at in sorted(events):
-        t, *waves, new = events[at]
-        arrived = [old if wave is None else wave for old, wave in zip(arrived, waves, strict=True)]
-        before, closing = closing, arrived[0] - arrived[1]
+        t, new = events[at]
+        arrived = {line: new.get(line, wave) for line, wave in arrived.items()}
+        before, closing = closing, arrived[2 * k] - arrived[2 * k + 3]
         if at > until.value:
             later.append(t)
-        elif new is not None:
+        elif CHANGE in new:
             spells[-1].end.append(t)
-            spells.append(Spell(new, t, ZERO, closing, [], []))
+            spells.append(Spell(new[CHANGE], t, ZERO, closing, [], []))
         elif at > 0:
             spells[-1].waves.append((t, closing - before))
         else:
@@ -148,26 +122,29 @@ def _lasting(spell: Spell, in_order: bool) -> list[Number]:
     return found + [end - t for end in spell.end for t in (spell.start, *times)]
 
 
-def _for_ever_after(run: ExactRun, k: int, t: Any) -> list[Number] | tuple[Loop, Loop]:
+def _for_ever_after(run: ExactRun, k: int, t: Any) -> tuple[list[Number], bool]:
     """Why contact k does not press again after t, if the levels beside it do not tell.
 
     Bodies whose centres go apart do not meet once the gap between these motions is wider than
     vibration can bridge. The bound is that of `separation_time` of the kernel, but for the energy:
-    here it is that of all vibration, which follows from the velocities and impulses.
+    here it is that of all vibration, which follows from the velocities and impulses. Whether this
+    is why is told.
     """
     state, node = run.state, run.nodes[k]
     at, left, right = state.node[node], state.segment[node], state.segment[node + 1]
     if finality.still(state.segment, state.node, state.line, node):
-        return [at.rate]
+        return [at.rate], False
     for s in (node, node + 1):
         finality.survey_group(*state[1:5], node, s, t)
     if left.bounded and right.bounded and right.low >= left.high:
-        return _loop(run, node, False), _loop(run, node, True)
+        loops = _loop(run, node, False), _loop(run, node, True)
+        in_turn = [later - t for loop in loops for (_, t), (_, later) in pairwise(loop)]
+        return in_turn + [high - low for high, _ in loops[1] for low, _ in loops[0]], False
     for s in (node, node + 1):
         finality.bound_deviation(*state[1:5], node, s, t)
     gap = at.gap + at.rate * (t - at.since) - right.deviation + left.deviation
     reach = 2 * _vibration(run) * (left.slack + right.slack)
-    return [right.mean - left.mean, gap, gap * gap - reach]
+    return [right.mean - left.mean, gap, gap * gap - reach], True
 
 
 def _vibration(run: ExactRun) -> Number:
@@ -183,8 +160,8 @@ def _vibration(run: ExactRun) -> Number:
     return energy
 
 
-def _loop(run: ExactRun, k: int, right: bool) -> Loop:
-    """What goes round in the rod beside contact k, in the order in which it left there."""
+def _loop(run: ExactRun, k: int, right: bool) -> list[tuple[Number, Number]]:
+    """Levels of the waves that go round in the rod beside contact k, and when each left there."""
     line, log, group = run.state.line, run.state.log, run.state.segment[k + right]
     s = group.first
     if group.last == 0 or finality.quiet(line, s, group.last):

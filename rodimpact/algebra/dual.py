@@ -7,6 +7,13 @@ from typing import Any
 
 from .numbers import Judged
 
+RULES: dict[str, Callable[[Any, Any, Any, Any], tuple[Any, Any]]] = {
+    "+": lambda x, dx, y, dy: (x + y, dx + dy),
+    "-": lambda x, dx, y, dy: (x - y, dx - dy),
+    "*": lambda x, dx, y, dy: (x * y, dx * y + x * dy),
+    "/": lambda x, dx, y, dy: (x / y, (dx - x / y * dy) / y),
+}
+
 
 class Dual(Judged):
     """A number, whole or not, and its derivatives in some directions.
@@ -23,6 +30,13 @@ class Dual(Judged):
     def __init__(self, value: Any, d: Any = 0.0) -> None:
         self.value, self.d = value, d
 
+    @staticmethod
+    def combine(operation: str, a: Any, b: Any) -> Dual:
+        """What an operation makes of two numbers, by the rules of derivatives."""
+        x, dx = (a.value, a.d) if type(a) is Dual else (a, 0.0)
+        y, dy = (b.value, b.d) if type(b) is Dual else (b, 0.0)
+        return Dual(*RULES[operation](x, dx, y, dy))
+
     def __neg__(self) -> Dual:
         return Dual(-self.value, -self.d)
 
@@ -31,27 +45,3 @@ class Dual(Judged):
 
     def __trunc__(self) -> Dual:  # time in whole ticks changes as time itself
         return Dual(int(self.value), self.d)
-
-
-RULES: dict[str, Callable[[Any, Any, Any, Any], tuple[Any, Any]]] = {
-    "add": lambda x, dx, y, dy: (x + y, dx + dy),
-    "sub": lambda x, dx, y, dy: (x - y, dx - dy),
-    "mul": lambda x, dx, y, dy: (x * y, dx * y + x * dy),
-    "truediv": lambda x, dx, y, dy: (x / y, (dx - x / y * dy) / y),
-}
-
-
-def _derived(name: str) -> None:
-    """Give `Dual` an operation, with a number on either side."""
-    rule = RULES[name]
-
-    def forward(x: Dual, y: Any) -> Dual:
-        other = (y.value, y.d) if type(y) is Dual else (y, 0.0)
-        return Dual(*rule(x.value, x.d, *other))
-
-    setattr(Dual, f"__{name}__", forward)
-    setattr(Dual, f"__r{name}__", lambda y, x: Dual(*rule(x, 0.0, y.value, y.d)))
-
-
-for _name in RULES:
-    _derived(_name)

@@ -56,11 +56,8 @@ class Field:
 
     def inequality(self, p: Any) -> Any:
         """A polynomial that is positive, as an inequality between sums."""
-        less, more = (
-            p.ring.from_dict({powers: abs(c) for powers, c in p.terms() if (c > 0) == sign})
-            for sign in (False, True)
-        )
-        return self.polynomial(less) < self.polynomial(more)
+        more = p.ring.from_dict({powers: c for powers, c in p.terms() if c > 0})
+        return self.polynomial(more - p) < self.polynomial(more)
 
     def at(self, p: Any, values: Mapping[str, Fraction]) -> Fraction:
         """Value of a polynomial."""

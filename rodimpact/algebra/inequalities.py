@@ -34,7 +34,7 @@ def factors(functions: Iterable[Any], value: Callable[[Any], Fraction]) -> list[
     """
     found: dict[Any, None] = {}
     for f in functions:
-        whole = len(f.numer) > FACTORED or max(map(sum, f.numer.monoms())) <= 1
+        whole = len(f.numer) > FACTORED or f.numer.is_linear
         upper = [(f.numer, 1)] if whole else f.numer.factor_list()[1]
         for p, power in [*upper, *f.denom.factor_list()[1]]:
             if power % 2 and not definite(p) and not definite(-p):
@@ -52,19 +52,14 @@ def reduced(
     where that is harder to see.
     """
     ordered = sorted(polynomials, key=lambda p: (len(p), str(p)))
-    linear = [p for p in ordered if _is_linear(p)]
+    linear = [p for p in ordered if p.is_linear]
     for p in linear[::-1]:
         others = [q for q in linear if q is not p]
         if _follows(p, others):
             linear = others
-    others = [p for p in ordered if not _is_linear(p)]
+    others = [p for p in ordered if not p.is_linear]
     return [*linear, *(p for p in told(others)
                        if not any(map(definite, _in_new_variables(p, linear))))]
-
-
-def _is_linear(p: Any) -> bool:
-    """Whether a polynomial is a linear form."""
-    return all(sum(powers) <= 1 for powers in p.monoms())
 
 
 def _follows(p: Any, others: list[Any]) -> bool:

@@ -162,7 +162,7 @@ class Naming:
         self.speeds[name] = E, rho
         return Number(self._root(square), (name,))
 
-    def _density(self, path: str) -> Number:
+    def _density(self, path: str) -> Any:
         name, E, rho = self._material(path)
         if not isinstance(rho, str):
             return Number(rho)

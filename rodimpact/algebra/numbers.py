@@ -19,35 +19,42 @@ OPERATIONS: dict[str, Callable[[Any, Any], Any]] = {
     "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv,
     "since": lambda passed, x: (passed >= 0) * x,
 }
+NEUTRAL = {"+": 0, "-": 0, "*": 1, "/": 1}
+"""By operation, the right operand that changes nothing."""
 HALF = Fraction(1, 2)
 DECIMALS = 150  # with which formulas are evaluated to be told apart
 
 
+def _judged(compare: Callable[[Any, Any], Any]) -> Callable[[Any, Any], bool]:
+    return lambda x, y: bool(compare(x.value, y.value if isinstance(y, Judged) else y))
+
+
+def _forward(operation: str) -> Callable[[Any, Any], Any]:
+    return lambda x, y: x.combine(operation, x, y)
+
+
+def _backward(operation: str) -> Callable[[Any, Any], Any]:
+    return lambda y, x: y.combine(operation, x, y)
+
+
 class Judged:
-    """A number that carries more: kernels decide by its value alone."""
+    """A number that carries more: kernels decide by its value alone.
+
+    What an operation makes of two such numbers is what `combine` of their class says.
+    """
 
     __slots__ = ()
     value: Any
+    combine: Callable[[str, Any, Any], Any]
+
+    __eq__, __lt__, __le__, __gt__, __ge__ = map(
+        _judged, (operator.eq, operator.lt, operator.le, operator.gt, operator.ge))
+    __add__, __sub__, __mul__, __truediv__ = map(_forward, NEUTRAL)
+    __radd__, __rsub__, __rmul__, __rtruediv__ = map(_backward, NEUTRAL)
+    __hash__ = None  # type: ignore[assignment]
 
     def __int__(self) -> int:
         return int(self.value)
-
-    def __eq__(self, other: object) -> bool:
-        return bool(self.value == value_of(other))
-
-    def __lt__(self, other: Any) -> bool:
-        return bool(self.value < value_of(other))
-
-    def __le__(self, other: Any) -> bool:
-        return bool(self.value <= value_of(other))
-
-    def __gt__(self, other: Any) -> bool:
-        return bool(self.value > value_of(other))
-
-    def __ge__(self, other: Any) -> bool:
-        return bool(self.value >= value_of(other))
-
-    __hash__ = None  # type: ignore[assignment]
 
 
 class Number(Judged):
@@ -66,65 +73,35 @@ class Number(Judged):
         self.value = value if type(value) is Fraction else Fraction(value)
         self.made = made
 
-    def __add__(self, other: Any) -> Number:
-        right = number(other)
-        if not right.made and not right.value:
-            return self
-        if not self.made and not self.value:
-            return right
-        return _made("+", self, right)
-
-    __radd__ = __add__
-
-    def __sub__(self, other: Any) -> Number:
-        other = number(other)
-        return self if not other.made and not other.value else _made("-", self, other)
-
-    def __rsub__(self, other: Any) -> Number:
-        return number(other) - self
-
-    def __mul__(self, other: Any) -> Number:
-        other = number(other)
-        for a, b in ((self, other), (other, self)):
-            if not a.made and a.value in (0, 1):
-                return b if a.value else ZERO
-        return _made("*", self, other)
-
-    __rmul__ = __mul__
-
-    def __truediv__(self, other: Any) -> Number:
-        if not self.made and not self.value:
+    @staticmethod
+    def combine(operation: str, x: Any, y: Any) -> Number:
+        """What an operation makes of two numbers; one of them where the other changes nothing."""
+        a = x if isinstance(x, Number) else Number(x)
+        b = y if isinstance(y, Number) else Number(y)
+        left, right = a.made or a.value, b.made or b.value
+        if right == NEUTRAL[operation]:
+            return a
+        if operation in "+*" and left == NEUTRAL[operation]:
+            return b
+        if (left == 0 and operation in "*/") or (right == 0 and operation == "*"):
             return ZERO
-        return _made("/", self, number(other))
-
-    def __rtruediv__(self, other: Any) -> Number:
-        return number(other) / self
+        return _made(operation, a, b)
 
     def __neg__(self) -> Number:
-        return ZERO - self
+        return Number.combine("-", ZERO, self)
 
     def __abs__(self) -> Number:
         return -self if self.value < 0 else self
 
     def __trunc__(self) -> Number:
         """Time in whole ticks is truncated half a tick later; exact time needs no ticks."""
-        return self - HALF
+        return Number.combine("-", self, HALF)
 
     def __float__(self) -> float:
         return float(self.value)
 
 
 ZERO = Number(0)
-
-
-def number(x: Any) -> Number:
-    """Take `x` as a number without a history, unless it has one."""
-    return x if isinstance(x, Number) else Number(x)
-
-
-def value_of(x: Any) -> Any:
-    """The value of a number that carries more; others as they are."""
-    return x.value if isinstance(x, Judged) else x
 
 
 def _made(operation: str, a: Number, b: Number) -> Number:
@@ -164,19 +141,14 @@ class Program:
     """
 
     def __init__(self, wanted: list[Number], constant: Callable[[Fraction], Any]) -> None:
-        self._steps: list[tuple[Any, ...]] = []
-        places: dict[Any, int] = {}
+        places: dict[tuple[Any, ...], int] = {}
         at: dict[int, int] = {}
         for x in steps_to(wanted):
-            step: tuple[Any, ...] = (None, x.value)
-            if len(x.made) == 3:
-                operation, a, b = x.made
-                step = OPERATIONS[operation], at[id(a)], at[id(b)]
-            elif x.made:
-                step = x.made
+            step: tuple[Any, ...] = x.made or (None, x.value)
+            if len(step) == 3:
+                step = OPERATIONS[step[0]], at[id(step[1])], at[id(step[2])]
             at[id(x)] = places.setdefault(step, len(places))
-            if len(places) > len(self._steps):
-                self._steps.append((None, constant(x.value)) if step[0] is None else step)
+        self._steps = [(None, constant(step[1])) if step[0] is None else step for step in places]
         self._wanted = [at[id(x)] for x in wanted]
 
     def __call__(self, names: Mapping[str, Any]) -> list[Any]:
