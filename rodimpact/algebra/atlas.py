@@ -139,12 +139,11 @@ class Atlas:
 
     def locate(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.int64]:
         """Index of the cell in which places lie, -1 for what is unresolved."""
-        xs, ys = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
-        return _locate(self.cells, xs, ys)
+        return _locate(self.cells, *np.array(np.broadcast_arrays(x, y), dtype=float))
 
     def restitution(self, x: ArrayLike, y: ArrayLike) -> Floats:
         """e by the formula of the cell in which places lie; nan where there is none."""
-        xs, ys = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
+        xs, ys = np.array(np.broadcast_arrays(x, y), dtype=float)
         found, e = self.locate(xs, ys), np.full(xs.shape, np.nan)
         for i, cell in enumerate(self.cells):
             here = found == i
@@ -154,8 +153,8 @@ class Atlas:
     @cached_property
     def contacts(self) -> list[tuple[int, ...]]:
         """How often each contact presses, by region."""
-        first = {region: i for i, region in reversed(list(enumerate(self.region)))}
-        return [tuple(map(len, self.cells[first[r]].results.contact_times)) for r in sorted(first)]
+        first = map(self.region.index, sorted(set(self.region)))
+        return [tuple(map(len, self.cells[i].results.contact_times)) for i in first]
 
 
 def atlas(
@@ -276,9 +275,9 @@ class _Search:
         nodes = _rounded(np.stack(np.meshgrid(grid, grid, indexing="ij"), axis=-1).reshape(-1, 2))
         owner = np.maximum(self._fill(nodes), -1).reshape(LATTICE + 1, LATTICE + 1)
         at = np.arange(owner.size).reshape(owner.shape)
-        edges = np.array([*zip(at[:-1].ravel(), at[1:].ravel(), strict=True),
-                          *zip(at[:, :-1].ravel(), at[:, 1:].ravel(), strict=True)])
-        places, between, of = self._cross(nodes, owner.ravel(), edges)
+        edges = np.concatenate([np.stack([at[:-1], at[1:]], axis=-1).reshape(-1, 2),
+                                np.stack([at[:, :-1], at[:, 1:]], axis=-1).reshape(-1, 2)])
+        places, between, of = self._cross(nodes[edges], owner.ravel()[edges])
         lines, of_line = self._join(places, between, of)
         x, y = self.axes
         return Atlas(self.naming.row.system, x, y, self.cells, self.region, self._plane(places),
@@ -298,10 +297,16 @@ class _Search:
                 self.forecast.extrapolate(self.runs, self.runs + left, f"up to {left} more cells")
                 self.forecast.reached(self.done + i, PLACES)
                 self.runs += 1
-                found[i] = self._solve(places[i])
-                open_ = np.flatnonzero(found == -1)
-                if found[i] >= 0:
-                    found[open_[self.cells[-1].inside(*plane[open_].T)]] = found[i]
+                cell = self._solved(places[i])
+                if cell:
+                    open_ = np.flatnonzero(found == -1)
+                    inside = open_[cell.inside(*plane[open_].T)]
+                    found[i] = NOWHERE  # unless floats tell the cell
+                    if i in inside:
+                        found[inside] = len(self.cells)
+                        self.cells.append(cell)
+                        self.region.append(self._formulas.setdefault(
+                            cell.mark(times=False), len(self._formulas)))
         self.done = min(self.done + len(places), PLACES)
         return found
 
@@ -313,20 +318,10 @@ class _Search:
         run = self.naming.run(values, self.max_events)
         return Cell(self.naming, run, values, names=self.names) if run.final else None
 
-    def _solve(self, place: Floats) -> int:
-        """Add the cell of a place, if its collision comes to an end and floats tell the cell."""
-        cell = self._solved(place)
-        if cell is None:
-            return -1
-        if not cell.inside(*self._plane(place[None]).T)[0]:
-            return NOWHERE
-        self.cells.append(cell)
-        self.region.append(self._formulas.setdefault(cell.mark(times=False), len(self._formulas)))
-        return len(self.cells) - 1
-
-    def _narrowed(self, P: Floats, Q: Floats, ends: Floats, regions: list[int]) -> Floats | None:
+    def _narrowed(
+        self, P: Floats, Q: Floats, low: float, high: float, regions: list[int]
+    ) -> Floats | None:
         """Where one region turns into another and floats do not tell, by solving in between."""
-        low, high = ends
         while high - low > CLOSE:
             middle = (low + high) / 2
             cell = self._solved(P + (Q - P) * middle)
@@ -337,47 +332,38 @@ class _Search:
         found: Floats = P + (Q - P) * (low + high) / 2
         return found
 
-    def _cross(self, nodes: Floats, owner: Any, edges: Any) -> tuple[Floats, Any, Any]:
+    def _cross(self, ends: Floats, cells: Any) -> tuple[Floats, Any, Any]:
         """Where the formula changes along edges: places, regions on both sides, and the edge."""
-        places, between, of = [], [], []
-
-        def sides(part: Any) -> list[int]:
-            return [self.region[c] if c >= 0 else -1 for c in part[3:]]
-
-        parts = [(e, nodes[i], nodes[j], owner[i], owner[j]) for e, (i, j) in enumerate(edges)]
+        of, halves, found = np.arange(len(ends)), [[0, 1], [1, 2]], []
         for _ in range(MOST_BETWEEN):
-            parts = [part for part in parts if len(set(sides(part))) > 1]
-            if not parts:
-                break
-            P, Q = (np.array([part[i] for part in parts]) for i in (1, 2))
-            left = self._end(P, Q, np.array([part[3] for part in parts]))
-            right = 1 - self._end(Q, P, np.array([part[4] for part in parts]))
+            regions = np.append(self.region, -1)[cells]
+            differ = regions[:, 0] != regions[:, 1]
+            ends, cells, regions, of = (part[differ] for part in (ends, cells, regions, of))
+            P, Q = ends[:, 0], ends[:, 1]
+            left, right = self._end(P, Q, cells[:, 0]), 1 - self._end(Q, P, cells[:, 1])
             middle = P + (Q - P) * ((left + right) / 2)[:, None]
             close = right - left < CLOSE
-            border = dict(zip(np.flatnonzero(close), middle[close], strict=True))
-            middle = _rounded(middle[~close], ((right - left) / LATTICE)[~close, None])
-            there = self._fill(middle)
-            more, hard = [], []
-            for i, at, c in zip(np.flatnonzero(~close), middle, there, strict=True):
-                e, p, q, a, b = parts[i]
-                if c == NOWHERE and min(a, b) >= 0:
-                    hard.append(i)
-                elif c not in (a, b, NOWHERE):
-                    more += [(e, p, at, a, c), (e, at, q, c, b)]
-            began = time.monotonic()
+            places = _rounded(middle[~close], ((right - left) / LATTICE)[~close, None])
+            there = np.full(len(of), NOWHERE)
+            there[~close] = self._fill(places)
+            hard = np.flatnonzero(~close & (there == NOWHERE) & (cells >= 0).all(axis=1))
+            began, told = time.monotonic(), [*np.flatnonzero(close)]
             for k, i in enumerate(hard, 1):
-                _, p, q, *_ = parts[i]
-                border[i] = self._narrowed(p, q, np.array([left[i], right[i]]), sides(parts[i]))
+                border = self._narrowed(P[i], Q[i], left[i], right[i], regions[i].tolist())
+                if border is not None:
+                    middle[i] = border
+                    told.append(i)
                 seconds = (time.monotonic() - began) / k * (len(hard) - k)
                 self.forecast.expect(seconds, f"{len(hard)} places of borders in fractions")
                 self.forecast.reached(PLACES - len(hard) + k, PLACES)
-            for i, place in border.items():
-                if place is not None:
-                    places.append(place)
-                    between.append(sides(parts[i]))
-                    of.append(parts[i][0])
-            parts = more
-        return np.array(places).reshape(-1, 2), np.array(between).reshape(-1, 2), np.array(of)
+            found.append((middle[told], regions[told], of[told]))
+            middle[~close] = places
+            between = (there != NOWHERE) & (there[:, None] != cells).all(axis=1)
+            ends = np.stack([P, middle, Q], axis=1)[between][:, halves].reshape(-1, 2, 2)
+            cells = np.column_stack([cells[:, 0], there, cells[:, 1]])[between][:, halves]
+            cells, of = cells.reshape(-1, 2), np.repeat(of[between], 2)
+        places, sides, edges = map(np.concatenate, zip(*found, strict=True))
+        return places, sides, edges
 
     def _end(self, P: Floats, Q: Floats, cells: Any) -> Floats:
         """Share of the way from P to Q at which cells end."""
@@ -390,31 +376,25 @@ class _Search:
 
     def _join(self, places: Floats, between: Any, of: Any) -> tuple[Floats, NDArray[np.int64]]:
         """Straight lines between the places on the edges of each mesh, and a place of each."""
-        n = LATTICE
-        on: dict[int, list[int]] = {}
-        for p, e in enumerate(of):
-            on.setdefault(int(e), []).append(p)
-        lines: list[Any] = []
-        first: list[int] = []
-        for i in range(n):
-            for j in range(n):
-                up = n * (n + 1)
-                sides = (i * (n + 1) + j, i * (n + 1) + j + 1, up + i * n + j, up + (i + 1) * n + j)
-                points = [p for e in sides for p in on.get(e, [])]
-                alike: dict[Any, list[int]] = {}
-                for p in points:
-                    alike.setdefault(frozenset(between[p].tolist()), []).append(p)
-                pairs = [pair for pair in alike.values() if len(pair) == 2]
-                points = [p for p in points if not any(p in pair for pair in pairs)]
-                for pair in [*pairs, points] if len(points) == 2 else pairs:
-                    lines.append(places[pair])
-                    first.append(pair[0])
-                if len(points) > 2:
-                    centre = places[points].mean(axis=0)
-                    for axis in (0, 1):  # borders along the axes meet where edges across say
-                        across = [p for p in points if (of[p] >= up) == bool(axis)]
-                        if across:
-                            centre[axis] = places[across, axis].mean()
-                    lines += [[places[p], centre] for p in points]
-                    first += points
-        return np.array(lines).reshape(-1, 2, 2), np.array(first, dtype=int)
+        n, up = LATTICE, LATTICE * (LATTICE + 1)
+        drawn: list[tuple[Any, Any]] = []  # a place, and where a line goes from there
+        for i, j in np.ndindex(n, n):
+            sides = (i * (n + 1) + j, i * (n + 1) + j + 1, up + i * n + j, up + (i + 1) * n + j)
+            points = [p for e in sides for p in np.flatnonzero(of == e)]
+            alike: dict[Any, list[Any]] = {}
+            for p in points:
+                alike.setdefault(frozenset(between[p].tolist()), []).append(p)
+            pairs = [pair for pair in alike.values() if len(pair) == 2]
+            points = [p for p in points if not any(p in pair for pair in pairs)]
+            if len(points) == 2:
+                pairs.append(points)
+            drawn += [(p, places[q]) for p, q in pairs]
+            if len(points) > 2:
+                centre = places[points].mean(axis=0)
+                for axis in (0, 1):  # borders along the axes meet where edges across say
+                    across = [p for p in points if (of[p] >= up) == bool(axis)]
+                    if across:
+                        centre[axis] = places[across, axis].mean()
+                drawn += [(p, centre) for p in points]
+        lines = np.array([(places[p], end) for p, end in drawn]).reshape(-1, 2, 2)
+        return lines, np.array([p for p, _ in drawn], dtype=int)

@@ -9,11 +9,12 @@ from ..methods.fronts import events, stock
 from ..methods.fronts.driver import laid
 from ..methods.fronts.method import track
 from ..methods.fronts.records import IDLE
-from ..methods.groups import grounds, groups, unilateral
+from ..methods.groups import groups, unilateral
 from ..methods.laws import Status
 from ..methods.row import Array, Row
 from ..model import Absorbing, System
 from .dual import Dual
+from .rows import motion
 
 EVENTS = (
     "", "there is no gap at first", "waves from both sides arrive together",
@@ -75,7 +76,7 @@ class Followed:
         stock.settle(*state[:5])
         lasting = ending(system)
         for i in unilateral(system):
-            apart = self._motion(i + 1)[1] - self._motion(i)[1]
+            apart = motion(self._row, state, i + 1)[1] - motion(self._row, state, i)[1]
             if {i, i + 1} <= lasting and abs(apart) <= self._least:
                 self._note(PARTING, end, self._nodes[i], apart.d, self._least)
 
@@ -84,22 +85,12 @@ class Followed:
         kind, _, number = of.partition(".")
         i = int(number or unilateral(self._row.system)[0])
         if kind == "velocity_after":
-            return self._motion(i)[1] + self._frame
+            return motion(self._row, self._state, i)[1] + self._frame
         if kind == "restitution":
-            (v, after), (w, beyond) = self._motion(i), self._motion(i + 1)
+            (v, after), (w, beyond) = (motion(self._row, self._state, j) for j in (i, i + 1))
             return (beyond - after) / (v - w)
         at = self._state.node[self._nodes[i]]
         return (at.impulse if kind == "impulse" else at.pressed) * self._tick + Dual(0.0)
-
-    def _motion(self, body: int) -> tuple[Any, Any]:
-        """Velocity of a body before and after: that of what holds it, or of its segments."""
-        system, line = self._row.system, self._state.line
-        group = next(g for g in groups(system) if body in g)
-        if grounds(system, group):
-            return (line[0 if group[0] == 0 else -1].arrived,) * 2
-        first, _ = self._row.spans[body]
-        segment = self._state.segment[first]
-        return segment.initial, segment.velocity
 
     def _note(self, event: int, t: int, k: int, apart: Any, least: float) -> None:
         """Note a tie at node k in the directions in which what is equal comes apart."""

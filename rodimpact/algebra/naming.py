@@ -61,7 +61,7 @@ class Naming:
         self._named: list[str] = []
         self._of_material = {place: path for path, places in places_of(system).items()
                              if path.startswith("materials.") for place in places}
-        self._materials: list[Any] = []
+        self._materials: dict[Any, int] = {}
         self._roots: dict[Fraction, Fraction] = {}
         self._numbers = read(self.row, self._take, self._speed)
         known, named = (dict.fromkeys(word for path in paths for word in self._words(path))
@@ -96,10 +96,14 @@ class Naming:
         numbers = Numbers(*(evaluate(of, names, Number) for of in self._numbers))
         return run(self.row, numbers, max_events)
 
-    def _name(self, name: str, path: str, value: Fraction) -> None:
+    def _name(self, name: str, path: str, value: Fraction) -> Any:
+        """The name of the number at a path, or the number itself if it has none."""
+        if not self.symbol_of(path) and name not in self.base:
+            return value
         self._named.append(path)
         self.paths.setdefault(name, path)
         self.base[name] = value
+        return name
 
     def _words(self, path: str) -> list[str]:
         """What may name the number at a path: the path, that of its material, and its last word."""
@@ -109,7 +113,7 @@ class Naming:
         """The symbol that names the number at a path."""
         return next((word for word in self._words(path) if word in self.symbols), None)
 
-    def _take(self, path: str, value: float) -> Number | None:
+    def _take(self, path: str, value: float) -> Any:
         quantity = path.rpartition(".")[2]
         if quantity == "gap" and value == 0:  # bodies that touch have no gap to be named
             return ZERO
@@ -140,18 +144,12 @@ class Naming:
         pair = s.material.youngs_modulus, s.material.density
         # rods of equal materials have them in common, but for one that is asked for by its path
         own = path if {f"{path}.youngs_modulus", f"{path}.density"} & set(self.symbols) else ""
-        if (own, pair) not in self._materials:
-            self._materials.append((own, pair))
-        place = self._materials.index((own, pair)) + 1
-        found: list[Any] = []
-        for quantity, value in zip(("youngs_modulus", "density"), pair, strict=True):
-            name = f"{LETTERS[quantity]}{place}"
-            if name in self.base or self.symbol_of(f"{path}.{quantity}"):
-                self._name(name, f"{path}.{quantity}", written(value))
-                found.append(name)
-            else:
-                found.append(written(value))
-        return f"c{place}", found[0], found[1]
+        place = self._materials.setdefault((own, pair), len(self._materials) + 1)
+        E, rho = (
+            self._name(f"{LETTERS[quantity]}{place}", f"{path}.{quantity}", written(value))
+            for quantity, value in zip(("youngs_modulus", "density"), pair, strict=True)
+        )
+        return f"c{place}", E, rho
 
     def _speed(self, _: Any, path: str) -> Number:
         name, E, rho = self._material(f"{path}.material")

@@ -15,7 +15,7 @@ from ..methods.duration import Progress
 from ..methods.fronts import stock
 from ..methods.fronts.driver import Laid, laid
 from ..methods.fronts.plan import plan_of
-from ..methods.groups import unilateral
+from ..methods.groups import grounds, groups, unilateral
 from ..methods.laws import Status, Stop
 from ..methods.registry import check_function, count
 from ..methods.row import Row
@@ -179,11 +179,7 @@ def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:
     state = laid(plan, given, [T * rate for T in numbers.transit], 1 / rate, ZERO)
     final = state.go(-1, max_events, ZERO) == Stop.FINAL
     stock.settle(*state[:5])
-    before, after = (
-        [getattr(state.segment[s], name) if e else v
-         for (s, e), v in zip(row.spans, numbers.velocity, strict=True)]
-        for name in ("initial", "velocity")
-    )
+    before, after = zip(*(motion(row, state, i) for i in range(len(row.spans))), strict=True)
     e, free = None, unilateral(row.system)
     if final and len(free) == 1 and state.node[nodes[free[0]]].episodes:
         k = free[0]
@@ -201,9 +197,18 @@ def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:
     return ExactRun(
         row, nodes, numbers, rate, state, final,
         Exact(
-            e, tuple(after), tuple(impulses), tuple(_episodes(state, k, rate) for k in nodes),
+            e, after, tuple(impulses), tuple(_episodes(state, k, rate) for k in nodes),
         ),
     )
+
+
+def motion(row: Row, state: Laid, body: int) -> tuple[Any, Any]:
+    """Velocity of a body before and after: that of what holds it, or of its segments."""
+    group = next(g for g in groups(row.system) if body in g)
+    if grounds(row.system, group):
+        return (state.line[0 if group[0] == 0 else -1].arrived,) * 2
+    segment = state.segment[row.spans[body][0]]
+    return segment.initial, segment.velocity
 
 
 def _episodes(state: Laid, k: int, rate: Fraction) -> tuple[tuple[Number, Number], ...]:
