@@ -16,7 +16,7 @@ from .conditions import conditions
 from .field import Field
 from .inequalities import factors, reduced
 from .naming import Naming
-from .numbers import Number, Program, evaluate, mark
+from .numbers import Number, Program, mark
 from .rows import Exact, ExactRun, each
 
 Floats = NDArray[np.float64]
@@ -76,7 +76,7 @@ class Cell:
     def restitution(self, x: Floats, y: Floats) -> Floats:
         """The formula of e, nan where there is none; [place]."""
         e = self.results.restitution
-        found = np.nan if e is None else evaluate([e], self._at(x, y), float)[0]
+        found = np.nan if e is None else Program([e], float)(self._at(x, y))[0]
         return np.broadcast_to(found, x.shape)
 
     @cached_property
@@ -124,9 +124,9 @@ class Cell:
     @cached_property
     def ties(self) -> list[Any]:
         """Borders on which the numbers of the system lie."""
-        base = self._field.naming.values({})
+        base, at = self._field.base, self._field.at
         zero = self._factors(self._zero(_values(self._conditions, base)))
-        return reduced((p for p in zero if self._field.at(p, base) == 0), self._field.told)
+        return reduced((p for p in zero if at(p, base) == 0), self._field.told)
 
     @cached_property
     def slopes(self) -> Any:
@@ -145,7 +145,7 @@ class Cell:
 def _values(wanted: list[Number], values: Mapping[str, Fraction]) -> list[Fraction]:
     """Values of numbers at a place; 0 where they have none but in the limit."""
     try:
-        return evaluate(wanted, values, Fraction)
+        return Program(wanted, Fraction)(values)
     except ZeroDivisionError:
         if len(wanted) == 1:
             return [Fraction(0)]

@@ -9,10 +9,9 @@ import numpy as np
 
 from ..methods.duration import Forecast, Progress, warn
 from ..storage.extras import optional
+from .inequalities import FACTORED
 from .naming import Naming
-from .numbers import Number, evaluate
-
-FACTORED = 400  # terms: longer polynomials are shown as they are
+from .numbers import Number, Program
 
 
 class Field:
@@ -21,21 +20,21 @@ class Field:
     def __init__(self, naming: Naming, progress: Progress | None = None) -> None:
         self.progress = progress
         self.sympy: Any = optional("sympy", "sympy")
-        self.naming = naming
+        self.naming, self.base = naming, naming.values({})
         names = [*naming.base, *naming.speeds]
         self.field, *generators = self.sympy.polys.fields.field(names, self.sympy.ZZ)
         self.names = dict(zip(names, generators, strict=True))
-        self.symbols = {name: self.sympy.Symbol(name, **{"real" if name[0] == "v" else "positive":
-                                                         True}) for name in naming.base}
-        self._shown = list(self.symbols.values())
+        symbols = {name: self.sympy.Symbol(name, **{"real" if name[0] == "v" else "positive": True})
+                   for name in naming.base}
+        self._shown = list(symbols.values())
         for pair in naming.speeds.values():
-            E, rho = (self.symbols.get(x) or self.sympy.Rational(x) for x in pair)
+            E, rho = (symbols.get(x) or self.sympy.Rational(x) for x in pair)
             self._shown.append(self.sympy.sqrt(E / rho))
 
     def of(self, wanted: Iterable[Number]) -> list[Any]:
         """Numbers of a run as rational functions."""
-        return evaluate(list(wanted), self.names,
-                        lambda x: self.field(x.numerator) / x.denominator)
+        program = Program(list(wanted), lambda x: self.field(x.numerator) / x.denominator)
+        return program(self.names)
 
     def told(self, polynomials: Sequence[Any]) -> Iterator[Any]:
         """Each of some polynomials that are worked on in turn, with news of how long it takes."""
@@ -68,11 +67,11 @@ class Field:
 
     def slope(self, p: Any) -> Any:
         """Change of a polynomial at the numbers of the system, by the share of each free one."""
-        base, places = self.naming.values({}), list(self.names)
-        return np.array([float(self.at(p.diff(places.index(name)), base) * (base[name] or 1))
-                         for name in self.naming.free])
+        return np.array([
+            float(self.at(p.diff(list(self.names).index(name)), self.base) * (self.base[name] or 1))
+            for name in self.naming.free])
 
     def distance(self, p: Any) -> float:
         """By which share the numbers of the system must change, at least about, for p to be 0."""
         slope = float(np.linalg.norm(self.slope(p)))
-        return float(self.at(p, self.naming.values({}))) / slope if slope else float("inf")
+        return float(self.at(p, self.base)) / slope if slope else float("inf")

@@ -1,5 +1,6 @@
 """Follow one collision on numbers with derivatives, and note ties: what a number moves apart."""
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -23,6 +24,7 @@ EVENTS = (
 )
 """What may come otherwise on one of the sides of a number."""
 SMOOTH, BORDER, ARRIVALS, CLOSING, FORCE, FRONT, PARTING = range(len(EVENTS))
+NO_TIE = SMOOTH, math.nan, -1
 LEAST = 1e-8  # of velocities and times: a smaller derivative is round-off
 
 
@@ -38,11 +40,9 @@ class Followed:
 
     Attributes
     ----------
-    event : [direction]
-        Place in `EVENTS` of the first tie.
-    when : [direction]
-        Its time, s; where there is none that of the proof that the collision is over.
-    node : [direction]
+    ties : [3, direction]
+        The first tie of each direction: its place in `EVENTS`, its time, s, and its node; `NO_TIE`
+        where there is none.
     """
 
     def __init__(self, system: System, changes: Array, max_events: int) -> None:
@@ -50,8 +50,8 @@ class Followed:
         run, directions = track(self._row, max_events=max_events), changes.shape[1]
         plan, n, end = run.plan, len(run.plan.kinds) - 1, run.finality_time
         self._tick, self._frame, self._nodes = run.clock.tick, run.clock.frame, plan.contacts
-        self.event, self.node = np.full(directions, SMOOTH), np.full(directions, -1)
-        self.when, self._least = np.full(directions, end * self._tick), LEAST * run.run.scale
+        self.ties: Any = np.outer(NO_TIE, np.ones(directions))
+        self._least = LEAST * run.run.scale
         y: Any = list(map(Dual, plan.numbers, changes))
         times = [L / c for c, L in zip(y[:n], y[2 * n : 3 * n], strict=True)]
         ticks = [Dual(T, T / time.value * time.d)
@@ -94,8 +94,8 @@ class Followed:
 
     def _note(self, event: int, t: int, k: int, apart: Any, least: float) -> None:
         """Note a tie at node k in the directions in which what is equal comes apart."""
-        new = (abs(apart) > least) & (self.event == SMOOTH)
-        self.event[new], self.when[new], self.node[new] = event, t * self._tick, k
+        new = (abs(apart) > least) & (self.ties[0] == SMOOTH)
+        self.ties[:, new] = [[event], [t * self._tick], [k]]
 
     def _before(self, k: int, t: int) -> tuple[int, list[Any], Any]:
         """Status of node k, the waves that arrive there at tick t, and its gap then."""

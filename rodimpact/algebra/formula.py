@@ -53,7 +53,7 @@ def sides_of(field: Field, max_events: int) -> tuple[list[Cell], bool]:
     while unseen.any() and len(sides) < MOST_SIDES:
         i = int(np.flatnonzero(unseen)[0])
         unseen[i] = False
-        values = field.naming.values({})
+        values = dict(field.base)
         for name, share in zip(names, directions[i], strict=True):
             values[name] += (values[name] or 1) * HAIR * Fraction(share)
         run = field.naming.run(values, max_events)
@@ -220,17 +220,21 @@ class ClosedForm:
 
     @cached_property
     def _borders(self) -> list[Any]:
-        return reduced(self._united(), self._field.told)
-
-    def _united(self) -> list[Any]:
         """Borders of the cells together, without those between them; or those of the first."""
-        ties = {p for cell in self._cells for p in cell.ties}
-        kept = {p for p in ties if -p not in ties}
+        between, outer = self._tied
         crossed = all(len(cell.slopes) == len(cell.ties) for cell in self._cells)
-        if not (crossed and all(any(-p in kept for p in other.ties) for other in self._others)):
-            return self._cells[0].borders
-        outer = {p for cell in self._cells for p in cell.borders if p not in ties}
-        return [*outer, *kept]
+        found = self._cells[0].borders
+        if crossed and all(any(-p in outer for p in other.ties) for other in self._others):
+            others = {p for cell in self._cells for p in cell.borders}
+            found = [*others - between - outer, *outer]
+        return reduced(found, self._field.told)
+
+    @cached_property
+    def _tied(self) -> tuple[set[Any], set[Any]]:
+        """Borders on which the numbers of the system lie: those between the cells, and others."""
+        ties = {p for cell in self._cells for p in cell.ties}
+        between = {p for p in ties if -p in ties}
+        return between, ties - between
 
     def at(self, **values: Any) -> Exact:
         """Evaluate the formula in fractions; None for what is 0/0 there, but in a limit.
@@ -256,9 +260,7 @@ class ClosedForm:
             return False
         if any(cell.contains(known) for cell in self._cells):
             return True
-        ties = {p for cell in self._cells for p in cell.ties}
-        between = {p for p in ties if -p in ties}
-        return any(cell.contains(known, between) for cell in self._cells) and not any(
+        return any(cell.contains(known, self._tied[0]) for cell in self._cells) and not any(
             other.contains(known, other.borders) for other in self._others)
 
     def _values(self, values: Mapping[str, Any]) -> dict[str, Fraction]:

@@ -1,7 +1,7 @@
 """What gradient() returns: derivatives by path, and where they differ on both sides."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -88,8 +88,8 @@ class Gradient:
     values: Mapping[str, Any]
     one_sided: Mapping[str, tuple[Any, Any]]
     kinks: Mapping[str, Kink]
-    unit: str = ""
-    units: Mapping[str, str] = field(default_factory=dict)
+    unit: str
+    units: Mapping[str, str]
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> Array:
         return np.stack([self.values[path] for path in self.wrt], -1).astype(dtype or float)
@@ -107,7 +107,7 @@ class Gradient:
         lines = [f"{self.of} = {value}; its derivative by"]
         for path in self.wrt:
             below, above = self.one_sided[path]
-            unit = f" {self.units[path]}" if self.units.get(path) else ""
+            unit = f" {self.units[path]}" if self.units[path] else ""
             text = f"{self.values[path]:.8g}{unit}"
             if path in self.kinks:
                 kink = self.kinks[path]

@@ -23,7 +23,7 @@ from ..results.outcome import UndefinedRestitution
 from ..running.solving import solve
 from ..running.sweeping import sweep
 from ..units import shown
-from .following import EVENTS, SMOOTH, Followed, ending
+from .following import EVENTS, NO_TIE, SMOOTH, Followed, ending
 from .gradient_result import Gradient, Kink
 
 STRAIGHT = ("gap", "velocity", "strain")
@@ -101,8 +101,8 @@ def gradient(
         why = known.why_no_restitution() if of == "restitution" else ""
         raise UndefinedRestitution(why or f"{of} is undefined: {known.status}")
     # below, above, jump, event, when, node
-    table, followed = np.zeros((6, len(wrt), *value.shape)), np.isfinite(value)
-    table[:2] = math.nan
+    none = np.reshape([math.nan, math.nan, 0.0, *NO_TIE], (6, 1, *[1] * value.ndim))
+    table, followed = none + np.zeros((len(wrt), *value.shape)), np.isfinite(value)
     if value.size > FEW:
         numbers = _numbers(system, wrt)
         with np.errstate(all="ignore"):  # of members in which nothing moves
@@ -159,10 +159,9 @@ def _numbers(system: System, paths: Sequence[str]) -> list[_Number]:
             for name in ("wave_speed", "transit_time"))
     for path in paths:
         x, field = have[known[path][0]], path.rpartition(".")[2]
-        size = {"velocity": row.scale, "strain": row.scale / c}.get(field, np.abs(x))
-        if field == "gap":
-            size = np.where(x == 0, row.scale * T, x)[()]
-        found.append(_Number(system, known[path], field, x, size))
+        sizes = {"velocity": row.scale, "strain": row.scale / c,
+                 "gap": np.where(x == 0, row.scale * T, x)[()]}
+        found.append(_Number(system, known[path], field, x, sizes.get(field, np.abs(x))))
     return found
 
 
@@ -184,12 +183,13 @@ def _follow(
     found = one.quantity(of)
     for p, x in enumerate(numbers):
         below = above = (found.d + np.zeros(len(numbers)))[p] / x.size
-        jump, event = 0.0, one.event[p]
-        if event != SMOOTH:
+        jump, tie = 0.0, one.ties[:, p]
+        if tie[0] != SMOOTH:
             below, above, jump = x.differences(totals)
             jump *= abs(jump) > CONTINUOUS * abs(found.value)
-            event *= not x.agree(found.value, below, above, jump)
-        columns.append([below, above, jump, event, one.when[p], one.node[p]])
+            if x.agree(found.value, below, above, jump):
+                jump, tie = 0.0, NO_TIE
+        columns.append([below, above, jump, *tie])
     return np.transpose(columns)
 
 
@@ -234,9 +234,8 @@ def _gradient(
         values[path] = np.where(smooth, (below + above) / 2 + 0.0, math.nan)[()]
         one_sided[path], units[path] = (below, above), _per(unit, parameter(system, path).unit)
         if not smooth.all():
-            when, node = (np.where(smooth, none, x) for none, x in ((math.nan, when), (-1, node)))
-            kinks[path] = Kink(below, above, np.where(smooth, 0.0, jump)[()], when[()],
-                               node.astype(int)[()], np.take(EVENTS, np.int64(event)))
+            kinks[path] = Kink(below, above, jump, when, np.int64(node),
+                               np.take(EVENTS, np.int64(event)))
     unit = "" if unit == "1" else unit
     return Gradient(of, wrt, value[()], values, one_sided, kinks, unit, units)
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import nnls
 
-FACTORED = 400  # terms: longer polynomials are not factored
+FACTORED = 400  # terms: longer polynomials are not factored, neither here nor where they are shown
 COMPARED = 40  # terms: of longer ones it is not tried whether others imply them
 LARGEST_SHARE = 10**6  # denominator of the shares that are tried
 
@@ -91,5 +91,4 @@ def _in_new_variables(p: Any, linear: list[Any]) -> Iterable[Any]:
 
 def _solved(q: Any) -> list[tuple[Any, Any]]:
     """Each variable that grows with a linear form, in terms of the form, named as itself."""
-    found = [(x, q.coeff(x)) for x in q.ring.gens]
-    return [(x, (x - (q - a * x)) / a) for x, a in found if a > 0]
+    return [(x, (x - (q - a * x)) / a) for x in q.ring.gens if (a := q.coeff(x)) > 0]

@@ -16,7 +16,7 @@ from ..model import System
 from ..model.frozen import InvalidModel
 from ..model.paths import places_of, suggestion
 from ..units import shown
-from .numbers import ZERO, Number, evaluate
+from .numbers import ZERO, Number, Program
 from .rational import root
 from .rows import ExactRun, Numbers, check, read, run, written
 
@@ -93,7 +93,7 @@ class Naming:
     def run(self, values: Mapping[str, Fraction], max_events: int) -> ExactRun:
         """Run the row, with these values of named numbers and wave speeds."""
         names = {name: Number(value, (name,)) for name, value in values.items()}
-        numbers = Numbers(*(evaluate(of, names, Number) for of in self._numbers))
+        numbers = Numbers(*(Program(of, Number)(names) for of in self._numbers))
         return run(self.row, numbers, max_events)
 
     def _name(self, name: str, path: str, value: Fraction) -> Any:

@@ -116,20 +116,6 @@ def since(passed: Number, x: Number, told: bool) -> Number:
     return _made("since", passed, x)
 
 
-def steps_to(wanted: Iterable[Number]) -> list[Number]:
-    """All numbers from which the wanted ones were made, and these, each after its operands."""
-    done: dict[int, Number] = {}
-    stack = list(wanted)[::-1]
-    while stack:
-        x = stack[-1]
-        missing = [y for y in x.made[1:] if id(y) not in done]
-        if missing and id(x) not in done:
-            stack += missing
-        else:
-            done.setdefault(id(x), stack.pop())
-    return list(done.values())
-
-
 class Program:
     """Numbers to be computed anew for other values of the names, again and again.
 
@@ -143,7 +129,13 @@ class Program:
     def __init__(self, wanted: list[Number], constant: Callable[[Fraction], Any]) -> None:
         places: dict[tuple[Any, ...], int] = {}
         at: dict[int, int] = {}
-        for x in steps_to(wanted):
+        stack = wanted[::-1]
+        while stack:
+            x = stack.pop()
+            missing = [y for y in x.made[1:] if id(y) not in at]
+            if missing:  # operands go first
+                stack += [x, *missing]
+                continue
             step: tuple[Any, ...] = x.made or (None, x.value)
             if len(step) == 3:
                 step = OPERATIONS[step[0]], at[id(step[1])], at[id(step[2])]
@@ -162,17 +154,10 @@ class Program:
         return [found[i] for i in self._wanted]
 
 
-def evaluate(
-    wanted: list[Number], names: Mapping[str, Any], constant: Callable[[Fraction], Any]
-) -> list[Any]:
-    """Compute numbers anew, once; see `Program`."""
-    return Program(wanted, constant)(names)
-
-
 def mark(wanted: list[Number], names: Iterable[str]) -> tuple[Decimal, ...]:
     """What tells formulas apart: their values, to 40 decimals, where names are of no sort."""
     random = Random(1867)
     with localcontext(prec=DECIMALS):
         there = {name: Decimal(1 + random.random()) for name in names}
-        found = evaluate(wanted, there, lambda x: Decimal(x.numerator) / x.denominator)
+        found = Program(wanted, lambda x: Decimal(x.numerator) / x.denominator)(there)
         return tuple(round(x, 40) for x in found)

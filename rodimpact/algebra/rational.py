@@ -115,12 +115,10 @@ def _wave_speeds(row: Row, given: Mapping[str, Fraction]) -> tuple[dict[str, Fra
                 for name in ("youngs_modulus", "density")
             )
             squares[path] = E / rho
-    if not squares:
-        return {}, 1.0
-    first = next(iter(squares.values()))
+    first = next(iter(squares.values()), Fraction(1))
     absolute = root(first) is not None
     reference = Fraction(1) if absolute else first
-    speeds = {path: root(square / reference) for path, square in squares.items()}
+    speeds: dict[str, Any] = {path: root(square / reference) for path, square in squares.items()}
     odd = [path for path, c in speeds.items() if c is None]
     timed = any(row.system.gaps) or len(squares) < len(row.segments)
     if odd or (timed and not absolute):
@@ -129,4 +127,4 @@ def _wave_speeds(row: Row, given: Mapping[str, Fraction]) -> tuple[dict[str, Fra
             message += ", also relative to the first rod"
         remedy = f"give {path}.transit_time and {path}.impedance, or take closed_form()"
         raise InvalidModel([(path, f"{message}; {remedy}")])
-    return {p: c for p, c in speeds.items() if c}, 1.0 if absolute else float(first) ** -0.5
+    return speeds, 1.0 if absolute else float(first) ** -0.5
