@@ -4,7 +4,7 @@ An atlas tries many places of a plane at once, in floats. A formula asks in frac
 polynomials that border the cell.
 """
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from .conditions import conditions
 from .field import Field
-from .inequalities import factors, reduced
 from .naming import Naming
 from .numbers import Number, Program, mark
 from .rows import Exact, ExactRun, each
@@ -114,19 +113,19 @@ class Cell:
         """Whether the cell has this place inside, or on one of the borders `open_to`."""
         found = _values(self._conditions, values)
         return all(x >= 0 for x in found) and all(
-            self._field.at(p, values) > 0 or p in open_to for p in self._factors(self._zero(found)))
+            self._field.at(p, values) > 0 or p in open_to for p in self._zero(found))
 
     @cached_property
-    def borders(self) -> list[Any]:
+    def borders(self) -> Any:
         """Polynomials that are positive inside; they border the cell."""
-        return reduced(self._factors(self._conditions), self._field.told)
+        return self._field.reduced(self._field.factors(self._conditions, self.place))
 
     @cached_property
-    def ties(self) -> list[Any]:
+    def ties(self) -> Any:
         """Borders on which the numbers of the system lie."""
-        base, at = self._field.base, self._field.at
-        zero = self._factors(self._zero(_values(self._conditions, base)))
-        return reduced((p for p in zero if at(p, base) == 0), self._field.told)
+        field, base = self._field, self._field.base
+        zero = self._zero(_values(self._conditions, base))
+        return field.reduced(p for p in zero if field.at(p, base) == 0)
 
     @cached_property
     def slopes(self) -> Any:
@@ -134,12 +133,10 @@ class Cell:
         rows = [self._field.slope(p) for p in self.ties]
         return [row / np.linalg.norm(row) for row in rows if row.any()]
 
-    def _zero(self, found: list[Fraction]) -> list[Number]:
-        return [x for x, value in zip(self._conditions, found, strict=True) if value == 0]
-
-    def _factors(self, numbers: Iterable[Number]) -> list[Any]:
-        told = self._field.told(self._field.of(numbers))
-        return factors(told, lambda p: self._field.at(p, self.place))
+    def _zero(self, found: list[Fraction]) -> Any:
+        """Factors of the conditions of which 0 is found."""
+        zero = [x for x, value in zip(self._conditions, found, strict=True) if value == 0]
+        return self._field.factors(zero, self.place)
 
 
 def _values(wanted: list[Number], values: Mapping[str, Fraction]) -> list[Fraction]:

@@ -14,7 +14,7 @@ from ..methods.groups import groups, unilateral
 from ..methods.laws import Status
 from ..methods.row import Array, Row
 from ..model import Absorbing, System
-from .dual import Dual
+from .numbers import Dual
 from .rows import motion
 
 EVENTS = (

@@ -22,7 +22,6 @@ from ..model import System
 from ..model.frozen import InvalidModel, nearest
 from .cell import Cell
 from .field import Field
-from .inequalities import reduced
 from .naming import Naming
 from .rational import fractions_of
 from .rows import Exact, check_arguments, check_final, each
@@ -227,7 +226,7 @@ class ClosedForm:
         if crossed and all(any(-p in outer for p in other.ties) for other in self._others):
             others = {p for cell in self._cells for p in cell.borders}
             found = [*others - between - outer, *outer]
-        return reduced(found, self._field.told)
+        return self._field.reduced(found)
 
     @cached_property
     def _tied(self) -> tuple[set[Any], set[Any]]:

@@ -1,9 +1,9 @@
-"""Numbers without rounding that know how they were made.
+"""Numbers that carry more through the kernels: how they were made, or their derivatives.
 
 A `Number` is a fraction, and the operation and operands it came from, back to the named numbers of
-the model. The kernels run on it: every branch is taken on the fractions, and what was computed can
-afterwards be evaluated for other numbers, or in symbols. What depends on no name is a mere
-fraction.
+the model. Every branch of a kernel is taken on the fractions, and what was computed can afterwards
+be evaluated for other numbers, or in symbols. What depends on no name is a mere fraction. A `Dual`
+is a float or a whole number with its derivatives.
 """
 
 from __future__ import annotations
@@ -21,6 +21,12 @@ OPERATIONS: dict[str, Callable[[Any, Any], Any]] = {
 }
 NEUTRAL = {"+": 0, "-": 0, "*": 1, "/": 1}
 """By operation, the right operand that changes nothing."""
+RULES: dict[str, Callable[[Any, Any, Any, Any], tuple[Any, Any]]] = {
+    "+": lambda x, dx, y, dy: (x + y, dx + dy),
+    "-": lambda x, dx, y, dy: (x - y, dx - dy),
+    "*": lambda x, dx, y, dy: (x * y, dx * y + x * dy),
+    "/": lambda x, dx, y, dy: (x / y, (dx - x / y * dy) / y),
+}
 HALF = Fraction(1, 2)
 DECIMALS = 150  # with which formulas are evaluated to be told apart
 
@@ -107,6 +113,38 @@ ZERO = Number(0)
 def _made(operation: str, a: Number, b: Number) -> Number:
     value = OPERATIONS[operation](a.value, b.value)
     return Number(value, (operation, a, b) if a.made or b.made else ())
+
+
+class Dual(Judged):
+    """A number, whole or not, and its derivatives in some directions.
+
+    Attributes
+    ----------
+    value : int or float
+    d : float or array
+        Derivatives, [direction]; 0.0 where nothing changes.
+    """
+
+    __slots__ = ("d", "value")
+
+    def __init__(self, value: Any, d: Any = 0.0) -> None:
+        self.value, self.d = value, d
+
+    @staticmethod
+    def combine(operation: str, a: Any, b: Any) -> Dual:
+        """What an operation makes of two numbers, by the rules of derivatives."""
+        x, dx = (a.value, a.d) if type(a) is Dual else (a, 0.0)
+        y, dy = (b.value, b.d) if type(b) is Dual else (b, 0.0)
+        return Dual(*RULES[operation](x, dx, y, dy))
+
+    def __neg__(self) -> Dual:
+        return Dual(-self.value, -self.d)
+
+    def __abs__(self) -> Any:  # kernels compare it, and do no more
+        return abs(self.value)
+
+    def __trunc__(self) -> Dual:  # time in whole ticks changes as time itself
+        return Dual(int(self.value), self.d)
 
 
 def since(passed: Number, x: Number, told: bool) -> Number:

@@ -126,8 +126,7 @@ def check(system: System) -> None:
                           "put pieces of rod there"))
     for side, end in zip(("left", "right"), system.ends, strict=True):
         if not isinstance(end, Free):
-            wrong = f"need Free(), got {type(end).__name__}(); leave it out"
-            found.append((f"ends.{side}", wrong))
+            found.append((f"ends.{side}", f"need Free(), got {type(end).__name__}(); leave it out"))
     for k, law in enumerate(system.contacts):
         if isinstance(law, Bonded) and Wall in map(type, system.bodies[k : k + 2]):
             found.append((f"contacts.{k}", "know no rod bonded to a wall; let it touch"))
@@ -194,12 +193,9 @@ def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:
                         for s in range(first, last + 1)), ZERO)
             lost = mass * (numbers.velocity[i] - after[i])
             impulses[i] = lost + (impulses[i - 1] if i else ZERO)
-    return ExactRun(
-        row, nodes, numbers, rate, state, final,
-        Exact(
-            e, after, tuple(impulses), tuple(_episodes(state, k, rate) for k in nodes),
-        ),
-    )
+    times = tuple(_episodes(state, k, rate) for k in nodes)
+    results = Exact(e, after, tuple(impulses), times)
+    return ExactRun(row, nodes, numbers, rate, state, final, results)
 
 
 def motion(row: Row, state: Laid, body: int) -> tuple[Any, Any]:
