@@ -7,7 +7,7 @@ which do not vibrate before and on which nothing else acts.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,23 +15,22 @@ from ..methods.signals import Floats
 from ..model import Body, Rigid, RigidMass, Rod, System
 from ..theory import PairCollision, mass_on_rod, rod_on_wall, saint_venant
 
-Two: TypeAlias = tuple[Floats, Floats]
 
 class PairTheory(NamedTuple):
     """A family of two bodies, the left and the right one, whose collision has a closed form.
 
     Attributes
     ----------
-    impedance, transit_time : two arrays of the shape of the family
+    impedance, transit_time : [2, ...] array, by the shape of the family
         kg/s and s; infinite for a wall, infinite and 0 for a rigid mass.
-    mass, velocity : two arrays of the shape of the family
+    mass, velocity : [2, ...] array
         kg and m/s.
     """
 
-    impedance: Two
-    transit_time: Two
-    mass: Two
-    velocity: Two
+    impedance: Floats
+    transit_time: Floats
+    mass: Floats
+    velocity: Floats
 
     @property
     def source(self) -> str:
@@ -42,7 +41,7 @@ class PairTheory(NamedTuple):
 
     def each(self, change: Callable[[Floats], Floats]) -> PairTheory:
         """The family with every array changed."""
-        return PairTheory(*((change(left), change(right)) for left, right in self))
+        return PairTheory(*(np.stack([change(left), change(right)]) for left, right in self))
 
     def along(self, known: Floats, wanted: Floats) -> PairTheory:
         """A family with one axis, given at `known`, at `wanted` values of its parameter.
@@ -90,23 +89,21 @@ def pair_theory(system: System) -> PairTheory | None:
         return None
     if system != System(system.bodies, system.gaps, system.contacts):  # more acts on the row
         return None
-    left, right = map(_numbers, system.bodies)
-    if left is None or right is None:
+    numbers = [_numbers(body) for body in system.bodies]
+    if not all(numbers):
         return None
-    family = PairTheory(*zip(left, right, strict=True)).each(
-        lambda x: np.broadcast_to(x, system.shape))
+    family = PairTheory(*np.stack(
+        [[np.broadcast_to(x, system.shape) for x in of] for of in numbers], axis=1))
     return family if np.greater(*family.velocity).any() else None
 
 
-def _numbers(body: Body) -> tuple[Floats, ...] | None:
-    """Impedance, transit time, mass and velocity; None of a rod that has more to it."""
+def _numbers(body: Body) -> tuple[Any, ...]:
+    """Impedance, transit time, mass and velocity; none of a rod that has more to it."""
     if isinstance(body, Rod):
         segment, even = body.segments[0], isinstance(body.velocity, float | np.ndarray)
         if len(body.segments) > 1 or not segment.ideal or not even or np.any(body.strain != 0):
-            return None
-        numbers = (segment.impedance, segment.transit_time, segment.mass, body.velocity)
-    elif isinstance(body, RigidMass):
-        numbers = (np.inf, 0.0, body.mass, body.velocity)
-    else:
-        numbers = (np.inf, np.inf, np.inf, body.velocity)
-    return tuple(map(np.asarray, numbers))
+            return ()
+        return segment.impedance, segment.transit_time, segment.mass, body.velocity
+    if isinstance(body, RigidMass):
+        return np.inf, 0.0, body.mass, body.velocity
+    return np.inf, np.inf, np.inf, body.velocity

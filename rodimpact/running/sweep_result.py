@@ -211,7 +211,13 @@ class SweepResult(Shown, OnlyContact[Any]):
         member = self.system[index]
         if member.shape:
             raise refusal("index", f"must pick one member, got {shown(index)}")
-        return explanation(member, self.options)
+        try:
+            solution = Solution(self.options.run(self.method, member))
+        except InvalidModel as error:
+            return "; ".join(f"{path}: {message}" for path, message in error.problems)
+        o = solution.outcome
+        never = o.final or (o.driven and solution.stopped_by == "until")  # however long it runs
+        return (never and o.why_no_restitution()) or o.status
 
     def save(self, path: PathLike, *, force: bool = False) -> None:
         """Write an NPZ file that `rodimpact.load` reads.
@@ -320,14 +326,3 @@ class SweepResult(Shown, OnlyContact[Any]):
     def __repr__(self) -> str:
         what = ", ".join(self.parameters) or "nothing"
         return f"<SweepResult of shape {self.shape} over {what}>"
-
-
-def explanation(member: System, options: Options) -> str:
-    """Why a member ended as it did, and why it has no restitution if it has none."""
-    try:
-        solution = Solution(options.run(options.method, member))
-    except InvalidModel as error:
-        return "; ".join(f"{path}: {message}" for path, message in error.problems)
-    o = solution.outcome
-    never = o.final or (o.driven and solution.stopped_by == "until")  # however long it runs
-    return (never and o.why_no_restitution()) or o.status

@@ -34,7 +34,7 @@ from ..units import shown
 from ..version import __version__
 from .columns import ENDED, STATUS, Columns, Readings, arrays_of, row_of
 from .jobs import pool_of, results_of
-from .sweep_result import SweepResult, explanation
+from .sweep_result import SweepResult
 
 FORECAST = warn, "a smaller family", None, "this sweep"
 PLACE = quantity("m", "non-negative", single=True)  # of a gauge
@@ -225,12 +225,12 @@ def sweep(
                     keep.put(start, stop, part)
                     bad += _bad(start, part["status"])
                 tell(sum(stop - start for start, stop, _ in parts))
-    if bad and raises:
-        _raise_for(min(bad), system, options)
     shaped = {name: column.reshape((*system.shape, *column.shape[1:]))
               for name, column in keep.columns.items()}
-    strain = shaped.pop("strain", None)
-    return SweepResult(system, options, shaped, readings, strain)
+    result = SweepResult(system, options, shaped, readings, shaped.pop("strain", None))
+    if bad and raises:
+        _raise_for(min(bad), result)
+    return result
 
 
 def _bad(start: int, status: Any) -> list[int]:
@@ -395,12 +395,10 @@ def _also(problems: Problems, given: Any, until: float | None) -> tuple[str, ...
     return tuple(name for name in ALSO if name in given)
 
 
-def _raise_for(member: int, system: System, options: Options) -> None:
+def _raise_for(member: int, result: SweepResult) -> None:
     """Say why a member did not come to its end."""
-    index = tuple(int(i) for i in np.unravel_index(member, system.shape))
-    reason = explanation(system[index], options)
-    parameters = {
-        path: float(np.broadcast_to(values, system.shape)[index])
-        for path, values in system.parameters.items()
-    }
-    raise SweepError(index, parameters, f'{reason} (on_error="record" keeps the others)')
+    index = tuple(int(i) for i in np.unravel_index(member, result.shape))
+    line = result.table(member, member + 1)
+    parameters = {path: line[path].item() for path in result.parameters}
+    reason = f'{result.explain(index)} (on_error="record" keeps the others)'
+    raise SweepError(index, parameters, reason)

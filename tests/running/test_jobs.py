@@ -96,7 +96,7 @@ def test_workers_are_busy_though_costs_differ_a_thousandfold(clock, order, worke
 def test_what_is_raised_is_the_first_member_in_c_order_whichever_ends_first(clock, monkeypatch):
     seconds, handed = np.full(200, 0.1), []
     seconds[[3, 5, 120]] = clock.bad = [9.0, 0.01, 0.02]
-    monkeypatch.setattr(sweeping, "explanation", lambda member, options: "stopped")
+    monkeypatch.setattr(ri.SweepResult, "explain", lambda result, index: "stopped")
 
     class Late(Executor):
         """Tells of the first members last."""
