@@ -116,19 +116,9 @@ class Fields(Protocol):
     def profile(self, body: int, tick: int) -> Profile:
         """State just after `tick`, in pieces of constant velocity and strain."""
 
-    @cached_property
-    def known(self) -> Ints | None:
-        """Increasing ticks at which alone energies are known; None where they are at all ticks.
-
-        Signals of a grid are means over time steps.
-        """
-        return self.signals.edges
-
     def nearest_known(self, ticks: Ints) -> Ints:
         """The nearest ticks at which energies are known."""
-        if (known := self.known) is None:
-            return ticks
-        return known[np.searchsorted((known[1:] + known[:-1]) / 2, ticks, "right")]
+        return ticks
 
     def damped(self, ticks: Ints) -> Floats:
         """Energy lost in damped material since t = 0, J, at whole ticks."""

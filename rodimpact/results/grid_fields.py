@@ -40,7 +40,11 @@ class GridFields(Fields):
 
     @cached_property
     def known(self) -> Ints:
+        """Increasing ticks of the states, at which alone energies are known."""
         return np.asarray(self.motion.when * STEP_TICKS)
+
+    def nearest_known(self, ticks: Ints) -> Ints:
+        return self.known[np.searchsorted((self.known[1:] + self.known[:-1]) / 2, ticks, "right")]
 
     @property
     def _step(self) -> float:

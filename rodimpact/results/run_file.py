@@ -7,6 +7,7 @@ file. Arrays of one type stand one behind another, in the document is where each
 import math
 from collections import Counter, defaultdict
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -83,14 +84,10 @@ def take_apart(content: Any) -> tuple[dict[str, Any], Arrays]:
 
 def put_together(document: Mapping[str, Any], arrays: Arrays) -> Any:
     """Make again what `take_apart` took apart."""
-    parts: dict[tuple[Any, ...], Any] = {}
-
-    def part(array: str, start: int, shape: list[int]) -> Any:
+    @cache
+    def part(array: str, start: int, *shape: int) -> Any:
         """A stretch of a column, the same object wherever it stands."""
-        key = (array, start, *shape)
-        if key not in parts:
-            parts[key] = arrays[array][start : start + math.prod(shape)].reshape(shape)
-        return parts[key]
+        return arrays[array][start : start + math.prod(shape)].reshape(shape)
 
     def made(value: Any) -> Any:
         if isinstance(value, list):
@@ -100,7 +97,7 @@ def put_together(document: Mapping[str, Any], arrays: Arrays) -> Any:
         if not isinstance(value, dict):
             return value
         if "array" in value:
-            return part(**value)
+            return part(value["array"], value["start"], *value["shape"])
         if value["class"] == "str":
             return value["text"]
         entries = {key: made(entry) for key, entry in value.items() if key != "class"}

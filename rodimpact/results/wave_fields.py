@@ -37,8 +37,7 @@ class WaveFields(Fields):
 
     def waves(self, segment: int) -> tuple[Pieces, Pieces]:
         """Signals leaving the left and the right end of a segment."""
-        left, right = self.motion.lines[2 * segment : 2 * segment + 2]
-        return left, right
+        return self.motion.lines[2 * segment], self.motion.lines[2 * segment + 1]
 
     def along(self, body: int) -> Iterator[tuple[int, int, Pieces, Pieces]]:
         """Segments of a rod from left to right: place in the row, transit time, both signals."""
