@@ -53,29 +53,17 @@ def walk(system: Any) -> Walk:
     """Walk through a system from left to right."""
     bodies, last = system.bodies, len(system.bodies) - 1
     row = Walk(system, [], [""], [], [0], [], [], [], [], [], [("none", 0.0), ("none", 0.0)])
-    for i, body in enumerate(bodies):
-        rigid = body.kind != "rod"
-        if (i > 0 and rigid and bodies[i - 1].kind != "rod"
-                and system.contacts[i - 1].law == "bonded"):
-            row.contact_link.append(-1)
-            merge(row, body)
-            row.spans.append((1, 0))
-            continue
+    for block in blocks_of(system):
+        i, body = block[0], bodies[block[0]]
         if i > 0:
             row.contact_link.append(len(row.links))
             add_contact(row, system.contacts[i - 1], system.gaps[i - 1])
         elif body.kind != "wall":
             add_end(row, 0, system.ends[0])
-        row.mass_of.append(len(row.masses) if body.kind == "mass" else -1)
-        row.spans.append((1, 0) if rigid else (
-            len(row.segments) + 1, len(row.segments) + len(body.segments)))
         if body.kind == "rod":
-            add_rod(row, f"bodies.{i}", body)
-        elif body.kind == "mass":
-            row.masses.append(body.mass)
-            row.mass_velocity.append(body.velocity)
+            add_rod(row, i, body)
         else:
-            row.outside[0 if i == 0 else 1] = ("velocity", body.velocity)
+            add_rigid(row, bodies, block)
     if bodies[last].kind != "wall":
         add_end(row, 1, system.ends[1])
     row.first.append(len(row.masses))
@@ -86,13 +74,45 @@ def walk(system: Any) -> Walk:
     return row
 
 
-def add_rod(row: Walk, path: str, rod: Any) -> None:
+def blocks_of(system: Any) -> list[list[int]]:
+    """Bodies from left to right; rigid ones that are bonded together are one block."""
+    found = [[0]]
+    for i, law in enumerate(system.contacts):
+        if law.law != "bonded" or "rod" in [body.kind for body in system.bodies[i : i + 2]]:
+            found.append([])
+        found[-1].append(i + 1)
+    return found
+
+
+def add_rigid(row: Walk, bodies: Any, block: list[int]) -> None:
+    """Add a block of rigid bodies: one mass, or what stands outside if there is a wall in it."""
+    row.contact_link.extend([-1 for _ in block[1:]])
+    row.spans.extend([(1, 0) for _ in block])
+    walls = [i for i in block if bodies[i].kind == "wall"]
+    row.mass_of.extend([-1 if len(walls) > 0 else len(row.masses) for _ in block])
+    for i in walls:
+        row.outside[0 if i == 0 else 1] = ("velocity", bodies[i].velocity)
+    if len(walls) > 0:
+        return
+    mass, velocity = bodies[block[0]].mass, bodies[block[0]].velocity
+    for i in block[1:]:
+        momentum = mass * velocity + bodies[i].mass * bodies[i].velocity
+        mass = mass + bodies[i].mass
+        velocity = momentum / mass
+    row.masses.append(mass)
+    row.mass_velocity.append(velocity)
+
+
+def add_rod(row: Walk, body: int, rod: Any) -> None:
     """Add the segments of a rod, bonded to each other."""
+    row.mass_of.append(-1)
+    row.spans.append((len(row.segments) + 1, len(row.segments) + len(rod.segments)))
     for j, segment in enumerate(rod.segments):
         if j > 0:
             add(row, Law.BOND)
         row.segments.append(segment)
-        row.paths.append(f"{path}.segments.{j}" if len(rod.segments) > 1 else path)
+        place = f".segments.{j}" if len(rod.segments) > 1 else ""
+        row.paths.append(f"bodies.{body}{place}")
         row.first.append(len(row.masses))
 
 
@@ -133,25 +153,6 @@ def add_end(row: Walk, side: int, end: Any) -> None:
     row.outside[side] = (kind, end.value if driven else 0.0)
     push = Law.PUSH_RIGHT if side > 0 else Law.PUSH_LEFT
     add(row, push if kind in ("none", "force") else Law.BOND)
-
-
-def merge(row: Walk, body: Any) -> None:
-    """Join a rigid body to the one before it: two masses, or a mass and a wall."""
-    at = row.mass_of[-1]
-    if body.kind == "wall":
-        row.outside[1] = ("velocity", body.velocity)
-        row.masses.pop()
-        row.mass_velocity.pop()
-        for i in range(len(row.mass_of)):
-            row.mass_of[i] = -1 if row.mass_of[i] == len(row.masses) else row.mass_of[i]
-        row.mass_of.append(-1)
-    elif at < 0:  # the wall it is bonded to
-        row.mass_of.append(-1)
-    else:
-        M, more = row.masses[at], body.mass
-        momentum = M * row.mass_velocity[at] + more * body.velocity
-        row.masses[at], row.mass_velocity[at] = M + more, momentum / (M + more)
-        row.mass_of.append(at)
 
 
 # Scales: in a family numbers are arrays, so nothing here is decided by one of them ----------------
