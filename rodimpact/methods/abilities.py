@@ -13,6 +13,7 @@ JOINTS, OWN_LAWS = "joints", "laws given as a Python function"
 SMOOTH_STATES, SMOOTH_DRIVES = "profiles other than steps", "drives other than steps"
 DAMPING, LATERAL, TAPER = "damping", "lateral inertia", "tapered rods"
 RODLESS = "rows without a rod"
+OF_LAWS = {"joint": JOINTS, "own": OWN_LAWS}  # that are no compliant contacts of the package's own
 SINGLE = (GRAVITY, DAMPING, LATERAL)  # which one entry of a rod or of the system switches on
 
 
@@ -26,14 +27,11 @@ def needs(system: model.System) -> list[tuple[str, str]]:
             found.append((f"bodies.{i}", MASSES))
         elif isinstance(body, model.Rod):
             found += [(f"bodies.{i}.{where}", what) for where, what in _of_rod(body)]
-    for i, law in enumerate(system.contacts):
-        if not isinstance(law, (model.Rigid, model.Bonded)):
-            what = JOINTS if isinstance(law, model.Joint) else COMPLIANCE
-            what = OWN_LAWS if isinstance(law, model.Law) else what
-            found.append((f"contacts.{i}.law", what))
-    for side, end in zip(("left", "right"), system.ends, strict=True):
-        if isinstance(getattr(end, "value", None), model.Samples):
-            found.append((f"ends.{side}.value", SMOOTH_DRIVES))
+    found += [(f"contacts.{i}.law", OF_LAWS.get(law.law, COMPLIANCE))
+              for i, law in enumerate(system.contacts) if law.law not in ("rigid", "bonded")]
+    found += [(f"ends.{side}.value", SMOOTH_DRIVES)
+              for side, end in zip(model.SIDES, system.ends, strict=True)
+              if isinstance(getattr(end, "value", None), model.Samples)]
     return found
 
 

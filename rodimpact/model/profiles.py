@@ -223,9 +223,9 @@ def averages(profile: Any, edges: Any, length: float) -> Floats:
     >>> averages(Samples([0.0, 1.0, 4.0]), np.array([0.0, 0.5, 2.0]), length=2.0).round(9).tolist()
     [0.25, 1.916666667]
     """
-    if isinstance(profile, Steps):
-        at = np.array([float(x) for x in profile.at])
-        values = np.array([float(v) for v in profile.values])
+    if not isinstance(profile, Samples):
+        steps = profile if isinstance(profile, Steps) else Steps([profile], [])
+        at, values = np.array(steps.at, dtype=float), np.array(steps.values, dtype=float)
         first, last = np.searchsorted(at, edges[:-1], "right"), np.searchsorted(at, edges[1:])
         means: Floats = values[first]
         for i in np.flatnonzero(last > first):
@@ -234,20 +234,18 @@ def averages(profile: Any, edges: Any, length: float) -> Floats:
                 edges[i + 1] - edges[i]
             )
         return means
-    if isinstance(profile, Samples):
-        values = np.asarray(profile.values, dtype=float)
-        width = length / (len(values) - 1) if profile.step is None else float(profile.step)
-        knots = width * np.arange(len(values))
-        total = np.concatenate(([0.0], np.cumsum((values[1:] + values[:-1]) / 2) * width))
-        inside = np.clip(edges, 0.0, knots[-1])
-        i = np.clip((inside / width).astype(int), 0, len(values) - 2)
-        s = inside - knots[i]
-        slope = (values[i + 1] - values[i]) / width
-        integral = total[i] + values[i] * s + slope * s * s / 2
-        integral += values[-1] * np.maximum(edges - knots[-1], 0.0)
-        integral += values[0] * np.minimum(edges, 0.0)
-        return np.asarray(np.diff(integral) / np.diff(edges))
-    return np.full(len(edges[1:]), float(profile))
+    values = np.asarray(profile.values, dtype=float)
+    width = length / (len(values) - 1) if profile.step is None else float(profile.step)
+    knots = width * np.arange(len(values))
+    total = np.concatenate(([0.0], np.cumsum((values[1:] + values[:-1]) / 2) * width))
+    inside = np.clip(edges, 0.0, knots[-1])
+    i = np.clip((inside / width).astype(int), 0, len(values) - 2)
+    s = inside - knots[i]
+    slope = (values[i + 1] - values[i]) / width
+    integral = total[i] + values[i] * s + slope * s * s / 2
+    integral += values[-1] * np.maximum(edges - knots[-1], 0.0)
+    integral += values[0] * np.minimum(edges, 0.0)
+    return np.asarray(np.diff(integral) / np.diff(edges))
 
 
 def profile_from(data: Any) -> Any:

@@ -228,13 +228,11 @@ class System(Frozen):
     def mirrored(self) -> System:
         """Return the row seen in a mirror: right becomes left."""
         bodies = [
-            Rod(
+            body.replace(
                 segments=[segment.mirrored() for segment in reversed(body.segments)],
                 velocity=negative(flipped(body.velocity, body.length)),
-                strain=flipped(body.strain, body.length),
-            )
-            if isinstance(body, Rod)
-            else body.replace(velocity=-body.velocity)
+                strain=flipped(body.strain, body.length))
+            if isinstance(body, Rod) else body.replace(velocity=-body.velocity)
             for body in reversed(self.bodies)
         ]
         ends = [
