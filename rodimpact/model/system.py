@@ -208,20 +208,16 @@ class System(Frozen):
             damping, a restitution below 1, absorbing or driven ends.
         """
         lossless = {"viscosity": 0, "damping": 0, "restitution": 1}
-        problems = [
-            (path, f"must be {kept}") for path, value in self._numbers()
-            if np.any(value != (kept := lossless.get(path.rpartition(".")[2], value)))
-        ]
-        problems += [(f"contacts.{i}", "must not yield")
-                     for i, law in enumerate(self.contacts) if isinstance(law, Plastic)]
-        problems += [
-            (f"ends.{side}", f"must be Free() or Fixed(), not {type(end).__name__}")
-            for side, end in zip(SIDES, self.ends, strict=True)
-            if isinstance(end, Absorbing | Pushed | Moved)
-        ]
-        if problems:
-            why = "; losses and driven ends cannot be reversed in time"
-            raise frozen.InvalidModel([(path, message + why) for path, message in problems])
+        why = "; losses and driven ends cannot be reversed in time"
+        frozen.raise_noted([
+            *((path, f"must be {kept}{why}") for path, value in self._numbers()
+              if np.any(value != (kept := lossless.get(path.rpartition(".")[2], value)))),
+            *((f"contacts.{i}", f"must not yield{why}")
+              for i, law in enumerate(self.contacts) if isinstance(law, Plastic)),
+            *((f"ends.{side}", f"must be Free() or Fixed(), not {type(end).__name__}{why}")
+              for side, end in zip(SIDES, self.ends, strict=True)
+              if isinstance(end, Absorbing | Pushed | Moved)),
+        ])
         bodies = [body.replace(velocity=negative(body.velocity)) for body in self.bodies]
         return self.replace(bodies=bodies)
 
@@ -261,13 +257,12 @@ def _entries(data: dict[str, Any]) -> dict[str, Any]:
 
 def _per_pair(problems: Problems, name: str, items: Any, default: Any, pairs: int) -> Any:
     """What is given for each neighbouring pair; note what is not one thing for each."""
-    if items is None:
-        return (default,) * pairs
-    if isinstance(items, list | tuple) and len(items) == pairs:
-        return items
-    message = f"must be a list with one entry for each neighbouring pair, {pairs} in all"
-    note(problems, name, message, items)
-    return items if isinstance(items, list | tuple) else ()
+    each = (default,) * pairs if items is None else items
+    listed = isinstance(each, list | tuple)
+    if not listed or len(each) != pairs:
+        message = f"must be a list with one entry for each neighbouring pair, {pairs} in all"
+        note(problems, name, message, items)
+    return each if listed else ()
 
 
 def _check_rigid(problems: Problems, i: int, law: Rigid, *pair: Any) -> None:
