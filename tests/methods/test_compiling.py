@@ -1,5 +1,6 @@
 """Kernels by stock numba: what is kept on disk, and what is not used again."""
 
+import gc
 import os
 import warnings
 from pathlib import Path
@@ -15,6 +16,36 @@ from rodimpact.methods.pieces.records import PIECE
 from rodimpact.methods.tick_rule import recognise
 
 FOLDER = Path(compiling.__file__).parent
+
+
+def test_garbage_is_looked_for_again_after_what_fails_to_compile():
+    watched = []
+    with pytest.raises(RuntimeError, match="not compiled"):
+        fail_while_compiling(watched)
+    assert watched == [False]
+    assert gc.isenabled()
+
+
+def fail_while_compiling(watched):
+    with compiling.uncollected():
+        watched.append(gc.isenabled())
+        raise RuntimeError("not compiled")
+
+
+def test_who_looks_for_no_garbage_goes_on_without():
+    gc.disable()
+    try:
+        with compiling.uncollected():
+            pass
+        assert not gc.isenabled()
+    finally:
+        gc.enable()
+
+
+def test_what_one_function_calls_becomes_part_of_it_and_what_several_call_does_not():
+    once = compiling._once(fronts)
+    assert {"survey_group", "arrive"} <= once
+    assert once.isdisjoint({"quiet", "account"})
 
 
 # Sources ------------------------------------------------------------------------------------------
