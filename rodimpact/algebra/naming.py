@@ -63,7 +63,8 @@ class Naming:
                              if path.startswith("materials.") for place in places}
         self._materials: dict[Any, int] = {}
         self._roots: dict[Fraction, Fraction] = {}
-        self._numbers = read(self.row, self._take, self._speed)
+        self._numbers = read(self.row, self._take,
+                             lambda path: self._material(f"{path}.material")[0])
         known, named = (dict.fromkeys(word for path in paths for word in self._words(path))
                         for paths in (self._asked, self._named))
         problems = [
@@ -119,7 +120,7 @@ class Naming:
             return ZERO
         self._asked.append(path)
         if quantity == "density":
-            return self._density(path.removesuffix(".density"))
+            return self._material(path.removesuffix(".density"))[1]
         derived = quantity in ("transit_time", "impedance")
         if not self.symbol_of(path):
             return None if derived else Number(written(value))
@@ -138,8 +139,8 @@ class Naming:
         c = self._root(E / rho)
         return written(s.length) / c if quantity == "transit_time" else rho * written(s.area) * c
 
-    def _material(self, path: str) -> tuple[str, Any, Any]:
-        """Name of its speed, E and rho of a material: fractions, or names of those chosen."""
+    def _material(self, path: str) -> tuple[Number, Any]:
+        """Wave speed and density of a material, in terms of the numbers that have names."""
         s = self.row.segments[self.row.paths.index(path.removesuffix(".material")) - 1]
         pair = s.material.youngs_modulus, s.material.density
         # rods of equal materials have them in common, but for one that is asked for by its path
@@ -149,25 +150,14 @@ class Naming:
             self._name(f"{LETTERS[quantity]}{place}", f"{path}.{quantity}", written(value))
             for quantity, value in zip(("youngs_modulus", "density"), pair, strict=True)
         )
-        return f"c{place}", E, rho
-
-    def _speed(self, _: Any, path: str) -> Number:
-        name, E, rho = self._material(f"{path}.material")
-        square = self.base.get(E, E) / self.base.get(rho, rho)
-        rational = root(square)
-        if rational and not isinstance(E, str) and not isinstance(rho, str):
-            return Number(rational)
-        self.speeds[name] = E, rho
-        return Number(self._root(square), (name,))
-
-    def _density(self, path: str) -> Any:
-        name, E, rho = self._material(path)
+        square, named = written(pair[0]) / written(pair[1]), isinstance(E, str)
+        if root(square) and not named and not isinstance(rho, str):
+            return Number(self._root(square)), Number(rho)
+        self.speeds[f"c{place}"] = E, rho
+        c = Number(self._root(square), (f"c{place}",))
         if not isinstance(rho, str):
-            return Number(rho)
-        if isinstance(E, str):
-            return Number(self.base[rho], (rho,))
-        c = Number(self._root(E / self.base[rho]), (name,))
-        return Number(E) / (c * c)
+            return c, Number(rho)
+        return c, Number(self.base[rho], (rho,)) if named else Number(E) / (c * c)
 
     def _root(self, square: Fraction) -> Fraction:
         """Root of a number; of those in a rational ratio to an earlier one, in that ratio."""

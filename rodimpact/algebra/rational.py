@@ -63,7 +63,7 @@ def exact(
 
     speeds, unit = _wave_speeds(row, given)
     known = dict.fromkeys(f"{path}.material.youngs_modulus" for path in speeds)
-    numbers = read(row, take, lambda _, path: Number(speeds[path]))
+    numbers = read(row, take, lambda path: Number(speeds[path]))
     known |= dict.fromkeys(path for path, at in places.items() if at[0] in known)
     unknown: Problems = [
         (path, f"is not a parameter of the system; {suggestion(path, known)}")

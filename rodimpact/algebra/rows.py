@@ -135,7 +135,7 @@ def check(system: System) -> None:
 
 
 def read(
-    row: Row, take: Callable[[str, Any], Any], speed: Callable[[Any, str], Number]
+    row: Row, take: Callable[[str, Any], Any], speed: Callable[[str], Number]
 ) -> Numbers:
     """Gather the numbers of a row.
 
@@ -152,7 +152,7 @@ def read(
     for s, path in zip(row.segments, row.paths[1:], strict=True):
         T = take(f"{path}.transit_time", s.transit_time)
         Z = take(f"{path}.impedance", s.impedance)
-        c = speed(s, path) if T is None or Z is None else ZERO
+        c = speed(path) if T is None or Z is None else ZERO
         transit.append(take(f"{path}.length", s.length) / c if T is None else T)
         if Z is None:
             density = take(f"{path}.material.density", s.material.density)
