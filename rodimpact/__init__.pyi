@@ -9,13 +9,13 @@ from . import units as units
 from . import waves as waves
 from .algebra.atlas import Atlas as Atlas
 from .algebra.atlas import atlas as atlas
+from .algebra.exact import Exact as Exact
+from .algebra.exact import exact as exact
 from .algebra.formula import ClosedForm as ClosedForm
 from .algebra.formula import closed_form as closed_form
-from .algebra.gradient_result import Gradient as Gradient
-from .algebra.gradient_result import Kink as Kink
+from .algebra.gradients import Gradient as Gradient
+from .algebra.gradients import Kink as Kink
 from .algebra.gradients import gradient as gradient
-from .algebra.rational import exact as exact
-from .algebra.rows import Exact as Exact
 from .explorer.exploring import Page as Page
 from .explorer.exploring import explore as explore
 from .fitting.measured import Measured as Measured

@@ -21,10 +21,10 @@ from ..model import System
 from ..model.frozen import InvalidModel, listed, quantity, raise_noted
 from ..units import shown
 from .cell import Cell, Floats
+from .exact import check_arguments
 from .field import Field
 from .formula import FEW, named, short
 from .naming import Naming
-from .rows import check_arguments
 
 LATTICE = 32  # places a side where cells are looked for
 FINE = 1 << 12  # steps a side to which these are rounded, so that fractions are short
@@ -88,6 +88,7 @@ class Atlas:
     between: NDArray[np.int64]
     lines: Floats
     of_line: NDArray[np.int64]
+    _naming: Naming
 
     def __repr__(self) -> str:
         return f"<Atlas over {self.x[0]}, {self.y[0]}: {len(set(self.region))} regions>"
@@ -106,10 +107,6 @@ class Atlas:
             lines.append("where " + ", ".join(
                 f"{name} = {naming.symbol_of(path)}" for name, path in naming.paths.items()))
         return "\n".join(lines)
-
-    @cached_property
-    def _naming(self) -> Naming:
-        return Naming(self.system, [self.x[0], self.y[0]])
 
     def largest(self, most: int) -> list[Region]:
         """The largest regions, with their formulas; needs sympy.
@@ -281,7 +278,7 @@ class _Search:
         lines, of_line = self._join(places, between, of)
         x, y = self.axes
         return Atlas(self.naming.row.system, x, y, self.cells, self.region, self._plane(places),
-                     between, self._plane(lines), of_line)
+                     between, self._plane(lines), of_line, self.naming)
 
     def _plane(self, places: Floats) -> Any:
         low, high = (np.array([axis[i] for axis in self.axes]) for i in (1, 2))

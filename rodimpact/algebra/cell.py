@@ -5,22 +5,25 @@ polynomials that border the cell.
 """
 
 from collections.abc import Collection, Mapping, Sequence
+from decimal import Decimal, localcontext
 from fractions import Fraction
 from functools import cached_property
+from random import Random
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .conditions import conditions
+from .exact import Exact, ExactRun, each
 from .field import Field
 from .naming import Naming
-from .numbers import Number, Program, mark
-from .rows import Exact, ExactRun, each
+from .numbers import Number, Program
 
 Floats = NDArray[np.float64]
 CUTS = 64  # in which a way is cut where a border is looked for, and each of these again
 ROUNDS = 8
+DECIMALS = 150  # with which formulas are evaluated to be told apart
 
 
 class Cell:
@@ -51,7 +54,12 @@ class Cell:
         """What is the same for cells of one formula, that of contact times too if these count."""
         values: list[Number] = []
         each(self.results if times else self.results._replace(contact_times=()), values.append)
-        return (*map(len, self.results.contact_times), *mark(values, self.place))
+        random = Random(1867)
+        with localcontext(prec=DECIMALS):  # values at names of no sort tell formulas apart
+            there = {name: Decimal(1 + random.random()) for name in self.place}
+            program = Program(values, lambda x: Decimal(x.numerator) / x.denominator)
+            marks = [round(x, 40) for x in program(there)]
+        return (*map(len, self.results.contact_times), *marks)
 
     # Places of the plane
 

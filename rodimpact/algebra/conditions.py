@@ -18,8 +18,8 @@ from ..methods.fronts.records import CHANGE, NONE
 from ..methods.groups import unilateral
 from ..methods.laws import Status
 from ..model import Wall
+from .exact import ExactRun
 from .numbers import HALF, ZERO, Number, since
-from .rows import ExactRun
 
 ENDLESS = 1 << 62
 
@@ -28,10 +28,9 @@ class Spell(NamedTuple):
     """A time in which a contact keeps its status."""
 
     status: int
-    start: Number
     gap: Number  # at the start
-    closing: Number  # how fast the contact would close from the start on
-    waves: list[tuple[Number, Number]]  # when they come, and how much faster it would close then
+    # the start, and how fast the contact would close; when waves come, and how much faster then
+    waves: list[tuple[Number, Number]]
     end: list[Number]  # when the next spell begins, if one does
 
 
@@ -41,7 +40,16 @@ def conditions(run: ExactRun, *, in_order: bool) -> list[Number]:
     If waves may come to contacts in any order, some of these numbers are no rational functions.
     """
     contacts, state = unilateral(run.row.system), run.state
-    end, wait = _end(state)
+    # it is over with the event of the proof, or the next event if the kernel waited for it
+    end: Number = state.run.proved + ZERO
+    if all(end != front.tick for front in state.log[: state.run.rows]):
+        end = state.tree[1]
+        state.go(end, ENDLESS, ZERO)
+    last = max((change.tick + ZERO for change in state.changes if change.tick <= end), default=ZERO)
+    # where contacts had been open for a while by then half of this later: the proof has room
+    wait = (end - last) * HALF
+    end += wait
+    state.go(end, ENDLESS, ZERO)
     proofs = [_for_ever_after(run, k, end) for k in contacts]
     found = [x for proof, _ in proofs for x in proof]
     longest = max(sum(it.transit for it in state.segment[s : e + 1]) for s, e in run.row.spans if e)
@@ -49,7 +57,7 @@ def conditions(run: ExactRun, *, in_order: bool) -> list[Number]:
     state.go(end + wait + 2 * longest, ENDLESS, ZERO)
     for k in contacts:
         spells, later = _spells(run, k, end + wait)
-        last = spells[-1].start
+        last, _ = spells[-1].waves[0]
         found += [x for t in later for x in (t - end, t - last)]
         if any(bridged for _, bridged in proofs):
             found.append(abs(end - last))  # the energy is that once all have ceased to press
@@ -58,22 +66,6 @@ def conditions(run: ExactRun, *, in_order: bool) -> list[Number]:
     if in_order:  # a hair's breadth from the system what is alike is the same
         found = list({x.value: x for x in found}.values())
     return [x for x in found if x.made and x.value]
-
-
-def _end(state: Any) -> tuple[Number, Number]:
-    """When it is over, and how much longer the run is to be followed.
-
-    That is the event of the proof, or the next event if the kernel waited for it. Where contacts
-    had been open for a while by then it is half of this later, so that the proof has room.
-    """
-    end: Number = state.run.proved + ZERO
-    if all(end != front.tick for front in state.log[: state.run.rows]):
-        end = state.tree[1]
-        state.go(end, ENDLESS, ZERO)
-    last = max((change.tick + ZERO for change in state.changes if change.tick <= end), default=ZERO)
-    wait = (end - last) * HALF
-    state.go(end + wait, ENDLESS, ZERO)
-    return end + wait, wait
 
 
 def _spells(run: ExactRun, contact: int, until: Number) -> tuple[list[Spell], list[Number]]:
@@ -87,7 +79,7 @@ def _spells(run: ExactRun, contact: int, until: Number) -> tuple[list[Spell], li
             way = ZERO if row.line == CHANGE else state.segment[row.line // 2].transit
             events.setdefault((row.tick + way).value, (row.tick + way, {}))[1][row.line] = row.value
     gap, closing = run.numbers.gap[contact] * run.rate, ZERO
-    spells, later = [Spell(Status.OPEN if gap > 0 else -1, ZERO, gap, ZERO, [], [])], []
+    spells, later = [Spell(Status.OPEN if gap > 0 else -1, gap, [(ZERO, ZERO)], [])], []
     for at in sorted(events):
         t, new = events[at]
         arrived = {line: new.get(line, wave) for line, wave in arrived.items()}
@@ -96,30 +88,31 @@ def _spells(run: ExactRun, contact: int, until: Number) -> tuple[list[Spell], li
             later.append(t)
         elif CHANGE in new:
             spells[-1].end.append(t)
-            spells.append(Spell(new[CHANGE], t, ZERO, closing, [], []))
+            spells.append(Spell(new[CHANGE], ZERO, [(t, closing)], []))
         elif at > 0:
             spells[-1].waves.append((t, closing - before))
         else:
-            spells[-1] = spells[-1]._replace(closing=closing)
+            spells[-1].waves[0] = ZERO, closing
     return spells, later
 
 
 def _lasting(spell: Spell, in_order: bool) -> list[Number]:
     """Force while it presses, or gap while it is open, as waves come, and when these come."""
-    apart = spell.gap if spell.gap > 0 else -spell.closing
-    known: dict[int, list[Number]] = {Status.PRESS: [spell.closing], Status.OPEN: [apart]}
-    found, times = known.get(spell.status, []), [t for t, _ in spell.waves]
+    (start, level), *waves = spell.waves
+    apart = spell.gap if spell.gap > 0 else -level
+    known: dict[int, list[Number]] = {Status.PRESS: [level], Status.OPEN: [apart]}
+    found, times = known.get(spell.status, []), [t for t, _ in waves]
     for t in times if found else ():
-        closing, gap = spell.closing, spell.gap - spell.closing * (t - spell.start)
+        closing, gap = ZERO, spell.gap
         for earlier, jump in spell.waves:
-            passed = t - earlier
-            closing += since(passed, jump, in_order)
-            gap -= since(passed, jump * passed, in_order)
+            passed, told = t - earlier, in_order or earlier is start
+            closing += since(passed, jump, told)
+            gap -= since(passed, jump * passed, told)
         found.append(closing if spell.status == Status.PRESS else gap)
     if in_order:
-        return found + [later - t for t, later in pairwise([spell.start, *times, *spell.end])]
-    found += [t - spell.start for t in times]
-    return found + [end - t for end in spell.end for t in (spell.start, *times)]
+        return found + [later - t for t, later in pairwise([start, *times, *spell.end])]
+    found += [t - start for t in times]
+    return found + [end - t for end in spell.end for t in (start, *times)]
 
 
 def _for_ever_after(run: ExactRun, k: int, t: Any) -> tuple[list[Number], bool]:

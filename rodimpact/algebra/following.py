@@ -14,8 +14,8 @@ from ..methods.groups import groups, unilateral
 from ..methods.laws import Status
 from ..methods.row import Array, Row
 from ..model import Absorbing, System
+from .exact import motion
 from .numbers import Dual
-from .rows import motion
 
 EVENTS = (
     "", "there is no gap at first", "waves from both sides arrive together",
@@ -24,7 +24,7 @@ EVENTS = (
 )
 """What may come otherwise on one of the sides of a number."""
 SMOOTH, BORDER, ARRIVALS, CLOSING, FORCE, FRONT, PARTING = range(len(EVENTS))
-NO_TIE = SMOOTH, math.nan, -1
+NO_TIE = math.nan, -1, SMOOTH
 LEAST = 1e-8  # of velocities and times: a smaller derivative is round-off
 
 
@@ -41,7 +41,7 @@ class Followed:
     Attributes
     ----------
     ties : [3, direction]
-        The first tie of each direction: its place in `EVENTS`, its time, s, and its node; `NO_TIE`
+        Of the first tie of each direction its time, s, its node and its place in `EVENTS`; `NO_TIE`
         where there is none.
     """
 
@@ -94,8 +94,8 @@ class Followed:
 
     def _note(self, event: int, t: int, k: int, apart: Any, least: float) -> None:
         """Note a tie at node k in the directions in which what is equal comes apart."""
-        new = (abs(apart) > least) & (self.ties[0] == SMOOTH)
-        self.ties[:, new] = [[event], [t * self._tick], [k]]
+        new = (abs(apart) > least) & (self.ties[2] == SMOOTH)
+        self.ties[:, new] = [[t * self._tick], [k], [event]]
 
     def _before(self, k: int, t: int) -> tuple[int, list[Any], Any]:
         """Status of node k, the waves that arrive there at tick t, and its gap then."""

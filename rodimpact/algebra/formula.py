@@ -21,10 +21,9 @@ from ..methods.duration import Progress
 from ..model import System
 from ..model.frozen import InvalidModel, nearest
 from .cell import Cell
+from .exact import Exact, check_arguments, check_final, each, fractions_of
 from .field import Field
 from .naming import Naming
-from .rational import fractions_of
-from .rows import Exact, check_arguments, check_final, each
 
 SHORT = 1 << 24  # denominator of directions, so that fractions are short
 HAIR = Fraction(1, 1 << 120)  # how far from the numbers of the system runs are made, of themselves
@@ -58,12 +57,11 @@ def sides_of(field: Field, max_events: int) -> tuple[list[Cell], bool]:
         run = field.naming.run(values, max_events)
         if not sides:
             check_final(run, max_events)
-        if not run.final:
-            unsolved = True
-            continue
-        sides.append(Cell(field.naming, run, values, field))
-        slopes = np.reshape(sides[-1].slopes, (-1, len(names)))
-        unseen &= ~(directions @ slopes.T > 0).all(axis=1)
+        unsolved |= not run.final
+        if run.final:
+            sides.append(Cell(field.naming, run, values, field))
+            slopes = np.reshape(sides[-1].slopes, (-1, len(names)))
+            unseen &= ~(directions @ slopes.T > 0).all(axis=1)
     return sides, unsolved or bool(unseen.any())
 
 

@@ -5,7 +5,8 @@ is differenced on either side, and extrapolated to steps of no length.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,15 +17,14 @@ from ..methods.registry import Options
 from ..methods.row import Array, Row, largest
 from ..methods.run import MAX_EVENTS
 from ..model import Steps, System
-from ..model.frozen import Problems, raise_noted
+from ..model.frozen import Problems, nearest, raise_noted
 from ..model.paths import numbers_of, places_of, suggestion, with_numbers
 from ..results.labels import outcome, parameter
 from ..results.outcome import UndefinedRestitution
 from ..running.solving import solve
 from ..running.sweeping import sweep
-from ..units import shown
+from ..units import format_si, shown
 from .following import EVENTS, NO_TIE, SMOOTH, Followed, ending
-from .gradient_result import Gradient, Kink
 
 STRAIGHT = ("gap", "velocity", "strain")
 """Numbers of a row themselves; the numbers of a row go with powers of the others."""
@@ -33,6 +33,112 @@ FEW = 64  # members that are followed one by one
 STEPS = 2.0 ** -np.arange(10.0, 19.0)  # of differences, relative
 AGREE = 1e-6  # relative difference of the derivatives on both sides that is none
 CONTINUOUS = 1e-9  # relative difference of values that is none
+
+
+class Kink(NamedTuple):
+    """A place where a derivative differs on both sides, or is known on one side only.
+
+    Each attribute is a number, or an array of the shape of a family.
+
+    Attributes
+    ----------
+    below, above : float
+        Derivatives on the side of smaller and of larger numbers; nan on a side that does not exist,
+        such as below a gap of 0.
+    jump : float
+        The quantity above minus the quantity below.
+    time : float
+        Time of the first event that differs between the sides, s; nan without a kink.
+    node : int
+        Place of this event: 0 is the left end of the row, then come the joints of its segments.
+    event : str
+        What happens there; empty without a kink.
+
+    Examples
+    --------
+    At equal lengths e = l1/l2 below and e = l2/l1 above:
+
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> rods = [ri.Rod(1.0, area=1e-4, material=steel, velocity=v) for v in (1.0, 0.0)]
+    >>> kink = ri.gradient(ri.System(rods), wrt=["bodies.0.length"]).kinks["bodies.0.length"]
+    >>> round(float(kink.below), 6), round(float(kink.above), 6)
+    (1.0, -1.0)
+    """
+
+    below: Any
+    above: Any
+    jump: Any
+    time: Any
+    node: Any
+    event: Any
+
+
+@dataclass(frozen=True)
+class Gradient:
+    """Derivatives of a result of a collision; as an array, [..., path].
+
+    Attributes
+    ----------
+    of : str
+    wrt : tuple of str
+    value : float or array
+        Of the quantity.
+    values : dict of str to float or array
+        Derivative by path, where it is the same on both sides; else nan.
+    one_sided : dict of str to (float or array, float or array)
+        Derivatives below and above each number.
+    kinks : dict of str to Kink
+        By the paths that have any.
+    unit : str
+        Of the quantity; "" if it has none.
+    units : dict of str to str
+        Of each derivative, by path.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=steel)
+    >>> slopes = ri.gradient(ri.System([left, right]), wrt=["bodies.0.length"])
+    >>> round(float(slopes["bodies.0.length"]), 9), slopes.units["bodies.0.length"]     # e = l1/l2
+    (1.0, '1/m')
+    """
+
+    of: str
+    wrt: tuple[str, ...]
+    value: Any
+    values: Mapping[str, Any]
+    one_sided: Mapping[str, tuple[Any, Any]]
+    kinks: Mapping[str, Kink]
+    unit: str
+    units: Mapping[str, str]
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Array:
+        return np.stack([self.values[path] for path in self.wrt], -1).astype(dtype or float)
+
+    def __getitem__(self, path: str) -> Any:
+        if not isinstance(path, str) or path not in self.values:
+            raise KeyError(f"no derivative by {shown(path)}; {nearest(path, self.wrt)}")
+        return self.values[path]
+
+    def __str__(self) -> str:
+        if np.ndim(self.value):
+            found = f"of {np.size(self.value)} members, by {', '.join(self.wrt)}"
+            return f"derivatives of {self.of} {found}"
+        value = f"{self.value:.10g} {self.unit}".rstrip()
+        lines = [f"{self.of} = {value}; its derivative by"]
+        for path in self.wrt:
+            below, above = self.one_sided[path]
+            unit = f" {self.units[path]}" if self.units[path] else ""
+            text = f"{self.values[path]:.8g}{unit}"
+            if path in self.kinks:
+                kink = self.kinks[path]
+                text = f"{below:.8g} below, {above:.8g} above{unit}: {kink.event}"
+                text += f" (node {kink.node}, {format_si(kink.time, 's')})"
+            lines.append(f"  {path}: {text}".rstrip())
+        return "\n".join(lines)
 
 
 def gradient(
@@ -100,7 +206,7 @@ def gradient(
         known = solve(system, method="fronts", max_events=max_events).outcome
         why = known.why_no_restitution() if of == "restitution" else ""
         raise UndefinedRestitution(why or f"{of} is undefined: {known.status}")
-    # below, above, jump, event, when, node
+    # below, above, jump, time, node, event
     none = np.reshape([math.nan, math.nan, 0.0, *NO_TIE], (6, 1, *[1] * value.ndim))
     table, followed = none + np.zeros((len(wrt), *value.shape)), np.isfinite(value)
     if value.size > FEW:
@@ -184,7 +290,7 @@ def _follow(
     for p, x in enumerate(numbers):
         below = above = (found.d + np.zeros(len(numbers)))[p] / x.size
         jump, tie = 0.0, one.ties[:, p]
-        if tie[0] != SMOOTH:
+        if tie[2] != SMOOTH:
             below, above, jump = x.differences(totals)
             jump *= abs(jump) > CONTINUOUS * abs(found.value)
             if x.agree(found.value, below, above, jump):
@@ -229,13 +335,13 @@ def _gradient(
     values, one_sided, kinks, units = {}, {}, {}, {}
     unit = outcome(system, of).unit
     for path, column in zip(wrt, np.moveaxis(table, 1, 0), strict=True):
-        below, above, jump, event, when, node = (x[()] for x in column)
-        smooth = np.equal(event, SMOOTH)
-        values[path] = np.where(smooth, (below + above) / 2 + 0.0, math.nan)[()]
-        one_sided[path], units[path] = (below, above), _per(unit, parameter(system, path).unit)
+        kink = Kink(*(x[()] for x in column))
+        smooth = np.equal(kink.event, SMOOTH)
+        values[path] = np.where(smooth, (kink.below + kink.above) / 2 + 0.0, math.nan)[()]
+        one_sided[path], units[path] = kink[:2], _per(unit, parameter(system, path).unit)
         if not smooth.all():
-            kinks[path] = Kink(below, above, jump, when, np.int64(node),
-                               np.take(EVENTS, np.int64(event)))
+            event = np.take(EVENTS, np.int64(kink.event))
+            kinks[path] = kink._replace(node=np.int64(kink.node), event=event)
     unit = "" if unit == "1" else unit
     return Gradient(of, wrt, value[()], values, one_sided, kinks, unit, units)
 

@@ -16,9 +16,8 @@ from ..model import System
 from ..model.frozen import InvalidModel
 from ..model.paths import places_of, suggestion
 from ..units import shown
+from .exact import ExactRun, Numbers, check, read, root, run, written
 from .numbers import ZERO, Number, Program
-from .rational import root
-from .rows import ExactRun, Numbers, check, read, run, written
 
 LETTERS = {
     "transit_time": "T", "impedance": "Z", "length": "l", "area": "A", "youngs_modulus": "E",

@@ -9,10 +9,8 @@ is a float or a whole number with its derivatives.
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Iterable, Mapping
-from decimal import Decimal, localcontext
+from collections.abc import Callable, Mapping
 from fractions import Fraction
-from random import Random
 from typing import Any
 
 OPERATIONS: dict[str, Callable[[Any, Any], Any]] = {
@@ -28,19 +26,14 @@ RULES: dict[str, Callable[[Any, Any, Any, Any], tuple[Any, Any]]] = {
     "/": lambda x, dx, y, dy: (x / y, (dx - x / y * dy) / y),
 }
 HALF = Fraction(1, 2)
-DECIMALS = 150  # with which formulas are evaluated to be told apart
 
 
 def _judged(compare: Callable[[Any, Any], Any]) -> Callable[[Any, Any], bool]:
     return lambda x, y: bool(compare(x.value, y.value if isinstance(y, Judged) else y))
 
 
-def _forward(operation: str) -> Callable[[Any, Any], Any]:
-    return lambda x, y: x.combine(operation, x, y)
-
-
-def _backward(operation: str) -> Callable[[Any, Any], Any]:
-    return lambda y, x: y.combine(operation, x, y)
+def _both_sides(operation: str) -> tuple[Callable[[Any, Any], Any], Callable[[Any, Any], Any]]:
+    return (lambda x, y: x.combine(operation, x, y)), (lambda y, x: y.combine(operation, x, y))
 
 
 class Judged:
@@ -55,9 +48,12 @@ class Judged:
 
     __eq__, __lt__, __le__, __gt__, __ge__ = map(
         _judged, (operator.eq, operator.lt, operator.le, operator.gt, operator.ge))
-    __add__, __sub__, __mul__, __truediv__ = map(_forward, NEUTRAL)
-    __radd__, __rsub__, __rmul__, __rtruediv__ = map(_backward, NEUTRAL)
+    (__add__, __radd__), (__sub__, __rsub__), (__mul__, __rmul__), (__truediv__, __rtruediv__) = (
+        map(_both_sides, NEUTRAL))
     __hash__ = None  # type: ignore[assignment]
+
+    def __neg__(self) -> Any:
+        return 0 - self
 
     def __int__(self) -> int:
         return int(self.value)
@@ -92,9 +88,6 @@ class Number(Judged):
         if (left == 0 and operation in "*/") or (right == 0 and operation == "*"):
             return ZERO
         return _made(operation, a, b)
-
-    def __neg__(self) -> Number:
-        return Number.combine("-", ZERO, self)
 
     def __abs__(self) -> Number:
         return -self if self.value < 0 else self
@@ -136,9 +129,6 @@ class Dual(Judged):
         x, dx = (a.value, a.d) if type(a) is Dual else (a, 0.0)
         y, dy = (b.value, b.d) if type(b) is Dual else (b, 0.0)
         return Dual(*RULES[operation](x, dx, y, dy))
-
-    def __neg__(self) -> Dual:
-        return Dual(-self.value, -self.d)
 
     def __abs__(self) -> Any:  # kernels compare it, and do no more
         return abs(self.value)
@@ -190,12 +180,3 @@ class Program:
             else:
                 found.append(names[step[0]] if len(step) == 1 else step[1])
         return [found[i] for i in self._wanted]
-
-
-def mark(wanted: list[Number], names: Iterable[str]) -> tuple[Decimal, ...]:
-    """What tells formulas apart: their values, to 40 decimals, where names are of no sort."""
-    random = Random(1867)
-    with localcontext(prec=DECIMALS):
-        there = {name: Decimal(1 + random.random()) for name in names}
-        found = Program(wanted, lambda x: Decimal(x.numerator) / x.denominator)(there)
-        return tuple(round(x, 40) for x in found)
