@@ -374,11 +374,14 @@ class _Search:
     def _join(self, places: Floats, between: Any, of: Any) -> tuple[Floats, NDArray[np.int64]]:
         """Straight lines between the places on the edges of each mesh, and a place of each."""
         n, up = LATTICE, LATTICE * (LATTICE + 1)
-        drawn: list[tuple[Any, Any]] = []  # a place, and where a line goes from there
+        on: dict[int, list[int]] = {}  # places by edge
+        for p, e in enumerate(of.tolist()):
+            on.setdefault(e, []).append(p)
+        drawn: list[tuple[int, Any]] = []  # a place, and where a line goes from there
         for i, j in np.ndindex(n, n):
             sides = (i * (n + 1) + j, i * (n + 1) + j + 1, up + i * n + j, up + (i + 1) * n + j)
-            points = [p for e in sides for p in np.flatnonzero(of == e)]
-            alike: dict[Any, list[Any]] = {}
+            points = [p for e in sides for p in on.get(e, ())]
+            alike: dict[Any, list[int]] = {}
             for p in points:
                 alike.setdefault(frozenset(between[p].tolist()), []).append(p)
             pairs = [pair for pair in alike.values() if len(pair) == 2]
