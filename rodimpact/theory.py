@@ -125,7 +125,19 @@ vibration_energy=0.25)
     >>> round(saint_venant(5.0, 3.0, 1.0, 10.0).restitution, 6)
     0.841564
     """
-    return _pair(impedance_1, transit_time_1, impedance_2, transit_time_2, closing_speed)[0]
+    Z1, T1, Z2, T2, V = _checked(
+        impedance_1=impedance_1, transit_time_1=transit_time_1, impedance_2=impedance_2,
+        transit_time_2=transit_time_2, closing_speed=closing_speed)
+    short_time, long_time, q, p, log_q = pair_numbers(Z1, T1, Z2, T2)
+    low, high = np.minimum(Z1, Z2), np.maximum(Z1, Z2)
+    m, e = contact_mass(Z1 * T1, Z2 * T2), pair_restitution(short_time, long_time, q, p, log_q)
+    duration = 2 * np.where(q > 0, long_time, short_time)
+    opening = np.where(q == 0, 2 * long_time, duration)
+    return _collision(
+        restitution=e, impulse=(1 + e) * m * V, duration=duration, opening=opening,
+        peak_force=V * low * (high / (high + low)),
+        vibration_energy=(1 - e) * (1 + e) * m * V * V / 2,
+    )
 
 
 @np.errstate(under="ignore")
@@ -168,8 +180,10 @@ def saint_venant_force(
     [0.75, 0.375, 0.1875, 0.0]
     """
     t = array("time", time, "s", "any")
-    pair, short_time, log_q = _pair(
-        impedance_1, transit_time_1, impedance_2, transit_time_2, closing_speed)
+    pair = saint_venant(impedance_1, transit_time_1, impedance_2, transit_time_2, closing_speed)
+    short_time, _, _, _, log_q = pair_numbers(*_checked(
+        impedance_1=impedance_1, transit_time_1=transit_time_1, impedance_2=impedance_2,
+        transit_time_2=transit_time_2))
     k = np.floor(np.clip(t, 0.0, pair.duration) / (2 * short_time))
     pressing = (t >= 0) & (t < pair.duration)
     return plain(np.where(pressing, pair.peak_force * np.exp(k * log_q), 0.0))
@@ -414,26 +428,6 @@ def rayleigh_love_speed(
     c, kappa, nu, k = _checked(wave_speed=wave_speed, gyration_radius=gyration_radius,
                                poisson_ratio=poisson_ratio, wave_number=wave_number)
     return plain(c / np.hypot(1.0, nu * kappa * k))
-
-
-def _pair(
-    impedance_1: ArrayLike, transit_time_1: ArrayLike, impedance_2: ArrayLike,
-    transit_time_2: ArrayLike, closing_speed: ArrayLike,
-) -> tuple[PairCollision, Array, Array]:
-    """What `saint_venant` says, the shorter transit time, and ln q, which is 0 where q <= 0."""
-    Z1, T1, Z2, T2, V = _checked(
-        impedance_1=impedance_1, transit_time_1=transit_time_1, impedance_2=impedance_2,
-        transit_time_2=transit_time_2, closing_speed=closing_speed)
-    short_time, long_time, q, p, log_q = pair_numbers(Z1, T1, Z2, T2)
-    low, high = np.minimum(Z1, Z2), np.maximum(Z1, Z2)
-    m, e = contact_mass(Z1 * T1, Z2 * T2), pair_restitution(short_time, long_time, q, p, log_q)
-    duration = 2 * np.where(q > 0, long_time, short_time)
-    opening = np.where(q == 0, 2 * long_time, duration)
-    return _collision(
-        restitution=e, impulse=(1 + e) * m * V, duration=duration, opening=opening,
-        peak_force=V * low * (high / (high + low)),
-        vibration_energy=(1 - e) * (1 + e) * m * V * V / 2,
-    ), short_time, log_q
 
 
 def _collision(**found: Any) -> PairCollision:

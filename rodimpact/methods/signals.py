@@ -243,8 +243,6 @@ class Pieces:
         ticks : [n] int
         end : int
         """
-        if self.size == 1:
-            return Pieces(ticks, self.at(ticks), end)
         shares, to_coefficients = _interpolation(self.size)
         values = self.inside(ticks, np.append(ticks[1:], end), shares)
         return Pieces(ticks, values @ to_coefficients, end)

@@ -201,9 +201,9 @@ def least_impedance(row: Any) -> Any:
 def scale_of(row: Any) -> Any:
     """Scale of velocities of a row with rods, m/s: what is given, and what forces make of it."""
     strained, pushed, velocities = [0.0], [0.0], velocities_of(row)
-    for body, (start, stop) in zip(row.system.bodies, row.spans, strict=True):
+    for body in row.system.bodies:
         if body.kind == "rod":
-            c = largest([s.wave_speed for s in row.segments[start - 1 : stop]])
+            c = largest([s.wave_speed for s in body.segments])
             strained.extend([c * abs(e) for e in extremes(body.strain)])
     for side, (kind, value) in enumerate(row.outside):
         if kind == "force":

@@ -160,8 +160,7 @@ class Segment(Declared):
     """
 
     _instead: ClassVar[dict[str, tuple[str, ...]]] = {
-        "diameter": ("area",), "area": ("diameter",),
-    }
+        "diameter": ("area",), "area": ("diameter",)}
     length: Numeric = quantity("m", "positive")
     area: Area = quantity("m^2", "positive", default=None, along="length")
     material: Taken[Material, Material | None] = NOTHING
@@ -399,9 +398,7 @@ class Rod(Frozen):
 
     kind: ClassVar[str] = "rod"
     _instead: ClassVar[dict[str, tuple[str, ...]]] = {
-        **Segment._instead,
-        "segments": ("length", "area", "diameter", "material", "polar_moment", "lateral_inertia"),
-    }
+        **Segment._instead, "segments": tuple(frozen.defaults_of(Segment))}
     segments: tuple[Segment, ...]
     velocity: Profile = quantity("m/s", default=0.0, along="length")
     strain: Profile = quantity(default=0.0, along="length")

@@ -12,12 +12,8 @@ def body_numbers(kinds: list[str]) -> list[str]:
     >>> body_numbers(["wall", "rod", "mass", "wall"])
     ['wall', '1', '2', 'wall']
     """
-    found: list[str] = []
-    count = 0
-    for kind in kinds:
-        count += 0 if kind == "wall" else 1
-        found.append("wall" if kind == "wall" else f"{count}")
-    return found
+    return [kind if kind == "wall" else f"{1 + len([k for k in kinds[:i] if k != 'wall'])}"
+            for i, kind in enumerate(kinds)]
 
 
 def body_names(kinds: list[str]) -> list[str]:

@@ -297,10 +297,9 @@ def _sampled(function: Callable[[Any], Any], places: Floats, field: Field) -> Fl
         raise ValueError(
             f"must be a function that returns numbers, got {shown(values[0])} at 0.0"
         )
-    positive = field.sign == "positive"
-    good = (np.abs(values) <= frozen.LARGEST) & ((values > 0) | (not positive))
+    good = (np.abs(values) <= frozen.LARGEST) & field.holds(values)
     if not good.all():
         x, got = float(places[~good][0]), float(values[~good][0])
-        kind = "positive" if positive else "finite"
+        kind = "positive" if field.sign == "positive" else "finite"
         raise ValueError(f"must be a function that returns {kind} numbers, got {got!r} at {x!r}")
     return values
