@@ -23,14 +23,14 @@ from .rigid import contact_mass
 
 EQUAL_IMPEDANCES = 2.0**-48
 """Impedances that differ by less than this fraction count as equal, up to round-off."""
-POSITIVE = {
+UNITS = {
     "impedance": "kg/s", "transit_time": "s", "mass": "kg", "speed": "m/s", "closing_speed": "m/s",
     "area": "m^2", "wave_speed": "m/s", "youngs_modulus": "Pa", "viscosity": "Pa s",
-    "angular_frequency": "rad/s", "gyration_radius": "m",
+    "angular_frequency": "rad/s", "gyration_radius": "m", "wave_number": "rad/m", "taper": "1/m",
+    "poisson_ratio": "",
 }
-"""Units of the arguments that must be positive."""
-ANY = {"wave_number": "rad/m", "taper": "1/m", "poisson_ratio": ""}
-"""Units of those of either sign."""
+"""Units of the arguments."""
+OF_EITHER_SIGN = ("wave_number", "taper", "poisson_ratio")
 
 
 class PairCollision(NamedTuple):
@@ -463,7 +463,6 @@ def pair_restitution(
 
 def _checked(**given: ArrayLike) -> tuple[Array, ...]:
     """The arguments as arrays that are broadcast, each of its unit and sign."""
-    bare = {name: name.rstrip("_012") for name in given}
     return together(**{
-        name: (value, POSITIVE[bare[name]], "positive") if bare[name] in POSITIVE
-        else (value, ANY[name], "any") for name, value in given.items()})
+        name: (value, UNITS[name.rstrip("_012")], "any" if name in OF_EITHER_SIGN else "positive")
+        for name, value in given.items()})

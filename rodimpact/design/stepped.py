@@ -16,7 +16,7 @@ import numpy as np
 
 from ..methods.duration import Forecast, Progress, warn
 from ..model import Absorbing, Bonded, Free, Material, Rigid, Rod, Segment, System
-from ..model.arguments import array, of_kind, single
+from ..model.arguments import array, of_kind, single, whole
 from ..model.ends import FREE
 from ..model.frozen import refusal
 from ..model.laws import RIGID
@@ -218,9 +218,7 @@ def striker(
     V = single("velocity", velocity, "m/s", "positive")
     T = single("duration", duration, "s", "positive")
     end = 2 * T if until is None else single("until", until, "s", "positive")
-    if type(segments) is not int or not 1 <= segments <= MOST_SEGMENTS:
-        message = f"must be a whole number from 1 to {MOST_SEGMENTS}"
-        raise refusal("segments", f"{message}, got {shown(segments)}")
+    segments = whole("segments", segments, 1, MOST_SEGMENTS)
     if not T * (1 - INSTANT) <= end <= LONGEST * T:
         message = f"must be from the duration, {T!r} s, to {LONGEST} times that"
         raise refusal("until", f"{message}, got {end!r}")

@@ -1,6 +1,7 @@
 """Arguments of functions are checked as the numbers of the model are, and refused alike."""
 
 from collections.abc import Collection
+from numbers import Integral
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -72,6 +73,13 @@ def one_of(name: str, value: Any, choices: Collection[str]) -> None:
     if not isinstance(value, str) or value not in choices:
         known = ", ".join(map(repr, choices))
         raise refusal(name, f"must be one of {known}, got {shown(value)}")
+
+
+def whole(name: str, value: Any, low: int, high: int) -> int:
+    """The argument as a whole number from `low` to `high`; InvalidModel if it is none."""
+    if isinstance(value, bool) or not isinstance(value, Integral) or not low <= int(value) <= high:
+        raise refusal(name, f"must be a whole number from {low} to {high}, got {shown(value)}")
+    return int(value)
 
 
 def plain(value: Array) -> Number:

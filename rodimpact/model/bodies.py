@@ -10,7 +10,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import KW_ONLY
 from itertools import pairwise
-from numbers import Integral
 from typing import Any, ClassVar, TypeAlias, get_args
 
 import numpy as np
@@ -18,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from ..units import shown
 from . import frozen, profiles
-from .arguments import array, demand, together
+from .arguments import array, demand, together, whole
 from .frozen import Declared, Frozen, Number, Numeric, NumericOrNone, Problems, Taken, quantity
 from .lateral_inertia import MINDLIN_HERRMANN, RAYLEIGH_LOVE, THEORIES
 from .profiles import Floats, Profile, ProfileLike, Samples, Steps
@@ -492,12 +491,8 @@ class Rod(Frozen):
         >>> len(steps.segments), abs(steps.mass / cone.mass - 1) < 1e-14
         (200, True)
         """
-        count: Any = n
-        whole = isinstance(count, Integral) and not isinstance(count, bool)
-        if not whole or not 1 <= count <= MOST_STEPS:
-            message = f"must be a whole number from 1 to {MOST_STEPS}, got {shown(count)}"
-            raise frozen.refusal("n", message)
-        pieces = [piece for segment in self.segments for piece in segment.in_steps(n)]
+        count = whole("n", n, 1, MOST_STEPS)
+        pieces = [piece for segment in self.segments for piece in segment.in_steps(count)]
         return self.replace(segments=pieces)
 
 

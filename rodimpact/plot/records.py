@@ -9,12 +9,12 @@ from matplotlib.lines import Line2D
 
 from ..fitting.result import Fit
 from ..methods.signals import Floats
-from ..model.arguments import of_kind
+from ..model.arguments import of_kind, whole
 from ..model.frozen import refusal
 from ..records.comparison import Bounds, gain_unit, plateau
 from ..records.reduction import Reduction
 from ..records.signal import Signal
-from ..units import TIMES, shown
+from ..units import TIMES
 from .sampling import telling
 from .scales import engineering, signed
 from .style import SMALL, Picture, colours, dress, grid, new_figure, styled, two_axes
@@ -157,9 +157,7 @@ def fit(found: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Pictur
     'Picture'
     """
     of_kind("found", found, Fit, "fit(system, measured, vary, until)")
-    if type(record) is not int or not 0 <= record < len(found.measured):
-        have = len(found.measured) - 1
-        raise refusal("record", f"must be a whole number from 0 to {have}, got {shown(record)}")
+    record = whole("record", record, 0, len(found.measured) - 1)
     predicted = found.predicted[record]
     return comparison(
         found.measured[record].signal, predicted, ax, shift=0.0, scale=1.0,
