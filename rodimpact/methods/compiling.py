@@ -93,13 +93,15 @@ class Compiled:
             with contextlib.suppress(RuntimeError):  # there is no place for a cache
                 self._fast = njit(cache=True, **options)(self._twin)
         self.place: str = self._fast.stats.cache_path or ""
+        self._ready = False
 
     def __call__(self, *given: Any) -> Any:
         """Run it."""
         try:
-            if not self._fast.signatures:  # with a lock that a fork waits for; numba's is private
+            if not self._ready:  # with a lock that a fork waits for; numba's is private
                 with ONE_AT_A_TIME, uncollected():
                     self._fast.compile(tuple(map(compiler().typeof, given)))
+                self._ready = True
             return self._fast(*given)
         except Exception as error:
             if not self.place or type(error).__module__.startswith("numba"):
