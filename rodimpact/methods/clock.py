@@ -82,8 +82,9 @@ def clock_of(row: Row, ticks: Sequence[int], tick: float, **known: Any) -> Clock
     if "frame" not in known:  # which takes longer than all else here
         known["frame"] = float(row.frame)
     error, worst = most_rounded(row, ticks, tick)
+    known = {"gravity": float(row.system.gravity), "transit_error": error, **known}
     return Clock(system=row.system, spans=tuple(row.spans), ticks=[0, *ticks, 0], tick=tick,
-                 gravity=float(row.gravity), worst=worst, **{"transit_error": error, **known})
+                 worst=worst, **known)
 
 
 def most_rounded(row: Any, ticks: Any, tick: float) -> tuple[float, str]:

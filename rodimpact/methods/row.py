@@ -58,11 +58,6 @@ class Row(Walk):
         """Walk through a system."""
         return super().__new__(cls, *walk(system))
 
-    @property
-    def gravity(self) -> Any:
-        """Of the system, m/s^2."""
-        return self.system.gravity
-
     def outside_name(self, side: int) -> str:
         """What acts on the left or right end, as an `Outside` names it."""
         if isinstance(self.system.bodies[-side], Wall):

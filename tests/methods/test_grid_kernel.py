@@ -153,7 +153,7 @@ def test_steps_against_dense_matrices(seed, ends):
 def energy_of_bodies(run):
     """[state] kinetic and strain energy, J: what leapfrog keeps."""
     mesh, states, h = run.mesh, run.track, run.step
-    v = states.velocity + run.row.frame + run.row.gravity * h * states.when[:, None]
+    v = states.velocity + run.row.frame + run.row.system.gravity * h * states.when[:, None]
     change = np.diff(v, axis=1)
     inside = mesh.stiffness[1:-1] > 0
     k, lateral = mesh.stiffness[1:-1][inside], mesh.lateral[1:-1][inside]

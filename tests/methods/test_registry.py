@@ -194,10 +194,3 @@ def test_solve_and_sweep_take_every_option():
     names = {field.name for field in dataclasses.fields(Options)}
     assert names <= set(inspect.signature(ri.solve).parameters)
     assert names - {"snapshots"} <= set(inspect.signature(ri.sweep).parameters)
-
-
-@pytest.mark.parametrize("kind", [np.float32, np.longdouble, np.float16, int])
-@pytest.mark.parametrize("name", ["until", "dt", "rtol"])
-def test_numbers_of_any_precision_become_floats(name, kind):
-    value = getattr(Options(**{name: kind(2)}), name)
-    assert (type(value), value) == (float, 2.0)

@@ -214,7 +214,7 @@ class GridRun:
         side = mass - len(self.row.masses)
         if side >= 0:
             wall = float(self.row.outside[side][1]) - self.row.frame
-            return np.asarray(wall - self.row.gravity * self.times)
+            return np.asarray(wall - self.row.system.gravity * self.times)
         return self.velocity(self.mesh.node_of_mass[mass])
 
     def bond(self, link: int) -> Array:

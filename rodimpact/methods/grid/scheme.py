@@ -138,4 +138,4 @@ def moved(row: Row, step: float, value: Any, t: Array) -> Array:
     """Velocity of a wall or a driven end, averaged over a step about times t, in the frame."""
     edges = np.append(t - step / 2, t[-1:] + step / 2)
     found = averages(value, np.maximum(edges, 0.0), 0.0)
-    return np.asarray(found - row.frame - row.gravity * t)
+    return np.asarray(found - row.frame - row.system.gravity * t)

@@ -114,7 +114,7 @@ def _outside(run: GridRun, side: int) -> Outside | None:
     elif kind == "absorbing":
         end = run.grid.end[side]
         force = INWARD[side] * (end["impedance"] * (end["rest"] + force - speed))
-    fall = row.gravity * run.step * (np.arange(run.steps) + 0.5)
+    fall = row.system.gravity * run.step * (np.arange(run.steps) + 0.5)
     return Outside(row.outside_name(side), _over(run, np.ascontiguousarray(force)),
                    _over(run, speed + row.frame + fall))
 

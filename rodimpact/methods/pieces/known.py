@@ -131,7 +131,7 @@ class Known:
             return NONE
         factor, start, slope = 1.0, 0.0, 0.0
         if kind == "velocity":
-            start, slope = -clock.frame, -row.gravity
+            start, slope = -clock.frame, -row.system.gravity
         elif kind == "absorbing":
             ends = self.log[2 * len(row.segments) - 1 if side else 0][:, -1]["coefficient"]
             start = ends.sum(axis=1).reshape(row.system.shape)

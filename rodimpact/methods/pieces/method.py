@@ -192,7 +192,7 @@ def _velocities(family: Members) -> tuple[list[Any], list[Any]]:
     """Velocities of groups before and after, m/s, [group] by the shape of the family."""
     row, part, shape = family.row, family.part, family.row.system.shape
     run = family.run[:, 0].reshape(shape)
-    fallen = row.frame + row.gravity * run["surveyed"] * run["tick"]
+    fallen = row.frame + row.system.gravity * run["surveyed"] * run["tick"]
     own = [part[:, head].reshape(shape) for head in np.flatnonzero(part["parts"][0] > 0)]
     return [it["initial"] + row.frame for it in own], [it["mean"] + fallen for it in own]
 

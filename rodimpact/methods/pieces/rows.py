@@ -50,7 +50,7 @@ def velocity_scale(row: Row, time: Any) -> Any:
     """Scale of velocities, m/s; 1 where nothing moves."""
     if row.segments:
         return np.where(np.asarray(row.scale) > 0, row.scale, 1.0)
-    speeds, scale = velocities_of(row), np.abs(row.gravity) * time
+    speeds, scale = velocities_of(row), np.abs(row.system.gravity) * time
     least = smallest(row.masses or [np.inf])  # all of it may be bonded to walls
     for kind, value in row.outside:
         if kind == "force":
