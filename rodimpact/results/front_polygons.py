@@ -45,22 +45,20 @@ def stretch_of(piece: Any) -> float:
     return (passed_by(b, 0) - passed_by(b, -T) - passed_by(a, 0) + passed_by(a, -T)) / 2
 
 
-def spans(ps: list[int], qs: list[int], T: int, start: int, stop: int) -> list[tuple[int, int]]:
-    """For each interval of ps the first interval of qs that makes a region with it, and the end.
+def regions_in(piece: Any, start: int, stop: int) -> Any:
+    """Ticks at which fronts leave the left and the right end of a segment, and what they cut.
 
-    Parameters
-    ----------
-    ps, qs : list of int
-        Ticks at which fronts left the left and the right end, increasing, from start - T to stop.
-    T, start, stop : int
-        Transit time of the segment, and the interval of time.
+    For each interval of the first ones this is the first interval of the others that makes a region
+    with it between `start` and `stop`, and the end.
     """
-    found = []
+    T, found = piece["ticks"], []
+    ps = edges_of(piece["rightward"], start - T, stop)
+    qs = edges_of(piece["leftward"], start - T, stop)
     for i in range(len(ps) - 1):
         low = max(ps[i] - T, start - T + (start - ps[i + 1]))
         high = min(ps[i + 1] + T, stop - T + (stop - ps[i]))
         found.append((bisect_right(qs, low, 1) - 1, bisect_left(qs, high, 0, len(qs) - 1)))
-    return found
+    return ps, qs, found
 
 
 def region(
@@ -82,10 +80,7 @@ def clip(corners: list[Corner], n0: int, n1: int, bound: int) -> list[Corner]:
     """
     inside: list[Corner] = []
     depth = [bound - n0 * p - n1 * q for p, q in corners]
-    deepest = 0
-    for d in depth:
-        deepest = max(deepest, d)
-    if deepest == 0:
+    if not any(d > 0 for d in depth):
         return inside
     for i, (p, q) in enumerate(corners):
         j = (i + 1) % len(corners)
@@ -110,12 +105,9 @@ def count_of(rods: Any, start: int, stop: int, limit: float) -> int:
     count = 0
     for rod in rods:
         for piece in rod["pieces"]:
-            T = piece["ticks"]
             if count <= limit:
-                ps = edges_of(piece["rightward"], start - T, stop)
-                qs = edges_of(piece["leftward"], start - T, stop)
-                for low, high in spans(ps, qs, T, start, stop):
-                    count += high - low
+                _, _, spans = regions_in(piece, start, stop)
+                count += sum(high - low for low, high in spans)
     return count
 
 
@@ -140,9 +132,9 @@ def polygons_of(rods: Any, tick: float, frame: float, start: int, stop: int) -> 
         left, moved = 0.0, 0.0
         for s, piece in enumerate(rod["pieces"]):
             a, b, T, length = piece["rightward"], piece["leftward"], piece["ticks"], piece["length"]
-            ps, qs = edges_of(a, start - T, stop), edges_of(b, start - T, stop)
+            ps, qs, spans = regions_in(piece, start, stop)
             begun, ready = passed_by(a, 0), passed_by(b, -T)
-            for k, (low, high) in enumerate(spans(ps, qs, T, start, stop)):
+            for k, (low, high) in enumerate(spans):
                 right = at(a, ps[k])
                 for j in range(low, high):
                     back = at(b, qs[j])
