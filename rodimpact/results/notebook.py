@@ -4,13 +4,14 @@ from collections.abc import Callable
 from typing import Any
 
 
-def _table(result: Any) -> str:
+def as_table(result: Any) -> str:
+    """The table that a result prints."""
     from ..storage.tables import as_html
 
     return as_html(str(result))
 
 
-html: Callable[[Any], str] = _table
+html: Callable[[Any], str] = as_table
 
 
 class Shown:

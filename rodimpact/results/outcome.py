@@ -16,6 +16,7 @@ from ..methods.groups import unilateral
 from ..methods.run import ContactTally, Run, Totals
 from ..model.frozen import plain
 from ..rigid import RigidCollision, collide
+from .notebook import as_table
 
 ROUND_OFF = 2.0**-40
 """Parting velocity, over closing velocity, up to which bodies count as staying together: 256 times
@@ -221,10 +222,7 @@ class Outcome(OnlyContact[float]):
 
         return outcome_table(self)
 
-    def _repr_html_(self) -> str:
-        from ..storage.tables import as_html
-
-        return as_html(str(self))
+    _repr_html_ = as_table
 
 
 def no_restitution(

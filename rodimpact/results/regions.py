@@ -157,8 +157,8 @@ def _rods(solution: Solution, fields: WaveFields) -> list[dict[str, Any]]:
     a = fields.clock
     return [{"body": body, "pieces": [
         {"ticks": T, "length": a.length[s], "wave_speed": a.wave_speed[s],
-         "youngs_modulus": float(rod.segments[s - a.spans[body][0]].material.youngs_modulus),
-         **{name: wave_of(wave.ticks.tolist(), wave.values.tolist())
-            for name, wave in (("rightward", A), ("leftward", B))}}
-        for s, T, A, B in fields.along(body)
+         "youngs_modulus": float(segment.material.youngs_modulus),
+         "rightward": wave_of(A.ticks.tolist(), A.values.tolist()),
+         "leftward": wave_of(B.ticks.tolist(), B.values.tolist())}
+        for (s, T, A, B), segment in zip(fields.along(body), rod.segments, strict=True)
     ]} for body, rod in enumerate(solution.system.bodies) if isinstance(rod, Rod)]

@@ -84,11 +84,10 @@ class WaveFields(Fields):
 
     def _pointwise(self, body: int, x: ArrayLike, ticks: Ints, value: Seen) -> Floats:
         """Values at places and ticks."""
-        segment, offset = self._offset(body, x)
-        self._together(offset, ticks)
-        segment, offset, ticks = np.broadcast_arrays(segment, offset, ticks)
-        out = np.empty(offset.shape)
-        for s in np.unique(segment).tolist():
+        segments, offset = self._offset(body, x)
+        out = np.empty(self._together(offset, ticks))
+        segment, offset, ticks = np.broadcast_arrays(segments, offset, ticks)
+        for s in np.unique(segments).tolist():
             here = segment == s
             p = ticks[here] - offset[here]
             out[here] = value(s, p, p + 2 * offset[here] - self.clock.ticks[s])
