@@ -162,7 +162,8 @@ def largest(values: Any) -> Any:
     """Largest of some numbers, for each member of a family."""
     found = values[0]
     for value in values[1:]:
-        found = np.maximum(found, value)
+        single = isinstance(value, float) and isinstance(found, float)
+        found = max(found, value) if single else np.maximum(found, value)
     return found
 
 

@@ -12,8 +12,10 @@ def body_numbers(kinds: list[str]) -> list[str]:
     >>> body_numbers(["wall", "rod", "mass", "wall"])
     ['wall', '1', '2', 'wall']
     """
-    return [kind if kind == "wall" else f"{1 + len([k for k in kinds[:i] if k != 'wall'])}"
-            for i, kind in enumerate(kinds)]
+    found = [*kinds]
+    for k, i in enumerate([i for i, kind in enumerate(kinds) if kind != "wall"]):
+        found[i] = f"{k + 1}"
+    return found
 
 
 def body_names(kinds: list[str]) -> list[str]:
