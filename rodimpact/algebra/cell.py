@@ -93,9 +93,7 @@ class Cell:
     def _hold(self, program: Program, x: Floats, y: Floats) -> Any:
         """Which conditions hold; [condition][place]."""
         with np.errstate(all="ignore"):
-            values = program(self._at(x, y))
-            there = np.array([np.broadcast_to(v, x.shape) for v in values])
-            return there.reshape(len(values), *x.shape) > 0
+            return np.array(np.broadcast_arrays(x, *program(self._at(x, y))))[1:] > 0
 
     def _at(self, x: Floats, y: Floats) -> dict[str, Any]:
         """All numbers of the run at places of the plane, wave speeds of its materials too."""

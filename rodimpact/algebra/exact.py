@@ -116,16 +116,31 @@ def exact(
     given = {place: value for path, value in fractions_of(values).items()
              for place in places.get(path, [path])}
 
-    def take(path: str, value: float) -> Number | None:
+    known: dict[str, None] = {}
+    squares: dict[str, Fraction] = {}  # of wave speeds, by the paths of segments
+
+    def take(path: str, value: Any) -> Any:
         known[path] = None
         if path in given:
             return Number(given[path])
         follows = path.endswith((".transit_time", ".impedance"))
         return None if follows else Number(written(value))
 
-    speeds, unit = _wave_speeds(row, given)
-    known = dict.fromkeys(f"{path}.material.youngs_modulus" for path in speeds)
-    numbers = read(row, take, lambda path: Number(speeds[path]))
+    def material(s: Any, path: str) -> tuple[Number, Number]:
+        E, rho = (take(f"{path}.material.{name}", getattr(s.material, name))
+                  for name in ("youngs_modulus", "density"))
+        if E <= 0 or rho <= 0:
+            raise InvalidModel([(f"{path}.material", "needs numbers above 0")])
+        squares[path] = E.value / rho.value
+        return Number(root(squares[path] / unit()) or 1), rho  # what has no root is told below
+
+    def unit() -> Fraction:
+        """Square of the speed by which times are measured: 1 m/s, or that in the first rod."""
+        first = next(iter(squares.values()), Fraction(1))
+        return Fraction(1) if root(first) else first
+
+    numbers = read(row, take, material)
+    _check_speeds(row, squares, unit())
     known |= dict.fromkeys(path for path, at in places.items() if at[0] in known)
     unknown: Problems = [
         (path, f"is not a parameter of the system; {suggestion(path, known)}")
@@ -138,7 +153,7 @@ def exact(
     raise_noted(unknown)
     done = run(row, numbers, max_events)
     check_final(done, max_events)
-    return each(done.results, lambda x: x.value)._replace(time_unit=unit)
+    return each(done.results, lambda x: x.value)._replace(time_unit=float(unit()) ** -0.5)
 
 
 def each(results: Exact, what: Callable[[Any], Any]) -> Exact:
@@ -229,7 +244,7 @@ def check(system: System) -> None:
 
 
 def read(
-    row: Row, take: Callable[[str, Any], Any], speed: Callable[[str], Number]
+    row: Row, take: Callable[[str, Any], Any], material: Callable[[Any, str], tuple[Number, Number]]
 ) -> Numbers:
     """Gather the numbers of a row.
 
@@ -239,18 +254,19 @@ def read(
     take : callable
         Of a path and the number written there; None for a transit time or an impedance that
         follows from others.
-    speed : callable
-        Wave speed of the material of a segment, at that path.
+    material : callable
+        Wave speed and density of a segment at that path.
     """
     transit, impedance = [], []
     for s, path in zip(row.segments, row.paths[1:], strict=True):
         T = take(f"{path}.transit_time", s.transit_time)
         Z = take(f"{path}.impedance", s.impedance)
-        c = speed(path) if T is None or Z is None else ZERO
-        transit.append(take(f"{path}.length", s.length) / c if T is None else T)
+        if T is None:
+            T = take(f"{path}.length", s.length) / material(s, path)[0]
         if Z is None:
-            density = take(f"{path}.material.density", s.material.density)
+            c, density = material(s, path)
             Z = density * take(f"{path}.area", s.area) * c
+        transit.append(T)
         impedance.append(Z)
     system = row.system
     velocity = [take(f"bodies.{i}.velocity", body.velocity)
@@ -310,26 +326,13 @@ def _episodes(state: Laid, k: int, rate: Fraction) -> tuple[tuple[Number, Number
     return tuple(zip(times[::2], times[1::2], strict=False))
 
 
-def _wave_speeds(row: Row, given: Mapping[str, Fraction]) -> tuple[dict[str, Fraction], float]:
-    """Wave speeds by path, and the unit of time in which they are rational, s."""
-    squares: dict[str, Fraction] = {}
-    for s, path in zip(row.segments, row.paths[1:], strict=True):
-        if not {f"{path}.transit_time", f"{path}.impedance"} <= set(given):
-            E, rho = (
-                given.get(f"{path}.material.{name}", written(getattr(s.material, name)))
-                for name in ("youngs_modulus", "density")
-            )
-            squares[path] = E / rho
-    first = next(iter(squares.values()), Fraction(1))
-    absolute = root(first) is not None
-    reference = Fraction(1) if absolute else first
-    speeds: dict[str, Any] = {path: root(square / reference) for path, square in squares.items()}
-    odd = [path for path, c in speeds.items() if c is None]
+def _check_speeds(row: Row, squares: Mapping[str, Fraction], unit: Fraction) -> None:
+    """Raise InvalidModel where a wave speed that matters is irrational, also by this unit."""
+    odd = [path for path, square in squares.items() if root(square / unit) is None]
     timed = any(row.system.gaps) or len(squares) < len(row.segments)
-    if odd or (timed and not absolute):
+    if odd or (timed and unit != 1):
         path, message = [*odd, *squares][0], "has an irrational wave speed"
         if odd:
             message += ", also relative to the first rod"
         remedy = f"give {path}.transit_time and {path}.impedance, or take closed_form()"
         raise InvalidModel([(path, f"{message}; {remedy}")])
-    return speeds, 1.0 if absolute else float(first) ** -0.5

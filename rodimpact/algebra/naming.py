@@ -62,8 +62,7 @@ class Naming:
                              if path.startswith("materials.") for place in places}
         self._materials: dict[Any, int] = {}
         self._roots: dict[Fraction, Fraction] = {}
-        self._numbers = read(self.row, self._take,
-                             lambda path: self._material(f"{path}.material")[0])
+        self._numbers = read(self.row, self._take, self._material)
         known, named = (dict.fromkeys(word for path in paths for word in self._words(path))
                         for paths in (self._asked, self._named))
         problems = [
@@ -86,8 +85,9 @@ class Naming:
         """Numbers in the run, of other values of named numbers, and of wave speeds if given."""
         known = {**self.base, **given}
         for c, (E, rho) in self.speeds.items():
-            if c not in given:
-                known[c] = self._root(Fraction(known.get(E, E)) / Fraction(known.get(rho, rho)))
+            modulus, density = (Fraction(known.get(x, x)) for x in (E, rho))
+            if c not in given:  # where there are no waves it is 0
+                known[c] = self._root(modulus / density) if modulus > 0 < density else Fraction(0)
         return known
 
     def run(self, values: Mapping[str, Fraction], max_events: int) -> ExactRun:
@@ -118,8 +118,6 @@ class Naming:
         if quantity == "gap" and value == 0:  # bodies that touch have no gap to be named
             return ZERO
         self._asked.append(path)
-        if quantity == "density":
-            return self._material(path.removesuffix(".density"))[1]
         derived = quantity in ("transit_time", "impedance")
         if not self.symbol_of(path):
             return None if derived else Number(written(value))
@@ -138,9 +136,10 @@ class Naming:
         c = self._root(E / rho)
         return written(s.length) / c if quantity == "transit_time" else rho * written(s.area) * c
 
-    def _material(self, path: str) -> tuple[Number, Any]:
-        """Wave speed and density of a material, in terms of the numbers that have names."""
-        s = self.row.segments[self.row.paths.index(path.removesuffix(".material")) - 1]
+    def _material(self, s: Any, path: str) -> tuple[Number, Any]:
+        """Wave speed and density of a segment, in terms of the numbers that have names."""
+        path = f"{path}.material"
+        self._asked.append(f"{path}.density")
         pair = s.material.youngs_modulus, s.material.density
         # rods of equal materials have them in common, but for one that is asked for by its path
         own = path if {f"{path}.youngs_modulus", f"{path}.density"} & set(self.symbols) else ""

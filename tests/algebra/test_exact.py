@@ -41,6 +41,13 @@ def test_a_gap_closes_between_ticks():
     assert done.contact_times == (((Fraction(1, 3), Fraction(4, 3)),),)
 
 
+def test_a_density_sets_the_wave_speed_where_the_impedance_is_given():
+    pair = ri.System([rod(0.4, velocity=1.0, material=UNIT), rod(1.0, material=UNIT)])
+    done = ri.exact(pair, {"bodies.0.impedance": 2, "bodies.0.material.density": "1/4",
+                           "bodies.1.impedance": 2})
+    assert done.contact_times == (((0, Fraction(1, 5)),),)
+
+
 PAIR = [rod(0.4, velocity=1.0), rod(1.0)]
 
 
@@ -54,6 +61,7 @@ PAIR = [rod(0.4, velocity=1.0), rod(1.0)]
     (PAIR, {}, {"bodies.0.lenght": 1}, "lenght: is not a parameter .* 'bodies.0.length'"),
     (PAIR, {}, {"bodies.0.length": "x"}, "bodies.0.length: must be a number or a text"),
     (PAIR, {}, {"bodies.0.length": -1}, "bodies.0: needs numbers above 0, got transit -1"),
+    (PAIR, {}, {"bodies.0.material.density": 0}, "bodies.0.material: needs numbers above 0"),
 ])
 def test_mistakes_and_what_has_no_fractions_are_told(bodies, more, values, said):
     with pytest.raises(ri.InvalidModel, match=said):

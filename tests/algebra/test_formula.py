@@ -117,6 +117,8 @@ def test_materials_gaps_and_velocities_in_symbols():
     form = ri.closed_form(row([2, 5], [1, 1], STEEL), ["youngs_modulus", "density"])
     assert form.restitution == Fraction(2, 5)
     assert same(form.contact_times[0][0][1], 4 * sympy.sqrt(rho1 / E1))
+    assert not form.holds(E1=-1)
+    assert form.at(rho1=0).contact_times == (((0, None),),)
 
 
 def test_a_stepped_striker():
