@@ -49,6 +49,7 @@ class Cell:
         self._conditions = conditions(run, in_order=field is not None)
         self._names, self._speeds = names, naming.speeds
         self._field: Any = field
+        self._program = Program(self._conditions if names else [], float)
 
     def mark(self, *, times: bool) -> tuple[Any, ...]:
         """What is the same for cells of one formula, that of contact times too if these count."""
@@ -85,10 +86,6 @@ class Cell:
         e = self.results.restitution
         found = np.nan if e is None else Program([e], float)(self._at(x, y))[0]
         return np.broadcast_to(found, x.shape)
-
-    @cached_property
-    def _program(self) -> Program:
-        return Program(self._conditions, float)
 
     def _hold(self, program: Program, x: Floats, y: Floats) -> Any:
         """Which conditions hold; [condition][place]."""

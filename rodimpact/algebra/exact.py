@@ -229,16 +229,15 @@ def check(system: System) -> None:
     if system.shape:
         problems.append(("system", f"has members of shape {system.shape}; take one: system[0]"))
     found = [(path, f"know no {what}; leave it out") for path, what in needs(system)]
-    for i, body in enumerate(system.bodies):
-        if isinstance(body, Rod) and (isinstance(body.velocity, Steps) or body.strain != 0):
-            found.append((f"bodies.{i}", "need a uniform velocity and no strain; "
-                          "put pieces of rod there"))
-    for side, end in zip(("left", "right"), system.ends, strict=True):
-        if not isinstance(end, Free):
-            found.append((f"ends.{side}", f"need Free(), got {type(end).__name__}(); leave it out"))
-    for k, law in enumerate(system.contacts):
-        if isinstance(law, Bonded) and Wall in map(type, system.bodies[k : k + 2]):
-            found.append((f"contacts.{k}", "know no rod bonded to a wall; let it touch"))
+    found += [(f"bodies.{i}", "need a uniform velocity and no strain; put pieces of rod there")
+              for i, body in enumerate(system.bodies)
+              if isinstance(body, Rod) and (isinstance(body.velocity, Steps) or body.strain != 0)]
+    found += [(f"ends.{side}", f"need Free(), got {type(end).__name__}(); leave it out")
+              for side, end in zip(("left", "right"), system.ends, strict=True)
+              if not isinstance(end, Free)]
+    found += [(f"contacts.{k}", "know no rod bonded to a wall; let it touch")
+              for k, law in enumerate(system.contacts)
+              if isinstance(law, Bonded) and Wall in map(type, system.bodies[k : k + 2])]
     problems += [(path, f"formulas and fractions {wrong}, or solve()") for path, wrong in found]
     raise_noted(problems)
 
@@ -283,8 +282,7 @@ def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:
     rate = Fraction(2) ** (TICKS.bit_length() - math.frexp(shortest)[1])
     # transit times are lengths here: waves run 1 m in 1 s
     given = [*[1] * n, *numbers.impedance, *numbers.transit, ZERO, ZERO, *numbers.gap]
-    for v in numbers.velocity:
-        given += [v, ZERO]  # of a strain
+    given += [x for v in numbers.velocity for x in (v, ZERO)]  # and no strain
     state = laid(plan, given, [T * rate for T in numbers.transit], 1 / rate, ZERO)
     final = state.go(-1, max_events, ZERO) == Stop.FINAL
     stock.settle(*state[:5])
@@ -331,8 +329,6 @@ def _check_speeds(row: Row, squares: Mapping[str, Fraction], unit: Fraction) -> 
     odd = [path for path, square in squares.items() if root(square / unit) is None]
     timed = any(row.system.gaps) or len(squares) < len(row.segments)
     if odd or (timed and unit != 1):
-        path, message = [*odd, *squares][0], "has an irrational wave speed"
-        if odd:
-            message += ", also relative to the first rod"
+        path, also = [*odd, *squares][0], ", also relative to the first rod" if odd else ""
         remedy = f"give {path}.transit_time and {path}.impedance, or take closed_form()"
-        raise InvalidModel([(path, f"{message}; {remedy}")])
+        raise InvalidModel([(path, f"has an irrational wave speed{also}; {remedy}")])

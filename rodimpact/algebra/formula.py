@@ -206,8 +206,7 @@ class ClosedForm:
         The three whose borders are nearest, by the shares of the numbers that must change.
         """
         distances = list(map(self._field.distance, self._borders))
-        first = sorted(range(len(distances)), key=distances.__getitem__)[:NEAREST]
-        return tuple(self.cell[i] for i in sorted(first))
+        return tuple(self.cell[i] for i in sorted(np.argsort(distances, kind="stable")[:NEAREST]))
 
     def where(self, remedy: str) -> str:
         """The nearest conditions in a line; where there are more, how many, and what shows all."""
