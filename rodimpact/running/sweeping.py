@@ -32,7 +32,7 @@ from ..storage.checkpoint import Checkpoint
 from ..storage.writing import PathLike
 from ..units import shown
 from ..version import __version__
-from .columns import ENDED, STATUS, Columns, Readings, arrays_of, row_of
+from .columns import STATUS, Columns, Readings, arrays_of, row_of
 from .jobs import pool_of, results_of
 from .sweep_result import SweepResult
 
@@ -210,32 +210,25 @@ def sweep(
         **asdict(options), **readings._asdict(), "times": readings.times.tolist(),
     }
     keep = Checkpoint(arrays_of(system, readings), size, unit, checkpoint, described)
-    raises, status = on_error == "raise", keep.columns["status"]
-    bad = [i for start, stop in keep.spans(keep.done) for i in _bad(start, status[start:stop])]
+    shaped = {name: column.reshape((*system.shape, *column.shape[1:]))
+              for name, column in keep.columns.items()}
+    result = SweepResult(system, options, shaped, readings, shaped.pop("strain", None))
+    raises = on_error == "raise"  # what is not done has the status 0, as what is final
     with contextlib.closing(keep), pool_of(executor, workers) as (pool, running, stopping):
         tell = _news_of(keep, running, together > 0, progress)
         results = results_of(running, lambda start, stop: pool.submit(
             run_job, _members(system, start, stop), options, readings,
             *((stopping, size - stop) if stopping else ()),
         ), keep.spans(~keep.done), unit, together or TOGETHER,
-            lambda i: not raises or i < min(bad, default=size))
+            lambda i: not (raises and result.incomplete.flat[:i].any()))
         with contextlib.closing(results):
             for parts in results:
                 for start, stop, part in parts:
                     keep.put(start, stop, part)
-                    bad += _bad(start, part["status"])
                 tell(sum(stop - start for start, stop, _ in parts))
-    shaped = {name: column.reshape((*system.shape, *column.shape[1:]))
-              for name, column in keep.columns.items()}
-    result = SweepResult(system, options, shaped, readings, shaped.pop("strain", None))
-    if bad and raises:
-        _raise_for(min(bad), result)
+    if raises and result.incomplete.any():
+        _raise_for(result)
     return result
-
-
-def _bad(start: int, status: Any) -> list[int]:
-    """The first of these members that did not come to its end, if there is one."""
-    return (start + np.flatnonzero(~np.isin(status, ENDED))[:1]).tolist()  # type: ignore[no-any-return]
 
 
 def _news_of(
@@ -395,10 +388,10 @@ def _also(problems: Problems, given: Any, until: float | None) -> tuple[str, ...
     return tuple(name for name in ALSO if name in given)
 
 
-def _raise_for(member: int, result: SweepResult) -> None:
-    """Say why a member did not come to its end."""
-    index = tuple(int(i) for i in np.unravel_index(member, result.shape))
-    line = result.table(member, member + 1)
-    parameters = {path: line[path].item() for path in result.parameters}
+def _raise_for(result: SweepResult) -> None:
+    """Say why the first member that did not come to its end did not."""
+    index = tuple(map(int, np.argwhere(result.incomplete)[0]))
+    parameters = {path: float(np.broadcast_to(values, result.shape)[index])
+                  for path, values in result.parameters.items()}
     reason = f'{result.explain(index)} (on_error="record" keeps the others)'
     raise SweepError(index, parameters, reason)
