@@ -1,6 +1,7 @@
 """The methods, the physics that each lacks, and what a run is asked for, checked in one place."""
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -202,13 +203,11 @@ def check_function(problems: Problems, name: str, value: Any) -> None:
 def _snapshots(problems: Problems, value: Any, until: float | None) -> int | tuple[float, ...]:
     if most := count([], "snapshots", value):
         return most
-    try:
-        times = array("snapshots", value, "s")
-        good = times.ndim == 1 and np.isfinite(times).all() and times.min() >= 0
-    except (TypeError, ValueError):  # of what is no array, or empty
-        good = False
-    if good and (until is None or times.max() <= until):
-        return tuple(times.tolist())
+    with suppress(ValueError):
+        within = "non-negative" if until is None else f"[0, {until!r}]"
+        times = array("snapshots", value, "s", within)
+        if times.ndim == 1 and times.size:
+            return tuple(times.tolist())
     before = "" if until is None else f" up to until = {until!r} s"
     message = f"must be a positive whole number, or a list of times from 0 s on{before}"
     problems.append(("snapshots", f"{message}, got {shown(value)}"))
