@@ -301,8 +301,13 @@ def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:
                         for s in range(first, last + 1)), ZERO)
             lost = mass * (numbers.velocity[i] - after[i])
             impulses[i] = lost + (impulses[i - 1] if i else ZERO)
-    times = tuple(_episodes(state, k, rate) for k in nodes)
-    results = Exact(e, after, tuple(impulses), times)
+    times: dict[int, list[Number]] = {k: [] for k in nodes}  # when force began and ended in turn
+    for change in state.changes:
+        at = times[change.after]
+        if (change.value == Status.PRESS) != len(at) % 2:
+            at.append((change.tick + ZERO) / rate)
+    episodes = tuple(tuple(zip(at[::2], at[1::2], strict=False)) for at in times.values())
+    results = Exact(e, after, tuple(impulses), episodes)
     return ExactRun(row, nodes, numbers, rate, state, final, results)
 
 
@@ -313,15 +318,6 @@ def motion(row: Row, state: Laid, body: int) -> tuple[Any, Any]:
         return (state.line[0 if group[0] == 0 else -1].arrived,) * 2
     segment = state.segment[row.spans[body][0]]
     return segment.initial, segment.velocity
-
-
-def _episodes(state: Laid, k: int, rate: Fraction) -> tuple[tuple[Number, Number], ...]:
-    """When contact k began to press and ceased to."""
-    times: list[Number] = []
-    for change in state.changes:
-        if change.after == k and (change.value == Status.PRESS) != len(times) % 2:
-            times.append((change.tick + ZERO) / rate)
-    return tuple(zip(times[::2], times[1::2], strict=False))
 
 
 def _check_speeds(row: Row, squares: Mapping[str, Fraction], unit: Fraction) -> None:

@@ -121,8 +121,7 @@ def definite(p: Any) -> bool:
 def _follows(p: Any, others: list[Any]) -> bool:
     """Whether a linear form is a sum of positive shares of others and of positive numbers."""
     rows = np.array([[float(q.coeff(x)) for x in (1, *p.ring.gens)] for q in [p, *others]])
-    positive = [x for x in p.ring.gens if definite(x)]
-    units = np.eye(rows.shape[1])[[0, *(p.ring.gens.index(x) + 1 for x in positive)]]
+    units = np.eye(rows.shape[1])[[0, *(i for i, x in enumerate(p.ring.gens, 1) if definite(x))]]
     shares, _ = nnls(np.vstack([rows[1:], units]).T, rows[0])
     rest = p
     for q, share in zip(others, shares, strict=False):

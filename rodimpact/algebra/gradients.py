@@ -212,10 +212,9 @@ def gradient(
     if value.size > FEW:
         numbers = _numbers(system, wrt)
         with np.errstate(all="ignore"):  # of members in which nothing moves
-            sides = np.array([x.differences(totals) for x in numbers])
-            smooth = [x.agree(value, *of_x) for x, of_x in zip(numbers, sides, strict=True)]
+            sides = np.array([x.differences(totals, value) for x in numbers])
         table[:2] = sides[:, :2].mean(axis=1)
-        followed &= ~np.all(smooth, axis=0)
+        followed &= ~np.all(sides[:, 3], axis=0)
     for at in map(tuple, np.argwhere(followed)):
         table[:, :, *at] = _follow(_numbers(system[at], wrt), of, max_events, totals)
     return _gradient(system, of, tuple(wrt), value, table)
@@ -242,20 +241,20 @@ class _Number(NamedTuple):
             power = np.round(2 * np.log2(there / y)) / 2  # the size of these is the number itself
         return np.asarray(there - y if self.field in STRAIGHT else np.nan_to_num(power * y))
 
-    def differences(self, totals: Callable[[System], Array]) -> Array:
-        """Derivatives below and above, and by how much what is differenced jumps: [3, *shape]."""
+    def differences(self, totals: Callable[[System], Array], value: Any) -> Array:
+        """Derivatives below and above, by how much the value jumps, and whether it is smooth.
+
+        It is smooth if the derivatives are the same and it does not jump: [4, *shape].
+        """
         sign = np.reshape([-1.0, 1.0], (2, *[1] * len(self.system.shape)))
         steps = np.multiply.outer(STEPS, sign) * self.size
         able = (self.field != "gap") | (self.x + steps >= 0)  # there is one side of no gap
         y = np.where(able, totals(self.changed(np.where(able, steps, 0.0))), math.nan)
-        below, above = _limit(y)
-        return np.array([*_limit(np.diff(y, axis=0) / np.diff(steps, axis=0)), above - below])
-
-    def agree(self, value: Any, below: Any, above: Any, jump: Any) -> Any:
-        """Whether derivatives on both sides are the same, and the value does not jump."""
+        below, above = _limit(np.diff(y, axis=0) / np.diff(steps, axis=0))
+        (jump,) = np.diff(_limit(y), axis=0)
         most = np.abs(below) + np.abs(above) + np.abs(value) / self.size
         whole = np.abs(jump) <= CONTINUOUS * np.abs(value)
-        return whole & (np.abs(above - below) <= AGREE * most)
+        return np.array([below, above, jump, whole & (np.abs(above - below) <= AGREE * most)])
 
 
 def _numbers(system: System, paths: Sequence[str]) -> list[_Number]:
@@ -291,9 +290,9 @@ def _follow(
         below = above = (found.d + np.zeros(len(numbers)))[p] / x.size
         jump, tie = 0.0, one.ties[:, p]
         if tie[2] != SMOOTH:
-            below, above, jump = x.differences(totals)
+            below, above, jump, smooth = x.differences(totals, found.value)
             jump *= abs(jump) > CONTINUOUS * abs(found.value)
-            if x.agree(found.value, below, above, jump):
+            if smooth:
                 jump, tie = 0.0, NO_TIE
         columns.append([below, above, jump, *tie])
     return np.transpose(columns)
