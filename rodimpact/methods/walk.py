@@ -195,8 +195,7 @@ def wave_of_strain(row: Any, side: int) -> Any:
 
 def least_impedance(row: Any) -> Any:
     """Smallest impedance, kg/s."""
-    return smallest([
-        s.material.density * s.wave_speed * extremes(s.area)[0] for s in row.segments])
+    return smallest([s.material.density * s.wave_speed * extremes(s.area)[0] for s in row.segments])
 
 
 def scale_of(row: Any) -> Any:

@@ -253,9 +253,7 @@ def in_range(*values: Number) -> Any:
     return good
 
 
-def require(
-    problems: Problems, good: Any, path: str, message: str, *values: Number
-) -> bool:
+def require(problems: Problems, good: Any, path: str, message: str, *values: Number) -> bool:
     """Whether something holds for every member of a family; note the first for which it does not.
 
     The message may show the values there, as ``{0!r}``; the path ends with the index, ``[3,1]``.

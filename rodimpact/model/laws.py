@@ -86,8 +86,7 @@ class Rigid(_Law):
     """
 
     law: ClassVar[str] = "rigid"
-    restitution: NumericOrNone = quantity(
-        "", "[0, 1]", "coefficient of restitution", default=None)
+    restitution: NumericOrNone = quantity("", "[0, 1]", "coefficient of restitution", default=None)
 
 
 class Bonded(_Law):

@@ -294,9 +294,7 @@ def _sampled(function: Callable[[Any], Any], places: Floats, field: Field) -> Fl
         except ValueError as error:
             raise ValueError(f"must be a function that returns numbers: {error}") from None
     if values.shape != places.shape:
-        raise ValueError(
-            f"must be a function that returns numbers, got {shown(values[0])} at 0.0"
-        )
+        raise ValueError(f"must be a function that returns numbers, got {shown(values[0])} at 0.0")
     good = (np.abs(values) <= frozen.LARGEST) & field.holds(values)
     if not good.all():
         x, got = float(places[~good][0]), float(values[~good][0])
