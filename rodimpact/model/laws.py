@@ -540,8 +540,8 @@ class Law(_Law):
             try:
                 F = float(force(d, rate))
             except Exception as error:  # whatever the user's function raises
-                problems.append(("force", f"fails at d = {d:g} m, d' = {rate:g} m/s: {error!r}"))
-                return
+                message = f"fails at d = {d:g} m, d' = {rate:g} m/s: {error!r}"
+                raise frozen.refusal("force", message) from None
             if not np.isfinite(F) or (d == 0 and F != 0):
                 wanted = "a finite number" if d else "0"
                 problems.append((
@@ -566,8 +566,7 @@ class Law(_Law):
 
 ContactLaw: TypeAlias = (
     Rigid | Bonded | Joint | Spring | SpringDashpot | Hertz | HuntCrossley | PowerLaw | Yielding
-    | Tabulated | Law
-)
+    | Tabulated | Law)
 CONTACT_LAWS: dict[str, type[ContactLaw]] = {
     law.law: law for law in get_args(ContactLaw) if law is not Law}
 RIGID = Rigid()
