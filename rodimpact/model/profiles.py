@@ -187,9 +187,8 @@ def flipped(profile: Profile, length: Number) -> Profile:
         return profile.replace(values=profile.values[::-1])
     if not isinstance(profile, Steps):
         return profile
-    at = [length - x for x in profile.at[::-1]]
     # next to the other end two places may round to one; the piece between them has no width
-    edges = [0.0, *at, length]
+    edges = [0.0, *(length - x for x in profile.at[::-1]), length]
     kept = [i for i, (a, b) in enumerate(pairwise(edges)) if np.any(np.asarray(b) > a)]
     return Steps([profile.values[::-1][i] for i in kept], [edges[i] for i in kept[1:]])
 
@@ -269,12 +268,9 @@ def _curve(
     except ValueError as error:
         problems.append((path, str(error)))
         return 0.0
-    off = {
-        True: np.max(np.abs(make_interp_spline(places, values, 5)(middles) - true)),
-        False: np.max(np.abs((values[1:] + values[:-1]) / 2 - true)),
-    }
-    smooth = bool(off[True] < off[False])
-    return Samples(values, step, smooth=smooth, error=float(off[smooth]))
+    curve, lines = make_interp_spline(places, values, 5)(middles), (values[1:] + values[:-1]) / 2
+    bent, straight = (float(np.max(np.abs(given - true))) for given in (curve, lines))
+    return Samples(values, step, smooth=bent < straight, error=min(bent, straight))
 
 
 def _sampled(function: Callable[[Any], Any], places: Floats, field: Field) -> Floats:
