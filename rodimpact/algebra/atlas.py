@@ -119,8 +119,7 @@ class Atlas:
         formulas = Field(self._naming)
         ends = [np.linspace(low, high, 2 * SAMPLES + 1)[1::2] for _, low, high in (self.x, self.y)]
         x, y = (side.ravel() for side in np.meshgrid(*ends))
-        cells = self.locate(x, y)
-        regions = np.append(self.region, -1)[cells]
+        regions = np.append(self.region, -1)[self.locate(x, y)]
         names, counts = np.unique(regions[regions >= 0], return_counts=True)
         found = []
         for r in names[np.argsort(-counts, kind="stable")][:most]:

@@ -19,6 +19,7 @@ OPERATIONS: dict[str, Callable[[Any, Any], Any]] = {
 }
 NEUTRAL = {"+": 0, "-": 0, "*": 1, "/": 1}
 """By operation, the right operand that changes nothing."""
+# value and derivatives of what an operation makes of x and y, whose derivatives are dx and dy
 RULES: dict[str, Callable[[Any, Any, Any, Any], tuple[Any, Any]]] = {
     "+": lambda x, dx, y, dy: (x + y, dx + dy),
     "-": lambda x, dx, y, dy: (x - y, dx - dy),
