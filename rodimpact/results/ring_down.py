@@ -8,7 +8,6 @@ lowest one of the longest lasting rod remains.
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -75,9 +74,7 @@ class RingDown:
         return ring_down_table(self)
 
 
-def ring_down(
-    fields: Fields, masses: Sequence[float], start: float, end: float
-) -> RingDown:
+def ring_down(fields: Fields, start: float, end: float) -> RingDown:
     """Read how vibration dies out from `start` to `end`, s; see `Solution.ring_down`."""
     even = np.linspace(start, end, SAMPLES + 1)
     ticks = np.unique(fields.nearest_known(fields.to_ticks(even)))
@@ -87,10 +84,8 @@ def ring_down(
     times = ticks * fields.clock.tick
     states = bonded_groups(fields, ticks)
     rigid, vibration = states.kinetic, (states.moving + states.strained).sum(axis=0)
-    scale = sum(
-        masses[i] * math.sqrt(2 * (rigid + vibration).max() / masses[i])
-        for group in states.bodies for i in group
-    )
+    masses = [fields.clock.mass(i) for group in states.bodies for i in group]
+    scale = sum(m * math.sqrt(2 * (rigid + vibration).max() / m) for m in masses)
     modes = []
     for i, rod in enumerate(fields.clock.system.bodies):
         if isinstance(rod, Rod):

@@ -190,7 +190,7 @@ class Solution(Shown):
         """Velocity of a body's centre of mass in m/s at times t in s."""
         if not isinstance(self.system.bodies[self._index(body)], Rod):
             return self.velocity(body, 0.0, t)
-        return self.fields.momentum(body, t) / self.outcome.masses[body]
+        return self.fields.momentum(body, t) / self.fields.clock.mass(body)
 
     @_FAINT
     def gauge(self, body: int, x: float) -> Gauge:
@@ -316,10 +316,8 @@ class Solution(Shown):
             raise refusal("ring_down", f"the collision is not over. {self.status}")
         if self.outcome.driven:
             raise refusal("ring_down", "gravity or a driven end acts on and on")
-        return ring_down(
-            self.fields, self.outcome.masses,
-            self.t_final if self.t_final < self.t_end else self.t_proved, self.t_end,
-        )
+        start = self.t_final if self.t_final < self.t_end else self.t_proved
+        return ring_down(self.fields, start, self.t_end)
 
     @_FAINT
     def system_at(self, t: float) -> System:

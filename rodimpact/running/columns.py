@@ -103,7 +103,7 @@ def _moved(solution: Solution, body: int) -> float:
             moved += sign * float(push.integrated_twice(end)) * tick * tick
     start = float(solution.mean_velocity(body, 0.0)) * time
     fallen = float(solution.system.gravity) * time * time / 2
-    return start + moved / solution.outcome.masses[body] + fallen
+    return start + moved / solution.fields.clock.mass(body) + fallen
 
 
 COLUMNS: dict[str, tuple[str, Callable[[Solution, Any], Any]]] = {
