@@ -73,11 +73,13 @@ class Bars:
         for row, i, profile in states:
             x, strain = profile.edges, profile.strain
             places = self.plan.point(i, x, times[row]) * self.place.factor
-            area, modulus, density = properties(self.plan.solution, i, (x[:-1] + x[1:]) / 2)
+            middle = (x[:-1] + x[1:]) / 2
+            segment, _ = self.plan.solution.fields.locate(i, middle)
+            area, modulus, density = properties(self.plan.solution, i, middle)
             thick = THICKNESS * np.maximum(THINNEST, np.sqrt(area / widest))
             half = thick / 2 * (1 - SWELLING * strain / self.largest)
             found: Any = np.rec.fromarrays(np.broadcast_arrays(
-                row, i, profile.segment, places[:-1], places[1:], half, profile.velocity, strain,
+                row, i, segment, places[:-1], places[1:], half, profile.velocity, strain,
                 modulus * strain, np.sqrt(modulus / density)), dtype=PIECE)
             found = found[np.diff(x) > NARROWEST * x[-1]]
             crowd = not self.stepped and len(found) > MANY

@@ -40,8 +40,7 @@ def state_at(solution: Solution, body: int, t: float) -> Profile:
         return fields.profile(body, int(fields.to_ticks(t)))
     edges = pieces(solution, body)
     middle = (edges[:-1] + edges[1:]) / 2
-    return Profile(edges, solution.velocity(body, middle, t), solution.strain(body, middle, t),
-                   fields.locate(body, middle)[0])
+    return Profile(edges, solution.velocity(body, middle, t), solution.strain(body, middle, t))
 
 
 def steps_until(

@@ -21,13 +21,13 @@ from ..units import shown
 class Profile(NamedTuple):
     """State of one body at one time: pieces from left to right, each constant.
 
-    edges [n + 1] in m from the left end; velocity [n] in m/s; strain [n]; segment [n] of the row.
+    edges [n + 1] in m from the left end, those of segments among them; velocity [n] in m/s;
+    strain [n].
     """
 
     edges: Floats
     velocity: Floats
     strain: Floats
-    segment: Ints
 
 
 class Trace(NamedTuple):

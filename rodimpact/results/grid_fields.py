@@ -232,9 +232,7 @@ class GridFields(Fields):
         v = self._in_time(self.motion.velocity, nodes, np.asarray(tick))
         strain = self._in_time(self._strain, cells, np.asarray(tick))
         drift = self.clock.frame + self.clock.gravity * tick * self.clock.tick
-        counts = [len(places) - 1 for places in self._places(body)]
-        segments = np.repeat(np.arange(len(counts)) + self.clock.spans[body][0], counts)
-        return Profile(self._node_places(body), (v[1:] + v[:-1]) / 2 + drift, strain, segments)
+        return Profile(self._node_places(body), (v[1:] + v[:-1]) / 2 + drift, strain)
 
 
 def _moduli(segment: Segment) -> tuple[float, float]:

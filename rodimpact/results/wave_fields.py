@@ -213,7 +213,6 @@ class WaveFields(Fields):
             parts.append((
                 np.append(start + a.length[s] * (bounds[1:-1] / T), stop),
                 (right + left) / 2 + drift, (left - right) * (0.5 / a.wave_speed[s]),
-                np.full(len(right), s),
             ))
         edges, *others = (np.concatenate(of) for of in zip(*parts, strict=True))
         return Profile(np.append(0.0, edges), *others)

@@ -27,7 +27,8 @@ def pieces_of(solution, bodies):
         if isinstance(rod, ri.Wall):
             continue
         state = solution.fields.profile(body, solution.fields.end)
-        for i, s in enumerate(state.segment):
+        middles = (state.edges[1:] + state.edges[:-1]) / 2
+        for i, s in enumerate(solution.fields.locate(body, middles)[0]):
             piece = rod.segments[s - a.spans[body][0]]
             found.append((
                 state.edges[i + 1] - state.edges[i], piece.material.density * piece.area,
