@@ -61,7 +61,7 @@ def walk(system: Any) -> Walk:
         elif body.kind != "wall":
             add_end(row, 0, system.ends[0])
         if body.kind == "rod":
-            add_rod(row, i, body)
+            add_rod(row, f"bodies.{i}", body)
         else:
             add_rigid(row, bodies, block)
     if bodies[last].kind != "wall":
@@ -103,7 +103,7 @@ def add_rigid(row: Walk, bodies: Any, block: list[int]) -> None:
     row.mass_velocity.append(velocity)
 
 
-def add_rod(row: Walk, body: int, rod: Any) -> None:
+def add_rod(row: Walk, path: str, rod: Any) -> None:
     """Add the segments of a rod, bonded to each other."""
     row.mass_of.append(-1)
     row.spans.append((len(row.segments) + 1, len(row.segments) + len(rod.segments)))
@@ -111,8 +111,7 @@ def add_rod(row: Walk, body: int, rod: Any) -> None:
         if j > 0:
             add(row, Law.BOND)
         row.segments.append(segment)
-        place = f".segments.{j}" if len(rod.segments) > 1 else ""
-        row.paths.append(f"bodies.{body}{place}")
+        row.paths.append(f"{path}.segments.{j}" if len(rod.segments) > 1 else path)
         row.first.append(len(row.masses))
 
 
