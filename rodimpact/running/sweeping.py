@@ -32,7 +32,7 @@ from ..storage.checkpoint import Checkpoint
 from ..storage.writing import PathLike
 from ..units import shown
 from ..version import __version__
-from .columns import STATUS, Columns, Readings, arrays_of, row_of
+from .columns import ENDED, STATUS, Columns, Readings, arrays_of, row_of
 from .jobs import pool_of, results_of
 from .sweep_result import SweepResult
 
@@ -213,22 +213,32 @@ def sweep(
     shaped = {name: column.reshape((*system.shape, *column.shape[1:]))
               for name, column in keep.columns.items()}
     result = SweepResult(system, options, shaped, readings, shaped.pop("strain", None))
-    raises = on_error == "raise"  # what is not done has the status 0, as what is final
+    raises, status = on_error == "raise", keep.columns["status"]
+    done = keep.spans(keep.done) if raises else []
+    wanted = min((_first_failure(status, *span) for span in done), default=size)
     with contextlib.closing(keep), pool_of(executor, workers) as (pool, running, stopping):
         tell = _news_of(keep, running, together > 0, progress)
         results = results_of(running, lambda start, stop: pool.submit(
             run_job, _members(system, start, stop), options, readings,
             *((stopping, size - stop) if stopping else ()),
         ), keep.spans(~keep.done), unit, together or TOGETHER,
-            lambda i: not (raises and result.incomplete.flat[:i].any()))
+            lambda i: i < wanted)
         with contextlib.closing(results):
             for parts in results:
                 for start, stop, part in parts:
                     keep.put(start, stop, part)
+                    if raises:
+                        wanted = min(wanted, _first_failure(status, start, stop))
                 tell(sum(stop - start for start, stop, _ in parts))
-    if raises and result.incomplete.any():
-        _raise_for(result)
+    if wanted < size:
+        _raise_for(wanted, result)
     return result
+
+
+def _first_failure(status: Any, start: int, stop: int) -> int:
+    """The first of these members that did not come to its end, or how many there are in all."""
+    failed = np.flatnonzero(~np.isin(status[start:stop], ENDED))
+    return start + int(failed[0]) if len(failed) else len(status)
 
 
 def _news_of(
@@ -388,9 +398,9 @@ def _also(problems: Problems, given: Any, until: float | None) -> tuple[str, ...
     return tuple(name for name in ALSO if name in given)
 
 
-def _raise_for(result: SweepResult) -> None:
-    """Say why the first member that did not come to its end did not."""
-    index = tuple(map(int, np.argwhere(result.incomplete)[0]))
+def _raise_for(member: int, result: SweepResult) -> None:
+    """Say why a member did not come to its end."""
+    index = tuple(map(int, np.unravel_index(member, result.shape)))
     parameters = {path: float(np.broadcast_to(values, result.shape)[index])
                   for path, values in result.parameters.items()}
     reason = f'{result.explain(index)} (on_error="record" keeps the others)'
