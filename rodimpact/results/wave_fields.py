@@ -17,6 +17,7 @@ from ..methods.signals import Floats, Ints, Pieces, Side, each_once, quadrature
 from ..model import Rod
 from .fields import Fields, Profile, Trace
 
+FAR = 1 << 61  # ticks: before all fronts
 SLIVER = 64  # ticks: waves that last no longer come of round-off
 
 Seen: TypeAlias = Callable[[int, Ints, Ints], Floats]
@@ -101,10 +102,11 @@ class WaveFields(Fields):
         for start, stop in pairwise(borders):
             s, inside = int(segment[start, 0]), offset[start:stop]
             (A, B), T = self.waves(s), self.clock.ticks[s]
-            fronts = np.sort(np.concatenate((A.ticks + inside, B.ticks + T - inside), axis=1))
-            levels.append(value(s, fronts - inside, fronts + inside - T).ravel())
-            seen = when.searchsorted(fronts[:, 1:])
+            fronts = np.concatenate((A.ticks[1:] + inside, B.ticks[1:] + T - inside), axis=1)
+            seen = np.sort(when.searchsorted(fronts.T), axis=0).T
             counts.append(np.diff(seen, prepend=0, append=len(when)).ravel())
+            starts = np.sort(np.append(fronts, inside - FAR, axis=1))
+            levels.append(value(s, starts - inside, starts + inside - T).ravel())
         whole = np.repeat(np.concatenate(levels), np.concatenate(counts))
         return whole.reshape(len(offset), len(when))
 
