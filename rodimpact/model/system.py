@@ -88,10 +88,13 @@ class System(Frozen):
             elif isinstance(body, Wall) and 0 < i < len(bodies) - 1:
                 message = "a wall may stand only at an end of the row; make two systems of this one"
                 problems.append((f"bodies.{i}", message))
-        if not problems and all(isinstance(body, Wall) for body in bodies):
-            problems.append(("bodies", "needs a rod or a rigid mass between its walls"))
         pairs = len(bodies) - 1
         laws = _per_pair(problems, "contacts", contacts, RIGID, pairs)
+        walls = sum(isinstance(body, Wall) for body in bodies)
+        apart = sum(not isinstance(law, Bonded) for law in laws)
+        if not problems and walls > apart and not any(isinstance(body, Rod) for body in bodies):
+            message = "needs a rod, or a rigid mass that is not bonded to a wall"
+            problems.append(("bodies", message))
         given = _per_pair(problems, "gaps", gaps, 0.0, pairs)
         widths = []
         for i, law, width in zip(range(pairs), laws, given, strict=False):

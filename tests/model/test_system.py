@@ -81,8 +81,12 @@ MISTAKES = [  # a call; by paths, what the messages bear, which ends them after 
     (lambda: ri.Steps([1.0, "2"], [0.5]), {"values.1": ""}),
     (lambda: rod(velocity=ri.Steps([1.0, 2.0], [1.0])), {"velocity.at.0": ""}),
     # Rows
-    (lambda: row(), {"bodies": ""}), (lambda: row(WALL, WALL), {"bodies":
-     "=needs a rod or a rigid mass between its walls"}),
+    (lambda: row(), {"bodies": ""}),
+    *((lambda bodies=bodies, laws=laws: row(*bodies, contacts=laws),
+       {"bodies": "=needs a rod, or a rigid mass that is not bonded to a wall"})
+      for bodies, laws in (
+          ([WALL, WALL], [ri.Rigid()]), ([WALL, MASS], [ri.Bonded()]),
+          ([WALL, MASS, MASS, WALL], [ri.Bonded(), ri.Spring(1.0), ri.Bonded()]))),
     (lambda: row(rod(), WALL, rod()), {"bodies.1": ""}),
     (lambda: row(rod(), "rod"), {"bodies.1": ""}),
     (lambda: row(rod(), rod(), gaps=[-1e-9]), {"gaps.0": ""}),
