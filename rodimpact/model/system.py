@@ -93,7 +93,7 @@ class System(Frozen):
         walls = sum(isinstance(body, Wall) for body in bodies)
         apart = sum(not isinstance(law, Bonded) for law in laws)
         if not problems and walls > apart and not any(isinstance(body, Rod) for body in bodies):
-            message = "needs a rod, or a rigid mass that is not bonded to a wall"
+            message = "needs a rod or a rigid mass that is not bonded to a wall"
             problems.append(("bodies", message))
         given = _per_pair(problems, "gaps", gaps, 0.0, pairs)
         widths = []

@@ -83,7 +83,7 @@ MISTAKES = [  # a call; by paths, what the messages bear, which ends them after 
     # Rows
     (lambda: row(), {"bodies": ""}),
     *((lambda bodies=bodies, laws=laws: row(*bodies, contacts=laws),
-       {"bodies": "=needs a rod, or a rigid mass that is not bonded to a wall"})
+       {"bodies": "=needs a rod or a rigid mass that is not bonded to a wall"})
       for bodies, laws in (
           ([WALL, WALL], [ri.Rigid()]), ([WALL, MASS], [ri.Bonded()]),
           ([WALL, MASS, MASS, WALL], [ri.Bonded(), ri.Spring(1.0), ri.Bonded()]))),
