@@ -13,6 +13,7 @@ import numpy as np
 from .. import duration, kernels
 from ..compiling import as_objects, as_records, blank, lengthened
 from ..duration import Forecast
+from ..groups import heads
 from ..laws import Stop
 from ..memory import ask, most_numbers
 from ..run import Stopped
@@ -267,20 +268,29 @@ def solve_many(
 
 
 def columns_of(members: Members, count: int) -> dict[str, Any]:
-    """What the first members came to, in SI units, with a row for each: by segment, or by node."""
-    size = len(members.records["run"])
+    """What the first members came to, in SI units, with a row for each: by group, or by contact.
+
+    What is read of waves has a column for each segment, `carried` one for each node: the impulse,
+    integrated over time.
+    """
+    plan, size = members.plan, len(members.records["run"])
     run, segment, node = (members.arrays(name, len(members.records[name]) // size * count)
                           for name in ("run", "segment", "node"))
     segment, node = segment.reshape(len(run), -1), node.reshape(len(run), -1)
-    tick, frame = run["tick"][:, None], run["frame"][:, None]
+    tick, frame, time = run["tick"][:, None], run["frame"][:, None], run["now"] * run["tick"]
+    beside = heads(plan.row.system, plan.row.spans)
     found = {
         "stop": run["stop"].copy(), "final": run["proved"] != NONE,
-        "time": run["now"] * run["tick"], "vibration": run["vibration"].copy(),
-        "before": segment["initial"] + frame, "after": segment["velocity"] + frame,
-        "impulse": node["impulse"] * tick, "peak_force": node["peak"].copy(),
-        "duration": node["pressed"] * tick, "episodes": node["episodes"].copy(),
+        "time": time, "vibration": run["vibration"].copy(),
+        "before": segment["initial"][:, beside] + frame,
+        "after": segment["velocity"][:, beside] + frame,
+        "impulse": node["impulse"][:, plan.contacts] * tick,
+        "peak_force": node["peak"][:, plan.contacts],
+        "duration": node["pressed"][:, plan.contacts] * tick,
+        "episodes": node["episodes"][:, plan.contacts],
     }
     if run["reads"].any():
+        carried = node["impulse"] * tick * time[:, None] - node["lever"] * tick * tick
         found |= {"momentum": segment["initial_momentum"] * tick, "frame": run["frame"].copy(),
-                  "lever": node["lever"] * tick * tick, "parted": segment["parted"].copy()}
+                  "carried": carried, "parted": segment["parted"].copy()}
     return found

@@ -241,14 +241,13 @@ def solve_family(
     run = driver.solve_many(plan, until, max_events, stop, more, reads)
     final, refused = run["final"] & (not physics.driven(system)), run["stop"] >= Stop.OVERFLOW
     unknown = np.where(refused, math.nan, 0.0)
-    stocks = ([x.reshape(shape) for x in run[name].T] for name in ("before", "after"))
     before, after = (
-        [unknown + np.broadcast_to(v, shape).ravel() for v in body_velocities(system, own)]
-        for own in ([stock[s] for s in heads(system, row.spans)] for stock in stocks)
-    )
-    contacts = {"episodes": [run["episodes"][:, k] for k in plan.contacts]}
+        [unknown + np.broadcast_to(v, shape).ravel()
+         for v in body_velocities(system, [own.reshape(shape) for own in run[name].T])]
+        for name in ("before", "after"))
+    contacts = {"episodes": list(run["episodes"].T)}
     for name in ("impulse", "peak_force", "duration"):
-        contacts[name] = [unknown + run[name][:, k] for k in plan.contacts]
+        contacts[name] = [unknown + total for total in run[name].T]
     return runs.FamilyRun(
         before, after, unknown + run["vibration"], contacts, final,
         runs.stopped_by(refused, final, run["stop"] == Stop.CAP, until),
@@ -259,7 +258,6 @@ def solve_family(
 def _read(row: Row, run: Mapping[str, Array], unknown: Array) -> dict[str, Array]:
     """Columns of what was read of the waves. Where bodies are walls nothing is: they move on."""
     columns, shape, time = dict[str, Array](), row.system.shape, run["time"]
-    carried = run["impulse"] * time[:, None] - run["lever"]  # the impulse, integrated over time
     for i, (body, (first, last)) in enumerate(zip(row.system.bodies, row.spans, strict=True)):
         if not last:
             speed: Any = np.broadcast_to(np.asarray(body.velocity), shape).ravel()
@@ -269,7 +267,7 @@ def _read(row: Row, run: Mapping[str, Array], unknown: Array) -> dict[str, Array
         pieces = [row.segments[s - 1] for s in inside]
         mass = sum(np.broadcast_to(piece.mass, shape).ravel() for piece in pieces)
         brought = sum(run["momentum"][:, s] for s in inside) * time
-        pushed = carried[:, first - 1] - carried[:, last]
+        pushed = run["carried"][:, first - 1] - run["carried"][:, last]
         columns[f"displacement.{i}"] = unknown + run["frame"] * time + (brought + pushed) / mass
         stresses = [
             np.broadcast_to(piece.material.youngs_modulus / (2 * piece.wave_speed), shape).ravel()
