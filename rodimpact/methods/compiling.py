@@ -269,10 +269,12 @@ def as_records(objects: list[Any], record: Any) -> Any:
 
 
 def lengthened(records: Any, kind: Any) -> Any:
-    """Return records, an array or a list of objects, with as many blank ones behind them."""
+    """Return records, an array or a list of objects, with room for as many behind them."""
     if isinstance(records, list):
         return records + blank(len(records), kind)
-    return joined(records, np.zeros(len(records), kind))
+    longer, raw = np.empty(2 * len(records), kind), f"V{kind.itemsize}"
+    longer.view(raw)[: len(records)] = records.view(raw)  # the rest takes no memory until it is set
+    return longer
 
 
 def joined(first: Any, second: Any) -> Any:
