@@ -269,11 +269,14 @@ def as_records(objects: list[Any], record: Any) -> Any:
 
 
 def lengthened(records: Any, kind: Any) -> Any:
-    """Return records, an array or a list of objects, with room for as many behind them."""
+    """Return records with room for more behind them: twice a list of objects, four times an array.
+
+    What an array has room for takes no memory until it is set.
+    """
     if isinstance(records, list):
         return records + blank(len(records), kind)
-    longer, raw = np.empty(2 * len(records), kind), f"V{kind.itemsize}"
-    longer.view(raw)[: len(records)] = records.view(raw)  # the rest takes no memory until it is set
+    longer, raw = np.empty(4 * len(records), kind), f"V{kind.itemsize}"
+    longer.view(raw)[: len(records)] = records.view(raw)
     return longer
 
 

@@ -86,9 +86,9 @@ class Members:
         return bool(follow(*(self.records[name] for name in FOLLOWED)) != NONE)
 
     def lengthen(self) -> None:
-        """Make the log twice as long."""
+        """Make the log longer."""
         rows = len(self.records["log"])
-        ask(rows * (ROW_NUMBERS if self.fast else LIST_NUMBERS), "max_events",
+        ask(rows * (2 * ROW_NUMBERS if self.fast else LIST_NUMBERS), "max_events",
             f"a run of more than {rows} fronts", "lower the cap, or stop earlier (until)")
         self.records["log"] = lengthened(self.records["log"], ROW)
 
