@@ -52,7 +52,7 @@ class Checkpoint:
 
     Attributes
     ----------
-    columns : dict of str to array, [member, ...]; 0 of what is not done
+    columns : dict of str to array, [member, ...]
     done : array of bool, [chunk]
 
     Warns
@@ -73,7 +73,7 @@ class Checkpoint:
         path: PathLike | None, sweep: Mapping[str, Any],
     ) -> None:
         self.size, self.unit = size, unit
-        self.columns: Arrays = {name: np.zeros((size, *beyond), kind)
+        self.columns: Arrays = {name: np.empty((size, *beyond), kind)
                                 for name, (kind, beyond) in columns.items()}
         self.path = None if path is None else Path(file_name(path))
         self._sweep = json.loads(json.dumps(sweep))

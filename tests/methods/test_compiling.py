@@ -78,6 +78,17 @@ def test_records_become_objects_and_objects_records(record):
     assert len(compiling.as_records([], record)) == 0
 
 
+def test_longer_records_begin_with_what_there_was():
+    pieces = np.ones(5, PIECE)
+    pieces["start"] = np.arange(5)
+    longer = compiling.lengthened(pieces, PIECE)
+    assert len(longer) > 5
+    assert np.array_equal(longer[:5], pieces)
+    objects = compiling.lengthened(compiling.as_objects(pieces), PIECE)
+    assert objects[:5] == compiling.as_objects(pieces)
+    assert len(objects) > 5
+
+
 def test_blank_objects_are_records_of_zeros():
     nodes = compiling.blank(3, NODE)
     assert compiling.as_records(nodes, NODE).tobytes() == np.zeros(3, NODE).tobytes()
