@@ -42,8 +42,8 @@ def records_of(run):
 def group_of(run, contact, right):
     """Motion of the bonded group on one side of a contact, and bounds of its end, by the proof."""
     k = run.plan.contacts[contact]
-    for find in (finality.survey_group, finality.bound_deviation):
-        find(*records_of(run), k, k + right, run.run.now)
+    for find in (finality.survey, finality.bound_deviations):
+        find(*records_of(run), k, run.run.now)
     return run.segment[k + right]
 
 

@@ -125,16 +125,14 @@ def _for_ever_after(run: ExactRun, k: int, t: Any) -> tuple[list[Number], bool]:
     """
     state, node = run.state, run.nodes[k]
     at, left, right = state.node[node], state.segment[node], state.segment[node + 1]
-    if finality.still(state.segment, state.node, state.line, node):
+    if at.rate >= 0 and finality.quiet(state.line, left.first, max(node, right.last)):
         return [at.rate], False
-    for s in (node, node + 1):
-        finality.survey_group(*state[1:5], node, s, t)
+    finality.survey(*state[1:5], node, t)
     if left.bounded and right.bounded and right.low >= left.high:
         loops = _loop(run, node, False), _loop(run, node, True)
         in_turn = [later - t for loop in loops for (_, t), (_, later) in pairwise(loop)]
         return in_turn + [high - low for high, _ in loops[1] for low, _ in loops[0]], False
-    for s in (node, node + 1):
-        finality.bound_deviation(*state[1:5], node, s, t)
+    finality.bound_deviations(*state[1:5], node, t)
     gap = at.gap + at.rate * (t - at.since) - right.deviation + left.deviation
     reach = 2 * _vibration(run) * (left.slack + right.slack)
     return [right.mean - left.mean, gap, gap * gap - reach], True

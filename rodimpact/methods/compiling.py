@@ -4,6 +4,10 @@ A kernel module holds plain functions, whole constants and tables of numbers (ne
 imports other kernel modules whole. Plain Python runs it as it stands. Compiled, it has a twin in
 which every function is jitted and every table is an array. State is arrays of records: structured
 arrays compiled, lists of small objects in plain Python.
+
+Numba counts references to the arrays of a function, atomically, unless it sees that each is last
+used in one place that is always reached. So a kernel that runs often returns at its end, and uses
+no array for the last time behind a condition: loops around it do that.
 """
 
 import contextlib

@@ -51,14 +51,13 @@ class Stop(IntEnum):
     """Why a run returns."""
 
     NONE = 0  # it goes on, or is not laid out
-    LAID = 1  # it has not begun
-    FULL = 2  # no room in the log
-    CHECK = 3  # a proof of finality is due
-    DONE = 4  # the time asked for is reached; from here on it has an end
-    FINAL = 5  # proved, and run on
-    CAP = 6  # more events than the limit
-    CLOCK = 7  # its ticks are over
-    OVERFLOW = 8  # there is no clock: the energy of such velocities and strains is no float
-    LONG = 9  # the time asked for takes more ticks than a clock has
-    SHORT = 10  # a transit time is too few ticks
-    STUCK = 11  # no solution: a mass between closing walls
+    FULL = 1  # no room in the log
+    CHECK = 2  # a proof of finality is due
+    DONE = 3  # the time asked for is reached; from here on it has an end
+    FINAL = 4  # proved, and run on
+    CAP = 5  # more events than the limit
+    CLOCK = 6  # its ticks are over
+    OVERFLOW = 7  # there is no clock: the energy of such velocities and strains is no float
+    LONG = 8  # the time asked for takes more ticks than a clock has
+    SHORT = 9  # a transit time is too few ticks
+    STUCK = 10  # no solution: a mass between closing walls

@@ -126,6 +126,7 @@ class Laid(NamedTuple):
         run.target, run.limit, run.tolerance, run.window = target, limit, tolerance, window
         while (stop := march.play(*self)) == Stop.FULL:
             self.log.extend(blank(len(self.log), ROW))
+        events.close_books(run, self.node, run.now)
         return Stop(stop)
 
     def advance(self, horizon: int) -> None:
@@ -163,7 +164,8 @@ def laid(
         segment[s].transit, segment[s].mobility = T, 1 / numbers[n + s - 1]
     layout.lay_out(run, body, numbers, piece, segment, node, line, log)
     events.begin(run, segment, node, line, log, tree)
-    stock.initial(run, segment, node, line, log)
+    stock.settle(run, segment, node, line, log)
+    stock.remember(segment)
     return Laid(run, segment, node, line, log, tree)
 
 

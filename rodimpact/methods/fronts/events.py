@@ -68,6 +68,8 @@ def begin(run: Any, segment: Any, node: Any, line: Any, log: Any, tree: Any) -> 
         it.tail = r
     for k in range(n):
         rest(node[k], zero)
+    for s in range(len(segment)):
+        segment[s].velocity = segment[s].momentum = segment[s].vibration = zero
     gather(segment, node)
     plant(node, line, log, tree)
     run.now, run.rows, run.events = 0, run.started, 0
@@ -182,6 +184,19 @@ def outer_force(at: Any, k: int, a: Any, b: Any, Yl: Any, Yr: Any) -> Any:
     return 0 * a, a
 
 
+def why_stop(run: Any, t: int, horizon: int, full: bool, events: int) -> int:
+    """Why a run stops before the next event, that at tick t; NONE if it does not."""
+    if t > horizon:
+        return Stop.DONE.value
+    if t > run.probe and events >= run.rest:
+        return Stop.CHECK.value
+    if full:
+        return Stop.FULL.value
+    if events >= run.limit and t > run.now:
+        return Stop.CAP.value
+    return Stop.NONE.value
+
+
 def advance(
     run: Any, segment: Any, node: Any, line: Any, log: Any, tree: Any, horizon: int
 ) -> int:
@@ -191,19 +206,11 @@ def advance(
     is half done when the function returns: grow the log and call again.
     """
     tol, window, leaves = run.tolerance, run.window, len(tree) // 2
-    n, events, room, stop = run.rows, run.events, len(log) - MOST, Stop.DONE.value
-    while tree[1] <= horizon:
+    n, events, room = run.rows, run.events, len(log) - MOST
+    stop = why_stop(run, tree[1], horizon, n > room, events)
+    while stop == Stop.NONE:
         # the earliest time at which waves arrive somewhere, or a gap closes
         t, i = tree[1], 1
-        if t > run.probe and events >= run.rest:
-            stop = Stop.CHECK.value
-            break
-        if n > room:
-            stop = Stop.FULL.value
-            break
-        if events >= run.limit and t > run.now:
-            stop = Stop.CAP.value
-            break
         while i < leaves:
             i = 2 * i + (tree[2 * i] != t)
         k, t = i - leaves, tree[i]  # as large as at the root; its derivatives are its own
@@ -243,6 +250,7 @@ def advance(
         schedule(tree, leaves + k, due)
         run.now = t
         events += 1
+        stop = why_stop(run, tree[1], horizon, n > room, events)
     run.rows, run.events = n, events
     return stop
 

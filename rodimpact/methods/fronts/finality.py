@@ -20,19 +20,27 @@ def quiet(line: Any, first: int, last: int) -> bool:
     return True
 
 
-def survey_group(segment: Any, node: Any, line: Any, log: Any, k: int, s: int, t: int) -> None:
-    """Find the mean velocity of the group at contact k, and bounds of its end's velocity.
+def survey(segment: Any, node: Any, line: Any, log: Any, k: int, t: int) -> None:
+    """Find the mean velocities beside contact k, and bounds of the velocities of its two ends.
 
-    They are entered at the segment s beside the contact. The bounds hold as long as nothing touches
+    They are entered at the segments k and k + 1. The bounds hold as long as nothing touches
     a uniform segment that is free (its waves go round unchanged) or goes on for ever, a wall, or a
     group at rest. The mean of what is held, or goes on for ever, is that to which it will come.
     """
-    first, last = segment[s].first, segment[s].last
-    it, mass, endless = segment[s], 0 * line[2 * first].arrived, False
-    it.bounded = 1
-    if last == 0:
-        it.mean = it.low = it.high = line[2 * k + 3 if s > k else 2 * k].arrived
-        return
+    for s in range(k, k + 2):
+        it = segment[s]
+        if it.last > 0:
+            survey_group(segment, node, line, log, k, s, t)
+        else:
+            it.mean = it.low = it.high = line[2 * k + 3 if s > k else 2 * k].arrived
+            it.bounded = 1
+
+
+def survey_group(segment: Any, node: Any, line: Any, log: Any, k: int, s: int, t: int) -> None:
+    """Survey the group on one side of contact k, that of segment s."""
+    it, first, last = segment[s], segment[s].first, segment[s].last
+    silent, pressed = quiet(line, first, last), node[k].status == Status.PRESS
+    mass, endless = 0 * line[2 * first].arrived, False
     momentum, low, high = mass, line[2 * first].arrived, line[2 * first].arrived
     for i in range(first, last + 1):
         Z = 1 / segment[i].mobility
@@ -54,30 +62,35 @@ def survey_group(segment: Any, node: Any, line: Any, log: Any, k: int, s: int, t
             it.mean = line[0 if end < first else 2 * last + 3].arrived
             endless = segment[outer].mobility > 0
             it.bounded = 1 if it.bounded and endless else 0
-    if quiet(line, first, last) and not (endless and node[k].status == Status.PRESS):
+    if silent and not (endless and pressed):
         it.low, it.high, it.bounded = it.mean, it.mean, 1
 
 
-def bound_deviation(segment: Any, node: Any, line: Any, log: Any, k: int, s: int, t: int) -> None:
-    """Find how far the group's end at contact k is from its mean motion, and can ever get.
+def bound_deviations(segment: Any, node: Any, line: Any, log: Any, k: int, t: int) -> None:
+    """Find how far the two ends at contact k are from their mean motions, and can ever get.
 
     The end of a free body deviates from the motion of the centre of mass by
     d = integral(strain * g dx), g the mass fraction beyond x as seen from that end, hence by at
     most sqrt(2 E integral(g^2 dx/(E A))), E the energy of vibration. A wall at the far end has all
     the mass. A far endless bar of mobility Y gives way by Y p, p the momentum that it has taken; as
-    p <= sqrt(2 m E), m Y^2 adds to the integral. Entered at the segment s beside the contact are
+    p <= sqrt(2 m E), m Y^2 adds to the integral. Entered at the segments k and k + 1 are
     the deviation now, positive to the right, the integral, and the square of the bound.
     """
-    it, right, zero = segment[s], s > k, 0 * segment[s].mean
-    it.deviation = it.bound = it.slack = zero
-    first, last = it.first, it.last
-    if last == 0:
-        return
-    mass = zero
+    for s in range(k, k + 2):
+        it = segment[s]
+        it.deviation = it.bound = it.slack = 0 * it.mean
+        if it.last > 0:
+            bound_group(segment, node, line, log, k, s, t)
+
+
+def bound_group(segment: Any, node: Any, line: Any, log: Any, k: int, s: int, t: int) -> None:
+    """Find this for the group on one side of contact k, that of segment s."""
+    it, right = segment[s], s > k
+    first, last, mass, zero = it.first, it.last, 0 * it.mean, 0 * it.mean
     for i in range(first, last + 1):
         mass += segment[i].transit / segment[i].mobility
     held = node[first - 1].status == Status.BOND or node[last].status == Status.BOND
-    give = zero
+    silent, pressed, give = quiet(line, first, last), node[k].status == Status.PRESS, zero
     if held:
         give += segment[len(segment) - 1 if right else 0].mobility
     beyond, d, energy, taken, slack = zero, zero, zero, zero, mass * give * give
@@ -104,33 +117,22 @@ def bound_deviation(segment: Any, node: Any, line: Any, log: Any, k: int, s: int
                 if more:
                     edge, wave, r = low, log[r].value - it.mean, log[r].after
     it.deviation = (-d if right else d) - give * taken
-    if not quiet(line, first, last) or (give > 0 and node[k].status == Status.PRESS):
+    if not silent or (give > 0 and pressed):
         it.bound, it.slack = 2 * energy * slack, slack
 
 
-def still(segment: Any, node: Any, line: Any, k: int) -> bool:
-    """Whether contact k does not close, and no front is under way beside it."""
-    left, right = segment[k], segment[k + 1]
-    return bool(node[k].rate >= 0 and quiet(line, left.first, left.last)
-                and quiet(line, right.first, right.last))
-
-
-def time_until_apart(
-    segment: Any, node: Any, line: Any, log: Any, k: int, t: int, tol: Any
-) -> float:
-    """Ticks until contact k may be proved not to close again, see `finality_kernel`."""
-    at, left, right = node[k], segment[k], segment[k + 1]
-    for s in range(k, k + 2):
-        survey_group(segment, node, line, log, k, s, t)
-    opening, least = right.mean - left.mean, -1 - tol  # fractions know no infinity
+def least_opening(left: Any, right: Any, tol: Any) -> Any:
+    """Least velocity at which two ends can part, less than any that counts if nothing bounds it."""
     if left.bounded and right.bounded:
-        least = right.low - left.high
-    apart = square = 0 * opening
-    if proof.undecided(opening, least, tol):
-        for s in range(k, k + 2):
-            bound_deviation(segment, node, line, log, k, s, t)
-        apart = at.gap + at.rate * (t - at.since) - right.deviation + left.deviation
-        square = 2 * (left.bound + right.bound)  # of a sum of roots at most, without roots
+        return right.low - left.high
+    return -1 - tol  # fractions know no infinity
+
+
+def time_until_apart(at: Any, left: Any, right: Any, t: int, tol: Any) -> float:
+    """Ticks until a contact may be proved not to close again, see `finality_kernel`."""
+    opening, least = right.mean - left.mean, least_opening(left, right, tol)
+    apart = at.gap + at.rate * (t - at.since) - right.deviation + left.deviation
+    square = 2 * (left.bound + right.bound)  # of a sum of roots at most, without roots
     return proof.separation_time(opening, least, apart, square, tol)
 
 
@@ -141,8 +143,13 @@ def finality_time(segment: Any, node: Any, line: Any, log: Any, t: int, tol: Any
     """
     longest = 0.0
     for k in range(len(node)):
-        if node[k].status >= Status.OPEN and longest < NEVER and not still(segment, node, line, k):
-            longest = max(longest, time_until_apart(segment, node, line, log, k, t, tol))
+        at, left, right = node[k], segment[k], segment[k + 1]
+        still = at.rate >= 0 and quiet(line, left.first, max(k, right.last))
+        if at.status >= Status.OPEN and longest < NEVER and not still:
+            survey(segment, node, line, log, k, t)
+            if proof.undecided(right.mean - left.mean, least_opening(left, right, tol), tol):
+                bound_deviations(segment, node, line, log, k, t)  # of others none are read
+            longest = max(longest, time_until_apart(at, left, right, t, tol))
     if longest >= NEVER // 2:
         return IDLE
     return t + (int(longest * 1.000001) + 1 if longest > 0 else 0)

@@ -164,40 +164,40 @@ def round_trip(body: Any, segment: Any) -> int:
     return 2 * longest
 
 
-def choose_clock(run: Any, m: int, body: Any, given: Any, piece: Any, segment: Any, node: Any
-                 ) -> None:
-    """Choose the frame, the clock and what counts as zero of member m.
+def measure(it: Any, body: Any, given: Any, piece: Any, segment: Any, node: Any) -> None:
+    """Find the frame, the durations and what the clock must count to; arguments as of `lay_out`.
 
-    Arguments as of `lay_out`. Where there is no clock, `stop` says why.
+    Where there is no clock, `stop` says why.
     """
-    it, n = run[m], len(segment) - 2
-    it.row, it.stop, it.bits, it.proved = m * (len(given) // len(run)), Stop.NONE.value, 0, NONE
-    row = it.row
+    n, row, it.proved = len(segment) - 2, it.row, NONE
     it.frame, it.scale = given[row + 3 * n + FRAME], given[row + 3 * n + FRAME + 1]
     durations = cut(body, given, row, piece, segment)
-    largest, longest = 0.0, 0.0
+    largest, it.longest = 0.0, 0.0
     for s in range(1, n + 1):
         largest = max(largest, given[row + n + s - 1])
-        longest = max(longest, piece[s - 1].time)
-    if not it.scale * it.scale * largest * 2.0**rule.CLOCK_BITS < math.inf:
-        it.stop = Stop.OVERFLOW.value
-        return
-    it.horizon = it.until
-    if it.until < 0:
-        it.horizon = room(it, given, piece, node, longest)
-    it.bits = rule.clock_bits(it.horizon / longest)
-    if it.bits < rule.COARSEST:
-        it.stop = Stop.LONG.value
-        return
-    it.late = drive_times(body, given, row, it.until, longest, piece)
+        it.longest = max(it.longest, piece[s - 1].time)
+    spare = room(it, given, piece, node, it.longest)
+    it.horizon = it.until if it.until >= 0 else spare
+    it.bits = rule.clock_bits(it.horizon / it.longest)
+    it.late = drive_times(body, given, row, it.until, it.longest, piece)
     for i in range(durations, len(piece) - it.late):
-        piece[i].time = longest  # fewer jumps inside than there might be
+        piece[i].time = it.longest  # fewer jumps inside than there might be
+    it.stop = Stop.NONE.value
+    if not it.scale * it.scale * largest * 2.0**rule.CLOCK_BITS < math.inf:
+        it.stop, it.bits = Stop.OVERFLOW.value, 0
+    elif it.bits < rule.COARSEST:
+        it.stop = Stop.LONG.value
+
+
+def choose_clock(run: Any, m: int, given: Any, piece: Any, segment: Any) -> None:
+    """Choose the clock of member m, and what counts as zero; `stop` says if it is too coarse."""
+    it, n, row = run[m], len(segment) - 2, run[m].row
     known = m > 0 and run[m - 1].bits == it.bits  # neighbours in a family often share lengths
     for i in range(len(piece)):
         known = known and piece[i].known == piece[i].time
         piece[i].known = piece[i].time
     it.total = run[m - 1].total if known else rule.assign_ticks(piece, it.bits, it.late)
-    it.tick, it.window = longest / it.total, max(1, it.total >> WINDOW)
+    it.tick, it.window = it.longest / it.total, max(1, it.total >> WINDOW)
     it.tolerance, it.short = TOLERANCE * it.scale, 1
     for s in range(1, n + 1):
         segment[s].transit, segment[s].mobility = piece[s - 1].ticks, 1 / given[row + n + s - 1]
@@ -219,7 +219,7 @@ def lay_out(
     Parameters
     ----------
     run : RUN
-        With its clock; `stop` becomes LAID.
+        With its clock.
     body : [body] BODY
     given : [member * numbers]
     piece : [duration] PIECE
@@ -258,4 +258,4 @@ def lay_out(
         if one.outside != Beyond.STEADY:
             drive(it, one, side, given, row, place, piece, segment, log)
             place += jumps_outside(one)
-    it.started, it.stop = it.rows, Stop.LAID.value
+    it.started = it.rows

@@ -38,37 +38,38 @@ def follow(
     """
     nodes = len(node) // len(run)
     for m in range(len(run)):
-        it = run[m]
-        if it.stop < Stop.DONE:
-            inside = segment[m * (nodes + 1) : (m + 1) * (nodes + 1)]
-            ends = node[m * nodes : (m + 1) * nodes]
+        it, inside = run[m], segment[m * (nodes + 1) : (m + 1) * (nodes + 1)]
+        ends = node[m * nodes : (m + 1) * nodes]
+        if it.stop == Stop.NONE:
+            it.row = m * (len(given) // len(run))
+            layout.measure(it, body, given, piece, inside, ends)
             if it.stop == Stop.NONE:
-                layout.choose_clock(run, m, body, given, piece, inside, ends)
-                if it.stop == Stop.NONE:
-                    layout.lay_out(it, body, given, piece, inside, ends, line, log)
-            if it.stop == Stop.LAID:
+                layout.choose_clock(run, m, given, piece, inside)
+            if it.stop == Stop.NONE:
+                layout.lay_out(it, body, given, piece, inside, ends, line, log)
                 events.begin(it, inside, ends, line, log, tree)
-                stock.initial(it, inside, ends, line, log)
-            if it.stop < Stop.DONE:
-                it.stop = play(it, inside, ends, line, log, tree)
+                stock.settle(it, inside, ends, line, log)
+                stock.remember(inside)
+        if it.stop < Stop.DONE:
+            it.stop = play(it, inside, ends, line, log, tree)
             if it.stop == Stop.FULL:
                 return m
-            if it.stop < Stop.OVERFLOW:
-                finish(it, inside, ends, line, log)
+            events.close_books(it, ends, it.now)
+            stock.settle(it, inside, ends, line, log)
+            it.vibration = energy_left(it, inside)
+            if it.further:
+                scales(it, inside, line, log)
+            if it.reads:
+                stock.read(it, inside, line, log)
     return NONE
 
 
-def finish(run: Any, segment: Any, node: Any, line: Any, log: Any) -> None:
-    """Add up what a run has come to."""
-    stock.settle(run, segment, node, line, log)
-    run.vibration = 0 * run.tick
+def energy_left(run: Any, segment: Any) -> Any:
+    """Energy of vibration of all segments, J."""
+    energy = 0 * run.tick
     for s in range(len(segment)):
-        run.vibration += segment[s].vibration
-    run.vibration *= run.tick
-    if run.further:
-        scales(run, segment, line, log)
-    if run.reads:
-        stock.read(run, segment, line, log)
+        energy += segment[s].vibration
+    return energy * run.tick
 
 
 def scales(run: Any, segment: Any, line: Any, log: Any) -> None:
@@ -96,20 +97,19 @@ def play(run: Any, segment: Any, node: Any, line: Any, log: Any, tree: Any) -> i
         (more than `limit` events) or CLOCK (2^62 ticks are over). At the end `now` is the tick
         reached, `proved` that of the proof, NONE without.
     """
-    until, horizon, tol = run.target, run.target, run.tolerance
+    until, horizon, tol, going = run.target, run.target, run.tolerance, True
+    stop = Stop.NONE.value
     if until >= 0:
         run.rest = IDLE  # nothing is to be proved on the way
     else:
         horizon = NEVER - 1 if run.proved == NONE else min(run.proved - until, NEVER - 1)
-    while True:
+    while going:
         stop = events.advance(run, segment, node, line, log, tree, horizon)
-        if stop == Stop.FULL:
-            return stop
         known = until >= 0 or run.proved != NONE  # when the run ends
         if stop == Stop.DONE and known:
             run.now = horizon
-        now = max(run.now, run.probe) if stop == Stop.CHECK else run.now
-        if run.proved == NONE:
+        if stop != Stop.FULL and run.proved == NONE:
+            now = max(run.now, run.probe) if stop == Stop.CHECK else run.now
             when = finality.finality_time(segment, node, line, log, now, tol)
             if when == now:
                 run.proved, run.rest = now, IDLE
@@ -117,10 +117,7 @@ def play(run: Any, segment: Any, node: Any, line: Any, log: Any, tree: Any) -> i
             elif stop == Stop.CHECK:
                 run.probe = when
                 run.rest = run.events + len(node) + run.events // 8
-        if stop == Stop.CAP or (stop == Stop.DONE and known):
-            break
-        if stop == Stop.DONE and run.proved == NONE:
-            stop = Stop.CLOCK.value
-            break
-    events.close_books(run, node, run.now)
-    return Stop.FINAL.value if until < 0 and stop == Stop.DONE else stop
+        going = stop == Stop.CHECK or (stop == Stop.DONE and not known and run.proved != NONE)
+    if stop == Stop.DONE and until < 0:
+        stop = Stop.CLOCK.value if run.proved == NONE else Stop.FINAL.value
+    return stop

@@ -79,7 +79,8 @@ RUN = np.dtype([
     ("beside", "i8"),  # 1: transit times that the clock rounds are a tick beyond the true ones
     ("row", "i8"),  # where its numbers begin
     ("late", "i8"),  # how often what drives its ends jumps
-    ("bits", "i8"), ("total", "i8"),  # ticks of the longest duration: about 2^bits
+    ("longest", "f8"),  # transit time, s
+    ("bits", "i8"), ("total", "i8"),  # ticks of the longest transit: about 2^bits
     ("tick", "f8"), ("frame", "f8"), ("scale", "f8"), ("horizon", "f8"),  # s, m/s, m/s, s
     ("tolerance", "f8"),  # smallest change of a wave that is a front
     ("window", "i8"),  # ticks by which a closing may move to an arrival

@@ -51,11 +51,8 @@ def share(run: Any, segment: Any, node: Any) -> None:
         first = last + 1
 
 
-def initial(run: Any, segment: Any, node: Any, line: Any, log: Any) -> None:
-    """Take stock at t = 0, of nodes that have their status."""
-    for s in range(len(segment)):
-        segment[s].velocity = segment[s].momentum = segment[s].vibration = 0 * segment[1].mobility
-    settle(run, segment, node, line, log)
+def remember(segment: Any) -> None:
+    """Keep what stock has been taken of at t = 0."""
     for s in range(len(segment)):
         it = segment[s]
         it.initial, it.initial_momentum = it.velocity, it.momentum
