@@ -180,7 +180,7 @@ def family_of_pairs(pairs: int = 20_000) -> float:
             for v in (0.5, -0.5)]
     plan = plan_of(Row(ri.System(rods)))
     with kernels.forced(True):
-        return median(lambda: driver.solve_many(plan, None, MAX_EVENTS)) / pairs
+        return median(lambda: driver.solve_many(plan, None, MAX_EVENTS, [])) / pairs
 
 
 # The package as its users meet it ---------------------------------------------------------------

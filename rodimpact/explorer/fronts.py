@@ -57,9 +57,9 @@ def run_of(asked: Any, further: bool, space: Any) -> Any:
 def go(space: Any) -> None:
     """Run from t = 0 on, on the clock that `until` asks for."""
     space["run"].stop = Stop.NONE.value
-    while march.follow(
-        [space["run"]], space["body"], space["plan"].numbers, space["piece"], space["segment"],
-        space["node"], space["line"], space["log"], space["tree"]) != NONE:
+    while not march.follow(
+        [space["run"]], space["plan"].numbers, space["piece"], space["segment"], space["node"],
+        space["line"], space["log"], space["tree"], space["part"]):
         space["log"].extend(blank(3 * len(space["log"]), ROW))
 
 
@@ -162,7 +162,7 @@ def is_proved(run: Any) -> bool:
 def sentence_of(run: Any) -> str:
     """Why the run ended, as `Solution.status` has it."""
     it, row, contacts = run["run"], run["plan"].row, run["plan"].contacts
-    trip = round_trip(run["body"], run["segment"]) * it.tick
+    trip = round_trip(run["segment"]) * it.tick
     sentence = status_of(it, run["node"], contacts, row.system, is_proved(run),
                          last_of(it, run["node"], contacts, trip))
     ticks = [at.transit for at in run["segment"][1 : len(row.segments) + 1]]

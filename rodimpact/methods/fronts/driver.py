@@ -3,7 +3,6 @@
 Plain Python runs on lists of objects, until machine code pays: then all goes on in arrays.
 """
 
-import copy
 import time
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
@@ -13,13 +12,12 @@ import numpy as np
 from .. import duration, kernels
 from ..compiling import as_objects, as_records, blank, lengthened
 from ..duration import Forecast
-from ..groups import heads
 from ..laws import Stop
 from ..memory import ask, most_numbers
 from ..run import Stopped
 from . import events, layout, march, stock
 from .plan import Plan, blank_records
-from .records import BODY, CHANGE, LINE, NODE, NONE, PIECE, ROW, RUN, SEGMENT
+from .records import CHANGE, LINE, NODE, PART, PIECE, ROW, RUN, SEGMENT
 
 ROOM = 32  # rows of the log at first, beside those at t = 0
 ROW_NUMBERS, LIST_NUMBERS = 18, 60  # that a row of the log takes with what results make of it
@@ -27,9 +25,10 @@ EVENT_TIMES = 2e-5, 2e-6  # s, about what an event takes in plain Python, and co
 ROW_TIME = 1e-5  # s, about what plain Python takes for a row of the log
 PAIR_TIME = 4e-7  # s, about what plain Python takes to compare two durations
 FIRST_BLOCK, LAST_BLOCK = 32, 1024  # members of a block
+TOLD = "stop", "proved", "vibration", "now", "tick", "frame"
 RECORDS = {"run": RUN, "segment": SEGMENT, "node": NODE, "line": LINE, "log": ROW, "piece": PIECE,
-           "body": BODY}
-FOLLOWED = ("run", "body", "given", "piece", "segment", "node", "line", "log", "tree")
+           "part": PART}
+FOLLOWED = ("run", "given", "piece", "segment", "node", "line", "log", "tree", "part")
 PATIENCE = 0.1  # s; about how long a block runs before `stop` is asked again
 now = getattr(time, "thread_time", time.perf_counter)  # a browser has no clock of threads
 
@@ -40,7 +39,8 @@ class Members:
     Parameters
     ----------
     plan : Plan
-    count : int
+    given : list of float
+        Numbers of a single member.
     fast : bool
         Whether they run in machine code.
     **asked
@@ -52,38 +52,36 @@ class Members:
         What the kernel works on: in machine code arrays of records, else lists of objects.
     """
 
-    def __init__(self, plan: Plan, count: int, fast: bool, **asked: Any) -> None:
+    def __init__(self, plan: Plan, given: list[float], fast: bool, **asked: Any) -> None:
         self.plan, self.fast = plan, False
-        self.records: dict[str, Any] = {**blank_records(plan, 0 if fast else ROOM), "given": ()}
+        self.records: dict[str, Any] = blank_records(plan, ROOM)
         one = self.records["run"]
         for name, value in asked.items():
             setattr(one, name, value)
-        self.records["run"] = [one]
+        self.records |= {"run": [one], "given": given}
+        self._one = as_records([one], RUN).view(f"V{RUN.itemsize}")  # copied as a whole
+        self._room = np.empty(0, RUN), np.empty(0, PART)
         if fast:
-            self.records["log"] = np.zeros(plan.fronts + ROOM, ROW)
             self.on_arrays()
-        for name in ("run", "segment", "node") if count > 1 else ():
-            records = self.records[name]
-            self.records[name] = np.tile(records, count) if fast else [
-                copy.copy(it) for _ in range(count) for it in records]
 
     def lay(self, given: Any) -> None:
-        """Take the numbers of other members, [member, number]; of fewer, the last are idle."""
-        runs = self.records["run"]
-        numbers = np.zeros((len(runs), given.shape[1]))
-        numbers[: len(given)] = given
-        self.records["given"] = numbers.ravel() if self.fast else numbers.ravel().tolist()
+        """Take the numbers of other members, [member, number]."""
+        count, parts = len(given), len(given) * len(self.plan.kinds)
         if self.fast:
-            runs["stop"] = Stop.DONE
-            runs["stop"][: len(given)] = Stop.NONE
+            if len(self._room[0]) < count:  # memory that is new takes longer than a run
+                self._room = np.empty(count, RUN), np.empty(parts, PART)
+            run, part = self._room[0][:count], self._room[1][:parts]
+            run.view(self._one.dtype)[:] = self._one
+            self.records |= {"run": run, "given": given.ravel(), "part": part}
         else:
-            for m, it in enumerate(runs):
-                it.stop = Stop.NONE.value if m < len(given) else Stop.DONE.value
+            self.records |= {
+                "run": as_objects(np.repeat(self._one, count).view(RUN)),
+                "given": given.ravel().tolist(), "part": blank(parts, PART)}
 
     def go(self) -> bool:
         """Run them; return whether there is more to do, with a longer log."""
         follow: Any = kernels.compiled(march.follow) if self.fast else march.follow
-        return bool(follow(*(self.records[name] for name in FOLLOWED)) != NONE)
+        return not follow(*(self.records[name] for name in FOLLOWED))
 
     def lengthen(self) -> None:
         """Make the log longer."""
@@ -95,13 +93,12 @@ class Members:
     def on_arrays(self) -> None:
         """Go on in machine code."""
         for name, held in self.records.items():
-            if isinstance(held, list | tuple):
-                self.records[name] = self.arrays(name) if name in RECORDS else np.array(held)
+            self.records[name] = self.arrays(name) if name in RECORDS else np.array(held)
         self.fast = True
 
-    def arrays(self, name: str, count: int | None = None) -> Any:
-        """The records of this name, or the first of them, as an array."""
-        records = self.records[name][:count]
+    def arrays(self, name: str) -> Any:
+        """The records of this name as an array."""
+        records = self.records[name]
         return records if self.fast else as_records(records, RECORDS[name])
 
     def objects(self, name: str) -> list[Any]:
@@ -157,12 +154,12 @@ def laid(
         What a tick lasts, s, and the velocity from which velocities are counted.
     """
     made, n = {**blank_records(plan, ROOM), "given": numbers}, len(plan.kinds) - 1
-    run, body, _, piece, segment, node, line, log, tree = (made[name] for name in FOLLOWED)
+    run, _, piece, segment, node, line, log, tree, _ = (made[name] for name in FOLLOWED)
     run.tick, run.frame = tick, frame
-    layout.cut(body, numbers, 0, piece, segment)
+    layout.cut(numbers, 0, piece, segment)
     for s, T in enumerate(ticks, 1):
         segment[s].transit, segment[s].mobility = T, 1 / numbers[n + s - 1]
-    layout.lay_out(run, body, numbers, piece, segment, node, line, log)
+    layout.lay_out(run, numbers, piece, segment, node, line, log)
     events.begin(run, segment, node, line, log, tree)
     stock.settle(run, segment, node, line, log)
     stock.remember(segment)
@@ -185,9 +182,8 @@ def solve_one(
         When velocities overflow, or transit times are too far apart for one clock.
     """
     fast = kernels.worth_compiling(plan.fronts**2 * PAIR_TIME, march.follow)
-    members = Members(plan, 1, fast, until=-1.0 if until is None else until, limit=max_events,
-                      further=1, beside=int(beside))
-    members.lay(np.array([plan.numbers]))
+    members = Members(plan, plan.numbers, fast, until=-1.0 if until is None else until,
+                      limit=max_events, further=1, beside=int(beside))
     while members.go():
         rows, (run,) = len(members.records["log"]), members.objects("run")
         if not members.fast and kernels.worth_compiling(rows * ROW_TIME, march.follow):
@@ -210,9 +206,9 @@ def _expected(run: Any) -> int:
 
 
 def solve_many(
-    plan: Plan, until: float | None, max_events: int,
-    stop: Callable[[], bool] = lambda: False, more: int = 0, reads: bool = False,
-) -> dict[str, Any]:
+    plan: Plan, until: float | None, max_events: int, wanted: Sequence[tuple[str, int]],
+    stop: Callable[[], bool] = lambda: False, more: int = 0,
+) -> dict[Any, Any]:
     """Run every member of a family to `until`, or to its proof of finality.
 
     Members run in blocks that share records small enough for the processor's cache.
@@ -224,17 +220,17 @@ def solve_many(
         Time to be reached, s.
     max_events : int
         Cap for each member.
+    wanted : sequence of (str, int)
+        Fields of PART, and of which node.
     stop : callable
         Asked now and then whether to give up.
     more : int
         Members that other calls will run in this process.
-    reads : bool
-        Whether to read the waves of each member, too.
 
     Returns
     -------
-    dict of str to array
-        Columns of `columns_of`, one row a member in C order.
+    dict of str or (str, int) to array
+        Fields `TOLD` of RUN, and what is wanted, [member] in C order.
 
     Raises
     ------
@@ -243,56 +239,31 @@ def solve_many(
     TooLong
         If a member takes too much memory.
     """
-    given, first, size = np.column_stack(list(map(plan.row.of, plan.numbers))), 0, FIRST_BLOCK
-    members: Members | None = None
-    parts: list[dict[str, Any]] = []
+    numbers, first, size = [plan.row.of(number) for number in plan.numbers], 0, FIRST_BLOCK
+    count, nodes, members = len(numbers[0]), len(plan.kinds), None
+    columns: dict[Any, Any] = {name: np.empty(count, RUN[name]) for name in TOLD}
+    columns |= {(name, k): np.empty(count, PART[name]) for name, k in wanted}
+    reads = any(name == "parted" for name, _ in wanted)
     plain, measured = ROOM * ROW_TIME, False  # s of a member in plain Python
-    while first < len(given):
+    while first < count:
         if stop():
             raise Stopped
-        block, begun = given[first : first + size], now()
-        ahead = len(given) - first - len(block) + more if measured else 0
-        fast = kernels.worth_compiling(plain * len(block), march.follow, ahead=plain * ahead)
+        block, begun = slice(first, min(first + size, count)), now()
+        length = block.stop - first
+        ahead = count - block.stop + more if measured else 0
+        fast = kernels.worth_compiling(plain * length, march.follow, ahead=plain * ahead)
         if members is None or members.fast != fast:
-            members = Members(plan, min(len(given), LAST_BLOCK), fast, reads=int(reads),
-                              until=-1.0 if until is None else until, limit=max_events)
-        members.lay(block)
+            members = Members(plan, [], fast, limit=max_events, reads=int(reads),
+                              until=-1.0 if until is None else until)
+        members.lay(np.column_stack([of[block] for of in numbers]))
         while members.go():
             members.lengthen()
-        parts.append(columns_of(members, len(block)))
-        first += len(block)
-        seconds = now() - begun
+        run, part = members.arrays("run"), members.arrays("part").reshape(length, nodes)
+        for name, column in columns.items():
+            column[block] = run[name] if name in TOLD else part[name[0]][:, name[1]]
+        first, seconds = block.stop, now() - begun
         quick = seconds < PATIENCE / 4
         if not fast:
-            plain, measured = seconds / len(block), measured or not quick
+            plain, measured = seconds / length, measured or not quick
         size = min(4 * size, LAST_BLOCK) if quick else max(1, size // 2)
-    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-
-
-def columns_of(members: Members, count: int) -> dict[str, Any]:
-    """What the first members came to, in SI units, with a row for each: by group, or by contact.
-
-    What is read of waves has a column for each segment, `carried` one for each node: the impulse,
-    integrated over time.
-    """
-    plan, size = members.plan, len(members.records["run"])
-    run, segment, node = (members.arrays(name, len(members.records[name]) // size * count)
-                          for name in ("run", "segment", "node"))
-    segment, node = segment.reshape(len(run), -1), node.reshape(len(run), -1)
-    tick, frame, time = run["tick"][:, None], run["frame"][:, None], run["now"] * run["tick"]
-    beside = heads(plan.row.system, plan.row.spans)
-    found = {
-        "stop": run["stop"].copy(), "final": run["proved"] != NONE,
-        "time": time, "vibration": run["vibration"].copy(),
-        "before": segment["initial"][:, beside] + frame,
-        "after": segment["velocity"][:, beside] + frame,
-        "impulse": node["impulse"][:, plan.contacts] * tick,
-        "peak_force": node["peak"][:, plan.contacts],
-        "duration": node["pressed"][:, plan.contacts] * tick,
-        "episodes": node["episodes"][:, plan.contacts],
-    }
-    if run["reads"].any():
-        carried = node["impulse"] * tick * time[:, None] - node["lever"] * tick * tick
-        found |= {"momentum": segment["initial_momentum"] * tick, "frame": run["frame"].copy(),
-                  "carried": carried, "parted": segment["parted"].copy()}
-    return found
+    return columns

@@ -4,9 +4,8 @@ The initial state is the history of the waves over one transit before t = 0. A p
 places that follow the tick rule too, and so do the times at which what drives an end jumps.
 
 The numbers of a member stand in one row of `given`: wave speed, impedance and length of each
-segment, the velocity of the frame, the scale of velocities, the gaps, and for each body its
-profiles, see `BODY`. What holds or drives an end stands there as a body without segments, with
-values over time.
+segment, the velocity of the frame, the scale of velocities, the gaps, and the profiles of each
+body, see `SEGMENT`. What holds or drives an end stands there like a body, with values over time.
 """
 
 import math
@@ -26,39 +25,38 @@ EXACT = 2.0**-48  # relative change of a transit time that is round-off
 WINDOW = 40  # a gap that closes within 2^-40 longest transits of an arrival closes with it
 
 
-def cut(body: Any, given: Any, row: int, piece: Any, segment: Any) -> int:
+def cut(given: Any, row: int, piece: Any, segment: Any) -> int:
     """Cut the segments where a profile jumps; return the number of durations.
 
     Fills durations, and pieces with their velocity and strain; the duration of the jump that begins
     piece i of segment s is at n + i - s.
     """
-    n, count = len(segment) - 2, 0
-    for b in range(len(body)):
-        it = body[b]
+    n, count, it, i, j, left = len(segment) - 2, 0, segment[1], 0, 0, 0.0
+    for s in range(1, n + 1):
+        if segment[s].velocities > 0:  # a body begins
+            it, i, j, left = segment[s], 0, 0, 0.0
         v = row + it.profile
         e = v + 2 * it.velocities - 1
         at_v, at_e = v + it.velocities, e + it.strains
-        i, j, left = 0, 0, 0.0
-        for s in range(it.first, it.last + 1):
-            c, L = given[row + s - 1], given[row + 2 * n + s - 1]
-            right, x, more = left + L, left, True
-            piece[s - 1].time, segment[s].piece = L / c, count
-            while more:
-                while i < it.velocities - 1 and given[at_v + i] <= x:
-                    i += 1
-                while j < it.strains - 1 and given[at_e + j] <= x:
-                    j += 1
-                piece[count].velocity, piece[count].strain = given[v + i], given[e + j]
-                if x > left:
-                    piece[n + count - s].time = (x - left) / L * piece[s - 1].time
-                count += 1
-                x = right
-                if i < it.velocities - 1:
-                    x = min(x, given[at_v + i])
-                if j < it.strains - 1:
-                    x = min(x, given[at_e + j])
-                more = x < right
-            left = right
+        c, L = given[row + s - 1], given[row + 2 * n + s - 1]
+        right, x, more = left + L, left, True
+        piece[s - 1].time, segment[s].piece = L / c, count
+        while more:
+            while i < it.velocities - 1 and given[at_v + i] <= x:
+                i += 1
+            while j < it.strains - 1 and given[at_e + j] <= x:
+                j += 1
+            piece[count].velocity, piece[count].strain = given[v + i], given[e + j]
+            if x > left:
+                piece[n + count - s].time = (x - left) / L * piece[s - 1].time
+            count += 1
+            x = right
+            if i < it.velocities - 1:
+                x = min(x, given[at_v + i])
+            if j < it.strains - 1:
+                x = min(x, given[at_e + j])
+            more = x < right
+        left = right
     segment[n + 1].piece = count
     return count
 
@@ -80,26 +78,25 @@ def jumps_outside(it: Any) -> int:
     return int(it.velocities - 1) if it.outside != Beyond.STEADY else 0
 
 
-def drive_times(body: Any, given: Any, row: int, until: float, spare: float, piece: Any) -> int:
+def drive_times(it: Any, given: Any, piece: Any, segment: Any) -> int:
     """Put the times at which drives jump at the end of the durations; return how many there are.
 
-    `spare` stands for a time that is not reached.
+    For times that are not reached the longest of the others stands there.
     """
-    ends = len(body) - 1
-    late = jumps_outside(body[0]) + jumps_outside(body[ends])
+    ends = len(segment) - 1
+    late = jumps_outside(segment[0]) + jumps_outside(segment[ends])
     place = len(piece) - late
     for side in range(2):
-        it = body[side * ends]
-        for j in range(jumps_outside(it)):
-            at = given[row + it.profile + it.velocities + j]
-            piece[place].time = at if at <= until else spare
+        outside = segment[side * ends]
+        for j in range(jumps_outside(outside)):
+            at = given[it.row + outside.profile + outside.velocities + j]
+            piece[place].time = at if at <= it.until else it.longest
             place += 1
     return late
 
 
 def drive(
-    run: Any, it: Any, side: int, given: Any, row: int, place: int, piece: Any, segment: Any,
-    log: Any,
+    run: Any, side: int, given: Any, place: int, piece: Any, segment: Any, log: Any
 ) -> None:
     """Add the fronts of what drives an end of the row to the log.
 
@@ -108,16 +105,18 @@ def drive(
     Times of jumps are the durations from `place` on.
     """
     n, sent, j, x1, more, came = len(segment) - 2, run.rows, 0, 0, True, 0.0
-    at, end = row + it.profile + it.velocities, 1 + side * (n - 1)
+    it, end = segment[side * (n + 1)], 1 + side * (n - 1)
+    values = run.row + it.profile
+    at = values + it.velocities
     for r in range(run.rows):
         if log[r].line == 2 + side * (2 * n - 1):
             came = log[r].value
     while more:
-        value, x0 = given[row + it.profile + j], x1
+        value, x0 = given[values + j], x1
         if it.outside == Beyond.PUSHED:
             value *= segment[end].mobility
         elif it.outside == Beyond.ENDLESS:
-            value = (4 * side - 2) * given[row + end - 1] * value + came
+            value = (4 * side - 2) * given[run.row + end - 1] * value + came
         else:
             value -= run.frame
         more = j < it.velocities - 1 and given[at + j] <= run.until
@@ -153,25 +152,23 @@ def fill(run: Any, c: float, s: int, piece: Any, segment: Any, log: Any) -> None
                 send(run, log, sent, x0 - T if b else -x1, 2 * s + b, wave)
 
 
-def round_trip(body: Any, segment: Any) -> int:
+def round_trip(segment: Any) -> int:
     """Ticks in which a wave goes through the longest body and back."""
-    longest = 0
-    for b in range(len(body)):
-        span = 0
-        for s in range(body[b].first, body[b].last + 1):
-            span += segment[s].transit
+    longest = span = 0
+    for s in range(1, len(segment) - 1):
+        span = segment[s].transit + (0 if segment[s].velocities > 0 else span)
         longest = max(longest, span)
     return 2 * longest
 
 
-def measure(it: Any, body: Any, given: Any, piece: Any, segment: Any, node: Any) -> None:
+def measure(it: Any, given: Any, piece: Any, segment: Any, node: Any) -> None:
     """Find the frame, the durations and what the clock must count to; arguments as of `lay_out`.
 
     Where there is no clock, `stop` says why.
     """
     n, row, it.proved = len(segment) - 2, it.row, NONE
     it.frame, it.scale = given[row + 3 * n + FRAME], given[row + 3 * n + FRAME + 1]
-    durations = cut(body, given, row, piece, segment)
+    durations = cut(given, row, piece, segment)
     largest, it.longest = 0.0, 0.0
     for s in range(1, n + 1):
         largest = max(largest, given[row + n + s - 1])
@@ -179,7 +176,7 @@ def measure(it: Any, body: Any, given: Any, piece: Any, segment: Any, node: Any)
     spare = room(it, given, piece, node, it.longest)
     it.horizon = it.until if it.until >= 0 else spare
     it.bits = rule.clock_bits(it.horizon / it.longest)
-    it.late = drive_times(body, given, row, it.until, it.longest, piece)
+    it.late = drive_times(it, given, piece, segment)
     for i in range(durations, len(piece) - it.late):
         piece[i].time = it.longest  # fewer jumps inside than there might be
     it.stop = Stop.NONE.value
@@ -212,50 +209,49 @@ def choose_clock(run: Any, m: int, given: Any, piece: Any, segment: Any) -> None
 
 
 def lay_out(
-    run: Any, body: Any, given: Any, piece: Any, segment: Any, node: Any, line: Any, log: Any
+    it: Any, given: Any, piece: Any, segment: Any, node: Any, line: Any, log: Any
 ) -> None:
     """Lay out a member on its clock, and fill the log with its waves at t = 0.
 
     Parameters
     ----------
-    run : RUN
+    it : RUN
         With its clock.
-    body : [body] BODY
     given : [member * numbers]
     piece : [duration] PIECE
         Work space.
     segment : [n + 2] SEGMENT
+        Whose profiles are given.
     node : [n + 1] NODE
         Whose `kind` and `contact` are given.
     line : [2 n + 4] LINE
     log : ROW
         With room for all fronts at t = 0.
     """
-    it, n, row = run, len(segment) - 2, run.row
-    it.rows = 0
+    n, row, it.rows = len(segment) - 2, it.row, 0
     segment[0].mobility = segment[n + 1].mobility = 0.0
     for k in range(n + 1):
         node[k].gap = 0.0
         if node[k].contact != NONE:
             node[k].gap = given[row + 3 * n + GAPS + node[k].contact] / it.tick
     for side in range(2):
-        one, l = body[side * (len(body) - 1)], side * (2 * n + 3)
+        one, l = segment[side * (n + 1)], side * (2 * n + 3)
         line[l].arrived = 0.0
-        if one.last == 0 and one.outside == Beyond.STEADY:
+        if one.velocities > 0 and one.outside == Beyond.STEADY:
             line[l].arrived = given[row + one.profile] - it.frame
     it.target = -1
     if it.until >= 0:
         it.target = round(it.until / it.tick)
     elif it.further or it.lasting:
-        it.target = -round_trip(body, segment)
+        it.target = -round_trip(segment)
     for s in range(1, n + 1):
         fill(it, given[row + s - 1], s, piece, segment, log)
     place = len(piece) - it.late
     for side in range(2):
-        one = body[side * (len(body) - 1)]
+        one = segment[side * (n + 1)]
         if one.outside == Beyond.ENDLESS:
-            segment[side * (n + 1)].mobility = segment[1 + side * (n - 1)].mobility
+            one.mobility = segment[1 + side * (n - 1)].mobility
         if one.outside != Beyond.STEADY:
-            drive(it, one, side, given, row, place, piece, segment, log)
+            drive(it, side, given, place, piece, segment, log)
             place += jumps_outside(one)
     it.started = it.rows

@@ -13,55 +13,64 @@ from .records import CHANGE, IDLE, NEVER, NONE
 
 
 def follow(
-    run: Any, body: Any, given: Any, piece: Any, segment: Any, node: Any, line: Any, log: Any,
-    tree: Any,
-) -> int:
-    """Run every member to its end; return the one for which the log is full, -1 if all are done.
+    run: Any, given: Any, piece: Any, segment: Any, node: Any, line: Any, log: Any, tree: Any,
+    part: Any,
+) -> bool:
+    """Run every member to its end; return whether all are done.
 
-    A member that needs more room goes on when this is called again, with a longer log.
+    Where the log is full, this is to be called again, with a longer one: the member goes on. All
+    members share the records but `run`, `given` and `part`.
 
     Parameters
     ----------
     run : [member] RUN
         Of what is asked for; those with a `stop` from DONE on are done.
-    body : [body] BODY
     given : [member * numbers]
     piece : [duration] PIECE
-        Work space.
-    segment : [member * (n + 2)] SEGMENT
-    node : [member * (n + 1)] NODE
+    segment : [n + 2] SEGMENT
+    node : [n + 1] NODE
     line : [2 n + 4] LINE
-        Work space.
     log : ROW
     tree : [2 * leaves] int
-        Work space.
+    part : [member * (n + 1)] PART
     """
-    nodes = len(node) // len(run)
     for m in range(len(run)):
-        it, inside = run[m], segment[m * (nodes + 1) : (m + 1) * (nodes + 1)]
-        ends = node[m * nodes : (m + 1) * nodes]
+        it = run[m]
         if it.stop == Stop.NONE:
             it.row = m * (len(given) // len(run))
-            layout.measure(it, body, given, piece, inside, ends)
+            layout.measure(it, given, piece, segment, node)
             if it.stop == Stop.NONE:
-                layout.choose_clock(run, m, given, piece, inside)
+                layout.choose_clock(run, m, given, piece, segment)
             if it.stop == Stop.NONE:
-                layout.lay_out(it, body, given, piece, inside, ends, line, log)
-                events.begin(it, inside, ends, line, log, tree)
-                stock.settle(it, inside, ends, line, log)
-                stock.remember(inside)
+                layout.lay_out(it, given, piece, segment, node, line, log)
+                events.begin(it, segment, node, line, log, tree)
+                stock.settle(it, segment, node, line, log)
+                stock.remember(segment)
         if it.stop < Stop.DONE:
-            it.stop = play(it, inside, ends, line, log, tree)
+            it.stop = play(it, segment, node, line, log, tree)
             if it.stop == Stop.FULL:
-                return m
-            events.close_books(it, ends, it.now)
-            stock.settle(it, inside, ends, line, log)
-            it.vibration = energy_left(it, inside)
+                return False
+            events.close_books(it, node, it.now)
+            stock.settle(it, segment, node, line, log)
+            it.vibration = energy_left(it, segment)
             if it.further:
-                scales(it, inside, line, log)
+                scales(it, segment, line, log)
             if it.reads:
-                stock.read(it, inside, line, log)
-    return NONE
+                stock.read(it, segment, line, log)
+            tell(it, segment, node, part, m * len(node))
+    return True
+
+
+def tell(run: Any, segment: Any, node: Any, part: Any, first: int) -> None:
+    """Tell what a member has come to, from this part on."""
+    tick, time = run.tick, run.now * run.tick
+    for k in range(len(node)):
+        it, own, at = part[first + k], segment[k], node[k]
+        it.before, it.after = own.initial + run.frame, own.velocity + run.frame
+        it.momentum, it.parted = own.initial_momentum * tick, own.parted
+        it.impulse, it.peak = at.impulse * tick, at.peak
+        it.carried = at.impulse * tick * time - at.lever * tick * tick
+        it.duration, it.episodes = at.pressed * tick, at.episodes
 
 
 def energy_left(run: Any, segment: Any) -> Any:

@@ -32,6 +32,7 @@ ROUND_OFF = 2.0**-40  # of the peak force: a contact that presses less has come 
 LESS = "an earlier end (until), or a lower cap (max_events),"
 MORE = 4  # times the events of a run that another may take, beside rounded transit times
 NO_ROUNDING: Mapping[str, float] = {}
+TALLY = {"impulse": "impulse", "peak_force": "peak", "duration": "duration", "episodes": "episodes"}
 MOST_MEMBERS, MOST_BYTES = 16384, 1 << 24  # of one call of `solve_family`, for memory's sake
 
 
@@ -237,27 +238,33 @@ def solve_family(
 ) -> runs.FamilyRun:
     """Totals of every member, and what is wanted of `READ`; arguments as of `solve_many`."""
     plan, system, shape = plan_of(row), row.system, row.system.shape
+    beside, nodes = heads(system, row.spans), range(len(plan.kinds))
+    wanted = [(name, s) for name in ("before", "after") for s in beside]
+    wanted += [(name, k) for name in TALLY.values() for k in plan.contacts]
     reads = not {"displacement", "largest_stress"}.isdisjoint(also)
-    run = driver.solve_many(plan, until, max_events, stop, more, reads)
-    final, refused = run["final"] & (not physics.driven(system)), run["stop"] >= Stop.OVERFLOW
+    if reads:
+        wanted += [("carried", k) for k in nodes]
+        wanted += [(name, s) for name in ("momentum", "parted") for s in nodes[1:]]
+    told = driver.solve_many(plan, until, max_events, wanted, stop, more)
+    final, refused = told["proved"] != NONE, told["stop"] >= Stop.OVERFLOW
+    final &= not physics.driven(system)
     unknown = np.where(refused, math.nan, 0.0)
     before, after = (
         [unknown + np.broadcast_to(v, shape).ravel()
-         for v in body_velocities(system, [own.reshape(shape) for own in run[name].T])]
+         for v in body_velocities(system, [told[name, s].reshape(shape) for s in beside])]
         for name in ("before", "after"))
-    contacts = {"episodes": list(run["episodes"].T)}
-    for name in ("impulse", "peak_force", "duration"):
-        contacts[name] = [unknown + total for total in run[name].T]
     return runs.FamilyRun(
-        before, after, unknown + run["vibration"], contacts, final,
-        runs.stopped_by(refused, final, run["stop"] == Stop.CAP, until),
-        {"dissipated": unknown, **(_read(row, run, unknown) if reads else {})},
+        before, after, unknown + told["vibration"],
+        {name: [told[field, k] if field == "episodes" else unknown + told[field, k]
+                for k in plan.contacts] for name, field in TALLY.items()}, final,
+        runs.stopped_by(refused, final, told["stop"] == Stop.CAP, until),
+        {"dissipated": unknown, **(_read(row, told, unknown) if reads else {})},
     )
 
 
-def _read(row: Row, run: Mapping[str, Array], unknown: Array) -> dict[str, Array]:
+def _read(row: Row, told: Mapping[Any, Array], unknown: Array) -> dict[str, Array]:
     """Columns of what was read of the waves. Where bodies are walls nothing is: they move on."""
-    columns, shape, time = dict[str, Array](), row.system.shape, run["time"]
+    columns, shape, time = dict[str, Array](), row.system.shape, told["now"] * told["tick"]
     for i, (body, (first, last)) in enumerate(zip(row.system.bodies, row.spans, strict=True)):
         if not last:
             speed: Any = np.broadcast_to(np.asarray(body.velocity), shape).ravel()
@@ -266,12 +273,12 @@ def _read(row: Row, run: Mapping[str, Array], unknown: Array) -> dict[str, Array
         inside = range(first, last + 1)
         pieces = [row.segments[s - 1] for s in inside]
         mass = sum(np.broadcast_to(piece.mass, shape).ravel() for piece in pieces)
-        brought = sum(run["momentum"][:, s] for s in inside) * time
-        pushed = run["carried"][:, first - 1] - run["carried"][:, last]
-        columns[f"displacement.{i}"] = unknown + run["frame"] * time + (brought + pushed) / mass
+        brought = sum(told["momentum", s] for s in inside) * time
+        pushed = told["carried", first - 1] - told["carried", last]
+        columns[f"displacement.{i}"] = unknown + told["frame"] * time + (brought + pushed) / mass
         stresses = [
             np.broadcast_to(piece.material.youngs_modulus / (2 * piece.wave_speed), shape).ravel()
-            * run["parted"][:, s] for piece, s in zip(pieces, inside, strict=True)
+            * told["parted", s] for piece, s in zip(pieces, inside, strict=True)
         ]
         columns[f"largest_stress.{i}"] = unknown + reduce(np.maximum, stresses)
     return columns

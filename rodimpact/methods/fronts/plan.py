@@ -7,7 +7,7 @@ from ..compiling import blank
 from ..laws import Beyond, Law, Status
 from ..walk import frame_of, scale_of
 from . import events
-from .records import BODY, LINE, NODE, NONE, PIECE, ROW, RUN, SEGMENT
+from .records import LINE, NODE, NONE, PART, PIECE, ROW, RUN, SEGMENT
 
 BEYOND = {
     "velocity": Beyond.MOVED.value, "force": Beyond.PUSHED.value, "absorbing": Beyond.ENDLESS.value,
@@ -18,13 +18,23 @@ STATUS = {
 }
 
 
+class Profile(NamedTuple):
+    """Where values stand among the numbers, see `SEGMENT`, and to which segment they belong."""
+
+    segment: int
+    place: int
+    velocities: int
+    strains: int
+    outside: int
+
+
 class Plan(NamedTuple):
     """What all members of a family share.
 
     Attributes
     ----------
     row : Row
-    body : list of BODY
+    profiles : list of Profile
     kinds : list of int
         Of each node.
     numbers : list of float or array
@@ -36,7 +46,7 @@ class Plan(NamedTuple):
     """
 
     row: Any
-    body: list[Any]
+    profiles: list[Any]
     kinds: list[int]
     numbers: list[Any]
     contacts: list[int]
@@ -51,10 +61,11 @@ def plan_of(row: Any) -> Plan:
         *[s.wave_speed for s in segments], *[s.impedance for s in segments],
         *[s.length for s in segments], frame_of(row), scale_of(row), *system.gaps,
     ]
-    bodies: list[Any] = []
-    for body, span in zip(system.bodies, row.spans, strict=True):
+    profiles: list[Any] = []
+    for i, (body, (first, last)) in enumerate(zip(system.bodies, row.spans, strict=True)):
+        s = first if last > 0 else 0 if i == 0 else len(segments) + 1
         strain = body.strain if body.kind == "rod" else 0.0
-        bodies.append(enter(numbers, span, (body.velocity, strain), Beyond.STEADY.value))
+        profiles.append(enter(numbers, s, (body.velocity, strain), Beyond.STEADY.value))
     kinds = [STATUS[it.law] for it in row.links]
     for side, (kind, value) in enumerate(row.outside):
         end = system.ends[side].kind
@@ -62,18 +73,18 @@ def plan_of(row: Any) -> Plan:
             kinds[side * (len(kinds) - 1)] = Status.FREE.value
         if end != "free":
             beyond = Beyond.STEADY.value if end == "fixed" else BEYOND[kind]
-            entry = enter(numbers, (1, 0), (value, 0.0), beyond)
-            bodies = [*bodies, entry] if side == 1 else [entry, *bodies]
-    pieces = len(segments) + sum(it.velocities + it.strains - 2 for it in bodies)  # cut at jumps
+            end = side * (len(segments) + 1)
+            profiles.append(enter(numbers, end, (value, 0.0), beyond))
+    jumps = sum(it.velocities + it.strains - 2 for it in profiles)
+    pieces = len(segments) + jumps
     contacts = [last for _, last in row.spans[: len(system.gaps)]]
-    return Plan(row, bodies, kinds, numbers, contacts, pieces, 2 * pieces + 2)
+    return Plan(row, profiles, kinds, numbers, contacts, pieces, 2 * pieces + 2)
 
 
-def enter(numbers: list[Any], span: Any, profiles: Any, outside: int) -> Any:
-    """A BODY, whose profiles of velocity and strain are added to the numbers."""
-    it, counts = blank(1, BODY)[0], []
-    it.first, it.last, it.profile, it.outside = span[0], span[1], len(numbers), outside
-    for profile in profiles:
+def enter(numbers: list[Any], segment: int, values: Any, outside: int) -> Profile:
+    """What a body, or what is outside, adds to the numbers: velocities and strains."""
+    place, counts = len(numbers), []
+    for profile in values:
         if isinstance(profile, Steps):
             numbers.extend(profile.values)
             numbers.extend(profile.at)
@@ -81,8 +92,7 @@ def enter(numbers: list[Any], span: Any, profiles: Any, outside: int) -> Any:
         else:
             numbers.append(profile)
             counts.append(1)
-    it.velocities, it.strains = counts
-    return it
+    return Profile(segment, place, counts[0], counts[1], outside)
 
 
 def blank_records(plan: Plan, rows: int) -> dict[str, Any]:
@@ -96,12 +106,17 @@ def blank_records(plan: Plan, rows: int) -> dict[str, Any]:
         node[k].kind, node[k].contact = plan.kinds[k], NONE
     for i, k in enumerate(plan.contacts):
         node[k].contact = i
-    endless = any(it.outside == Beyond.ENDLESS for it in plan.body)
+    segment = blank(n + 2, SEGMENT)
+    for it in plan.profiles:
+        at = segment[it.segment]
+        at.profile, at.velocities, at.strains, at.outside = (
+            it.place, it.velocities, it.strains, it.outside)
+    endless = any(it.outside == Beyond.ENDLESS for it in plan.profiles)
     bonded = any(plan.kinds[k] == Status.BOND for k in plan.contacts)
     run.lasting = 1 if endless or bonded else 0
     return {
-        "run": run, "body": plan.body, "piece": blank(plan.pieces, PIECE),
-        "segment": blank(n + 2, SEGMENT), "node": node, "line": blank(2 * n + 4, LINE),
+        "run": run, "piece": blank(plan.pieces, PIECE), "segment": segment, "node": node,
+        "line": blank(2 * n + 4, LINE), "part": blank(n + 1, PART),
         "log": blank(plan.fronts + rows, ROW),
         "tree": [0 for _ in range(events.size_of_tree(n + 1))],
     }

@@ -15,15 +15,11 @@ NEVER = 1 << 62  # the clock ends here
 IDLE = (1 << 63) - 1  # tick of a node at which nothing is due
 NONE = -1
 
-BODY = np.dtype([
-    ("first", "i8"), ("last", "i8"),  # segments; 1 and 0 of a wall, or of what drives an end
-    ("profile", "i8"),  # place of its first velocity among the numbers of a member
-    ("velocities", "i8"), ("strains", "i8"),  # how many values they have
-    ("outside", "i8"),
-], align=True)
-"""Numbers at `profile`: velocities, where they jump, strains, where those jump."""
-
 SEGMENT = np.dtype([
+    # of the first of a body, or of what holds or drives an end; without values it is neither
+    ("profile", "i8"),  # place among the numbers of a member of values, where they jump,
+    ("velocities", "i8"), ("strains", "i8"),  # so many velocities, then so many strains
+    ("outside", "i8"),
     ("transit", "i8"), ("mobility", "f8"),  # 1/Z; 0 of a wall
     ("first", "i8"), ("last", "i8"),  # of the segments bonded to it and to each other; 1, 0 outside
     ("piece", "i8"),  # first of its pieces of constant state at t = 0
@@ -69,6 +65,18 @@ CHANGE = -1
 PIECE = np.dtype([*SPAN.descr, ("known", "f8"), ("velocity", "f8"), ("strain", "f8")], align=True)
 """A piece of constant state, and a duration of which `known` was the last member's: transit times,
 times from the left end of a segment to its jumps, and those at which drives jump."""
+
+PART = np.dtype([
+    # of the segment left of a node
+    ("before", "f8"), ("after", "f8"),  # velocities at t = 0 and at the end, m/s
+    ("momentum", "f8"),  # of its motion in the frame at t = 0, kg m/s
+    ("parted", "f8"),  # largest difference of its two waves, m/s
+    # of the node
+    ("impulse", "f8"), ("carried", "f8"),  # N s, and integrated over time, N s^2
+    ("peak", "f8"), ("duration", "f8"),  # N, s
+    ("episodes", "i8"),
+], align=True)
+"""What a member of a family comes to, in SI units."""
 
 RUN = np.dtype([
     ("until", "f8"),  # s; without an end, minus the share of `HORIZON` for which there is room
