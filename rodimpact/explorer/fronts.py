@@ -56,7 +56,6 @@ def run_of(asked: Any, further: bool, space: Any) -> Any:
 
 def go(space: Any) -> None:
     """Run from t = 0 on, on the clock that `until` asks for."""
-    space["run"].stop = Stop.NONE.value
     while not march.follow(
         [space["run"]], space["plan"].numbers, space["piece"], space["segment"], space["node"],
         space["line"], space["log"], space["tree"], space["part"]):

@@ -25,7 +25,6 @@ EVENT_TIMES = 2e-5, 2e-6  # s, about what an event takes in plain Python, and co
 ROW_TIME = 1e-5  # s, about what plain Python takes for a row of the log
 PAIR_TIME = 4e-7  # s, about what plain Python takes to compare two durations
 FIRST_BLOCK, LAST_BLOCK = 32, 1024  # members of a block
-TOLD = "stop", "proved", "vibration", "now", "tick", "frame"
 RECORDS = {"run": RUN, "segment": SEGMENT, "node": NODE, "line": LINE, "log": ROW, "piece": PIECE,
            "part": PART}
 FOLLOWED = ("run", "given", "piece", "segment", "node", "line", "log", "tree", "part")
@@ -59,24 +58,19 @@ class Members:
         for name, value in asked.items():
             setattr(one, name, value)
         self.records |= {"run": [one], "given": given}
-        self._one = as_records([one], RUN).view(f"V{RUN.itemsize}")  # copied as a whole
-        self._room = np.empty(0, RUN), np.empty(0, PART)
+        self._room = np.empty(0, PART)
         if fast:
             self.on_arrays()
 
     def lay(self, given: Any) -> None:
         """Take the numbers of other members, [member, number]."""
-        count, parts = len(given), len(given) * len(self.plan.kinds)
+        parts = len(given) * len(self.plan.kinds)
         if self.fast:
-            if len(self._room[0]) < count:  # memory that is new takes longer than a run
-                self._room = np.empty(count, RUN), np.empty(parts, PART)
-            run, part = self._room[0][:count], self._room[1][:parts]
-            run.view(self._one.dtype)[:] = self._one
-            self.records |= {"run": run, "given": given.ravel(), "part": part}
+            if len(self._room) < parts:  # memory that is new takes longer than a run
+                self._room = np.empty(parts, PART)
+            self.records |= {"given": given.ravel(), "part": self._room[:parts]}
         else:
-            self.records |= {
-                "run": as_objects(np.repeat(self._one, count).view(RUN)),
-                "given": given.ravel().tolist(), "part": blank(parts, PART)}
+            self.records |= {"given": given.ravel().tolist(), "part": blank(parts, PART)}
 
     def go(self) -> bool:
         """Run them; return whether there is more to do, with a longer log."""
@@ -208,7 +202,7 @@ def _expected(run: Any) -> int:
 def solve_many(
     plan: Plan, until: float | None, max_events: int, wanted: Sequence[tuple[str, int]],
     stop: Callable[[], bool] = lambda: False, more: int = 0,
-) -> dict[Any, Any]:
+) -> dict[tuple[str, int], Any]:
     """Run every member of a family to `until`, or to its proof of finality.
 
     Members run in blocks that share records small enough for the processor's cache.
@@ -229,8 +223,8 @@ def solve_many(
 
     Returns
     -------
-    dict of str or (str, int) to array
-        Fields `TOLD` of RUN, and what is wanted, [member] in C order.
+    dict of (str, int) to array
+        What is wanted, [member] in C order.
 
     Raises
     ------
@@ -241,8 +235,7 @@ def solve_many(
     """
     numbers, first, size = [plan.row.of(number) for number in plan.numbers], 0, FIRST_BLOCK
     count, nodes, members = len(numbers[0]), len(plan.kinds), None
-    columns: dict[Any, Any] = {name: np.empty(count, RUN[name]) for name in TOLD}
-    columns |= {(name, k): np.empty(count, PART[name]) for name, k in wanted}
+    columns = {(name, k): np.empty(count, PART[name]) for name, k in wanted}
     reads = any(name == "parted" for name, _ in wanted)
     plain, measured = ROOM * ROW_TIME, False  # s of a member in plain Python
     while first < count:
@@ -258,9 +251,9 @@ def solve_many(
         members.lay(np.column_stack([of[block] for of in numbers]))
         while members.go():
             members.lengthen()
-        run, part = members.arrays("run"), members.arrays("part").reshape(length, nodes)
-        for name, column in columns.items():
-            column[block] = run[name] if name in TOLD else part[name[0]][:, name[1]]
+        part = members.arrays("part").reshape(length, nodes)
+        for (name, k), column in columns.items():
+            column[block] = part[name][:, k]
         first, seconds = block.stop, now() - begun
         quick = seconds < PATIENCE / 4
         if not fast:

@@ -161,8 +161,8 @@ def round_trip(segment: Any) -> int:
     return 2 * longest
 
 
-def measure(it: Any, given: Any, piece: Any, segment: Any, node: Any) -> None:
-    """Find the frame, the durations and what the clock must count to; arguments as of `lay_out`.
+def choose_clock(it: Any, given: Any, piece: Any, segment: Any, node: Any) -> None:
+    """Choose the frame, the clock and what counts as zero; arguments as of `lay_out`.
 
     Where there is no clock, `stop` says why.
     """
@@ -175,25 +175,15 @@ def measure(it: Any, given: Any, piece: Any, segment: Any, node: Any) -> None:
         it.longest = max(it.longest, piece[s - 1].time)
     spare = room(it, given, piece, node, it.longest)
     it.horizon = it.until if it.until >= 0 else spare
-    it.bits = rule.clock_bits(it.horizon / it.longest)
+    bits = rule.clock_bits(it.horizon / it.longest)
     it.late = drive_times(it, given, piece, segment)
     for i in range(durations, len(piece) - it.late):
         piece[i].time = it.longest  # fewer jumps inside than there might be
-    it.stop = Stop.NONE.value
-    if not it.scale * it.scale * largest * 2.0**rule.CLOCK_BITS < math.inf:
-        it.stop, it.bits = Stop.OVERFLOW.value, 0
-    elif it.bits < rule.COARSEST:
-        it.stop = Stop.LONG.value
-
-
-def choose_clock(run: Any, m: int, given: Any, piece: Any, segment: Any) -> None:
-    """Choose the clock of member m, and what counts as zero; `stop` says if it is too coarse."""
-    it, n, row = run[m], len(segment) - 2, run[m].row
-    known = m > 0 and run[m - 1].bits == it.bits  # neighbours in a family often share lengths
-    for i in range(len(piece)):
+    known, it.bits = it.bits == max(bits, rule.COARSEST), max(bits, rule.COARSEST)
+    for i in range(len(piece)):  # neighbours in a family often share lengths
         known = known and piece[i].known == piece[i].time
         piece[i].known = piece[i].time
-    it.total = run[m - 1].total if known else rule.assign_ticks(piece, it.bits, it.late)
+    it.total = it.total if known else rule.assign_ticks(piece, it.bits, it.late)
     it.tick, it.window = it.longest / it.total, max(1, it.total >> WINDOW)
     it.tolerance, it.short = TOLERANCE * it.scale, 1
     for s in range(1, n + 1):
@@ -204,7 +194,12 @@ def choose_clock(run: Any, m: int, given: Any, piece: Any, segment: Any) -> None
                 segment[s].transit += -1 if off > 0 else 1
         if segment[s].transit < segment[it.short].transit:
             it.short = s
-    if segment[it.short].transit <= 4 * it.window:
+    it.stop, shortest = Stop.NONE.value, segment[it.short].transit
+    if not it.scale * it.scale * largest * 2.0**rule.CLOCK_BITS < math.inf:
+        it.stop = Stop.OVERFLOW.value
+    elif bits < rule.COARSEST:
+        it.stop = Stop.LONG.value
+    elif shortest <= 4 * it.window:
         it.stop = Stop.SHORT.value
 
 

@@ -19,12 +19,11 @@ def follow(
     """Run every member to its end; return whether all are done.
 
     Where the log is full, this is to be called again, with a longer one: the member goes on. All
-    members share the records but `run`, `given` and `part`.
+    members share the records but `given` and `part`.
 
     Parameters
     ----------
-    run : [member] RUN
-        Of what is asked for; those with a `stop` from DONE on are done.
+    run : [1] RUN
     given : [member * numbers]
     piece : [duration] PIECE
     segment : [n + 2] SEGMENT
@@ -34,13 +33,13 @@ def follow(
     tree : [2 * leaves] int
     part : [member * (n + 1)] PART
     """
-    for m in range(len(run)):
-        it = run[m]
-        if it.stop == Stop.NONE:
-            it.row = m * (len(given) // len(run))
-            layout.measure(it, given, piece, segment, node)
-            if it.stop == Stop.NONE:
-                layout.choose_clock(run, m, given, piece, segment)
+    it, members = run[0], len(part) // len(node)
+    if it.stop != Stop.FULL:
+        it.member = 0
+    while it.member < members:
+        if it.stop != Stop.FULL:
+            it.row = it.member * (len(given) // members)
+            layout.choose_clock(it, given, piece, segment, node)
             if it.stop == Stop.NONE:
                 layout.lay_out(it, given, piece, segment, node, line, log)
                 events.begin(it, segment, node, line, log, tree)
@@ -52,33 +51,28 @@ def follow(
                 return False
             events.close_books(it, node, it.now)
             stock.settle(it, segment, node, line, log)
-            it.vibration = energy_left(it, segment)
             if it.further:
                 scales(it, segment, line, log)
             if it.reads:
                 stock.read(it, segment, line, log)
-            tell(it, segment, node, part, m * len(node))
+        tell(it, segment, node, part)
+        it.member += 1
     return True
 
 
-def tell(run: Any, segment: Any, node: Any, part: Any, first: int) -> None:
-    """Tell what a member has come to, from this part on."""
-    tick, time = run.tick, run.now * run.tick
+def tell(run: Any, segment: Any, node: Any, part: Any) -> None:
+    """Tell what a member has come to."""
+    tick, time, first = run.tick, run.now * run.tick, run.member * len(node)
     for k in range(len(node)):
         it, own, at = part[first + k], segment[k], node[k]
         it.before, it.after = own.initial + run.frame, own.velocity + run.frame
-        it.momentum, it.parted = own.initial_momentum * tick, own.parted
+        it.vibration, it.parted = own.vibration, own.parted
+        it.momentum = own.initial_momentum * tick
         it.impulse, it.peak = at.impulse * tick, at.peak
         it.carried = at.impulse * tick * time - at.lever * tick * tick
         it.duration, it.episodes = at.pressed * tick, at.episodes
-
-
-def energy_left(run: Any, segment: Any) -> Any:
-    """Energy of vibration of all segments, J."""
-    energy = 0 * run.tick
-    for s in range(len(segment)):
-        energy += segment[s].vibration
-    return energy * run.tick
+    it = part[first]
+    it.stop, it.proved, it.tick, it.time, it.frame = run.stop, run.proved, tick, time, run.frame
 
 
 def scales(run: Any, segment: Any, line: Any, log: Any) -> None:

@@ -239,32 +239,35 @@ def solve_family(
     """Totals of every member, and what is wanted of `READ`; arguments as of `solve_many`."""
     plan, system, shape = plan_of(row), row.system, row.system.shape
     beside, nodes = heads(system, row.spans), range(len(plan.kinds))
-    wanted = [(name, s) for name in ("before", "after") for s in beside]
+    wanted = [(name, 0) for name in ("stop", "proved", "tick", "time", "frame")]
+    wanted += [("vibration", s) for s in nodes[1:]]
+    wanted += [(name, s) for name in ("before", "after") for s in beside]
     wanted += [(name, k) for name in TALLY.values() for k in plan.contacts]
     reads = not {"displacement", "largest_stress"}.isdisjoint(also)
     if reads:
         wanted += [("carried", k) for k in nodes]
         wanted += [(name, s) for name in ("momentum", "parted") for s in nodes[1:]]
     told = driver.solve_many(plan, until, max_events, wanted, stop, more)
-    final, refused = told["proved"] != NONE, told["stop"] >= Stop.OVERFLOW
+    final, refused = told["proved", 0] != NONE, told["stop", 0] >= Stop.OVERFLOW
     final &= not physics.driven(system)
+    vibration = sum(told["vibration", s] for s in nodes[1:]) * told["tick", 0]
     unknown = np.where(refused, math.nan, 0.0)
     before, after = (
         [unknown + np.broadcast_to(v, shape).ravel()
          for v in body_velocities(system, [told[name, s].reshape(shape) for s in beside])]
         for name in ("before", "after"))
     return runs.FamilyRun(
-        before, after, unknown + told["vibration"],
+        before, after, unknown + vibration,
         {name: [told[field, k] if field == "episodes" else unknown + told[field, k]
                 for k in plan.contacts] for name, field in TALLY.items()}, final,
-        runs.stopped_by(refused, final, told["stop"] == Stop.CAP, until),
+        runs.stopped_by(refused, final, told["stop", 0] == Stop.CAP, until),
         {"dissipated": unknown, **(_read(row, told, unknown) if reads else {})},
     )
 
 
 def _read(row: Row, told: Mapping[Any, Array], unknown: Array) -> dict[str, Array]:
     """Columns of what was read of the waves. Where bodies are walls nothing is: they move on."""
-    columns, shape, time = dict[str, Array](), row.system.shape, told["now"] * told["tick"]
+    columns, shape, time = dict[str, Array](), row.system.shape, told["time", 0]
     for i, (body, (first, last)) in enumerate(zip(row.system.bodies, row.spans, strict=True)):
         if not last:
             speed: Any = np.broadcast_to(np.asarray(body.velocity), shape).ravel()
@@ -275,7 +278,7 @@ def _read(row: Row, told: Mapping[Any, Array], unknown: Array) -> dict[str, Arra
         mass = sum(np.broadcast_to(piece.mass, shape).ravel() for piece in pieces)
         brought = sum(told["momentum", s] for s in inside) * time
         pushed = told["carried", first - 1] - told["carried", last]
-        columns[f"displacement.{i}"] = unknown + told["frame"] * time + (brought + pushed) / mass
+        columns[f"displacement.{i}"] = unknown + told["frame", 0] * time + (brought + pushed) / mass
         stresses = [
             np.broadcast_to(piece.material.youngs_modulus / (2 * piece.wave_speed), shape).ravel()
             * told["parted", s] for piece, s in zip(pieces, inside, strict=True)

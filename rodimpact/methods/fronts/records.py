@@ -70,13 +70,16 @@ PART = np.dtype([
     # of the segment left of a node
     ("before", "f8"), ("after", "f8"),  # velocities at t = 0 and at the end, m/s
     ("momentum", "f8"),  # of its motion in the frame at t = 0, kg m/s
+    ("vibration", "f8"),  # energy, in J a tick
     ("parted", "f8"),  # largest difference of its two waves, m/s
     # of the node
     ("impulse", "f8"), ("carried", "f8"),  # N s, and integrated over time, N s^2
     ("peak", "f8"), ("duration", "f8"),  # N, s
     ("episodes", "i8"),
+    # of the run, told at its first node
+    ("stop", "i8"), ("proved", "i8"), ("tick", "f8"), ("time", "f8"), ("frame", "f8"),
 ], align=True)
-"""What a member of a family comes to, in SI units."""
+"""What a member of a family comes to, by node."""
 
 RUN = np.dtype([
     ("until", "f8"),  # s; without an end, minus the share of `HORIZON` for which there is room
@@ -85,7 +88,7 @@ RUN = np.dtype([
     ("further", "i8"),  # 1: it runs on for a round trip, and what balances need is added up, too
     ("lasting", "i8"),  # 1: after the proof momenta go on to change, by bonds and endless bars
     ("beside", "i8"),  # 1: transit times that the clock rounds are a tick beyond the true ones
-    ("row", "i8"),  # where its numbers begin
+    ("member", "i8"), ("row", "i8"),  # which one runs, and where its numbers begin
     ("late", "i8"),  # how often what drives its ends jumps
     ("longest", "f8"),  # transit time, s
     ("bits", "i8"), ("total", "i8"),  # ticks of the longest transit: about 2^bits
@@ -96,7 +99,6 @@ RUN = np.dtype([
     ("short", "i8"),  # segment with the shortest transit
     ("absolute", "f8"),  # sum of the absolute momenta of all waves at t = 0, kg m/s
     ("fastest", "f8"),  # largest absolute wave, m/s
-    ("vibration", "f8"),  # energy left, J
     ("now", "i8"), ("rows", "i8"), ("started", "i8"),  # rows that fill the segments at t = 0
     ("events", "i8"), ("probe", "i8"), ("rest", "i8"),  # when, and after how many, to try a proof
     ("proved", "i8"), ("stop", "i8"),
