@@ -29,7 +29,8 @@ class Method(NamedTuple):
     lacks: Sequence[str]
     takes: tuple[str, ...]
     run: Callable[..., Run]
-    family: Callable[..., FamilyRun] | None = None  # runs many members in one call
+    # runs many members in one call, or says None where each runs alone
+    family: Callable[..., FamilyRun | None] | None = None
     together: Callable[[Row], int] = lambda _: 0  # how many; 0 where each runs alone
     also: tuple[str, ...] = ()  # what its family finds if asked; the rest is read member by member
 

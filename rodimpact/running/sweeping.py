@@ -23,7 +23,7 @@ from ..methods.duration import Forecast, Progress, warn
 from ..methods.groups import unilateral
 from ..methods.registry import METHODS, Options, check_function, count
 from ..methods.row import Row
-from ..methods.run import ALSO, MAX_EVENTS, Stopped
+from ..methods.run import ALSO, MAX_EVENTS, FamilyRun, Stopped
 from ..model import Rod, System
 from ..model.frozen import Field, InvalidModel, Problems, quantity, raise_noted
 from ..results.outcome import effective_restitution
@@ -38,7 +38,7 @@ from .sweep_result import SweepResult
 
 FORECAST = warn, "a smaller family", None, "this sweep"
 PLACE = quantity("m", "non-negative", single=True)  # of a gauge
-TOGETHER = 4096  # members that are kept, or run again, as one where they run in compiled code
+TOGETHER = 16384  # members that are kept, or run again, as one where they run in compiled code
 
 
 class SweepError(ValueError):
@@ -204,7 +204,7 @@ def sweep(
         problems += error.problems
     raise_noted(problems)
     together = 0 if _alone(options, readings) else METHODS[options.method].together(Row(system))
-    size, unit = math.prod(system.shape), min(TOGETHER, together) or 1
+    size, unit = math.prod(system.shape), _unit(system, min(TOGETHER, together))
     described = {} if checkpoint is None else {
         "rodimpact": __version__, "system": system.digest, "shape": system.shape,
         **asdict(options), **readings._asdict(), "times": readings.times.tolist(),
@@ -278,16 +278,19 @@ def run_chunk(
     The method is chosen, and `options` hold for the family, of which so many `more` members are
     certain to follow in this process.
     """
-    row, columns = Row(system), {}
-    together = METHODS[options.method].together(row)
+    method, columns = METHODS[options.method], {}
+    own = {name: getattr(options, name) for name in method.takes}
+    own["also"] = [name for name in readings.also if name in method.also]
     try:
-        if not together or _alone(options, readings):
+        run = method.family and method.family(
+            Row(system), options.until, options.max_events, **own, stop=stop, more=more)
+        if not run or _alone(options, readings):
             columns = _one_by_one(system, options, readings, stop)
-        if together:
-            columns |= _together(row, options, readings.also, stop, more)
+        if run:
+            columns |= _columns_of(run, system)
     finally:
         memory.give_back()
-    return {name: columns[name].astype(kind)
+    return {name: columns[name].astype(kind, copy=False)
             for name, (kind, _) in arrays_of(system, readings).items()}
 
 
@@ -322,16 +325,9 @@ def _one_by_one(
     return columns
 
 
-def _together(
-    row: Row, options: Options, also: Sequence[str], stop: Callable[[], bool], more: int
-) -> Columns:
-    """Columns of members that the method runs in one call."""
-    method = METHODS[options.method]
-    assert method.family is not None
-    own = {name: getattr(options, name) for name in method.takes}
-    own["also"] = [name for name in also if name in method.also]
-    run = method.family(row, options.until, options.max_events, **own, stop=stop, more=more)
-    able, e = unilateral(row.system), np.full(len(run.final), math.nan)
+def _columns_of(run: FamilyRun, system: System) -> Columns:
+    """Columns of members that the method has run in one call."""
+    able, e = unilateral(system), np.full(len(run.final), math.nan)
     if len(able) == 1:
         k = able[0]
         e = effective_restitution(
@@ -349,7 +345,22 @@ def _members(system: System, start: int, stop: int) -> System:
     """Members of a family from `start` to `stop` in C order."""
     if stop - start == math.prod(system.shape):
         return system
+    row = math.prod(system.shape[1:])
+    if start % row == stop % row == 0:
+        return system[start // row : stop // row]
     return system[np.unravel_index(np.arange(start, stop), system.shape)]
+
+
+def _unit(system: System, most: int) -> int:
+    """Members of a chunk: an even number of like chunks, of whole rows of the family if they fit.
+
+    Numbers that vary along other axes alone stay small in a chunk of whole rows.
+    """
+    size, row = math.prod(system.shape), math.prod(system.shape[1:])
+    if most == 0:
+        return 1
+    unit = -(-size // (2 * -(-size // (2 * most))))
+    return min(-(-unit // row) * row, size) if unit > row else unit
 
 
 def readings_of(problems: Problems, system: System, gauges: Any, times: Any) -> Readings:

@@ -190,6 +190,7 @@ def test_blocks_may_run_in_plain_python_and_then_compiled(monkeypatch):
         return len(asked) % 2 == 0
 
     monkeypatch.setattr("rodimpact.methods.fronts.driver.PATIENCE", 0.0)
+    monkeypatch.setattr("rodimpact.methods.fronts.driver.FIRST_BLOCK", 8)
     monkeypatch.setattr(kernels, "worth_compiling", in_turns)
     assert same(ri.sweep(system, workers=1), plain)
     assert len(asked) > 9

@@ -24,10 +24,11 @@ ROW_NUMBERS, LIST_NUMBERS = 18, 60  # that a row of the log takes with what resu
 EVENT_TIMES = 2e-5, 2e-6  # s, about what an event takes in plain Python, and compiled
 ROW_TIME = 1e-5  # s, about what plain Python takes for a row of the log
 PAIR_TIME = 4e-7  # s, about what plain Python takes to compare two durations
-FIRST_BLOCK, LAST_BLOCK = 32, 1024  # members of a block
+FIRST_BLOCK, LAST_BLOCK = 64, 4096  # members of a block
 RECORDS = {"run": RUN, "segment": SEGMENT, "node": NODE, "line": LINE, "log": ROW, "piece": PIECE,
            "part": PART}
 FOLLOWED = ("run", "given", "piece", "segment", "node", "line", "log", "tree", "part")
+GROWTH = 16  # of a block after one that was quick
 PATIENCE = 0.1  # s; about how long a block runs before `stop` is asked again
 now = getattr(time, "thread_time", time.perf_counter)  # a browser has no clock of threads
 
@@ -176,8 +177,9 @@ def solve_one(
         When velocities overflow, or transit times are too far apart for one clock.
     """
     fast = kernels.worth_compiling(plan.fronts**2 * PAIR_TIME, march.follow)
-    members = Members(plan, plan.numbers, fast, until=-1.0 if until is None else until,
-                      limit=max_events, further=1, beside=int(beside))
+    members = Members(plan, list(map(float, plan.numbers)), fast,
+                      until=-1.0 if until is None else until, limit=max_events, further=1,
+                      beside=int(beside))
     while members.go():
         rows, (run,) = len(members.records["log"]), members.objects("run")
         if not members.fast and kernels.worth_compiling(rows * ROW_TIME, march.follow):
@@ -233,8 +235,10 @@ def solve_many(
     TooLong
         If a member takes too much memory.
     """
-    numbers, first, size = [plan.row.of(number) for number in plan.numbers], 0, FIRST_BLOCK
-    count, nodes, members = len(numbers[0]), len(plan.kinds), None
+    count, nodes, shape = plan.row.members, len(plan.kinds), plan.row.system.shape
+    numbers: list[Any] = [it if np.ndim(it) == 0 else np.broadcast_to(it, shape).ravel()
+                          for it in plan.numbers]
+    first, size, members = 0, FIRST_BLOCK, None
     columns = {(name, k): np.empty(count, PART[name]) for name, k in wanted}
     reads = any(name == "parted" for name, _ in wanted)
     plain, measured = ROOM * ROW_TIME, False  # s of a member in plain Python
@@ -248,7 +252,10 @@ def solve_many(
         if members is None or members.fast != fast:
             members = Members(plan, [], fast, limit=max_events, reads=int(reads),
                               until=-1.0 if until is None else until)
-        members.lay(np.column_stack([of[block] for of in numbers]))
+        given = np.empty((length, len(numbers)))
+        for j, number in enumerate(numbers):
+            given[:, j] = number if np.ndim(number) == 0 else number[block]
+        members.lay(given)
         while members.go():
             members.lengthen()
         part = members.arrays("part").reshape(length, nodes)
@@ -258,5 +265,5 @@ def solve_many(
         quick = seconds < PATIENCE / 4
         if not fast:
             plain, measured = seconds / length, measured or not quick
-        size = min(4 * size, LAST_BLOCK) if quick else max(1, size // 2)
+        size = min(GROWTH * size, LAST_BLOCK) if quick else max(1, size // 2)
     return columns

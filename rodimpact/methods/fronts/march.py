@@ -66,13 +66,15 @@ def tell(run: Any, segment: Any, node: Any, part: Any) -> None:
     for k in range(len(node)):
         it, own, at = part[first + k], segment[k], node[k]
         it.before, it.after = own.initial + run.frame, own.velocity + run.frame
-        it.vibration, it.parted = own.vibration, own.parted
-        it.momentum = own.initial_momentum * tick
+        it.momentum, it.parted = own.initial_momentum * tick, own.parted
         it.impulse, it.peak = at.impulse * tick, at.peak
         it.carried = at.impulse * tick * time - at.lever * tick * tick
         it.duration, it.episodes = at.pressed * tick, at.episodes
-    it = part[first]
-    it.stop, it.proved, it.tick, it.time, it.frame = run.stop, run.proved, tick, time, run.frame
+    it, energy = part[first], 0.0
+    for s in range(len(segment)):
+        energy += segment[s].vibration
+    it.stop, it.proved = run.stop, 0 if run.proved == NONE else 1
+    it.vibration, it.time, it.frame = energy * tick, time, run.frame
 
 
 def scales(run: Any, segment: Any, line: Any, log: Any) -> None:

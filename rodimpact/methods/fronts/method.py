@@ -239,49 +239,51 @@ def solve_family(
     """Totals of every member, and what is wanted of `READ`; arguments as of `solve_many`."""
     plan, system, shape = plan_of(row), row.system, row.system.shape
     beside, nodes = heads(system, row.spans), range(len(plan.kinds))
-    wanted = [(name, 0) for name in ("stop", "proved", "tick", "time", "frame")]
-    wanted += [("vibration", s) for s in nodes[1:]]
+    wanted = [(name, 0) for name in ("stop", "proved", "vibration")]
     wanted += [(name, s) for name in ("before", "after") for s in beside]
     wanted += [(name, k) for name in TALLY.values() for k in plan.contacts]
     reads = not {"displacement", "largest_stress"}.isdisjoint(also)
     if reads:
-        wanted += [("carried", k) for k in nodes]
+        wanted += [("time", 0), ("frame", 0), *(("carried", k) for k in nodes)]
         wanted += [(name, s) for name in ("momentum", "parted") for s in nodes[1:]]
     told = driver.solve_many(plan, until, max_events, wanted, stop, more)
-    final, refused = told["proved", 0] != NONE, told["stop", 0] >= Stop.OVERFLOW
-    final &= not physics.driven(system)
-    vibration = sum(told["vibration", s] for s in nodes[1:]) * told["tick", 0]
-    unknown = np.where(refused, math.nan, 0.0)
+    refused = told["stop", 0] >= Stop.OVERFLOW
+
+    def known(values: Array) -> Array:
+        return np.where(refused, math.nan, values) if refused.any() else values
+
+    further = {"dissipated": np.zeros(row.members), **(_read(row, told) if reads else {})}
+    final = (told["proved", 0] > 0) & (not physics.driven(system))
     before, after = (
-        [unknown + np.broadcast_to(v, shape).ravel()
+        [known(np.broadcast_to(v, shape).ravel())
          for v in body_velocities(system, [told[name, s].reshape(shape) for s in beside])]
         for name in ("before", "after"))
     return runs.FamilyRun(
-        before, after, unknown + vibration,
-        {name: [told[field, k] if field == "episodes" else unknown + told[field, k]
-                for k in plan.contacts] for name, field in TALLY.items()}, final,
-        runs.stopped_by(refused, final, told["stop", 0] == Stop.CAP, until),
-        {"dissipated": unknown, **(_read(row, told, unknown) if reads else {})},
+        before, after, known(told["vibration", 0]),
+        {name: [told[field, k] if field == "episodes" else known(told[field, k])
+                for k in plan.contacts] for name, field in TALLY.items()},
+        final, runs.stopped_by(refused, final, told["stop", 0] == Stop.CAP, until),
+        {name: known(column) for name, column in further.items()},
     )
 
 
-def _read(row: Row, told: Mapping[Any, Array], unknown: Array) -> dict[str, Array]:
+def _read(row: Row, told: Mapping[Any, Array]) -> dict[str, Array]:
     """Columns of what was read of the waves. Where bodies are walls nothing is: they move on."""
     columns, shape, time = dict[str, Array](), row.system.shape, told["time", 0]
     for i, (body, (first, last)) in enumerate(zip(row.system.bodies, row.spans, strict=True)):
         if not last:
             speed: Any = np.broadcast_to(np.asarray(body.velocity), shape).ravel()
-            columns[f"displacement.{i}"] = unknown + speed * time
+            columns[f"displacement.{i}"] = speed * time
             continue
         inside = range(first, last + 1)
         pieces = [row.segments[s - 1] for s in inside]
         mass = sum(np.broadcast_to(piece.mass, shape).ravel() for piece in pieces)
         brought = sum(told["momentum", s] for s in inside) * time
         pushed = told["carried", first - 1] - told["carried", last]
-        columns[f"displacement.{i}"] = unknown + told["frame", 0] * time + (brought + pushed) / mass
+        columns[f"displacement.{i}"] = told["frame", 0] * time + (brought + pushed) / mass
         stresses = [
             np.broadcast_to(piece.material.youngs_modulus / (2 * piece.wave_speed), shape).ravel()
             * told["parted", s] for piece, s in zip(pieces, inside, strict=True)
         ]
-        columns[f"largest_stress.{i}"] = unknown + reduce(np.maximum, stresses)
+        columns[f"largest_stress.{i}"] = reduce(np.maximum, stresses)
     return columns

@@ -70,14 +70,14 @@ PART = np.dtype([
     # of the segment left of a node
     ("before", "f8"), ("after", "f8"),  # velocities at t = 0 and at the end, m/s
     ("momentum", "f8"),  # of its motion in the frame at t = 0, kg m/s
-    ("vibration", "f8"),  # energy, in J a tick
     ("parted", "f8"),  # largest difference of its two waves, m/s
     # of the node
     ("impulse", "f8"), ("carried", "f8"),  # N s, and integrated over time, N s^2
     ("peak", "f8"), ("duration", "f8"),  # N, s
-    ("episodes", "i8"),
+    ("episodes", "i4"),
     # of the run, told at its first node
-    ("stop", "i8"), ("proved", "i8"), ("tick", "f8"), ("time", "f8"), ("frame", "f8"),
+    ("stop", "i1"), ("proved", "i1"),  # 1: nothing meets again
+    ("vibration", "f8"), ("time", "f8"), ("frame", "f8"),  # energy left, J; its end, s; m/s
 ], align=True)
 """What a member of a family comes to, by node."""
 

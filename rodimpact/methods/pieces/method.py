@@ -72,13 +72,12 @@ def solve_family(
     row: Row, until: float | None, max_events: int, rtol: float | None,
     stop: Callable[[], bool] = lambda: False, more: int = 0,  # noqa: ARG001 - of every family
     also: Sequence[str] = (),
-) -> runs.FamilyRun:
-    """Totals of every member.
+) -> runs.FamilyRun | None:
+    """Totals of every member; nothing where each is to be run alone.
 
     Parameters
     ----------
     row : Row
-        Of a family whose rows are even.
     until, max_events, rtol
         As for a single run.
     stop : callable
@@ -93,6 +92,8 @@ def solve_family(
     Stopped
         If `stop` said so.
     """
+    if not together(row):
+        return None
     refused = np.zeros(row.system.shape, bool)
     for bad, _, _ in row.beyond_scales() if row.segments else ():
         refused |= bad
