@@ -150,13 +150,14 @@ def solve_link(at: Any, c: float) -> tuple[float, float, float]:
     return max(F, 0 * F), x, slope
 
 
-def pushed(link: Any, i: int, first: int, last: int) -> float:
-    """By how much link i would close without its own force."""
-    c: float = link[i].free
-    if i > first:
-        c += link[i].shared * link[i - 1].force
-    if i < last:
-        c += link[i + 1].shared * link[i + 1].force
+def pushed(link: Any, i: int) -> float:
+    """By how much link i would close without its own force.
+
+    The first link of a chain shares nothing with what comes before it; behind the last of all links
+    comes the first.
+    """
+    at, after = link[i], link[i + 1 - len(link)]
+    c: float = at.free + at.shared * link[i - 1].force + after.shared * after.force
     return c
 
 
@@ -164,7 +165,7 @@ def relax(link: Any, first: int, last: int) -> float:
     """Solve link after link, the others as they are; return the largest change of a closing."""
     change = 0.0
     for i in range(first, last + 1):
-        at, c = link[i], pushed(link, i, first, last)
+        at, c = link[i], pushed(link, i)
         if at.law == Law.RIGID or at.law == Law.IMPACT:
             F, slope = (c - at.limit) / at.own, -1.0
             if F <= 0:
@@ -179,25 +180,20 @@ def relax(link: Any, first: int, last: int) -> float:
 def newton(link: Any, first: int, last: int) -> None:
     """Take a Newton step for all links together, each law replaced by its tangent."""
     for i in range(first, last + 1):
-        at, s = link[i], link[i].slope
+        at, before, s = link[i], link[i - 1], link[i].slope
         if s < 0:
             s, middle, right = -s, at.own, at.free - at.limit
         else:
             middle = 1 + s * at.own
             right = at.force + s * (at.free - at.place - at.gap)
-        pivot = middle
-        if i > first:
-            right += s * at.shared * link[i - 1].force
-            pivot += s * at.shared * link[i - 1].upper
+        right += s * at.shared * before.force
+        pivot = middle + s * at.shared * before.upper
         if pivot <= 4 * EPS * middle:
             pivot = middle
-        at.force, at.upper = right / pivot, 0.0
-        if i < last:
-            at.upper = -s * link[i + 1].shared / pivot
+        at.force, at.upper = right / pivot, -s * link[i + 1 - len(link)].shared / pivot
     for i in range(last, first - 1, -1):
         at = link[i]
-        if i < last:
-            at.force -= at.upper * link[i + 1].force
+        at.force -= at.upper * link[i + 1 - len(link)].force
         if at.law >= Law.RIGID:
             at.force = max(at.force, 0.0)
 
@@ -209,21 +205,22 @@ def balance(link: Any, first: int, last: int, speed: float) -> bool:
     converge, if slowly; a Newton step is kept where it halves what the next sweep has to change.
     One link alone needs one sweep. `speed` is that of the bodies, whose round-off is no change.
     """
-    left, tried, size = math.inf, False, speed
-    for _ in range(2 * SWEEPS):
+    left, size, tried, sweeps = math.inf, speed, False, 2 * SWEEPS
+    while sweeps > 0:
         new = relax(link, first, last)
-        if tried and new > left / 2:
+        tried, sweeps = not (tried and new > left / 2), sweeps - 1
+        if tried:
+            left, size = new if first < last else 0.0, speed
+            for i in range(first, last + 1):
+                size = max(size, speed + abs(link[i].force) * link[i].own)
+                link[i].kept = link[i].force
+            if left > 8 * EPS * size:
+                newton(link, first, last)
+            else:
+                sweeps = 0
+        else:
             for i in range(first, last + 1):
                 link[i].force = link[i].kept
-            tried = False
-            continue
-        left, tried, size = new, True, speed
-        for i in range(first, last + 1):
-            size = max(size, speed + abs(link[i].force) * link[i].own)
-            link[i].kept = link[i].force
-        if first == last or left <= 8 * EPS * size:
-            return True
-        newton(link, first, last)
     return bool(left <= ROUGH * size)
 
 
@@ -234,13 +231,11 @@ def start_impacts(link: Any, first: int, last: int, tol: float) -> bool:
     """
     struck = False
     for i in range(first, last + 1):
-        at = link[i]
-        if at.law == Law.IMPACT and at.limit == math.inf:
-            w = pushed(link, i, first, last) - at.force * at.own
-            if at.gap - w < -tol:
-                u = at.before
-                at.limit = 0.0 if u <= tol else (1 - at.damping) * u / 2
-                struck = True
+        at, w = link[i], pushed(link, i) - link[i].force * link[i].own
+        if at.limit == math.inf and at.gap - w < -tol:
+            u = at.before
+            at.limit = 0.0 if u <= tol else (1 - at.damping) * u / 2
+            struck = True
     return struck
 
 

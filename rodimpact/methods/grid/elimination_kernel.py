@@ -35,9 +35,10 @@ def factor(bound: Any, diagonal: Any, held: Any) -> tuple[list[float], ...]:
 def substitute(into: Any, inverse: Any, back: Any, x: Any) -> None:
     """Solve the equations: x holds their right sides and becomes the solution."""
     n = len(x)
-    m, last, y, z = (n - 1) // 2, n - 1, 0.0, 0.0
-    if n % 2 == 0:  # there is a node more on the right
-        z, last = x[last], last - 1
+    m, y, z = (n - 1) // 2, 0.0, 0.0
+    last = 2 * m
+    for i in range(last + 1, n):  # an even number has a node more on the right
+        z = x[i]
     for i in range(m):
         y = x[i] + into[i] * y
         z = x[last - i] + into[last - i] * z
@@ -48,5 +49,5 @@ def substitute(into: Any, inverse: Any, back: Any, x: Any) -> None:
         y = inverse[i] * x[i] + back[i] * y
         z = inverse[last - i] * x[last - i] + back[last - i] * z
         x[i], x[last - i] = y, z
-    if last < n - 1:
-        x[n - 1] = inverse[n - 1] * x[n - 1] + back[n - 1] * z
+    for i in range(last + 1, n):
+        x[i] = inverse[i] * x[i] + back[i] * z

@@ -85,10 +85,10 @@ def follow(grid: Any, track: Any, until: int) -> bool:
             if end[side].kind == Beyond.MOVED:
                 v[end[side].node] = end[side].given
         for i in range(len(link)):
-            if link[i].last != NONE and not resolve(
-                run, v, grid.by_first, grid.by_last, link, signal, i
-            ):
+            if link[i].last != NONE and not resolve(run, v, link, i):
                 return False
+        push(v, grid.by_first, grid.by_last, link, run.tolerance)
+        record(run, v, link, signal)
         move(piece, v)
         if run.implicit > 0:
             dissipate(v, old, viscous, lost)
@@ -205,17 +205,7 @@ def add(v: Any, change: Any) -> None:
         v[i] += change[i]
 
 
-def push(v: Any, by_first: Any, by_last: Any, at: Any) -> None:
-    """Change the velocities of both sides by the force of a link."""
-    for n in range(at.leftmost & FAR, (at.left & FAR) + 1):
-        v[n] -= by_last[n] * at.force
-    for n in range(at.right & FAR, (at.rightmost & FAR) + 1):
-        v[n] += by_first[n] * at.force
-
-
-def resolve(
-    run: Any, v: Any, by_first: Any, by_last: Any, link: Any, signal: Any, first: int
-) -> bool:
+def resolve(run: Any, v: Any, link: Any, first: int) -> bool:
     """Solve links that feel each other; return False where their bodies cannot move."""
     last, speed = link[first].last, 0.0
     for i in range(first, last + 1):
@@ -226,19 +216,29 @@ def resolve(
         at.limit = math.inf  # an impact waits until it happens
         if at.law != Law.IMPACT:
             at.limit = max(at.before / 2 if at.shut == 1 else at.gap / 2 + at.before / 4, 0.0)
-    struck = True
+    struck = found = True
     while struck:
-        if not contacts.balance(link, first, last, speed):
-            return False
+        found = contacts.balance(link, first, last, speed) and found
         struck = contacts.start_impacts(link, first, last, run.tolerance)
-    for i in range(first, last + 1):
+    return found
+
+
+def push(v: Any, by_first: Any, by_last: Any, link: Any, tol: float) -> None:
+    """Change the velocities on both sides of links by their forces."""
+    for i in range(len(link)):
         at = link[i]
-        stiff = at.law == Law.RIGID or at.law == Law.IMPACT
-        if stiff and at.force * at.own <= run.tolerance:
+        if (at.law == Law.RIGID or at.law == Law.IMPACT) and at.force * at.own <= tol:
             at.force = 0.0
         if at.force != 0:
-            push(v, by_first, by_last, at)
-    for i in range(first, last + 1):
+            for n in range(at.leftmost & FAR, (at.left & FAR) + 1):
+                v[n] -= by_last[n] * at.force
+            for n in range(at.right & FAR, (at.rightmost & FAR) + 1):
+                v[n] += by_first[n] * at.force
+
+
+def record(run: Any, v: Any, link: Any, signal: Any) -> None:
+    """Enter what passed in links, and their gaps at the end of the step."""
+    for i in range(len(link)):
         at, before = link[i], link[i].gap
         at.closing = (at.before + v[at.left] - v[at.right]) / 2
         if (at.law == Law.RIGID or at.law == Law.IMPACT) and at.force > 0:
@@ -250,7 +250,6 @@ def resolve(
             entry.closing = at.closing
         if at.law == Law.RIGID and run.step == 0 and at.force > 0:
             entry.closing = (at.early + at.force * at.closing) / at.force
-    return True
 
 
 def dissipate(v: Any, old: Any, viscous: Any, lost: Any) -> None:
