@@ -143,7 +143,7 @@ class Forces:
             if getattr(history.law, "restitution", None) is not None:  # an impact takes no time
                 edges: Floats = np.linspace(0.0, self.end, INTERVALS + 1)
                 force = np.diff(history.impulse_until(edges)) / np.diff(edges)
-                step = max(fields.resolution * fields.clock.tick, self.end / INTERVALS)
+                step = max(fields.step, self.end / INTERVALS)
                 mean = f",\nmean over {written(step, 's')}"
             else:
                 edges, force = steps_until(self.end, times, force, smooth=history.push.size > 1)

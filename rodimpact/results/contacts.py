@@ -1,12 +1,10 @@
 """What happened at each contact: force, gap, and the episodes of touching."""
 
-from functools import cached_property
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods.run import Run
-from ..methods.signals import Floats, Pieces, Side, each_once
+from ..methods.signals import Floats, Side, each_once
 from ..model import ContactLaw, Joint, Rigid, Tabulated, Yielding
 from .fields import Fields
 
@@ -96,12 +94,8 @@ class ContactHistory:
 
         A compliant contact stores some of it; the rest is lost there.
         """
-        return self._work.integral(0, self._fields.to_ticks(t)) * self._tick
-
-    @cached_property
-    def _work(self) -> Pieces:
-        """Power, W."""
-        return self.push * self._closing
+        power = self.push * self._closing
+        return power.integral(0, self._fields.to_ticks(t)) * self._tick
 
     def __repr__(self) -> str:
         name = type(self.law).__name__

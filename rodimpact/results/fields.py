@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from ..methods.clock import Clock
 from ..methods.run import Signals
 from ..methods.signals import Floats, Ints, Pieces, Side
-from ..model.arguments import array
+from ..model.arguments import array, demand
 from ..model.frozen import refusal
 from ..units import shown
 
@@ -70,12 +70,14 @@ class Fields(Protocol):
     end: int
     signals: Signals
     motion: Any
+    step: float
 
     def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
         self.clock, self.end, self.signals, self.motion = clock, end, signals, signals.motion
+        self.step = clock.tick * self.resolution
 
     resolution: int = 1
-    """Ticks in which nothing is resolved: of a grid those of its step."""
+    """Ticks in which nothing is resolved, of a grid those of its step; `step` is the same in s."""
 
     @property
     def constant_between_fronts(self) -> bool:
@@ -133,10 +135,8 @@ class Fields(Protocol):
         """
         t = array("t", t, "s")
         end = self.end * self.clock.tick
-        inside = np.isfinite(t) & (t >= 0) & (t <= end * (1 + 1e-12) + self.clock.tick)
-        if not inside.all():
-            bad = float(t[~inside].flat[0])
-            raise refusal("t", f"must lie in the solution, 0 to {end:.9g} s, got {bad!r}")
+        inside = (t >= 0) & (t <= end * (1 + 1e-12) + self.clock.tick)
+        demand(inside, "t", f"must lie in the solution, 0 to {end:.9g} s, got {{0!r}}", t)
         ticks: Ints = np.minimum(np.rint(t / self.clock.tick).astype(np.int64), self.end)
         return ticks if side is None else to_side(ticks, side)
 
@@ -155,10 +155,8 @@ class Fields(Protocol):
             kind = "a rigid mass" if body in self.signals.masses else "a wall"
             raise refusal("body", f"{body} is {kind} and has no inside; ask for a rod")
         x, edges = array("x", x, "m"), self.edges(body)
-        inside = np.isfinite(x) & (x >= 0) & (x <= edges[-1] * (1 + 1e-12))
-        if not inside.all():
-            bad = float(x[~inside].flat[0])
-            raise refusal("x", f"must lie in body {body}, 0 to {edges[-1]:.9g} m, got {bad!r}")
+        inside = (x >= 0) & (x <= edges[-1] * (1 + 1e-12))
+        demand(inside, "x", f"must lie in body {body}, 0 to {edges[-1]:.9g} m, got {{0!r}}", x)
         piece = np.clip(np.searchsorted(edges, x, "right") - 1, 0, last - first)
         return np.asarray(piece + first), np.asarray(x - edges[piece])
 

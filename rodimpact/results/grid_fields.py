@@ -11,7 +11,7 @@ negative.
 
 import itertools
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +21,9 @@ from ..methods.signals import Floats, Ints, Pieces, Side
 from ..model import Rod, Segment
 from ..model.profiles import Samples
 from .fields import Fields, Profile, Trace
+
+Tables: TypeAlias = dict[int, tuple[Floats, Floats]]
+"""By rod: places, m from its left end, and values there, [state, place]."""
 
 
 class GridFields(Fields):
@@ -46,10 +49,6 @@ class GridFields(Fields):
     def nearest_known(self, ticks: Ints) -> Ints:
         return self.known[np.searchsorted((self.known[1:] + self.known[:-1]) / 2, ticks, "right")]
 
-    @property
-    def _step(self) -> float:
-        return self.clock.tick * STEP_TICKS
-
     # Between states and between nodes -------------------------------------------------------------
 
     def _in_time(self, table: Floats, place: Any, ticks: Ints) -> Floats:
@@ -60,14 +59,14 @@ class GridFields(Fields):
         share = np.minimum((ticks - when[i]) / np.maximum(when[after] - when[i], 1), 1.0)
         return np.asarray(table[i, place] * (1 - share) + table[after, place] * share)
 
-    def _at(self, body: int, x: ArrayLike, ticks: Ints, places: Floats, table: Floats) -> Floats:
-        """Values of a rod at places x, m, between those of a table [state, place]."""
+    def _at(self, body: int, x: ArrayLike, ticks: Ints, tables: Tables) -> Floats:
+        """Values of a rod at places x, m, between those of its table."""
         self._together(self.locate(body, x)[0], ticks)
+        places, table = tables[body]
         i = np.clip(np.searchsorted(places, x, "right") - 1, 0, len(places) - 2)
         share = np.minimum((np.asarray(x) - places[i]) / (places[i + 1] - places[i]), 1.0)
         before, after = (self._in_time(table, at, ticks) for at in (i, i + 1))
-        between: Floats = before * (1 - share) + after * share
-        return between
+        return np.asarray(before * (1 - share) + after * share)
 
     def _places(self, body: int) -> list[Floats]:
         """Of the nodes of each segment of a rod, m from its left end."""
@@ -77,16 +76,16 @@ class GridFields(Fields):
         return [np.linspace(*of, N + 1) for of, N in zip(ends, counts, strict=True)]
 
     def _node_places(self, body: int) -> Floats:
-        *earlier, last = self._places(body)
-        return np.concatenate([*(places[:-1] for places in earlier), last])
+        return np.unique(np.concatenate(self._places(body)))
 
     @cached_property
-    def _stretched(self) -> dict[int, tuple[Floats, Floats]]:
-        """By rod: places, m, and there strains and their rates [2, state, place].
+    def _stretched(self) -> tuple[Tables, Tables]:
+        """Strains and their rates, 1/s.
 
-        These are the ends of segments, on either side of a step, and the middles of cells.
+        Places are the ends of segments, on either side of a step, and the middles of cells.
         """
-        found, cells, kept = {}, self.motion.cells, np.zeros((2, *self.motion.force.shape))
+        found: tuple[Tables, Tables] = {}, {}
+        cells, kept = self.motion.cells, np.zeros((2, *self.motion.force.shape))
         kept[0] = self._strain
         kept[1, :, 1:-1] = np.diff(self.motion.velocity, axis=1) / cells.width[1:-1]
         tension = self.motion.force + cells.viscous * cells.width * kept[1]  # none between pieces
@@ -97,7 +96,7 @@ class GridFields(Fields):
                           self._held(*of, tension, kept))
                          for of, x in zip(segments, self._places(body), strict=True)]
                 places, states = (np.concatenate(of, axis=-1) for of in zip(*parts, strict=True))
-                found[body] = places, states
+                found[0][body], found[1][body] = ((places, values) for values in states)
         return found
 
     def _held(self, s: int, segment: Segment, tension: Floats, kept: Floats) -> Floats:
@@ -121,8 +120,8 @@ class GridFields(Fields):
                 gained = pull * cells.cell_mass[cell] / 2 / mesh.mass[node]
                 stress = (tension[:, cell] - inward * gained) / float(area)
                 missing = stress - E * strain - eta * rate
-                held[0, :, end] += missing / (E + eta / self._step)
-                held[1, :, end] += missing / (E * self._step + eta)
+                held[0, :, end] += missing / (E + eta / self.step)
+                held[1, :, end] += missing / (E * self.step + eta)
         return held
 
     def _pushed(self, node: int) -> Floats:
@@ -137,11 +136,11 @@ class GridFields(Fields):
     @cached_property
     def _strain(self) -> Floats:
         """[state, cell]."""
-        return np.asarray(self.motion.stretches(self._step) / self.motion.cells.width)
+        return np.asarray(self.motion.stretches(self.step) / self.motion.cells.width)
 
     @cached_property
-    def _displaced(self) -> dict[int, Floats]:
-        """By rod: [state, node of the rod] displacements in the frame, m."""
+    def _displaced(self) -> Tables:
+        """Displacements of nodes in the frame, m."""
         stretched = np.cumsum(self._strain[:, :-1] * self.motion.cells.width[:-1], axis=1)
         displaced = {}
         for body, (first, last) in enumerate(self.clock.spans):
@@ -149,8 +148,9 @@ class GridFields(Fields):
                 a, b = self.motion.first[first], self.motion.last[last]
                 piece = int(np.searchsorted(self.motion.starts, a, "right")) - 1
                 before = stretched[:, a] - stretched[:, self.motion.starts[piece]]
-                left = self.motion.place[:, piece] * self._step + before - before[0]
-                displaced[body] = stretched[:, a : b + 1] + (left - stretched[:, a])[:, None]
+                left = self.motion.place[:, piece] * self.step + before - before[0]
+                moved = stretched[:, a : b + 1] + (left - stretched[:, a])[:, None]
+                displaced[body] = self._node_places(body), moved
         return displaced
 
     # Fields ---------------------------------------------------------------------------------------
@@ -160,19 +160,16 @@ class GridFields(Fields):
 
     def _in_frame(self, body: int, x: ArrayLike, ticks: Ints) -> Floats:
         v = self.motion.velocity[:, self._span(body)[0]]
-        return self._at(body, x, ticks, self._node_places(body), v)
+        return self._at(body, x, ticks, {body: (self._node_places(body), v)})
 
     def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
-        self.locate(body, x)  # there is none in a wall
-        places, (strains, _) = self._stretched[body]
-        return self._at(body, x, self.to_ticks(t, side), places, strains)
+        return self._at(body, x, self.to_ticks(t, side), self._stretched[0])
 
     def strain_rate(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
-        places, (_, rates) = self._stretched[body]
-        return self._at(body, x, self.to_ticks(t), places, rates)
+        return self._at(body, x, self.to_ticks(t), self._stretched[1])
 
     def moved(self, body: int, x: ArrayLike, ticks: Ints) -> Floats:
-        moved = self._at(body, x, ticks, self._node_places(body), self._displaced[body])
+        moved = self._at(body, x, ticks, self._displaced)
         return moved + self.clock.frame * (ticks * self.clock.tick)
 
     def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:
@@ -184,8 +181,8 @@ class GridFields(Fields):
 
     def trace(self, body: int, x: float) -> Trace:
         c, ticks = self.clock.wave_speed[int(self.locate(body, x)[0])], self.known
-        v, (places, (strains, _)) = self._in_frame(body, x, ticks), self._stretched[body]
-        stretch = c * self._at(body, x, ticks, places, strains)
+        v = self._in_frame(body, x, ticks)
+        stretch = c * self._at(body, x, ticks, self._stretched[0])
         right, left, change = (
             Pieces.through(ticks, values) for values in (v - stretch, v + stretch, 2 * stretch)
         )
@@ -206,26 +203,25 @@ class GridFields(Fields):
         own = (self.motion.velocity[:, nodes] * mass).sum(axis=1)  # state by state the same bits
         ticks = self.to_ticks(t)
         moving = self._in_time(own[:, None], 0, ticks)
-        momentum: Floats = moving + mass.sum() * (self.clock.frame + self._fallen(ticks))
-        return momentum
+        return np.asarray(moving + mass.sum() * (self.clock.frame + self._fallen(ticks)))
 
     def energy(self, body: int, tick: int, velocity: float) -> tuple[float, float]:
         a, (nodes, _, mass) = self.clock, self._span(body)
         place = int(np.searchsorted(self.motion.when, tick // STEP_TICKS))
         v = self.motion.velocity[place, nodes] + a.frame + a.gravity * tick * a.tick - velocity
-        return self.motion.energies(nodes, mass, place, v, self._step)
+        return self.motion.energies(nodes, mass, place, v, self.step)
 
     def largest_stress(self, body: int) -> float:
         """Of the states that were kept."""
-        rod, (_, (strains, rates)) = self.clock.system.bodies[body], self._stretched[body]
+        rod, (strains, rates) = self.clock.system.bodies[body], self._stretched
         assert isinstance(rod, Rod)
         counts = [len(x) + 1 for x in self._places(body)]
         E, eta = (np.repeat(of, counts) for of in zip(*map(_moduli, rod.segments), strict=True))
-        return float(np.abs(E * strains + eta * rates).max())
+        return float(np.abs(E * strains[body][1] + eta * rates[body][1]).max())
 
     def damped(self, ticks: Ints) -> Floats:
         place = np.searchsorted(self.motion.when, ticks // STEP_TICKS)
-        return np.asarray(self.motion.lost[place] * self._step)
+        return np.asarray(self.motion.lost[place] * self.step)
 
     def profile(self, body: int, tick: int) -> Profile:
         nodes, cells, _ = self._span(body)

@@ -78,7 +78,7 @@ def ring_down(fields: Fields, start: float, end: float) -> RingDown:
     """Read how vibration dies out from `start` to `end`, s; see `Solution.ring_down`."""
     even = np.linspace(start, end, SAMPLES + 1)
     ticks = np.unique(fields.nearest_known(fields.to_ticks(even)))
-    if len(ticks) < FEWEST and end - start > FEWEST * fields.resolution * fields.clock.tick:
+    if len(ticks) < FEWEST and end - start > FEWEST * fields.step:
         message = f"only {len(ticks)} states were kept after the collision"
         raise refusal("ring_down", f"{message}; leave snapshots out, or give more of them")
     times = ticks * fields.clock.tick

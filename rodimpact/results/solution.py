@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ..methods.run import Run, Totals, Waves
 from ..methods.signals import Floats, Side, each_once
 from ..model import Body, Rod, Samples, Steps, System
-from ..model.arguments import array, demand, of_kind, single
+from ..model.arguments import array, demand, of_kind, single, whole
 from ..model.frozen import refusal
 from ..model.numbering import body_names
 from ..storage.writing import write_npz
@@ -376,12 +376,7 @@ class Solution(Shown):
     # Bodies -------------------------------------------------------------------------------------
 
     def _index(self, body: int) -> int:
-        count = len(self.system.bodies)
-        if isinstance(body, bool) or not isinstance(body, int | np.integer):
-            raise TypeError(f"body: must be a whole number from 0 to {count - 1}, got {body!r}")
-        if not 0 <= body < count:
-            raise refusal("body", f"must be from 0 to {count - 1} (walls counted), got {body}")
-        return int(body)
+        return whole("body", body, 0, len(self.system.bodies) - 1)
 
     def _along(self, body: int, x: ArrayLike, name: str) -> Floats:
         """Area or a number of the material at places x, m from the left end of a rod."""

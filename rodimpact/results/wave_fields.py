@@ -20,8 +20,9 @@ from .fields import Fields, Profile, Trace
 FAR = 1 << 61  # ticks: before all fronts
 SLIVER = 64  # ticks: waves that last no longer come of round-off
 
-Seen: TypeAlias = Callable[[int, Ints, Ints], Floats]
-"""A value, of the segment and the ticks at which the waves that meet left its two ends."""
+Seen: TypeAlias = Callable[[int, Pieces, Pieces, Ints, Ints], Floats]
+"""A value, of the segment, the waves that leave its two ends, and the ticks at which what meets
+left them."""
 
 
 class WaveFields(Fields):
@@ -74,8 +75,7 @@ class WaveFields(Fields):
         combined: Callable[[int, Floats, Floats], Floats],
     ) -> Floats:
         """What is made, with the segment, of the two waves that meet."""
-        def both(s: int, p: Ints, q: Ints) -> Floats:
-            A, B = self.waves(s)
+        def both(s: int, A: Pieces, B: Pieces, p: Ints, q: Ints) -> Floats:
             return combined(s, A.at(p, side), B.at(q, side))
 
         if (side == "right" and self.constant_between_fronts and ticks.ndim == 1
@@ -91,7 +91,7 @@ class WaveFields(Fields):
         for s in np.unique(segments).tolist():
             here = segment == s
             p = ticks[here] - offset[here]
-            out[here] = value(s, p, p + 2 * offset[here] - self.clock.ticks[s])
+            out[here] = value(s, *self.waves(s), p, p + 2 * offset[here] - self.clock.ticks[s])
         return out
 
     def _on_grid(self, body: int, x: ArrayLike, when: Ints, value: Seen) -> Floats:
@@ -106,20 +106,18 @@ class WaveFields(Fields):
             seen = np.sort(when.searchsorted(fronts.T), axis=0).T
             counts.append(np.diff(seen, prepend=0, append=len(when)).ravel())
             starts = np.sort(np.append(fronts, inside - FAR, axis=1))
-            levels.append(value(s, starts - inside, starts + inside - T).ravel())
+            levels.append(value(s, A, B, starts - inside, starts + inside - T).ravel())
         whole = np.repeat(np.concatenate(levels), np.concatenate(counts))
         return whole.reshape(len(offset), len(when))
 
     def moved(self, body: int, x: ArrayLike, ticks: Ints) -> Floats:
         return self._pointwise(body, x, ticks, self._displaced)
 
-    def _displaced(self, segment: int, p: Ints, q: Ints) -> Floats:
+    def _displaced(self, s: int, A: Pieces, B: Pieces, p: Ints, q: Ints) -> Floats:
         """Displacement, m, where the waves meet that left the two ends at ticks p and q."""
-        a = self.clock
-        A, B = self.waves(segment)
-        T = a.ticks[segment]
+        a, T = self.clock, self.clock.ticks[s]
         moved = A.integral(0, p) + B.integral(-T, q) + a.frame * (p + q + T)
-        return np.asarray(moved / 2 * a.tick + self._initial_stretch[segment])
+        return np.asarray(moved / 2 * a.tick + self._initial_stretch[s])
 
     @cached_property
     def _initial_stretch(self) -> list[float]:
@@ -136,8 +134,8 @@ class WaveFields(Fields):
         a, ticks = self.clock, self.to_ticks(t)
         right, left = (
             np.diff(self._pointwise(body, x[:, None], ticks, passed)) / np.diff(ticks)
-            for passed in (lambda s, p, _: self.waves(s)[0].integral(0, p),
-                           lambda s, _, q: self.waves(s)[1].integral(0, q))
+            for passed in (lambda _s, A, _B, p, _q: A.integral(0, p),
+                           lambda _s, _A, B, _p, q: B.integral(0, q))
         )
         per_wave = 0.5 / np.array(a.wave_speed)[self.locate(body, x)[0], None]
         fallen = a.gravity * a.tick * (ticks[:-1] + ticks[1:]) / 2
@@ -176,8 +174,7 @@ class WaveFields(Fields):
             up, down = (wave.inside(edges[:-1], edges[1:], shares) - V for wave in waves)
             squares = [(w * w) @ weights @ np.diff(edges) for w in (up + down, up - down)]
             energies += np.array(squares) * (a.impedance[s] * a.tick / 8)
-        kinetic, strain = energies.tolist()
-        return kinetic, strain
+        return float(energies[0]), float(energies[1])
 
     def largest_stress(self, body: int) -> float:
         rod, largest = self.clock.system.bodies[body], [0.0]
