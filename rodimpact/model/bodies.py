@@ -350,7 +350,7 @@ class Segment(Declared):
         return profiles.averages(self.area, edges, 1.0).tolist()  # type: ignore[no-any-return]
 
 
-class Rod(Frozen):
+class Rod(Frozen, kind="rod"):
     """An elastic rod: uniform, stepped or tapered.
 
     Give `length`, `area` or `diameter`, and `material`; or `segments`.
@@ -395,7 +395,6 @@ class Rod(Frozen):
     0.3
     """
 
-    kind: ClassVar[str] = "rod"
     _instead: ClassVar[dict[str, tuple[str, ...]]] = {
         **Segment._instead, "segments": tuple(frozen.defaults_of(Segment))}
     segments: tuple[Segment, ...]
@@ -529,7 +528,7 @@ def _between_jumps(area: Steps, shape: dict[str, Any]) -> tuple[Segment, ...]:
     return tuple(pieces)
 
 
-class RigidMass(Declared):
+class RigidMass(Declared, kind="mass"):
     """A body that moves as a whole: no wave runs through it.
 
     Parameters
@@ -550,13 +549,12 @@ class RigidMass(Declared):
     RigidMass(mass=2.0, velocity=-1.0)
     """
 
-    kind: ClassVar[str] = "mass"
     mass: Numeric = quantity("kg", "positive")
     _: KW_ONLY
     velocity: Numeric = quantity("m/s", default=0.0)
 
 
-class Wall(Declared):
+class Wall(Declared, kind="wall"):
     """An immovable body, or one that keeps its velocity whatever hits it.
 
     Parameters
@@ -574,7 +572,6 @@ class Wall(Declared):
     (1.0, 2.0)
     """
 
-    kind: ClassVar[str] = "wall"
     velocity: Numeric = quantity("m/s", default=0.0)
 
 

@@ -4,13 +4,13 @@ A driven end, and a wave that comes in, follow a profile in time. SI units; a nu
 array, which makes a family.
 """
 
-from typing import ClassVar, TypeAlias, get_args
+from typing import TypeAlias, get_args
 
 from .frozen import Frozen, quantity
 from .profiles import Profile, ProfileLike, in_time
 
 
-class Free(Frozen):
+class Free(Frozen, kind="free"):
     """A free end: no force acts on it.
 
     Examples
@@ -21,10 +21,8 @@ class Free(Frozen):
     (Free(), Free())
     """
 
-    kind: ClassVar[str] = "free"
 
-
-class Fixed(Frozen):
+class Fixed(Frozen, kind="fixed"):
     """The end of a rod is held at rest, in tension too.
 
     Examples
@@ -38,10 +36,8 @@ class Fixed(Frozen):
     0.0
     """
 
-    kind: ClassVar[str] = "fixed"
 
-
-class Absorbing(Frozen):
+class Absorbing(Frozen, kind="absorbing"):
     """The rod goes on for ever: waves leave and none comes back.
 
     The wave that comes in from outside keeps the value that it has there at t = 0.
@@ -58,8 +54,6 @@ class Absorbing(Frozen):
     [0.0, 0.0]
     """
 
-    kind: ClassVar[str] = "absorbing"
-
 
 class _Driven(Frozen):
     """An end at which something follows a profile in time."""
@@ -70,7 +64,7 @@ class _Driven(Frozen):
         self._set(value=in_time(value, self.fields["value"], duration))
 
 
-class Pushed(_Driven):
+class Pushed(_Driven, kind="force"):
     """A force pushes on the end of a rod or on a mass.
 
     Parameters
@@ -94,11 +88,10 @@ class Pushed(_Driven):
     Pushed(value=Steps(values=(1000.0, 0.0), at=(0.0001,)))
     """
 
-    kind: ClassVar[str] = "force"
     value: Profile = quantity("N", label="force", along="time")
 
 
-class Moved(_Driven):
+class Moved(_Driven, kind="velocity"):
     """The end of a rod moves as prescribed, whatever force that takes, in tension too.
 
     Parameters
@@ -122,11 +115,10 @@ class Moved(_Driven):
     Moved(value=Samples(values=array(3,), step=0.0001))
     """
 
-    kind: ClassVar[str] = "velocity"
     value: Profile = quantity("m/s", label="velocity", along="time")
 
 
-class Incoming(_Driven, Absorbing):
+class Incoming(_Driven, Absorbing, kind="incoming"):
     """The rod goes on for ever, and a wave comes in from there, such as a measured pulse.
 
     The wave is added to the initial state of the rod. Waves that reach the end leave the rod, as at
@@ -154,7 +146,6 @@ class Incoming(_Driven, Absorbing):
     Incoming(value=Samples(values=array(4,), step=2e-05))
     """
 
-    kind: ClassVar[str] = "incoming"
     value: Profile = quantity("", label="strain", along="time")
 
 

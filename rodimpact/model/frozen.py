@@ -287,15 +287,19 @@ class Frozen:
 
     fields: ClassVar[dict[str, Field]] = {}
     """The numbers of which it is made."""
-    _tag: ClassVar[dict[str, str]]
-    """What says in tables which class it is: ``{"kind": "rod"}``."""
+    kind: str
+    law: str
+    _tag: ClassVar[dict[str, str]] = {}
+    """What says in tables which class it is, from its header: ``{"kind": "rod"}``."""
     _instead: ClassVar[dict[str, tuple[str, ...]]] = {}
     """Parameters that stand for others: ``{"diameter": ("area",)}``."""
     _whole: ClassVar[tuple[str, ...]] = ()
     """Fields that are no numbers of a family: its members share them."""
 
-    def __init_subclass__(cls) -> None:
-        cls._tag = {name: getattr(cls, name) for name in ("kind", "law") if hasattr(cls, name)}
+    def __init_subclass__(cls, **tag: str) -> None:
+        cls._tag = tag or cls._tag
+        for name, word in tag.items():
+            setattr(cls, name, word)
         if declared := {name: v for name, v in vars(cls).items() if isinstance(v, Field)}:
             cls.fields = declared
         for name, field in declared.items():
@@ -426,8 +430,8 @@ class Frozen:
 class Declared(Frozen):
     """A value whose constructor takes what its class declares: a dataclass that is checked."""
 
-    def __init_subclass__(cls) -> None:
-        super().__init_subclass__()
+    def __init_subclass__(cls, **tag: str) -> None:
+        super().__init_subclass__(**tag)
         dataclass(repr=False, eq=False, frozen=True)(cls)
 
     def __post_init__(self) -> None:

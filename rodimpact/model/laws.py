@@ -30,7 +30,6 @@ SOON = 1e-6  # of the first force of a table
 class _Law(Declared):
     """A contact law, described by its name and its numbers."""
 
-    law: ClassVar[str]
     opens: ClassVar[bool] = True
     overlaps: ClassVar[bool] = False  # may begin with an overlap, a gap below 0
 
@@ -58,7 +57,7 @@ class Plastic(_Compliant):
     exponent = 1.0
 
 
-class Rigid(_Law):
+class Rigid(_Law, law="rigid"):
     """Unilateral contact without compliance: gap >= 0, force >= 0, force times gap = 0.
 
     Where a rod takes part its waves decide what follows. Two rigid bodies have no waves: between
@@ -85,11 +84,10 @@ class Rigid(_Law):
     Rigid()
     """
 
-    law: ClassVar[str] = "rigid"
     restitution: NumericOrNone = quantity("", "[0, 1]", "coefficient of restitution", default=None)
 
 
-class Bonded(_Law):
+class Bonded(_Law, law="bonded"):
     """Two neighbours joined for good: they share velocity and force, in tension too.
 
     Examples
@@ -103,11 +101,10 @@ class Bonded(_Law):
     [-1.0, -1.0, 0.0]
     """
 
-    law: ClassVar[str] = "bonded"
     opens: ClassVar[bool] = False
 
 
-class Joint(_Compliant):
+class Joint(_Compliant, law="joint"):
     """Two neighbours joined for good by a spring and a dashpot side by side: glue, a bolt.
 
     It pulls as well as it pushes: F = -(k s + c s'), s the stretch and s' its rate. The gap of the
@@ -134,7 +131,6 @@ class Joint(_Compliant):
     0.01
     """
 
-    law: ClassVar[str] = "joint"
     opens: ClassVar[bool] = False
     overlaps: ClassVar[bool] = False
     exponent = 1.0
@@ -153,7 +149,7 @@ class Joint(_Compliant):
         return super().stored(np.abs(array("indentation", indentation, "m")))
 
 
-class Spring(_Compliant):
+class Spring(_Compliant, law="spring"):
     """A linear spring between the bodies: F = k d.
 
     Parameters
@@ -172,12 +168,11 @@ class Spring(_Compliant):
     0.005
     """
 
-    law: ClassVar[str] = "spring"
     exponent = 1.0
     stiffness: Numeric = quantity("N/m", "positive")
 
 
-class SpringDashpot(_Compliant):
+class SpringDashpot(_Compliant, law="spring-dashpot"):
     """A linear spring and a dashpot side by side: F = max(0, k d + c d').
 
     Parameters
@@ -198,13 +193,12 @@ class SpringDashpot(_Compliant):
     SpringDashpot(stiffness=100000000.0, damping=2000.0)
     """
 
-    law: ClassVar[str] = "spring-dashpot"
     exponent = 1.0
     stiffness: Numeric = quantity("N/m", "positive")
     damping: Numeric = quantity("N s/m", "non-negative")
 
 
-class Hertz(_Compliant):
+class Hertz(_Compliant, law="hertz"):
     """Elastic contact of rounded faces: F = k d^(3/2).
 
     Parameters
@@ -223,7 +217,6 @@ class Hertz(_Compliant):
     0.4
     """
 
-    law: ClassVar[str] = "hertz"
     exponent = 1.5
     stiffness: Numeric = quantity("N/m^1.5", "positive")
 
@@ -288,7 +281,7 @@ class Hertz(_Compliant):
             return cls(np.divide(4 / 3, compliance * curvature**0.5))
 
 
-class HuntCrossley(_Compliant):
+class HuntCrossley(_Compliant, law="hunt-crossley"):
     """Hertz contact with losses: F = k d^(3/2) max(0, 1 + chi d').
 
     K. H. Hunt and F. R. E. Crossley, Coefficient of restitution interpreted as damping in
@@ -312,13 +305,12 @@ class HuntCrossley(_Compliant):
     1.5
     """
 
-    law: ClassVar[str] = "hunt-crossley"
     exponent = 1.5
     stiffness: Numeric = quantity("N/m^1.5", "positive")
     damping: Numeric = quantity("s/m", "non-negative")
 
 
-class PowerLaw(_Compliant):
+class PowerLaw(_Compliant, law="power"):
     """Elastic contact whose force is a power of the indentation: F = k d^p.
 
     The exponent p is near 1 for faces that fit together, 3/2 for round ones and 2 for pointed ones.
@@ -342,12 +334,11 @@ class PowerLaw(_Compliant):
     1.0
     """
 
-    law: ClassVar[str] = "power"
     stiffness: Numeric = quantity("N/m^p", "positive")
     exponent: Numeric = quantity("", "[1, inf)")
 
 
-class Yielding(Plastic):
+class Yielding(Plastic, law="yielding"):
     """A spring that yields: specimens, pulse shapers and soft ends.
 
     F = k d up to the yield force. Beyond it the slope of F over d is `hardening`. Unloading and
@@ -380,7 +371,6 @@ class Yielding(Plastic):
     (1000.0, True)
     """
 
-    law: ClassVar[str] = "yielding"
     stiffness: Numeric = quantity("N/m", "positive")
     yield_force: Numeric = quantity("N", "positive")
     hardening: Numeric = quantity("N/m", "non-negative", default=0.0)
@@ -396,7 +386,7 @@ class Yielding(Plastic):
         return self.replace(yield_force=max(self.yield_force, force))
 
 
-class Tabulated(Plastic):
+class Tabulated(Plastic, law="tabulated"):
     """A specimen or contact by table: force over compression on loading, a stiffness on unloading.
 
     On loading F follows straight lines from 0 through the points of the table, and beyond the last
@@ -432,7 +422,6 @@ class Tabulated(Plastic):
     (True, True)
     """
 
-    law: ClassVar[str] = "tabulated"
     compression: Sequence[Any] = quantity("m", "positive", many=True)
     force: Sequence[Any] = quantity("N", "positive", many=True)
     unloading: NumericOrNone = quantity("N/m", "positive", default=None)
@@ -497,7 +486,7 @@ class Tabulated(Plastic):
         return Tabulated(compression, forces, k)
 
 
-class Law(_Law):
+class Law(_Law, law="own"):
     """A law of one's own: a Python function gives the force.
 
     The method "characteristics" takes it. In plain Python each call of the function takes its time;
@@ -527,7 +516,6 @@ class Law(_Law):
     True
     """
 
-    law: ClassVar[str] = "own"
     overlaps: ClassVar[bool] = True
     force: Callable[[float, float], float]
 
