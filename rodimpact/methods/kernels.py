@@ -62,14 +62,11 @@ def worth_compiling(seconds: float, kernel: Kernel, ahead: float = 0.0) -> bool:
     """
     if _forced is not None:
         return _forced and not why_not()
-    if kernel in _ready:
-        return True
-    total = _spent.get(kernel, 0.0) + seconds
-    if not _asked_for() or not _pays(total + ahead, kernel):
-        _spent[kernel] = total
-        return False
-    _ready.add(kernel)
-    return True
+    if kernel not in _ready:
+        _spent[kernel] = _spent.get(kernel, 0.0) + seconds
+        if _asked_for() and _pays(_spent[kernel] + ahead, kernel):
+            _ready.add(kernel)
+    return kernel in _ready
 
 
 @contextlib.contextmanager
@@ -94,13 +91,10 @@ def _pays(seconds: float, kernel: Kernel) -> bool:
     if seconds <= price:
         return False  # without a look at the cache, for which numba must start
     reason = why_not()
-    kept = not reason and compiled(kernel).files()
-    if not kept and seconds <= COMPILING:
-        return False
-    if reason:
-        _tell_of_no_compiler()
-    elif not kept:
-        _tell_of_compiling()
+    if reason or not compiled(kernel).files():
+        if seconds <= COMPILING:
+            return False
+        _tell(reason)
     return not reason
 
 
@@ -129,15 +123,12 @@ def _fault() -> str:
 
 
 @functools.cache  # once is enough
-def _tell_of_no_compiler() -> None:
-    message = f"{why_not()}; long runs go in plain Python, some fifty times slower"
-    warnings.warn(message, NoCompiler, stacklevel=2)
-
-
-@functools.cache
-def _tell_of_compiling() -> None:
-    """Tell who waits, once; not a program whose messages go to a file."""
-    if "ipykernel" in sys.modules or (sys.stderr and sys.stderr.isatty()):
+def _tell(reason: str) -> None:
+    """Tell why nothing is compiled, or else who waits that it takes time, but not a file."""
+    if reason:
+        message = f"{reason}; long runs go in plain Python, some fifty times slower"
+        warnings.warn(message, NoCompiler, stacklevel=2)
+    elif "ipykernel" in sys.modules or (sys.stderr and sys.stderr.isatty()):
         sys.stderr.write("compiling once, for this and all later runs; up to half a minute\n")
 
 

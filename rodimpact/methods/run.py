@@ -7,7 +7,7 @@ outcome alone does not wait for them. A file of a solution holds a run as it is.
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -322,12 +322,8 @@ class Run:
     def signals(self) -> Signals:
         """All that is known of the motion."""
         made = self.make_signals()
-        object.__setattr__(self, "make_signals", partial(_same, made))  # what they come from may go
+        object.__setattr__(self, "make_signals", made._replace)  # what they come from may go
         return made
 
     def __getstate__(self) -> dict[str, Any]:
         return {"signals": self.signals, **vars(self)}
-
-
-def _same(signals: Signals) -> Signals:
-    return signals

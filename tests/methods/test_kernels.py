@@ -104,7 +104,7 @@ def fresh(monkeypatch):
     monkeypatch.delenv("NUMBA_DISABLE_JIT", raising=False)
     monkeypatch.setattr(kernels, "_spent", {})
     monkeypatch.setattr(kernels, "_ready", set())
-    kernels._tell_of_compiling.cache_clear()
+    kernels._tell.cache_clear()
     monkeypatch.setattr(kernels, "_fault", lambda: "")
     kept_on_disk(monkeypatch, set())
     return monkeypatch
@@ -168,7 +168,6 @@ def test_where_compiling_is_disabled_nothing_is(fresh):
 
 def test_without_numba_a_long_job_is_plain_and_the_user_is_told_once(fresh):
     fresh.setattr(kernels, "_fault", lambda: "numba is not installed")
-    kernels._tell_of_no_compiler.cache_clear()
     assert not kernels.worth_compiling(0.5, FOLLOW)
     with pytest.warns(ri.NoCompiler, match="numba is not installed; long runs go in plain Python"):
         assert not kernels.worth_compiling(60.0, FOLLOW)
