@@ -67,7 +67,7 @@ def tell(run: Any, segment: Any, node: Any, part: Any) -> None:
         it, own, at = part[first + k], segment[k], node[k]
         it.before, it.after = own.initial + run.frame, own.velocity + run.frame
         it.momentum, it.parted = own.initial_momentum * tick, own.parted
-        it.impulse, it.peak = at.impulse * tick, at.peak
+        it.impulse, it.peak_force = at.impulse * tick, at.peak
         it.carried = at.impulse * tick * time - at.lever * tick * tick
         it.duration, it.episodes = at.pressed * tick, at.episodes
     it, energy = part[first], 0.0

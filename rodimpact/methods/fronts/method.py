@@ -32,7 +32,7 @@ ROUND_OFF = 2.0**-40  # of the peak force: a contact that presses less has come 
 LESS = "an earlier end (until), or a lower cap (max_events),"
 MORE = 4  # times the events of a run that another may take, beside rounded transit times
 NO_ROUNDING: Mapping[str, float] = {}
-TALLY = {"impulse": "impulse", "peak_force": "peak", "duration": "duration", "episodes": "episodes"}
+TALLY = "impulse", "peak_force", "duration", "episodes"
 MOST_MEMBERS, MOST_BYTES = 16384, 1 << 24  # of one call of `solve_family`, for memory's sake
 
 
@@ -241,7 +241,7 @@ def solve_family(
     beside, nodes = heads(system, row.spans), range(len(plan.kinds))
     wanted = [(name, 0) for name in ("stop", "proved", "vibration")]
     wanted += [(name, s) for name in ("before", "after") for s in beside]
-    wanted += [(name, k) for name in TALLY.values() for k in plan.contacts]
+    wanted += [(name, k) for name in TALLY for k in plan.contacts]
     reads = not {"displacement", "largest_stress"}.isdisjoint(also)
     if reads:
         wanted += [("time", 0), ("frame", 0), *(("carried", k) for k in nodes)]
@@ -260,8 +260,8 @@ def solve_family(
         for name in ("before", "after"))
     return runs.FamilyRun(
         before, after, known(told["vibration", 0]),
-        {name: [told[field, k] if field == "episodes" else known(told[field, k])
-                for k in plan.contacts] for name, field in TALLY.items()},
+        {name: [told[name, k] if name == "episodes" else known(told[name, k])
+                for k in plan.contacts] for name in TALLY},
         final, runs.stopped_by(refused, final, told["stop", 0] == Stop.CAP, until),
         {name: known(column) for name, column in further.items()},
     )

@@ -18,23 +18,14 @@ STATUS = {
 }
 
 
-class Profile(NamedTuple):
-    """Where values stand among the numbers, see `SEGMENT`, and to which segment they belong."""
-
-    segment: int
-    place: int
-    velocities: int
-    strains: int
-    outside: int
-
-
 class Plan(NamedTuple):
     """What all members of a family share.
 
     Attributes
     ----------
     row : Row
-    profiles : list of Profile
+    profiles : list of (int, int, int, int, int)
+        Segments, and the first four fields of their `SEGMENT`.
     kinds : list of int
         Of each node.
     numbers : list of float or array
@@ -75,13 +66,12 @@ def plan_of(row: Any) -> Plan:
             beyond = Beyond.STEADY.value if end == "fixed" else BEYOND[kind]
             end = side * (len(segments) + 1)
             profiles.append(enter(numbers, end, (value, 0.0), beyond))
-    jumps = sum(it.velocities + it.strains - 2 for it in profiles)
-    pieces = len(segments) + jumps
+    pieces = len(segments) + sum(v + e - 2 for _s, _place, v, e, _o in profiles)  # cut at jumps
     contacts = [last for _, last in row.spans[: len(system.gaps)]]
     return Plan(row, profiles, kinds, numbers, contacts, pieces, 2 * pieces + 2)
 
 
-def enter(numbers: list[Any], segment: int, values: Any, outside: int) -> Profile:
+def enter(numbers: list[Any], segment: int, values: Any, outside: int) -> Any:
     """What a body, or what is outside, adds to the numbers: velocities and strains."""
     place, counts = len(numbers), []
     for profile in values:
@@ -92,7 +82,7 @@ def enter(numbers: list[Any], segment: int, values: Any, outside: int) -> Profil
         else:
             numbers.append(profile)
             counts.append(1)
-    return Profile(segment, place, counts[0], counts[1], outside)
+    return segment, place, counts[0], counts[1], outside
 
 
 def blank_records(plan: Plan, rows: int) -> dict[str, Any]:
@@ -107,11 +97,10 @@ def blank_records(plan: Plan, rows: int) -> dict[str, Any]:
     for i, k in enumerate(plan.contacts):
         node[k].contact = i
     segment = blank(n + 2, SEGMENT)
-    for it in plan.profiles:
-        at = segment[it.segment]
-        at.profile, at.velocities, at.strains, at.outside = (
-            it.place, it.velocities, it.strains, it.outside)
-    endless = any(it.outside == Beyond.ENDLESS for it in plan.profiles)
+    for s, place, velocities, strains, outside in plan.profiles:
+        it = segment[s]
+        it.profile, it.velocities, it.strains, it.outside = place, velocities, strains, outside
+    endless = any(it.outside == Beyond.ENDLESS for it in segment)
     bonded = any(plan.kinds[k] == Status.BOND for k in plan.contacts)
     run.lasting = 1 if endless or bonded else 0
     return {

@@ -73,7 +73,7 @@ PART = np.dtype([
     ("parted", "f8"),  # largest difference of its two waves, m/s
     # of the node
     ("impulse", "f8"), ("carried", "f8"),  # N s, and integrated over time, N s^2
-    ("peak", "f8"), ("duration", "f8"),  # N, s
+    ("peak_force", "f8"), ("duration", "f8"),  # N, s
     ("episodes", "i4"),
     # of the run, told at its first node
     ("stop", "i1"), ("proved", "i1"),  # 1: nothing meets again
