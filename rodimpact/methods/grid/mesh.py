@@ -135,6 +135,12 @@ class Mesh:
         Node on which the outside acts, left and right.
     bonds : dict of int to (int, int)
         By bonded link whose force is asked for: its node, and the cell of a rod beside it.
+    watched, pulled : list of int
+        Nodes whose velocities are asked for at the end of each step, cells whose forces are.
+    swells : bool
+        Whether cells have a radial strain of their own.
+    implicit : bool
+        Whether new velocities depend on each other: there is damping or lateral inertia.
 
     Raises
     ------
@@ -148,8 +154,11 @@ class Mesh:
         self.node_of_mass: list[int] = []
         self.starts: list[int] = []
         self.touching: dict[int, tuple[int, int]] = {}
-        node, parts, last = -1, list[Cells](), len(row.links) - 1
-        for i, (_, (kind, s)) in enumerate(row.beside):
+        self.bonds: dict[int, tuple[int, int]] = {}
+        node, parts, outer = -1, list[Cells](), (0, len(row.links) - 1)
+        driven = [side for side, (kind, _) in enumerate(row.outside) if kind == "velocity"]
+        asked = {*row.contact_link, *(outer[side] for side in driven)}
+        for i, ((before, _), (kind, s)) in enumerate(row.beside):
             apart = row.links[i].law >= Law.JOINT
             for _ in range((i == 0) + apart):  # what lies outside begins the first piece
                 node += 1
@@ -157,6 +166,8 @@ class Mesh:
                 parts.append(NO_CELL)
             if apart:
                 self.touching[i] = node - 1, node
+            elif row.links[i].law == Law.BOND and i in asked:  # of a rod and something else
+                self.bonds[i] = node, node + (before != "segment")
             if kind == "mass":
                 self.node_of_mass.append(node)
             elif kind == "segment":
@@ -174,39 +185,12 @@ class Mesh:
             self.mass[n] += row.masses[m]
             self.shear[n] = 0.0
         self.held = np.zeros(node + 1, np.int64)
-        driven = {link: end for link, end, (kind, _) in zip(
-            (0, last), self.ends, row.outside, strict=True) if kind == "velocity"}
-        self.held[list(driven.values())] = 1
-        self.bonds = {i: self._bond(i) for i in sorted({*row.contact_link, *driven})
-                      if i >= 0 and row.links[i].law == Law.BOND}
-
-    def _bond(self, link: int) -> tuple[int, int]:
-        """Node of a bond and the cell beside it: one of its sides is a rod, or it is one body."""
-        left, right = self.row.beside[link]
-        if left[0] == "segment":
-            return self.last[left[1]], self.last[left[1]]
-        return self.first[right[1]], self.first[right[1]] + 1
-
-    @property
-    def watched(self) -> list[int]:
-        """Nodes whose velocities are asked for at the end of each step."""
+        self.held[[self.ends[side] for side in driven]] = 1
+        self.pulled = [cell for _, cell in self.bonds.values()]
         beside = (node for cell in self.pulled for node in (cell - 1, cell))
-        return list(dict.fromkeys([*self.ends, *self.node_of_mass, *beside]))
-
-    @property
-    def pulled(self) -> list[int]:
-        """Cells whose forces are."""
-        return [cell for _, cell in self.bonds.values()]
-
-    @cached_property
-    def swells(self) -> bool:
-        """Whether cells have a radial strain of their own."""
-        return bool(np.any(self.cells.swelling))
-
-    @cached_property
-    def implicit(self) -> bool:
-        """Whether new velocities depend on each other: there is damping or lateral inertia."""
-        return bool(np.any(self.viscous) or np.any(self.lateral))
+        self.watched = list(dict.fromkeys([*self.ends, *self.node_of_mass, *beside]))
+        self.swells = bool(np.any(self.cells.swelling))
+        self.implicit = bool(np.any(self.viscous) or np.any(self.lateral))
 
     @cached_property
     def groups(self) -> list[tuple[int, int]]:
@@ -287,10 +271,9 @@ def most_cells(segment: Any, count: int, step: float) -> int:
 def _refuse_stiff(path: str, cells: Cells) -> None:
     """Raise InvalidModel where cells resist changes of length so much that nothing else counts."""
     impedance = np.sqrt(cells.stiffness) * np.sqrt(cells.cell_mass)
-    for name, size in (
-        ("material.viscosity", cells.viscous / impedance),
-        ("lateral_inertia", cells.lateral / cells.cell_mass),
-    ):
+    sizes = {"material.viscosity": cells.viscous / impedance,
+             "lateral_inertia": cells.lateral / cells.cell_mass}
+    for name, size in sizes.items():
         if size.max() > STIFFEST:
             message = (
                 f"couples cells {size.max():.2g} times as strongly as their inertia, so round-off "
