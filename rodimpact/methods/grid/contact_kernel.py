@@ -241,7 +241,8 @@ def start_impacts(link: Any, first: int, last: int, tol: float) -> bool:
 
 def settle(at: Any, w: float, tol: float) -> float:
     """Return the gap of a link at the end of a step in which it closes by w."""
-    rest: float = at.gap - w
+    stiff = at.law == Law.RIGID or at.law == Law.IMPACT
+    rest: float = at.gap - w if stiff else -at.place
     if at.law == Law.RIGID:
         if at.shut == 0:
             at.shut = 1 if at.force > 0 else 0
@@ -249,15 +250,12 @@ def settle(at: Any, w: float, tol: float) -> float:
             at.shut, rest = 0, at.before / 2 - w
         else:
             rest = 0.0
-    elif at.law == Law.IMPACT:
-        if at.force <= 0 and at.gap <= 0 and abs(w) <= tol:
-            rest = at.gap
+    elif at.law == Law.IMPACT and at.force <= 0 and at.gap <= 0 and abs(w) <= tol:
+        rest = at.gap
     elif at.law == Law.YIELD and at.place > at.strength / at.stiffness:
         # it hardens, and its faces move for good
         at.strength, _, knot = loaded(at, -at.gap, at.place)
         if knot > at.knot:
             at.knot, at.damping = knot, at.shares[knot - 1]
         rest = -at.strength / at.stiffness
-    else:
-        rest = -at.place
     return rest

@@ -8,7 +8,6 @@ between the nodes i - 1 and i, so the cells 0, those between pieces, and the las
 import math
 from bisect import bisect_left
 from collections.abc import Mapping, Sequence
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -131,12 +130,14 @@ class Mesh:
         Of the radial strain of its two cells, those of `Cells` in series, N m.
     touching : dict of int to (int, int)
         By link of a law: the nodes on its left and on its right.
-    ends : list of int
-        Node on which the outside acts, left and right.
+    ends, end_cells : list of int
+        Node on which the outside acts, left and right, and the cell beside it.
     bonds : dict of int to (int, int)
         By bonded link whose force is asked for: its node, and the cell of a rod beside it.
     watched, pulled : list of int
         Nodes whose velocities are asked for at the end of each step, cells whose forces are.
+    groups : list of (int, int)
+        First and last node of all that hangs together: pieces, with the joints between them.
     swells : bool
         Whether cells have a radial strain of their own.
     implicit : bool
@@ -176,7 +177,8 @@ class Mesh:
                 self.first.append(node)
                 node += counts[s - 1]
                 self.last.append(node)
-        self.stops, self.ends = [*(a - 1 for a in self.starts[1:]), node], [0, node]
+        self.stops = [*(a - 1 for a in self.starts[1:]), node]
+        self.ends, self.end_cells = [0, node], [1, node]
         self.cells = Cells(*np.concatenate([*parts, NO_CELL], axis=1))
         self.cell_mass, self.stiffness, self.viscous, self.lateral, *_, self.width = self.cells
         self.mass = (self.cell_mass[:-1] + self.cell_mass[1:]) / 2
@@ -191,15 +193,10 @@ class Mesh:
         self.watched = list(dict.fromkeys([*self.ends, *self.node_of_mass, *beside]))
         self.swells = bool(np.any(self.cells.swelling))
         self.implicit = bool(np.any(self.viscous) or np.any(self.lateral))
-
-    @cached_property
-    def groups(self) -> list[tuple[int, int]]:
-        """First and last node of all that hangs together: pieces, with the joints between them."""
-        links = self.row.links
-        joined = {left for i, (left, _) in self.touching.items() if links[i].law == Law.JOINT}
+        joined = {left for i, (left, _) in self.touching.items() if row.links[i].law == Law.JOINT}
         first = [a for a in self.starts if a - 1 not in joined]
         last = [b for b in self.stops if b not in joined]
-        return list(zip(first, last, strict=True))
+        self.groups = list(zip(first, last, strict=True))
 
 
 def _cells(segment: Any, count: int) -> Cells:

@@ -71,10 +71,10 @@ class GridRun:
         self._ask(room or 4 * self.round_trip)
         self._when(self.room)  # sets the distance of states, so that few are kept in vain
         self.grid = scheme.grid_of(mesh, step)
-        overlaps = start.begin(mesh, step, self.grid)
+        kick = start.begin(mesh, step, self.grid)
         self.track = self._blank(0, 0)
         self.advance(0)
-        start.part(self.grid, overlaps)
+        start.part(mesh, step, self.grid, kick)
 
     @property
     def steps(self) -> int:

@@ -1,6 +1,5 @@
 """From a mesh and a step to the arrays of the kernels, all but the state of motion."""
 
-import math
 from typing import Any
 
 import numpy as np
@@ -25,21 +24,18 @@ KINDS = {"none": Beyond.STEADY, "force": Beyond.PUSHED, "velocity": Beyond.MOVED
 def grid_of(mesh: Mesh, step: float) -> Grid:
     """Everything at rest and without force, gaps as they are."""
     row, h, n = mesh.row, step, len(mesh.mass)
-    mass = mesh.mass / h
-    for side, (kind, _) in enumerate(row.outside):
-        if kind == "absorbing":
-            mass[mesh.ends[side]] += impedance(mesh, side) / 2
+    mass, Z, cells = mesh.mass / h, _impedances(mesh), mesh.cells
+    mass[mesh.ends] += Z / 2
     multipliers = eliminated(mesh, mass, bound_of(mesh, h))
     by_first, by_last = (
         answered(multipliers, np.bincount(nodes, mesh.held[nodes] == 0, n))
         for nodes in (mesh.starts, mesh.stops))
-    stiffness, cells = mesh.stiffness * h, mesh.cells
     return Grid(
         run=filled(records.RUN, 1, tolerance=TOLERANCE * row.scale, swells=mesh.swells,
                    implicit=mesh.implicit),
         velocity=np.zeros(n), force=np.zeros(n + 1),
         **dict(zip(("into", "inverse", "back"), multipliers, strict=True)),
-        by_first=by_first, by_last=by_last, stiffness=stiffness,
+        by_first=by_first, by_last=by_last, stiffness=mesh.stiffness * h,
         piece=filled(records.PIECE, len(mesh.starts), start=mesh.starts),
         viscous=mesh.viscous, lost=np.zeros(n + 1), change=np.zeros(n), old=np.zeros(n),
         strain=np.zeros(n + 1), rate=np.zeros(n + 1),
@@ -49,7 +45,7 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
         shear=np.append(mesh.shear * h, 0.0),
         link=_links(mesh, h, by_first, by_last),
         end=filled(records.END, 2, kind=[KINDS[kind] for kind, _ in row.outside], node=mesh.ends,
-                   impedance=[impedance(mesh, side) for side in (0, 1)]),
+                   impedance=Z),
         watched=np.array(mesh.watched, np.int64), pulled=np.array(mesh.pulled, np.int64),
     )
 
@@ -67,10 +63,10 @@ def filled(kind: Any, count: int, /, **columns: Any) -> Array:
     return found
 
 
-def impedance(mesh: Mesh, side: int) -> float:
-    """Impedance sqrt(E A rho A) of the rod's last cell at an end."""
-    cell = mesh.ends[side] + (1 if side == 0 else 0)
-    return math.sqrt(float(mesh.cells.relaxed[cell] * mesh.cell_mass[cell]))
+def _impedances(mesh: Mesh) -> Array:
+    """Impedances of endless bars beyond the ends, sqrt(E A rho A) of the cells there; else 0."""
+    cells, endless = mesh.end_cells, [kind == "absorbing" for kind, _ in mesh.row.outside]
+    return np.asarray(endless * np.sqrt(mesh.cells.relaxed[cells] * mesh.cell_mass[cells]))
 
 
 def eliminated(mesh: Mesh, mass: Array, bound: Array) -> tuple[Array, ...]:
@@ -123,15 +119,11 @@ def driven(mesh: Mesh, step: float, side: int, steps: int) -> Array:
     kind, value = mesh.row.outside[side]
     if kind == "velocity":
         return moved(mesh.row, step, value, step * np.arange(1, steps + 1))
-    pushes = pushed(step, value, steps)
-    return walk.wave_of_strain(mesh.row, side) * pushes if kind == "absorbing" else pushes
-
-
-def pushed(step: float, value: Any, steps: int) -> Array:
-    """What drives an end at each kick: its mean over two steps, which waves can follow."""
+    # at a kick what waves can follow: the mean over two steps
     halves = averages(value, step / 2 * np.arange(2 * steps + 2), 0.0)
     around = np.concatenate((halves[:1], halves))
-    return np.asarray((around[:-3:2] + around[1:-2:2] + around[2:-1:2] + around[3::2]) / 4)
+    pushes = np.asarray((around[:-3:2] + around[1:-2:2] + around[2:-1:2] + around[3::2]) / 4)
+    return walk.wave_of_strain(mesh.row, side) * pushes if kind == "absorbing" else pushes
 
 
 def moved(row: Row, step: float, value: Any, t: Array) -> Array:

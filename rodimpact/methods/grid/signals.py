@@ -138,12 +138,9 @@ def _signals(
             touchings(pressed[k])))
         for node, sign in zip(mesh.touching.get(link, ()), INWARD[::-1], strict=False):
             pushes[node] = pushes.get(node, 0.0) + sign * force
-    for node, sign, link, end in zip(
-        mesh.ends, INWARD, (0, len(row.links) - 1), outside, strict=True
-    ):
-        if end is not None and link not in mesh.touching:
+    for node, sign, end in zip(mesh.ends, INWARD, outside, strict=True):
+        if end is not None:
             pushes[node] = pushes.get(node, 0.0) + sign * end.push.values
-    masses = {
-        body: Pieces.through(edges, run.speed(m)) for body, m in enumerate(row.mass_of) if m >= 0
-    }
+    masses = {body: Pieces.through(edges, run.speed(m))
+              for body, m in enumerate(row.mass_of) if m >= 0}
     return Signals(run.motion(pushes=pushes), tuple(contacts), outside, edges, masses)

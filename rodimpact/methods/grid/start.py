@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from ...model import Rod
 from ...model.profiles import averages
 from ..laws import Law
 from ..row import Array
+from ..run import INWARD
 from . import scheme
 from .mesh import Mesh, quotient
 from .records import Grid
@@ -13,12 +13,15 @@ from .records import Grid
 LITTLE_RETARDATION = 1 / 64  # eta/E in steps, where ends shut with half of the delay
 MOST_RETARDATION = 1 / 64  # eta/E over the longest transit, up to which ends shut without delay
 
-Overlaps = list[tuple[int, float, int]]
-"""Cells, by how much they are to be strained before the first kick, and the link that shuts."""
 
+def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
+    """Enter the state at t = 0: velocities then, forces half a step before.
 
-def begin(mesh: Mesh, step: float, grid: Grid) -> Overlaps:
-    """Enter the state at t = 0: velocities then, forces half a step before."""
+    Returns
+    -------
+    array
+        Velocities that half a kick by the forces at t = 0 gives.
+    """
     v, strain = grid.velocity, np.zeros(len(grid.force))
     v[:] = _velocities(mesh, strain)
     v += _dragged(mesh, step, grid)
@@ -28,36 +31,31 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Overlaps:
     kick = _first_kick(mesh, step, grid, tension)
     grid.force[:] = tension + grid.stiffness * np.diff(kick - v, prepend=0.0, append=0.0) / 2
     grid.piece["place"] = kick[mesh.starts] / 2
-    for side, sign in ((0, 1), (1, -1)):
-        cell = mesh.ends[side] + (1 if side == 0 else 0)
-        if mesh.row.outside[side][0] == "absorbing":  # v - F/Z, seen from the row
-            # carried on to the end itself from means over half a cell and over a cell
-            inside, node = cell + sign, mesh.ends[side]
-            pull = tension[cell] - (tension[inside] - tension[cell]) / 2
-            speed = v[node] - (v[node + sign] - v[node]) / 3
-            grid.end["rest"][side] = float(speed - sign * pull / scheme.impedance(mesh, side))
+    # v - F/Z, seen from the row, comes from an endless bar; carried on to the end itself from means
+    # over half a cell and over a cell
+    nodes, cells = np.array((mesh.ends, mesh.end_cells))
+    pull = tension[cells] - (tension[cells + INWARD] - tension[cells]) / 2
+    speed = v[nodes] - (v[nodes + INWARD] - v[nodes]) / 3
+    grid.end["rest"] = speed - INWARD * quotient(pull, grid.end["impedance"])
     link = grid.link
     closing = v[link["left"]] - v[link["right"]]
     link["shut"][link["gap"] <= closing / 2] = 1  # closes before the first kick
-    return _parted(mesh, step, grid, closing, kick)
+    return kick
 
 
 def _velocities(mesh: Mesh, strain: Array) -> Array:
     """Velocities of nodes; enters the strains of cells, as changes of length."""
     row, v = mesh.row, np.zeros(len(mesh.mass))
     for body, (start, stop) in zip(row.system.bodies, row.spans, strict=True):
-        if not isinstance(body, Rod):
-            continue
         left = 0.0
         for s in range(start, stop + 1):
             a, b, L = mesh.first[s], mesh.last[s], float(row.segments[s - 1].length)
             N = mesh.counts[s - 1]
-            halves = averages(body.velocity, left + L * np.arange(2 * N + 1) / (2 * N),
-                              float(body.length))
+            edges = left + L * np.arange(2 * N + 1) / (2 * N)  # of half cells
+            halves = averages(body.velocity, edges, float(body.length))
             m = np.repeat(mesh.cell_mass[a + 1 : b + 1] / 2, 2)
             v[a : b + 1] += np.bincount((np.arange(2 * N) + 1) // 2, m * halves)
-            edges = left + L * np.arange(N + 1) / N
-            strain[a + 1 : b + 1] = averages(body.strain, edges, float(body.length)) * L / N
+            strain[a + 1 : b + 1] = averages(body.strain, edges[::2], float(body.length)) * L / N
             left += L
     for place, node in enumerate(mesh.node_of_mass):
         v[node] += row.masses[place] * row.mass_velocity[place]
@@ -82,10 +80,10 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
     row, force = mesh.row, np.diff(tension)
     for side, (kind, _) in enumerate(row.outside):
         if kind == "force":
-            force[mesh.ends[side]] += (1, -1)[side] * scheme.driven(mesh, step, side, 1)[0]
+            force[mesh.ends[side]] += INWARD[side] * scheme.driven(mesh, step, side, 1)[0]
         elif kind == "absorbing":
             wave = scheme.driven(mesh, step, side, 1)[0]
-            force[mesh.ends[side]] = scheme.impedance(mesh, side) * wave
+            force[mesh.ends[side]] = grid.end["impedance"][side] * wave
     for at in grid.link:
         left, right = at["left"], at["right"]
         if at["law"] == Law.RIGID and at["gap"] == 0 and force[left] > force[right]:
@@ -97,16 +95,18 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
     return scheme.answered(multipliers, np.where(mesh.held == 1, 0.0, force / 2))
 
 
-def _parted(mesh: Mesh, step: float, grid: Grid, closing: Array, kick: Array) -> Overlaps:
+def part(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     """Put ends apart that shut before the first kick, the lighter one more.
 
-    By half the velocity by which they then close, `kick` with it, where they touch at t = 0; by
-    nothing where they meet at the kick, nor where viscosity rules: strain would linger there.
-    Without viscosity all follows half a step late, but a sharp front that comes back to a
-    contact at a kick, as it left it, opens it as it shut: ends get back what they lost.
+    The cells there are strained by half the velocity by which the ends then close, `kick` with it,
+    where they touch at t = 0, and links lose what that takes; by nothing where they meet at the
+    kick, nor where viscosity rules: strain would linger there. Without viscosity all follows half a
+    step late, but a sharp front that comes back to a contact at a kick, as it left it, opens it as
+    it shut: ends get back what they lost.
     """
-    link, (l, r) = grid.link, (grid.link["left"], grid.link["right"])
-    parting = kick[r] - kick[l]
+    v, force, link = grid.velocity, grid.force, grid.link
+    l, r = link["left"], link["right"]
+    closing, parting = v[l] - v[r], kick[r] - kick[l]
     overlap = (closing - parting) / 2 - link["gap"]
     ease = quotient(mesh.held == 0, mesh.mass)
     late = (link["law"] == Law.RIGID) & (link["shut"] == 1) & (ease[l] + ease[r] > 0)
@@ -114,21 +114,11 @@ def _parted(mesh: Mesh, step: float, grid: Grid, closing: Array, kick: Array) ->
     retardation = quotient(mesh.viscous, mesh.stiffness)[[l, r + 1]].max(axis=0)
     late &= retardation <= MOST_RETARDATION * max(mesh.counts) * step
     overlap *= retardation / (retardation + LITTLE_RETARDATION * step)
-    overlaps: Overlaps = []
-    for i in np.flatnonzero(late).tolist():
+    for i in np.flatnonzero(late):
         share = overlap[i] / (ease[l[i]] + ease[r[i]])
-        for n, shift in ((l[i], -ease[l[i]] * share), (r[i], ease[r[i]] * share)):
-            grid.piece["place"][grid.piece["start"] == n] += shift
-            overlaps += [(int(cell), float(sign * shift), i) for cell, sign in ((n, 1), (n + 1, -1))
-                         if mesh.stiffness[cell] > 0]
-    return overlaps
-
-
-def part(grid: Grid, overlaps: Overlaps) -> None:
-    """Strain the cells whose ends shut before the first kick; links lose what that takes."""
-    v, force = grid.velocity, grid.force
-    for i, stretch, link in overlaps:
-        k = grid.stiffness[i]
-        tension = force[i] + k * (v[i] - v[i - 1]) / 2
-        grid.link["early"][link] -= stretch * (tension + k * stretch / 2)
-        force[i] += k * stretch
+        for node, cell in ((l[i], l[i]), (r[i], r[i] + 1)):
+            if mesh.stiffness[cell] > 0:
+                k, stretch = grid.stiffness[cell], -ease[node] * share
+                tension = force[cell] + k * (v[cell] - v[cell - 1]) / 2
+                link["early"][i] -= stretch * (tension + k * stretch / 2)
+                force[cell] += k * stretch
