@@ -38,7 +38,7 @@ from .sweep_result import SweepResult
 
 FORECAST = warn, "a smaller family", None, "this sweep"
 PLACE = quantity("m", "non-negative", single=True)  # of a gauge
-TOGETHER = 16384  # members that are kept, or run again, as one where they run in compiled code
+TOGETHER = 8192  # members that are kept, or run again, as one where they run in compiled code
 
 
 class SweepError(ValueError):
@@ -360,7 +360,10 @@ def _unit(system: System, most: int) -> int:
     if most == 0:
         return 1
     unit = -(-size // (2 * -(-size // (2 * most))))
-    return min(-(-unit // row) * row, size) if unit > row else unit
+    whole = -(-unit // row) * row
+    if unit < row:
+        return unit
+    return whole if whole <= most else unit - unit % row
 
 
 def readings_of(problems: Problems, system: System, gauges: Any, times: Any) -> Readings:

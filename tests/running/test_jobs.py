@@ -126,6 +126,26 @@ def test_jobs_take_about_a_second(clock, seconds, longest):
     assert max(cluster.lasted) == pytest.approx(longest, rel=0.01)
 
 
+@pytest.mark.parametrize(("shape", "most", "unit"), [
+    ((10, 10), 0, 1),  # each alone
+    ((5,), 8192, 3), ((3, 7), 8192, 14), ((100, 100), 8192, 5000), ((101, 101), 8192, 5151),
+    ((1000, 1000), 8192, 8000),  # no more than the most
+    ((2, 500_000), 8192, 8065),  # rows are longer
+    ((4, 5), 4, 4),
+])
+def test_chunks_are_whole_rows_of_the_family_and_an_even_number(shape, most, unit):
+    assert sweeping._unit(SimpleNamespace(shape=shape), most) == unit
+
+
+@pytest.mark.parametrize("most", [5, 8, 14, 40])
+def test_members_of_any_chunk_are_those_of_the_family(monkeypatch, most):
+    monkeypatch.setattr(sweeping, "TOGETHER", most)
+    first = ri.Rod(np.linspace(0.1, 1.0, 5)[:, None], area=1e-4, material=STEEL, velocity=1.0)
+    system = ri.System([first, ri.Rod(1.0, area=np.linspace(1e-4, 2e-4, 7), material=STEEL)])
+    for index, e in np.ndenumerate(ri.sweep(system).restitution):
+        assert e == ri.solve(system[index]).outcome.restitution
+
+
 def test_jobs_fill_a_checkpoint_that_others_go_on_with(clock, monkeypatch, tmp_path):
     """Interrupted once, then gone on with on a cluster of another size."""
     monkeypatch.setattr(sweeping, "TOGETHER", 8)
