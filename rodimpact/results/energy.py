@@ -171,9 +171,7 @@ def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> T
     ticks = np.unique(fields.nearest_known(np.array([0, run.end])))
     states = bonded_groups(fields, ticks)
     book = ledger(fields, contacts, states)
-    first, last = ({name: float(entry[place]) for name, entry in vars(book).items()}
-                   for place in (0, -1))
-    works = {name: last[name] for name in WORKS}
+    works = {name: float(getattr(book, name)[-1]) for name in WORKS}
     own = (run.groups.before, run.groups.after) if run.groups else states.velocity[:, [0, -1]].T
     velocities = [
         [float(v) for of in zip(groups(system), states.bodies, each, strict=True)
@@ -193,10 +191,11 @@ def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> T
     ) + states.mass * clock.scale**2 / 2
     return Totals(
         masses=[clock.mass(i) for i in range(len(system.bodies))],
-        velocities=(velocities[0], velocities[1]), kinetic=(first["kinetic"], last["kinetic"]),
+        velocities=(velocities[0], velocities[1]),
+        kinetic=(float(book.kinetic[0]), float(book.kinetic[-1])),
         vibration=(vibration[0].tolist(), vibration[1].tolist()),
         momentum=(missing, states.mass * clock.scale + pushed),
-        energy=(last["residual"], turnover),
-        works={**works, "contact_energy": last["contact"],
-               "contact_energy_before": first["contact"]},
+        energy=(float(book.residual[-1]), turnover),
+        works={**works, "contact_energy": float(book.contact[-1]),
+               "contact_energy_before": float(book.contact[0])},
     )

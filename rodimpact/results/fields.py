@@ -13,9 +13,8 @@ from numpy.typing import ArrayLike
 from ..methods.clock import Clock
 from ..methods.run import Signals
 from ..methods.signals import Floats, Ints, Pieces, Side
-from ..model.arguments import array, demand
+from ..model.arguments import array, demand, one_of
 from ..model.frozen import refusal
-from ..units import shown
 
 
 class Profile(NamedTuple):
@@ -48,8 +47,7 @@ def to_side(ticks: Ints, side: Side) -> Ints:
 
     A float cannot name a single tick beyond 2^51 of them. ValueError for what is no side of a jump.
     """
-    if not isinstance(side, str) or side not in ("right", "left"):
-        raise refusal("side", f'must be "right" or "left", got {shown(side)}')
+    one_of("side", side, ("right", "left"))
     return ticks + (ticks >> 51) if side == "right" else ticks - (ticks >> 51)
 
 
@@ -102,6 +100,13 @@ class Fields(Protocol):
 
     def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:
         """Mean velocity and strain [places, intervals] at places x between increasing times t."""
+        ticks = self.to_ticks(t)
+        moved, strained = self.displacement(body, x[:, None], t), self.strained(body, x, ticks)
+        lasts = np.diff(ticks)
+        return np.diff(moved) / (lasts * self.clock.tick), np.diff(strained) / lasts
+
+    def strained(self, body: int, x: Floats, ticks: Ints) -> Floats:
+        """Integral of the strain at places x from t = 0 on [places, ticks], in ticks."""
 
     def trace(self, body: int, x: float) -> Trace:
         """What passes a place."""

@@ -118,9 +118,8 @@ class Gauge:
         1.0
         """
         step, rows = _sampling(interval, self.end)
-        if self.end < step:
-            message = f"must not be longer than the record, {self.end!r} s, got {step!r}"
-            raise refusal("interval", message)
+        message = f"must not be longer than the record, {self.end!r} s, got {step!r}"
+        demand(step <= self.end, "interval", message)
         means = [self._means(step / self.tick, block) for block in _blocks(rows)]
         return Signal(np.concatenate(means), step * np.arange(rows), name=name)
 
@@ -207,11 +206,9 @@ def gauges_to_csv(
     'time [s],incident [1],transmitted [1]'
     """
     check_gauges(gauges)
-    if not gauges:
-        raise refusal("gauges", "needs at least one record, such as solution.gauge(1, 0.5)")
+    demand(len(gauges) > 0, "gauges", "needs at least one record, such as solution.gauge(1, 0.5)")
     raise_noted([("gauges", sentence) for name in gauges if (sentence := misnamed(name))])
-    end = min(record.end for record in gauges.values())
-    step, rows = _sampling(interval, end)
+    step, rows = _sampling(interval, min(record.end for record in gauges.values()))
     columns = ([step * block, *(record.strain_at(step * block) for record in gauges.values())]
                for block in _blocks(rows))
     heads = [heading("time", "s"), *(heading(name, "") for name in gauges)]

@@ -172,12 +172,9 @@ class GridFields(Fields):
         moved = self._at(body, x, ticks, self._displaced)
         return moved + self.clock.frame * (ticks * self.clock.tick)
 
-    def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:
-        ticks, traces = self.to_ticks(t), [self.trace(body, place) for place in x.tolist()]
-        velocity = np.diff(self.displacement(body, x[:, None], t))
-        strain = [np.diff(p.stretch.integral(0, ticks)) / (2 * p.wave_speed) for p in traces]
-        lasts = np.diff(ticks)
-        return velocity / (lasts * self.clock.tick), np.array(strain) / lasts
+    def strained(self, body: int, x: Floats, ticks: Ints) -> Floats:
+        traces = (self.trace(body, place) for place in x.tolist())
+        return np.array([p.stretch.integral(0, ticks) / (2 * p.wave_speed) for p in traces])
 
     def trace(self, body: int, x: float) -> Trace:
         c, ticks = self.clock.wave_speed[int(self.locate(body, x)[0])], self.known

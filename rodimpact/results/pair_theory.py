@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..methods.signals import Floats
-from ..model import Body, Rigid, RigidMass, Rod, System
+from ..model import Body, Rigid, Rod, System
 from ..theory import PairCollision, mass_on_rod, rod_on_wall, saint_venant
 
 
@@ -22,7 +22,7 @@ class PairTheory(NamedTuple):
     Attributes
     ----------
     impedance, transit_time : [2, ...] array, by the shape of the family
-        kg/s and s; infinite for a wall, infinite and 0 for a rigid mass.
+        kg/s and s; infinite and 0 for a wall or a rigid mass.
     mass, velocity : [2, ...] array
         kg and m/s.
     """
@@ -92,8 +92,8 @@ def pair_theory(system: System) -> PairTheory | None:
     numbers = [_numbers(body) for body in system.bodies]
     if not all(numbers):
         return None
-    family = PairTheory(*np.stack(
-        [[np.broadcast_to(x, system.shape) for x in of] for of in numbers], axis=1))
+    family = PairTheory(*(np.stack([np.broadcast_to(x, system.shape) for x in pair])
+                          for pair in zip(*numbers, strict=True)))
     return family if np.greater(*family.velocity).any() else None
 
 
@@ -104,6 +104,4 @@ def _numbers(body: Body) -> tuple[Any, ...]:
         if len(body.segments) > 1 or not segment.ideal or not even or np.any(body.strain != 0):
             return ()
         return segment.impedance, segment.transit_time, segment.mass, body.velocity
-    if isinstance(body, RigidMass):
-        return np.inf, 0.0, body.mass, body.velocity
-    return np.inf, np.inf, np.inf, body.velocity
+    return np.inf, 0.0, getattr(body, "mass", np.inf), body.velocity

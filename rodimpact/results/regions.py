@@ -11,7 +11,7 @@ import numpy as np
 
 from ..methods.signals import Floats, Ints
 from ..model import Rod
-from ..model.arguments import single
+from ..model.arguments import demand, single
 from ..model.frozen import refusal
 from .front_polygons import count_of, polygons_of, wave_of
 from .solution import Solution, check_solution
@@ -100,18 +100,14 @@ def regions_of(
     check_solution(solution)
     fields, first_tick, last_tick = _interval(solution, start, stop)
     limit = single("limit", limit, "", "")
-    if not limit >= 1:
-        raise refusal("limit", f"must be 1 or more, got {limit:g}")
+    demand(limit >= 1, "limit", "must be 1 or more, got {0:g}", limit)
     rods = _rods(solution, fields)
     if count_of(rods, first_tick, last_tick, limit) > limit:
         raise refusal("limit", f"more than {limit:.15g} regions; choose a shorter interval")
-    a = fields.clock
-    found = polygons_of(rods, a.tick, a.frame, first_tick, last_tick)
+    found = polygons_of(rods, fields.clock.tick, fields.clock.frame, first_tick, last_tick)
     whole = ("body", "segment", "start")
-    return Regions(**{
-        name: np.array(values, np.int64 if name in whole else float)
-        for name, values in found.items()
-    })
+    return Regions(**{name: np.array(values, np.int64 if name in whole else float)
+                      for name, values in found.items()})
 
 
 def nothing_to_draw(solution: Solution) -> str:
@@ -147,8 +143,7 @@ def _interval(solution: Solution, start: float, stop: float | None) -> tuple[Wav
         raise refusal("solution", f'method "{solution.method}" has no fronts to draw between')
     first_tick, last_tick = (int(fields.to_ticks(single(name, t, "s", "")))
                              for name, t in (("start", start), ("stop", stop)))
-    if last_tick <= first_tick:
-        raise refusal("stop", f"must be later than start = {start!r} s, got {stop!r}")
+    demand(last_tick > first_tick, "stop", f"must be later than start = {start!r} s, got {stop!r}")
     return fields, first_tick, last_tick
 
 

@@ -256,8 +256,8 @@ class Solution(Shown):
                 if isinstance(body, Rod) or name in ("velocity", "displacement", "position"):
                     values[i, inside[i]] = getattr(self, name)(i, x[inside[i], None], t)
             data[name] = ["body", "x", "time"], values
-        means = [self.mean_velocity(i, t) for i in range(len(bodies))]
-        data["mean_velocity"] = ["body", "time"], np.array(means)
+        means = np.array([self.mean_velocity(i, t) for i in range(len(bodies))])
+        data["mean_velocity"] = ["body", "time"], means
         for name in ("force", "gap"):
             histories = [getattr(contact, name)(t) for contact in self.contacts]
             data[name] = ["contact", "time"], np.reshape(histories, (len(histories), t.size))
@@ -312,10 +312,8 @@ class Solution(Shown):
         >>> round(ringing.decay_time / ringing.modal_decay_time, 1)
         1.0
         """
-        if not self.final:
-            raise refusal("ring_down", f"the collision is not over. {self.status}")
-        if self.outcome.driven:
-            raise refusal("ring_down", "gravity or a driven end acts on and on")
+        demand(self.final, "ring_down", f"the collision is not over. {self.status}")
+        demand(not self.outcome.driven, "ring_down", "gravity or a driven end acts on and on")
         start = self.t_final if self.t_final < self.t_end else self.t_proved
         return ring_down(self.fields, start, self.t_end)
 

@@ -62,29 +62,25 @@ class WaveFields(Fields):
     # Fields -----------------------------------------------------------------------------------
 
     def moving(self, body: int, x: ArrayLike, ticks: Ints, side: Side) -> Floats:
-        frame = self.clock.frame
-        return self._combine(body, x, ticks, side, lambda _, a, b: (a + b) * 0.5 + frame)
+        def velocity(_s: int, A: Pieces, B: Pieces, p: Ints, q: Ints) -> Floats:
+            return (A.at(p, side) + B.at(q, side)) * 0.5 + self.clock.frame
+
+        return self._values(body, x, ticks, velocity, side == "right")
 
     def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
-        c, ticks = self.clock.wave_speed, self.to_ticks(t, side)
-        return self._combine(
-            body, x, ticks, side, lambda s, a, b: (b - a) * (0.5 / c[s]) + 0.0)  # no -0.0
+        def strain(s: int, A: Pieces, B: Pieces, p: Ints, q: Ints) -> Floats:
+            per_wave = 0.5 / self.clock.wave_speed[s]
+            return (B.at(q, side) - A.at(p, side)) * per_wave + 0.0  # no -0.0
 
-    def _combine(
-        self, body: int, x: ArrayLike, ticks: Ints, side: Side,
-        combined: Callable[[int, Floats, Floats], Floats],
+        return self._values(body, x, self.to_ticks(t, side), strain, side == "right")
+
+    def _values(
+        self, body: int, x: ArrayLike, ticks: Ints, value: Seen, onward: bool = False
     ) -> Floats:
-        """What is made, with the segment, of the two waves that meet."""
-        def both(s: int, A: Pieces, B: Pieces, p: Ints, q: Ints) -> Floats:
-            return combined(s, A.at(p, side), B.at(q, side))
-
-        if (side == "right" and self.constant_between_fronts and ticks.ndim == 1
+        """Values at places and ticks; `onward`: of waves that hold from each front on."""
+        if (onward and self.constant_between_fronts and ticks.ndim == 1
                 and np.shape(x) == (np.size(x) or 1, 1) and np.all(ticks[1:] >= ticks[:-1])):
-            return self._on_grid(body, x, ticks, both)
-        return self._pointwise(body, x, ticks, both)
-
-    def _pointwise(self, body: int, x: ArrayLike, ticks: Ints, value: Seen) -> Floats:
-        """Values at places and ticks."""
+            return self._on_grid(body, x, ticks, value)
         segments, offset = self._offset(body, x)
         out = np.empty(self._together(offset, ticks))
         segment, offset, ticks = np.broadcast_arrays(segments, offset, ticks)
@@ -111,7 +107,7 @@ class WaveFields(Fields):
         return whole.reshape(len(offset), len(when))
 
     def moved(self, body: int, x: ArrayLike, ticks: Ints) -> Floats:
-        return self._pointwise(body, x, ticks, self._displaced)
+        return self._values(body, x, ticks, self._displaced)
 
     def _displaced(self, s: int, A: Pieces, B: Pieces, p: Ints, q: Ints) -> Floats:
         """Displacement, m, where the waves meet that left the two ends at ticks p and q."""
@@ -130,16 +126,11 @@ class WaveFields(Fields):
                 starts[s + 1] = starts[s] + longer
         return starts
 
-    def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:
-        a, ticks = self.clock, self.to_ticks(t)
-        right, left = (
-            np.diff(self._pointwise(body, x[:, None], ticks, passed)) / np.diff(ticks)
-            for passed in (lambda _s, A, _B, p, _q: A.integral(0, p),
-                           lambda _s, _A, B, _p, q: B.integral(0, q))
-        )
-        per_wave = 0.5 / np.array(a.wave_speed)[self.locate(body, x)[0], None]
-        fallen = a.gravity * a.tick * (ticks[:-1] + ticks[1:]) / 2
-        return (left + right) / 2 + a.frame + fallen, (left - right) * per_wave
+    def strained(self, body: int, x: Floats, ticks: Ints) -> Floats:
+        def strained(s: int, A: Pieces, B: Pieces, p: Ints, q: Ints) -> Floats:
+            return (B.integral(0, q) - A.integral(0, p)) * (0.5 / self.clock.wave_speed[s])
+
+        return self._values(body, x[:, None], ticks, strained)
 
     def trace(self, body: int, x: float) -> Trace:
         a = self.clock

@@ -81,8 +81,7 @@ def row_of(solution: Solution, readings: Readings) -> Columns:
 def _set(solution: Solution, contact: int) -> float:
     """How far a contact has yielded for good, m: its gap counts from the faces as they are."""
     times = [0.0, solution.fields.end * solution.fields.clock.tick]
-    body = solution.system.bodies[contact]
-    length = float(body.length) if isinstance(body, Rod) else 0.0
+    length = getattr(solution.system.bodies[contact], "length", 0.0)  # rigid masses have none
     left = solution.displacement(contact, length, times)
     right = solution.displacement(contact + 1, 0.0, times)
     start, end = solution.contacts[contact].gap(times) - (right - left)

@@ -18,6 +18,7 @@ import numpy as np
 from ..methods.groups import unilateral
 from ..methods.registry import Options
 from ..model import System
+from ..model.arguments import demand
 from ..model.frozen import InvalidModel, refusal
 from ..results.labels import dataset
 from ..results.notebook import Shown
@@ -209,8 +210,7 @@ class SweepResult(Shown, OnlyContact[Any]):
         index : int or tuple of int
         """
         member = self.system[index]
-        if member.shape:
-            raise refusal("index", f"must pick one member, got {shown(index)}")
+        demand(not member.shape, "index", f"must pick one member, got {shown(index)}")
         try:
             solution = Solution(self.options.run(self.method, member))
         except InvalidModel as error:
