@@ -10,7 +10,7 @@ from collections import namedtuple
 from typing import Any
 
 from ..methods import abilities
-from ..model import Bonded, Material, Rigid, RigidMass, Rod, Segment, System, Wall
+from ..model import GAP, Bonded, Material, Rigid, RigidMass, Rod, Segment, Wall
 from ..model.frozen import LARGEST, OUT_OF_SCALE, SMALLEST, TINY, Field
 from ..model.laws import Hertz, HuntCrossley, PowerLaw, Spring, SpringDashpot
 from ..model.profiles import Steps
@@ -26,7 +26,7 @@ RULES: dict[str, dict[str, tuple[float, float, str]]] = {
         ("segment", Segment.fields, ("length", "area")), ("rod", Rod.fields, tuple(Rod.fields)),
         ("wall", Wall.fields, ("velocity",)), ("mass", RigidMass.fields, ("mass", "velocity")),
         *((law.law, law.fields, tuple(law.fields)) for law in LAWS),
-        ("contact", {"gap": System.fields["gaps"]}, ("gap",)),
+        ("contact", {"gap": GAP}, ("gap",)),
         ("material", Material.fields, ("youngs_modulus", "density")),
         ("gauge", {"fraction": Field("", "[0, 1]")}, ("fraction",)),
     )

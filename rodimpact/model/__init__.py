@@ -5,10 +5,10 @@ from .ends import Absorbing, End, Fixed, Free, Incoming, Moved, Pushed
 from .frozen import InvalidModel
 from .laws import Bonded, ContactLaw, Joint, Law, Plastic, Rigid, Tabulated, Yielding
 from .profiles import Samples, Steps
-from .system import SIDES, System
+from .system import GAP, SIDES, System
 
 __all__ = [
-    "SIDES", "Absorbing", "Body", "Bonded", "ContactLaw", "End", "Fixed", "Free", "Incoming",
+    "GAP", "SIDES", "Absorbing", "Body", "Bonded", "ContactLaw", "End", "Fixed", "Free", "Incoming",
     "InvalidModel", "Joint", "Law", "Material", "Moved", "Plastic", "Pushed", "Rigid", "RigidMass",
     "Rod", "Samples", "Segment", "Steps", "System", "Tabulated", "Wall", "Yielding",
 ]

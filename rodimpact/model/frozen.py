@@ -433,6 +433,7 @@ class Declared(Frozen):
     def __init_subclass__(cls, **tag: str) -> None:
         super().__init_subclass__(**tag)
         dataclass(repr=False, eq=False, frozen=True)(cls)
+        del cls.__setattr__, cls.__delattr__  # those of `Frozen` say what to do instead
 
     def __post_init__(self) -> None:
         """Check everything that was given; InvalidModel with all mistakes in it."""

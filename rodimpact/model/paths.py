@@ -15,14 +15,14 @@ import numpy as np
 from ..units import MOST_SHOWN
 from .bodies import Material, RigidMass, Rod, Segment
 from .frozen import MOST_CHOICES, Field, Number, listed, nearest
-from .system import System
+from .system import GAP, System
 
 SPEED, MODULUS = "wave_speed", "youngs_modulus"
 STAND_INS = {SPEED: MODULUS, "area": "diameter"}
 """Fields that stand for others."""
 FIELDS = {
     **Material.fields, **Segment.fields, **Rod.fields, **RigidMass.fields, SPEED: Field("m/s"),
-    "gravity": System.fields["gravity"], "gap": System.fields["gaps"], "step": Field("s"),
+    "gravity": System.fields["gravity"], "gap": GAP, "step": Field("s"),
 }
 
 

@@ -10,7 +10,8 @@ Axis x points to the right; velocity is positive to the right, strain positive i
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, get_args
+from dataclasses import KW_ONLY
+from typing import Any, ClassVar, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,18 +19,19 @@ from numpy.typing import ArrayLike
 from ..units import shown
 from . import frozen
 from .arguments import demand
-from .bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
+from .bodies import BODIES, NOTHING, Body, Material, RigidMass, Rod, Segment, Wall
 from .ends import ENDS, FREE, Absorbing, End, Free, Moved, Pushed
-from .frozen import Frozen, Number, Problems, note, plain, quantity
+from .frozen import Declared, Field, Number, Numeric, Problems, Taken, note, plain, quantity
 from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Law, Plastic, Rigid
 from .profiles import Floats, flipped, negative, profile_from
 
 SIDES = ("left", "right")
-OVERLAP = quantity("m", label="gap")
+BY_SIDE = {f"ends.{i}": f"ends.{side}" for i, side in enumerate(SIDES)}
+GAP, OVERLAP = Field("m", "non-negative", "gap", default=0.0), Field("m", label="gap")
 _BODIES, _LAWS, _ENDS = get_args(Body), get_args(ContactLaw), get_args(End)
 
 
-class System(Frozen):
+class System(Declared):
     """A row of bodies from left to right.
 
     Parameters
@@ -62,23 +64,16 @@ class System(Frozen):
     (3,)
     """
 
-    bodies: tuple[Body, ...]
-    gaps: tuple[Number, ...] = quantity("m", "non-negative", "gap", default=0.0)
-    contacts: tuple[ContactLaw, ...]
-    gravity: Number = quantity("m/s^2", default=0.0)
-    ends: tuple[End, End]
-    _shape: tuple[int, ...]
+    bodies: Taken[tuple[Body, ...], Sequence[Body]]
+    gaps: Taken[tuple[Number, ...], Sequence[ArrayLike] | None] = NOTHING
+    contacts: Taken[tuple[ContactLaw, ...], Sequence[ContactLaw] | None] = NOTHING
+    _: KW_ONLY
+    gravity: Numeric = quantity("m/s^2", default=0.0)
+    ends: Taken[tuple[End, End], Sequence[End] | None] = NOTHING
+    _shape: ClassVar[tuple[int, ...]] = ()
 
-    def __init__(
-        self,
-        bodies: Sequence[Body],
-        gaps: Sequence[ArrayLike] | None = None,
-        contacts: Sequence[ContactLaw] | None = None,
-        *,
-        gravity: ArrayLike = 0.0,
-        ends: Sequence[End] | None = None,
-    ) -> None:
-        problems: Problems = []
+    def _check(self, problems: Problems) -> None:
+        bodies: Any = self.bodies
         if not isinstance(bodies, list | tuple) or not bodies:
             message = f"must be a list of at least one rod or rigid mass, got {shown(bodies)}"
             raise frozen.refusal("bodies", message)
@@ -89,17 +84,17 @@ class System(Frozen):
                 message = "a wall may stand only at an end of the row; make two systems of this one"
                 problems.append((f"bodies.{i}", message))
         pairs = len(bodies) - 1
-        laws = _per_pair(problems, "contacts", contacts, RIGID, pairs)
+        laws = _per_pair(problems, "contacts", self.contacts, RIGID, pairs)
         walls = sum(isinstance(body, Wall) for body in bodies)
         apart = sum(not isinstance(law, Bonded) for law in laws)
         if not problems and walls > apart and not any(isinstance(body, Rod) for body in bodies):
             message = "needs a rod or a rigid mass that is not bonded to a wall"
             problems.append(("bodies", message))
-        given = _per_pair(problems, "gaps", gaps, 0.0, pairs)
+        given = _per_pair(problems, "gaps", self.gaps, 0.0, pairs)
         widths = []
         for i, law, width in zip(range(pairs), laws, given, strict=False):
             known = type(law) in _LAWS
-            gap = OVERLAP if known and law.overlaps else self.fields["gaps"]
+            gap = OVERLAP if known and law.overlaps else GAP
             widths.append(gap.checked(problems, f"gaps.{i}", width))
             if not known:
                 message = "must be a contact law itself, one of "
@@ -110,17 +105,17 @@ class System(Frozen):
                 frozen.require(problems, np.equal(widths[i], 0), f"gaps.{i}", message, widths[i])
             elif isinstance(law, Rigid):
                 _check_rigid(problems, i, law, *bodies[i : i + 2])
-        g = self.fields["gravity"].checked(problems, "gravity", gravity)
-        both = (FREE, FREE) if ends is None else ends
+        both: Any = (FREE, FREE) if self.ends is None else self.ends
         if not isinstance(both, list | tuple) or len(both) != 2:
-            note(problems, "ends", "must be a pair, such as (Free(), Absorbing())", ends)
+            note(problems, "ends", "must be a pair, such as (Free(), Absorbing())", both)
         else:
             for side, end, body in zip(SIDES, both, (bodies[0], bodies[-1]), strict=True):
                 _check_end(problems, side, end, body)
         frozen.raise_noted(problems)
-        self._set(bodies=tuple(bodies), gaps=tuple(widths), contacts=tuple(laws), gravity=g,
-                  ends=tuple(both))
-        self._set(_shape=frozen.family_shape(self._numbers()) if self._varies else ())
+        self._set(
+            bodies=tuple(bodies), gaps=tuple(widths), contacts=tuple(laws), ends=tuple(both))
+        if self._varies:
+            self._set(_shape=frozen.family_shape(self._numbers()))
         _check_joined(self)
 
     @property
@@ -146,9 +141,7 @@ class System(Frozen):
             kind, _, place = name.partition(".")
             if kind == "gaps":
                 name = f"contacts.{place}.gap"
-            elif kind == "ends":
-                name = f"ends.{SIDES[int(place)]}"
-            yield name, value
+            yield BY_SIDE.get(name, name), value
 
     def __getitem__(self, index: Any) -> System:
         """Member of a family, or a smaller family, by NumPy's rules of indexing."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from .. import materials
 from ..methods.registry import Options
-from ..model import SIDES, System
+from ..model import GAP, SIDES, System
 from ..model.bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from ..model.ends import ENDS, FREE, End
 from ..model.frozen import Field, InvalidModel, defaults_of, refusal
@@ -66,7 +66,7 @@ def case_from(
     if "contacts" not in top.data:
         contacts = [top.inner(f"contacts.{i}", {}) for i in range(len(bodies) - 1)]
     for i, table in enumerate(contacts):
-        gaps.append(table.entry("gap", System.fields["gaps"]))
+        gaps.append(table.entry("gap", GAP))
         laws.append(_read_law(table, (*bodies[i : i + 2], None, None)[:2], known))
     sides = top.table("ends")  # of the row; where mistakes allow nothing, nothing happens there
     ends = [_read_end(sides.table(side)) if sides.has(side) else FREE for side in SIDES]

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 from ..methods.registry import METHOD_NAMES, Options
-from ..model import SIDES, System
+from ..model import GAP, SIDES, System
 from ..model.bodies import BODIES, Material, Rod, Segment
 from ..model.ends import ENDS
 from ..model.frozen import REQUIRED, Field, defaults_of
@@ -71,7 +71,7 @@ def sections() -> list[Section]:
     made_of = {**_needed(Segment), "material": "steel"}
     rod = [*_numbers(Segment), *shape,
            Entry("segments", "", "[[bodies.segments]]", "in place of all above")]
-    contact = [_number("gap", System.fields["gaps"]),
+    contact = [_number("gap", GAP),
                Entry("law", "", _either(CONTACT_LAWS), "rigid")]
     faces = [entry for side in SIDES for entry in (  # in place of the stiffness of Hertz contact
         _number(f"{side}_radius", FACE, "flat; in place of stiffness"),
