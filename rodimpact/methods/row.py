@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from ..model import InvalidModel, System, Wall
+from ..model.arguments import plain
 from ..model.profiles import extremes
 from .laws import Law
 from .walk import Walk, frame_of, least_impedance, scale_of, walk
@@ -71,9 +72,7 @@ class Row(Walk):
 
     def of(self, value: Any) -> Array:
         """A number for each member, [member] in C order."""
-        if np.ndim(value) == 0:
-            return np.full(self.members, float(value))
-        return np.broadcast_to(value, self.system.shape).ravel().astype(float)
+        return np.array(np.broadcast_to(value, self.system.shape), dtype=float).ravel()
 
     @cached_property
     def beside(self) -> list[tuple[tuple[str, int], tuple[str, int]]]:
@@ -103,12 +102,12 @@ class Row(Walk):
     @cached_property
     def frame(self) -> Any:
         """Velocity of the frame in which methods other than fronts count velocities, m/s."""
-        return _plain(frame_of(self))
+        return plain(np.asarray(frame_of(self)))
 
     @cached_property
     def scale(self) -> Any:
         """Scale of velocities, m/s."""
-        return _plain(scale_of(self))
+        return plain(np.asarray(scale_of(self)))
 
     def beyond_scales(self) -> list[tuple[Any, str, str]]:
         """Where steps overflow, vanish, or lose an indentation in round-off.
@@ -144,11 +143,6 @@ class Row(Walk):
         problems = [(path, message) for bad, path, message in self.beyond_scales() if bad]
         if problems:
             raise InvalidModel(problems[:1] if problems[0][0] == "bodies" else problems)
-
-
-def _plain(value: Any) -> Any:
-    """A number as a float, those of a family as an array."""
-    return value if np.ndim(value) else float(value)
 
 
 def squeezed(seconds: float) -> InvalidModel:

@@ -127,11 +127,11 @@ class Pieces:
         starts = self.ticks[1:][jumps]
         return each_once(inside, starts - 1 - (starts >> 51), [self.end])  # floats tell them apart
 
-    def piece(self, ticks: Any, side: Side = "right") -> Any:
+    def piece(self, ticks: ArrayLike, side: Side = "right") -> Ints:
         """Index of the piece in which ticks lie."""
         return np.maximum(self.ticks.searchsorted(ticks, side) - 1, 0)
 
-    def _own_time(self, i: Any, ticks: Any) -> Any:
+    def _own_time(self, i: Ints, ticks: Ints) -> Floats:
         """Variable y of pieces i at ticks; -1 or 1 outside."""
         return np.clip((ticks - self.ticks[i]) / self.widths[i] * 2 - 1, -1.0, 1.0)
 
@@ -140,8 +140,7 @@ class Pieces:
         ticks = np.asarray(ticks)
         i = self.piece(ticks, side)
         if self.size == 1:
-            value: Floats = self.values[i]
-            return value
+            return self.values[i]
         return _polynomials(self.coefficients, i, self._own_time(i, ticks))
 
     def inside(self, starts: ArrayLike, stops: ArrayLike, shares: Floats) -> Floats:
@@ -152,8 +151,7 @@ class Pieces:
         starts, stops = np.asarray(starts), np.asarray(stops)
         i = self.piece(starts + (stops - starts) // 2)
         if self.size == 1:
-            constants: Floats = self.coefficients[i]
-            return constants
+            return self.coefficients[i]
         after = (starts - self.ticks[i])[:, None] + (stops - starts)[:, None] * shares
         y = np.clip(after / self.widths[i][:, None] * 2 - 1, -1.0, 1.0)
         return _polynomials(self.coefficients, i[:, None], y)
@@ -165,10 +163,9 @@ class Pieces:
 
     def integral(self, start: ArrayLike, stop: ArrayLike) -> Floats:
         """Integral from `start` to `stop`, value times ticks; arguments broadcast."""
-        passed: Floats = self._from_first(stop) - self._from_first(start)
-        return passed
+        return self._from_first(stop) - self._from_first(start)
 
-    def _from_first(self, ticks: ArrayLike) -> Any:
+    def _from_first(self, ticks: ArrayLike) -> Floats:
         ticks = np.asarray(ticks)
         i = self.piece(ticks)
         if self.size == 1:
@@ -193,7 +190,7 @@ class Pieces:
 
     def within(self, start: int, stop: int) -> Pieces:
         """The pieces that make up the signal from `start` to `stop`."""
-        low, high = self.piece(start), int(self.ticks.searchsorted(stop, "right"))
+        low, high = int(self.piece(start)), int(self.ticks.searchsorted(stop, "right"))
         high = max(high, low + 1)
         end = self.end if high == len(self.ticks) else int(self.ticks[high])
         return Pieces(self.ticks[low:high], self.coefficients[low:high], end)
@@ -248,7 +245,7 @@ class Pieces:
         return Pieces(ticks, values @ to_coefficients, end)
 
 
-def _polynomials(coefficients: Floats, i: Any, y: Any) -> Floats:
+def _polynomials(coefficients: Floats, i: Ints, y: Floats) -> Floats:
     """Values of the polynomials i at y, which broadcast."""
     before = last = np.zeros(())
     for column in coefficients.T[:0:-1]:  # Clenshaw's recurrence

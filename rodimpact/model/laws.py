@@ -31,13 +31,10 @@ class _Law(Declared):
     """A contact law, described by its name and its numbers."""
 
     opens: ClassVar[bool] = True
-    overlaps: ClassVar[bool] = False  # may begin with an overlap, a gap below 0
 
 
 class _Compliant(_Law):
     """A law whose elastic part is k d^p, k its `stiffness` and p its `exponent`."""
-
-    overlaps: ClassVar[bool] = True
 
     def stored(self, indentation: ArrayLike) -> Any:
         """Energy stored at an indentation d >= 0, m: k d^(p+1)/(p+1), J; ValueError at others."""
@@ -51,10 +48,14 @@ class _Compliant(_Law):
         return energy[()]
 
 
-class Plastic(_Compliant):
-    """A spring that yields: its faces move for good, and d counts from where they are then."""
+class _Linear(_Compliant):
+    """A law whose elastic part is a linear spring."""
 
     exponent = 1.0
+
+
+class Plastic(_Linear):
+    """A spring that yields: its faces move for good, and d counts from where they are then."""
 
 
 class Rigid(_Law, law="rigid"):
@@ -104,7 +105,7 @@ class Bonded(_Law, law="bonded"):
     opens: ClassVar[bool] = False
 
 
-class Joint(_Compliant, law="joint"):
+class Joint(_Linear, law="joint"):
     """Two neighbours joined for good by a spring and a dashpot side by side: glue, a bolt.
 
     It pulls as well as it pushes: F = -(k s + c s'), s the stretch and s' its rate. The gap of the
@@ -132,8 +133,6 @@ class Joint(_Compliant, law="joint"):
     """
 
     opens: ClassVar[bool] = False
-    overlaps: ClassVar[bool] = False
-    exponent = 1.0
     stiffness: Numeric = quantity("N/m", "non-negative")
     damping: Numeric = quantity("N s/m", "non-negative", default=0.0)
     stretch: Numeric = quantity("m", default=0.0)
@@ -149,7 +148,7 @@ class Joint(_Compliant, law="joint"):
         return super().stored(np.abs(array("indentation", indentation, "m")))
 
 
-class Spring(_Compliant, law="spring"):
+class Spring(_Linear, law="spring"):
     """A linear spring between the bodies: F = k d.
 
     Parameters
@@ -168,11 +167,10 @@ class Spring(_Compliant, law="spring"):
     0.005
     """
 
-    exponent = 1.0
     stiffness: Numeric = quantity("N/m", "positive")
 
 
-class SpringDashpot(_Compliant, law="spring-dashpot"):
+class SpringDashpot(_Linear, law="spring-dashpot"):
     """A linear spring and a dashpot side by side: F = max(0, k d + c d').
 
     Parameters
@@ -193,7 +191,6 @@ class SpringDashpot(_Compliant, law="spring-dashpot"):
     SpringDashpot(stiffness=100000000.0, damping=2000.0)
     """
 
-    exponent = 1.0
     stiffness: Numeric = quantity("N/m", "positive")
     damping: Numeric = quantity("N s/m", "non-negative")
 
@@ -516,7 +513,6 @@ class Law(_Law, law="own"):
     True
     """
 
-    overlaps: ClassVar[bool] = True
     force: Callable[[float, float], float]
 
     def _check(self, problems: Problems) -> None:

@@ -174,10 +174,8 @@ def in_time(value: Any, field: Field, duration: Any) -> Profile:
 
 def negative(profile: Profile) -> Profile:
     """Return minus the profile."""
-    if isinstance(profile, Steps):
-        return Steps([-v for v in profile.values], profile.at)
-    if isinstance(profile, Samples):
-        return profile.replace(values=-profile.values)
+    if isinstance(profile, Steps | Samples):
+        return profile.replace(values=[-v for v in profile.values])
     return -profile
 
 

@@ -22,7 +22,7 @@ from .arguments import demand
 from .bodies import BODIES, NOTHING, Body, Material, RigidMass, Rod, Segment, Wall
 from .ends import ENDS, FREE, Absorbing, End, Free, Moved, Pushed
 from .frozen import Declared, Field, Number, Numeric, Problems, Taken, note, plain, quantity
-from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Law, Plastic, Rigid
+from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Joint, Law, Plastic, Rigid
 from .profiles import Floats, flipped, negative, profile_from
 
 SIDES = ("left", "right")
@@ -94,7 +94,8 @@ class System(Declared):
         widths = []
         for i, law, width in zip(range(pairs), laws, given, strict=False):
             known = type(law) in _LAWS
-            gap = OVERLAP if known and law.overlaps else GAP
+            # what is compliant may begin pressed; a joint has its stretch instead
+            gap = OVERLAP if known and not isinstance(law, Rigid | Bonded | Joint) else GAP
             widths.append(gap.checked(problems, f"gaps.{i}", width))
             if not known:
                 message = "must be a contact law itself, one of "
