@@ -85,13 +85,10 @@ COLUMNS: dict[str, Callable[[PairTheory, PairCollision], Any]] = {
 
 def pair_theory(system: System) -> PairTheory | None:
     """The closed form that holds for a family; None if there is none or no members collide."""
-    if len(system.bodies) != 2 or not isinstance(system.contacts[0], Rigid):
-        return None
-    if system != System(system.bodies, system.gaps, system.contacts):  # more acts on the row
-        return None
     numbers = [_numbers(body) for body in system.bodies]
-    if not all(numbers):
-        return None
+    rigid = len(numbers) == 2 and all(numbers) and isinstance(system.contacts[0], Rigid)
+    if not rigid or system != System(system.bodies, system.gaps, system.contacts):
+        return None  # more acts on the row
     family = PairTheory(*(np.stack([np.broadcast_to(x, system.shape) for x in pair])
                           for pair in zip(*numbers, strict=True)))
     return family if np.greater(*family.velocity).any() else None

@@ -36,15 +36,11 @@ def state_profiles(fields: Fields, body: int, tick: int) -> tuple[Number | Steps
 def _distances(fields: WaveFields, body: int, tick: int) -> tuple[int, float]:
     """How many distances between samples the waves in a rod need, 0 if none; the largest wave."""
     a, length = fields.clock, float(fields.edges(body)[-1])
-    scale = swing = bend = 0.0
-    for s, T, *waves in fields.along(body):
-        speed = T / a.length[s]  # ticks a m
-        for wave in waves:
-            inside = wave.within(tick - T, tick)
-            scale = max(scale, float(np.abs(inside.coefficients).sum(axis=1).max()))
-            swings = np.abs(inside.coefficients[:, 1:]).sum(axis=1)
-            swing = max(swing, float(swings.max(initial=0.0)))
-            bend = max(bend, float((inside.bends * (2 * speed / inside.widths) ** 2).max()))
+    waves = [(wave.within(tick - T, tick), T / a.length[s])  # with its speed, ticks a m
+             for s, T, *both in fields.along(body) for wave in both]
+    scale = max(float(np.abs(wave.coefficients).sum(axis=1).max()) for wave, _ in waves)
+    swing = max(float(np.abs(wave.coefficients[:, 1:]).sum(axis=1).max()) for wave, _ in waves)
+    bend = max(float((w.bends * (2 * speed / w.widths) ** 2).max()) for w, speed in waves)
     if swing <= FLAT * scale:
         return 0, scale
     # a straight line over h is off by h^2/8 of the second derivative, a mean over h by h^2/24

@@ -7,7 +7,7 @@ momentum and energy. Times are rounded to the nearest tick, so that one-sided li
 
 from collections.abc import Callable, Iterator
 from functools import cached_property
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -118,12 +118,11 @@ class WaveFields(Fields):
     @cached_property
     def _initial_stretch(self) -> list[float]:
         """Initial displacement of each segment's left end."""
-        starts = [0.0] * (len(self.clock.ticks) + 1)
-        for body, (first, _) in enumerate(self.clock.spans):
-            starts[first] = 0.0
-            for s, T, A, B in self.along(body):
-                longer = float(A.integral(0, -T) + B.integral(-T, 0)) / 2 * self.clock.tick
-                starts[s + 1] = starts[s] + longer
+        starts = [0.0]  # of the outside
+        for body in range(len(self.clock.spans)):
+            longer = [float(A.integral(0, -T) + B.integral(-T, 0)) / 2 * self.clock.tick
+                      for _, T, A, B in self.along(body)]
+            starts += [*accumulate(longer, initial=0.0)][:-1]
         return starts
 
     def strained(self, body: int, x: Floats, ticks: Ints) -> Floats:

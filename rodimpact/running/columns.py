@@ -96,10 +96,9 @@ def _moved(solution: Solution, body: int) -> float:
         return float(solution.displacement(body, 0.0, time))
     left, right = (side and side.push for side in signals.outside)
     pushes = [left, *(contact.force for contact in signals.contacts), right]
-    moved = 0.0  # by the forces on its two faces: Newton's law, integrated twice
-    for push, sign in zip(pushes[body : body + 2], INWARD, strict=True):
-        if push is not None:
-            moved += sign * float(push.integrated_twice(end)) * tick * tick
+    # by the forces on its two faces: Newton's law, integrated twice
+    moved = sum(sign * float(push.integrated_twice(end)) * tick * tick
+                for push, sign in zip(pushes[body : body + 2], INWARD, strict=True) if push)
     start = float(solution.mean_velocity(body, 0.0)) * time
     fallen = float(solution.system.gravity) * time * time / 2
     return start + moved / solution.fields.clock.mass(body) + fallen

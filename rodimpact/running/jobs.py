@@ -33,7 +33,9 @@ def pool_of(
     if executor is not None:
         yield executor, workers_of(executor), None
         return
-    stopping, threads = threading.Event(), workers or _processors()
+    mine = getattr(os, "sched_getaffinity", None)  # processors that this process may use
+    threads = workers or (len(mine(0)) if mine else os.cpu_count() or 1)
+    stopping = threading.Event()
     own = ThreadPoolExecutor(threads, initializer=memory.share, initargs=(threads,))
     doing: Executor = own
     try:
@@ -64,12 +66,6 @@ def workers_of(executor: Any) -> int:
         return sum(cores().values()) or UNKNOWN
     said = (getattr(executor, name, None) for name in ("_max_workers", "num_workers"))
     return next((n for n in said if isinstance(n, int) and n > 0), UNKNOWN)
-
-
-def _processors() -> int:
-    """Processors that this process may use."""
-    mine = getattr(os, "sched_getaffinity", None)
-    return len(mine(0)) if mine else os.cpu_count() or 1
 
 
 def results_of(
