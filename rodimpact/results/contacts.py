@@ -98,9 +98,8 @@ class ContactHistory:
         return power.integral(0, self._fields.to_ticks(t)) * self._tick
 
     def __repr__(self) -> str:
-        name = type(self.law).__name__
         return (
-            f"<contact {self.index} ({name}): {len(self.episodes)} episodes, impulse "
-            f"{self.impulse:.6g} N s, peak force {self.peak_force:.6g} N, force duration "
+            f"<contact {self.index} ({type(self.law).__name__}): {len(self.episodes)} episodes, "
+            f"impulse {self.impulse:.6g} N s, peak force {self.peak_force:.6g} N, force duration "
             f"{self.duration:.6g} s>"
         )

@@ -21,17 +21,15 @@ def wave_of(ticks: list[int], values: list[float]) -> Any:
     return {"tick": ticks, "value": values, "passed": passed}
 
 
-def at(wave: Any, tick: int) -> float:
+def at(wave: Any, tick: int) -> Any:
     """Value of a wave from a tick on."""
-    value: float = wave["value"][max(0, bisect_right(wave["tick"], tick) - 1)]
-    return value
+    return wave["value"][max(0, bisect_right(wave["tick"], tick) - 1)]
 
 
-def passed_by(wave: Any, tick: int) -> float:
+def passed_by(wave: Any, tick: int) -> Any:
     """Integral of a wave from its first front to a tick, velocity times ticks."""
     i = max(0, bisect_right(wave["tick"], tick) - 1)
-    passed: float = wave["passed"][i] + wave["value"][i] * (tick - wave["tick"][i])
-    return passed
+    return wave["passed"][i] + wave["value"][i] * (tick - wave["tick"][i])
 
 
 def edges_of(wave: Any, start: int, stop: int) -> list[int]:
@@ -39,7 +37,7 @@ def edges_of(wave: Any, start: int, stop: int) -> list[int]:
     return [start, *[tick for tick in wave["tick"] if start < tick < stop], stop]
 
 
-def stretch_of(piece: Any) -> float:
+def stretch_of(piece: Any) -> Any:
     """How much longer a segment is at t = 0 than without strain, velocity times ticks."""
     a, b, T = piece["rightward"], piece["leftward"], piece["ticks"]
     return (passed_by(b, 0) - passed_by(b, -T) - passed_by(a, 0) + passed_by(a, -T)) / 2
