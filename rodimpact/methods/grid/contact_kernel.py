@@ -161,9 +161,17 @@ def pushed(link: Any, i: int) -> float:
     return c
 
 
-def relax(link: Any, first: int, last: int) -> float:
-    """Solve link after link, the others as they are; return the largest change of a closing."""
-    change = 0.0
+def relax(link: Any, first: int, last: int, speed: float) -> tuple[float, float]:
+    """Solve link after link, the others as they are.
+
+    Returns
+    -------
+    float
+        The largest change of a closing.
+    float
+        The largest closing that a force alone has changed, and the bodies' speed with it.
+    """
+    change, size = 0.0, speed
     for i in range(first, last + 1):
         at, c = link[i], pushed(link, i)
         if at.law == Law.RIGID or at.law == Law.IMPACT:
@@ -174,11 +182,15 @@ def relax(link: Any, first: int, last: int) -> float:
             F, at.place, slope = solve_link(at, c)
         change = max(change, abs(F - at.force) * at.own)
         at.force, at.slope = F, slope
-    return change
+        size = max(size, speed + abs(F) * at.own)
+    return change, size
 
 
 def newton(link: Any, first: int, last: int) -> None:
-    """Take a Newton step for all links together, each law replaced by its tangent."""
+    """Take a Newton step for all links together, each law replaced by its tangent.
+
+    The forces before it are kept.
+    """
     for i in range(first, last + 1):
         at, before, s = link[i], link[i - 1], link[i].slope
         if s < 0:
@@ -190,7 +202,8 @@ def newton(link: Any, first: int, last: int) -> None:
         pivot = middle + s * at.shared * before.upper
         if pivot <= 4 * EPS * middle:
             pivot = middle
-        at.force, at.upper = right / pivot, -s * link[i + 1 - len(link)].shared / pivot
+        at.kept, at.force = at.force, right / pivot
+        at.upper = -s * link[i + 1 - len(link)].shared / pivot
     for i in range(last, first - 1, -1):
         at = link[i]
         at.force -= at.upper * link[i + 1 - len(link)].force
@@ -207,20 +220,18 @@ def balance(link: Any, first: int, last: int, speed: float) -> bool:
     """
     left, size, tried, sweeps = math.inf, speed, False, 2 * SWEEPS
     while sweeps > 0:
-        new = relax(link, first, last)
-        tried, sweeps = not (tried and new > left / 2), sweeps - 1
-        if tried:
-            left, size = new if first < last else 0.0, speed
+        new, large = relax(link, first, last, speed)
+        sweeps -= 1
+        if tried and new > left / 2:
+            tried = False
             for i in range(first, last + 1):
-                size = max(size, speed + abs(link[i].force) * link[i].own)
-                link[i].kept = link[i].force
+                link[i].force = link[i].kept
+        else:
+            left, size, tried = new if first < last else 0.0, large, True
             if left > 8 * EPS * size:
                 newton(link, first, last)
             else:
                 sweeps = 0
-        else:
-            for i in range(first, last + 1):
-                link[i].force = link[i].kept
     return bool(left <= ROUGH * size)
 
 

@@ -53,8 +53,8 @@ def follow(grid: Any, track: Any, until: int) -> bool:
         False if a rigid mass was caught between walls that leave it no room.
     """
     run = grid.run[0]
-    # taken out of the tuples once, and handed on only where needed: a call for one array costs as
-    # much as ten nodes
+    # taken out of the tuples once, and by name: whatever takes a tuple in the loop, or an array out
+    # of it, makes all references count in each step
     v, force, stiffness, piece = grid.velocity, grid.force, grid.stiffness, grid.piece
     into, inverse, back, change = grid.into, grid.inverse, grid.back, grid.change
     viscous, lost, old = grid.viscous, grid.lost, grid.old
@@ -78,7 +78,8 @@ def follow(grid: Any, track: Any, until: int) -> bool:
         if run.implicit > 0:
             pull_implicit(v, force, viscous, old, change, end)
             elimination.substitute(into, inverse, back, change)
-            add(v, change)
+            for i in range(len(v)):
+                v[i] += change[i]
         else:
             kick(v, force, inverse)
         for side in range(2):
@@ -197,12 +198,6 @@ def pull_implicit(v: Any, force: Any, viscous: Any, old: Any, x: Any, end: Any) 
     for side in range(2):
         if end[side].kind == Beyond.MOVED:
             x[end[side].node] = end[side].given - v[end[side].node]
-
-
-def add(v: Any, change: Any) -> None:
-    """Change velocities."""
-    for i in range(len(v)):
-        v[i] += change[i]
 
 
 def resolve(run: Any, v: Any, link: Any, first: int) -> bool:

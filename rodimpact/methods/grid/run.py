@@ -147,9 +147,8 @@ class GridRun:
         seconds = (end - first) * cost(self.mesh, plain=True) + numbers * kernels.LIST_TIME
         fast = kernels.worth_compiling(seconds, grid_kernel.follow)
         go: Any = kernels.compiled(grid_kernel.follow) if fast else grid_kernel.follow
-        given, done = arrays, True
-        if not fast:
-            given = [held._make(map(compiling.as_objects, held)) for held in arrays]
+        given = arrays if fast else [held._make(map(compiling.as_objects, held)) for held in arrays]
+        done = True
         chunk = max(1, int(ROUND / cost(self.mesh, plain=not fast)))
         for taken in (*range(first + chunk, end, chunk), end):
             done = done and go(*given, taken)
