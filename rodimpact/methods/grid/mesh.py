@@ -7,7 +7,7 @@ between the nodes i - 1 and i, so the cells 0, those between pieces, and the las
 
 import math
 from bisect import bisect_left
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -153,7 +153,6 @@ class Mesh:
         self.row, self.counts = row, counts
         self.first, self.last = [-1], [-1]
         self.node_of_mass: list[int] = []
-        self.starts: list[int] = []
         self.touching: dict[int, tuple[int, int]] = {}
         self.bonds: dict[int, tuple[int, int]] = {}
         node, parts, outer = -1, list[Cells](), (0, len(row.links) - 1)
@@ -163,7 +162,6 @@ class Mesh:
             apart = row.links[i].law >= Law.JOINT
             for _ in range((i == 0) + apart):  # what lies outside begins the first piece
                 node += 1
-                self.starts.append(node)
                 parts.append(NO_CELL)
             if apart:
                 self.touching[i] = node - 1, node
@@ -177,15 +175,16 @@ class Mesh:
                 self.first.append(node)
                 node += counts[s - 1]
                 self.last.append(node)
-        self.stops = [*(a - 1 for a in self.starts[1:]), node]
+        self.starts, self.stops = _between(self.touching.values(), node)
+        open_links = [of for i, of in self.touching.items() if row.links[i].law != Law.JOINT]
+        self.groups = list(zip(*_between(open_links, node), strict=True))
         self.ends, self.end_cells = [0, node], [1, node]
         self.cells = Cells(*np.concatenate([*parts, NO_CELL], axis=1))
         self.cell_mass, self.stiffness, self.viscous, self.lateral, *_, self.width = self.cells
         self.mass = (self.cell_mass[:-1] + self.cell_mass[1:]) / 2
         self.shear = _in_series(self.cells.shear)
-        for m, n in enumerate(self.node_of_mass):
-            self.mass[n] += row.masses[m]
-            self.shear[n] = 0.0
+        self.mass[self.node_of_mass] += row.masses
+        self.shear[self.node_of_mass] = 0.0
         self.held = np.zeros(node + 1, np.int64)
         self.held[[self.ends[side] for side in driven]] = 1
         self.pulled = [cell for _, cell in self.bonds.values()]
@@ -193,10 +192,11 @@ class Mesh:
         self.watched = list(dict.fromkeys([*self.ends, *self.node_of_mass, *beside]))
         self.swells = bool(np.any(self.cells.swelling))
         self.implicit = bool(np.any(self.viscous) or np.any(self.lateral))
-        joined = {left for i, (left, _) in self.touching.items() if row.links[i].law == Law.JOINT}
-        first = [a for a in self.starts if a - 1 not in joined]
-        last = [b for b in self.stops if b not in joined]
-        self.groups = list(zip(first, last, strict=True))
+
+
+def _between(cuts: Collection[tuple[int, int]], last: int) -> tuple[list[int], list[int]]:
+    """First and last nodes of what lies between pairs of neighbouring nodes, up to the last one."""
+    return [0, *(right for _, right in cuts)], [*(left for left, _ in cuts), last]
 
 
 def _cells(segment: Any, count: int) -> Cells:

@@ -137,9 +137,8 @@ def _mesh_size(
         counts[longest] = cells
     name, path = given or row.paths[shortest + 1], row.paths[shortest + 1]
     if counts.min() < 1:
-        bound = f"{T[shortest]:.6g} s or less"
-        if cells is not None:
-            bound = f"{math.ceil(T[longest] / T[shortest] / STABLE)} or more"
+        bound = (f"{T[shortest]:.6g} s or less" if cells is None else
+                 f"{math.ceil(T[longest] / T[shortest] / STABLE)} or more")
         message = f"must be {bound} for a cell in {path}, which waves cross in {T[shortest]:.6g} s"
         raise InvalidModel([(name, message)])
     if counts.sum() > MOST_CELLS:
@@ -147,18 +146,17 @@ def _mesh_size(
         if not given:
             message = f"its transit time, {T[shortest]:.3g} s, {message}; leave this segment out"
         raise InvalidModel([(name, message)])
+    whole = counts.astype(int).tolist()
     if cells is None:  # the most for which it is stable
-        counts = np.array([most_cells(s, int(N), base / STABLE)
-                           for s, N in zip(row.segments, counts, strict=True)])
-    stable = np.array([
-        stable_step(s, int(N)) for s, N in zip(row.segments, counts, strict=True)])
-    step = float(stable.min()) * COURANT if dt is None else dt
+        whole = [most_cells(s, N, base / STABLE) for s, N in zip(row.segments, whole, strict=True)]
+    stable = list(map(stable_step, row.segments, whole))
+    step = min(stable) * COURANT if dt is None else dt
     worst = int(np.argmin(stable))
     if step > STABLE * stable[worst]:
-        message = (f"would be unstable in {row.paths[worst + 1]}, where {counts[worst]:g} cells "
+        message = (f"would be unstable in {row.paths[worst + 1]}, where {whole[worst]:g} cells "
                    f"allow {stable[worst]:.6g} s, got {dt!r}; take a smaller dt or fewer cells")
         raise InvalidModel([("dt", message)])
-    return counts.astype(int).tolist(), step
+    return whole, step
 
 
 def _go(run: GridRun, until: float | None, max_events: int, forecast: Forecast) -> None:

@@ -31,17 +31,15 @@ def finality_time(run: GridRun) -> float:
         return math.inf
     wait, tol, now = 0.0, float(run.grid.run["tolerance"][0]), present(run)
     still = tol * run.step  # a bound up to which ends move as their groups do
-    for place, (link, (left, right)) in enumerate(run.mesh.touching.items()):
-        if run.row.links[link].law != Law.JOINT:
-            gap = float(run.grid.link["gap"][place]) * run.step
-            if gap < 0:
-                return math.inf
-            one, other = side_of(run, left, True, now), side_of(run, right, False, now)
-            reach, opening = one.bound + other.bound, other.mean - one.mean
-            least = opening if max(one.bound, other.bound) <= still else -math.inf
-            apart = gap + one.deviation - other.deviation
-            wait = max(wait, finality_kernel.separation_time(
-                opening, least, apart, reach * reach, tol))
+    for at in run.grid.link[run.grid.link["law"] != Law.JOINT]:
+        gap = float(at["gap"]) * run.step
+        if gap < 0:
+            return math.inf
+        one, other = side_of(run, at["left"], True, now), side_of(run, at["right"], False, now)
+        reach, opening = one.bound + other.bound, other.mean - one.mean
+        least = opening if max(one.bound, other.bound) <= still else -math.inf
+        apart = gap + one.deviation - other.deviation
+        wait = max(wait, finality_kernel.separation_time(opening, least, apart, reach * reach, tol))
     return wait
 
 

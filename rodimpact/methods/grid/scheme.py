@@ -91,8 +91,7 @@ def _links(mesh: Mesh, h: float, by_first: Array, by_last: Array) -> Array:
     given = as_records([mesh.row.links[i] for i in mesh.touching], walk.LINK)
     count, k, p = len(given), given["stiffness"], given["exponent"]
     stiffness, gap = k * h**p, given["gap"] / h
-    if np.any(vanishing := (k > 0) & (stiffness < LEAST)):
-        i = int(np.argmax(vanishing))
+    for i in np.flatnonzero((k > 0) & (stiffness < LEAST)):
         message = f"a force of {float(k[i])!r} times the indentation to the {p[i]:g} vanishes in"
         raise InvalidModel([("contacts", f"{message} steps of {h:.3g} s; use a lower power")])
     left, right = np.array(mesh.stops[:-1], np.int64), np.array(mesh.starts[1:], np.int64)

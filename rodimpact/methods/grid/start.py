@@ -37,9 +37,8 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
     pull = tension[cells] - (tension[cells + INWARD] - tension[cells]) / 2
     speed = v[nodes] - (v[nodes + INWARD] - v[nodes]) / 3
     grid.end["rest"] = speed - INWARD * quotient(pull, grid.end["impedance"])
-    link = grid.link
-    closing = v[link["left"]] - v[link["right"]]
-    link["shut"][link["gap"] <= closing / 2] = 1  # closes before the first kick
+    link = grid.link  # what closes before the first kick is shut
+    link["shut"][link["gap"] <= (v[link["left"]] - v[link["right"]]) / 2] = 1
     return kick
 
 
@@ -57,8 +56,7 @@ def _velocities(mesh: Mesh, strain: Array) -> Array:
             v[a : b + 1] += np.bincount((np.arange(2 * N) + 1) // 2, m * halves)
             strain[a + 1 : b + 1] = averages(body.strain, edges[::2], float(body.length)) * L / N
             left += L
-    for place, node in enumerate(mesh.node_of_mass):
-        v[node] += row.masses[place] * row.mass_velocity[place]
+    v[mesh.node_of_mass] += np.multiply(row.masses, row.mass_velocity)
     return np.where(mesh.mass > 0, quotient(v, mesh.mass) - row.frame, 0.0)
 
 
