@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..units import shown
-from . import frozen
-from .frozen import Field, InvalidModel, Problems, raise_noted, refusal
+from .frozen import Field, InvalidModel, Problems, broadcast_shape, raise_noted, refusal, require
 from .quantities import Floats, floats
 from .quantities import Number as Number
 
@@ -49,14 +48,14 @@ def together(**arguments: tuple[Any, str, str]) -> tuple[Array, ...]:
         except InvalidModel as error:
             problems += error.problems
     raise_noted(problems)
-    frozen.broadcast_shape(arrays.items())
+    broadcast_shape(arrays.items())
     return np.broadcast_arrays(*arrays.values())
 
 
 def demand(good: Any, name: str, message: str, *values: Number) -> None:
     """InvalidModel where something does not hold, with the message and values of `require`."""
     problems: Problems = []
-    frozen.require(problems, good, name, message, *values)
+    require(problems, good, name, message, *values)
     raise_noted(problems)
 
 

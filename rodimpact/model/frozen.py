@@ -307,11 +307,10 @@ class Frozen:
             if field.default is not REQUIRED:
                 setattr(cls, name, field.default)
 
-    def __setattr__(self, name: str, value: Any) -> None:
+    def __setattr__(self, name: str, value: Any = None) -> None:
         raise AttributeError(f"{type(self).__name__} is frozen; make a new one with another {name}")
 
-    def __delattr__(self, name: str) -> None:
-        raise AttributeError(f"{type(self).__name__} is frozen")
+    __delattr__ = __setattr__
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Become what was pickled or copied; arrays are read-only again."""

@@ -264,13 +264,11 @@ def _per_pair(problems: Problems, name: str, items: Any, default: Any, pairs: in
 
 def _check_rigid(problems: Problems, i: int, law: Rigid, *pair: Any) -> None:
     """Note a rigid contact that nothing decides, and one that two things would decide."""
-    if not all(isinstance(body, Body) for body in pair):
-        return
-    has_rod = any(isinstance(body, Rod) for body in pair)
-    if law.restitution is None and not has_rod and any(isinstance(b, RigidMass) for b in pair):
+    kinds = {type(body) for body in pair}
+    if law.restitution is None and RigidMass in kinds and kinds <= {RigidMass, Wall}:
         message = "no wave decides this contact: give Rigid(restitution=...) or a compliant law"
         problems.append((f"contacts.{i}", f"{message} such as Hertz"))
-    elif law.restitution is not None and has_rod:
+    elif law.restitution is not None and Rod in kinds and kinds <= {*_BODIES}:
         message = "belongs between rigid bodies; the waves of a rod decide this contact: leave it"
         problems.append((f"contacts.{i}.restitution", f"{message} out"))
 
