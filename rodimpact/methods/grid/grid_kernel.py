@@ -169,13 +169,12 @@ def kick_radially(
 def push_ends(v: Any, force: Any, end: Any) -> None:
     """Forces of what is outside, as if there were cells beyond the ends of the row."""
     for side in range(2):
-        at, F = end[side], 0.0
+        at, push = end[side], 0.0  # into the row
         if at.kind == Beyond.PUSHED:
-            F = -at.given
+            push = at.given
         elif at.kind == Beyond.ENDLESS:
-            inward = at.impedance * (at.rest + at.given - v[at.node])
-            F = -inward if side == 0 else inward
-        force[at.node + side] = F
+            push = (1 - 2 * side) * at.impedance * (at.rest + at.given - v[at.node])
+        force[at.node + side] = -push
 
 
 def kick(v: Any, force: Any, mobility: Any) -> None:

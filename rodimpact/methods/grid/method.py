@@ -97,9 +97,9 @@ def follow(
 
     def level(factor: int) -> GridRun:
         mesh, h = Mesh(row, [factor * N for N in counts]), step / factor
-        room = None if until is None else max(1, round(until / h))
-        run = GridRun(mesh, h, snapshots, room)
-        _go(run, until, max_events, forecast)
+        last = max(1, max_events // len(row.links)) if until is None else round(until / h)
+        run = GridRun(mesh, h, snapshots, None if until is None else max(1, last))
+        _go(run, last, until is not None, forecast)
         return run
 
     if searching:
@@ -159,11 +159,9 @@ def _mesh_size(
     return whole, step
 
 
-def _go(run: GridRun, until: float | None, max_events: int, forecast: Forecast) -> None:
-    """Run to the end, or to the proof."""
+def _go(run: GridRun, last: int, on: bool, forecast: Forecast) -> None:
+    """Run to the proof, but not beyond the last step; `on` to that in any case."""
     room, longest = run.room, run.round_trip // 2
-    last = round(until / run.step) if until is not None else max(
-        1, max_events // len(run.row.links))
     per_step = cost(run.mesh, plain=not kernels.enabled())
 
     def tell(taken: int) -> None:
@@ -181,7 +179,7 @@ def _go(run: GridRun, until: float | None, max_events: int, forecast: Forecast) 
             run.advance(min(last, run.steps + more), tell)
         else:
             break
-    if until is not None:
+    if on:
         run.advance(last, tell)
     else:
         run.stopped_by = "final" if run.proved >= 0 else "max_events"

@@ -172,13 +172,12 @@ class GridRun:
         """`edges` in s."""
         return np.asarray(self.edges * self.clock.tick)
 
-    def motion(self, states: Any = slice(None), pushes: dict[int, Array] | None = None
-               ) -> GridMotion:
-        """The states that were kept, or some of them."""
+    def motion(self, states: Any = slice(None)) -> GridMotion:
+        """The states that were kept, or some of them, without what pushes."""
         mesh = self.mesh
         kept = {name: getattr(self.track, name)[states] for name in PER_STATE}
         return GridMotion(mesh.counts, mesh.first, mesh.last, mesh.starts, mesh.mass, mesh.shear,
-                          mesh.cells, **kept, pushes=pushes or {})
+                          mesh.cells, **kept, pushes={})
 
     def entered(self, link: int, field: str) -> Array:
         """What a link that is not bonded entered in each step."""
@@ -230,9 +229,7 @@ class GridRun:
     @property
     def largest_strain(self) -> float:
         """Largest strain of the states that were kept."""
-        longer = self.motion().stretches(self.step)
-        most = np.maximum(longer.max(axis=0), -longer.min(axis=0))
-        return float((most / self.mesh.width).max())
+        return float(np.abs(self.motion().stretches(self.step) / self.mesh.width).max())
 
     @cached_property
     def overshoot(self) -> float:

@@ -143,4 +143,4 @@ def _signals(
             pushes[node] = pushes.get(node, 0.0) + sign * end.push.values
     masses = {body: Pieces.through(edges, run.speed(m))
               for body, m in enumerate(row.mass_of) if m >= 0}
-    return Signals(run.motion(pushes=pushes), tuple(contacts), outside, edges, masses)
+    return Signals(run.motion()._replace(pushes=pushes), tuple(contacts), outside, edges, masses)
