@@ -197,10 +197,9 @@ def test_a_break_is_hard_where_what_jumps_is_above_tolerance(jump, slope, bend, 
 @pytest.mark.parametrize(("sent", "order"), [(2.0, 0), (0.5, 1)])
 def test_what_a_free_end_sends_back_first_may_jump(sent, order):
     """What arrives at t = 0 begins with 0.5, and is sent after what is under way."""
-    run, line, log = stock(
-        (-1000, 0, SMOOTH, [1.0, 0.5]), (-1000, 0, SMOOTH, [sent]), delay=1000)
-    line[0].tail, log[0].after = 0, NONE
-    line.append(one(LINE, delay=1000, first=1, head=1, tail=1))
+    run, line, log = stock((-1000, 0, SMOOTH, [1.0, 0.5]), delay=1000)
+    line.append(one(LINE, tail=NONE))
+    lines.append(run, line, log, 1, -1000, 1000, [sent] * POINTS, [0.0] * POINTS)
     end = one(NODE, source=[0, NONE], target=[1, NONE], mobility=[1.0, 0.0])
     assert lines.reflect(run, line, log, end) == 1000
     assert (log[1].after, log[2].start, log[2].stop) == (2, 0, 1000)

@@ -137,15 +137,6 @@ def test_chunks_are_whole_rows_of_the_family_and_an_even_number(shape, most, uni
     assert sweeping._unit(SimpleNamespace(shape=shape), most) == unit
 
 
-@pytest.mark.parametrize("most", [5, 8, 14, 40])
-def test_members_of_any_chunk_are_those_of_the_family(monkeypatch, most):
-    monkeypatch.setattr(sweeping, "TOGETHER", most)
-    first = ri.Rod(np.linspace(0.1, 1.0, 5)[:, None], area=1e-4, material=STEEL, velocity=1.0)
-    system = ri.System([first, ri.Rod(1.0, area=np.linspace(1e-4, 2e-4, 7), material=STEEL)])
-    for index, e in np.ndenumerate(ri.sweep(system).restitution):
-        assert e == ri.solve(system[index]).outcome.restitution
-
-
 def test_jobs_fill_a_checkpoint_that_others_go_on_with(clock, monkeypatch, tmp_path):
     """Interrupted once, then gone on with on a cluster of another size."""
     monkeypatch.setattr(sweeping, "TOGETHER", 8)

@@ -158,6 +158,12 @@ def test_members_of_random_rows_of_characteristics_equal_one_at_a_time(seed):
         assert same(ri.sweep(system, workers=1, **options), result)
 
 
+@pytest.mark.parametrize("most", [5, 8, 14])
+def test_members_of_any_chunk_are_those_of_the_family(monkeypatch, most):
+    monkeypatch.setattr("rodimpact.running.sweeping.TOGETHER", most)
+    assert_equal_to_one_at_a_time(ri.sweep(small_map()))
+
+
 def test_a_single_collision_is_a_family_too():
     system = pair(0.4, 1e-4)
     result = ri.sweep(system)
