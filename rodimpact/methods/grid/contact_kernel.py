@@ -169,7 +169,7 @@ def relax(link: Any, first: int, last: int, speed: float) -> tuple[float, float]
     float
         The largest change of a closing.
     float
-        The largest closing that a force alone has changed, and the bodies' speed with it.
+        The largest speed there is: that of the bodies, and what a force changes in a closing.
     """
     change, size = 0.0, speed
     for i in range(first, last + 1):

@@ -66,7 +66,7 @@ def filled(kind: Any, count: int, /, **columns: Any) -> Array:
 def _impedances(mesh: Mesh) -> Array:
     """Impedances of endless bars beyond the ends, sqrt(E A rho A) of the cells there; else 0."""
     cells, endless = mesh.end_cells, [kind == "absorbing" for kind, _ in mesh.row.outside]
-    return np.asarray(endless * np.sqrt(mesh.cells.relaxed[cells] * mesh.cell_mass[cells]))
+    return np.where(endless, np.sqrt(mesh.cells.relaxed[cells] * mesh.cell_mass[cells]), 0.0)
 
 
 def eliminated(mesh: Mesh, mass: Array, bound: Array) -> tuple[Array, ...]:
@@ -118,7 +118,7 @@ def driven(mesh: Mesh, step: float, side: int, steps: int) -> Array:
     kind, value = mesh.row.outside[side]
     if kind == "velocity":
         return moved(mesh.row, step, value, step * np.arange(1, steps + 1))
-    # at a kick what waves can follow: the mean over two steps
+    # at each kick the mean over two steps, which waves can follow
     halves = averages(value, step / 2 * np.arange(2 * steps + 2), 0.0)
     around = np.concatenate((halves[:1], halves))
     pushes = np.asarray((around[:-3:2] + around[1:-2:2] + around[2:-1:2] + around[3::2]) / 4)
