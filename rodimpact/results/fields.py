@@ -29,19 +29,6 @@ class Profile(NamedTuple):
     strain: Floats
 
 
-class Trace(NamedTuple):
-    """What passes a place in a rod, from t = 0 to the end.
-
-    rightward, leftward: the waves v - c eps and v + c eps in m/s, in the frame of the clock;
-    stretch: their difference 2 c eps, in m/s; wave_speed in m/s.
-    """
-
-    rightward: Pieces
-    leftward: Pieces
-    stretch: Pieces
-    wave_speed: float
-
-
 def to_side(ticks: Ints, side: Side) -> Ints:
     """Ticks that were rounded from times, moved to a side by as much as is uncertain.
 
@@ -108,8 +95,11 @@ class Fields(Protocol):
     def strained(self, body: int, x: Floats, ticks: Ints) -> Floats:
         """Integral of the strain at places x from t = 0 on [places, ticks], in ticks."""
 
-    def trace(self, body: int, x: float) -> Trace:
-        """What passes a place."""
+    def trace(self, body: int, x: float) -> tuple[Pieces, Pieces, Pieces]:
+        """What passes a place in a rod, from t = 0 to the end; m/s, in the frame of the clock.
+
+        The waves v - c eps to the right and v + c eps to the left, and their difference 2 c eps.
+        """
 
     def momentum(self, body: int, t: ArrayLike) -> Floats:
         """kg m/s; of a rod."""

@@ -20,7 +20,7 @@ from ..methods.grid.mesh import STEP_TICKS, GridMotion
 from ..methods.signals import Floats, Ints, Pieces, Side
 from ..model import Rod, Segment
 from ..model.profiles import Samples
-from .fields import Fields, Profile, Trace
+from .fields import Fields, Profile
 
 Tables: TypeAlias = dict[int, tuple[Floats, Floats]]
 """By rod: places, m from its left end, and values there, [state, place]."""
@@ -173,17 +173,15 @@ class GridFields(Fields):
         return moved + self.clock.frame * (ticks * self.clock.tick)
 
     def strained(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        traces = (self.trace(body, place) for place in x.tolist())
-        return np.array([p.stretch.integral(0, ticks) / (2 * p.wave_speed) for p in traces])
+        strains = self._at(body, x[:, None], self.known, self._stretched[0])
+        return np.array([Pieces.through(self.known, of).integral(0, ticks) for of in strains])
 
-    def trace(self, body: int, x: float) -> Trace:
+    def trace(self, body: int, x: float) -> tuple[Pieces, Pieces, Pieces]:
         c, ticks = self.clock.wave_speed[int(self.locate(body, x)[0])], self.known
         v = self._in_frame(body, x, ticks)
         stretch = c * self._at(body, x, ticks, self._stretched[0])
-        right, left, change = (
-            Pieces.through(ticks, values) for values in (v - stretch, v + stretch, 2 * stretch)
-        )
-        return Trace(right, left, change, c)
+        return (Pieces.through(ticks, v - stretch), Pieces.through(ticks, v + stretch),
+                Pieces.through(ticks, 2 * stretch))
 
     # Integrals over bodies ------------------------------------------------------------------------
 

@@ -86,15 +86,14 @@ def ring_down(fields: Fields, start: float, end: float) -> RingDown:
     rigid, vibration = states.kinetic, (states.moving + states.strained).sum(axis=0)
     masses = [fields.clock.mass(i) for group in states.bodies for i in group]
     scale = sum(m * math.sqrt(2 * (rigid + vibration).max() / m) for m in masses)
-    modes = []
-    for i, rod in enumerate(fields.clock.system.bodies):
-        if isinstance(rod, Rod):
-            omega, rate = lasting_mode(rod.segments)
-            modes.append((1 / (2 * rate) if rate > 0 else math.inf, i, omega / (2 * math.pi)))
+    modes = {i: lasting_mode(rod.segments) for i, rod in enumerate(fields.clock.system.bodies)
+             if isinstance(rod, Rod)}
+    slowest = max((1 / (2 * rate) if rate > 0 else math.inf, i, omega / (2 * math.pi))
+                  for i, (omega, rate) in modes.items())
     return RingDown(
         times, vibration, float(rigid[-1]),
         float(np.ptp(states.momentum)) / scale if scale else 0.0,
-        _decay_time(times, vibration, ENOUGH * float(rigid.max() + vibration.max())), *max(modes),
+        _decay_time(times, vibration, ENOUGH * float(rigid.max() + vibration.max())), *slowest,
     )
 
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..methods.run import Run, Totals, Waves
 from ..methods.signals import Floats, Side, each_once
-from ..model import Body, Rod, Samples, Steps, System
+from ..model import Rod, Samples, Steps, System
 from ..model.arguments import array, demand, of_kind, single, whole
 from ..model.frozen import refusal
 from ..model.numbering import body_names
@@ -196,15 +196,15 @@ class Solution(Shown):
     def gauge(self, body: int, x: float) -> Gauge:
         """Record of a strain gauge at x, m from the left end of a body."""
         x = single("x", x, "m", "")
-        trace = self.fields.trace(self._index(body), x)
-        a, per_wave = self.fields.clock, 0.5 / trace.wave_speed
-        ticks = each_once(trace.rightward.marks, trace.leftward.marks)
-        right, left = trace.rightward.at(ticks), trace.leftward.at(ticks)
+        *waves, stretch = self.fields.trace(self._index(body), x)
+        a, segment = self.fields.clock, self.fields.locate(body, x)[0]
+        ticks, per_wave = each_once(*(w.marks for w in waves)), 0.5 / a.wave_speed[int(segment)]
+        right, left = (wave.at(ticks) for wave in waves)
         times, rest = ticks * a.tick, (right[0] + left[0]) / 2
         return Gauge(
             body, x, times, (left - right) * per_wave,
             (left + right) / 2 + (a.frame + a.gravity * times), (rest - right) * per_wave,
-            (left - rest) * per_wave, self.t_end, trace.stretch.times(per_wave), a.tick,
+            (left - rest) * per_wave, self.t_end, stretch.times(per_wave), a.tick,
             body_names(self.system.kinds)[body],
         )
 
@@ -337,13 +337,11 @@ class Solution(Shown):
         for side, end in zip(("left", "right"), self.system.ends, strict=True):
             if isinstance(getattr(end, "value", 0.0), Steps | Samples):
                 raise refusal(f"ends.{side}", "is driven by a function of time; drive it anew")
-        bodies: list[Body] = []
-        for i, body in enumerate(self.system.bodies):
-            if isinstance(body, Rod):
-                velocity, strain = state_profiles(self.fields, i, tick)
-                bodies.append(Rod(segments=body.segments, velocity=velocity, strain=strain))
-            else:
-                bodies.append(body.replace(velocity=float(self.velocity(i, 0.0, t))))
+        bodies = [
+            body.replace(**state_profiles(self.fields, i, tick)) if isinstance(body, Rod)
+            else body.replace(velocity=float(self.velocity(i, 0.0, t)))
+            for i, body in enumerate(self.system.bodies)
+        ]
         return self.system.replace(
             bodies=bodies, gaps=[float(c.gap(t)) if c.law.opens else 0.0 for c in self.contacts],
             contacts=[contact.law_at(t) for contact in self.contacts],

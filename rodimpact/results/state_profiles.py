@@ -6,6 +6,7 @@ momentum and stretch are kept where the state jumps, too.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -20,8 +21,8 @@ FEWEST, MOST = 1 << 10, 1 << 16  # distances between samples of a rod
 FLAT = 1e-14  # change within a piece, of the largest wave, that is round-off
 
 
-def state_profiles(fields: Fields, body: int, tick: int) -> tuple[Number | Steps | Samples, ...]:
-    """Velocity, m/s, and strain of a rod just after `tick`, as profiles."""
+def state_profiles(fields: Fields, body: int, tick: int) -> dict[str, Any]:
+    """Velocity, m/s, and strain of a rod just after `tick`, as profiles, by name."""
     count, scale = 0, 0.0
     if isinstance(fields, WaveFields) and not fields.constant_between_fronts:
         count, scale = _distances(fields, body, tick)
@@ -29,8 +30,8 @@ def state_profiles(fields: Fields, body: int, tick: int) -> tuple[Number | Steps
             return _samples(fields, body, tick, count)
     profile = fields.profile(body, tick)
     alike = FLAT * scale
-    return (_steps(profile.edges, profile.velocity, alike),
-            _steps(profile.edges, profile.strain, alike / max(fields.clock.wave_speed)))
+    return {"velocity": _steps(profile.edges, profile.velocity, alike),
+            "strain": _steps(profile.edges, profile.strain, alike / max(fields.clock.wave_speed))}
 
 
 def _distances(fields: WaveFields, body: int, tick: int) -> tuple[int, float]:
@@ -48,7 +49,7 @@ def _distances(fields: WaveFields, body: int, tick: int) -> tuple[int, float]:
     return int(min(max(FEWEST, math.ceil(needed)), MOST)), scale
 
 
-def _samples(fields: WaveFields, body: int, tick: int, count: int) -> tuple[Samples, Samples]:
+def _samples(fields: WaveFields, body: int, tick: int, count: int) -> dict[str, Any]:
     """Means around even places; at the ends the values there."""
     a, corners = fields.clock, fields.edges(body)
     borders = corners[-1] / count * (np.arange(count + 2) - 0.5)
@@ -65,7 +66,7 @@ def _samples(fields: WaveFields, body: int, tick: int, count: int) -> tuple[Samp
     velocity += a.frame + a.gravity * tick * a.tick
     for values, field in ((velocity, fields.velocity), (strain, fields.strain)):
         values[[0, -1]] = field(body, corners[[0, -1]], tick * a.tick)
-    return Samples(velocity), Samples(strain)
+    return {"velocity": Samples(velocity), "strain": Samples(strain)}
 
 
 def _steps(edges: Floats, values: Floats, alike: float) -> Number | Steps:

@@ -8,14 +8,14 @@ momentum and energy. Times are rounded to the nearest tick, so that one-sided li
 from collections.abc import Callable, Iterator
 from functools import cached_property
 from itertools import accumulate, pairwise
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods.signals import Floats, Ints, Pieces, Side, each_once, quadrature
 from ..model import Rod
-from .fields import Fields, Profile, Trace
+from .fields import Fields, Profile
 
 FAR = 1 << 61  # ticks: before all fronts
 SLIVER = 64  # ticks: waves that last no longer come of round-off
@@ -131,7 +131,7 @@ class WaveFields(Fields):
 
         return self._values(body, x[:, None], ticks, strained)
 
-    def trace(self, body: int, x: float) -> Trace:
+    def trace(self, body: int, x: float) -> tuple[Pieces, Pieces, Pieces]:
         a = self.clock
         segment, offset = (int(v) for v in self._offset(body, x))
         A, B = self.waves(segment)
@@ -139,16 +139,15 @@ class WaveFields(Fields):
         ticks = each_once([0], right.breaks, left.breaks)
         ticks = ticks[(ticks >= 0) & (ticks <= self.end)]
         right, left = right.cut(ticks, self.end), left.cut(ticks, self.end)
-        return Trace(right, left, left - right, a.wave_speed[segment])
+        return right, left, left - right
 
     # Integrals over bodies ----------------------------------------------------------------------
 
     def momentum(self, body: int, t: ArrayLike) -> Floats:
         ticks, a = self.to_ticks(t), self.clock
-        total: Any = 0.0
-        for s, T, A, B in self.along(body):
-            inside = A.integral(ticks - T, ticks) + B.integral(ticks - T, ticks)
-            total = total + a.impedance[s] * (inside / 2 + a.frame * T) * a.tick
+        passed = ((s, T, A.integral(ticks - T, ticks) + B.integral(ticks - T, ticks))
+                  for s, T, A, B in self.along(body))
+        total = sum(a.impedance[s] * (inside / 2 + a.frame * T) * a.tick for s, T, inside in passed)
         return np.asarray(total + a.mass(body) * self._fallen(ticks))
 
     def energy(self, body: int, tick: int, velocity: float) -> tuple[float, float]:
