@@ -80,9 +80,8 @@ class ContactHistory:
         Force and velocities jump at these times alone. Where the force changes smoothly there are
         more of them: straight lines between them follow force and gap to 5e-5 of their ranges.
         """
-        ticks = self.push.ticks
-        if self.push.size > 1:
-            ticks = each_once(self.push.marks, self._gap.marks)
+        smooth = self.push.size > 1
+        ticks = each_once(self.push.marks, self._gap.marks) if smooth else self.push.ticks
         return ticks * self._tick, self.push.at(ticks), self._gap.at(ticks)
 
     def impulse_until(self, t: ArrayLike) -> Floats:

@@ -138,8 +138,7 @@ def ledger(
     path = (states.mass * a.gravity * t / 2 + states.momentum[0]) * t
     for side, sign in zip(fields.signals.outside, INWARD, strict=True):
         if side is not None:
-            power = side.push * side.speed
-            works[side.kind] += sign * power.integral(0, ticks) * a.tick
+            works[side.kind] += sign * (side.push * side.speed).integral(0, ticks) * a.tick
             path = path + sign * side.push.integrated_twice(ticks) * a.tick * a.tick
     fallen = a.gravity * path if a.gravity else np.zeros(t.shape)
     contact, dissipated, numerical = np.zeros((3, *t.shape))

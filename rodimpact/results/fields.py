@@ -171,27 +171,22 @@ class Fields(Protocol):
 
     def velocity(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         """m/s; x and t broadcast, and x is left out of account in a mass or a wall."""
-        ticks, a, masses = self.to_ticks(t, side), self.clock, self.signals.masses
+        ticks, a, mass = self.to_ticks(t, side), self.clock, self.signals.masses.get(body)
         held: Any = a.system.bodies[body]
-        if a.spans[body][1]:
-            v = self.moving(body, x, ticks, side)
-        elif body in masses:
-            v = masses[body].at(ticks, side) + a.frame
-        else:
+        if not (mass or a.spans[body][1]):  # a wall, or bonded to one
             return np.asarray(held.velocity + 0.0 * ticks)
+        v = mass.at(ticks, side) + a.frame if mass else self.moving(body, x, ticks, side)
         return v + self._fallen(self.to_ticks(t)) if a.gravity else v
 
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """m from the place at t = 0; x and t broadcast, as for the velocity."""
-        ticks, a, masses = self.to_ticks(t), self.clock, self.signals.masses
+        ticks, a, mass = self.to_ticks(t), self.clock, self.signals.masses.get(body)
         held: Any = a.system.bodies[body]
-        time = ticks * a.tick
-        if a.spans[body][1]:
-            moved = self.moved(body, x, ticks)
-        elif body in masses:
-            moved = masses[body].integral(0, ticks) * a.tick + a.frame * time
-        else:
+        if not (mass or a.spans[body][1]):
             return np.asarray(held.velocity * ticks * a.tick)
+        time = ticks * a.tick
+        moved = (mass.integral(0, ticks) * a.tick + a.frame * time if mass
+                 else self.moved(body, x, ticks))
         return moved + a.gravity * time * time / 2
 
     @cached_property

@@ -225,9 +225,8 @@ def check_gauges(gauges: Any) -> Mapping[str, Gauge]:
 
 def _sampling(interval: Any, end: float) -> tuple[float, int]:
     """Seconds between samples of a record, and how many; InvalidModel if none, or too many."""
-    step = end / SAMPLES if end else 1.0
-    if interval is not None:
-        step = single("interval", interval, "s", "positive")
+    usual = end / SAMPLES or 1.0
+    step = usual if interval is None else single("interval", interval, "s", "positive")
     if end / step > MOST_ROWS:
         message = f"gives {end / step:.3g} rows, more than {MOST_ROWS}; take at least"
         raise refusal("interval", f"{message} {end / MOST_ROWS:.3g} s, got {step!r}")

@@ -253,24 +253,18 @@ def no_restitution(
         )
     k = able[0]
     episodes, closing = contacts[k].episodes, before[k] - before[k + 1]
-    if driven:
-        return (
-            "restitution is undefined: gravity or a driven end changes the velocities "
-            "too; read impulse and velocities instead"
-        )
-    if episodes == 0 and closing <= 0:
-        how = "move apart" if closing < 0 else "do not approach each other"
-        return f"restitution is undefined: nothing collided; the bodies {how}"
-    if episodes == 0:
-        return f"restitution is undefined: nothing collided; {status}"
-    if not final:
-        return f"restitution is undefined: the collision is not over. {status}"
-    if closing <= 0:
-        return (
-            "restitution is undefined: the centres of mass did not approach each other; only "
-            "vibration brought the bodies together"
-        )
-    return ""
+    reasons = [
+        (driven, "gravity or a driven end changes the velocities too; read impulse and velocities "
+                 "instead"),
+        (episodes == 0 and closing < 0, "nothing collided; the bodies move apart"),
+        (episodes == 0 and closing <= 0, "nothing collided; the bodies do not approach each other"),
+        (episodes == 0, f"nothing collided; {status}"),
+        (not final, f"the collision is not over. {status}"),
+        (closing <= 0, "the centres of mass did not approach each other; only vibration brought "
+                       "the bodies together"),
+    ]
+    why = [f"restitution is undefined: {reason}" for holds, reason in reasons if holds]
+    return why[0] if len(why) > 0 else ""
 
 
 def effective_restitution(

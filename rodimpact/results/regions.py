@@ -105,9 +105,7 @@ def regions_of(
     if count_of(rods, first_tick, last_tick, limit) > limit:
         raise refusal("limit", f"more than {limit:.15g} regions; choose a shorter interval")
     found = polygons_of(rods, fields.clock.tick, fields.clock.frame, first_tick, last_tick)
-    whole = ("body", "segment", "start")
-    return Regions(**{name: np.array(values, np.int64 if name in whole else float)
-                      for name, values in found.items()})
+    return Regions(**{name: np.array(values) for name, values in found.items()})
 
 
 def nothing_to_draw(solution: Solution) -> str:

@@ -278,10 +278,8 @@ class Solution(Shown):
         """Energy ledger at times t in s."""
         ticks = self.fields.nearest_known(self.fields.to_ticks(t))
         states = bonded_groups(self.fields, np.concatenate(([0], ticks.ravel())))
-        from_start = ledger(self.fields, self.contacts, states)
-        return EnergyLedger(**{
-            name: entry[1:].reshape(ticks.shape) for name, entry in vars(from_start).items()
-        })
+        entries = vars(ledger(self.fields, self.contacts, states)).items()
+        return EnergyLedger(**{name: of[1:].reshape(ticks.shape) for name, of in entries})
 
     @_FAINT
     def ring_down(self) -> RingDown:

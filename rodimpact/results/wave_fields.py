@@ -157,8 +157,7 @@ class WaveFields(Fields):
         for s, T, A, B in self.along(body):
             start = tick - T
             waves = A.within(start, tick), B.within(start, tick).turned(start + tick)
-            breaks = (wave.breaks_in(start, tick) for wave in waves)
-            edges = each_once([start], *breaks, [tick])
+            edges = each_once([start], *(wave.breaks_in(start, tick) for wave in waves), [tick])
             shares, weights = quadrature(max(A.size, B.size))
             up, down = (wave.inside(edges[:-1], edges[1:], shares) - V for wave in waves)
             squares = [(w * w) @ weights @ np.diff(edges) for w in (up + down, up - down)]

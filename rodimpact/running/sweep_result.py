@@ -227,8 +227,7 @@ class SweepResult(Shown, OnlyContact[Any]):
         FileExistsError
             If the file is there and `force` is false.
         """
-        family = [self.system, asdict(self.options), list(self.readings)]
-        document, numbers = take_apart(family)
+        document, numbers = take_apart([self.system, asdict(self.options), list(self.readings)])
         strain = {} if self.strain is None else {"strain": self.strain}
         write_npz(path, "sweep", document, {**numbers, **self.columns, **strain}, force=force)
 
@@ -248,17 +247,15 @@ class SweepResult(Shown, OnlyContact[Any]):
         if not all(isinstance(n, Integral | None) for n in (start, stop)):
             given = f"got {shown(start)} and {shown(stop)}"
             raise refusal("start, stop", f"must be whole numbers, {given}")
-        which = np.arange(math.prod(self.shape))[start:stop]
         shape = self.shape or (1,)  # a single collision is a table of one line
-        index = np.unravel_index(which, shape)
+        index = np.unravel_index(np.arange(math.prod(shape))[start:stop], shape)
         both = {**self.parameters, **self.columns, "status": self.status}
         return {name: np.broadcast_to(v, shape)[index] for name, v in both.items()}
 
     def csv_lines(self) -> Iterator[str]:
         """Lines of a table of all members, names first: every digit, an empty cell for nan."""
         yield ",".join([*self.parameters, *self.columns])
-        size = math.prod(self.shape)
-        for start in range(0, size, 4096):
+        for start in range(0, math.prod(self.shape), 4096):
             table = self.table(start, start + 4096)
             for row in zip(*(values.tolist() for values in table.values()), strict=True):
                 yield ",".join("" if v != v else str(v) for v in row)
