@@ -100,9 +100,7 @@ def _pays(seconds: float, kernel: Kernel) -> bool:
 
 def why_not() -> str:
     """Why nothing is compiled; empty if it can be, which is known once numba has started."""
-    if not _asked_for():
-        return "disabled by NUMBA_DISABLE_JIT"
-    return _fault()
+    return _fault() if _asked_for() else "disabled by NUMBA_DISABLE_JIT"
 
 
 def _asked_for() -> bool:

@@ -90,16 +90,16 @@ class Pieces:
         return np.maximum(np.diff(self.ticks, append=self.end), 1)
 
     @cached_property
-    def _integral_to_piece(self) -> Floats:
-        return np.concatenate(([0.0], np.cumsum(self._primitive[:-1].sum(axis=1))))
+    def _primitive(self) -> tuple[Floats, Floats]:
+        """Coefficients of the integral of each piece from its start, and that up to there.
 
-    @cached_property
-    def _primitive(self) -> Floats:
-        """Coefficients of the integral of each piece from its start, value times ticks."""
+        Value times ticks.
+        """
         from numpy.polynomial.chebyshev import chebint
 
         scale = np.diff(self.ticks, append=self.end)[:, None] / 2
-        return np.asarray(chebint(self.coefficients, lbnd=-1, axis=1) * scale)
+        each = np.asarray(chebint(self.coefficients, lbnd=-1, axis=1) * scale)
+        return each, np.concatenate(([0.0], np.cumsum(each[:-1].sum(axis=1))))
 
     @cached_property
     def bends(self) -> Floats:
@@ -167,14 +167,14 @@ class Pieces:
 
     def _from_first(self, ticks: ArrayLike) -> Floats:
         ticks = np.asarray(ticks)
-        i = self.piece(ticks)
+        i, (primitive, before) = self.piece(ticks), self._primitive
         if self.size == 1:
-            return self._integral_to_piece[i] + self.values[i] * (ticks - self.ticks[i])
-        passed = _polynomials(self._primitive, i, self._own_time(i, ticks))
+            return before[i] + self.values[i] * (ticks - self.ticks[i])
+        passed = _polynomials(primitive, i, self._own_time(i, ticks))
         outside = ticks - np.clip(ticks, self.ticks[0], self.end)
         if np.any(outside):
             passed = passed + outside * self.at(ticks)
-        return self._integral_to_piece[i] + passed
+        return before[i] + passed
 
     def integrated_twice(self, stop: Any) -> Floats:
         """Integral of (stop - t) f(t) over t from 0 to `stop`, value times ticks squared."""

@@ -199,7 +199,7 @@ class Segment(Declared):
         c = material.wave_speed
         with np.errstate(all="ignore"):
             Z, T = material.density * area * c, L / c
-            good = frozen.in_range(Z, T, Z * T)
+            good = frozen.in_range(Z) & frozen.in_range(T) & frozen.in_range(Z * T)
         if good is not True:
             message = (
                 "length {0!r} and area {1!r} of this material make an impedance, a transit time or "

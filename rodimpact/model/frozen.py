@@ -245,12 +245,9 @@ def vanishes(value: Number) -> bool:
     return value == 0 if isinstance(value, float) else not np.any(value)
 
 
-def in_range(*values: Number) -> Any:
-    """Where derived quantities are neither too small nor too large to compute with."""
-    good: Any = True
-    for v in values:
-        good = good & (v >= SMALLEST) & (v <= LARGEST)
-    return good
+def in_range(value: Number) -> Any:
+    """Where a derived quantity is neither too small nor too large to compute with."""
+    return (value >= SMALLEST) & (value <= LARGEST)
 
 
 def require(problems: Problems, good: Any, path: str, message: str, *values: Number) -> bool:
@@ -396,16 +393,14 @@ class Frozen:
                     return True
         return False
 
-    def _numbers(self, path: str = "") -> list[tuple[str, Number]]:
+    def _numbers(self, path: str = "") -> Iterator[tuple[str, Number]]:
         """Every number of this object and of what it holds, with its path in a case file."""
-        numbers: list[tuple[str, Number]] = []
         for place, item in self._parts():
             where = f"{path}.{place}" if path else place
             if isinstance(item, Frozen):
-                numbers += item._numbers(where)
+                yield from item._numbers(where)
             elif isinstance(item, float | np.ndarray) and place not in self._whole:
-                numbers.append((where, item))
-        return numbers
+                yield where, item
 
     def _mapped(self, change: Callable[[Any], Any]) -> Self:
         """The same object with every array of numbers replaced by what `change` makes of it."""
