@@ -9,17 +9,12 @@ from typing import Any
 import numpy as np
 
 from ..model import System, Wall
-from .walk import walk
+from .walk import parted, walk
 
 
 def groups(system: Any) -> list[list[int]]:
     """Bodies that are bonded or joined together, from left to right."""
-    found = [[0]]
-    for i, law in enumerate(system.contacts):
-        if law.opens:
-            found.append([])
-        found[-1].append(i + 1)
-    return found
+    return parted([law.opens for law in system.contacts])
 
 
 def unilateral(system: Any) -> list[int]:

@@ -53,7 +53,10 @@ def walk(system: Any) -> Walk:
     """Walk through a system from left to right."""
     bodies, last = system.bodies, len(system.bodies) - 1
     row = Walk(system, [], [""], [], [0], [], [], [], [], [], [("none", 0.0), ("none", 0.0)])
-    for block in blocks_of(system):
+    rods = [body.kind == "rod" for body in bodies]
+    # rigid bodies that are bonded together are one block
+    for block in parted([law.law != "bonded" or rods[i] or rods[i + 1]
+                         for i, law in enumerate(system.contacts)]):
         i, body = block[0], bodies[block[0]]
         if i > 0:
             row.contact_link.append(len(row.links))
@@ -69,16 +72,15 @@ def walk(system: Any) -> Walk:
     row.first.append(len(row.masses))
     for i, body in enumerate(bodies):
         if row.mass_of[i] < 0 and body.kind == "mass":  # bonded to a wall
-            rods = any(stop > 0 for _, stop in row.spans[:i])
-            row.mass_of[i] = len(row.masses) + (1 if rods else 0)
+            row.mass_of[i] = len(row.masses) + (1 if any(rods[:i]) else 0)
     return row
 
 
-def blocks_of(system: Any) -> list[list[int]]:
-    """Bodies from left to right; rigid ones that are bonded together are one block."""
+def parted(cuts: list[bool]) -> list[list[int]]:
+    """Bodies from left to right, parted at the contacts for which that is said."""
     found = [[0]]
-    for i, law in enumerate(system.contacts):
-        if law.law != "bonded" or "rod" in [body.kind for body in system.bodies[i : i + 2]]:
+    for i, cut in enumerate(cuts):
+        if cut:
             found.append([])
         found[-1].append(i + 1)
     return found

@@ -535,9 +535,8 @@ class Law(_Law, law="own"):
         """Energy at an indentation d >= 0, m: the integral of F(x, 0) from 0 to d, J."""
         from scipy.integrate import quad
 
-        (d,) = together(indentation=(indentation, "m", "non-negative"))
-        energy = [quad(self.force, 0.0, x, (0.0,))[0] for x in np.ravel(d)]
-        return np.reshape(energy, np.shape(d))[()]
+        d = array("indentation", indentation, "m", "non-negative")
+        return np.vectorize(lambda x: quad(self.force, 0.0, x, (0.0,))[0], otypes=[float])(d)[()]
 
     def to_dict(self) -> dict[str, Any]:
         """Return a description: the same for the same function, but no file can make it again."""
