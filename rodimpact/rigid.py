@@ -109,7 +109,11 @@ def contact_mass(m1: ArrayLike, m2: ArrayLike) -> Number:
     >>> contact_mass(2.0, 6.0), contact_mass(2.0, float("inf"))
     (1.5, 2.0)
     """
-    return plain(_contact_mass(*together(m1=(m1, *_MASS), m2=(m2, *_MASS))))
+    M1, M2 = together(m1=(m1, *_MASS), m2=(m2, *_MASS))
+    message = "must be finite where m1 is infinite: at most one body can be immovable, got {0!r}"
+    demand(np.isfinite(M1) | np.isfinite(M2), "m2", message, M2)
+    light, heavy = np.minimum(M1, M2), np.maximum(M1, M2)
+    return plain(light / (1 + light / heavy))
 
 
 def collide(
@@ -161,7 +165,7 @@ def collide(
     if not allow_energy_release:
         message = "must lie in [-1, 1], got {0!r}, which adds energy; set allow_energy_release=True"
         demand(np.abs(e) <= 1, "restitution", f"{message} if that is meant", e)
-    M = _contact_mass(M1, M2)
+    M = np.asarray(contact_mass(M1, M2))
     share_1, share_2 = M / M2, M / M1  # of the total mass: m1/(m1 + m2) and m2/(m1 + m2)
     V_cm = share_1 * V1 + share_2 * V2
     before = V2 - V1
@@ -302,13 +306,6 @@ def stack_drop(
         after = collide(M[..., i], v[..., i], M[..., j], v[..., j], e[..., j])
         v[..., i], v[..., j] = after.velocity_1, after.velocity_2
     return StackDrop(velocities=v, top_height=plain(np.maximum(v[..., -1], 0.0) ** 2 / (2 * g)))
-
-
-def _contact_mass(M1: Array, M2: Array) -> Array:
-    message = "must be finite where m1 is infinite: at most one body can be immovable, got {0!r}"
-    demand(np.isfinite(M1) | np.isfinite(M2), "m2", message, M2)
-    light, heavy = np.minimum(M1, M2), np.maximum(M1, M2)
-    return np.asarray(light / (1 + light / heavy))
 
 
 def _kinetic_energy(mass: Array, velocity: Array) -> Array:

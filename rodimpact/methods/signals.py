@@ -54,6 +54,7 @@ class Pieces:
         self.ticks: Ints = np.asarray(ticks, dtype=np.int64)
         columns: Floats = np.asarray(coefficients, dtype=np.float64)
         self.coefficients = columns if columns.ndim == 2 else columns[:, None]
+        self.size: int = self.coefficients.shape[1]  # coefficients of a piece
         self.end = int(self.ticks[-1]) if end is None else int(end)
 
     @classmethod
@@ -68,11 +69,6 @@ class Pieces:
         if len(values) == 1:
             return cls(ticks, values)
         return cls.lines(ticks[:-1], values[:-1], values[1:], ticks[-1])
-
-    @property
-    def size(self) -> int:
-        """Number of coefficients of a piece."""
-        return int(self.coefficients.shape[1])
 
     @cached_property
     def values(self) -> Floats:

@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from ..units import shown
 from .frozen import Field, InvalidModel, Problems, broadcast_shape, raise_noted, refusal, require
+from .frozen import Number as Number
 from .quantities import Floats, floats
-from .quantities import Number as Number
 
 Array: TypeAlias = Floats
 

@@ -26,9 +26,9 @@ from numpy.typing import ArrayLike
 
 from .. import units
 from ..units import MOST_SHOWN, one_line, shown
-from .quantities import Number as Number
-from .quantities import floats, number_of
+from .quantities import Floats, floats, number_of
 
+Number: TypeAlias = float | Floats
 Held = TypeVar("Held")
 Given = TypeVar("Given")
 Problems: TypeAlias = list[tuple[str, str]]

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from ..units import shown
 
 Floats: TypeAlias = NDArray[np.float64]
-Number: TypeAlias = float | Floats
 
 MOST_AXES = 32  # of a family; NumPy broadcasts no more
 _PLAIN = frozenset({float, int, np.float64})
