@@ -173,7 +173,7 @@ class Fields(Protocol):
         """m/s; x and t broadcast, and x is left out of account in a mass or a wall."""
         ticks, a, mass = self.to_ticks(t, side), self.clock, self.signals.masses.get(body)
         held: Any = a.system.bodies[body]
-        if not (mass or a.spans[body][1]):  # a wall, or bonded to one
+        if not (mass or a.spans[body][1]):  # a wall
             return np.asarray(held.velocity + 0.0 * ticks)
         v = mass.at(ticks, side) + a.frame if mass else self.moving(body, x, ticks, side)
         return v + self._fallen(self.to_ticks(t)) if a.gravity else v

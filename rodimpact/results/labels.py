@@ -84,12 +84,11 @@ def parameter(system: System, path: str) -> Quantity:
             owner = f"material {'.'.join(name)}"
         case ["bodies", body, "segments", segment, *_, field]:
             owner = f"segment {int(segment) + 1} of {_body(system, body)}"
-        case ["bodies", body, field, ("values" | "at") as what, number]:
-            name, unit = _quantity(field, FIELDS[field])
-            count, owner = int(number) + 1, _body(system, body)
-            if what == "at":
-                return Quantity(f"place of jump {count} of {name}, {owner}", "m")
-            return Quantity(f"{name} of piece {count} of {owner}", unit)
+        case ["bodies", body, field, "values", number]:
+            owner = f"piece {int(number) + 1} of {_body(system, body)}"
+        case ["bodies", body, field, "at", number]:
+            jump = f"jump {int(number) + 1} of {_quantity(field, FIELDS[field]).name}"
+            return Quantity(f"place of {jump}, {_body(system, body)}", "m")
         case ["bodies", body, *_, field]:
             owner = _body(system, body)
         case _:

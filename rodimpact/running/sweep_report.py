@@ -137,10 +137,9 @@ def _digits(value: float, scale: float, unit: str = "") -> str:
 
 def _missing(result: SweepResult, varied: Varied) -> str:
     """How many have no e, and why: a sentence for each kind."""
-    missing = np.isnan(result.restitution)
+    missing, status = np.isnan(result.restitution), result.columns["status"]
     met = sum(contact.episodes for contact in result.contacts) > 0
     sentences = []
-    status = result.columns["status"]
     for code in np.unique(status[missing]):
         for which in (met, ~met):
             kind = missing & (status == code) & which
