@@ -9,7 +9,6 @@ import numpy as np
 from ..methods.groups import groups, movable, velocities_in_group
 from ..methods.run import INWARD, Run, Totals
 from ..methods.signals import Floats, Ints
-from ..model import Rod
 from .contacts import ContactHistory
 from .fields import Fields
 
@@ -101,17 +100,17 @@ class BondedGroups(NamedTuple):
 def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
     """Velocities and energies of the groups at [n] ticks at which the fields know energies."""
     a, system, times = fields.clock, fields.clock.system, ticks * fields.clock.tick
-    free, rods = movable(system), [isinstance(body, Rod) for body in system.bodies]
+    free, rods = movable(system), fields.rods
     bodies = [[i for i in group if i in free] for group in groups(system)]
     mass, velocities = np.zeros((len(bodies), 1)), np.zeros((len(bodies), len(ticks)))
     moving, strained = np.zeros((2, len(system.bodies), len(ticks)))
     for g, (velocity, inside) in enumerate(zip(velocities, bodies, strict=True)):
         mass[g] = sum(a.mass(i) for i in inside)
         velocity[:] = sum(
-            fields.momentum(i, times) if rods[i] else a.mass(i) * fields.velocity(i, 0.0, times)
+            fields.momentum(i, times) if i in rods else a.mass(i) * fields.velocity(i, 0.0, times)
             for i in inside) / (mass[g] or 1.0)
         for i in inside:
-            if rods[i]:
+            if i in rods:
                 known = zip(ticks.tolist(), velocity.tolist(), strict=True)
                 moving[i], strained[i] = np.transpose([fields.energy(i, *at) for at in known])
             else:

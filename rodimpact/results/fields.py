@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from ..methods.clock import Clock
 from ..methods.run import Signals
 from ..methods.signals import Floats, Ints, Pieces, Side
+from ..model import Rod
 from ..model.arguments import array, demand, one_of
 from ..model.frozen import refusal
 
@@ -56,10 +57,12 @@ class Fields(Protocol):
     signals: Signals
     motion: Any
     step: float
+    rods: dict[int, Rod]
 
     def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
         self.clock, self.end, self.signals, self.motion = clock, end, signals, signals.motion
         self.step = clock.tick * self.resolution
+        self.rods = {i: b for i, b in enumerate(clock.system.bodies) if isinstance(b, Rod)}
 
     resolution: int = 1
     """Ticks in which nothing is resolved, of a grid those of its step; `step` is the same in s."""

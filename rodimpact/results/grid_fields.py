@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from ..methods.grid.mesh import STEP_TICKS, GridMotion
 from ..methods.signals import Floats, Ints, Pieces, Side
-from ..model import Rod, Segment
+from ..model import Segment
 from ..model.profiles import Samples
 from .fields import Fields, Profile
 
@@ -89,14 +89,13 @@ class GridFields(Fields):
         kept[0] = self._strain
         kept[1, :, 1:-1] = np.diff(self.motion.velocity, axis=1) / cells.width[1:-1]
         tension = self.motion.force + cells.viscous * cells.width * kept[1]  # none between pieces
-        for body, rod in enumerate(self.clock.system.bodies):
-            if isinstance(rod, Rod):
-                segments = enumerate(rod.segments, self.clock.spans[body][0])
-                parts = [(np.concatenate((x[:1], (x[1:] + x[:-1]) / 2, x[-1:])),
-                          self._held(*of, tension, kept))
-                         for of, x in zip(segments, self._places(body), strict=True)]
-                places, states = (np.concatenate(of, axis=-1) for of in zip(*parts, strict=True))
-                found[0][body], found[1][body] = ((places, values) for values in states)
+        for body, rod in self.rods.items():
+            segments = enumerate(rod.segments, self.clock.spans[body][0])
+            parts = [(np.concatenate((x[:1], (x[1:] + x[:-1]) / 2, x[-1:])),
+                      self._held(*of, tension, kept))
+                     for of, x in zip(segments, self._places(body), strict=True)]
+            places, states = (np.concatenate(of, axis=-1) for of in zip(*parts, strict=True))
+            found[0][body], found[1][body] = ((places, values) for values in states)
         return found
 
     def _held(self, s: int, segment: Segment, tension: Floats, kept: Floats) -> Floats:
@@ -208,10 +207,9 @@ class GridFields(Fields):
 
     def largest_stress(self, body: int) -> float:
         """Of the states that were kept."""
-        rod, (strains, rates) = self.clock.system.bodies[body], self._stretched
-        assert isinstance(rod, Rod)
+        segments, (strains, rates) = self.rods[body].segments, self._stretched
         counts = [len(x) + 1 for x in self._places(body)]
-        E, eta = (np.repeat(of, counts) for of in zip(*map(_moduli, rod.segments), strict=True))
+        E, eta = (np.repeat(of, counts) for of in zip(*map(_moduli, segments), strict=True))
         return float(np.abs(E * strains[body][1] + eta * rates[body][1]).max())
 
     def damped(self, ticks: Ints) -> Floats:

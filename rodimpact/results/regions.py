@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from ..methods.signals import Floats, Ints
-from ..model import Rod
 from ..model.arguments import demand, single
 from ..model.frozen import refusal
 from .front_polygons import count_of, polygons_of, wave_of
@@ -101,7 +100,7 @@ def regions_of(
     fields, first_tick, last_tick = _interval(solution, start, stop)
     limit = single("limit", limit, "", "")
     demand(limit >= 1, "limit", "must be 1 or more, got {0:g}", limit)
-    rods = _rods(solution, fields)
+    rods = _rods(fields)
     if count_of(rods, first_tick, last_tick, limit) > limit:
         raise refusal("limit", f"more than {limit:.15g} regions; choose a shorter interval")
     found = polygons_of(rods, fields.clock.tick, fields.clock.frame, first_tick, last_tick)
@@ -124,7 +123,7 @@ def readable_until(solution: Solution, limit: int) -> float:
         If there are more at all times, the solution lasts no time, or the method has no fronts.
     """
     fields, _, last_tick = _interval(solution, 0.0, None)
-    rods, stop = _rods(solution, fields), solution.t_end
+    rods, stop = _rods(fields), solution.t_end
     while last_tick and count_of(rods, 0, last_tick, limit) > limit:
         stop /= 2
         last_tick = int(fields.to_ticks(stop))
@@ -145,7 +144,7 @@ def _interval(solution: Solution, start: float, stop: float | None) -> tuple[Wav
     return fields, first_tick, last_tick
 
 
-def _rods(solution: Solution, fields: WaveFields) -> list[dict[str, Any]]:
+def _rods(fields: WaveFields) -> list[dict[str, Any]]:
     """The rods with their waves, as `polygons_of` has them."""
     a = fields.clock
     return [{"body": body, "pieces": [
@@ -154,4 +153,4 @@ def _rods(solution: Solution, fields: WaveFields) -> list[dict[str, Any]]:
          "rightward": wave_of(A.ticks.tolist(), A.values.tolist()),
          "leftward": wave_of(B.ticks.tolist(), B.values.tolist())}
         for (s, T, A, B), segment in zip(fields.along(body), rod.segments, strict=True)
-    ]} for body, rod in enumerate(solution.system.bodies) if isinstance(rod, Rod)]
+    ]} for body, rod in fields.rods.items()]

@@ -14,7 +14,6 @@ import numpy as np
 
 from ..methods.grid.mesh import lasting_mode
 from ..methods.signals import Floats
-from ..model import Rod
 from ..model.frozen import refusal
 from .energy import bonded_groups
 from .fields import Fields
@@ -86,8 +85,7 @@ def ring_down(fields: Fields, start: float, end: float) -> RingDown:
     rigid, vibration = states.kinetic, (states.moving + states.strained).sum(axis=0)
     masses = [fields.clock.mass(i) for group in states.bodies for i in group]
     scale = sum(m * math.sqrt(2 * (rigid + vibration).max() / m) for m in masses)
-    modes = {i: lasting_mode(rod.segments) for i, rod in enumerate(fields.clock.system.bodies)
-             if isinstance(rod, Rod)}
+    modes = {i: lasting_mode(rod.segments) for i, rod in fields.rods.items()}
     slowest = max((1 / (2 * rate) if rate > 0 else math.inf, i, omega / (2 * math.pi))
                   for i, (omega, rate) in modes.items())
     return RingDown(

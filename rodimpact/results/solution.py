@@ -375,8 +375,7 @@ class Solution(Shown):
     def _along(self, body: int, x: ArrayLike, name: str) -> Floats:
         """Area or a number of the material at places x, m from the left end of a rod."""
         segment, inside = self.fields.locate(body, x)
-        values, rod = np.empty(segment.shape), self.system.bodies[body]
-        assert isinstance(rod, Rod)
+        values, rod = np.empty(segment.shape), self.fields.rods[body]
         for s, piece in enumerate(rod.segments, self.fields.clock.spans[body][0]):
             held: Any = piece.area if name == "area" else getattr(piece.material, name)
             even = np.atleast_1d(held.values if isinstance(held, Samples) else held)

@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods.signals import Floats, Ints, Pieces, Side, each_once, quadrature
-from ..model import Rod
 from .fields import Fields, Profile
 
 FAR = 1 << 61  # ticks: before all fronts
@@ -164,9 +163,8 @@ class WaveFields(Fields):
         return float(energies[0]), float(energies[1])
 
     def largest_stress(self, body: int) -> float:
-        rod, largest = self.clock.system.bodies[body], [0.0]
-        assert isinstance(rod, Rod)
-        for (s, T, *waves), segment in zip(self.along(body), rod.segments, strict=True):
+        largest, segments = [0.0], self.rods[body].segments
+        for (s, T, *waves), segment in zip(self.along(body), segments, strict=True):
             (p, right), (q, left) = (self._lasting(wave, -T) for wave in waves)
             # waves that leave the ends at p and q meet at (p + q + T)/2 if |p - q| < T
             first = q[1:].searchsorted(np.maximum(p[:-1] - T, -T - p[1:]), "right")
