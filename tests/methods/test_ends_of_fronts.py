@@ -145,12 +145,6 @@ def test_a_striker_on_an_endless_bar_comes_to_its_end(area):
 # Times -------------------------------------------------------------------------------------------
 
 
-def from_outside(run, line):
-    """When fronts come in on a line from outside, and the waves behind them."""
-    log = run.log[: run.run.started]
-    return log[log["line"] == line][["tick", "value"]].tolist()
-
-
 @pytest.mark.parametrize("trips", [1, 3, 40])
 def test_a_drive_that_ends_as_a_wave_returns_leaves_no_sliver(trips):
     """Aluminium and steel are no whole ratio; the drive is timed by the aluminium."""
@@ -174,7 +168,9 @@ def test_times_beyond_the_longest_transit_change_no_transit():
     _, first, second, _ = run.clock.ticks
     assert first == 3 * second
     assert run.clock.transit_error < 1e-15
-    [(_, f0), (t1, _), (t2, _)] = from_outside(run, 0)
+    log = run.log[: run.run.started]
+    outside = log[log["line"] == 0]
+    (_, t1, t2), (f0, _, _) = outside["tick"].tolist(), outside["value"].tolist()
     assert f0 == 0.0
     assert t1 * run.clock.tick == pytest.approx(0.1 * np.pi, rel=1e-14)
     assert 3 * t2 == 70 * first  # the last jump is never reached

@@ -52,11 +52,6 @@ def solved():
     return {name: ri.solve(system, until) for name, (system, until) in ROWS.items()}
 
 
-def lightness(colours):
-    red, green, blue = colours[:, :3].T
-    return 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2
-
-
 def fronts(picture):
     (lines,) = (each for each in picture.ax.collections if each.get_label() == "fronts")
     return lines
@@ -536,7 +531,8 @@ def test_save_refuses_unknown_suffixes_and_existing_files(solved, tmp_path):
 
 
 def test_colours_grow_lighter_all_the_way():
-    assert np.all(np.diff(lightness(RISING(np.linspace(0, 1, 101)))) > 0)
+    lightness = RISING(np.linspace(0, 1, 101))[:, :3] ** 2.2 @ [0.2126, 0.7152, 0.0722]
+    assert np.all(np.diff(lightness) > 0)
 
 
 def test_a_given_axes_is_used_and_settings_are_left_alone(solved):

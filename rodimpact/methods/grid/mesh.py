@@ -81,10 +81,9 @@ class GridMotion(NamedTuple):
     def stretches(self, step: float) -> Array:
         """By how much cells are longer [state, cell], m."""
         force, k = self.force, self.cells.stiffness
-        with np.errstate(under="ignore"):  # ahead of the waves strains are next to nothing
-            if self.radial.size:
-                force = force - self.cells.coupling * self.radial * step
-            return quotient(force, k)
+        if self.radial.size:
+            force = force - self.cells.coupling * self.radial * step
+        return quotient(force, k)
 
     def energies(
         self, nodes: slice, mass: Array, place: int, v: Array, step: float

@@ -40,6 +40,7 @@ LESS = "a larger rtol, fewer cells or an earlier end (until)"
 LACKS = (physics.RODLESS, physics.OWN_LAWS)
 
 
+@np.errstate(under="ignore")  # ahead of the waves all is next to nothing
 def solve(row: Row, until: float | None, max_events: int, **options: Any) -> Run:
     """Run a single collision; arguments as of `follow`."""
     return hand_over(follow(row, until, max_events, **options), until)
