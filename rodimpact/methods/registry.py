@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..model import System
-from ..model.arguments import array, of_kind
+from ..model.arguments import array, of_kind, one_of
 from ..model.frozen import Declared, Problems, quantity, raise_noted, refusal
 from ..units import shown
 from . import abilities
@@ -96,9 +96,6 @@ class Options(Declared):
     snapshots: int | ArrayLike | None = None
 
     def _check(self, problems: Problems) -> None:
-        if not isinstance(self.method, str) or self.method not in METHOD_NAMES:
-            known = ", ".join(f'"{m}"' for m in METHOD_NAMES)
-            problems.append(("method", f"must be one of {known}, got {shown(self.method)}"))
         self._set(max_events=count(problems, "max_events", self.max_events))
         if self.cells is not None:
             self._set(cells=count(problems, "cells", self.cells))
@@ -109,6 +106,7 @@ class Options(Declared):
             (name, "fixes the step, rtol chooses it; give one of them") for name in ("dt", "cells")
             if self.rtol is not None and getattr(self, name) is not None and name not in told
         ]
+        one_of("method", self.method, METHOD_NAMES)
 
     def method_for(self, system: Any) -> str:
         """Choose the method that is to run.

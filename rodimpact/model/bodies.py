@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from ..units import shown
 from . import frozen, profiles
-from .arguments import array, demand, together, whole
+from .arguments import array, demand, of_kind, together, whole
 from .frozen import Declared, Frozen, Number, Numeric, NumericOrNone, Problems, Taken, quantity
 from .lateral_inertia import MINDLIN_HERRMANN, RAYLEIGH_LOVE, THEORIES
 from .profiles import Floats, Profile, ProfileLike, Samples, Steps
@@ -183,12 +183,10 @@ class Segment(Declared):
         else:
             known = None if problems else L
             area = profiles.along_rod(problems, "area", area, self.fields["area"], known)
-        if not isinstance(material, Material):
-            message = "must be a Material, such as materials.steel"
-            frozen.note(problems, "material", message, material)
         self._set(area=area)
         if self.lateral_inertia is not None or self.polar_moment is not None:
             self._check_inertia(problems)
+        of_kind("material", material, Material, "materials.steel")
         frozen.raise_noted(problems)
         if isinstance(area, Samples):
             for bound in profiles.extremes(area):

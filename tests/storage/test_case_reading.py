@@ -321,7 +321,7 @@ def test_a_case_is_frozen():
         (HEAD + A_ROD + A_ROD + A_WALL + "[[contacts]]", "contacts", "pair, 2 in all, got"),
         # what to do
         (HEAD + A_ROD + "[solve]\nuntil = -1", "solve.until", "non-negative number of seconds"),
-        (HEAD + A_ROD + "[solve]\nmethod = 'front'", "solve.method", 'one of "auto", "fronts"'),
+        (HEAD + A_ROD + "[solve]\nmethod = 'front'", "solve.method", "one of 'auto', 'fronts'"),
         (HEAD + A_ROD + "[solve]\ndt = 1\nrtol = 1e-6", "solve.dt", "give one of them"),
         (HEAD + A_ROD + "[solve]\nmax_event = 1", "solve.max_event", "perhaps 'max_events'"),
         (HEAD + A_ROD + "[solve]\nsnapshots = '9'", "solve.snapshots", "or a list of times"),
