@@ -126,18 +126,17 @@ class Options(Declared):
         needs = abilities.needs(system)
         able = [name for name, method in METHODS.items() if not method.lacking(needs)]
         method = self._first(needs) if self.method == "auto" else self.method
-        if method in able:
-            used = f'"{method}"' + (', which "auto" takes' if self.method == "auto" else "")
-            raise_noted([
-                (name, f"is for method {_takers(name)}, not {used}; leave it out, or give another")
-                for name in METHODS["finite-difference"].takes
-                if getattr(self, name) is not None and name not in METHODS[method].takes])
         missing = METHODS[method].lacking(needs)
         remedy = f'method "{able[0]}" has'
         if all(what == abilities.TAPER for _, what in missing):
             remedy += ", or give rod.in_steps(n)"
         raise_noted([(path, f'method "{method}" has no {what}; {remedy}')
                      for path, what in missing])
+        used = f'"{method}"' + (', which "auto" takes' if self.method == "auto" else "")
+        raise_noted([
+            (name, f"is for method {_takers(name)}, not {used}; leave it out, or give another")
+            for name in METHODS["finite-difference"].takes
+            if getattr(self, name) is not None and name not in METHODS[method].takes])
         if self.until is None and abilities.driven(system):
             raise refusal("until", "must be given: where gravity or drives act, there is no last "
                           "contact to wait for")
