@@ -1,10 +1,12 @@
 """What happened at each contact: force, gap, and the episodes of touching."""
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods.run import Run
-from ..methods.signals import Floats, Side, each_once
+from ..methods.signals import Floats, Pieces, Side, each_once
 from ..model import ContactLaw, Joint, Rigid, Tabulated, Yielding
 from .fields import Fields
 
@@ -93,8 +95,12 @@ class ContactHistory:
 
         A compliant contact stores some of it; the rest is lost there.
         """
-        power = self.push * self._closing
-        return power.integral(0, self._fields.to_ticks(t)) * self._tick
+        return self._power.integral(0, self._fields.to_ticks(t)) * self._tick
+
+    @cached_property
+    def _power(self) -> Pieces:
+        """W."""
+        return self.push * self._closing
 
     def __repr__(self) -> str:
         return (

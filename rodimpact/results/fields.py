@@ -98,10 +98,10 @@ class Fields(Protocol):
     def strained(self, body: int, x: Floats, ticks: Ints) -> Floats:
         """Integral of the strain at places x from t = 0 on [places, ticks], in ticks."""
 
-    def trace(self, body: int, x: float) -> tuple[Pieces, Pieces, Pieces]:
+    def trace(self, body: int, x: float) -> tuple[Pieces, Pieces, Pieces, float]:
         """What passes a place in a rod, from t = 0 to the end; m/s, in the frame of the clock.
 
-        The waves v - c eps to the right and v + c eps to the left, and their difference 2 c eps.
+        The waves v - c eps to the right and v + c eps to the left, their difference 2 c eps, and c.
         """
 
     def momentum(self, body: int, t: ArrayLike) -> Floats:
@@ -134,7 +134,8 @@ class Fields(Protocol):
         t = array("t", t, "s")
         end = self.end * self.clock.tick
         inside = (t >= 0) & (t <= end * (1 + 1e-12) + self.clock.tick)
-        demand(inside, "t", f"must lie in the solution, 0 to {end:.9g} s, got {{0!r}}", t)
+        if not inside.all():
+            demand(inside, "t", f"must lie in the solution, 0 to {end:.9g} s, got {{0!r}}", t)
         ticks: Ints = np.minimum(np.rint(t / self.clock.tick).astype(np.int64), self.end)
         return ticks if side is None else to_side(ticks, side)
 
@@ -154,7 +155,8 @@ class Fields(Protocol):
             raise refusal("body", f"{body} is {kind} and has no inside; ask for a rod")
         x, edges = array("x", x, "m"), self.edges(body)
         inside = (x >= 0) & (x <= edges[-1] * (1 + 1e-12))
-        demand(inside, "x", f"must lie in body {body}, 0 to {edges[-1]:.9g} m, got {{0!r}}", x)
+        if not inside.all():
+            demand(inside, "x", f"must lie in body {body}, 0 to {edges[-1]:.9g} m, got {{0!r}}", x)
         piece = np.clip(np.searchsorted(edges, x, "right") - 1, 0, last - first)
         return np.asarray(piece + first), np.asarray(x - edges[piece])
 

@@ -79,6 +79,12 @@ class GridFields(Fields):
         return np.unique(np.concatenate(self._places(body)))
 
     @cached_property
+    def _moving(self) -> Tables:
+        """Velocities of nodes in the frame, m/s."""
+        return {body: (self._node_places(body), self.motion.velocity[:, self._span(body)[0]])
+                for body in self.rods}
+
+    @cached_property
     def _stretched(self) -> tuple[Tables, Tables]:
         """Strains and their rates, 1/s.
 
@@ -155,11 +161,7 @@ class GridFields(Fields):
     # Fields ---------------------------------------------------------------------------------------
 
     def moving(self, body: int, x: ArrayLike, ticks: Ints, side: Side) -> Floats:  # noqa: ARG002
-        return self._in_frame(body, x, ticks) + self.clock.frame
-
-    def _in_frame(self, body: int, x: ArrayLike, ticks: Ints) -> Floats:
-        v = self.motion.velocity[:, self._span(body)[0]]
-        return self._at(body, x, ticks, {body: (self._node_places(body), v)})
+        return self._at(body, x, ticks, self._moving) + self.clock.frame
 
     def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
         return self._at(body, x, self.to_ticks(t, side), self._stretched[0])
@@ -175,12 +177,12 @@ class GridFields(Fields):
         strains = self._at(body, x[:, None], self.known, self._stretched[0])
         return np.array([Pieces.through(self.known, of).integral(0, ticks) for of in strains])
 
-    def trace(self, body: int, x: float) -> tuple[Pieces, Pieces, Pieces]:
+    def trace(self, body: int, x: float) -> tuple[Pieces, Pieces, Pieces, float]:
         c, ticks = self.clock.wave_speed[int(self.locate(body, x)[0])], self.known
-        v = self._in_frame(body, x, ticks)
+        v = self._at(body, x, ticks, self._moving)
         stretch = c * self._at(body, x, ticks, self._stretched[0])
         return (Pieces.through(ticks, v - stretch), Pieces.through(ticks, v + stretch),
-                Pieces.through(ticks, 2 * stretch))
+                Pieces.through(ticks, 2 * stretch), c)
 
     # Integrals over bodies ------------------------------------------------------------------------
 

@@ -123,10 +123,9 @@ def dataset(
     system: System, data: dict[str, Any], over: dict[str, Any], **attributes: str
 ) -> Any:
     """An xarray Dataset of variables and coordinates, (dimensions, values) by name, with labels."""
-    xarray = optional("xarray", "xarray")
     labelled = ({name: (*values, outcome(system, name).attributes) for name, values in of.items()}
                 for of in (data, over))
-    return xarray.Dataset(*labelled, attributes)
+    return optional("xarray", "xarray").Dataset(*labelled, attributes)
 
 
 def _body(system: System, index: str) -> str:

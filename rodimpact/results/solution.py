@@ -196,10 +196,10 @@ class Solution(Shown):
     def gauge(self, body: int, x: float) -> Gauge:
         """Record of a strain gauge at x, m from the left end of a body."""
         x = single("x", x, "m", "")
-        *waves, stretch = self.fields.trace(self._index(body), x)
-        a, segment = self.fields.clock, self.fields.locate(body, x)[0]
-        ticks, per_wave = each_once(*(w.marks for w in waves)), 0.5 / a.wave_speed[int(segment)]
-        right, left = (wave.at(ticks) for wave in waves)
+        rightward, leftward, stretch, c = self.fields.trace(self._index(body), x)
+        a, per_wave = self.fields.clock, 0.5 / c
+        ticks = each_once(rightward.marks, leftward.marks)
+        right, left = rightward.at(ticks), leftward.at(ticks)
         times, rest = ticks * a.tick, (right[0] + left[0]) / 2
         return Gauge(
             body, x, times, (left - right) * per_wave,

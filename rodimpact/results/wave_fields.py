@@ -130,14 +130,14 @@ class WaveFields(Fields):
 
         return self._values(body, x[:, None], ticks, strained)
 
-    def trace(self, body: int, x: float) -> tuple[Pieces, Pieces, Pieces]:
+    def trace(self, body: int, x: float) -> tuple[Pieces, Pieces, Pieces, float]:
         segment, offset = (int(v) for v in self._offset(body, x))
         A, B = self.waves(segment)
         right, left = A.later(offset), B.later(self.clock.ticks[segment] - offset)
         ticks = each_once([0], right.breaks, left.breaks)
         ticks = ticks[(ticks >= 0) & (ticks <= self.end)]
         right, left = right.cut(ticks, self.end), left.cut(ticks, self.end)
-        return right, left, left - right
+        return right, left, left - right, self.clock.wave_speed[segment]
 
     # Integrals over bodies ----------------------------------------------------------------------
 

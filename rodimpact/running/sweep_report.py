@@ -137,17 +137,15 @@ def _digits(value: float, scale: float, unit: str = "") -> str:
 
 def _missing(result: SweepResult, varied: Varied) -> str:
     """How many have no e, and why: a sentence for each kind."""
-    missing, status = np.isnan(result.restitution), result.columns["status"]
-    met = sum(contact.episodes for contact in result.contacts) > 0
+    missing, met = np.isnan(result.restitution), sum(c.episodes for c in result.contacts) > 0
+    kinds = np.asarray(2 * result.columns["status"] + np.logical_not(met))
     sentences = []
-    for code in np.unique(status[missing]):
-        for which in (met, ~met):
-            kind = missing & (status == code) & which
-            if count := int(np.count_nonzero(kind)):
-                index = _first(kind)
-                have = "1 collision has" if count == 1 else f"{count} collisions have"
-                reason = result.explain(index).removesuffix(".")
-                sentences.append(f"{have} no e. At {_where(index, varied)}: {reason}.")
+    for kind in np.unique(kinds[missing]):
+        which = missing & (kinds == kind)
+        index, count = _first(which), int(np.count_nonzero(which))
+        have = "1 collision has" if count == 1 else f"{count} collisions have"
+        reason = result.explain(index).removesuffix(".")
+        sentences.append(f"{have} no e. At {_where(index, varied)}: {reason}.")
     return "\n".join(sentences)
 
 
