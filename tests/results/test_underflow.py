@@ -17,5 +17,4 @@ def rod(length, velocity=0.0, **more):
 def test_underflow_is_silent(left):
     with np.errstate(all="raise"):
         solution = ri.solve(ri.System([left, rod(1.0)]), until=3e-4)
-        assert solution.outcome
-        assert solution.energy([0.0, 2e-4])
+        assert solution.energy([0.0, solution.outcome.contacts[0].duration])
