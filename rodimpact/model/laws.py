@@ -521,15 +521,14 @@ class Law(_Law, law="own"):
             note(problems, "force", "must be a function of d and d'", force)
             return
         for d, rate in ((0.0, 0.0), (1e-6, 0.0), (1e-6, 1e-3)):
+            there = f"at d = {d:g} m, d' = {rate:g} m/s"
             try:
                 F = float(force(d, rate))
             except Exception as error:  # whatever the user's function raises
-                message = f"fails at d = {d:g} m, d' = {rate:g} m/s: {error!r}"
-                raise frozen.refusal("force", message) from None
+                raise frozen.refusal("force", f"fails {there}: {error!r}") from None
             if not np.isfinite(F) or (d == 0 and F != 0):
                 wanted = "a finite number" if d else "0"
-                problems.append((
-                    "force", f"must be {wanted} at d = {d:g} m, d' = {rate:g} m/s, got {F!r}"))
+                problems.append(("force", f"must be {wanted} {there}, got {F!r}"))
 
     def stored(self, indentation: ArrayLike) -> Any:
         """Energy at an indentation d >= 0, m: the integral of F(x, 0) from 0 to d, J."""
