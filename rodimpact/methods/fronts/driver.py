@@ -24,7 +24,7 @@ ROW_NUMBERS, LIST_NUMBERS = 18, 60  # that a row of the log takes with what resu
 EVENT_TIMES = 2e-5, 2e-6  # s, about what an event takes in plain Python, and compiled
 ROW_TIME = 1e-5  # s, about what plain Python takes for a row of the log
 PAIR_TIME = 4e-7  # s, about what plain Python takes to compare two durations
-FIRST_BLOCK, LAST_BLOCK = 64, 4096  # members of a block
+FIRST_BLOCK, LAST_BLOCK = 64, 2048  # members of a block
 RECORDS = {"run": RUN, "segment": SEGMENT, "node": NODE, "line": LINE, "log": ROW, "piece": PIECE,
            "part": PART}
 FOLLOWED = ("run", "given", "piece", "segment", "node", "line", "log", "tree", "part")
@@ -235,9 +235,13 @@ def solve_many(
     TooLong
         If a member takes too much memory.
     """
-    count, nodes, shape = plan.row.members, len(plan.kinds), plan.row.system.shape
-    numbers: list[Any] = [it if np.ndim(it) == 0 else np.broadcast_to(it, shape).ravel()
-                          for it in plan.numbers]
+    count, nodes, varying = plan.row.members, len(plan.kinds), dict[int, Any]()
+    given = np.empty((min(count, LAST_BLOCK), len(plan.numbers)))
+    for j, number in enumerate(plan.numbers):
+        if np.ndim(number) == 0:
+            given[:, j] = number
+        else:
+            varying[j] = np.broadcast_to(number, plan.row.system.shape).ravel()
     first, size, members = 0, FIRST_BLOCK, None
     columns = {(name, k): np.empty(count, PART[name]) for name, k in wanted}
     reads = any(name == "parted" for name, _ in wanted)
@@ -252,10 +256,9 @@ def solve_many(
         if members is None or members.fast != fast:
             members = Members(plan, [], fast, limit=max_events, reads=int(reads),
                               until=-1.0 if until is None else until)
-        given = np.empty((length, len(numbers)))
-        for j, number in enumerate(numbers):
-            given[:, j] = number if np.ndim(number) == 0 else number[block]
-        members.lay(given)
+        for j, number in varying.items():
+            given[:length, j] = number[block]
+        members.lay(given[:length])
         while members.go():
             members.lengthen()
         part = members.arrays("part").reshape(length, nodes)
