@@ -25,7 +25,7 @@ from scipy.special import i0e, i1e, j0, j1
 
 from .methods.duration import Forecast, Progress, warn
 from .methods.registry import check_function
-from .model.arguments import Array, Number, array, plain, together
+from .model.arguments import Array, Number, array, demand, plain, together
 from .model.bodies import Rod, Segment
 from .model.frozen import Declared, Problems, quantity, raise_noted, refusal
 from .model.lateral_inertia import INERTIA, radial_moduli
@@ -178,7 +178,10 @@ class Bar(Declared):
         ValueError
             If a frequency is out of this range.
         """
-        f = array("frequency", frequency, "Hz", f"[0, {self.cut_off!r}]")
+        f = array("frequency", frequency, "Hz")
+        room = self.cut_off * (1 + 1e-12)
+        message = f"must be from 0 to {self.cut_off!r} Hz, got {{0!r}}"
+        demand((f >= 0) & (f <= room), "frequency", message, f)
         lag = _slowness(self.poisson_ratio)(f * self.radius / self.wave_speed)
         return plain(lag / self.wave_speed)
 

@@ -28,6 +28,7 @@ import numpy as np
 import rodimpact as ri
 from rodimpact.methods import kernels
 from rodimpact.methods.fronts import driver
+from rodimpact.methods.fronts.method import solve_family
 from rodimpact.methods.fronts.plan import plan_of
 from rodimpact.methods.grid.mesh import Mesh, stable_step
 from rodimpact.methods.grid.method import COURANT
@@ -178,9 +179,9 @@ def family_of_pairs(pairs: int = 20_000) -> float:
     rng = np.random.default_rng(0)
     rods = [rod(rng.uniform(0.1, 1.0, pairs), np.exp(rng.uniform(0.0, math.log(3.0), pairs)), v)
             for v in (0.5, -0.5)]
-    plan = plan_of(Row(ri.System(rods)))
+    row = Row(ri.System(rods))
     with kernels.forced(True):
-        return median(lambda: driver.solve_many(plan, None, MAX_EVENTS, [])) / pairs
+        return median(lambda: solve_family(row, None, MAX_EVENTS)) / pairs
 
 
 # The package as its users meet it ---------------------------------------------------------------

@@ -322,7 +322,8 @@ class Run:
     def signals(self) -> Signals:
         """All that is known of the motion."""
         made = self.make_signals()
-        object.__setattr__(self, "make_signals", made._replace)  # what they come from may go
+        # hands out the same from now on; what they come from may go
+        object.__setattr__(self, "make_signals", made._replace)
         return made
 
     def __getstate__(self) -> dict[str, Any]:

@@ -228,7 +228,7 @@ REFUSED = [
     (plot.animation, {"fps": 51}, "fps: must be 1 to 50"),
     (plot.animation, {"fps": float("nan")}, "fps"),
     (plot.animation, {"stop": 0.0}, "stop: must be later than start"),
-    (plot.animation, {"stop": 1.0}, "must lie in the solution"),
+    (plot.animation, {"stop": 1.0}, r"t\[1\]: must lie in the solution"),
     (plot.animation, {"magnification": -1.0}, "magnification"),
 ]
 

@@ -144,8 +144,9 @@ def finality_time(segment: Any, node: Any, line: Any, log: Any, t: int, tol: Any
     longest = 0.0
     for k in range(len(node)):
         at, left, right = node[k], segment[k], segment[k + 1]
-        still = at.rate >= 0 and quiet(line, left.first, max(k, right.last))
-        if at.status >= Status.OPEN and longest < NEVER and not still:
+        if at.status >= Status.OPEN and longest < NEVER and not (
+            at.rate >= 0 and quiet(line, left.first, max(k, right.last))  # nothing moves there
+        ):
             survey(segment, node, line, log, k, t)
             if proof.undecided(right.mean - left.mean, least_opening(left, right, tol), tol):
                 bound_deviations(segment, node, line, log, k, t)  # of others none are read

@@ -176,10 +176,11 @@ def choose_clock(it: Any, given: Any, piece: Any, segment: Any, node: Any) -> No
     spare = room(it, given, piece, node, it.longest)
     it.horizon = it.until if it.until >= 0 else spare
     bits = rule.clock_bits(it.horizon / it.longest)
+    taken = max(bits, rule.COARSEST)
     it.late = drive_times(it, given, piece, segment)
     for i in range(durations, len(piece) - it.late):
         piece[i].time = it.longest  # fewer jumps inside than there might be
-    known, it.bits = it.bits == max(bits, rule.COARSEST), max(bits, rule.COARSEST)
+    known, it.bits = it.bits == taken, taken
     for i in range(len(piece)):  # neighbours in a family often share lengths
         known = known and piece[i].known == piece[i].time
         piece[i].known = piece[i].time

@@ -135,7 +135,7 @@ class GridRun:
             window.given[:, side] = scheme.driven(self.mesh, self.step, side, end)[first:]
         self._take(window, end, tell)
         self.track = Track(*(
-            compiling.joined((old[left] if name in PER_STATE else old, more))
+            compiling.joined(old[left] if name in PER_STATE else old, more)
             for name, old, more in zip(Track._fields, self.track, window, strict=True)))
 
     def _take(self, window: Track, end: int, tell: Callable[[int], None] | None) -> None:
