@@ -28,23 +28,25 @@ def bits_of(system, until, compiling, max_events=4000):
     """All that a run by fronts leaves, bit for bit."""
     with kernels.forced(compiling):
         run = tracked(system, until, max_events)
-    left = run.members
+    left = run.batch
     assert left.fast == compiling
     return [run.log.tobytes(), *(
-        left.arrays(name).tobytes() for name in ("run", "segment", "node", "line"))]
+        left.array(name).tobytes() for name in ("runs", "segments", "nodes", "lines"))]
 
 
 def records_of(run):
-    """Segments, nodes, lines and log of a run by fronts, as its proof of finality takes them."""
-    return run.segment, run.node, run.line, as_objects(run.log)
+    """A run by fronts on objects, as its proof of finality takes it."""
+    return run.batch.state._replace(
+        runs=[run.run], segments=run.segments, nodes=run.nodes, lines=run.lines,
+        log=as_objects(run.log))
 
 
 def group_of(run, contact, right):
     """Motion of the bonded group on one side of a contact, and bounds of its end, by the proof."""
     k = run.plan.contacts[contact]
-    for find in (finality.survey, finality.bound_deviations):
-        find(*records_of(run), k, run.run.now)
-    return run.segment[k + right]
+    for find in (finality.find_mean_motions, finality.bound_deviations):
+        find(records_of(run), k, run.run.now)
+    return run.segments[k + right]
 
 
 def gaps_of(solution, contact):

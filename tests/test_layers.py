@@ -60,7 +60,7 @@ def test_modules_import_only_what_lies_below_and_not_each_other_in_a_loop():
 def test_kernels_of_fronts_know_numbers_and_each_other():
     """So the page can take them."""
     kernels = {f"methods.fronts.{name}" for name in (
-        "layout", "events", "finality", "stock", "march")}
+        "initial_state", "event_queue", "contact", "events", "finality", "energy", "members")}
     kernels |= {"methods.tick_rule", "methods.finality_kernel"}
     known = kernels | {"methods.fronts.records", "methods.laws"}
     for name, path in modules():

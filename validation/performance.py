@@ -28,7 +28,7 @@ import numpy as np
 import rodimpact as ri
 from rodimpact.methods import kernels
 from rodimpact.methods.fronts import driver
-from rodimpact.methods.fronts.method import solve_family
+from rodimpact.methods.fronts.families import solve_family
 from rodimpact.methods.fronts.plan import plan_of
 from rodimpact.methods.grid.mesh import Mesh, stable_step
 from rodimpact.methods.grid.method import COURANT
@@ -157,7 +157,7 @@ def per_event(T: Sequence[float], Z: Sequence[float], v: Sequence[float]) -> flo
     """Median time of an event in a run of half a million of uniform rods that touch, s."""
     plan = plan_of(Row(ri.System([rod(*of) for of in zip(T, Z, v, strict=True)])))
     with kernels.forced(True):
-        (run,) = driver.solve_one(plan, LONG, RUN).objects("run")
+        run = driver.solve_one(plan, LONG, RUN).progress
         assert run.stop == Stop.CAP
         return median(lambda: driver.solve_one(plan, LONG, RUN), 5) / run.events
 

@@ -43,18 +43,19 @@ def conditions(run: ExactRun, *, in_order: bool) -> list[Number]:
     # it is over with the event of the proof, or the next event if the kernel waited for it
     end: Number = state.run.proved + ZERO
     if all(end != front.tick for front in state.log[: state.run.rows]):
-        end = state.tree[1]
-        state.go(end, ENDLESS, ZERO)
+        end = state.queue[1]
+        state.run_to(end, ENDLESS, ZERO)
     last = max((change.tick + ZERO for change in state.changes if change.tick <= end), default=ZERO)
     # where contacts had been open for a while by then half of this later: the proof has room
     wait = (end - last) * HALF
     end += wait
-    state.go(end, ENDLESS, ZERO)
+    state.run_to(end, ENDLESS, ZERO)
     proofs = [_for_ever_after(run, k, end) for k in contacts]
     found = [x for proof, _ in proofs for x in proof]
-    longest = max(sum(it.transit for it in state.segment[s : e + 1]) for s, e in run.row.spans if e)
+    longest = max(sum(it.transit for it in state.segments[s : e + 1])
+                  for s, e in run.row.spans if e)
     # what is under way must not come before the end: let it come
-    state.go(end + wait + 2 * longest, ENDLESS, ZERO)
+    state.run_to(end + wait + 2 * longest, ENDLESS, ZERO)
     for k in contacts:
         spells, later = _spells(run, k, end + wait)
         last, _ = spells[-1].waves[0]
@@ -71,12 +72,12 @@ def conditions(run: ExactRun, *, in_order: bool) -> list[Number]:
 def _spells(run: ExactRun, contact: int, until: Number) -> tuple[list[Spell], list[Number]]:
     """Spells of a contact, and when waves come to it later."""
     state, k = run.state, run.nodes[contact]
-    arrived = {2 * k: state.line[0].arrived if k == 0 else ZERO,
-               2 * k + 3: state.line[-1].arrived if k == len(state.node) - 1 else ZERO}
+    arrived = {2 * k: state.lines[0].arrived if k == 0 else ZERO,
+               2 * k + 3: state.lines[-1].arrived if k == len(state.nodes) - 1 else ZERO}
     events: dict[Any, tuple[Number, dict[int, Any]]] = {}  # by time: waves by line, and the status
     for row in state.log[: state.run.rows]:
-        if row.line in arrived or (row.line == CHANGE and row.after == k):
-            way = ZERO if row.line == CHANGE else state.segment[row.line // 2].transit
+        if row.line in arrived or (row.line == CHANGE and row.next_row == k):
+            way = ZERO if row.line == CHANGE else state.segments[row.line // 2].transit
             events.setdefault((row.tick + way).value, (row.tick + way, {}))[1][row.line] = row.value
     gap, closing = run.numbers.gap[contact] * run.rate, ZERO
     spells, later = [Spell(Status.OPEN if gap > 0 else -1, gap, [(ZERO, ZERO)], [])], []
@@ -124,23 +125,24 @@ def _for_ever_after(run: ExactRun, k: int, t: Any) -> tuple[list[Number], bool]:
     is why is told.
     """
     state, node = run.state, run.nodes[k]
-    at, left, right = state.node[node], state.segment[node], state.segment[node + 1]
-    if at.rate >= 0 and finality.quiet(state.line, left.first, max(node, right.last)):
-        return [at.rate], False
-    finality.survey(*state[1:5], node, t)
-    if left.bounded and right.bounded and right.low >= left.high:
+    at, left, right = state.nodes[node], state.segments[node], state.segments[node + 1]
+    last = max(node, right.last)
+    if at.gap_rate >= 0 and finality.nothing_under_way(state.lines, left.first, last):
+        return [at.gap_rate], False
+    finality.find_mean_motions(state, node, t)
+    if left.bounded and right.bounded and right.slowest >= left.fastest:
         loops = _loop(run, node, False), _loop(run, node, True)
         in_turn = [later - t for loop in loops for (_, t), (_, later) in pairwise(loop)]
         return in_turn + [high - low for high, _ in loops[1] for low, _ in loops[0]], False
-    finality.bound_deviations(*state[1:5], node, t)
-    gap = at.gap + at.rate * (t - at.since) - right.deviation + left.deviation
-    reach = 2 * _vibration(run) * (left.slack + right.slack)
-    return [right.mean - left.mean, gap, gap * gap - reach], True
+    finality.bound_deviations(state, node, t)
+    gap = at.gap + at.gap_rate * (t - at.solved) - right.deviation + left.deviation
+    reach = 2 * _vibration(run) * (left.compliance + right.compliance)
+    return [right.mean_velocity - left.mean_velocity, gap, gap * gap - reach], True
 
 
 def _vibration(run: ExactRun) -> Number:
     """Energy of vibration in the end: what the centres have lost, and what moving walls did."""
-    numbers, results, segment = run.numbers, run.results, run.state.segment
+    numbers, results, segment = run.numbers, run.results, run.state.segments
     energy, impulses = ZERO, [ZERO, *results.impulses, ZERO]
     for i, ((first, last), v) in enumerate(zip(run.row.spans, numbers.velocity, strict=True)):
         if isinstance(run.row.system.bodies[i], Wall):
@@ -153,14 +155,14 @@ def _vibration(run: ExactRun) -> Number:
 
 def _loop(run: ExactRun, k: int, right: bool) -> list[tuple[Number, Number]]:
     """Levels of the waves that go round in the rod beside contact k, and when each left there."""
-    line, log, group = run.state.line, run.state.log, run.state.segment[k + right]
+    line, log, group = run.state.lines, run.state.log, run.state.segments[k + right]
     s = group.first
-    if group.last == 0 or finality.quiet(line, s, group.last):
+    if group.last == 0 or finality.nothing_under_way(line, s, group.last):
         return [(line[2 * k + 3 if right else 2 * k].arrived, ZERO)]
     found = []
-    for l, delay in ((2 * s + right, ZERO), (2 * s + 1 - right, run.state.segment[s].transit)):
-        r = line[l].head
+    for l, delay in ((2 * s + right, ZERO), (2 * s + 1 - right, run.state.segments[s].transit)):
+        r = line[l].next_row
         while r != NONE:
             found.append((log[r].value, log[r].tick + delay))
-            r = log[r].after
+            r = log[r].next_row
     return found

@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 
 from ..methods.abilities import needs
 from ..methods.duration import Progress
-from ..methods.fronts import stock
-from ..methods.fronts.driver import Laid, laid
+from ..methods.fronts import energy
+from ..methods.fronts.driver import Simulation, simulation
 from ..methods.fronts.plan import plan_of
 from ..methods.groups import grounds, groups, unilateral
 from ..methods.laws import Status, Stop
@@ -171,7 +171,7 @@ class ExactRun(NamedTuple):
     nodes: list[int]
     numbers: Numbers
     rate: Fraction
-    state: Laid
+    state: Simulation
     final: bool
     results: Exact  # of `Number`
 
@@ -283,18 +283,18 @@ def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:
     # transit times are lengths here: waves run 1 m in 1 s
     given = [*[1] * n, *numbers.impedance, *numbers.transit, ZERO, ZERO, *numbers.gap]
     given += [x for v in numbers.velocity for x in (v, ZERO)]  # and no strain
-    state = laid(plan, given, [T * rate for T in numbers.transit], 1 / rate, ZERO)
-    final = state.go(-1, max_events, ZERO) == Stop.FINAL
-    stock.settle(*state[:5])
+    state = simulation(plan, given, [T * rate for T in numbers.transit], 1 / rate, ZERO)
+    final = state.run_to(-1, max_events, ZERO) == Stop.FINAL
+    energy.update(state)
     before, after = zip(*(motion(row, state, i) for i in range(len(row.spans))), strict=True)
     e, free = None, unilateral(row.system)
-    if final and len(free) == 1 and state.node[nodes[free[0]]].episodes:
+    if final and len(free) == 1 and state.nodes[nodes[free[0]]].episodes:
         k = free[0]
         if before[k] > before[k + 1]:
             e = (after[k + 1] - after[k]) / (before[k] - before[k + 1])
     impulses: list[Number] = []
     for i, (k, law) in enumerate(zip(nodes, row.system.contacts, strict=True)):
-        impulses.append(state.node[k].impulse / rate)
+        impulses.append(state.nodes[k].impulse / rate)
         if isinstance(law, Bonded):  # its force goes on for ever: what it comes to on average
             first, last = row.spans[i]
             mass = sum((numbers.transit[s - 1] * numbers.impedance[s - 1]
@@ -303,7 +303,7 @@ def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:
             impulses[i] = lost + (impulses[i - 1] if i else ZERO)
     times: dict[int, list[Number]] = {k: [] for k in nodes}  # when force began and ended in turn
     for change in state.changes:
-        at = times[change.after]
+        at = times[change.next_row]
         if (change.value == Status.PRESS) != len(at) % 2:
             at.append((change.tick + ZERO) / rate)
     episodes = tuple(tuple(zip(at[::2], at[1::2], strict=False)) for at in times.values())
@@ -311,13 +311,13 @@ def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:
     return ExactRun(row, nodes, numbers, rate, state, final, results)
 
 
-def motion(row: Row, state: Laid, body: int) -> tuple[Any, Any]:
+def motion(row: Row, state: Simulation, body: int) -> tuple[Any, Any]:
     """Velocity of a body before and after: that of what holds it, or of its segments."""
     group = next(g for g in groups(row.system) if body in g)
     if grounds(row.system, group):
-        return (state.line[0 if group[0] == 0 else -1].arrived,) * 2
-    segment = state.segment[row.spans[body][0]]
-    return segment.initial, segment.velocity
+        return (state.lines[0 if group[0] == 0 else -1].arrived,) * 2
+    segment = state.segments[row.spans[body][0]]
+    return segment.initial_velocity, segment.velocity
 
 
 def _check_speeds(row: Row, squares: Mapping[str, Fraction], unit: Fraction) -> None:

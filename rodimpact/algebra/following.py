@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ..methods.fronts import events, stock
-from ..methods.fronts.driver import laid
+from ..methods.fronts import energy, events
+from ..methods.fronts.driver import simulation
 from ..methods.fronts.method import track
 from ..methods.fronts.records import IDLE
 from ..methods.groups import groups, unilateral
@@ -56,24 +56,25 @@ class Followed:
         times = [L / c for c, L in zip(y[:n], y[2 * n : 3 * n], strict=True)]
         ticks = [Dual(T, T / time.value * time.d)
                  for T, time in zip(run.clock.ticks[1:-1], times, strict=True)]
-        self._state = state = laid(plan, y, ticks, self._tick, self._frame)
-        state.run.limit, state.run.rest = IDLE, IDLE  # nothing is to be proved on the way
+        self._state = state = simulation(plan, y, ticks, self._tick, self._frame)
+        state.run.event_limit = IDLE
+        state.run.proof_events = IDLE  # nothing is to be proved on the way
         state.run.tolerance, state.run.window = run.run.tolerance, run.run.window
         for k in self._nodes:
-            gap = state.node[k].gap
+            gap = state.nodes[k].gap
             self._note(BORDER, 0, k, gap.d * float(gap.value == 0), 0.0)
-        t, nodes, leaves = 0, range(len(state.node)), len(state.tree) // 2
+        t, nodes, leaves = 0, range(len(state.nodes)), len(state.queue) // 2
         due: Sequence[int] = nodes
         while t <= end:
             before = [self._before(k, t) for k in due]
             state.advance(t)
             for k, known in zip(due, before, strict=True):
                 self._compare(k, t, *known)
-            t = int(state.tree[1])
-            due = [k for k in nodes if state.tree[leaves + k] == t]
+            t = int(state.queue[1])
+            due = [k for k in nodes if state.queue[leaves + k] == t]
         state.run.now = end
-        events.close_books(state.run, state.node, end)
-        stock.settle(*state[:5])
+        events.close_books(state, end)
+        energy.update(state)
         lasting = ending(system)
         for i in unilateral(system):
             apart = motion(self._row, state, i + 1)[1] - motion(self._row, state, i)[1]
@@ -89,7 +90,7 @@ class Followed:
         if kind == "restitution":
             (v, after), (w, beyond) = (motion(self._row, self._state, j) for j in (i, i + 1))
             return (beyond - after) / (v - w)
-        at = self._state.node[self._nodes[i]]
+        at = self._state.nodes[self._nodes[i]]
         return (at.impulse if kind == "impulse" else at.pressed) * self._tick + Dual(0.0)
 
     def _note(self, event: int, t: int, k: int, apart: Any, least: float) -> None:
@@ -99,27 +100,27 @@ class Followed:
 
     def _before(self, k: int, t: int) -> tuple[int, list[Any], Any]:
         """Status of node k, the waves that arrive there at tick t, and its gap then."""
-        state, at = self._state, self._state.node[k]
-        arrivals = [state.line[l].due for l in (2 * k, 2 * k + 3) if state.line[l].due == t]
-        now = (arrivals or [state.tree[len(state.tree) // 2 + k] if t else 0])[0]
-        return at.status, arrivals, at.gap + at.rate * (now - at.since)
+        state, at = self._state, self._state.nodes[k]
+        arrivals = [state.lines[l].due for l in (2 * k, 2 * k + 3) if state.lines[l].due == t]
+        now = (arrivals or [state.queue[len(state.queue) // 2 + k] if t else 0])[0]
+        return at.status, arrivals, at.gap + at.gap_rate * (now - at.solved)
 
     def _compare(self, k: int, t: int, before: int, arrivals: list[Any], gap: Any) -> None:
         """Note what is tied at node k, which has been solved at tick t."""
-        state, at = self._state, self._state.node[k]
-        Yl, Yr = (it.mobility for it in state.segment[k : k + 2])
-        a, b, F = state.line[2 * k].arrived, state.line[2 * k + 3].arrived, at.force
+        state, at = self._state, self._state.nodes[k]
+        Yl, Yr = (it.mobility for it in state.segments[k : k + 2])
+        a, b, F = state.lines[2 * k].arrived, state.lines[2 * k + 3].arrived, at.force
         if len(arrivals) == 2:
             self._note(ARRIVALS, t, k, (arrivals[0] - arrivals[1]).d, LEAST * t)
         if before == Status.OPEN and at.gap == 0:
             self._note(CLOSING, t, k, gap.d, self._least * t)
         if at.status == Status.OPEN:  # bodies that graze move apart when a number changes
-            at.rate = Dual(at.rate.value, (b - a).d)
+            at.gap_rate = Dual(at.gap_rate.value, (b - a).d)
         elif at.status in (Status.TOUCH, Status.GRAZE):
             self._note(FORCE, t, k, (a - b).d, self._least)
         for l, wave in ((2 * k + 1, a - 2 * F * Yl), (2 * k + 2, b + 2 * F * Yr)):
-            if state.line[l].tail >= 0:  # what left last
-                apart = wave - state.log[state.line[l].tail].value
+            if state.lines[l].last_row >= 0:  # what left last
+                apart = wave - state.log[state.lines[l].last_row].value
                 self._note(FRONT, t, k, apart.d, self._least)
 
 

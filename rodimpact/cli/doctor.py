@@ -13,7 +13,7 @@ from importlib import metadata
 from .. import Rod, System, Wall, __version__, solve, warm
 from ..materials import brass, steel
 from ..methods import kernels
-from ..methods.fronts import march
+from ..methods.fronts.members import run_members
 from ..storage.report import solution_json
 from ..storage.tables import align, as_json
 from . import DONE, UNVERIFIED
@@ -65,7 +65,7 @@ def try_compiled() -> tuple[str | None, bool | None, str]:
         with kernels.forced(True):
             compiled = solve_a_row()
         seconds = time.perf_counter() - begin
-        cache = kernels.compiled(march.follow).place or None
+        cache = kernels.compiled(run_members).place or None
     except Exception as error:  # whatever is wrong with this installation is the finding
         return None, False, f"fails: {type(error).__name__}: {error}"
     with kernels.forced(False):

@@ -9,11 +9,12 @@ from typing import Any
 from ..methods.abilities import driven
 from ..methods.clock import most_rounded
 from ..methods.compiling import blank
-from ..methods.fronts import events, march
-from ..methods.fronts.layout import round_trip
-from ..methods.fronts.method import last_of, status_of, tally_of
-from ..methods.fronts.plan import blank_records, plan_of
-from ..methods.fronts.records import IDLE, NONE, ROW
+from ..methods.fronts import events, members
+from ..methods.fronts.initial_state import round_trip
+from ..methods.fronts.plan import make_state, plan_of
+from ..methods.fronts.records import FRONT, IDLE, NONE
+from ..methods.fronts.status import status_of
+from ..methods.fronts.totals import last_of, tally_of
 from ..methods.groups import body_velocities, heads
 from ..methods.laws import Stop
 from ..methods.pieces import reading
@@ -41,10 +42,11 @@ def run_of(asked: Any, further: bool, space: Any) -> Any:
     Returns
     -------
     dict
-        The `space`, whose records the kernels have left: ``run``, and lists of the others.
+        The `space`, whose records the kernels have left.
     """
     run, share = space["run"], FINE if asked.until < 0 else 1.0
-    run.limit, run.further = asked.max_events, further
+    run.event_limit = asked.max_events
+    run.goes_on = further
     run.until = -share if asked.until < 0 else asked.until
     go(space)
     while run.stop == Stop.CLOCK and share < 1:
@@ -56,15 +58,15 @@ def run_of(asked: Any, further: bool, space: Any) -> Any:
 
 def go(space: Any) -> None:
     """Run from t = 0 on, on the clock that `until` asks for."""
-    while not march.follow(
-        [space["run"]], space["plan"].numbers, space["piece"], space["segment"], space["node"],
-        space["line"], space["log"], space["tree"], space["part"]):
-        space["log"].extend(blank(3 * len(space["log"]), ROW))
+    log = space["state"].log
+    while not members.run_members(space["state"]):
+        log.extend(blank(3 * len(log), FRONT))
 
 
 def space_of(plan: Any) -> Any:
-    """Space for runs of a plan, and of others that differ from it in numbers only."""
-    return {"plan": plan, **blank_records(plan, ROOM)}
+    """Space for runs of a plan: the ``plan``, the ``state``, and its ``run``."""
+    state = make_state(plan, ROOM, [plan.numbers])
+    return {"plan": plan, "state": state, "run": state.runs[0]}
 
 
 # What moves ---------------------------------------------------------------------------------------
@@ -75,15 +77,15 @@ def motion_of(run: Any) -> Any:
 
     ``rods`` are its waves as `polygons_of` has them.
     """
-    it, row = run["run"], run["plan"].row
+    it, row, state = run["run"], run["plan"].row, run["state"]
     pieces: list[Any] = []
-    for front in run["log"][: it.rows]:
+    for front in state.log[: it.rows]:
         if front.line > 1:
             piece = piece_of(front.tick, NEVER, [front.value])  # until the next one begins
             piece.line, piece.order = front.line - 2, 0
             pieces.append(piece)
-    waves = reading.waves_of(pieces, len(run["line"]) - 2)
-    transits = [at.transit for at in run["segment"][1 : len(row.segments) + 1]]
+    waves = reading.waves_of(pieces, len(state.lines) - 2)
+    transits = [at.transit for at in state.segments[1 : len(row.segments) + 1]]
     steady = [wave_of(wave["start"], [piece.coefficient[0] for piece in wave["piece"]])
               for wave in waves]
     rods = [{"body": i, "pieces": [
@@ -106,22 +108,24 @@ def contact_curves(run: Any, stop: int) -> list[Any]:
     The kernel runs again, event by event, to `stop`.
     """
     again, tick, now = space_of(run["plan"]), run["run"].tick, 0
-    it, segment, node, line, log, tree = [
-        again[name] for name in ("run", "segment", "node", "line", "log", "tree")]
-    it.until, it.limit, it.further = run["run"].until, 0, 1
+    it, state = again["run"], again["state"]
+    it.until = run["run"].until
+    it.event_limit = 0
+    it.goes_on = 1
     go(again)  # what happens at t = 0
-    it.limit, it.rest = run["run"].limit, IDLE  # nothing is to be proved
+    it.event_limit = run["run"].event_limit
+    it.proof_events = IDLE  # nothing is to be proved
     contacts, laws = run["plan"].contacts, run["plan"].row.system.contacts
     changes: list[Any] = [[] for _ in contacts]  # time, force, gap
     while now <= stop:
         for i, k in enumerate(contacts):
-            at = node[k]
-            if at.since == now or now in (0, stop):
-                gap = max(at.gap + at.rate * (now - at.since), 0.0)
+            at = state.nodes[k]
+            if at.solved == now or now in (0, stop):
+                gap = max(at.gap + at.gap_rate * (now - at.solved), 0.0)
                 changes[i].append((now * tick, at.force, gap * tick))
-        now = min(tree[1], stop) if now < stop else stop + 1
-        while events.advance(it, segment, node, line, log, tree, min(now, stop)) == Stop.FULL:
-            log.extend(blank(len(log), ROW))
+        now = min(state.queue[1], stop) if now < stop else stop + 1
+        while events.advance(state, min(now, stop)) == Stop.FULL:
+            state.log.extend(blank(len(state.log), FRONT))
     return [{  # of forces the one before, and the new one
         "force": {"t": [at[0] for at in of for _ in (0, 1)][1:],
                   "y": [at[1] for at in of for _ in (0, 1)][:-1]},
@@ -134,21 +138,27 @@ def contact_curves(run: Any, stop: int) -> list[Any]:
 
 def outcome_of(run: Any, status: str) -> Any:
     """What the collision did, as `outcome_told` has it."""
-    it, segment, row = run["run"], run["segment"], run["plan"].row
+    it, segment, row = run["run"], run["state"].segments, run["plan"].row
     first, inside = heads(row.system, row.spans), segment[1 : len(row.segments) + 1]
-    kinetic = sum(piece.mass * (inside[s].initial + it.frame) ** 2 / 2
+    kinetic = sum(piece.mass * (inside[s].initial_velocity + it.frame) ** 2 / 2
                   for s, piece in enumerate(row.segments))
     ticks = [at.transit for at in inside]
     rounded, _ = most_rounded(row, ticks, it.tick)
     return outcome_told(row.system, {
-        "before": body_velocities(row.system, [segment[s].initial + it.frame for s in first]),
+        "before": body_velocities(
+            row.system, [segment[s].initial_velocity + it.frame for s in first]),
         "after": body_velocities(row.system, [segment[s].velocity + it.frame for s in first]),
-        "contacts": [tally_of(run["node"][k], it.tick) for k in run["plan"].contacts],
+        "contacts": [tally_of(node, it.tick) for node in contacts_of(run)],
         "final": is_proved(run), "status": status,
         "errors": {"velocity": (rounded + 1 / max(ticks)) * it.events * it.scale},
         "energy_before": kinetic + sum(at.initial_vibration for at in inside) * it.tick,
         "vibration_after": sum(at.vibration for at in inside) * it.tick,
     })
+
+
+def contacts_of(run: Any) -> list[Any]:
+    """The nodes of the contacts."""
+    return [run["state"].nodes[k] for k in run["plan"].contacts]
 
 
 def is_proved(run: Any) -> bool:
@@ -160,13 +170,13 @@ def is_proved(run: Any) -> bool:
 
 def sentence_of(run: Any) -> str:
     """Why the run ended, as `Solution.status` has it."""
-    it, row, contacts = run["run"], run["plan"].row, run["plan"].contacts
-    trip = round_trip(run["segment"]) * it.tick
-    sentence = status_of(it, run["node"], contacts, row.system, is_proved(run),
-                         last_of(it, run["node"], contacts, trip))
-    ticks = [at.transit for at in run["segment"][1 : len(row.segments) + 1]]
+    it, row, contacts = run["run"], run["plan"].row, contacts_of(run)
+    segments = run["state"].segments
+    last = last_of(it, contacts, round_trip(segments) * it.tick)
+    sentence = status_of(it, contacts, row.system, is_proved(run), last)
+    ticks = [at.transit for at in segments[1 : len(row.segments) + 1]]
     rounded, worst = most_rounded(row, ticks, it.tick)
-    strain = it.fastest / smallest([piece.wave_speed for piece in row.segments])
+    strain = it.fastest_wave / smallest([piece.wave_speed for piece in row.segments])
     return sentence + rounding(rounded, worst) + strain_warning(strain)
 
 

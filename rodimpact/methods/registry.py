@@ -13,6 +13,7 @@ from ..model.arguments import array, of_kind, one_of
 from ..model.frozen import Declared, Problems, quantity, raise_noted, refusal
 from ..units import shown
 from . import abilities
+from .fronts import families as front_families
 from .fronts import method as fronts
 from .grid import method as grid
 from .pieces import method as pieces
@@ -40,7 +41,8 @@ class Method(NamedTuple):
 
 
 METHODS = {
-    "fronts": Method(fronts.LACKS, (), fronts.solve, fronts.solve_family, fronts.together, READ),
+    "fronts": Method(fronts.LACKS, (), fronts.solve, front_families.solve_family,
+                     front_families.together, READ),
     "characteristics": Method(pieces.LACKS, ("rtol",), pieces.solve, pieces.solve_family,
                               pieces.together, ("accuracy",)),
     "finite-difference": Method(grid.LACKS, ("dt", "rtol", "cells", "snapshots"), grid.solve),

@@ -6,7 +6,7 @@ from networks import UNIT, unit_rod
 
 import rodimpact as ri
 from rodimpact.algebra import exact
-from rodimpact.methods.fronts.driver import laid
+from rodimpact.methods.fronts.driver import simulation
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +67,7 @@ def test_a_figure_shows_what_changes(pair):
 
 def test_runs_that_do_not_end_count_as_cells(pair, monkeypatch):
     begun = []
-    monkeypatch.setattr(exact, "laid", lambda *given: begun.append(1) or laid(*given))
+    monkeypatch.setattr(exact, "simulation", lambda *given: begun.append(1) or simulation(*given))
     plane = ri.atlas(pair.system, pair.x, pair.y, most_cells=40, max_events=5)
     assert len(plane.cells) < len(begun) == 40
 

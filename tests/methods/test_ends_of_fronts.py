@@ -118,13 +118,13 @@ def test_an_end_stays_within_its_bound(seed, right, endless):
     row = ri.System(row, [10.0], ends=ends)
     run = tracked(row, 0.0)
     it, a = group_of(run, 0, right), run.clock
-    reach = np.sqrt(it.bound) * a.tick
+    reach = np.sqrt(it.squared_bound) * a.tick
     until = horizon(row, 60.0)
     solution = ri.solve(row, until, max_events=10 * CAP)
     assume(solution.stopped_by == "until")
     t = np.linspace(0, until, 2000)
     end = solution.displacement(int(right), 0.0 if right else length, t)
-    place = end - end[0] - (it.mean + a.frame) * t + it.deviation * a.tick
+    place = end - end[0] - (it.mean_velocity + a.frame) * t + it.deviation * a.tick
     assert np.abs(place).max() <= reach * (1 + 1e-9) + 1e-12 * np.abs(end).max()
     late = np.abs(place[t > 0.9 * until]).max()
     assert not endless or late <= 0.25 * reach + 1e-12 * np.abs(end).max()
@@ -168,7 +168,7 @@ def test_times_beyond_the_longest_transit_change_no_transit():
     _, first, second, _ = run.clock.ticks
     assert first == 3 * second
     assert run.clock.transit_error < 1e-15
-    log = run.log[: run.run.started]
+    log = run.log[: run.run.initial_rows]
     outside = log[log["line"] == 0]
     (_, t1, t2), (f0, _, _) = outside["tick"].tolist(), outside["value"].tolist()
     assert f0 == 0.0

@@ -11,8 +11,9 @@ from systems import horizon, random_system
 
 import rodimpact as ri
 from rodimpact.methods.compiling import blank
-from rodimpact.methods.fronts import events, finality
-from rodimpact.methods.fronts.records import NODE, ROW, RUN
+from rodimpact.methods.fronts import contact as contacts
+from rodimpact.methods.fronts import finality
+from rodimpact.methods.fronts.records import FRONT, NODE, RUN
 from rodimpact.methods.groups import groups
 from rodimpact.methods.laws import Status
 
@@ -68,21 +69,21 @@ def test_mean_motion_and_bounds(seed, transits):
         for right_side, contact in ((False, group[-1]), (True, group[0] - 1)):
             if not 0 <= contact < len(system.contacts):
                 continue
-            assert run.node[run.plan.contacts[contact]].status >= Status.OPEN
+            assert run.nodes[run.plan.contacts[contact]].status >= Status.OPEN
             mean, deviation, bound2 = expected_sway(
                 pieces[::-1] if right_side else pieces, walls[0] if walls else None)
             it = group_of(run, contact, right_side)
-            assert it.mean + run.clock.frame == pytest.approx(mean, abs=1e-11)
+            assert it.mean_velocity + run.clock.frame == pytest.approx(mean, abs=1e-11)
             sign = -1 if right_side else 1
             assert it.deviation * tick == pytest.approx(
                 sign * deviation, abs=1e-11 * horizon(system))
-            if it.bound:
-                assert it.bound * tick**2 == pytest.approx(bound2, rel=1e-9, abs=1e-24)
+            if it.squared_bound:
+                assert it.squared_bound * tick**2 == pytest.approx(bound2, rel=1e-9, abs=1e-24)
             moving = any(len(np.unique([p[k] for p in pieces])) > 1 for k in (3, 4))
             stepped = len(pieces_of(solution, group)) > 1 and (
                 walls or sum(len(system.bodies[i].segments) for i in group) > 1)
             if it.bounded and moving and stepped:
-                assert it.low == it.high  # nothing under way
+                assert it.slowest == it.fastest  # nothing under way
 
 
 def test_the_time_of_the_proof_takes_the_swing_of_both_ends_into_account():
@@ -98,7 +99,7 @@ def test_the_time_of_the_proof_takes_the_swing_of_both_ends_into_account():
     _, right, bound_right = expected_sway(pieces_of(solution, [1])[::-1], None)
     mean_gap = 0.001 + left + right  # both deviations are measured outwards, towards the gap
     wait = (np.sqrt(2 * (bound_left + bound_right)) - mean_gap) / 1e-3
-    when = finality.finality_time(*records_of(run), 0, run.run.tolerance)
+    when = finality.finality_tick(records_of(run), 0)
     assert when * run.clock.tick == pytest.approx(wait, rel=2e-6)
 
 
@@ -149,8 +150,8 @@ def test_a_grazing_contact_that_presses_again_is_one_episode():
 ])
 def test_a_gap_about_to_close_closes_now(gap, rate, closing, after):
     (at,) = blank(1, NODE)
-    at.status, at.gap, at.rate = Status.OPEN.value, gap, rate
-    assert (events.resolve_contact(at, closing, 100, 1e-9, 10), at.gap, at.rate) == after
+    at.status, at.gap, at.gap_rate = Status.OPEN.value, gap, rate
+    assert (contacts.resolve_contact(at, closing, 100, 1e-9, 10), at.gap, at.gap_rate) == after
 
 
 @pytest.mark.parametrize(("before", "opened"), [
@@ -158,10 +159,10 @@ def test_a_gap_about_to_close_closes_now(gap, rate, closing, after):
 ])
 def test_only_a_contact_that_has_pressed_opens(before, opened):
     """What touched without force since it closed leaves the last opening as it is."""
-    (run,), (at,), (row,) = blank(1, RUN), blank(1, NODE), blank(1, ROW)
+    (run,), (at,), (row,) = blank(1, RUN), blank(1, NODE), blank(1, FRONT)
     at.status, at.opened = before.value, 7
-    events.note(run, at, row, 1, 9, Status.OPEN.value)
-    assert (at.opened, row.tick, row.after, row.value) == (opened, 9, 1, Status.OPEN)
+    contacts.record_change(run, at, row, 1, 9, Status.OPEN.value)
+    assert (at.opened, row.tick, row.next_row, row.value) == (opened, 9, 1, Status.OPEN)
 
 
 @pytest.mark.parametrize("delay", [0, 3, 900])
@@ -175,7 +176,7 @@ def test_a_closing_joins_an_arrival_within_the_window(delay):
     run = tracked(system.replace(gaps=[gap]), 1.0)
     assert run.clock.ticks == clock.ticks
     assert run.run.window > 900
-    assert run.node[1].first == arrival
+    assert run.nodes[1].force_began == arrival
 
 
 def test_round_off_makes_no_fronts():

@@ -19,7 +19,7 @@ from systems import horizon, random_system
 import rodimpact as ri
 from rodimpact.methods import kernels
 from rodimpact.methods.compiling import blank
-from rodimpact.methods.fronts import driver, march
+from rodimpact.methods.fronts import driver, members
 from rodimpact.methods.pieces import march as pieces
 from rodimpact.methods.tick_rule import SPAN, assign_ticks, recognise
 
@@ -125,7 +125,7 @@ def spent_before_compiling(kernel, job=0.125):
     return count * job
 
 
-FOLLOW, PIECES = march.follow, pieces.follow
+FOLLOW, PIECES = members.run_members, pieces.follow
 
 
 def test_plain_python_goes_on_until_it_has_taken_as_long_as_machine_code(fresh):

@@ -198,8 +198,8 @@ def test_what_is_missing_is_told_relative_to_what_took_part(bodies, ends, until,
     whole = totals_of(run)
     assert whole.momentum == pytest.approx((0.0, momentum), abs=1e-14)
     assert whole.energy == pytest.approx((0.0, energy), abs=1e-14)
-    run.segment[1].momentum += 1e-3 / run.clock.tick
-    run.segment[1].vibration += 1e-3 / run.clock.tick
+    run.segments[1].momentum += 1e-3 / run.clock.tick
+    run.segments[1].vibration += 1e-3 / run.clock.tick
     wrong = totals_of(run)
     assert wrong.momentum == pytest.approx((1e-3, momentum), rel=1e-9)
     assert wrong.energy == pytest.approx((1e-3, energy), rel=1e-9)

@@ -388,7 +388,7 @@ def test_arguments_are_checked(change, path):
 
 @pytest.fixture
 def small_chunks(monkeypatch):
-    monkeypatch.setattr("rodimpact.methods.fronts.method.MOST_MEMBERS", 4)
+    monkeypatch.setattr("rodimpact.methods.fronts.families.MOST_MEMBERS", 4)
 
 
 def test_every_executor_gives_the_same_bytes(small_chunks):

@@ -30,7 +30,7 @@ def family(count=30, area=1e-4):
 
 @pytest.fixture(autouse=True)
 def small_chunks(monkeypatch):
-    monkeypatch.setattr("rodimpact.methods.fronts.method.MOST_MEMBERS", 4)
+    monkeypatch.setattr("rodimpact.methods.fronts.families.MOST_MEMBERS", 4)
 
 
 def same(a, b):
@@ -90,10 +90,10 @@ def child(path, then):
 import sys, time
 sys.path.extend({[os.path.dirname(__file__), os.path.dirname(exhaustive.__file__)]})
 import rodimpact as ri
-from rodimpact.methods.fronts import method
+from rodimpact.methods.fronts import families
 from rodimpact.storage import checkpoint
 from test_checkpoint import MANY, family
-method.MOST_MEMBERS, checkpoint.EVERY, checkpoint.SHARE = 4, 0.0, 0.0
+families.MOST_MEMBERS, checkpoint.EVERY, checkpoint.SHARE = 4, 0.0, 0.0
 def progress(done, total):
     {then}
 print("ready", flush=True)

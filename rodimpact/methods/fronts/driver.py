@@ -1,11 +1,12 @@
-"""From a row, or a family of them, to the records of the kernels, and their runs.
+"""Runs of the kernels: a single collision, or the members of a family.
 
-Plain Python runs on lists of objects, until machine code pays: then all goes on in arrays.
+Plain Python runs on lists of objects, until machine code pays: then all goes on in
+arrays of records.
 """
 
 import time
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -14,160 +15,163 @@ from ..compiling import as_objects, as_records, blank, lengthened
 from ..duration import Forecast
 from ..laws import Stop
 from ..memory import ask, most_numbers
+from ..row import Array
 from ..run import Stopped
-from . import events, layout, march, stock
-from .plan import Plan, blank_records
-from .records import CHANGE, LINE, NODE, PART, PIECE, ROW, RUN, SEGMENT
+from . import energy, events, initial_state
+from .members import run_members, run_to_end
+from .plan import Plan, make_state
+from .records import (
+    CHANGE,
+    FRONT,
+    LINE,
+    NODE,
+    PIECE,
+    RUN,
+    SEGMENT,
+    TOTALS,
+    Front,
+    Run,
+    State,
+)
 
 ROOM = 32  # rows of the log at first, beside those at t = 0
-ROW_NUMBERS, LIST_NUMBERS = 18, 60  # that a row of the log takes with what results make of it
-EVENT_TIMES = 2e-5, 2e-6  # s, about what an event takes in plain Python, and compiled
+ROW_NUMBERS = 18  # that a row of the log takes, with what results make of it
+LIST_NUMBERS = 60  # the same in plain Python
+EVENT_TIME = 2e-6  # s, about what an event takes in machine code
+PLAIN_EVENT_TIME = 2e-5  # s, in plain Python
 ROW_TIME = 1e-5  # s, about what plain Python takes for a row of the log
 PAIR_TIME = 4e-7  # s, about what plain Python takes to compare two durations
-FIRST_BLOCK, LAST_BLOCK = 64, 2048  # members of a block
-RECORDS = {"run": RUN, "segment": SEGMENT, "node": NODE, "line": LINE, "log": ROW, "piece": PIECE,
-           "part": PART}
-FOLLOWED = ("run", "given", "piece", "segment", "node", "line", "log", "tree", "part")
-GROWTH = 16  # of a block after one that was quick
+
+FIRST_BLOCK = 64  # members
+LAST_BLOCK = 2048
+GROWTH = 16  # of a block over one that was quick
 PATIENCE = 0.1  # s; about how long a block runs before `stop` is asked again
-now = getattr(time, "thread_time", time.perf_counter)  # a browser has no clock of threads
+now = getattr(time, "thread_time", time.perf_counter)  # a browser has no thread_time
+
+KINDS = {
+    "runs": RUN,
+    "pieces": PIECE,
+    "segments": SEGMENT,
+    "nodes": NODE,
+    "lines": LINE,
+    "log": FRONT,
+}
+"""Types of the records of a `State`, by its fields."""
 
 
-class Members:
-    """Some members of a family: their records, and the room that they share.
+class Batch:
+    """Members of a family that run one after the other on the same records.
 
     Parameters
     ----------
     plan : Plan
-    given : list of float
-        Numbers of a single member.
     fast : bool
         Whether they run in machine code.
-    **asked
-        Fields of RUN.
+    **request
+        Fields of `records.Run` that say what is asked for.
 
     Attributes
     ----------
-    records : dict of str to array or list
-        What the kernel works on: in machine code arrays of records, else lists of objects.
+    state : State
+        In machine code of arrays, else of lists of objects.
     """
 
-    def __init__(self, plan: Plan, given: list[float], fast: bool, **asked: Any) -> None:
-        self.plan, self.fast = plan, False
-        self.records: dict[str, Any] = blank_records(plan, ROOM)
-        one = self.records["run"]
-        for name, value in asked.items():
-            setattr(one, name, value)
-        self.records |= {"run": [one], "given": given}
-        self._room = np.empty(0, PART)
+    def __init__(self, plan: Plan, fast: bool, **request: Any) -> None:
+        self.plan = plan
+        self.fast = False
+        self.state = make_state(plan, ROOM, [])
+        for name, value in request.items():
+            setattr(self.state.runs[0], name, value)
+        self._room = np.empty((0, len(plan.kinds)), TOTALS)
         if fast:
-            self.on_arrays()
+            self.to_arrays()
 
-    def lay(self, given: Any) -> None:
+    def load(self, numbers: Array) -> None:
         """Take the numbers of other members, [member, number]."""
-        parts = len(given) * len(self.plan.kinds)
+        members, nodes = len(numbers), len(self.plan.kinds)
         if self.fast:
-            if len(self._room) < parts:  # memory that is new takes longer than a run
-                self._room = np.empty(parts, PART)
-            self.records |= {"given": given.ravel(), "part": self._room[:parts]}
+            if len(self._room) < members:  # new memory takes longer than a run
+                self._room = np.empty((members, nodes), TOTALS)
+            totals = self._room[:members]
+            self.state = self.state._replace(numbers=numbers, totals=totals)
         else:
-            self.records |= {"given": given.ravel().tolist(), "part": blank(parts, PART)}
+            lists = [blank(nodes, TOTALS) for _ in range(members)]
+            self.state = self.state._replace(numbers=numbers.tolist(), totals=lists)
 
-    def go(self) -> bool:
-        """Run them; return whether there is more to do, with a longer log."""
-        follow: Any = kernels.compiled(march.follow) if self.fast else march.follow
-        return not follow(*(self.records[name] for name in FOLLOWED))
+    def run(self) -> bool:
+        """Run them; return whether all are done, else the log must grow first."""
+        kernel: Any = run_members
+        if self.fast:
+            kernel = kernels.compiled(run_members)
+        return bool(kernel(self.state))
 
-    def lengthen(self) -> None:
+    def grow_log(self) -> None:
         """Make the log longer."""
-        rows = len(self.records["log"])
-        ask(rows * (2 * ROW_NUMBERS if self.fast else LIST_NUMBERS), "max_events",
-            f"a run of more than {rows} fronts", "lower the cap, or stop earlier (until)")
-        self.records["log"] = lengthened(self.records["log"], ROW)
+        rows = len(self.state.log)
+        numbers = rows * LIST_NUMBERS
+        if self.fast:
+            numbers = rows * 2 * ROW_NUMBERS
+        what = f"a run of more than {rows} fronts"
+        ask(numbers, "max_events", what, "lower the cap, or stop earlier (until)")
+        self.state = self.state._replace(log=lengthened(self.state.log, FRONT))
 
-    def on_arrays(self) -> None:
+    def to_arrays(self) -> None:
         """Go on in machine code."""
-        for name, held in self.records.items():
-            self.records[name] = self.arrays(name) if name in RECORDS else np.array(held)
+        arrays: dict[str, Any] = {name: self.array(name) for name in KINDS}
+        arrays["numbers"] = np.array(self.state.numbers, dtype=float)
+        arrays["queue"] = np.array(self.state.queue)
+        arrays["totals"] = self.totals()
+        self.state = State(**arrays)
         self.fast = True
 
-    def arrays(self, name: str) -> Any:
-        """The records of this name as an array."""
-        records = self.records[name]
-        return records if self.fast else as_records(records, RECORDS[name])
+    def array(self, name: str) -> Any:
+        """The records of a field of the state as an array."""
+        records = getattr(self.state, name)
+        return records if self.fast else as_records(records, KINDS[name])
 
     def objects(self, name: str) -> list[Any]:
-        """The records of this name as objects."""
-        records = self.records[name]
+        """The records of a field of the state as objects."""
+        records = getattr(self.state, name)
         return as_objects(records) if self.fast else records
 
-
-class Laid(NamedTuple):
-    """One collision at t = 0 on lists of objects: fields of their records, but `run` is one."""
-
-    run: Any
-    segment: list[Any]
-    node: list[Any]
-    line: list[Any]
-    log: list[Any]
-    tree: list[Any]
-
-    def go(self, target: Any, limit: int, tolerance: Any = 0.0, window: int = 0) -> Stop:
-        """Run to tick `target`, or if it is negative to the proof and -target ticks more."""
-        run = self.run
-        run.target, run.limit, run.tolerance, run.window = target, limit, tolerance, window
-        while (stop := march.play(*self)) == Stop.FULL:
-            self.log.extend(blank(len(self.log), ROW))
-        events.close_books(run, self.node, run.now)
-        return Stop(stop)
-
-    def advance(self, horizon: int) -> None:
-        """Run to a tick, and prove nothing."""
-        while events.advance(*self, horizon) == Stop.FULL:
-            self.log.extend(blank(len(self.log), ROW))
+    def totals(self) -> Any:
+        """Totals of the members as an array, [member, node]."""
+        totals: Any = self.state.totals
+        if self.fast:
+            return totals
+        return np.array([as_records(own, TOTALS) for own in totals])
 
     @property
-    def changes(self) -> list[Any]:
-        """Rows of the log on changes of contacts."""
-        return [row for row in self.log[: self.run.rows] if row.line == CHANGE]
+    def progress(self) -> Run:
+        """The record of the run."""
+        return self.objects("runs")[0]
 
 
-def laid(
-    plan: Plan, numbers: Sequence[Any], ticks: Sequence[Any], tick: Any, frame: Any = 0.0
-) -> Laid:
-    """Set a collision to t = 0, of whatever kind of number times and amplitudes are.
+# A single collision -------------------------------------------------------------------
+
+
+def solve_one(
+    plan: Plan,
+    until: float | None,
+    max_events: int,
+    forecast: Forecast | None = None,
+    other_side: bool = False,
+) -> Batch:
+    """Follow every front of a single collision.
+
+    Without `until` the run ends one round trip of the longest body after the proof.
 
     Parameters
     ----------
     plan : Plan
-        Of a collision in which velocities and strains do not jump.
-    numbers : sequence
-        In place of those of the plan.
-    ticks : [segment]
-        Transit times.
-    tick, frame
-        What a tick lasts, s, and the velocity from which velocities are counted.
-    """
-    made, n = {**blank_records(plan, ROOM), "given": numbers}, len(plan.kinds) - 1
-    run, _, piece, segment, node, line, log, tree, _ = (made[name] for name in FOLLOWED)
-    run.tick, run.frame = tick, frame
-    layout.cut(numbers, 0, piece, segment)
-    for s, T in enumerate(ticks, 1):
-        segment[s].transit, segment[s].mobility = T, 1 / numbers[n + s - 1]
-    layout.lay_out(run, numbers, piece, segment, node, line, log)
-    events.begin(run, segment, node, line, log, tree)
-    stock.settle(run, segment, node, line, log)
-    stock.remember(segment)
-    return Laid(run, segment, node, line, log, tree)
-
-
-def solve_one(
-    plan: Plan, until: float | None, max_events: int, forecast: Forecast | None = None,
-    beside: bool = False,
-) -> Members:
-    """Follow every front of a single collision.
-
-    Without `until` the run ends one round trip of the longest body after the proof.
+    until : float or None
+        Time to be reached, s.
+    max_events : int
+        Cap.
+    forecast : Forecast, optional
+        Told how long the run takes.
+    other_side : bool
+        Whether transit times that the clock rounds are rounded the other way.
 
     Raises
     ------
@@ -176,35 +180,59 @@ def solve_one(
     InvalidModel
         When velocities overflow, or transit times are too far apart for one clock.
     """
-    fast = kernels.worth_compiling(plan.fronts**2 * PAIR_TIME, march.follow)
-    members = Members(plan, list(map(float, plan.numbers)), fast,
-                      until=-1.0 if until is None else until, limit=max_events, further=1,
-                      beside=int(beside))
-    while members.go():
-        rows, (run,) = len(members.records["log"]), members.objects("run")
-        if not members.fast and kernels.worth_compiling(rows * ROW_TIME, march.follow):
-            members.on_arrays()  # what is not over takes as long again as it took
+    fast = kernels.worth_compiling(plan.fronts**2 * PAIR_TIME, run_members)
+    batch = Batch(
+        plan,
+        fast,
+        until=-1.0 if until is None else until,
+        event_limit=max_events,
+        goes_on=1,
+        other_side=int(other_side),
+    )
+    batch.load(np.array([plan.numbers], dtype=float))
+    while not batch.run():
+        spent = len(batch.state.log) * ROW_TIME
+        if not batch.fast and kernels.worth_compiling(spent, run_members):
+            batch.to_arrays()  # what is not over takes as long again as it took
         if forecast:
-            events, expected = int(run.events), _expected(run)
-            left = (expected - events) * EVENT_TIMES[members.fast]
-            if left > duration.SOON:  # compiling may have taken longer
-                forecast.expect(left, f"some {expected:.2g} events")
-            forecast.reached(events, expected)
-        members.lengthen()
-    return members
+            announce(forecast, batch)
+        batch.grow_log()
+    return batch
 
 
-def _expected(run: Any) -> int:
-    """About how many events a run has, at the rate so far, or as many again to an unknown end."""
-    most = min(int(run.limit), int(most_numbers() / ROW_NUMBERS))
+def announce(forecast: Forecast, batch: Batch) -> None:
+    """Say how long a run will take, and how far it is."""
+    run = batch.progress
+    events = int(run.events)
+    expected = expected_events(run)
+    event_time = EVENT_TIME if batch.fast else PLAIN_EVENT_TIME
+    left = (expected - events) * event_time
+    if left > duration.SOON:  # compiling may have taken longer
+        forecast.expect(left, f"some {expected:.2g} events")
+    forecast.reached(events, expected)
+
+
+def expected_events(run: Run) -> int:
+    """About how many events a run has: at the rate so far, or as many again."""
+    most = min(int(run.event_limit), int(most_numbers() / ROW_NUMBERS))
     events, end, reached = int(run.events), int(run.target), int(run.now)
-    return min(most, events * end // reached if end > 0 < reached else 2 * events)
+    expected = 2 * events
+    if end > 0 and reached > 0:
+        expected = events * end // reached
+    return min(most, expected)
+
+
+# Families -----------------------------------------------------------------------------
 
 
 def solve_many(
-    plan: Plan, until: float | None, max_events: int, wanted: Sequence[tuple[str, int]],
-    stop: Callable[[], bool] = lambda: False, more: int = 0,
-) -> dict[tuple[str, int], Any]:
+    plan: Plan,
+    until: float | None,
+    max_events: int,
+    wanted: Sequence[tuple[str, int]],
+    stop: Callable[[], bool] = lambda: False,
+    more: int = 0,
+) -> dict[tuple[str, int], Array]:
     """Run every member of a family to `until`, or to its proof of finality.
 
     Members run in blocks that share records small enough for the processor's cache.
@@ -217,7 +245,7 @@ def solve_many(
     max_events : int
         Cap for each member.
     wanted : sequence of (str, int)
-        Fields of PART, and of which node.
+        Fields of `records.Totals`, and of which node.
     stop : callable
         Asked now and then whether to give up.
     more : int
@@ -235,38 +263,143 @@ def solve_many(
     TooLong
         If a member takes too much memory.
     """
-    count, nodes, varying = plan.row.members, len(plan.kinds), dict[int, Any]()
-    given = np.empty((min(count, LAST_BLOCK), len(plan.numbers)))
-    for j, number in enumerate(plan.numbers):
-        if np.ndim(number) == 0:
-            given[:, j] = number
-        else:
-            varying[j] = np.broadcast_to(number, plan.row.system.shape).ravel()
-    first, size, members = 0, FIRST_BLOCK, None
-    columns = {(name, k): np.empty(count, PART[name]) for name, k in wanted}
-    reads = any(name == "parted" for name, _ in wanted)
-    plain, measured = ROOM * ROW_TIME, False  # s of a member in plain Python
+    count = plan.row.members
+    numbers = NumbersOfMembers(plan)
+    columns = {(name, k): np.empty(count, TOTALS[name]) for name, k in wanted}
+    request = {
+        "until": -1.0 if until is None else until,
+        "event_limit": max_events,
+        "reads_waves": int(any(name == "wave_difference" for name, _ in wanted)),
+    }
+    member_time = ROOM * ROW_TIME  # s, in plain Python
+    measured = False
+    batch = Batch(plan, False, **request)
+    first, size = 0, FIRST_BLOCK
     while first < count:
         if stop():
             raise Stopped
-        block, begun = slice(first, min(first + size, count)), now()
+        block = slice(first, min(first + size, count))
+        begun = now()
         length = block.stop - first
-        ahead = count - block.stop + more if measured else 0
-        fast = kernels.worth_compiling(plain * length, march.follow, ahead=plain * ahead)
-        if members is None or members.fast != fast:
-            members = Members(plan, [], fast, limit=max_events, reads=int(reads),
-                              until=-1.0 if until is None else until)
-        for j, number in varying.items():
-            given[:length, j] = number[block]
-        members.lay(given[:length])
-        while members.go():
-            members.lengthen()
-        part = members.arrays("part").reshape(length, nodes)
+        ahead = 0.0
+        if measured:
+            ahead = member_time * (count - block.stop + more)
+        fast = kernels.worth_compiling(member_time * length, run_members, ahead=ahead)
+        if fast != batch.fast:
+            batch = Batch(plan, fast, **request)
+        batch.load(numbers.of(block))
+        while not batch.run():
+            batch.grow_log()
+        totals = batch.totals()
         for (name, k), column in columns.items():
-            column[block] = part[name][:, k]
-        first, seconds = block.stop, now() - begun
+            column[block] = totals[name][:, k]
+        first = block.stop
+        seconds = now() - begun
         quick = seconds < PATIENCE / 4
         if not fast:
-            plain, measured = seconds / length, measured or not quick
+            member_time = seconds / length
+            measured = measured or not quick
         size = min(GROWTH * size, LAST_BLOCK) if quick else max(1, size // 2)
     return columns
+
+
+class NumbersOfMembers:
+    """The numbers of the members of a family, block by block."""
+
+    def __init__(self, plan: Plan) -> None:
+        rows = min(plan.row.members, LAST_BLOCK)
+        self._block = np.empty((rows, len(plan.numbers)))
+        self._varying: dict[int, Array] = {}
+        for j, number in enumerate(plan.numbers):
+            if np.ndim(number) == 0:
+                self._block[:, j] = number  # once for all blocks
+            else:
+                shape = plan.row.system.shape
+                self._varying[j] = np.broadcast_to(number, shape).ravel()
+
+    def of(self, block: slice) -> Array:
+        """Numbers of some members, [member, number]; the next call overwrites them."""
+        rows = self._block[: block.stop - block.start]
+        for j, number in self._varying.items():
+            rows[:, j] = number[block]
+        return rows
+
+
+# Numbers of any kind ------------------------------------------------------------------
+
+
+class Simulation(State):
+    """A single collision on objects; times and amplitudes are numbers of any kind."""
+
+    __slots__ = ()
+
+    @property
+    def run(self) -> Run:
+        """The record of the run."""
+        return self.runs[0]
+
+    @property
+    def changes(self) -> list[Front]:
+        """Rows of the log that say how contacts changed."""
+        return [row for row in self.log[: self.run.rows] if row.line == CHANGE]
+
+    def run_to(
+        self, target: Any, limit: int, tolerance: Any = 0.0, window: int = 0
+    ) -> Stop:
+        """Run to tick `target`, or if negative to the proof and -target ticks more."""
+        run = self.run
+        run.target = target
+        run.event_limit = limit
+        run.tolerance = tolerance
+        run.window = window
+        stop = run_to_end(self)
+        while stop == Stop.FULL:
+            self._grow_log()
+            stop = run_to_end(self)
+        events.close_books(self, run.now)
+        return Stop(stop)
+
+    def advance(self, horizon: int) -> None:
+        """Run to a tick, and prove nothing."""
+        while events.advance(self, horizon) == Stop.FULL:
+            self._grow_log()
+
+    def _grow_log(self) -> None:
+        log: Any = self.log
+        log.extend(blank(len(log), FRONT))
+
+
+def simulation(
+    plan: Plan,
+    numbers: Sequence[Any],
+    ticks: Sequence[Any],
+    tick: Any,
+    frame: Any = 0.0,
+) -> Simulation:
+    """Set a collision to t = 0, of whatever kind of number times and amplitudes are.
+
+    Parameters
+    ----------
+    plan : Plan
+        Of a collision in which velocities and strains do not jump.
+    numbers : sequence
+        In place of those of the plan.
+    ticks : [segment]
+        Transit times.
+    tick, frame
+        What a tick lasts, s, and the velocity from which velocities are counted.
+    """
+    state = Simulation(*make_state(plan, ROOM, []))
+    state.run.tick = tick
+    state.run.frame = frame
+    segments = state.segments
+    initial_state.cut_at_jumps(numbers, state.pieces, segments)
+    n = len(ticks)
+    for s in range(1, n + 1):
+        segments[s].transit = ticks[s - 1]
+        segments[s].mobility = 1 / numbers[n + s - 1]
+    initial_state.lay_out(state, numbers)
+    events.start(state)
+    energy.update(state)
+    energy.keep_initial(segments)
+    return state

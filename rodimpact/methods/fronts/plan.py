@@ -1,4 +1,7 @@
-"""What all members of a family share, as the kernels take it; the page has this as JavaScript."""
+"""What all members of a family share, as the kernels take it.
+
+The page has this as JavaScript.
+"""
 
 from typing import Any, NamedTuple
 
@@ -6,16 +9,43 @@ from ...model import Steps
 from ..compiling import blank
 from ..laws import Beyond, Law, Status
 from ..walk import frame_of, scale_of
-from . import events
-from .records import LINE, NODE, NONE, PART, PIECE, ROW, RUN, SEGMENT
+from . import event_queue
+from .records import (
+    FRONT,
+    LINE,
+    NODE,
+    NONE,
+    PIECE,
+    RUN,
+    SEGMENT,
+    TOTALS,
+    State,
+)
 
 BEYOND = {
-    "velocity": Beyond.MOVED.value, "force": Beyond.PUSHED.value, "absorbing": Beyond.ENDLESS.value,
+    "velocity": Beyond.MOVED.value,
+    "force": Beyond.PUSHED.value,
+    "absorbing": Beyond.ENDLESS.value,
 }
+"""What acts on an end, by the name of `Row.outside`."""
+
 STATUS = {
-    Law.PUSH_LEFT: Status.PUSH.value, Law.PUSH_RIGHT: Status.PUSH.value,
-    Law.BOND: Status.BOND.value, Law.RIGID: Status.TOUCH.value,
+    Law.PUSH_LEFT: Status.PUSH.value,
+    Law.PUSH_RIGHT: Status.PUSH.value,
+    Law.BOND: Status.BOND.value,
+    Law.RIGID: Status.TOUCH.value,
 }
+"""Status of a closed node before anything is solved, by the law of its link."""
+
+
+class Profile(NamedTuple):
+    """Where the initial state of a body, or a drive, stands: fields of `Segment`."""
+
+    segment: int  # first of the body, or what lies outside the end
+    place: int  # among the numbers of a member
+    velocity_count: int
+    strain_count: int
+    outside: int  # `laws.Beyond`
 
 
 class Plan(NamedTuple):
@@ -24,20 +54,21 @@ class Plan(NamedTuple):
     Attributes
     ----------
     row : Row
-    profiles : list of (int, int, int, int, int)
-        Segments, and the first four fields of their `SEGMENT`.
+    profiles : list of Profile
     kinds : list of int
-        Of each node.
+        Status of each node while its gap is closed, before anything is solved.
     numbers : list of float or array
-        In which members differ, see `layout`.
+        In which members differ, in the order that `initial_state` says.
     contacts : list of int
         Node of each contact.
-    pieces, fronts : int
-        How many durations and fronts at t = 0 a member has.
+    pieces : int
+        How many durations a member has.
+    fronts : int
+        How many fronts it may have at t = 0.
     """
 
     row: Any
-    profiles: list[Any]
+    profiles: list[Profile]
     kinds: list[int]
     numbers: list[Any]
     contacts: list[int]
@@ -47,65 +78,132 @@ class Plan(NamedTuple):
 
 def plan_of(row: Any) -> Plan:
     """The plan of a row that fronts can carry."""
-    system, segments = row.system, row.segments
-    numbers = [
-        *[s.wave_speed for s in segments], *[s.impedance for s in segments],
-        *[s.length for s in segments], frame_of(row), scale_of(row), *system.gaps,
-    ]
-    profiles: list[Any] = []
-    for i, (body, (first, last)) in enumerate(zip(system.bodies, row.spans, strict=True)):
-        s = first if last > 0 else 0 if i == 0 else len(segments) + 1
-        strain = body.strain if body.kind == "rod" else 0.0
-        profiles.append(enter(numbers, s, (body.velocity, strain), Beyond.STEADY.value))
-    kinds = [STATUS[it.law] for it in row.links]
-    for side, (kind, value) in enumerate(row.outside):
+    numbers = numbers_of(row)
+    profiles = profiles_of(row, numbers)
+    durations = len(row.segments)
+    for profile in profiles:
+        jumps = profile.velocity_count - 1 + profile.strain_count - 1
+        durations += jumps
+    contacts: list[int] = []
+    for i in range(len(row.system.gaps)):
+        last_segment = row.spans[i][1]
+        contacts.append(last_segment)
+    fronts = 2 * durations + 2
+    return Plan(row, profiles, kinds_of(row), numbers, contacts, durations, fronts)
+
+
+def numbers_of(row: Any) -> list[Any]:
+    """The numbers of a row but its profiles."""
+    numbers: list[Any] = []
+    for segment in row.segments:
+        numbers.append(segment.wave_speed)
+    for segment in row.segments:
+        numbers.append(segment.impedance)
+    for segment in row.segments:
+        numbers.append(segment.length)
+    numbers.append(frame_of(row))
+    numbers.append(scale_of(row))
+    numbers.extend(row.system.gaps)
+    return numbers
+
+
+def profiles_of(row: Any, numbers: list[Any]) -> list[Profile]:
+    """Add the profiles of bodies and drives to the numbers; return where they stand."""
+    system = row.system
+    outside = len(row.segments) + 1
+    profiles: list[Profile] = []
+    for i, body in enumerate(system.bodies):
+        first, last = row.spans[i]
+        strain = 0.0
+        if body.kind == "rod":
+            strain = body.strain
+        elif last == 0:
+            first = 0 if i == 0 else outside
+        profile = add_profile(
+            numbers, first, body.velocity, strain, Beyond.STEADY.value
+        )
+        profiles.append(profile)
+    for side in range(2):
+        kind, value = row.outside[side]
         end = system.ends[side].kind
+        if end == "free":
+            continue
+        beyond = Beyond.STEADY.value if end == "fixed" else BEYOND[kind]
+        profiles.append(add_profile(numbers, side * outside, value, 0.0, beyond))
+    return profiles
+
+
+def add_profile(
+    numbers: list[Any], segment: int, velocity: Any, strain: Any, outside: int
+) -> Profile:
+    """Add a velocity and a strain, each constant or in steps, to the numbers."""
+    place = len(numbers)
+    velocities = add_steps(numbers, velocity)
+    strains = add_steps(numbers, strain)
+    return Profile(segment, place, velocities, strains, outside)
+
+
+def add_steps(numbers: list[Any], value: Any) -> int:
+    """Add values, and where they jump, to the numbers; return how many values."""
+    if isinstance(value, Steps):
+        numbers.extend(value.values)
+        numbers.extend(value.at)
+        return len(value.values)
+    numbers.append(value)
+    return 1
+
+
+def kinds_of(row: Any) -> list[int]:
+    """Status of each node while its gap is closed, before anything is solved."""
+    kinds: list[int] = []
+    for link in row.links:
+        kinds.append(STATUS[link.law])
+    for side in range(2):
+        kind, _ = row.outside[side]
         if kind == "none":
             kinds[side * (len(kinds) - 1)] = Status.FREE.value
-        if end != "free":
-            beyond = Beyond.STEADY.value if end == "fixed" else BEYOND[kind]
-            end = side * (len(segments) + 1)
-            profiles.append(enter(numbers, end, (value, 0.0), beyond))
-    pieces = len(segments) + sum(v + e - 2 for _s, _place, v, e, _o in profiles)  # cut at jumps
-    contacts = [last for _, last in row.spans[: len(system.gaps)]]
-    return Plan(row, profiles, kinds, numbers, contacts, pieces, 2 * pieces + 2)
+    return kinds
 
 
-def enter(numbers: list[Any], segment: int, values: Any, outside: int) -> Any:
-    """What a body, or what is outside, adds to the numbers: velocities and strains."""
-    place, counts = len(numbers), []
-    for profile in values:
-        if isinstance(profile, Steps):
-            numbers.extend(profile.values)
-            numbers.extend(profile.at)
-            counts.append(len(profile.values))
-        else:
-            numbers.append(profile)
-            counts.append(1)
-    return segment, place, counts[0], counts[1], outside
+def make_state(plan: Plan, rows: int, numbers: list[Any]) -> State:
+    """Records for runs of a plan.
 
-
-def blank_records(plan: Plan, rows: int) -> dict[str, Any]:
-    """Records for runs of a plan as the kernels take them, and others that differ in numbers only.
-
-    The log has room for so many `rows` beside those at t = 0.
+    Parameters
+    ----------
+    plan : Plan
+    rows : int
+        How many fronts the log has room for, beside those at t = 0.
+    numbers : list
+        Of the members.
     """
-    n, run = len(plan.kinds) - 1, blank(1, RUN)[0]
-    node = blank(n + 1, NODE)
-    for k in range(n + 1):
-        node[k].kind, node[k].contact = plan.kinds[k], NONE
+    n = len(plan.kinds) - 1
+    run = blank(1, RUN)[0]
+    segments = blank(n + 2, SEGMENT)
+    for profile in plan.profiles:
+        segment = segments[profile.segment]
+        segment.profile = profile.place
+        segment.velocity_count = profile.velocity_count
+        segment.strain_count = profile.strain_count
+        segment.outside = profile.outside
+        if profile.outside == Beyond.ENDLESS:
+            run.momenta_change = 1
+    nodes = blank(n + 1, NODE)
+    for k, node in enumerate(nodes):
+        node.kind = plan.kinds[k]
+        node.contact = NONE
     for i, k in enumerate(plan.contacts):
-        node[k].contact = i
-    segment = blank(n + 2, SEGMENT)
-    for s, place, velocities, strains, outside in plan.profiles:
-        it = segment[s]
-        it.profile, it.velocities, it.strains, it.outside = place, velocities, strains, outside
-    endless = any(it.outside == Beyond.ENDLESS for it in segment)
-    bonded = any(plan.kinds[k] == Status.BOND for k in plan.contacts)
-    run.lasting = 1 if endless or bonded else 0
-    return {
-        "run": run, "piece": blank(plan.pieces, PIECE), "segment": segment, "node": node,
-        "line": blank(2 * n + 4, LINE), "part": blank(n + 1, PART),
-        "log": blank(plan.fronts + rows, ROW),
-        "tree": [0 for _ in range(events.size_of_tree(n + 1))],
-    }
+        nodes[k].contact = i
+        if plan.kinds[k] == Status.BOND:
+            run.momenta_change = 1
+    queue = [0 for _ in range(event_queue.size_for(n + 1))]
+    return State(
+        [run],
+        numbers,
+        blank(plan.pieces, PIECE),
+        segments,
+        nodes,
+        blank(2 * n + 4, LINE),
+        blank(plan.fronts + rows, FRONT),
+        queue,
+        [blank(n + 1, TOTALS) for _ in numbers],
+    )

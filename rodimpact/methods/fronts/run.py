@@ -1,4 +1,4 @@
-"""A finished run of a single collision by fronts: its clock, its records, and why it stopped."""
+"""A finished run of a single collision by fronts: its clock, and why it stopped."""
 
 from functools import cached_property
 from typing import Any
@@ -7,10 +7,15 @@ from ...model.frozen import InvalidModel
 from ..abilities import driven
 from ..clock import Clock, clock_of, too_long, too_short
 from ..laws import Stop
-from .driver import Members
-from .records import NONE
+from .driver import Batch
+from .records import NONE, Line, Node, Segment
 
-REASONS = {Stop.FINAL: "final", Stop.CAP: "max_events", Stop.CLOCK: "clock", Stop.DONE: "until"}
+REASONS: dict[int, str] = {
+    Stop.FINAL: "final",
+    Stop.CAP: "max_events",
+    Stop.CLOCK: "clock",
+    Stop.DONE: "until",
+}
 
 
 class FrontRun:
@@ -18,51 +23,78 @@ class FrontRun:
 
     Attributes
     ----------
-    members : Members
-        As the kernel left them.
-    clock : Clock
+    batch : Batch
+        As the kernel left it.
     plan : Plan
-    run, segment, node, line
-        The kernel's records as objects, or lists of them.
+    clock : Clock
+    run : records.Run
+    segments : list of records.Segment
+    nodes : list of records.Node
+    lines : list of records.Line
     stopped_by : str
         ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``.
     finality_time : int
-        Tick at which the collision was proved final, -1 without proof, as where ends are driven.
+        Tick at which the collision was proved final, -1 without proof, as where ends
+        are driven.
+
+    Raises
+    ------
+    InvalidModel
+        When velocities overflow, or transit times are too far apart for one clock.
     """
 
-    def __init__(self, members: Members) -> None:
-        self.members, self.plan = members, members.plan
-        (self.run,), self.segment, self.node, self.line = map(
-            members.objects, ("run", "segment", "node", "line"))
+    def __init__(self, batch: Batch) -> None:
+        self.batch = batch
+        self.plan = batch.plan
+        self.run = batch.progress
+        self.segments: list[Segment] = batch.objects("segments")
+        self.nodes: list[Node] = batch.objects("nodes")
+        self.lines: list[Line] = batch.objects("lines")
         if self.run.stop >= Stop.OVERFLOW:
-            raise InvalidModel([_refusal(self)])
-        self.clock, self.stopped_by = _clock(self), REASONS[Stop(self.run.stop)]
-        pushed = self.run.until >= 0 and driven(self.plan.row.system)
-        self.finality_time = NONE if pushed else self.run.proved
+            raise InvalidModel([self._why_no_clock()])
+        self.clock = self._clock()
+        self.stopped_by = REASONS[Stop(self.run.stop)]
+        self.finality_time = self.run.proved
+        if self.run.until >= 0 and driven(self.plan.row.system):
+            self.finality_time = NONE
 
     @cached_property
     def log(self) -> Any:
-        """Rows of the kernel's log."""
-        return self.members.arrays("log")[: self.run.rows]
+        """Rows of the kernel's log, an array of records."""
+        return self.batch.array("log")[: self.run.rows]
 
+    @property
+    def proved(self) -> bool:
+        """Whether it is proved that nothing meets again."""
+        return self.finality_time != NONE
 
-def _clock(run: FrontRun) -> Clock:
-    """The clock of a run; an endless bar outside has the impedance of what it goes on."""
-    pieces = run.plan.row.segments
-    impedance = [0.0, *(float(piece.impedance) for piece in pieces), 0.0]
-    for at, beside in ((0, 1), (-1, -2)):
-        impedance[at] = impedance[beside] if run.segment[at].mobility else 0.0
-    return clock_of(run.plan.row, [s.transit for s in run.segment[1:-1]], run.run.tick,
-                    frame=run.run.frame, impedance=impedance)
+    @property
+    def contacts(self) -> list[Node]:
+        """The nodes of the contacts."""
+        return [self.nodes[k] for k in self.plan.contacts]
 
+    def _clock(self) -> Clock:
+        """The clock; an endless bar outside has the impedance of what it goes on."""
+        row = self.plan.row
+        impedance = [0.0, *(float(s.impedance) for s in row.segments), 0.0]
+        if self.segments[0].mobility:
+            impedance[0] = impedance[1]
+        if self.segments[-1].mobility:
+            impedance[-1] = impedance[-2]
+        ticks = [segment.transit for segment in self.segments[1:-1]]
+        return clock_of(
+            row, ticks, self.run.tick, frame=self.run.frame, impedance=impedance
+        )
 
-def _refusal(run: FrontRun) -> tuple[str, str]:
-    """Path and sentence for a collision that cannot be laid out."""
-    it, row = run.run, run.plan.row
-    if it.stop == Stop.OVERFLOW:
-        return "bodies", (
-            f"velocities and strains of {it.scale!r} m/s overflow the energy; use smaller")
-    times = [float(piece.transit_time) for piece in row.segments]
-    if it.stop == Stop.LONG:
-        return too_long(it.horizon, max(times))
-    return too_short(row.paths[it.short], times[it.short - 1], max(times))
+    def _why_no_clock(self) -> tuple[str, str]:
+        """Path and sentence for a collision that has no clock."""
+        run = self.run
+        row = self.plan.row
+        if run.stop == Stop.OVERFLOW:
+            scale = f"velocities and strains of {run.scale!r} m/s"
+            return "bodies", f"{scale} overflow the energy; use smaller"
+        times = [float(segment.transit_time) for segment in row.segments]
+        longest = max(times)
+        if run.stop == Stop.LONG:
+            return too_long(run.horizon, longest)
+        return too_short(row.paths[run.shortest], times[run.shortest - 1], longest)

@@ -1,6 +1,5 @@
-"""From the kernel's log to signals: waves by line, contacts, and what acts from outside."""
+"""From the log to signals: waves by line, contacts, and what acts from outside."""
 
-from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -8,90 +7,138 @@ import numpy as np
 
 from ...model import Fixed, Free, Wall
 from ..laws import Status
-from ..run import INWARD, ContactSignal, Outside, Signals, Waves, episodes_of
+from ..row import Array
+from ..run import INWARD, ContactSignal, Episode, Outside, Signals, Waves, episodes_of
 from ..signals import Pieces, each_once
 from .records import CHANGE
 from .run import FrontRun
 
+Lines = list[Pieces | None]
+"""Waves by line, as they leave their ends; None where there are none."""
+
 
 def signals_of(run: FrontRun) -> Signals:
     """All that a run knows of the motion."""
-    lines = _waves(len(run.segment), run.log)
+    lines = waves_by_line(run)
     changes = run.log[run.log["line"] == CHANGE]
-    contacts = tuple(_contact(run, lines, changes, k) for k in range(len(run.plan.contacts)))
-    left, right = (_outside(run, lines, contacts, side) for side in (0, 1))
-    return Signals(Waves(lines), contacts, (left, right))
+    contacts = []
+    for contact in range(len(run.plan.contacts)):
+        contacts.append(contact_signal(run, lines, changes, contact))
+    left = outside_signal(run, lines, contacts, 0)
+    right = outside_signal(run, lines, contacts, 1)
+    return Signals(Waves(lines), tuple(contacts), (left, right))
 
 
-def _waves(segments: int, log: Any) -> list[Pieces | None]:
-    """One signal a line of a segment; None for what comes in from the left."""
-    log = log[(log["line"] > 1) & (log["line"] < 2 * segments - 2)]
+def waves_by_line(run: FrontRun) -> Lines:
+    """One signal for each line of a segment."""
+    count = 2 * len(run.segments) - 1
+    log = run.log
+    inside = (log["line"] > 1) & (log["line"] < count - 1)
+    log = log[inside]
     log = log[np.argsort(log["line"], kind="stable")]
-    bounds = np.searchsorted(log["line"], np.arange(2 * segments - 1))
-    return [Pieces(log["tick"][i:j], log["value"][i:j]) if j > i else None
-            for i, j in pairwise(bounds)]
+    bounds = np.searchsorted(log["line"], np.arange(count))
+    lines: Lines = []
+    for start, stop in pairwise(bounds):
+        wave = None
+        if stop > start:
+            wave = Pieces(log["tick"][start:stop], log["value"][start:stop])
+        lines.append(wave)
+    return lines
 
 
-def _contact(
-    run: FrontRun, lines: Sequence[Pieces | None], changed: Any, contact: int
+def contact_signal(
+    run: FrontRun, lines: Lines, changes: Any, contact: int
 ) -> ContactSignal:
-    """Force and gap, from the waves that arrive at a contact and its changes of status.
+    """Force, gap and closing velocity of a contact.
 
-    The status before any change holds from tick -1 on.
+    They follow from the waves that arrive and the changes of status. The status before
+    any change holds from tick -1 on.
     """
-    a, node, end = run.clock, run.plan.contacts[contact], run.run.now
-    first, bonded = float(a.system.gaps[contact]) / a.tick, run.node[node].kind == Status.BOND
-    own = changed[changed["after"] == node]
-    before = Status.OPEN if first > 0 else run.node[node].kind
-    changes = Pieces([-1, *own["tick"]], [before, *own["value"]])
-    left, right = (_arrivals(run, lines, node, side) for side in (0, 1))
-    ticks = each_once([0], left.ticks, right.ticks, changes.ticks)
+    clock = run.clock
+    end = run.run.now
+    k = run.plan.contacts[contact]
+    kind = run.nodes[k].kind
+    first_gap = float(clock.system.gaps[contact]) / clock.tick
+    own = changes[changes["next_row"] == k]
+    first_status = Status.OPEN if first_gap > 0 else kind
+    statuses = Pieces([-1, *own["tick"]], [first_status, *own["value"]])
+
+    from_left = arrivals(run, lines, k, 0)
+    from_right = arrivals(run, lines, k, 1)
+    ticks = each_once([0], from_left.ticks, from_right.ticks, statuses.ticks)
     ticks = ticks[(ticks >= 0) & (ticks <= end)]
-    closing = left.at(ticks) - right.at(ticks)
-    yielding = sum(1 / a.impedance[s] for s in (node, node + 1) if a.impedance[s])
-    status = changes.at(ticks)
-    pressing = np.full(ticks.shape, True) if bonded else status == Status.PRESS
-    force = np.where(pressing, closing / yielding, 0.0)
-    opening = np.where(status == Status.OPEN, -closing, 0.0)
-    opening[np.abs(opening) <= run.run.tolerance] = 0.0
-    travelled = np.concatenate(([0.0], np.cumsum(opening[:-1] * np.diff(ticks))))
-    # every change of status but the initial one leaves the gap at 0
-    change = np.searchsorted(ticks, changes.ticks[1:])
-    last = np.searchsorted(changes.ticks[1:], ticks, "right") - 1
-    zero = np.append(travelled[change], -first)[last]
-    gap = np.where(status == Status.OPEN, travelled - zero, 0.0)
-    until = gap + opening * np.diff(ticks, append=end)
-    episodes = () if bonded else episodes_of(changes.ticks[1:], changes.values[1:], a.tick)
+    closing = from_left.at(ticks) - from_right.at(ticks)
+    status = statuses.at(ticks)
+
+    pressing = status == Status.PRESS
+    if kind == Status.BOND:
+        pressing = np.full(ticks.shape, True)
+    mobility = 0.0
+    for s in (k, k + 1):
+        if clock.impedance[s] > 0:
+            mobility += 1 / clock.impedance[s]
+    force = np.where(pressing, closing / mobility, 0.0)
+
+    opened = status == Status.OPEN
+    gap_rate = np.where(opened, -closing, 0.0)
+    gap_rate[np.abs(gap_rate) <= run.run.tolerance] = 0.0
+    gap = np.where(opened, gaps(ticks, gap_rate, statuses.ticks[1:], first_gap), 0.0)
+    gap_behind = gap + gap_rate * np.diff(ticks, append=end)
+
+    episodes: tuple[Episode, ...] = ()
+    if kind != Status.BOND:
+        episodes = episodes_of(statuses.ticks[1:], statuses.values[1:], clock.tick)
     return ContactSignal(
-        Pieces(ticks, force), Pieces.lines(ticks, gap * a.tick, until * a.tick, end),
-        Pieces(ticks, -opening), episodes,
+        force=Pieces(ticks, force),
+        gap=Pieces.lines(ticks, gap * clock.tick, gap_behind * clock.tick, end),
+        closing=Pieces(ticks, -gap_rate),
+        episodes=episodes,
     )
 
 
-def _arrivals(
-    run: FrontRun, lines: Sequence[Pieces | None], node: int, right: int
-) -> Pieces:
-    segment = node + right
-    wave = lines[2 * segment + right] if run.clock.impedance[segment] else None
+def gaps(ticks: Array, gap_rate: Array, changes: Array, first_gap: float) -> Array:
+    """Gap at the start of each piece while it is open, velocity times ticks.
+
+    Every change of status but the initial one leaves it at 0.
+    """
+    steps = gap_rate[:-1] * np.diff(ticks)
+    travelled = np.concatenate(([0.0], np.cumsum(steps)))
+    at_changes = travelled[np.searchsorted(ticks, changes)]
+    zeros = np.append(at_changes, -first_gap)  # the last one before any change
+    last_change = np.searchsorted(changes, ticks, "right") - 1
+    return np.asarray(travelled - zeros[last_change])
+
+
+def arrivals(run: FrontRun, lines: Lines, k: int, side: int) -> Pieces:
+    """Wave that arrives at node k from the left (0) or the right (1)."""
+    segment = k + side
+    wave = None
+    if run.clock.impedance[segment] > 0:
+        wave = lines[2 * segment + side]
     if wave is None:  # of a wall
-        return Pieces([0], [run.line[-right].arrived])
+        return Pieces([0], [run.lines[-side].arrived])
     return wave.later(run.clock.ticks[segment])
 
 
-def _outside(
-    run: FrontRun, lines: Sequence[Pieces | None], contacts: Sequence[ContactSignal], side: int
+def outside_signal(
+    run: FrontRun, lines: Lines, contacts: list[ContactSignal], side: int
 ) -> Outside | None:
     """What acts on the left (0) or the right (1) end of the row."""
-    a, end, wall = run.clock, run.run.now, run.clock.system.bodies[-side]
+    clock = run.clock
+    end = run.run.now
+    wall = clock.system.bodies[-side]
     if isinstance(wall, Wall):
-        return Outside("wall", contacts[-side].force, Pieces([0], [float(wall.velocity)]))
-    if isinstance(a.system.ends[side], Free | Fixed):
+        velocity = Pieces([0], [float(wall.velocity)])
+        return Outside("wall", contacts[-side].force, velocity)
+    if isinstance(clock.system.ends[side], Free | Fixed):
         return None
-    s = range(len(a.ticks))[1:-1][-side]
-    inward, outward = lines[2 * s + side], lines[2 * s + 1 - side]
+    s = 1 if side == 0 else len(clock.ticks) - 2
+    inward = lines[2 * s + side]
+    outward = lines[2 * s + 1 - side]
     assert inward is not None
     assert outward is not None
-    old = outward.later(a.ticks[s])
-    push = (inward - old).times(INWARD[side] * a.impedance[s] / 2)
-    speed = (inward + old).times(0.5).plus(a.frame)
-    return Outside(run.plan.row.outside_name(side), push.within(0, end), speed.within(0, end))
+    returned = outward.later(clock.ticks[s])
+    push = (inward - returned).times(INWARD[side] * clock.impedance[s] / 2)
+    speed = (inward + returned).times(0.5).plus(clock.frame)
+    name = run.plan.row.outside_name(side)
+    return Outside(name, push.within(0, end), speed.within(0, end))

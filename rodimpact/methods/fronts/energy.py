@@ -1,0 +1,157 @@
+"""Momentum and energy of the segments, the velocities of bonded groups, and stress.
+
+With the waves a and b and the impedance Z, the momentum of a segment is
+(Z/2) integral(a + b) over a transit time; the energy of its vibration about a motion
+of velocity V is (Z/4) integral((a - V)^2 + (b - V)^2).
+"""
+
+from typing import Any
+
+from ..laws import Status
+from .records import NONE, State
+
+
+def update(state: State) -> None:
+    """Find velocities of groups, and momenta and vibration of segments about them.
+
+    The vibration at t = 0 is asked for by runs that go on after the proof only.
+    """
+    run = state.runs[0]
+    nodes = state.nodes
+    last = nodes[len(nodes) - 1]
+    held = nodes[0].status == Status.BOND or last.status == Status.BOND
+    if held or run.events == 0:
+        measure(state)
+    set_group_velocities(state)
+    if run.goes_on or run.events > 0:
+        measure(state)
+
+
+def measure(state: State) -> None:
+    """Find momentum, and energy of vibration about `velocity`, of each segment."""
+    now = state.runs[0].now
+    log = state.log
+    for s in range(1, len(state.segments) - 1):
+        segment = state.segments[s]
+        impedance = 1 / segment.mobility
+        mean = segment.velocity
+        momentum = 0 * mean
+        energy = 0 * mean
+        for l in range(2 * s, 2 * s + 2):
+            line = state.lines[l]
+            r = line.next_row
+            wave = line.arrived
+            edge = segment.transit  # ticks since the wave behind it was sent
+            while r != NONE:
+                front = log[r]
+                width = edge - now + front.tick
+                momentum += wave * width
+                energy += (wave - mean) * (wave - mean) * width
+                edge = now - front.tick
+                wave = front.value
+                r = front.next_row
+            momentum += wave * edge
+            energy += (wave - mean) * (wave - mean) * edge
+        segment.momentum = impedance * momentum / 2
+        segment.vibration = impedance * energy / 4
+
+
+def set_group_velocities(state: State) -> None:
+    """Set the velocities of bonded groups: from their momenta at t = 0, then impulses.
+
+    The impulses are more exact than the momenta of waves, and independent of them.
+    Only groups bonded to what is outside have no other velocity than that of their
+    momenta.
+    """
+    run = state.runs[0]
+    segments = state.segments
+    nodes = state.nodes
+    first = 1
+    while first < len(nodes):
+        last = segments[first].last
+        mass = 0 * segments[first].mobility
+        momentum = mass
+        for s in range(first, last + 1):
+            mass += segments[s].transit / segments[s].mobility
+            momentum += segments[s].momentum
+        velocity = momentum / mass
+        left = nodes[first - 1]
+        right = nodes[last]
+        held = left.status == Status.BOND or right.status == Status.BOND
+        if run.events > 0 and not held:
+            gained = (left.impulse - right.impulse) / mass
+            velocity = segments[first].initial_velocity + gained
+        for s in range(first, last + 1):
+            segments[s].velocity = velocity
+        first = last + 1
+
+
+def keep_initial(segments: Any) -> None:
+    """Keep the motion at t = 0 for later."""
+    for segment in segments:
+        segment.initial_velocity = segment.velocity
+        segment.initial_momentum = segment.momentum
+        segment.initial_vibration = segment.vibration
+
+
+def find_wave_differences(state: State) -> None:
+    """Find the largest difference of the two waves in each segment, up to now."""
+    run = state.runs[0]
+    for s in range(1, len(state.segments) - 1):
+        rightward = state.lines[2 * s].first_row
+        leftward = state.lines[2 * s + 1].first_row
+        transit = state.segments[s].transit
+        state.segments[s].wave_difference = largest_difference(
+            state.log, rightward, leftward, transit, run.now, run.window
+        )
+
+
+def largest_difference(
+    log: Any, a: int, b: int, transit: int, end: int, window: int
+) -> Any:
+    """Largest absolute difference of two waves where they meet, between 0 and `end`.
+
+    Waves that leave the two ends of a segment at p and q meet at (p + q + T)/2 if
+    abs(p - q) < T, its transit time.
+
+    Parameters
+    ----------
+    log : list of Front
+    a, b : int
+        First rows of the two lines.
+    transit, end : int
+        Transit time of the segment, end of the run.
+    window : int
+        Waves that last no longer come of round-off, and do not count.
+    """
+    largest = abs(0 * log[a].value)
+    while a != NONE:
+        one = log[a]
+        a0 = one.tick
+        a1 = end
+        if one.next_row != NONE:
+            a1 = min(log[one.next_row].tick, end)
+        # What has left the other end before this wave sets out is past.
+        while log[b].next_row != NONE and log[log[b].next_row].tick <= a0 - transit:
+            b = log[b].next_row
+        r = b
+        while r != NONE and log[r].tick < a1 + transit and a1 - a0 > window:
+            other = log[r]
+            b0 = other.tick
+            b1 = end
+            if other.next_row != NONE:
+                b1 = min(log[other.next_row].tick, end)
+            # The parts of both waves that meet at all, between 0 and the end; a sum of
+            # two ticks could overflow.
+            low_a = max(a0, b0 - transit)
+            low_b = max(b0, a0 - transit)
+            high_a = min(a1, b1 + transit)
+            high_b = min(b1, a1 + transit)
+            meet = low_a < high_a and low_b < high_b
+            after_start = high_a > -transit - high_b
+            before_end = low_a - end < end - transit - low_b
+            if meet and after_start and before_end and b1 - b0 > window:
+                largest = max(largest, abs(other.value - one.value))
+            r = other.next_row
+        a = one.next_row
+    return largest

@@ -1,0 +1,44 @@
+"""The event queue: a winner tree with the next tick of every node.
+
+Entry 1 is the root. The leaves stand in the second half, the leaf of node k at
+``leaves + k``, and every entry above is the smaller of its two children. The earliest
+tick is read in O(1), and setting one takes O(log n).
+"""
+
+from typing import Any
+
+
+def size_for(nodes: int) -> int:
+    """Entries of a queue: twice as many as leaves, which are a power of two."""
+    size = 2
+    while size < 2 * nodes:
+        size *= 2
+    return size
+
+
+def schedule(queue: Any, leaf: int, tick: int) -> None:
+    """Set the tick of a leaf."""
+    queue[leaf] = tick
+    i = leaf
+    while i > 1:
+        earlier = min(queue[i], queue[i ^ 1])
+        i //= 2
+        queue[i] = earlier
+
+
+def first_leaf(queue: Any) -> int:
+    """Leaf with the earliest tick, the leftmost of several."""
+    leaves = len(queue) // 2
+    earliest = queue[1]
+    i = 1
+    while i < leaves:
+        i *= 2
+        if queue[i] != earliest:
+            i += 1
+    return i
+
+
+def build(queue: Any) -> None:
+    """Fill the tree above its leaves."""
+    for i in range(len(queue) // 2 - 1, 0, -1):
+        queue[i] = min(queue[2 * i], queue[2 * i + 1])
