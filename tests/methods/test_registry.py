@@ -130,10 +130,12 @@ PUSHED = {"contacts": [ri.Spring(1e8)]}
      'the slower method "finite-difference" because of bodies.1.lateral_inertia: the method '
      '"fronts" has no lateral inertia.'),
     (ri.System([LOSSY, LOSSY], **PUSHED), {"cells": 20},
-     'the slower method "finite-difference" because of bodies.0.material.viscosity and 1 more: '
+     'the slower method "finite-difference" because of '
+     "bodies.0.material.viscosity and 1 more: "
      'the method "characteristics" has no damping.'),
     (ri.System([ROD, ROD], gravity=9.81), {},
-     'the slower method "characteristics" because of gravity: the method "fronts" has no gravity.'),
+     'the slower method "characteristics" because of gravity: '
+     'the method "fronts" has no gravity.'),
     (ri.System([ROD, ROD]), {}, ""), (ri.System([ROD, ROD], **PUSHED), {}, ""),
     (ri.System([ROD, ROD], gravity=9.81), {"rtol": 1e-3}, ""),
     (ri.System([ROD, THICK]), {"method": "finite-difference", "cells": 20}, ""),

@@ -142,7 +142,8 @@ MISTAKES = [  # a call; by paths, what the messages bear, which ends them after 
     (lambda: cone(polar_moment=1e-8, **LOVE),
      {"polar_moment": 'must be "circular" along a taper and with a diameter, or left out, got'}),
     (lambda: rod(lateral_inertia="mindlin-herrmann"), {"lateral_inertia":
-     "needs the diameter of a round rod, or a polar_moment; give one of them"}),
+     "needs the diameter of a round rod, or a polar_moment; "
+     "give one of them"}),
     (lambda: rod(polar_moment="circular", lateral_inertia="mindlin"),
      {"lateral_inertia": "perhaps 'mindlin-herrmann' is meant"}),
     (lambda: rod(polar_moment="circular"), {"polar_moment": NO_WORD}),
