@@ -19,24 +19,35 @@ import rodimpact
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
 os.environ["RODIMPACT_ROOT"] = str(HERE.parent)  # where cells find records and cases
-os.environ["PATH"] = str(Path(sys.executable).parent) + os.pathsep + os.environ["PATH"]  # commands
+os.environ["PATH"] = (
+    str(Path(sys.executable).parent) + os.pathsep + os.environ["PATH"]
+)  # commands
 
 project = "rodimpact"
 release = version = rodimpact.__version__
 author = copyright = "The rodimpact developers"  # noqa: A001
 extensions = [
-    "mathml", "myst_nb", "numpydoc", "sphinx.ext.autodoc", "sphinx.ext.autosummary",
+    "mathml",
+    "myst_nb",
+    "numpydoc",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
     "sphinx.ext.intersphinx",
 ]
 exclude_patterns = ["_build", "**/.ipynb_checkpoints"]
-source_suffix = {".rst": "restructuredtext", ".md": "myst-nb"}  # .rst is made by autosummary
+source_suffix = {
+    ".rst": "restructuredtext",
+    ".md": "myst-nb",
+}  # .rst is made by autosummary
 
 nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 120
 nb_execution_in_temp = True
 nb_merge_streams = True
-nb_output_stderr = "remove"  # such as how long compiling takes; what fails stops the build
+nb_output_stderr = (
+    "remove"  # such as how long compiling takes; what fails stops the build
+)
 nb_render_markdown_format = "myst"
 myst_heading_anchors = 3
 myst_enable_extensions = ["dollarmath"]
@@ -46,9 +57,15 @@ autosummary_generate = True
 autodoc_typehints = "none"  # docstrings say what they take, with units
 numpydoc_show_class_members = False
 
-links = {name: (f"https://{place}", None) for name, place in (
-    ("python", "docs.python.org/3"), ("numpy", "numpy.org/doc/stable"),
-    ("scipy", "docs.scipy.org/doc/scipy"), ("matplotlib", "matplotlib.org/stable"))}
+links = {
+    name: (f"https://{place}", None)
+    for name, place in (
+        ("python", "docs.python.org/3"),
+        ("numpy", "numpy.org/doc/stable"),
+        ("scipy", "docs.scipy.org/doc/scipy"),
+        ("matplotlib", "matplotlib.org/stable"),
+    )
+}
 intersphinx_mapping = links if os.environ.get("RODIMPACT_DOCS_LINKS") else {}
 
 templates_path = ["_templates"]
@@ -59,21 +76,40 @@ html_css_files = ["manual.css"]
 html_show_sourcelink = False
 html_copy_source = False
 html_theme_options = {
-    "show_prev_next": True, "navigation_with_keys": False, "secondary_sidebar_items": ["page-toc"],
-    "navbar_end": ["theme-switcher"], "navbar_persistent": ["search-button"], "show_toc_level": 2,
+    "show_prev_next": True,
+    "navigation_with_keys": False,
+    "secondary_sidebar_items": ["page-toc"],
+    "navbar_end": ["theme-switcher"],
+    "navbar_persistent": ["search-button"],
+    "show_toc_level": 2,
     "header_links_before_dropdown": 6,
 }
 html_sidebars = {"[!a]*": []}  # names have one of all names, other pages none
 
 
-def of_tuple(_app: Sphinx, _what: str, _name: str, member: object, _skip: bool, _options: object,
-             ) -> bool | None:
+def of_tuple(
+    _app: Sphinx,
+    _what: str,
+    _name: str,
+    member: object,
+    _skip: bool,
+    _options: object,
+) -> bool | None:
     """Skip what Python says of a named tuple's fields; its docstring says more."""
-    return str(getattr(member, "__doc__", "")).startswith("Alias for field number") or None
+    return (
+        str(getattr(member, "__doc__", "")).startswith("Alias for field number") or None
+    )
 
 
-def public_signature(_app: Sphinx, _what: str, _name: str, _member: object, _options: object,
-                     signature: str | None, returns: str | None) -> tuple[str, str | None] | None:
+def public_signature(
+    _app: Sphinx,
+    _what: str,
+    _name: str,
+    _member: object,
+    _options: object,
+    signature: str | None,
+    returns: str | None,
+) -> tuple[str, str | None] | None:
     """A result that is made by functions alone is shown without what it is made of."""
     return ("", returns) if re.search(r"[(,] *_", signature or "") else None
 

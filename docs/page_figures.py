@@ -18,7 +18,9 @@ HERE = Path(__file__).parent
 PAGES = ("student", "teacher", "researcher", "experimenter")
 CELL = re.compile(
     r"^```\{code-cell\}\n(?P<options>(?::[^\n]*\n)*)(?P<code>.*?)^```\n"
-    r"(?:\n!\[[^\]]*\]\(figures/(?P<figure>\w+)\.svg\))?", re.MULTILINE | re.DOTALL)
+    r"(?:\n!\[[^\]]*\]\(figures/(?P<figure>\w+)\.svg\))?",
+    re.MULTILINE | re.DOTALL,
+)
 
 
 def figures_of(page: str) -> Iterator[tuple[str, Any]]:
@@ -30,14 +32,19 @@ def figures_of(page: str) -> Iterator[tuple[str, Any]]:
         Path("validation").symlink_to(HERE.parent / "validation")
     names: dict[str, Any] = {}
     for cell in CELL.finditer((HERE / f"{page}.md").read_text(encoding="utf-8")):
-        if "%" in cell["code"].split(maxsplit=1)[0]:  # commands of a notebook or a shell
+        if (
+            "%" in cell["code"].split(maxsplit=1)[0]
+        ):  # commands of a notebook or a shell
             continue
         lines = ast.parse(cell["code"]).body
         shown = lines.pop() if cell["figure"] else None
         with contextlib.redirect_stdout(io.StringIO()):
             exec(compile(ast.Module(lines, []), page, "exec"), names)
         if isinstance(shown, ast.Expr):
-            yield cell["figure"], eval(compile(ast.Expression(shown.value), page, "eval"), names)
+            yield (
+                cell["figure"],
+                eval(compile(ast.Expression(shown.value), page, "eval"), names),
+            )
 
 
 def main() -> None:

@@ -21,12 +21,16 @@ SOFT = {"arrowstyle": "-|>", "linewidth": 1.2, "shrinkA": 0, "shrinkB": 0}
 
 def rods(l1: float | np.ndarray, l2: float, *contacts: ri.Hertz) -> ri.System:
     """Two steel rods, the first at 1 m/s."""
-    pair = [ri.Rod(l1, area=AREA, material=STEEL, velocity=1.0),
-            ri.Rod(l2, area=AREA, material=STEEL)]
+    pair = [
+        ri.Rod(l1, area=AREA, material=STEEL, velocity=1.0),
+        ri.Rod(l2, area=AREA, material=STEEL),
+    ]
     return ri.System(pair, contacts=contacts or None)
 
 
-def arrow(ax: Axes, start: tuple[float, float], end: tuple[float, float], colour: str) -> None:
+def arrow(
+    ax: Axes, start: tuple[float, float], end: tuple[float, float], colour: str
+) -> None:
     """An arrow from a place to another."""
     ax.annotate("", end, start, arrowprops={**SOFT, "color": colour})
 
@@ -74,7 +78,9 @@ def waves() -> Axes:
     axes = panels(3, 1, 5.2, 3.4)
     for ax, t in zip(axes, (0.0, 0.15, 0.5), strict=True):
         ax.plot(x, bump(x - 1 - t) / 2, color=BLUE, linestyle=DASHES[1], linewidth=1.0)
-        ax.plot(x, bump(x - 1 + t) / 2, color=ORANGE, linestyle=DASHES[1], linewidth=1.0)
+        ax.plot(
+            x, bump(x - 1 + t) / 2, color=ORANGE, linestyle=DASHES[1], linewidth=1.0
+        )
         ax.plot(x, run.velocity(0, x, t), color="#1a1a1a", linewidth=1.4)
         ax.set_title(f"t = {t:g} L/c", loc="left", fontsize=8, pad=2)
         ax.set(ylim=(-0.05, 1.1), xlim=(0, 2), yticks=[0, 1], ylabel="v")
@@ -92,15 +98,27 @@ def ends() -> Axes:
     """A pulse of pressure before and after a free and a fixed end, beside both at once."""
     x = np.linspace(0, 1, 401)
     axes = panels(2, 2, 5.8, 3.2)
-    for column, (end, words) in enumerate(((ri.Free(), "free end"), (ri.Fixed(), "fixed end"))):
-        rod = ri.Rod(1.0, area=1.0, material=UNIT, velocity=lambda x: bump(x - 0.6),
-                     strain=lambda x: -bump(x - 0.6))
+    for column, (end, words) in enumerate(
+        ((ri.Free(), "free end"), (ri.Fixed(), "fixed end"))
+    ):
+        rod = ri.Rod(
+            1.0,
+            area=1.0,
+            material=UNIT,
+            velocity=lambda x: bump(x - 0.6),
+            strain=lambda x: -bump(x - 0.6),
+        )
         run = ri.solve(ri.System([rod], ends=[ri.Absorbing(), end]), until=0.9)
         for row, (field, letter) in enumerate(((run.velocity, "v"), (run.stress, "σ"))):
             ax = axes[2 * row + column]
             for t, colour, dash in ((0.0, BLUE, "-"), (0.8, ORANGE, "--")):
-                ax.plot(x, field(0, x, t), color=colour, linestyle=dash,
-                        label="before" if t == 0 else "after")
+                ax.plot(
+                    x,
+                    field(0, x, t),
+                    color=colour,
+                    linestyle=dash,
+                    label="before" if t == 0 else "after",
+                )
             ax.axvline(1.0, color=FAINT, linewidth=4 if end == ri.Fixed() else 1)
             ax.set(ylim=(-1.2, 1.2), yticks=[-1, 0, 1], xlim=(0, 1.02), ylabel=letter)
             ax.tick_params(labelbottom=row == 1)
@@ -116,12 +134,26 @@ def contact() -> Axes:
     ax = new_figure(4.4, 2.6).add_subplot()
     dress(ax)
     overlap = np.linspace(0, 1.5, 100)
-    ax.plot([0, 0, 2], [2, 0, 0], color=BLUE, linewidth=2.5, label="rigid: g ≥ 0, F ≥ 0, F g = 0")
-    ax.plot(-overlap, overlap**1.5, color=ORANGE, linestyle="--", label="Hertz: F = k d³ᐟ²")
+    ax.plot(
+        [0, 0, 2],
+        [2, 0, 0],
+        color=BLUE,
+        linewidth=2.5,
+        label="rigid: g ≥ 0, F ≥ 0, F g = 0",
+    )
+    ax.plot(
+        -overlap, overlap**1.5, color=ORANGE, linestyle="--", label="Hertz: F = k d³ᐟ²"
+    )
     ax.text(1.0, 0.08, "open: no force", ha="center")
     ax.text(0.06, 0.9, "closed:\nforce as needed")
-    ax.set(xlabel="gap g = −d, d the overlap", ylabel="contact force F", xlim=(-1.5, 2),
-           ylim=(-0.15, 2.0), xticks=[0], yticks=[0])
+    ax.set(
+        xlabel="gap g = −d, d the overlap",
+        ylabel="contact force F",
+        xlim=(-1.5, 2),
+        ylim=(-0.15, 2.0),
+        xticks=[0],
+        yticks=[0],
+    )
     ax.legend(loc="upper right", frameon=False, fontsize=8)
     return ax
 
@@ -129,7 +161,9 @@ def contact() -> Axes:
 def spacetime(l1: float, l2: float, words: str) -> Axes:
     """Space-time diagram of two rods."""
     ax = new_figure(5.2, 3.4).add_subplot()
-    ri.plot.spacetime(ri.solve(rods(l1, l2)), ax=ax).colour_bar.remove()  # numbers are in place
+    ri.plot.spacetime(
+        ri.solve(rods(l1, l2)), ax=ax
+    ).colour_bar.remove()  # numbers are in place
     ax.set_title(words, pad=22)
     return ax
 
@@ -150,14 +184,21 @@ def box_long() -> Axes:
 def impulse() -> Axes:
     """Mean velocities of both rods while they press, for both orders of the lengths."""
     axes = panels(1, 2, 5.6, 2.6)
-    for ax, (l1, l2), words in zip(axes, ((0.4, 1.0), (1.0, 0.4)), ("ℓ₁ < ℓ₂", "ℓ₁ > ℓ₂"),
-                                   strict=True):
+    for ax, (l1, l2), words in zip(
+        axes, ((0.4, 1.0), (1.0, 0.4)), ("ℓ₁ < ℓ₂", "ℓ₁ > ℓ₂"), strict=True
+    ):
         run = ri.solve(rods(l1, l2))
         pressing = 2 * min(l1, l2) / C
         times = np.array([0, 1, 2]) * pressing
         for body, colour, dash in ((0, BLUE, "-"), (1, ORANGE, "--")):
             v = [1.0 - body, *run.mean_velocity(body, times)]
-            ax.plot([-0.3, 0, 1, 2], v, color=colour, linestyle=dash, label=f"rod {body + 1}")
+            ax.plot(
+                [-0.3, 0, 1, 2],
+                v,
+                color=colour,
+                linestyle=dash,
+                label=f"rod {body + 1}",
+            )
         ax.axvspan(0, 1, color=FAINT, alpha=0.15)
         ax.set(xlabel="t c/(2 ℓ)", title=words, ylim=(-0.05, 1.1))
     axes[0].set_ylabel("mean velocity over v")
@@ -177,8 +218,12 @@ def balance() -> Axes:
     V1, V2 = family.velocities_after
     together = m1**2 / (2 * (m1 + m2))
     rebound = (m1 * V1**2 + m2 * V2**2) / 2 - together
-    ax.stackplot(ratio, np.array([together, rebound, before - together - rebound]) / before,
-                 colors=[FAINT, BLUE, ORANGE], alpha=0.6)
+    ax.stackplot(
+        ratio,
+        np.array([together, rebound, before - together - rebound]) / before,
+        colors=[FAINT, BLUE, ORANGE],
+        alpha=0.6,
+    )
     ax.text(2.0, 0.3, "common centre of mass", ha="center")
     ax.text(1.0, 0.66, "relative\nmotion", ha="center", va="center")
     ax.text(2.3, 0.88, "vibration", ha="center", va="center")
@@ -213,13 +258,22 @@ def kappa() -> Axes:
     dress(ax)
     kappas = np.geomspace(1e-2, 1e5, 57)
     for i, length in enumerate((0.4, 0.7)):
-        pair = [ri.Rod(length, area=1.0, material=UNIT, velocity=1.0),
-                ri.Rod(1.0, area=1.0, material=UNIT)]
+        pair = [
+            ri.Rod(length, area=1.0, material=UNIT, velocity=1.0),
+            ri.Rod(1.0, area=1.0, material=UNIT),
+        ]
         family = ri.sweep(ri.System(pair, contacts=[ri.Hertz(kappas)]), rtol=1e-5)
-        ax.plot(kappas, family.restitution, color=SERIES[i], linestyle=DASHES[i],
-                label=f"ℓ₁/ℓ₂ = {length}")
+        ax.plot(
+            kappas,
+            family.restitution,
+            color=SERIES[i],
+            linestyle=DASHES[i],
+            label=f"ℓ₁/ℓ₂ = {length}",
+        )
         ax.axhline(length, color=SERIES[i], linestyle=":", linewidth=0.8)
-    ax.set(xlabel="κ = k (v T)$^{1/2}$ ℓ₂/(E A)", xscale="log", ylim=(0, 1.05), ylabel="e")
+    ax.set(
+        xlabel="κ = k (v T)$^{1/2}$ ℓ₂/(E A)", xscale="log", ylim=(0, 1.05), ylabel="e"
+    )
     ax.text(1.2e-2, 0.9, "soft, round ends:\nas rigid balls", va="top")
     ax.text(8e4, 0.3, "flat ends: e = ℓ₁/ℓ₂", ha="right")
     ax.legend(frameon=False, fontsize=8)
@@ -242,8 +296,12 @@ def dispersion() -> Axes:
     }
     for i, (words, speed) in enumerate(curves.items()):
         ax.plot(ratio, speed, color=SERIES[i], linestyle=DASHES[i], label=words)
-    ax.set(xlabel="radius over wavelength", ylabel="phase velocity over c", ylim=(0.55, 1.05),
-           xlim=(0, 0.6))
+    ax.set(
+        xlabel="radius over wavelength",
+        ylabel="phase velocity over c",
+        ylim=(0.55, 1.05),
+        xlim=(0, 0.6),
+    )
     ax.legend(frameon=False, fontsize=8)
     grid(ax)
     return ax
@@ -257,18 +315,40 @@ def errors() -> Axes:
     best = ri.solve(hertz, rtol=1e-12).outcome.restitution
     tolerances = np.geomspace(1e-3, 1e-9, 7)
     runs = [ri.solve(hertz, rtol=float(rtol)) for rtol in tolerances]
-    axes[0].loglog(tolerances, [abs(run.outcome.restitution - best) for run in runs], "o",
-                   color=BLUE, label="true error")
-    axes[0].loglog(tolerances, [run.accuracy["velocity"] for run in runs], color=ORANGE,
-                   label="stated error")
-    axes[0].set(xlabel="tolerance rtol", ylabel="error of e", title="pieces, Hertz contact")
+    axes[0].loglog(
+        tolerances,
+        [abs(run.outcome.restitution - best) for run in runs],
+        "o",
+        color=BLUE,
+        label="true error",
+    )
+    axes[0].loglog(
+        tolerances,
+        [run.accuracy["velocity"] for run in runs],
+        color=ORANGE,
+        label="stated error",
+    )
+    axes[0].set(
+        xlabel="tolerance rtol", ylabel="error of e", title="pieces, Hertz contact"
+    )
     cells = np.array([25, 50, 100, 200, 400])
-    for i, (system, exact, words) in enumerate((
-            (hertz, best, "Hertz contact"), (rods(0.4, 1.0), 0.4, "flat ends"))):
-        e = [ri.solve(system, method="finite-difference", cells=int(n)).outcome.restitution
-             for n in cells]
-        axes[1].loglog(cells, np.abs(np.array(e) - exact) + 1e-16, color=SERIES[i], marker="o",
-                       linestyle=DASHES[i], label=words)
+    for i, (system, exact, words) in enumerate(
+        ((hertz, best, "Hertz contact"), (rods(0.4, 1.0), 0.4, "flat ends"))
+    ):
+        e = [
+            ri.solve(
+                system, method="finite-difference", cells=int(n)
+            ).outcome.restitution
+            for n in cells
+        ]
+        axes[1].loglog(
+            cells,
+            np.abs(np.array(e) - exact) + 1e-16,
+            color=SERIES[i],
+            marker="o",
+            linestyle=DASHES[i],
+            label=words,
+        )
     axes[1].set(xlabel="cells along rod 2", title="grid")
     axes[1].set_xticks(cells, cells)
     for ax in axes:
@@ -278,8 +358,20 @@ def errors() -> Axes:
     return axes[0]
 
 
-FIGURES = (signs, waves, ends, contact, box_short, box_long, impulse, balance, impedances, kappa,
-           dispersion, errors)
+FIGURES = (
+    signs,
+    waves,
+    ends,
+    contact,
+    box_short,
+    box_long,
+    impulse,
+    balance,
+    impedances,
+    kappa,
+    dispersion,
+    errors,
+)
 
 
 def main() -> None:

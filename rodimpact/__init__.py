@@ -12,7 +12,9 @@ from importlib import import_module
 from .version import __version__ as __version__
 
 with open(f"{__path__[0]}/__init__.pyi", encoding="utf-8") as _names:
-    _HOME = {line[3]: line[1] for line in map(str.split, _names) if line[:1] == ["from"]}
+    _HOME = {
+        line[3]: line[1] for line in map(str.split, _names) if line[:1] == ["from"]
+    }
 """Module of each public name, from the lines ``from .model.bodies import Rod as Rod``."""
 
 __all__ = sorted(_HOME)

@@ -5,7 +5,9 @@ import signal
 import sys
 
 if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C just ends it until `main` listens
+    signal.signal(
+        signal.SIGINT, signal.SIG_DFL
+    )  # Ctrl-C just ends it until `main` listens
 
 from . import cli
 

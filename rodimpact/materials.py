@@ -28,11 +28,17 @@ SOURCES = {
 }
 
 steel = Material("steel", youngs_modulus=200e9, density=7850.0, poisson_ratio=0.29)
-aluminium = Material("aluminium", youngs_modulus=70.3e9, density=2698.0, poisson_ratio=0.345)
+aluminium = Material(
+    "aluminium", youngs_modulus=70.3e9, density=2698.0, poisson_ratio=0.345
+)
 brass = Material("brass", youngs_modulus=100.6e9, density=8530.0, poisson_ratio=0.350)
 copper = Material("copper", youngs_modulus=129.8e9, density=8933.0, poisson_ratio=0.343)
-titanium = Material("titanium", youngs_modulus=113.8e9, density=4430.0, poisson_ratio=0.342)
-tungsten = Material("tungsten", youngs_modulus=411e9, density=19254.0, poisson_ratio=0.280)
+titanium = Material(
+    "titanium", youngs_modulus=113.8e9, density=4430.0, poisson_ratio=0.342
+)
+tungsten = Material(
+    "tungsten", youngs_modulus=411e9, density=19254.0, poisson_ratio=0.280
+)
 glass = Material("glass", youngs_modulus=71.3e9, density=2500.0, poisson_ratio=0.22)
 oak = Material("oak", youngs_modulus=12.5e9, density=700.0)
 acrylic = Material("acrylic", youngs_modulus=3.0e9, density=1190.0, poisson_ratio=0.37)
@@ -42,4 +48,6 @@ TABLE = {m.name: m for m in list(globals().values()) if isinstance(m, Material)}
 
 def __getattr__(name: str) -> Any:
     """Name the nearest material where there is none of that name."""
-    raise AttributeError(f"no material is called {name!r}; {nearest(name, TABLE)}", name=name)
+    raise AttributeError(
+        f"no material is called {name!r}; {nearest(name, TABLE)}", name=name
+    )

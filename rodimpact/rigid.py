@@ -117,7 +117,12 @@ def contact_mass(m1: ArrayLike, m2: ArrayLike) -> Number:
 
 
 def collide(
-    m1: ArrayLike, v1: ArrayLike, m2: ArrayLike, v2: ArrayLike, restitution: ArrayLike, *,
+    m1: ArrayLike,
+    v1: ArrayLike,
+    m2: ArrayLike,
+    v2: ArrayLike,
+    restitution: ArrayLike,
+    *,
     allow_energy_release: bool = False,
 ) -> RigidCollision:
     """Collision of two rigid bodies.
@@ -158,7 +163,10 @@ def collide(
     (23.625, 2.625, 4.625)
     """
     M1, V1, M2, V2, e = together(
-        m1=(m1, *_MASS), v1=(v1, *_VELOCITY), m2=(m2, *_MASS), v2=(v2, *_VELOCITY),
+        m1=(m1, *_MASS),
+        v1=(v1, *_VELOCITY),
+        m2=(m2, *_MASS),
+        v2=(v2, *_VELOCITY),
         restitution=(restitution, "", "any"),
     )
     demand(V1 > V2, "v1", _APART, V1, V2)
@@ -166,17 +174,30 @@ def collide(
         message = "must lie in [-1, 1], got {0!r}, which adds energy; set allow_energy_release=True"
         demand(np.abs(e) <= 1, "restitution", f"{message} if that is meant", e)
     M = np.asarray(contact_mass(M1, M2))
-    share_1, share_2 = M / M2, M / M1  # of the total mass: m1/(m1 + m2) and m2/(m1 + m2)
+    share_1, share_2 = (
+        M / M2,
+        M / M1,
+    )  # of the total mass: m1/(m1 + m2) and m2/(m1 + m2)
     V_cm = share_1 * V1 + share_2 * V2
     before = V2 - V1
     after = -e * before
     W1, W2 = V_cm - share_2 * after, V_cm + share_1 * after
-    return RigidCollision(*map(plain, (
-        W1, W2, M * (after - before), V_cm, before, after,
-        _kinetic_energy(M1, V1) + _kinetic_energy(M2, V2),
-        _kinetic_energy(M1, W1) + _kinetic_energy(M2, W2),
-        (1 - e) * (1 + e) * _kinetic_energy(M, before),
-    )))
+    return RigidCollision(
+        *map(
+            plain,
+            (
+                W1,
+                W2,
+                M * (after - before),
+                V_cm,
+                before,
+                after,
+                _kinetic_energy(M1, V1) + _kinetic_energy(M2, V2),
+                _kinetic_energy(M1, W1) + _kinetic_energy(M2, W2),
+                (1 - e) * (1 + e) * _kinetic_energy(M, before),
+            ),
+        )
+    )
 
 
 def restitution_from_velocities(
@@ -209,8 +230,10 @@ def restitution_from_velocities(
     0.2
     """
     before_1, before_2, after_1, after_2 = together(
-        v1_before=(v1_before, *_VELOCITY), v2_before=(v2_before, *_VELOCITY),
-        v1_after=(v1_after, *_VELOCITY), v2_after=(v2_after, *_VELOCITY),
+        v1_before=(v1_before, *_VELOCITY),
+        v2_before=(v2_before, *_VELOCITY),
+        v1_after=(v1_after, *_VELOCITY),
+        v2_after=(v2_after, *_VELOCITY),
     )
     demand(before_1 > before_2, "v1_before", _APART, before_1, before_2)
     return plain((after_2 - after_1) / (before_1 - before_2))
@@ -244,14 +267,21 @@ def restitution_from_heights(drop: ArrayLike, rebound: ArrayLike) -> Number:
     >>> restitution_from_heights(10.0, 6.4)
     0.8
     """
-    fall, rise = together(drop=(drop, "m", "positive"), rebound=(rebound, "m", "non-negative"))
-    message = "must be at most the drop, {1!r}, got {0!r}: a ball from rest rises no higher"
+    fall, rise = together(
+        drop=(drop, "m", "positive"), rebound=(rebound, "m", "non-negative")
+    )
+    message = (
+        "must be at most the drop, {1!r}, got {0!r}: a ball from rest rises no higher"
+    )
     demand(rise <= fall, "rebound", message, rise, fall)
     return plain(np.sqrt(rise / fall))
 
 
 def stack_drop(
-    masses: ArrayLike, restitutions: ArrayLike, height: ArrayLike, gravity: ArrayLike = 9.81
+    masses: ArrayLike,
+    restitutions: ArrayLike,
+    height: ArrayLike,
+    gravity: ArrayLike = 9.81,
 ) -> StackDrop:
     """Stack of balls dropped on the floor, hardly apart, so that they collide one after another.
 
@@ -291,7 +321,9 @@ def stack_drop(
     """
     M = np.atleast_1d(array("masses", masses, "kg", "positive"))
     e = np.atleast_1d(array("restitutions", restitutions, "", "[0, 1]"))
-    h, g = together(height=(height, "m", "positive"), gravity=(gravity, "m/s^2", "positive"))
+    h, g = together(
+        height=(height, "m", "positive"), gravity=(gravity, "m/s^2", "positive")
+    )
     balls = M.shape[-1]
     if balls != e.shape[-1] or balls == 0:
         raise ValueError(
@@ -305,7 +337,9 @@ def stack_drop(
     for i, j in pairwise(range(balls)):
         after = collide(M[..., i], v[..., i], M[..., j], v[..., j], e[..., j])
         v[..., i], v[..., j] = after.velocity_1, after.velocity_2
-    return StackDrop(velocities=v, top_height=plain(np.maximum(v[..., -1], 0.0) ** 2 / (2 * g)))
+    return StackDrop(
+        velocities=v, top_height=plain(np.maximum(v[..., -1], 0.0) ** 2 / (2 * g))
+    )
 
 
 def _kinetic_energy(mass: Array, velocity: Array) -> Array:

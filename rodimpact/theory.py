@@ -24,9 +24,19 @@ from .rigid import contact_mass
 EQUAL_IMPEDANCES = 2.0**-48
 """Impedances that differ by less than this fraction count as equal, up to round-off."""
 UNITS = {
-    "impedance": "kg/s", "transit_time": "s", "mass": "kg", "speed": "m/s", "closing_speed": "m/s",
-    "area": "m^2", "wave_speed": "m/s", "youngs_modulus": "Pa", "viscosity": "Pa s",
-    "angular_frequency": "rad/s", "gyration_radius": "m", "wave_number": "rad/m", "taper": "1/m",
+    "impedance": "kg/s",
+    "transit_time": "s",
+    "mass": "kg",
+    "speed": "m/s",
+    "closing_speed": "m/s",
+    "area": "m^2",
+    "wave_speed": "m/s",
+    "youngs_modulus": "Pa",
+    "viscosity": "Pa s",
+    "angular_frequency": "rad/s",
+    "gyration_radius": "m",
+    "wave_number": "rad/m",
+    "taper": "1/m",
     "poisson_ratio": "",
 }
 """Units of the arguments."""
@@ -68,8 +78,11 @@ class PairCollision(NamedTuple):
 
 @np.errstate(under="ignore")  # q^K may vanish
 def saint_venant(
-    impedance_1: ArrayLike, transit_time_1: ArrayLike, impedance_2: ArrayLike,
-    transit_time_2: ArrayLike, closing_speed: ArrayLike = 1.0,
+    impedance_1: ArrayLike,
+    transit_time_1: ArrayLike,
+    impedance_2: ArrayLike,
+    transit_time_2: ArrayLike,
+    closing_speed: ArrayLike = 1.0,
 ) -> PairCollision:
     """Collision of two uniform free rods, each moving uniformly.
 
@@ -126,15 +139,25 @@ vibration_energy=0.25)
     0.841564
     """
     Z1, T1, Z2, T2, V = _checked(
-        impedance_1=impedance_1, transit_time_1=transit_time_1, impedance_2=impedance_2,
-        transit_time_2=transit_time_2, closing_speed=closing_speed)
+        impedance_1=impedance_1,
+        transit_time_1=transit_time_1,
+        impedance_2=impedance_2,
+        transit_time_2=transit_time_2,
+        closing_speed=closing_speed,
+    )
     short_time, long_time, q, p, log_q = pair_numbers(Z1, T1, Z2, T2)
     low, high = np.minimum(Z1, Z2), np.maximum(Z1, Z2)
-    m, e = contact_mass(Z1 * T1, Z2 * T2), pair_restitution(short_time, long_time, q, p, log_q)
+    m, e = (
+        contact_mass(Z1 * T1, Z2 * T2),
+        pair_restitution(short_time, long_time, q, p, log_q),
+    )
     duration = 2 * np.where(q > 0, long_time, short_time)
     opening = np.where(q == 0, 2 * long_time, duration)
     return _collision(
-        restitution=e, impulse=(1 + e) * m * V, duration=duration, opening=opening,
+        restitution=e,
+        impulse=(1 + e) * m * V,
+        duration=duration,
+        opening=opening,
         peak_force=V * low * (high / (high + low)),
         vibration_energy=(1 - e) * (1 + e) * m * V * V / 2,
     )
@@ -142,8 +165,12 @@ vibration_energy=0.25)
 
 @np.errstate(under="ignore")
 def saint_venant_force(
-    time: ArrayLike, impedance_1: ArrayLike, transit_time_1: ArrayLike, impedance_2: ArrayLike,
-    transit_time_2: ArrayLike, closing_speed: ArrayLike = 1.0,
+    time: ArrayLike,
+    impedance_1: ArrayLike,
+    transit_time_1: ArrayLike,
+    impedance_2: ArrayLike,
+    transit_time_2: ArrayLike,
+    closing_speed: ArrayLike = 1.0,
 ) -> Number:
     """Contact force of two uniform free rods, each moving uniformly.
 
@@ -180,16 +207,25 @@ def saint_venant_force(
     [0.75, 0.375, 0.1875, 0.0]
     """
     t = array("time", time, "s", "any")
-    pair = saint_venant(impedance_1, transit_time_1, impedance_2, transit_time_2, closing_speed)
-    short_time, _, _, _, log_q = pair_numbers(*_checked(
-        impedance_1=impedance_1, transit_time_1=transit_time_1, impedance_2=impedance_2,
-        transit_time_2=transit_time_2))
+    pair = saint_venant(
+        impedance_1, transit_time_1, impedance_2, transit_time_2, closing_speed
+    )
+    short_time, _, _, _, log_q = pair_numbers(
+        *_checked(
+            impedance_1=impedance_1,
+            transit_time_1=transit_time_1,
+            impedance_2=impedance_2,
+            transit_time_2=transit_time_2,
+        )
+    )
     k = np.floor(np.clip(t, 0.0, pair.duration) / (2 * short_time))
     pressing = (t >= 0) & (t < pair.duration)
     return plain(np.where(pressing, pair.peak_force * np.exp(k * log_q), 0.0))
 
 
-def rod_on_wall(impedance: ArrayLike, transit_time: ArrayLike, speed: ArrayLike) -> PairCollision:
+def rod_on_wall(
+    impedance: ArrayLike, transit_time: ArrayLike, speed: ArrayLike
+) -> PairCollision:
     """Collision of a uniform free rod, moving uniformly, with a rigid wall.
 
     ``F = Z V for a time 2 T``: the wave runs to the free end and back, and the rod leaves with
@@ -224,8 +260,12 @@ peak_force=120.0, vibration_energy=0.0)
     """
     Z, T, V = _checked(impedance=impedance, transit_time=transit_time, speed=speed)
     return _collision(
-        restitution=np.ones_like(Z), impulse=2 * Z * V * T, duration=2 * T, opening=2 * T,
-        peak_force=Z * V, vibration_energy=np.zeros_like(Z),
+        restitution=np.ones_like(Z),
+        impulse=2 * Z * V * T,
+        duration=2 * T,
+        opening=2 * T,
+        peak_force=Z * V,
+        vibration_energy=np.zeros_like(Z),
     )
 
 
@@ -267,12 +307,18 @@ def mass_on_rod(
     >>> round(mass_on_rod(mass=2.0, impedance=40.0, transit_time=0.05, speed=3.0).restitution, 6)
     0.729329
     """
-    M, Z, T, V = _checked(mass=mass, impedance=impedance, transit_time=transit_time, speed=speed)
+    M, Z, T, V = _checked(
+        mass=mass, impedance=impedance, transit_time=transit_time, speed=speed
+    )
     mu = Z * T / M
     lost = -np.expm1(-2 * mu)  # share of its momentum that the mass hands over
     e = lost / mu - 1 + lost
     return _collision(
-        restitution=e, impulse=M * V * lost, duration=2 * T, opening=2 * T, peak_force=Z * V,
+        restitution=e,
+        impulse=M * V * lost,
+        duration=2 * T,
+        opening=2 * T,
+        peak_force=Z * V,
         vibration_energy=(1 - e * e) * contact_mass(M, Z * T) * V * V / 2,
     )
 
@@ -310,7 +356,9 @@ def horn_amplification(area_0: ArrayLike, area_1: ArrayLike) -> Number:
     return plain(np.sqrt(A0 / A1))
 
 
-def horn_frequency(wave_speed: ArrayLike, wave_number: ArrayLike, taper: ArrayLike) -> Number:
+def horn_frequency(
+    wave_speed: ArrayLike, wave_number: ArrayLike, taper: ArrayLike
+) -> Number:
     """Angular frequency of a wave in an exponential horn, A = A0 exp(2 beta x).
 
     ``omega = c (k^2 + beta^2)^(1/2)``, of ``u ~ exp(-beta x) cos(k x - omega t)``: below c beta no
@@ -383,12 +431,17 @@ def kelvin_voigt_decay(
     1.125
     """
     E, eta, omega = _checked(
-        youngs_modulus=youngs_modulus, viscosity=viscosity, angular_frequency=angular_frequency)
+        youngs_modulus=youngs_modulus,
+        viscosity=viscosity,
+        angular_frequency=angular_frequency,
+    )
     return plain(eta * omega * omega / (2 * E))
 
 
 def rayleigh_love_speed(
-    wave_speed: ArrayLike, poisson_ratio: ArrayLike, gyration_radius: ArrayLike,
+    wave_speed: ArrayLike,
+    poisson_ratio: ArrayLike,
+    gyration_radius: ArrayLike,
     wave_number: ArrayLike,
 ) -> Number:
     """Phase velocity in a rod with lateral inertia.
@@ -425,14 +478,20 @@ def rayleigh_love_speed(
     >>> rayleigh_love_speed(5000.0, poisson_ratio=0.25, gyration_radius=3.0, wave_number=1.0)
     4000.0
     """
-    c, kappa, nu, k = _checked(wave_speed=wave_speed, gyration_radius=gyration_radius,
-                               poisson_ratio=poisson_ratio, wave_number=wave_number)
+    c, kappa, nu, k = _checked(
+        wave_speed=wave_speed,
+        gyration_radius=gyration_radius,
+        poisson_ratio=poisson_ratio,
+        wave_number=wave_number,
+    )
     return plain(c / np.hypot(1.0, nu * kappa * k))
 
 
 def _collision(**found: Any) -> PairCollision:
     """Arrays without dimensions become floats."""
-    return PairCollision(**{name: plain(np.asarray(entry)) for name, entry in found.items()})
+    return PairCollision(
+        **{name: plain(np.asarray(entry)) for name, entry in found.items()}
+    )
 
 
 def pair_numbers(Z1: Array, T1: Array, Z2: Array, T2: Array) -> tuple[Array, ...]:
@@ -442,7 +501,9 @@ def pair_numbers(Z1: Array, T1: Array, Z2: Array, T2: Array) -> tuple[Array, ...
     short_is_higher = np.where(equal, False, np.where(Z1 > Z2, T1 < T2, T2 < T1))
     q = np.where(equal, 0.0, (high - low) / (high + low))
     return (
-        np.minimum(T1, T2), np.maximum(T1, T2), np.where(short_is_higher, q, -q),
+        np.minimum(T1, T2),
+        np.maximum(T1, T2),
+        np.where(short_is_higher, q, -q),
         np.where(equal, 1.0, 2 * low / (high + low)),
         -2 * np.arctanh(np.where(short_is_higher, low / high, 0.0)),
     )
@@ -463,6 +524,13 @@ def pair_restitution(
 
 def _checked(**given: ArrayLike) -> tuple[Array, ...]:
     """The arguments as arrays that are broadcast, each of its unit and sign."""
-    return together(**{
-        name: (value, UNITS[name.rstrip("_012")], "any" if name in OF_EITHER_SIGN else "positive")
-        for name, value in given.items()})
+    return together(
+        **{
+            name: (
+                value,
+                UNITS[name.rstrip("_012")],
+                "any" if name in OF_EITHER_SIGN else "positive",
+            )
+            for name, value in given.items()
+        }
+    )

@@ -21,34 +21,64 @@ from typing import Any, NamedTuple
 __all__ = ["conversion", "format_si", "in_si", "parse"]
 
 TIMES = "\N{MULTIPLICATION SIGN}"
-MOST_CHARACTERS = 1000  # of a number with its unit; a float written out in full has no more
+MOST_CHARACTERS = (
+    1000  # of a number with its unit; a float written out in full has no more
+)
 MOST_SHOWN = 60  # characters of what was given
 
 UNITS: dict[str, dict[str, str]] = {
     "length": {
-        "m": "1", "cm": "1e-2", "mm": "1e-3", "um": "1e-6", "nm": "1e-9", "km": "1e3",
-        "ft": "0.3048", "in": "0.0254",
+        "m": "1",
+        "cm": "1e-2",
+        "mm": "1e-3",
+        "um": "1e-6",
+        "nm": "1e-9",
+        "km": "1e3",
+        "ft": "0.3048",
+        "in": "0.0254",
     },
     "area": {"m^2": "1", "cm^2": "1e-4", "mm^2": "1e-6"},
     "polar moment": {"m^4": "1", "cm^4": "1e-8", "mm^4": "1e-12"},
     "pressure": {"Pa": "1", "kPa": "1e3", "MPa": "1e6", "GPa": "1e9"},
     "density": {"kg/m^3": "1", "g/cm^3": "1e3"},
-    "velocity": {"m/s": "1", "cm/s": "1e-2", "mm/s": "1e-3", "km/s": "1e3", "km/h": "5/18"},
+    "velocity": {
+        "m/s": "1",
+        "cm/s": "1e-2",
+        "mm/s": "1e-3",
+        "km/s": "1e3",
+        "km/h": "5/18",
+    },
     "time": {"s": "1", "ms": "1e-3", "us": "1e-6", "ns": "1e-9"},
     "frequency": {"Hz": "1", "kHz": "1e3", "MHz": "1e6"},
     "rate": {"1/s": "1", "1/ms": "1e3"},
-    "force": {"N": "1", "mN": "1e-3", "kN": "1e3", "MN": "1e6", "lbf": "4.4482216152605"},
+    "force": {
+        "N": "1",
+        "mN": "1e-3",
+        "kN": "1e3",
+        "MN": "1e6",
+        "lbf": "4.4482216152605",
+    },
     "energy": {"J": "1", "mJ": "1e-3", "kJ": "1e3"},
     "mass": {"kg": "1", "g": "1e-3", "mg": "1e-6", "t": "1e3", "lb": "0.45359237"},
     "acceleration": {"m/s^2": "1", "cm/s^2": "1e-2", "mm/s^2": "1e-3"},
     "dimensionless": {"%": "1e-2", "microstrain": "1e-6"},
     "voltage": {"V": "1", "mV": "1e-3", "uV": "1e-6", "kV": "1e3"},
     "stiffness": {
-        "N/m": "1", "N/mm": "1e3", "kN/m": "1e3", "kN/mm": "1e6", "MN/m": "1e6", "GN/m": "1e9",
+        "N/m": "1",
+        "N/mm": "1e3",
+        "kN/m": "1e3",
+        "kN/mm": "1e6",
+        "MN/m": "1e6",
+        "GN/m": "1e9",
     },
     "viscosity": {"Pa s": "1", "mPa s": "1e-3", "kPa s": "1e3", "MPa s": "1e6"},
     "damping": {"N s/m": "1", "N s/mm": "1e3", "kN s/m": "1e3"},
-    "Hertz stiffness": {"N/m^1.5": "1", "kN/m^1.5": "1e3", "MN/m^1.5": "1e6", "GN/m^1.5": "1e9"},
+    "Hertz stiffness": {
+        "N/m^1.5": "1",
+        "kN/m^1.5": "1e3",
+        "MN/m^1.5": "1e6",
+        "GN/m^1.5": "1e9",
+    },
     "inverse velocity": {"s/m": "1", "s/cm": "1e2", "s/mm": "1e3"},
 }
 """For each dimension its units, each with what it is in the SI unit, exactly."""
@@ -60,10 +90,22 @@ _QUANTITY = re.compile(
     r"\s*(?P<unit>(?<=\s)1/\w+|[^0-9\s.,+-].*)?"
 )
 _SPELLINGS = str.maketrans(
-    {"\u00b5": "u", "\u03bc": "u", "\u00b2": "^2", "\u00b3": "^3", "\u2074": "^4", "\u00b7": " ",
-     "*": " "}
+    {
+        "\u00b5": "u",
+        "\u03bc": "u",
+        "\u00b2": "^2",
+        "\u00b3": "^3",
+        "\u2074": "^4",
+        "\u00b7": " ",
+        "*": " ",
+    }
 )
-_ALIASES = {"1": "", "um/m": "microstrain", "ustrain": "microstrain", "u\u03b5": "microstrain"}
+_ALIASES = {
+    "1": "",
+    "um/m": "microstrain",
+    "ustrain": "microstrain",
+    "u\u03b5": "microstrain",
+}
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PREFIXES = {-9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 LARGE = max(_PREFIXES)
@@ -106,8 +148,12 @@ def parse(text: str | float | int, dimension: str) -> float:
     ValueError: cannot read '5 m/s' as time: 'm/s' is a unit of velocity. \
 Use one of s, ms, us, ns, or a bare number in SI units.
     """
-    if not isinstance(dimension, str) or (dimension not in UNITS and "/" not in dimension):
-        raise ValueError(f"unknown dimension {shown(dimension)}. Use one of {', '.join(UNITS)}.")
+    if not isinstance(dimension, str) or (
+        dimension not in UNITS and "/" not in dimension
+    ):
+        raise ValueError(
+            f"unknown dimension {shown(dimension)}. Use one of {', '.join(UNITS)}."
+        )
     units = UNITS.get(dimension, {dimension: "1"})
 
     def refusal(reason: str) -> ValueError:
@@ -179,13 +225,19 @@ def in_si(values: Any, unit: Any) -> tuple[Any, str]:
     """
     known = conversion(unit) if isinstance(unit, str) else None
     if known is None:
-        hint = _meant(shown(unit)[1:-1], DIMENSION) or "; use one such as 'V', 'mV' or 'N'"
+        hint = (
+            _meant(shown(unit)[1:-1], DIMENSION) or "; use one such as 'V', 'mV' or 'N'"
+        )
         raise ValueError(f"unknown unit {shown(unit)}{hint}")
     si, factor = known
     try:  # one operation, which rounds once
-        return (values * float(factor) if factor >= 1 else values / float(1 / factor)), si
+        return (
+            values * float(factor) if factor >= 1 else values / float(1 / factor)
+        ), si
     except (TypeError, OverflowError):
-        raise ValueError(f"values: must be numbers of {unit}, got {shown(values)}") from None
+        raise ValueError(
+            f"values: must be numbers of {unit}, got {shown(values)}"
+        ) from None
 
 
 def dimension_of(unit: str) -> str:
@@ -214,7 +266,9 @@ def _spelt(unit: str) -> str:
 def _meant(word: str, units: Iterable[str]) -> str:
     """Which of the units may be meant: all that differ by capitals alone, or the nearest one."""
     near = [repr(name) for name in units if name.casefold() == word.casefold()]
-    near = near or list(map(repr, difflib.get_close_matches(word[:MOST_SHOWN], units, n=1)))
+    near = near or list(
+        map(repr, difflib.get_close_matches(word[:MOST_SHOWN], units, n=1))
+    )
     return f"; perhaps {' or '.join(near)} is meant" if near else ""
 
 
@@ -277,14 +331,18 @@ def format_si(value: float, unit: str, digits: int = 6) -> str:
     """
     kinds: tuple[tuple[Any, type], ...] = (value, Real), (unit, str), (digits, int)
     if not all(isinstance(*pair) for pair in kinds) or not 0 < digits < MOST_CHARACTERS:
-        raise ValueError(f"cannot write {shown(value)} in {shown(unit)} to {shown(digits)} digits")
+        raise ValueError(
+            f"cannot write {shown(value)} in {shown(unit)} to {shown(digits)} digits"
+        )
     if math.isnan(value):
         return "-"
     if math.isfinite(value) and _TAKES_PREFIX.match(unit):
         # Rounding comes before the choice of a prefix: 999.9999999 N is 1 kN, not 1000 N.
         mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
         within, thousands = int(exponent) % 3, int(exponent) // 3 * 3
-        if thousands == LARGE + 3:  # 1000 GPa and more, beside which other numbers are in GPa
+        if (
+            thousands == LARGE + 3
+        ):  # 1000 GPa and more, beside which other numbers are in GPa
             within, thousands = within + 3, LARGE
         if thousands in _PREFIXES:
             number = Decimal(mantissa).scaleb(within).normalize() + 0
@@ -303,4 +361,8 @@ def format_factor(number: float) -> str:
         return f"{number:g}"
     exponent = math.floor(math.log10(number) + 1e-9)
     lead = f"{number / 10.0**exponent:.3g}"
-    return format_power(exponent) if lead == "1" else f"{lead}{TIMES}{format_power(exponent)}"
+    return (
+        format_power(exponent)
+        if lead == "1"
+        else f"{lead}{TIMES}{format_power(exponent)}"
+    )

@@ -35,7 +35,9 @@ CUT_OFF = 0.2619
 """f a/c0 beyond which the first mode alone does not describe a bar, at a wavelength of some
 a/0.3: A. Tyas and D. J. Pope, Measurement Science and Technology 16 (2005) 642."""
 SCAN = 2.0**-7  # of c0: between the speeds at which the lowest root is looked for
-SHORTEST = 1e15  # a/l from which on waves run at the speed of surface waves, to the last digit
+SHORTEST = (
+    1e15  # a/l from which on waves run at the speed of surface waves, to the last digit
+)
 BLOCK = 128  # values at a time, so that memory is bounded and progress is heard of
 KNOTS = 257  # of the curve of wave numbers up to the cut-off
 
@@ -97,7 +99,9 @@ class Bar(Declared):
         """
         pieces: Any = rod.segments if isinstance(rod, Rod) else [rod]
         if len(pieces) != 1 or not isinstance(pieces[0], Segment) or pieces[0].tapered:
-            message = f"must be a uniform Rod or Segment, or a waves.Bar, got {shown(rod)}"
+            message = (
+                f"must be a uniform Rod or Segment, or a waves.Bar, got {shown(rod)}"
+            )
             raise refusal("bar", message)
         (piece,) = pieces
         material = piece.material
@@ -141,11 +145,24 @@ class Bar(Declared):
         [5000.0, 1975.0]
         """
         c = self._ratio(frequency)
-        G = 2 * math.pi * self.radius / self.wave_speed * array("frequency", frequency, "Hz") / c
-        h = 2.0**-13  # the quotient of differences is off by its square, and by round-off over it
-        up, down = (G * f * first_mode(G * f / (2 * math.pi), self.poisson_ratio)
-                    for f in (1 + h, 1 - h))
-        slope = np.divide(up - down, 2 * h * G, out=np.ones(np.shape(G)), where=np.asarray(G) > 0)
+        G = (
+            2
+            * math.pi
+            * self.radius
+            / self.wave_speed
+            * array("frequency", frequency, "Hz")
+            / c
+        )
+        h = (
+            2.0**-13
+        )  # the quotient of differences is off by its square, and by round-off over it
+        up, down = (
+            G * f * first_mode(G * f / (2 * math.pi), self.poisson_ratio)
+            for f in (1 + h, 1 - h)
+        )
+        slope = np.divide(
+            up - down, 2 * h * G, out=np.ones(np.shape(G)), where=np.asarray(G) > 0
+        )
         return plain(self.wave_speed * slope)
 
     def wavenumber(self, frequency: ArrayLike) -> Number:
@@ -192,7 +209,9 @@ class Bar(Declared):
 
 
 def first_mode(
-    radius_over_wavelength: ArrayLike, poisson_ratio: ArrayLike, *,
+    radius_over_wavelength: ArrayLike,
+    poisson_ratio: ArrayLike,
+    *,
     progress: Progress | None = None,
 ) -> Number:
     """Phase velocity of the first mode over that of long waves, c/c0.
@@ -233,7 +252,9 @@ def first_mode(
     problems: Problems = []
     check_function(problems, "progress", progress)
     raise_noted(problems)
-    return plain(_each(lambda g, _: g, 2 * math.pi * np.minimum(s, SHORTEST), nu, progress))
+    return plain(
+        _each(lambda g, _: g, 2 * math.pi * np.minimum(s, SHORTEST), nu, progress)
+    )
 
 
 def mindlin_herrmann(
@@ -284,7 +305,9 @@ def mindlin_herrmann(
         both = (moduli.axial + slowest) * short + cut_off * long
         product = moduli.axial * slowest * short + cut_off * long
         larger = both + np.sqrt(both * both - 4 * product * short)
-        return plain(np.sqrt(2 * product / larger)), plain(np.sqrt(larger / (2 * short)))
+        return plain(np.sqrt(2 * product / larger)), plain(
+            np.sqrt(larger / (2 * short))
+        )
 
 
 def rayleigh_speed(poisson_ratio: ArrayLike) -> Number:
@@ -314,14 +337,20 @@ def rayleigh_speed(poisson_ratio: ArrayLike) -> Number:
     return plain(np.vectorize(root, otypes=[float])(nu))
 
 
-def _each(wave: Any, given: Array, poisson_ratio: Array, progress: Progress | None = None) -> Array:
+def _each(
+    wave: Any, given: Array, poisson_ratio: Array, progress: Progress | None = None
+) -> Array:
     """Lowest roots x = c/c0 of the equation, where G is `wave` of what is given and of x."""
     known, nu, roots = given.ravel(), poisson_ratio.ravel(), np.ones(given.size)
-    forecast = Forecast(warn, "fewer values, and a curve through them,", progress, "this")
+    forecast = Forecast(
+        warn, "fewer values, and a curve through them,", progress, "this"
+    )
     for start in range(0, known.size, BLOCK):
         part = slice(start, start + BLOCK)
         roots[part] = _roots(wave, known[part], nu[part])
-        forecast.report(min(start + BLOCK, known.size), known.size, f"{known.size} values")
+        forecast.report(
+            min(start + BLOCK, known.size), known.size, f"{known.size} values"
+        )
     return roots.reshape(given.shape)
 
 
@@ -335,7 +364,9 @@ def _roots(wave: Any, known: Array, nu: Array) -> Array:
     first = turns.argmax(axis=1)
     for i in np.flatnonzero((known > 0) & turns.any(axis=1)):
         g, v, ends = float(known[i]), float(nu[i]), grid[first[i] : first[i] + 2]
-        roots[i] = brentq(lambda x, g=g, v=v: _equation(wave(g, x), x, v), *ends, xtol=1e-15)
+        roots[i] = brentq(
+            lambda x, g=g, v=v: _equation(wave(g, x), x, v), *ends, xtol=1e-15
+        )
     return roots
 
 

@@ -28,6 +28,8 @@ def problems(text, vary=None):
     paths = [path for path, _ in caught.value.problems]
     assert len(set(paths)) == len(paths), "a mistake is reported twice"
     return dict(caught.value.problems)
+
+
 UNEQUAL_RODS = """\
 schema = 1
 

@@ -16,7 +16,8 @@ from rodimpact.running.warming import warm_method
 
 for profile, examples in (("handful", 5), ("few", 20), ("many", 300)):
     settings.register_profile(
-        profile, max_examples=examples, derandomize=True, deadline=None, print_blob=True)
+        profile, max_examples=examples, derandomize=True, deadline=None, print_blob=True
+    )
 settings.load_profile("few")
 
 MANY = 1000  # tests that need all kernels
@@ -26,7 +27,10 @@ def pytest_collection_finish(session):
     """Workers share the kernels among them, so that no two compile the same."""
     worker = getattr(session.config, "workerinput", None)
     if worker and len(session.items) > MANY and not kernels.why_not():
-        number, count = int(worker["workerid"].removeprefix("gw")), worker["workercount"]
+        number, count = (
+            int(worker["workerid"].removeprefix("gw")),
+            worker["workercount"],
+        )
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             for name in [*METHODS][number::count]:
@@ -45,8 +49,12 @@ def children_hear_signals():
 
     What is caught here is not caught there.
     """
-    numbers = [getattr(signal, name) for name in ("SIGINT", "SIGHUP") if hasattr(signal, name)]
-    ignored = [number for number in numbers if signal.getsignal(number) == signal.SIG_IGN]
+    numbers = [
+        getattr(signal, name) for name in ("SIGINT", "SIGHUP") if hasattr(signal, name)
+    ]
+    ignored = [
+        number for number in numbers if signal.getsignal(number) == signal.SIG_IGN
+    ]
     for number in ignored:
         signal.signal(number, lambda *_: None)
     yield

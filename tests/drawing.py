@@ -20,7 +20,9 @@ def render(drawn):
 
 
 def settings():
-    return {name: value for name, value in mpl.rcParams.copy().items() if name != "backend"}
+    return {
+        name: value for name, value in mpl.rcParams.copy().items() if name != "backend"
+    }
 
 
 def corners(picture):

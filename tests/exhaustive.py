@@ -5,5 +5,7 @@ import pytest
 
 def few_of(cases, usual):
     """Cases for `parametrize`: those that are `usual` run always, the others under the marker."""
-    return [case if case in usual else pytest.param(case, marks=pytest.mark.exhaustive)
-            for case in cases]
+    return [
+        case if case in usual else pytest.param(case, marks=pytest.mark.exhaustive)
+        for case in cases
+    ]

@@ -22,12 +22,19 @@ def thicken(rng, segment):
     if rng.random() < 0.4:
         area = ri.Samples((area * rng.uniform(0.3, 3, rng.integers(2, 6))).tolist())
         polar = polar and "circular"
-    material = ri.Material(f"{m.name}, {eta}", youngs_modulus=m.youngs_modulus, density=m.density,
-                           poisson_ratio=0.3, viscosity=eta)
+    material = ri.Material(
+        f"{m.name}, {eta}",
+        youngs_modulus=m.youngs_modulus,
+        density=m.density,
+        poisson_ratio=0.3,
+        viscosity=eta,
+    )
     theory = polar and ("mindlin-herrmann" if rng.random() < 0.5 else "rayleigh-love")
     if theory == "mindlin-herrmann" and polar != "circular":
         polar = max(polar, 0.02 * area)  # or the step would have to be shorter
-    return ri.Segment(segment.length, area, material, polar_moment=polar, lateral_inertia=theory)
+    return ri.Segment(
+        segment.length, area, material, polar_moment=polar, lateral_inertia=theory
+    )
 
 
 def random_row(seed, *, driven=False, bodies=5):
@@ -35,23 +42,41 @@ def random_row(seed, *, driven=False, bodies=5):
     system = random_network(seed, bodies=bodies, driven=driven)
     rng = np.random.default_rng([seed, 1])
     row = [
-        ri.Rod(segments=[thicken(rng, s) for s in body.segments], velocity=body.velocity,
-               strain=body.strain)
-        if isinstance(body, ri.Rod) and rng.random() < 0.5 else body for body in system.bodies
+        ri.Rod(
+            segments=[thicken(rng, s) for s in body.segments],
+            velocity=body.velocity,
+            strain=body.strain,
+        )
+        if isinstance(body, ri.Rod) and rng.random() < 0.5
+        else body
+        for body in system.bodies
     ]
-    return ri.System(row, system.gaps, system.contacts, gravity=system.gravity, ends=system.ends)
+    return ri.System(
+        row, system.gaps, system.contacts, gravity=system.gravity, ends=system.ends
+    )
 
 
 def matrices(mesh):
     """Mass, damping and stiffness of one piece: of its nodes, then of the radial strains."""
     n = len(mesh.mass)
     inner, between = (np.diff(np.eye(size), axis=0) for size in (n, n - 1))
-    k, d, j, J, b, G = (getattr(mesh.cells, name)[1:n, None] for name in (
-        "stiffness", "viscous", "lateral", "swelling", "coupling", "radial"))
+    k, d, j, J, b, G = (
+        getattr(mesh.cells, name)[1:n, None]
+        for name in (
+            "stiffness",
+            "viscous",
+            "lateral",
+            "swelling",
+            "coupling",
+            "radial",
+        )
+    )
     swelling = np.diag(G[:, 0]) + between.T @ (mesh.shear[1 : n - 1, None] * between)
-    return (block_diag(np.diag(mesh.mass) + inner.T @ (j * inner), np.diag(J[:, 0])),
-            block_diag(inner.T @ (d * inner), np.zeros((n - 1, n - 1))),
-            np.block([[inner.T @ (k * inner), inner.T * b[:, 0]], [b * inner, swelling]]))
+    return (
+        block_diag(np.diag(mesh.mass) + inner.T @ (j * inner), np.diag(J[:, 0])),
+        block_diag(inner.T @ (d * inner), np.zeros((n - 1, n - 1))),
+        np.block([[inner.T @ (k * inner), inner.T * b[:, 0]], [b * inner, swelling]]),
+    )
 
 
 def grid_run(system, room, snapshots=None, step=STEP):

@@ -28,7 +28,10 @@ def random_state(rng, length, scale):
         return float(scale * rng.uniform(-1, 1))
     values = (scale * rng.uniform(-1, 1, rng.integers(2, 7))).tolist()
     if kind < 0.75:
-        at = np.sort(rng.choice(np.arange(1, 32), size=len(values) - 1, replace=False)) / 32
+        at = (
+            np.sort(rng.choice(np.arange(1, 32), size=len(values) - 1, replace=False))
+            / 32
+        )
         return ri.Steps(values, (at * length).tolist())
     return ri.Samples(values)
 
@@ -36,14 +39,19 @@ def random_state(rng, length, scale):
 def random_rod(rng):
     segments = [
         ri.Segment(
-            float(rng.integers(4, 33) / 32 if rng.random() < 0.5 else rng.uniform(0.1, 1)),
-            logarithmic(rng, 0.1, 10), UNIT if rng.random() < 0.7 else QUICK,
+            float(
+                rng.integers(4, 33) / 32 if rng.random() < 0.5 else rng.uniform(0.1, 1)
+            ),
+            logarithmic(rng, 0.1, 10),
+            UNIT if rng.random() < 0.7 else QUICK,
         )
         for _ in range(rng.choice([1, 1, 1, 2, 3]))
     ]
     length = sum(s.length for s in segments)
     strain = random_state(rng, length, 0.5) if rng.random() < 0.3 else 0.0
-    return ri.Rod(segments=segments, velocity=random_state(rng, length, 1.0), strain=strain)
+    return ri.Rod(
+        segments=segments, velocity=random_state(rng, length, 1.0), strain=strain
+    )
 
 
 def random_law(rng, *pair):
@@ -53,15 +61,27 @@ def random_law(rng, *pair):
         k, c = logarithmic(rng, 1e-1, 1e4), logarithmic(rng, 1e-2, 1e2)
         k, c = [(k, 0.0), (k, c), (0.0, c)][rng.integers(3)]
         return ri.Joint(k, c, stretch=float(rng.uniform(-0.3, 0.3)) / (1 + k))
-    k = logarithmic(rng, 1e-2, 1e3) if rng.random() < 0.7 else logarithmic(rng, 1e3, 1e9)
+    k = (
+        logarithmic(rng, 1e-2, 1e3)
+        if rng.random() < 0.7
+        else logarithmic(rng, 1e3, 1e9)
+    )
     kind = rng.integers(6)
     if kind == 0:
         has_rod = any(isinstance(b, ri.Rod) for b in pair)
-        return ri.Rigid() if has_rod else ri.Rigid(restitution=float(rng.choice([0, 1, 0.6])))
+        return (
+            ri.Rigid()
+            if has_rod
+            else ri.Rigid(restitution=float(rng.choice([0, 1, 0.6])))
+        )
     return [
-        ri.Spring(k), ri.SpringDashpot(k, logarithmic(rng, 1e-3, 1e2)), ri.Hertz(k),
+        ri.Spring(k),
+        ri.SpringDashpot(k, logarithmic(rng, 1e-3, 1e2)),
+        ri.Hertz(k),
         ri.HuntCrossley(k, logarithmic(rng, 1e-2, 10)),
-        ri.Yielding(k, logarithmic(rng, 1e-3, 1.0), float(k * rng.choice([0.0, 0.1, 0.8]))),
+        ri.Yielding(
+            k, logarithmic(rng, 1e-3, 1.0), float(k * rng.choice([0.0, 0.1, 0.8]))
+        ),
     ][kind - 1]
 
 
@@ -70,7 +90,11 @@ def random_drive(rng, scale):
     if kind == 0:
         return float(scale * rng.uniform(-1, 1))
     values = (scale * rng.uniform(-1, 1, 5)).tolist()
-    return ri.Steps(values, [0.5, 0.71, 1.9, 2.0]) if kind == 1 else ri.Samples(values, step=0.6)
+    return (
+        ri.Steps(values, [0.5, 0.71, 1.9, 2.0])
+        if kind == 1
+        else ri.Samples(values, step=0.6)
+    )
 
 
 def random_end(rng, body, driven):
@@ -93,8 +117,10 @@ def move_together(row, contacts):
     pairs = [(i, i + 1) for i in range(len(contacts))]
     for one, other in [*pairs, *((j, i) for i, j in reversed(pairs))]:
         law = contacts[min(one, other)]
-        if isinstance(law, ri.Bonded) and isinstance(row[other], ri.RigidMass) and not isinstance(
-            row[one], ri.Rod
+        if (
+            isinstance(law, ri.Bonded)
+            and isinstance(row[other], ri.RigidMass)
+            and not isinstance(row[one], ri.Rod)
         ):
             row[other] = ri.RigidMass(row[other].mass, velocity=row[one].velocity)
 
@@ -104,7 +130,8 @@ def random_network(seed, *, bodies=5, driven=False):
     rng = np.random.default_rng(seed)
     row = [
         ri.RigidMass(logarithmic(rng, 0.02, 20), velocity=float(rng.uniform(-1, 1)))
-        if rng.random() < 0.4 else random_rod(rng)
+        if rng.random() < 0.4
+        else random_rod(rng)
         for _ in range(rng.integers(1, bodies + 1))
     ]
     if not any(isinstance(b, ri.Rod) for b in row):
@@ -126,6 +153,7 @@ def random_network(seed, *, bodies=5, driven=False):
 
 def shifted(system, v):
     """The same system seen by someone who moves at -v."""
+
     def profile(p):
         if isinstance(p, ri.Steps):
             return ri.Steps([x + v for x in p.values], p.at)
@@ -133,7 +161,9 @@ def shifted(system, v):
 
     def body(b):
         if isinstance(b, ri.Rod):
-            return ri.Rod(segments=b.segments, velocity=profile(b.velocity), strain=b.strain)
+            return ri.Rod(
+                segments=b.segments, velocity=profile(b.velocity), strain=b.strain
+            )
         if isinstance(b, ri.Wall):
             return ri.Wall(b.velocity + v)
         return ri.RigidMass(b.mass, velocity=b.velocity + v)
@@ -143,5 +173,10 @@ def shifted(system, v):
             return ri.Moved(v)
         return ri.Moved(profile(e.value)) if isinstance(e, ri.Moved) else e
 
-    return ri.System([body(b) for b in system.bodies], system.gaps, system.contacts,
-                     gravity=system.gravity, ends=[end(e) for e in system.ends])
+    return ri.System(
+        [body(b) for b in system.bodies],
+        system.gaps,
+        system.contacts,
+        gravity=system.gravity,
+        ends=[end(e) for e in system.ends],
+    )

@@ -30,15 +30,24 @@ def bits_of(system, until, compiling, max_events=4000):
         run = tracked(system, until, max_events)
     left = run.batch
     assert left.fast == compiling
-    return [run.log.tobytes(), *(
-        left.array(name).tobytes() for name in ("runs", "segments", "nodes", "lines"))]
+    return [
+        run.log.tobytes(),
+        *(
+            left.array(name).tobytes()
+            for name in ("runs", "segments", "nodes", "lines")
+        ),
+    ]
 
 
 def records_of(run):
     """A run by fronts on objects, as its proof of finality takes it."""
     return run.batch.state._replace(
-        runs=[run.run], segments=run.segments, nodes=run.nodes, lines=run.lines,
-        log=as_objects(run.log))
+        runs=[run.run],
+        segments=run.segments,
+        nodes=run.nodes,
+        lines=run.lines,
+        log=as_objects(run.log),
+    )
 
 
 def group_of(run, contact, right):

@@ -21,8 +21,14 @@ def rod(length=1.0, velocity=0.0, area=1e-4, material=STEEL, **more):
 def random_profile(rng, length, scale):
     if rng.random() < 0.7:
         return scale * rng.uniform(-1, 1)
-    at = sorted(rng.choice(np.arange(1, 16), size=rng.integers(1, 3), replace=False) / 16 * length)
-    return ri.Steps([scale * rng.uniform(-1, 1) for _ in range(len(at) + 1)], list(map(float, at)))
+    at = sorted(
+        rng.choice(np.arange(1, 16), size=rng.integers(1, 3), replace=False)
+        / 16
+        * length
+    )
+    return ri.Steps(
+        [scale * rng.uniform(-1, 1) for _ in range(len(at) + 1)], list(map(float, at))
+    )
 
 
 def random_rod(rng, unit, vibrating, stepped):
@@ -44,12 +50,21 @@ def random_rod(rng, unit, vibrating, stepped):
 
 
 def random_system(
-    seed, *, bodies=6, walls=True, moving_walls=True, vibrating=True, stepped=True, bonded=True,
+    seed,
+    *,
+    bodies=6,
+    walls=True,
+    moving_walls=True,
+    vibrating=True,
+    stepped=True,
+    bonded=True,
     unit=0.05,
 ):
     rng = np.random.default_rng(seed)
-    row = [random_rod(rng, unit, vibrating, stepped)
-           for _ in range(rng.integers(1 if walls else 2, bodies + 1))]
+    row = [
+        random_rod(rng, unit, vibrating, stepped)
+        for _ in range(rng.integers(1 if walls else 2, bodies + 1))
+    ]
 
     def random_wall(slowest, fastest):
         moves = rng.random() < 0.5 and moving_walls
@@ -60,9 +75,14 @@ def random_system(
     if walls and rng.random() < 0.4:
         row.append(random_wall(-0.3, 0.2))
     pairs = len(row) - 1
-    contacts = [ri.Bonded() if bonded and rng.random() < 0.1 else ri.Rigid() for _ in range(pairs)]
+    contacts = [
+        ri.Bonded() if bonded and rng.random() < 0.1 else ri.Rigid()
+        for _ in range(pairs)
+    ]
     gaps = [
-        0.0 if isinstance(c, ri.Bonded) or rng.random() < 0.5 else float(rng.uniform(0, 5e-5))
+        0.0
+        if isinstance(c, ri.Bonded) or rng.random() < 0.5
+        else float(rng.uniform(0, 5e-5))
         for c in contacts
     ]
     return ri.System(row, gaps, contacts)
@@ -70,14 +90,20 @@ def random_system(
 
 def horizon(system, transits=40.0):
     """Time of some transits of the longest rod."""
-    return transits * max(b.transit_time for b in system.bodies if isinstance(b, ri.Rod))
+    return transits * max(
+        b.transit_time for b in system.bodies if isinstance(b, ri.Rod)
+    )
 
 
 def random_drive(rng, scale, time):
     """A number, or steps at sixteenths of a time."""
     if rng.random() < 0.3:
         return float(scale * rng.uniform(-1, 1))
-    at = np.sort(rng.choice(np.arange(1, 64), size=rng.integers(1, 5), replace=False)) / 16 * time
+    at = (
+        np.sort(rng.choice(np.arange(1, 64), size=rng.integers(1, 5), replace=False))
+        / 16
+        * time
+    )
     return ri.Steps((scale * rng.uniform(-1, 1, len(at) + 1)).tolist(), at.tolist())
 
 
@@ -98,5 +124,7 @@ def with_ends(seed, driven=True, bodies=4, **switches):
     """A random row with random ends."""
     system = random_system(seed, bodies=bodies, **switches)
     rng = np.random.default_rng([seed, 1])
-    ends = [random_end(rng, system.bodies[i], horizon(system, 1), driven) for i in (0, -1)]
+    ends = [
+        random_end(rng, system.bodies[i], horizon(system, 1), driven) for i in (0, -1)
+    ]
     return ri.System(system.bodies, system.gaps, system.contacts, ends=ends)

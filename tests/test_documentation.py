@@ -21,7 +21,11 @@ import rodimpact
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-PARTS = [part.name for part in pkgutil.iter_modules(rodimpact.__path__) if part.name[0] != "_"]
+PARTS = [
+    part.name
+    for part in pkgutil.iter_modules(rodimpact.__path__)
+    if part.name[0] != "_"
+]
 
 
 def examples_in(module):
@@ -40,7 +44,9 @@ def test_the_example_of_the_package():
 
 
 def test_the_program_of_the_readme_prints_what_it_says(tmp_path, monkeypatch):
-    program = re.search(r"```python\n(import rodimpact.*?)```\n\n```text\n(.*?)```", README, re.S)
+    program = re.search(
+        r"```python\n(import rodimpact.*?)```\n\n```text\n(.*?)```", README, re.S
+    )
     printed = io.StringIO()
     names = {}
     with contextlib.redirect_stdout(printed):
@@ -53,10 +59,14 @@ def test_the_program_of_the_readme_prints_what_it_says(tmp_path, monkeypatch):
         assert (tmp_path / f"{picture}.png").stat().st_size > 10_000
 
 
-@pytest.mark.parametrize("page", sorted((ROOT / "docs").glob("*.md")), ids=lambda page: page.stem)
+@pytest.mark.parametrize(
+    "page", sorted((ROOT / "docs").glob("*.md")), ids=lambda page: page.stem
+)
 def test_whoever_follows_a_page_twice_may_write_its_files_again(page):
-    calls = re.findall(r"(?:plot\.save|\.save|to_csv)\(.*\"[^\"]+\.\w+\"[^)]*\)",
-                       page.read_text(encoding="utf-8"))
+    calls = re.findall(
+        r"(?:plot\.save|\.save|to_csv)\(.*\"[^\"]+\.\w+\"[^)]*\)",
+        page.read_text(encoding="utf-8"),
+    )
     assert [call for call in calls if "force=True" not in call] == []
 
 
@@ -74,10 +84,19 @@ def test_every_command_of_the_readme_exists():
 
 
 def test_the_manual_lists_every_public_name():
-    listed = re.findall(r"^   (\w+[.\w]*)$", (ROOT / "docs" / "api.md").read_text("utf-8"), re.M)
-    names = {name for name in rodimpact.__all__ if not inspect.ismodule(getattr(rodimpact, name))}
+    listed = re.findall(
+        r"^   (\w+[.\w]*)$", (ROOT / "docs" / "api.md").read_text("utf-8"), re.M
+    )
+    names = {
+        name
+        for name in rodimpact.__all__
+        if not inspect.ismodule(getattr(rodimpact, name))
+    }
     for module in (rodimpact.plot, rodimpact.design):
-        names |= {f"{module.__name__.removeprefix('rodimpact.')}.{name}" for name in module.__all__}
+        names |= {
+            f"{module.__name__.removeprefix('rodimpact.')}.{name}"
+            for name in module.__all__
+        }
     assert set(listed) >= names
 
 
@@ -92,30 +111,54 @@ def public_names():
 
 
 def test_every_public_name_has_an_example():
-    without = [name for name, thing in public_names() if ">>>" not in (inspect.getdoc(thing) or "")]
+    without = [
+        name
+        for name, thing in public_names()
+        if ">>>" not in (inspect.getdoc(thing) or "")
+    ]
     assert without == []
 
 
 def test_the_manual_is_no_longer_than_it_may_be():
     """Words of the README, of tutorials without their code, and of the verdicts."""
+
     def prose(page):
-        return re.sub(r"```.*?```", "", (ROOT / page).read_text("utf-8"), flags=re.S).split()
+        return re.sub(
+            r"```.*?```", "", (ROOT / page).read_text("utf-8"), flags=re.S
+        ).split()
 
     assert len(README.split()) <= 900
     assert len(README.splitlines()) < 150
-    for name in ("start", "student", "experimenter", "engineer", "researcher", "teacher"):
+    for name in (
+        "start",
+        "student",
+        "experimenter",
+        "engineer",
+        "researcher",
+        "teacher",
+    ):
         assert len(prose(f"docs/{name}.md")) <= 1500, name
     assert len((ROOT / "validation" / "README.md").read_text("utf-8").split()) <= 1000
 
 
 def test_figures_of_the_theory_are_drawn_by_their_functions():
-    spec = importlib.util.spec_from_file_location("figures", ROOT / "docs" / "theory_figures.py")
+    spec = importlib.util.spec_from_file_location(
+        "figures", ROOT / "docs" / "theory_figures.py"
+    )
     figures = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(figures)
-    shown = re.findall(r"\(figures/theory_(\w+)\.svg\)", (ROOT / "docs" / "theory.md").read_text())
+    shown = re.findall(
+        r"\(figures/theory_(\w+)\.svg\)", (ROOT / "docs" / "theory.md").read_text()
+    )
     assert shown == [draw.__name__ for draw in figures.FIGURES]
-    assert all((figures.FOLDER / f"theory_{name}.svg").stat().st_size < 60_000 for name in shown)
-    texts = {name: (figures.FOLDER / f"theory_{name}.svg").read_text("utf-8") for name in shown}
+    assert all(
+        (figures.FOLDER / f"theory_{name}.svg").stat().st_size < 60_000
+        for name in shown
+    )
+    texts = {
+        name: (figures.FOLDER / f"theory_{name}.svg").read_text("utf-8")
+        for name in shown
+    }
     for draw in figures.FIGURES[:7]:
         labels = [text.get_text() for text in draw().figure.findobj(Text)]
         words = [label for label in labels if label.isalpha() and label.isascii()]
@@ -125,9 +168,11 @@ def test_figures_of_the_theory_are_drawn_by_their_functions():
 def blocks(kind):
     """Blocks of the manual that are shown and not run when it is built."""
     return [
-        pytest.param(text, id=f"{page.stem} {i}") for page in sorted((ROOT / "docs").glob("*.md"))
+        pytest.param(text, id=f"{page.stem} {i}")
+        for page in sorted((ROOT / "docs").glob("*.md"))
         for i, text in enumerate(
-            re.findall(rf"^```{kind}\n(.*?)^```", page.read_text("utf-8"), re.S | re.M))
+            re.findall(rf"^```{kind}\n(.*?)^```", page.read_text("utf-8"), re.S | re.M)
+        )
     ]
 
 
@@ -146,13 +191,27 @@ def test_commands_of_the_manual_take_their_options(block, monkeypatch):
 @pytest.mark.parametrize("block", blocks("python"))
 def test_python_of_the_manual_runs(block, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    rods = [rodimpact.Rod(np.array([0.2, 0.4]), area=1e-4, material=rodimpact.materials.steel,
-                          velocity=1.0), rodimpact.Wall()]
+    rods = [
+        rodimpact.Rod(
+            np.array([0.2, 0.4]),
+            area=1e-4,
+            material=rodimpact.materials.steel,
+            velocity=1.0,
+        ),
+        rodimpact.Wall(),
+    ]
     family = rodimpact.System(rods)
     Path("case.toml").write_text(rodimpact.write_case(family[0]), "utf-8")
     bar = SimpleNamespace(n=0, update=lambda n: None)
-    exec(block, {"ri": rodimpact, "np": np, "family": family,
-                 "tqdm": lambda total: contextlib.nullcontext(bar)})
+    exec(
+        block,
+        {
+            "ri": rodimpact,
+            "np": np,
+            "family": family,
+            "tqdm": lambda total: contextlib.nullcontext(bar),
+        },
+    )
 
 
 @pytest.mark.parametrize("block", blocks("toml"))

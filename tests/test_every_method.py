@@ -15,7 +15,9 @@ import rodimpact as ri
 seeds = st.integers(0, 10**6)
 ROWS = {
     "fronts": lambda seed, driven: with_ends(seed, driven, moving_walls=driven),
-    "characteristics": lambda seed, driven: random_network(seed, bodies=4, driven=driven),
+    "characteristics": lambda seed, driven: random_network(
+        seed, bodies=4, driven=driven
+    ),
     "finite-difference": lambda seed, driven: random_row(seed, bodies=4, driven=driven),
 }
 NEAR = {"fronts": 1e-10, "characteristics": 1e-6, "finite-difference": 1e-10}
@@ -39,7 +41,12 @@ def assert_books_balance(solution, driven, near):
     works = [getattr(ledger, name) for name in WORKS]
     scale = ledger.total.max() + max(np.abs(work).max() for work in works) + 1e-300
     assert np.abs(ledger.residual).max() <= near * scale
-    for entry in (ledger.kinetic, ledger.vibrational_kinetic, ledger.strain, ledger.contact):
+    for entry in (
+        ledger.kinetic,
+        ledger.vibrational_kinetic,
+        ledger.strain,
+        ledger.contact,
+    ):
         assert entry.min() >= -1e-12 * scale
     for entry in (getattr(ledger, name) for name in LOSSES):
         assert entry[0] == 0
@@ -51,8 +58,10 @@ def assert_books_balance(solution, driven, near):
     assert abs(outcome.energy_residual) <= near
     told = [outcome.kinetic_after, sum(outcome.vibration_after), outcome.contact_energy]
     told += [getattr(outcome, name) for name in (*LOSSES, *WORKS)]
-    last = [getattr(ledger, name)[-1]
-            for name in ("kinetic", "vibration", "contact", *LOSSES, *WORKS)]
+    last = [
+        getattr(ledger, name)[-1]
+        for name in ("kinetic", "vibration", "contact", *LOSSES, *WORKS)
+    ]
     assert told == pytest.approx(last, abs=near * scale)
 
 
@@ -63,19 +72,29 @@ def assert_forces_move_bodies(solution, near):
     """
     system, t = solution.system, np.linspace(0, solution.t_end, 9)
     ticks, tick = solution.fields.to_ticks(t), solution.fields.clock.tick
-    outer = [side.push.integral(0, ticks) * tick if side
-             else t * (math.nan if isinstance(end, ri.Fixed) else 0.0)
-             for side, end in zip(solution.run.signals.outside, system.ends, strict=True)]
+    outer = [
+        side.push.integral(0, ticks) * tick
+        if side
+        else t * (math.nan if isinstance(end, ri.Fixed) else 0.0)
+        for side, end in zip(solution.run.signals.outside, system.ends, strict=True)
+    ]
     walls = [isinstance(system.bodies[i], ri.Wall) for i in (0, -1)]
-    forces = [*outer[: not walls[0]], *(c.impulse_until(t) for c in solution.contacts),
-              *outer[2 - (not walls[1]):]]
+    forces = [
+        *outer[: not walls[0]],
+        *(c.impulse_until(t) for c in solution.contacts),
+        *outer[2 - (not walls[1]) :],
+    ]
     free = [i for i, body in enumerate(system.bodies) if not isinstance(body, ri.Wall)]
     masses = solution.outcome.masses
-    scale = sum(masses[i] for i in free) * solution.fields.clock.scale + np.nansum(np.abs(forces))
+    scale = sum(masses[i] for i in free) * solution.fields.clock.scale + np.nansum(
+        np.abs(forces)
+    )
     for i, before, after in zip(free, forces[:-1], forces[1:], strict=True):
         V, impulse = solution.mean_velocity(i, t), before - after
         gained = masses[i] * (V - V[0] - system.gravity * t)
-        assert np.isnan(impulse[-1]) or gained == pytest.approx(impulse, abs=near * scale + 1e-15)
+        assert np.isnan(impulse[-1]) or gained == pytest.approx(
+            impulse, abs=near * scale + 1e-15
+        )
 
 
 def assert_gaps_are_between_ends(solution, near):
@@ -83,7 +102,9 @@ def assert_gaps_are_between_ends(solution, near):
     for i, contact in enumerate(solution.contacts):
         end = getattr(solution.system.bodies[i], "length", 0.0)
         distance = solution.position(i + 1, 0.0, t) - solution.position(i, end, t)
-        if not isinstance(contact.law, ri.Yielding):  # whose gap grows by what is crushed
+        if not isinstance(
+            contact.law, ri.Yielding
+        ):  # whose gap grows by what is crushed
             assert contact.gap(t) == pytest.approx(distance, abs=near)
 
 
@@ -97,7 +118,8 @@ def assert_strains_stretch_rods(solution):
             moved = [solution.displacement(i, end, t) for end in (0.0, body.length)]
             near = 0.1 * body.length * np.abs(strain).max() + 1e-15
             assert moved[1] - moved[0] == pytest.approx(
-                body.length * strain.mean(axis=0), abs=near)
+                body.length * strain.mean(axis=0), abs=near
+            )
 
 
 @by_method
@@ -126,7 +148,9 @@ def assert_alike(one, other, sign, shift, near):
 @given(seeds)
 def test_mirror(method, seed):
     system = ROWS[method](seed, driven=True)
-    assert_alike(*(solved(s, method) for s in (system, system.mirrored())), -1, 0.0, NEAR[method])
+    assert_alike(
+        *(solved(s, method) for s in (system, system.mirrored())), -1, 0.0, NEAR[method]
+    )
 
 
 @by_method

@@ -7,9 +7,25 @@ import rodimpact
 
 ROOT = Path(rodimpact.__file__).parent
 LAYERS = [
-    "version", "units", "model", "rigid", "theory", "materials", "methods", "waves", "storage",
-    "records", "results", "running", "algebra", "design", "fitting",
-    "plot", "explorer", "cli", "__main__",
+    "version",
+    "units",
+    "model",
+    "rigid",
+    "theory",
+    "materials",
+    "methods",
+    "waves",
+    "storage",
+    "records",
+    "results",
+    "running",
+    "algebra",
+    "design",
+    "fitting",
+    "plot",
+    "explorer",
+    "cli",
+    "__main__",
 ]
 """Packages and modules at the root, from the ground up."""
 METHODS = ("fronts", "pieces", "grid")
@@ -50,17 +66,31 @@ def test_modules_import_only_what_lies_below_and_not_each_other_in_a_loop():
             there = target.split(".")
             assert LEVEL[there[0]] <= LEVEL[here[0]], f"{name} imports {target}"
             if here[0] == there[0] == "methods" and there[1] in METHODS:
-                assert here[1] in (there[1], "registry"), f"{name} imports {target}, of one method"
+                assert here[1] in (there[1], "registry"), (
+                    f"{name} imports {target}, of one method"
+                )
     while imports:
         free = {name for name, targets in imports.items() if not targets & set(imports)}
         assert free, f"a loop among {sorted(imports)}"
-        imports = {name: targets for name, targets in imports.items() if name not in free}
+        imports = {
+            name: targets for name, targets in imports.items() if name not in free
+        }
 
 
 def test_kernels_of_fronts_know_numbers_and_each_other():
     """So the page can take them."""
-    kernels = {f"methods.fronts.{name}" for name in (
-        "initial_state", "event_queue", "contact", "events", "finality", "energy", "members")}
+    kernels = {
+        f"methods.fronts.{name}"
+        for name in (
+            "initial_state",
+            "event_queue",
+            "contact",
+            "events",
+            "finality",
+            "energy",
+            "members",
+        )
+    }
     kernels |= {"methods.tick_rule", "methods.finality_kernel"}
     known = kernels | {"methods.fronts.records", "methods.laws"}
     for name, path in modules():
@@ -69,12 +99,16 @@ def test_kernels_of_fronts_know_numbers_and_each_other():
 
 
 def test_modules_are_imported_by_name_only_for_the_public_names_and_commands():
-    by_string = {n for n, path in modules() if 'import_module(f".' in path.read_text("utf-8")}
+    by_string = {
+        n for n, path in modules() if 'import_module(f".' in path.read_text("utf-8")
+    }
     assert by_string == {"cli"}
 
 
 def test_no_module_bears_the_name_of_a_public_function():
-    functions = {n for n, home in rodimpact._HOME.items() if n.islower() and home != "."}
+    functions = {
+        n for n, home in rodimpact._HOME.items() if n.islower() and home != "."
+    }
     assert "solve" in functions
     assert not functions & {name for name, _ in modules()}
 
@@ -84,7 +118,9 @@ def test_only_plot_imports_matplotlib_and_one_file_imports_numba():
         text = path.read_text(encoding="utf-8")
         if "matplotlib" in text and not name.startswith("plot"):
             imported = [
-                node.names[0].name if isinstance(node, ast.Import) else node.module or ""
+                node.names[0].name
+                if isinstance(node, ast.Import)
+                else node.module or ""
                 for node in ast.walk(ast.parse(text))
                 if isinstance(node, ast.Import | ast.ImportFrom)
             ]

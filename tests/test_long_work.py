@@ -16,27 +16,54 @@ PAIR = ri.System([rod(0.4, 1.0), rod(1.0, area=2e-4)])
 def fitted(progress):
     record = ri.solve(PAIR, until=2e-4).gauge(1, 0.4).signal(1e-6)
     measured = ri.Measured(record, (1, 0.4), shift=0.0, gain=1.0)
-    ri.fit(PAIR, measured, {"bodies.0.velocity": (0.5, 2.0)}, 2e-4, starts=1, progress=progress)
+    ri.fit(
+        PAIR,
+        measured,
+        {"bodies.0.velocity": (0.5, 2.0)},
+        2e-4,
+        starts=1,
+        progress=progress,
+    )
 
 
 WORK = {
     "fronts": lambda progress: ri.solve(PAIR, until=0.05, progress=progress),
     "grid": lambda progress: ri.solve(
-        PAIR, until=1e-4, method="finite-difference", cells=10, progress=progress),
+        PAIR, until=1e-4, method="finite-difference", cells=10, progress=progress
+    ),
     "sweep": lambda progress: ri.sweep(
-        ri.System([rod(np.array([0.4, 0.5]), 1.0), rod(1.0)]), "finite-difference", until=1e-4,
-        cells=10, progress=progress),
+        ri.System([rod(np.array([0.4, 0.5]), 1.0), rod(1.0)]),
+        "finite-difference",
+        until=1e-4,
+        cells=10,
+        progress=progress,
+    ),
     "atlas": lambda progress: ri.atlas(
-        PAIR, ("bodies.1.length", 0.6, 1.5), ("bodies.1.area", 5e-5, 2e-4), most_cells=2,
-        progress=progress),
-    "closed_form": lambda progress: str(ri.closed_form(
-        ri.System([rod(0.4, 1.0), rod(1.0), rod(0.7)]), ["length"], progress=progress)),
+        PAIR,
+        ("bodies.1.length", 0.6, 1.5),
+        ("bodies.1.area", 5e-5, 2e-4),
+        most_cells=2,
+        progress=progress,
+    ),
+    "closed_form": lambda progress: str(
+        ri.closed_form(
+            ri.System([rod(0.4, 1.0), rod(1.0), rod(0.7)]),
+            ["length"],
+            progress=progress,
+        )
+    ),
     "first_mode": lambda progress: ri.waves.first_mode(
-        np.linspace(0, 0.3, 300), 0.29, progress=progress),
+        np.linspace(0, 0.3, 300), 0.29, progress=progress
+    ),
     "fit": fitted,
     "striker": lambda progress: ri.design.striker(
-        ri.Signal([0.0, 1e3], [0.0, 1e-4], unit="N"), rod(2.0), velocity=1.0, duration=1e-4,
-        segments=2, progress=progress),
+        ri.Signal([0.0, 1e3], [0.0, 1e-4], unit="N"),
+        rod(2.0),
+        velocity=1.0,
+        duration=1e-4,
+        segments=2,
+        progress=progress,
+    ),
 }
 
 

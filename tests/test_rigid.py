@@ -39,19 +39,25 @@ def test_momentum_is_kept_and_energy_never_gained_in_ten_thousand_collisions():
 def test_seen_from_a_moving_frame_and_in_a_mirror(m1, v1, m2, v2, e, u):
     assume(v1 - v2 > 1e-3)
     after = rigid.collide(m1, v1, m2, v2, e)
-    measured = rigid.restitution_from_velocities(v1, v2, after.velocity_1, after.velocity_2)
+    measured = rigid.restitution_from_velocities(
+        v1, v2, after.velocity_1, after.velocity_2
+    )
     assert measured == pytest.approx(e, abs=1e-9)
     moving = rigid.collide(m1, v1 + u, m2, v2 + u, e)
     mirror = rigid.collide(m2, -v2, m1, -v1, e)
     seen = (after.velocity_1, after.velocity_2)
-    assert (moving.velocity_1 - u, moving.velocity_2 - u) == pytest.approx(seen, abs=1e-12)
+    assert (moving.velocity_1 - u, moving.velocity_2 - u) == pytest.approx(
+        seen, abs=1e-12
+    )
     assert (-mirror.velocity_2, -mirror.velocity_1) == pytest.approx(seen, abs=1e-12)
     assert mirror.impulse == pytest.approx(after.impulse)
     assert mirror.energy_lost == pytest.approx(after.energy_lost)
 
 
 @given(MASS, VELOCITY, MASS, VELOCITY)
-def test_a_plastic_collision_leaves_one_velocity_and_e_minus_one_changes_nothing(m1, v1, m2, v2):
+def test_a_plastic_collision_leaves_one_velocity_and_e_minus_one_changes_nothing(
+    m1, v1, m2, v2
+):
     assume(v1 > v2)
     stuck = rigid.collide(m1, v1, m2, v2, 0.0)
     assert stuck.velocity_1 == stuck.velocity_2 == stuck.centre_of_mass_velocity
@@ -92,7 +98,9 @@ def test_a_stack_is_a_row_of_collisions():
 
 def test_arrays_broadcast():
     column, row = np.array([[1.0], [2.0]]), np.array([0.0, 0.5, 1.0])
-    assert {entry.shape for entry in rigid.collide(column, 1.0, 1.0, 0.0, row)} == {(2, 3)}
+    assert {entry.shape for entry in rigid.collide(column, 1.0, 1.0, 0.0, row)} == {
+        (2, 3)
+    }
     drop = rigid.stack_drop(np.ones((3, 2)), [0.9, 0.9], column)
     assert [entry.shape for entry in drop] == [(2, 3, 2), (2, 3)]
     assert rigid.contact_mass(column, row + 1).shape == (2, 3)
@@ -108,31 +116,68 @@ def test_energy_release_needs_permission(e):
     message = rf"restitution\[1\]: .*, got {e}, .*set allow_energy_release=True"
     with pytest.raises(ValueError, match=message):
         rigid.collide(1.0, 1.0, 1.0, 0.0, [0.5, e])
-    assert rigid.collide(1.0, 1.0, 1.0, 0.0, e, allow_energy_release=True).energy_lost < 0
+    assert (
+        rigid.collide(1.0, 1.0, 1.0, 0.0, e, allow_energy_release=True).energy_lost < 0
+    )
 
 
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        *((lambda changes=changes: rigid.collide(**COLLISION | changes), message)
-          for changes, message in (
-            ({"m1": 0.0}, r"m1: must be a positive .*or infinite, got 0\.0"),
-            ({"m2": [1.0, math.nan]}, r"m2\[1\]: .*, got nan"),
-            ({"m1": math.inf, "m2": math.inf}, r"m2: .*, got inf"),
-            ({"v1": math.nan}, r"v1: must be a finite number of m/s, got nan"),
-            ({"restitution": math.nan}, r"restitution: must be a finite number, got nan"),
-            ({"v1": [1.0, 3.0], "v2": 2.0}, r"v1\[0\]: must be above the velocity of body 2, 2\.0"),
-        )),
-        (lambda: rigid.restitution_from_velocities(1, 1, 0, 0), r"v1_before: .*, 1\.0, got 1"),
-        (lambda: rigid.restitution_from_velocities(1, 0, math.nan, 0), "v1_after: must be .* nan"),
-        (lambda: rigid.restitution_from_heights(0, 0), r"drop: must be a .*positive .*, got 0\.0"),
-        (lambda: rigid.restitution_from_heights(1, -1), r"rebound: .*non-negative .*, got -1"),
-        (lambda: rigid.restitution_from_heights(1, 2), r"rebound: .* the drop, 1\.0, got 2\.0"),
-        (lambda: rigid.stack_drop([1, 0], [1, 1], 1), r"masses\[1\]: must be .*, got 0\.0"),
-        (lambda: rigid.stack_drop([1, 1], [1, 2], 1), r"restitutions\[1\]: must .*, got 2\.0"),
-        (lambda: rigid.stack_drop([1, 1], [1], 1), "masses has 2 balls and restitutions 1"),
+        *(
+            (lambda changes=changes: rigid.collide(**COLLISION | changes), message)
+            for changes, message in (
+                ({"m1": 0.0}, r"m1: must be a positive .*or infinite, got 0\.0"),
+                ({"m2": [1.0, math.nan]}, r"m2\[1\]: .*, got nan"),
+                ({"m1": math.inf, "m2": math.inf}, r"m2: .*, got inf"),
+                ({"v1": math.nan}, r"v1: must be a finite number of m/s, got nan"),
+                (
+                    {"restitution": math.nan},
+                    r"restitution: must be a finite number, got nan",
+                ),
+                (
+                    {"v1": [1.0, 3.0], "v2": 2.0},
+                    r"v1\[0\]: must be above the velocity of body 2, 2\.0",
+                ),
+            )
+        ),
+        (
+            lambda: rigid.restitution_from_velocities(1, 1, 0, 0),
+            r"v1_before: .*, 1\.0, got 1",
+        ),
+        (
+            lambda: rigid.restitution_from_velocities(1, 0, math.nan, 0),
+            "v1_after: must be .* nan",
+        ),
+        (
+            lambda: rigid.restitution_from_heights(0, 0),
+            r"drop: must be a .*positive .*, got 0\.0",
+        ),
+        (
+            lambda: rigid.restitution_from_heights(1, -1),
+            r"rebound: .*non-negative .*, got -1",
+        ),
+        (
+            lambda: rigid.restitution_from_heights(1, 2),
+            r"rebound: .* the drop, 1\.0, got 2\.0",
+        ),
+        (
+            lambda: rigid.stack_drop([1, 0], [1, 1], 1),
+            r"masses\[1\]: must be .*, got 0\.0",
+        ),
+        (
+            lambda: rigid.stack_drop([1, 1], [1, 2], 1),
+            r"restitutions\[1\]: must .*, got 2\.0",
+        ),
+        (
+            lambda: rigid.stack_drop([1, 1], [1], 1),
+            "masses has 2 balls and restitutions 1",
+        ),
         (lambda: rigid.stack_drop([], [], 1), "at least one ball"),
-        (lambda: rigid.stack_drop([1], [1], 1, gravity=-1), r"gravity: must be .*, got -1\.0"),
+        (
+            lambda: rigid.stack_drop([1], [1], 1, gravity=-1),
+            r"gravity: must be .*, got -1\.0",
+        ),
     ],
 )
 def test_impossible_arguments(call, message):

@@ -34,7 +34,11 @@ def follow_waves(Z1: int, T1: int, Z2: int, T2: int) -> Waves:
     gap, force, opening = Fraction(0), [], None
     for tick in range(12 * max(T1, T2)):
         a, b = leaving_1[-2 * T1], leaving_2[-2 * T2]
-        F = max(Fraction(0), (a - b) / (Fraction(1, Z1) + Fraction(1, Z2))) if gap == 0 else 0
+        F = (
+            max(Fraction(0), (a - b) / (Fraction(1, Z1) + Fraction(1, Z2)))
+            if gap == 0
+            else 0
+        )
         force.append(F)
         leaving_1.append(a - 2 * F / Z1)
         leaving_2.append(b + 2 * F / Z2)
@@ -63,7 +67,9 @@ def test_agrees_with_waves(Z1, T1, Z2, T2):
     pair = theory.saint_venant(Z1, T1, Z2, T2)
     assert pair.restitution == pytest.approx(float(waves.restitution), abs=ROUND_OFF)
     assert pair.impulse == pytest.approx(float(sum(waves.force)), rel=ROUND_OFF, abs=0)
-    assert pair.peak_force == pytest.approx(float(max(waves.force)), rel=ROUND_OFF, abs=0)
+    assert pair.peak_force == pytest.approx(
+        float(max(waves.force)), rel=ROUND_OFF, abs=0
+    )
     assert pair.duration == max(n for n, F in enumerate(waves.force) if F > 0) + 1
     assert pair.opening == waves.opening
     all_energy = Z1 * T1 * Z2 * T2 / (Z1 * T1 + Z2 * T2) / 2
@@ -80,7 +86,9 @@ def test_agrees_with_waves(Z1, T1, Z2, T2):
 
 def exact_restitution(Z1: float, T1: float, Z2: float, T2: float) -> Fraction:
     """e = J (1/m1 + 1/m2) - 1 with the impulse summed trip by trip, in exact arithmetic."""
-    (Ts, Zs), (Tl, Zl) = sorted([(Fraction(T1), Fraction(Z1)), (Fraction(T2), Fraction(Z2))])
+    (Ts, Zs), (Tl, Zl) = sorted(
+        [(Fraction(T1), Fraction(Z1)), (Fraction(T2), Fraction(Z2))]
+    )
     F0 = Zs * Zl / (Zs + Zl)
     q = max(Fraction(0), (Zs - Zl) / (Zs + Zl))
     K = math.floor(Tl / Ts)
@@ -101,7 +109,9 @@ def test_keeps_its_digits_at_any_ratio_of_impedances(ratio, long_time):
 @pytest.mark.parametrize("Z_long", [1.0, 1 + 1e-12, 1 - 1e-12])
 def test_keeps_its_digits_when_restitution_is_small(Z_long):
     e = theory.saint_venant(1.0, 1.0, Z_long, 1e12).restitution
-    expected = 1e-12 + max(Z_long - 1, 0) / 2  # x + |q|, the latter if the long rod is stiffer
+    expected = (
+        1e-12 + max(Z_long - 1, 0) / 2
+    )  # x + |q|, the latter if the long rod is stiffer
     assert e == pytest.approx(expected, rel=1e-11, abs=0)
 
 
@@ -113,7 +123,9 @@ def test_integral_energy_and_bounds(rods, V):
     assume(trips <= 10**5)  # of the short rod, each of which is summed
     m = Z1 * T1 * Z2 * T2 / (Z1 * T1 + Z2 * T2)
     assert 0 < pair.restitution <= 1
-    assert pair.impulse == pytest.approx((1 + pair.restitution) * m * V, rel=ROUND_OFF, abs=0)
+    assert pair.impulse == pytest.approx(
+        (1 + pair.restitution) * m * V, rel=ROUND_OFF, abs=0
+    )
     assert 0 <= pair.vibration_energy <= m * V * V / 2
     assert pair.duration <= pair.opening
     assert 2 * min(T1, T2) <= pair.duration <= 2 * max(T1, T2)
@@ -127,7 +139,10 @@ def test_integral_energy_and_bounds(rods, V):
 @given(PAIR, POSITIVE)
 def test_it_does_not_matter_which_rod_is_on_the_left(rods, V):
     Z1, T1, Z2, T2 = rods
-    one, other = theory.saint_venant(Z1, T1, Z2, T2, V), theory.saint_venant(Z2, T2, Z1, T1, V)
+    one, other = (
+        theory.saint_venant(Z1, T1, Z2, T2, V),
+        theory.saint_venant(Z2, T2, Z1, T1, V),
+    )
     assert tuple(one) == pytest.approx(tuple(other), rel=ROUND_OFF, abs=0)
 
 
@@ -135,12 +150,18 @@ def test_equal_up_to_round_off_is_equal():
     exact = theory.saint_venant(0.3, 1.0, 0.3, 2.0)
     for Z in (0.1 + 0.2, math.nextafter(0.3, 0)):
         rounded = theory.saint_venant(Z, 1.0, 0.3, 2.0)
-        assert (rounded.duration, rounded.opening) == (exact.duration, exact.opening) == (2.0, 4.0)
+        assert (
+            (rounded.duration, rounded.opening)
+            == (exact.duration, exact.opening)
+            == (2.0, 4.0)
+        )
         assert rounded.restitution == exact.restitution
         assert theory.saint_venant_force(2.0, Z, 1.0, 0.3, 2.0) == 0.0
 
 
-@pytest.mark.parametrize(("ratio", "e"), [(0.25, 0.249581), (1.0, 0.729329), (4.0, 0.967347)])
+@pytest.mark.parametrize(
+    ("ratio", "e"), [(0.25, 0.249581), (1.0, 0.729329), (4.0, 0.967347)]
+)
 def test_a_mass_on_a_free_rod(ratio, e):
     """Values derived independently; momentum and energy balance."""
     Z, T, V = 3.0, 0.2, 1.7
@@ -187,7 +208,9 @@ def test_an_exponential_horn():
     def force(x):
         return math.exp(2 * beta * x) * slope(lambda y: u(y, t), x, 1e-3)
 
-    inertia = math.exp(2 * beta * x) * slope(lambda s: slope(lambda r: u(x, r), s, 1e-3), t, 1e-3)
+    inertia = math.exp(2 * beta * x) * slope(
+        lambda s: slope(lambda r: u(x, r), s, 1e-3), t, 1e-3
+    )
     assert slope(force, x, 1e-3) == pytest.approx(inertia / c**2, rel=1e-8)
     assert theory.horn_frequency(c, 0.0, beta) == c * beta
 
@@ -207,26 +230,48 @@ def test_phase_velocity_with_lateral_inertia():
     """u = cos(k x - omega t) obeys u_tt - nu^2 kappa^2 u_xxtt = c^2 u_xx."""
     c, nu, kappa, k = 5000.0, 0.29, 7e-3, np.array([0.0, 10.0, 300.0])
     omega = k * theory.rayleigh_love_speed(c, nu, kappa, k)
-    assert omega**2 * (1 + (nu * kappa * k) ** 2) == pytest.approx(c**2 * k**2, rel=1e-14)
+    assert omega**2 * (1 + (nu * kappa * k) ** 2) == pytest.approx(
+        c**2 * k**2, rel=1e-14
+    )
     assert theory.rayleigh_love_speed(c, 0.0, kappa, 300.0) == c
-    assert theory.rayleigh_love_speed(c, -nu, kappa, 300.0) == theory.rayleigh_love_speed(
-        c, nu, kappa, 300.0)
+    assert theory.rayleigh_love_speed(
+        c, -nu, kappa, 300.0
+    ) == theory.rayleigh_love_speed(c, nu, kappa, 300.0)
 
 
 # Arrays and refusals ------------------------------------------------------------------------------
 
 FORMS = [
-    (theory.saint_venant,
-     ["impedance_1", "transit_time_1", "impedance_2", "transit_time_2", "closing_speed"], {}),
-    (theory.saint_venant_force,
-     ["impedance_1", "transit_time_1", "impedance_2", "transit_time_2"], {"time": 0.5}),
+    (
+        theory.saint_venant,
+        [
+            "impedance_1",
+            "transit_time_1",
+            "impedance_2",
+            "transit_time_2",
+            "closing_speed",
+        ],
+        {},
+    ),
+    (
+        theory.saint_venant_force,
+        ["impedance_1", "transit_time_1", "impedance_2", "transit_time_2"],
+        {"time": 0.5},
+    ),
     (theory.rod_on_wall, ["impedance", "transit_time", "speed"], {}),
     (theory.mass_on_rod, ["mass", "impedance", "transit_time", "speed"], {}),
     (theory.horn_amplification, ["area_0", "area_1"], {}),
     (theory.horn_frequency, ["wave_speed"], {"wave_number": 1.0, "taper": 1.0}),
-    (theory.kelvin_voigt_decay, ["youngs_modulus", "viscosity", "angular_frequency"], {}),
-    (theory.rayleigh_love_speed, ["wave_speed", "gyration_radius"],
-     {"poisson_ratio": 0.3, "wave_number": 1.0}),
+    (
+        theory.kelvin_voigt_decay,
+        ["youngs_modulus", "viscosity", "angular_frequency"],
+        {},
+    ),
+    (
+        theory.rayleigh_love_speed,
+        ["wave_speed", "gyration_radius"],
+        {"poisson_ratio": 0.3, "wave_number": 1.0},
+    ),
 ]
 
 
@@ -241,7 +286,9 @@ def test_forms_take_arrays_and_refuse_what_is_no_number(function, sizes, others)
     assert {type(value) for value in numbers} == {float}
     first, second, *_ = good
     shapes = {first: np.full((2, 1), good[first]), second: [good[second]] * 3}
-    for value, shaped in zip(numbers, values_of(function(**(good | shapes))), strict=True):
+    for value, shaped in zip(
+        numbers, values_of(function(**(good | shapes))), strict=True
+    ):
         assert np.array_equal(shaped, np.full((2, 3), value))
     for name in good:
         for bad in (math.nan, math.inf, *((0.0, -2.0) if name in sizes else ())):

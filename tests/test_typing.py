@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 import rodimpact as ri
 
 
-def longest_pulse(lengths: NDArray[np.float64], area: float, law: ri.Hertz | ri.Rigid) -> float:
+def longest_pulse(
+    lengths: NDArray[np.float64], area: float, law: ri.Hertz | ri.Rigid
+) -> float:
     steel = ri.materials.steel
     striker = ri.Rod(lengths, area=area, material=steel, velocity=10.0)
     bar = ri.Rod(2.0, area=area, material=steel)
@@ -28,14 +30,18 @@ def test_a_typed_program_runs() -> None:
     steel = assert_type(ri.materials.steel, ri.Material)
     longest = longest_pulse(np.array([0.1, 0.2]), 1e-4, ri.Rigid())
     assert abs(longest / (0.4 / float(steel.wave_speed)) - 1) < 1e-12
-    rod = ri.Rod(0.4, area=1e-4, material=steel, velocity=ri.Steps([1.0, 0.5], at=[0.2]))
+    rod = ri.Rod(
+        0.4, area=1e-4, material=steel, velocity=ri.Steps([1.0, 0.5], at=[0.2])
+    )
     left: list[int] = []
     row = ri.System([rod, ri.Wall()])
     solution = ri.solve(row, 1e-4, "finite-difference", cells=8, progress=told(left))
     assert_type(solution, ri.Solution)
     assert_type(solution.outcome, ri.Outcome)
     velocity: NDArray[np.floating[Any]] = solution.velocity(0, [0.1, 0.3], 0.0)
-    assert_type([episode for c in solution.contacts for episode in c.episodes], list[ri.Episode])
+    assert_type(
+        [episode for c in solution.contacts for episode in c.episodes], list[ri.Episode]
+    )
     assert velocity.tolist() == [1.0, 0.5]
     assert solution.mean_velocity(0, 0.0) == 0.75
     gauge = assert_type(solution.gauge(0, 0.2), ri.Gauge)
@@ -56,6 +62,11 @@ def test_constructors_take_more_types_than_their_attributes_have() -> None:
     assert stop == 1.0
     taken = inspect.signature(ri.RigidMass).parameters
     assert [each.default for each in taken.values()] == [inspect.Parameter.empty, 0.0]
-    assert [each.kind.name for each in taken.values()] == ["POSITIONAL_OR_KEYWORD", "KEYWORD_ONLY"]
-    with pytest.raises(TypeError, match=r"RigidMass.__init__\(\) takes 2 positional arguments"):
+    assert [each.kind.name for each in taken.values()] == [
+        "POSITIONAL_OR_KEYWORD",
+        "KEYWORD_ONLY",
+    ]
+    with pytest.raises(
+        TypeError, match=r"RigidMass.__init__\(\) takes 2 positional arguments"
+    ):
         ri.RigidMass(1.0, 2.0)  # type: ignore[call-arg]

@@ -34,9 +34,12 @@ PREFIXED = ["s", "N", "m", "Pa", "m/s", "N/m", "Pa s"]
         ("+.5e1mm", "length", 0.005),
         ("  7.\tmm ", "length", 0.007),
         (3, "length", 3.0),
-        ("5 \u00b5s", "time", 5e-6), ("5 \u03bcs", "time", 5e-6),
-        ("1 cm\u00b2", "area", 1e-4), ("1 mm\u2074", "polar moment", 1e-12),
-        ("4 N\u00b7s/m", "damping", 4.0), ("4 N*s/m", "damping", 4.0),
+        ("5 \u00b5s", "time", 5e-6),
+        ("5 \u03bcs", "time", 5e-6),
+        ("1 cm\u00b2", "area", 1e-4),
+        ("1 mm\u2074", "polar moment", 1e-12),
+        ("4 N\u00b7s/m", "damping", 4.0),
+        ("4 N*s/m", "damping", 4.0),
     ],
 )
 def test_reads_exactly(text, dimension, value):
@@ -55,7 +58,9 @@ def test_rounds_once(number, data):
 
 def test_every_unit_is_what_it_is_to_pint():
     quantity = pytest.importorskip("pint").application_registry.get().Quantity
-    known = {name: factor for names in units.UNITS.values() for name, factor in names.items()}
+    known = {
+        name: factor for names in units.UNITS.values() for name, factor in names.items()
+    }
     theirs = {name: quantity(1.0, name).to_base_units().magnitude for name in known}
     ours = {name: float(Fraction(factor)) for name, factor in known.items()}
     assert theirs == pytest.approx(ours, rel=1e-14)
@@ -69,11 +74,19 @@ def test_no_unit_belongs_to_two_dimensions():
 @pytest.mark.parametrize(
     ("text", "dimension", "wanted"),
     [
-        ("5 kg", "length", r"'5 kg' as length: 'kg' is a unit of mass.* km, ft, in, or"),
+        (
+            "5 kg",
+            "length",
+            r"'5 kg' as length: 'kg' is a unit of mass.* km, ft, in, or",
+        ),
         ("5 m/s", "time", r"'m/s' is a unit of velocity"),
         ("5 parsec", "length", r"unknown unit 'parsec'\. Use one of m, cm"),
         ("5 N s/cm", "damping", r"unknown unit 'N s/cm'; perhaps 'N s/m' is meant"),
-        ("5 N/m", "Hertz stiffness", r"as Hertz stiffness: 'N/m' is a unit of stiffness"),
+        (
+            "5 N/m",
+            "Hertz stiffness",
+            r"as Hertz stiffness: 'N/m' is a unit of stiffness",
+        ),
         ("5 mn", "force", r"perhaps 'mN' or 'MN' is meant"),
         ("1,5 mm", "length", r"not a decimal number followed by a unit"),
         ("", "length", r"not a decimal number"),
@@ -81,11 +94,19 @@ def test_no_unit_belongs_to_two_dimensions():
         ("1e999 m", "length", r"not a finite number"),
         ("1e-400 m", "length", r"too small for a floating-point number"),
         ("1e999999999 m", "length", r"its power of ten is out of range"),
-        ("9" * 16_000, "length", r"999\.\.\.999.* as length: it is longer than 1000 characters"),
+        (
+            "9" * 16_000,
+            "length",
+            r"999\.\.\.999.* as length: it is longer than 1000 characters",
+        ),
         ("9" * 999 + "x", "length", r"unknown unit 'x'"),
         ("5 \x1b[31m\u202e", "length", r"unknown unit '\\x1b\[31m\\u202e'"),
-        pytest.param(10**5000, "length", r"a value of type int as length: it is not a finite",
-                     id="5001 digits"),
+        pytest.param(
+            10**5000,
+            "length",
+            r"a value of type int as length: it is not a finite",
+            id="5001 digits",
+        ),
         (math.nan, "length", r"nan as length: it is not a finite number"),
         (True, "length", r"True as length: it is not a number"),
         (None, "length", r"None as length: it is not a number"),

@@ -9,9 +9,21 @@ from validation_cases import FOLDER, validation_module
 
 table = validation_module("table")
 CASES = table.cases()
-LONG = ("agreement", "damping", "design", "formulas", "grid_against_fronts", "hertz_ends", "joints",
-        "lateral_inertia", "measured_pulses", "mindlin_herrmann", "rational_proof",
-        "rods_as_rigid_bodies", "specimen")
+LONG = (
+    "agreement",
+    "damping",
+    "design",
+    "formulas",
+    "grid_against_fronts",
+    "hertz_ends",
+    "joints",
+    "lateral_inertia",
+    "measured_pulses",
+    "mindlin_herrmann",
+    "rational_proof",
+    "rods_as_rigid_bodies",
+    "specimen",
+)
 
 
 @pytest.fixture(scope="module")
@@ -19,9 +31,14 @@ def written():
     """Lines of the tables of all cases, cut into cells, by the name of the case."""
     tables = {}
     for page in sorted(table.PAGES.glob("*.md")):
-        lines = [line for line in page.read_text("utf-8").splitlines() if line.startswith("| ")]
+        lines = [
+            line
+            for line in page.read_text("utf-8").splitlines()
+            if line.startswith("| ")
+        ]
         head, ruled, *tables[page.stem] = [
-            tuple(cell.strip() for cell in line.strip("|").split("|")) for line in lines]
+            tuple(cell.strip() for cell in line.strip("|").split("|")) for line in lines
+        ]
         assert (head, ruled) == (table.HEAD, ("---",) * len(table.HEAD))
     return tables
 
@@ -33,9 +50,12 @@ def test_every_case_is_found_and_written(written):
 
 def test_the_verdicts_list_every_case(written):
     text = (FOLDER / "README.md").read_text(encoding="utf-8")
-    found = re.findall(r"^\| \[.+\]\(\S+/(\w+)\.md\) \|.*\| (\d+) \|.*\| pass \|$", text, re.M)
+    found = re.findall(
+        r"^\| \[.+\]\(\S+/(\w+)\.md\) \|.*\| (\d+) \|.*\| pass \|$", text, re.M
+    )
     assert [(name, int(count)) for name, count in found] == [
-        (name, len(rows)) for name, rows in written.items()]
+        (name, len(rows)) for name, rows in written.items()
+    ]
     assert len(text.split()) <= 1000
 
 
@@ -45,14 +65,18 @@ def test_a_page_tells_what_fails():
     assert table.page("rows", [row]).startswith(f"# {table.title('rows')}\n")
 
 
-@pytest.mark.parametrize("case", few_of(CASES, [case for case in CASES if case not in LONG]))
+@pytest.mark.parametrize(
+    "case", few_of(CASES, [case for case in CASES if case not in LONG])
+)
 def test_case(case, written):
     rows = table.run(case)
     assert rows
     for row, (*names, expected, got, bound) in zip(rows, written[case], strict=True):
         assert row.holds, row
         assert names == [row.case, row.quantity, row.source]
-        assert float(bound) == pytest.approx(row.bound, rel=0.05)  # two digits are shown
+        assert float(bound) == pytest.approx(
+            row.bound, rel=0.05
+        )  # two digits are shown
         rounding = 0 if row.places is None else Fraction(10) ** -row.places / 2
         slack = Fraction(row.bound)  # both numbers lie within it of what is expected
         assert abs(Fraction(expected) - Fraction(row.expected)) <= slack + rounding
@@ -69,7 +93,12 @@ def test_a_broken_bound_shows():
 @pytest.mark.parametrize(
     ("expected", "got", "bound", "shown"),
     [
-        (1 / 3, 1 / 3 + 1e-16, 1e-13, ("0.3333333333333", "0.3333333333333", "1.0e-13")),
+        (
+            1 / 3,
+            1 / 3 + 1e-16,
+            1e-13,
+            ("0.3333333333333", "0.3333333333333", "1.0e-13"),
+        ),
         (0.0, -8e-16, 2e-15, ("0", "0", "2.0e-15")),
         (19000.0, 19000.0 + 4e-12, 1.9e-11, ("19000", "19000", "1.9e-11")),
         (2.0, 1.99929280504747, 2e-2, ("2", "1.9993", "2.0e-02")),

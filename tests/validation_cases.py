@@ -10,6 +10,8 @@ FOLDER = Path(__file__).parent.parent / "validation"
 
 def validation_module(name: str) -> ModuleType:
     if "validation" not in sys.modules:
-        spec = importlib.util.spec_from_file_location("validation", FOLDER / "__init__.py")
+        spec = importlib.util.spec_from_file_location(
+            "validation", FOLDER / "__init__.py"
+        )
         sys.modules["validation"] = importlib.util.module_from_spec(spec)
     return importlib.import_module(f"validation.{name}")

@@ -39,7 +39,10 @@ def commensurate() -> Rows:
     rng = np.random.default_rng(5)
     apart, force = [], []
     for _ in range(20):
-        (T1, T2), (Z1, Z2) = rng.integers(1, 12, 2).tolist(), rng.uniform(0.2, 5.0, 2).tolist()
+        (T1, T2), (Z1, Z2) = (
+            rng.integers(1, 12, 2).tolist(),
+            rng.uniform(0.2, 5.0, 2).tolist(),
+        )
         row = ri.System([rod(T1, Z1, 1.0), rod(T2, Z2)])
         exact, got = (ri.solve(row, method=m).outcome for m in ("fronts", METHOD))
         apart.append(abs(got.restitution - exact.restitution))
@@ -48,23 +51,35 @@ def commensurate() -> Rows:
     yield case.row("e, largest difference", 0.0, max(apart), 1e-13)
     yield case.row("impulse, largest relative difference", 0.0, max(force), 1e-13)
     for name, lengths in (
-        ("cradle of five", (1, 1, 1, 1, 1)), ("cradle, the first twice as long", (2, 1, 1, 1, 1)),
-        ("rods 1 : 2 : 3 : 1 : 2", (1, 2, 3, 1, 2)), ("rods 2 : 2 : 1 : 1 : 1", (2, 2, 1, 1, 1)),
+        ("cradle of five", (1, 1, 1, 1, 1)),
+        ("cradle, the first twice as long", (2, 1, 1, 1, 1)),
+        ("rods 1 : 2 : 3 : 1 : 2", (1, 2, 3, 1, 2)),
+        ("rods 2 : 2 : 1 : 1 : 1", (2, 2, 1, 1, 1)),
     ):
-        row = ri.System([rod(x, velocity=0.0 if i else 1.0) for i, x in enumerate(lengths)])
+        row = ri.System(
+            [rod(x, velocity=0.0 if i else 1.0) for i, x in enumerate(lengths)]
+        )
         exact_run, got_run = (ri.solve(row, method=m) for m in ("fronts", METHOD))
-        v = np.subtract(exact_run.outcome.velocities_after, got_run.outcome.velocities_after)
+        v = np.subtract(
+            exact_run.outcome.velocities_after, got_run.outcome.velocities_after
+        )
         case = Case(name, "fronts")
         yield case.zero("velocities after, largest difference", v, 1e-13)
-        yield case.zero("impulses, largest difference", impulses(exact_run) - impulses(got_run),
-                        1e-13)
+        yield case.zero(
+            "impulses, largest difference",
+            impulses(exact_run) - impulses(got_run),
+            1e-13,
+        )
 
 
 def random_row(rng: np.random.Generator, whole: bool) -> ri.System:
     """Two to four rods with gaps, walls at some ends; lengths are whole numbers or any."""
     bodies: list[ri.Rod | ri.Wall] = [
-        rod(float(rng.integers(1, 7)) if whole else rng.uniform(1.0, 6.0),
-            rng.uniform(0.3, 3.0), rng.uniform(-1.0, 1.0))
+        rod(
+            float(rng.integers(1, 7)) if whole else rng.uniform(1.0, 6.0),
+            rng.uniform(0.3, 3.0),
+            rng.uniform(-1.0, 1.0),
+        )
         for _ in range(rng.integers(2, 5))
     ]
     if rng.random() < 0.5:
@@ -78,7 +93,9 @@ def error(row: ri.System) -> float:
     """Of the worst impulse of a row, relative to the largest; nan where nothing meets."""
     until = 4 * max(body.length for body in row.bodies if isinstance(body, ri.Rod))
     exact, got = (impulses(ri.solve(row, until, m)) for m in ("fronts", METHOD))
-    return float(np.abs(got - exact).max() / exact.max()) if exact.any() else float("nan")
+    return (
+        float(np.abs(got - exact).max() / exact.max()) if exact.any() else float("nan")
+    )
 
 
 def any_rows() -> Rows:
@@ -86,9 +103,14 @@ def any_rows() -> Rows:
     for whole, lengths in ((True, "whole numbers"), (False, "without common measure")):
         rng = np.random.default_rng(2)
         worst = float(np.nanmax([error(random_row(rng, whole)) for _ in range(ROWS)]))
-        yield Row(f"{ROWS} random rows with gaps, walls and re-contact, lengths {lengths}",
-                  "worst impulse, largest relative difference", "fronts", 0.0, worst,
-                  1e-10 if whole else 1e-12)
+        yield Row(
+            f"{ROWS} random rows with gaps, walls and re-contact, lengths {lengths}",
+            "worst impulse, largest relative difference",
+            "fronts",
+            0.0,
+            worst,
+            1e-10 if whole else 1e-12,
+        )
 
 
 def grid() -> Rows:
@@ -98,12 +120,25 @@ def grid() -> Rows:
         "two rods, Hertz contact": ri.System(rods, contacts=[ri.Hertz(10.0)]),
         "two rods, spring": ri.System(rods, contacts=[ri.Spring(10.0)]),
         "a mass and two rods, Hertz contact and joint": ri.System(
-            [mass, rod(0.4), rod(1.0, 2.0)], contacts=[ri.Hertz(10.0), ri.Joint(3.0)]),
+            [mass, rod(0.4), rod(1.0, 2.0)], contacts=[ri.Hertz(10.0), ri.Joint(3.0)]
+        ),
     }
     for case, system in systems.items():
         exact = ri.solve(system, 4.0, METHOD, rtol=1e-10).outcome.contacts[0].impulse
-        off = [abs(ri.solve(system, 4.0, "finite-difference", cells=N).outcome.contacts[0].impulse
-                   - exact) for N in CELLS]
-        yield Row(case, f"order of the grid's impulse, {CELLS[0]} to {CELLS[-1]} cells",
-                  f"{METHOD}: 2", 2.0,
-                  float(np.log(off[0] / off[-1]) / np.log(CELLS[-1] / CELLS[0])), 0.02)
+        off = [
+            abs(
+                ri.solve(system, 4.0, "finite-difference", cells=N)
+                .outcome.contacts[0]
+                .impulse
+                - exact
+            )
+            for N in CELLS
+        ]
+        yield Row(
+            case,
+            f"order of the grid's impulse, {CELLS[0]} to {CELLS[-1]} cells",
+            f"{METHOD}: 2",
+            2.0,
+            float(np.log(off[0] / off[-1]) / np.log(CELLS[-1] / CELLS[0])),
+            0.02,
+        )

@@ -62,10 +62,20 @@ def identical_rods() -> Rows:
     yield case.row("velocity right after, m/s", SPEED, o.velocities_after[1], 1e-14)
     yield case.row("vibration energy after, J", 0.0, sum(o.vibration_after), 1e-14)
     yield case.row("contact time, s", 2 / C, o.duration, 1e-14 * 2 / C, ": 2 L/c")
-    yield case.row("contact time, 1 m of steel, ms", 0.4, o.duration * 1e3, 0.005,
-                   "about 0.4 ms; the textbook says a few ms")
-    yield case.row("wave speed of steel, m/s", 5000.0, STEEL.wave_speed, 100.0,
-                   "about 5000 m/s; the textbook says about 1000")
+    yield case.row(
+        "contact time, 1 m of steel, ms",
+        0.4,
+        o.duration * 1e3,
+        0.005,
+        "about 0.4 ms; the textbook says a few ms",
+    )
+    yield case.row(
+        "wave speed of steel, m/s",
+        5000.0,
+        STEEL.wave_speed,
+        100.0,
+        "about 5000 m/s; the textbook says about 1000",
+    )
 
 
 def rod_on_wall() -> Rows:
@@ -85,18 +95,45 @@ def different_lengths(case: Case, short: float, long: float) -> Rows:
     e = short / long
     m1, m2 = 7850.0 * AREA * short, 7850.0 * AREA * long
     lost = (1 - e * e) * m1 * m2 / (m1 + m2) * SPEED**2 / 2
-    x, t = np.linspace(0, short, 50)[:, None], np.linspace(2 * short / C, solution.t_end, 50)[1:]
-    residue = max(np.abs(solution.velocity(0, x, t)).max(), np.abs(solution.strain(0, x, t)).max())
+    x, t = (
+        np.linspace(0, short, 50)[:, None],
+        np.linspace(2 * short / C, solution.t_end, 50)[1:],
+    )
+    residue = max(
+        np.abs(solution.velocity(0, x, t)).max(), np.abs(solution.strain(0, x, t)).max()
+    )
     yield case.row("e", e, o.restitution, 1e-13, ": l1/l2")
-    yield case.row("mean velocity right after, m/s", e * SPEED, o.velocities_after[1], 1e-13,
-                   ": (l1/l2) v")
-    yield case.row("largest velocity (m/s) or strain left in the short rod", 0.0, residue, 1e-13,
-                   ": at rest")
-    yield case.row("vibration energy after, J", lost, sum(o.vibration_after), 1e-13,
-                   "(1 - e^2) m_coll v^2/2")
-    yield case.row("force ends at, s", 2 * short / C, o.contacts[0].last, 1e-16, ": 2 l1/c")
-    yield case.row("gap opens at, s", 2 * long / C, contact.episodes[0].opening, 1e-16,
-                   "2 l2/c: touching without force until then")
+    yield case.row(
+        "mean velocity right after, m/s",
+        e * SPEED,
+        o.velocities_after[1],
+        1e-13,
+        ": (l1/l2) v",
+    )
+    yield case.row(
+        "largest velocity (m/s) or strain left in the short rod",
+        0.0,
+        residue,
+        1e-13,
+        ": at rest",
+    )
+    yield case.row(
+        "vibration energy after, J",
+        lost,
+        sum(o.vibration_after),
+        1e-13,
+        "(1 - e^2) m_coll v^2/2",
+    )
+    yield case.row(
+        "force ends at, s", 2 * short / C, o.contacts[0].last, 1e-16, ": 2 l1/c"
+    )
+    yield case.row(
+        "gap opens at, s",
+        2 * long / C,
+        contact.episodes[0].opening,
+        1e-16,
+        "2 l2/c: touching without force until then",
+    )
 
 
 def equal_transit_times() -> Rows:
@@ -105,8 +142,12 @@ def equal_transit_times() -> Rows:
     length = 0.5 * float(brass.wave_speed) / float(STEEL.wave_speed)
     for factor in (0.1, 3.0, 20.0):
         other = ri.Rod(length, area=factor * AREA, material=brass)
-        ratio = float(other.segments[0].impedance) / float(rod(0.5).segments[0].impedance)
+        ratio = float(other.segments[0].impedance) / float(
+            rod(0.5).segments[0].impedance
+        )
         o = ri.collide(rod(0.5, SPEED), other)
-        case = Case(f"equal transit times, impedances 1 : {ratio:.3g}",
-                    "Saint-Venant: 1 at equal transit times")
+        case = Case(
+            f"equal transit times, impedances 1 : {ratio:.3g}",
+            "Saint-Venant: 1 at equal transit times",
+        )
         yield case.row("e", 1.0, o.restitution, 1e-13)

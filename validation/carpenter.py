@@ -15,7 +15,9 @@ from .table import Case, Rows
 def run() -> Rows:
     """The two bars, each at half the closing speed."""
     steel = ri.Material("steel in inches", youngs_modulus=30e6, density=0.73e-3)
-    left, right = (ri.Rod(10.0, area=1.0, material=steel, velocity=v) for v in (101.1, -101.1))
+    left, right = (
+        ri.Rod(10.0, area=1.0, material=steel, velocity=v) for v in (101.1, -101.1)
+    )
     o = ri.collide(left, right)
     case = Case("Carpenter et al., two bars", "Carpenter, Taylor and Katona 1991")
     yield case.row("force, lb", 14961.0, o.peak_force, 0.5)

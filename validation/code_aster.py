@@ -25,6 +25,10 @@ def run() -> Rows:
     o = solution.outcome
     case = Case("code_aster, bar on fixed bar", "code_aster SDNL111")
     yield case.row("contact time, us", 789.9, o.contacts[0].duration * 1e6, 0.05)
-    yield case.row("velocity of the striker after, m/s", -SPEED, o.velocities_after[0], 1e-13)
-    yield case.row("vibration energy of the striker after, J", 0.0, o.vibration_after[0], 1e-14)
+    yield case.row(
+        "velocity of the striker after, m/s", -SPEED, o.velocities_after[0], 1e-13
+    )
+    yield case.row(
+        "vibration energy of the striker after, J", 0.0, o.vibration_after[0], 1e-14
+    )
     yield case.row("energy in the target after, J", 0.0, o.vibration_after[1], 1e-14)

@@ -47,15 +47,25 @@ def shapes() -> Rows:
     peak = 0.8 * Z * SPEED / 2
     wanted = {
         "half sine": (np.sin(np.pi * s), 0.045),
-        "trapezoid, corners at 0, .3, .8, 1": (np.interp(s, [0, 0.3, 0.8, 1], [0, 1, 1, 0]), 0.062),
+        "trapezoid, corners at 0, .3, .8, 1": (
+            np.interp(s, [0, 0.3, 0.8, 1], [0, 1, 1, 0]),
+            0.062,
+        ),
         "ramp, then 0": (s, 0.128),
     }
     for name, (shape, bound) in wanted.items():
         pulse = ri.Signal(peak * shape, s * T, unit="N")
-        found = ri.design.striker(pulse, BAR, velocity=SPEED, duration=T, segments=SEGMENTS,
-                                  area_ratio=WIDE)
-        yield Row(f"striker for a pulse: {name}", "misfit of the steps over the peak",
-                  "the wanted shape", 0.0, math.sqrt(found.misfit**2 - found.staircase**2), bound)
+        found = ri.design.striker(
+            pulse, BAR, velocity=SPEED, duration=T, segments=SEGMENTS, area_ratio=WIDE
+        )
+        yield Row(
+            f"striker for a pulse: {name}",
+            "misfit of the steps over the peak",
+            "the wanted shape",
+            0.0,
+            math.sqrt(found.misfit**2 - found.staircase**2),
+            bound,
+        )
 
 
 def glued(ratios: Floats, steps: int) -> Floats:
@@ -68,9 +78,13 @@ def glued(ratios: Floats, steps: int) -> Floats:
         F = towards[0] / (1 / ratios[0] + 1)
         if tick % 2 == 0:
             force.append(F)
-        v = (ratios[:-1] * away[:-1] + ratios[1:] * towards[1:]) / (ratios[:-1] + ratios[1:])
-        towards, away = (np.append(2 * v - away[:-1], away[-1]),
-                         np.append(towards[0] - 2 * F / ratios[0], 2 * v - towards[1:]))
+        v = (ratios[:-1] * away[:-1] + ratios[1:] * towards[1:]) / (
+            ratios[:-1] + ratios[1:]
+        )
+        towards, away = (
+            np.append(2 * v - away[:-1], away[-1]),
+            np.append(towards[0] - 2 * F / ratios[0], 2 * v - towards[1:]),
+        )
     return np.array(force)
 
 
@@ -81,41 +95,81 @@ def hidden() -> Rows:
         ratios = np.exp(np.random.default_rng(seed).uniform(-4, 1.5, SEGMENTS))
         force = Z * SPEED * glued(ratios, 2 * SEGMENTS)
         found = ri.design.striker(
-            ri.Steps(force, step * np.arange(1, force.size)), BAR, velocity=SPEED, duration=T,
-            contact=ri.Bonded(), area_ratio=WIDE)
-        areas = np.array([piece.area for piece in found.system.bodies[0].segments])[::-1]
+            ri.Steps(force, step * np.arange(1, force.size)),
+            BAR,
+            velocity=SPEED,
+            duration=T,
+            contact=ri.Bonded(),
+            area_ratio=WIDE,
+        )
+        areas = np.array([piece.area for piece in found.system.bodies[0].segments])[
+            ::-1
+        ]
         worst.append(np.abs(areas / BAR.segments[0].area / ratios - 1).max())
         misfits.append(found.misfit)
     case = Case("20 hidden strikers of ten steps", "the hidden one")
-    yield case.row("areas, largest relative error, median of the strikers", 0.0, np.median(worst),
-                   1e-9)
-    yield case.row("strikers with an area off by more than 1e-6", 0.0,
-                   np.sum(np.array(worst) > 1e-6), 1.0, "the hidden ones")
-    yield case.row("largest misfit of the pulse over the peak", 0.0, max(misfits), 1e-12,
-                   "reflections step by step")
+    yield case.row(
+        "areas, largest relative error, median of the strikers",
+        0.0,
+        np.median(worst),
+        1e-9,
+    )
+    yield case.row(
+        "strikers with an area off by more than 1e-6",
+        0.0,
+        np.sum(np.array(worst) > 1e-6),
+        1.0,
+        "the hidden ones",
+    )
+    yield case.row(
+        "largest misfit of the pulse over the peak",
+        0.0,
+        max(misfits),
+        1e-12,
+        "reflections step by step",
+    )
 
 
 def restitutions() -> Rows:
     """Rods for a wanted e."""
     lengths = ri.Rod(np.linspace(0.05, 1.0, 8), area=1e-4, material=STEEL, velocity=1.0)
     longer = ri.Rod(1.0, area=1e-4, material=STEEL)
-    found = [ri.design.restitution(e, ri.System([lengths, longer])) for e in (0.1, 0.45, 0.9)]
+    found = [
+        ri.design.restitution(e, ri.System([lengths, longer])) for e in (0.1, 0.45, 0.9)
+    ]
     off = max(abs(each.values["bodies.0.length"] - each.wanted) for each in found)
-    yield Row("length of a rod for e = 0.1, 0.45, 0.9", "l1/l2 - e, largest", "textbook, box 10.4",
-              0.0, off, 1e-12)
+    yield Row(
+        "length of a rod for e = 0.1, 0.45, 0.9",
+        "l1/l2 - e, largest",
+        "textbook, box 10.4",
+        0.0,
+        off,
+        1e-12,
+    )
 
 
 def trap() -> Rows:
     """A trap that takes the second pulse of a striker."""
     striker = ri.Rod(0.2, area=3e-4, material=STEEL, velocity=SPEED)
-    found = ri.design.momentum_trap(ri.System([striker, BAR]), after=1.4 / C, until=3.4 / C)
+    found = ri.design.momentum_trap(
+        ri.System([striker, BAR]), after=1.4 / C, until=3.4 / C
+    )
     end = 10 / C
     solution = ri.solve(found.system, until=end)
     x = np.linspace(0, 1, 101)
-    left = np.concatenate([solution.velocity(1, x, end) / SPEED,
-                           solution.strain(1, x, end) * C / SPEED])
-    case = Case("momentum trap behind a bar of 1 m, striker of 0.2 m at 10 m/s", "the striker's")
-    yield case.row("gap, mm", 1e3 * SPEED * 0.4 / C, 1e3 * found.system.gaps[1], 1e-12, "V 2 L/c")
+    left = np.concatenate(
+        [solution.velocity(1, x, end) / SPEED, solution.strain(1, x, end) * C / SPEED]
+    )
+    case = Case(
+        "momentum trap behind a bar of 1 m, striker of 0.2 m at 10 m/s", "the striker's"
+    )
+    yield case.row(
+        "gap, mm", 1e3 * SPEED * 0.4 / C, 1e3 * found.system.gaps[1], 1e-12, "V 2 L/c"
+    )
     yield case.row("length of the trap, m", 0.2, found.system.bodies[2].length, 1e-12)
-    yield case.row("velocity of the trap, m/s", SPEED, solution.mean_velocity(2, end), 1e-10)
-    yield case.zero("v or c strain left in the bar over V, largest", left, 1e-12, "at rest")
+    yield case.row(
+        "velocity of the trap, m/s", SPEED, solution.mean_velocity(2, end), 1e-10
+    )
+    yield case.zero(
+        "v or c strain left in the bar over V, largest", left, 1e-12, "at rest"
+    )

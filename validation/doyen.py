@@ -51,23 +51,37 @@ def dropped() -> Rows:
     bar = ri.Rod(10.0, area=1.0, material=MATERIAL)
     end = PERIODS * PERIOD
     solution = ri.solve(
-        ri.System([ri.Wall(), bar], gaps=[5.0], gravity=-10.0), until=end)
+        ri.System([ri.Wall(), bar], gaps=[5.0], gravity=-10.0), until=end
+    )
     floor = solution.contacts[0]
     case = Case(f"Doyen et al., bar dropped on floor, {PERIODS} periods", SOURCE)
     t = (np.arange(round(end / STEP)) + 0.5) * STEP
     phase = t % PERIOD
-    ramps = np.select([(phase > 1) & (phase < 5 / 3), (phase > 11 / 3) & (phase < 13 / 3)],
-                      [300 + 300 * (phase - 1), 500 - 300 * (phase - 11 / 3)], 0.0)
+    ramps = np.select(
+        [(phase > 1) & (phase < 5 / 3), (phase > 11 / 3) & (phase < 13 / 3)],
+        [300 + 300 * (phase - 1), 500 - 300 * (phase - 11 / 3)],
+        0.0,
+    )
     yield case.row("contacts", 2.0 * PERIODS, len(floor.episodes), 0.0)
     for i, episode in enumerate(floor.episodes):
         start = i // 2 * PERIOD + (1 + i % 2 * 8 / 3)
-        handed = floor.impulse_until(episode.force_end) - floor.impulse_until(episode.start)
+        handed = floor.impulse_until(episode.force_end) - floor.impulse_until(
+            episode.start
+        )
         yield case.row(f"contact {i + 1} begins", start, episode.start, 1e-12)
         yield case.row(f"contact {i + 1} ends", start + 2 / 3, episode.force_end, 1e-12)
         yield case.row(f"contact {i + 1}, impulse", 800 / 3, handed, 1e-9)
     ends = PERIOD * np.arange(PERIODS + 1)
     book = solution.energy(end)
-    yield case.zero("force, largest difference from the ramps", floor.force(t) - ramps, 1e-9,
-                    "by hand")
-    yield case.zero("height after each period, largest difference", floor.gap(ends) - 5.0, 1e-11)
-    yield case.row("energy after - before - work of gravity", 0.0, book.residual, 1e-9, "conserved")
+    yield case.zero(
+        "force, largest difference from the ramps",
+        floor.force(t) - ramps,
+        1e-9,
+        "by hand",
+    )
+    yield case.zero(
+        "height after each period, largest difference", floor.gap(ends) - 5.0, 1e-11
+    )
+    yield case.row(
+        "energy after - before - work of gravity", 0.0, book.residual, 1e-9, "conserved"
+    )

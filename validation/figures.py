@@ -22,8 +22,10 @@ STEEL, AREA = ri.materials.steel, 1e-4
 
 def rods(*lengths: float) -> list[ri.Rod]:
     """Steel rods of one thickness; the first comes at 1 m/s, the others are at rest."""
-    return [ri.Rod(length, area=AREA, material=STEEL, velocity=0.0 if i else 1.0)
-            for i, length in enumerate(lengths)]
+    return [
+        ri.Rod(length, area=AREA, material=STEEL, velocity=0.0 if i else 1.0)
+        for i, length in enumerate(lengths)
+    ]
 
 
 def restitution_of_lengths() -> tuple[list[float], list[float]]:
@@ -43,7 +45,9 @@ def restitution_over_length() -> Axes:
 def restitution_map() -> Axes:
     """e of two rods of one material, a million pairs."""
     ratios, metre, square = np.geomspace(0.1, 10, 1000), 1.0, 1e-6
-    first = ri.Rod(metre * ratios[:, None], area=square * ratios, material=STEEL, velocity=1.0)
+    first = ri.Rod(
+        metre * ratios[:, None], area=square * ratios, material=STEEL, velocity=1.0
+    )
     second = ri.Rod(metre, area=square, material=STEEL)
     ax = ri.plot.sweep(ri.sweep(ri.System([first, second]))).ax
     ax.set_xlabel("ratio of lengths ℓ₁/ℓ₂")
@@ -53,9 +57,13 @@ def restitution_map() -> Axes:
 
 def contact_episodes() -> Axes:
     """Contacts of a rod that strikes another one's head, over length and area of the head."""
-    head = ri.Segment(np.geomspace(0.01, 1, 400)[:, None], np.geomspace(2e-5, 1e-3, 300), STEEL)
+    head = ri.Segment(
+        np.geomspace(0.01, 1, 400)[:, None], np.geomspace(2e-5, 1e-3, 300), STEEL
+    )
     struck = ri.Rod(segments=[head, ri.Segment(1.0, 3e-5, STEEL)])
-    ax = ri.plot.sweep(ri.sweep(ri.System([*rods(0.3), struck])), quantity="episodes.0").ax
+    ax = ri.plot.sweep(
+        ri.sweep(ri.System([*rods(0.3), struck])), quantity="episodes.0"
+    ).ax
     ax.set_xlabel("length of the head (m)\nstriker 0.3 m, 100 mm²; tail 1 m, 30 mm²")
     ax.set_ylabel("area of the head (mm²)")
     return ax
@@ -68,23 +76,51 @@ def chains() -> Axes:
     counts, smooth = np.arange(2, 11), np.linspace(2, 10, 101)
     of_all, of_last = np.array([chain(n)[1:] for n in counts.tolist()]).T
     for values, law, colour, words, place in (
-        (of_last, np.ones(smooth.size), SERIES[0], "first and last rod: e = 1", (4.3, 0.93)),
-        (of_all, 1 / (smooth - 1), SERIES[1],
-         "first rod and the centre of\nmass of all others: e = 1/(n \N{MINUS SIGN} 1)", (4.3, 0.4)),
+        (
+            of_last,
+            np.ones(smooth.size),
+            SERIES[0],
+            "first and last rod: e = 1",
+            (4.3, 0.93),
+        ),
+        (
+            of_all,
+            1 / (smooth - 1),
+            SERIES[1],
+            "first rod and the centre of\nmass of all others: e = 1/(n \N{MINUS SIGN} 1)",
+            (4.3, 0.4),
+        ),
     ):
         equal.plot(smooth, law, color=colour, alpha=0.4, linewidth=5.0)
-        equal.plot(counts, values, color=colour, linestyle="", marker="o", markersize=4.0)
+        equal.plot(
+            counts, values, color=colour, linestyle="", marker="o", markersize=4.0
+        )
         equal.text(*place, words, va="center")
-    equal.set(xlabel="number n of equal rods", ylabel="effective coefficient of restitution e",
-              ylim=(0, 1.05), xticks=counts)
+    equal.set(
+        xlabel="number n of equal rods",
+        ylabel="effective coefficient of restitution e",
+        ylim=(0, 1.05),
+        xticks=counts,
+    )
     for ax, what, last in ((longer, "length", 4), (thicker, "area", 10)):
         ratio = np.geomspace(1 / last if what == "area" else 0.26, last, 401)
         for i, v in enumerate(cradle(**{what: ratio}).velocities_after):
-            ax.plot(ratio, v, color=SERIES[i], linestyle=DASHES[i], linewidth=1.5,
-                    label=f"rod {i + 1}")
-        ticks = [x for x in (0.1, 0.2, 0.3, 0.5, 1, 2, 3, 4, 5, 10) if ratio[0] <= x <= last]
-        ax.set(xlabel=f"{what} of rods 2 to 5 over that of rod 1", xscale="log",
-               ylabel="velocity after (m/s)")
+            ax.plot(
+                ratio,
+                v,
+                color=SERIES[i],
+                linestyle=DASHES[i],
+                linewidth=1.5,
+                label=f"rod {i + 1}",
+            )
+        ticks = [
+            x for x in (0.1, 0.2, 0.3, 0.5, 1, 2, 3, 4, 5, 10) if ratio[0] <= x <= last
+        ]
+        ax.set(
+            xlabel=f"{what} of rods 2 to 5 over that of rod 1",
+            xscale="log",
+            ylabel="velocity after (m/s)",
+        )
         ax.set_xticks(ticks, [f"{x:g}" for x in ticks])
         ax.xaxis.set_minor_locator(NullLocator())
         ax.legend(loc="upper right", frameon=False, fontsize=SMALL + 1)
@@ -97,8 +133,14 @@ def chains() -> Axes:
 def key_stages(solution: ri.Solution) -> list[float]:
     """Start, wave half-way, at the end, force ends, gap opens, end."""
     episode = solution.contacts[0].episodes[0]
-    return [0.0, episode.force_end / 4, episode.force_end / 2, episode.force_end, episode.opening,
-            solution.t_end]
+    return [
+        0.0,
+        episode.force_end / 4,
+        episode.force_end / 2,
+        episode.force_end,
+        episode.opening,
+        solution.t_end,
+    ]
 
 
 def main() -> None:

@@ -37,54 +37,91 @@ def box() -> Rows:
     l1, l2 = sympy.symbols("l1 l2", positive=True)
     case = Case(f"the box, e = {form.restitution}", "textbook, box 10.4: l1/l2")
     yield case.row("e - l1/l2", Fraction(0), fraction(form.restitution - l1 / l2), 0.0)
-    yield case.row("inequalities other than l1 < l2", Fraction(0), wrong(form, {l1 < l2}), 0.0,
-                   "Saint-Venant 1867")
+    yield case.row(
+        "inequalities other than l1 < l2",
+        Fraction(0),
+        wrong(form, {l1 < l2}),
+        0.0,
+        "Saint-Venant 1867",
+    )
 
 
 def pairs() -> Rows:
     """A longer rod of higher impedance, and some of lower impedance."""
     for lengths, areas, cell in [
         ((2, 5), (2, 3), {T1 < T2, Z1 < Z2}),
-        *(((2, 2 * K + 1), (2, 1), {K * T1 < T2, T2 < (K + 1) * T1, Z2 < Z1}) for K in (1, 2, 3)),
+        *(
+            ((2, 2 * K + 1), (2, 1), {K * T1 < T2, T2 < (K + 1) * T1, Z2 < Z1})
+            for K in (1, 2, 3)
+        ),
     ]:
         system = ri.System([rod(lengths[0], areas[0], 1.0), rod(lengths[1], areas[1])])
         form = ri.closed_form(system)
-        case = Case(f"pair, T {lengths[0]} : {lengths[1]}, Z {areas[0]} : {areas[1]}",
-                    "Saint-Venant 1867")
+        case = Case(
+            f"pair, T {lengths[0]} : {lengths[1]}, Z {areas[0]} : {areas[1]}",
+            "Saint-Venant 1867",
+        )
         inside = apart = 0
         for shares in product(SHARES, repeat=4):
-            z1, t1, z2, t2 = (share * x for share, x in zip(
-                shares, (areas[0], lengths[0], areas[1], lengths[1]), strict=True))
+            z1, t1, z2, t2 = (
+                share * x
+                for share, x in zip(
+                    shares, (areas[0], lengths[0], areas[1], lengths[1]), strict=True
+                )
+            )
             if form.holds(Z1=z1, T1=t1, Z2=z2, T2=t2):
                 inside += 1
                 e = form.at(Z1=z1, T1=t1, Z2=z2, T2=t2).restitution
                 apart += e != saint_venant(z1, t1, z2, t2)
-        yield case.row(f"wrong ones of {inside} places", Fraction(0), Fraction(apart), 0.0)
-        yield case.row("inequalities other than " + ", ".join(sorted(map(str, cell))), Fraction(0),
-                       wrong(form, cell), 0.0)
+        yield case.row(
+            f"wrong ones of {inside} places", Fraction(0), Fraction(apart), 0.0
+        )
+        yield case.row(
+            "inequalities other than " + ", ".join(sorted(map(str, cell))),
+            Fraction(0),
+            wrong(form, cell),
+            0.0,
+        )
 
 
 def rows() -> Rows:
     """Three equal rods, and three of different impedances."""
     form = ri.closed_form(
-        ri.System([rod(1, velocity=1.0), rod(1), rod(1)]), ["transit_time"])
+        ri.System([rod(1, velocity=1.0), rod(1), rod(1)]), ["transit_time"]
+    )
     case = Case("three rods of one impedance", "the pulse passes through")
-    for i, (v, expected) in enumerate(zip(form.velocities_after, (0, 0, T1 / T3), strict=True)):
-        yield case.row(f"velocity of rod {i + 1} after - {expected}, where T1 < T3", Fraction(0),
-                       fraction(v - expected), 0.0)
+    for i, (v, expected) in enumerate(
+        zip(form.velocities_after, (0, 0, T1 / T3), strict=True)
+    ):
+        yield case.row(
+            f"velocity of rod {i + 1} after - {expected}, where T1 < T3",
+            Fraction(0),
+            fraction(v - expected),
+            0.0,
+        )
     system = ri.System([rod(2, 1, 1.0), rod(3, 2), rod(4, 0.75)])
-    paths = {f"{letter}{i + 1}": f"bodies.{i}.{name}"
-             for letter, name in (("T", "transit_time"), ("Z", "impedance")) for i in range(3)}
-    yield against_runs("three rods, T 2 : 3 : 4, Z 1 : 2 : 3/4", system, paths,
-                       ("transit_time", "impedance"))
+    paths = {
+        f"{letter}{i + 1}": f"bodies.{i}.{name}"
+        for letter, name in (("T", "transit_time"), ("Z", "impedance"))
+        for i in range(3)
+    }
+    yield against_runs(
+        "three rods, T 2 : 3 : 4, Z 1 : 2 : 3/4",
+        system,
+        paths,
+        ("transit_time", "impedance"),
+    )
 
 
 def stepped() -> Rows:
     """A striker of two pieces."""
     pieces = [ri.Segment(3.1, 1, UNIT), ri.Segment(2, 3, UNIT)]
     system = ri.System([ri.Rod(segments=pieces, velocity=1.0), rod(11.3, 2)])
-    paths = {"l1": "bodies.0.segments.0.length", "l2": "bodies.0.segments.1.length",
-             "l3": "bodies.1.length"}
+    paths = {
+        "l1": "bodies.0.segments.0.length",
+        "l2": "bodies.0.segments.1.length",
+        "l3": "bodies.1.length",
+    }
     case = "striker of steps 3.1 and 2, areas 1 and 3, on 11.3, area 2"
     yield against_runs(case, system, paths, ("length",))
 
@@ -101,8 +138,14 @@ def against_runs(
             inside += 1
             there = ri.exact(system, {paths[name]: x for name, x in values.items()})
             apart += form.at(**values) != there
-    return Row(case, f"wrong ones of {inside} places", "run on fractions", Fraction(0),
-               Fraction(apart), 0.0)
+    return Row(
+        case,
+        f"wrong ones of {inside} places",
+        "run on fractions",
+        Fraction(0),
+        Fraction(apart),
+        0.0,
+    )
 
 
 def fraction(x: sympy.Expr) -> Fraction:

@@ -21,7 +21,8 @@ from .unit import rod
 SOURCE = "Dabaghi et al. 2014"
 X = np.linspace(0.0, 1.0, 41)
 ROW = ri.System(  # floor, bar, wall bonded to the bar
-    [ri.Wall(), rod(1.0, strain=-0.5), ri.Wall()], gaps=[0.5, 0.0],
+    [ri.Wall(), rod(1.0, strain=-0.5), ri.Wall()],
+    gaps=[0.5, 0.0],
     contacts=[ri.Rigid(), ri.Bonded()],
 )
 PERIODS, STEPS = 10, 50
@@ -35,7 +36,9 @@ def run() -> Rows:
 def height_of(t: np.ndarray) -> np.ndarray:
     """Height of the lower end."""
     phase = t % 3.0
-    return np.where(phase < 1, (1 - phase) / 2, np.where(phase < 2, 0.0, (phase - 2) / 2))
+    return np.where(
+        phase < 1, (1 - phase) / 2, np.where(phase < 2, 0.0, (phase - 2) / 2)
+    )
 
 
 def force_of(t: np.ndarray) -> np.ndarray:
@@ -50,10 +53,16 @@ def exactly() -> Rows:
     case = Case("GetFEM, released bar", SOURCE)
     t = np.linspace(0.0, 6.75, 271)
     middle = (t + 0.0125)[:-1]
-    yield case.zero("height of the lower end, largest difference", floor.gap(t) - height_of(t),
-                    1e-13)
-    yield case.zero("contact force, largest difference", floor.force(middle) - force_of(middle),
-                    1e-14)
+    yield case.zero(
+        "height of the lower end, largest difference",
+        floor.gap(t) - height_of(t),
+        1e-13,
+    )
+    yield case.zero(
+        "contact force, largest difference",
+        floor.force(middle) - force_of(middle),
+        1e-14,
+    )
     for i, episode in enumerate(floor.episodes):
         yield case.row(f"contact {i + 1} begins", 1.0 + 3 * i, episode.start, 1e-14)
         yield case.row(f"contact {i + 1} ends", 2.0 + 3 * i, episode.opening, 1e-14)
@@ -62,8 +71,12 @@ def exactly() -> Rows:
             np.abs(field(1, X, later) - field(1, X, 0.0)).max()
             for field in (solution.velocity, solution.strain, solution.displacement)
         ]
-        yield case.row(f"state at t = {later:g}, largest difference from t = 0", 0.0, max(apart),
-                       1e-13)
+        yield case.row(
+            f"state at t = {later:g}, largest difference from t = 0",
+            0.0,
+            max(apart),
+            1e-13,
+        )
 
 
 def for_long() -> Rows:
@@ -76,8 +89,14 @@ def for_long() -> Rows:
     tops = floor.gap(3.0 * np.arange(1, PERIODS + 1))
     case = Case(f"GetFEM, released bar, {PERIODS} periods of characteristics", SOURCE)
     yield case.row("contacts", float(PERIODS), len(floor.episodes), 0.0)
-    yield case.zero("height of the lower end, largest difference", floor.gap(t) - height_of(t),
-                    1e-12)
-    yield case.zero("contact force, largest difference", floor.force(middle) - force_of(middle),
-                    1e-12)
+    yield case.zero(
+        "height of the lower end, largest difference",
+        floor.gap(t) - height_of(t),
+        1e-12,
+    )
+    yield case.zero(
+        "contact force, largest difference",
+        floor.force(middle) - force_of(middle),
+        1e-12,
+    )
     yield case.zero("highest point of each period, largest drift", tops - 0.5, 1e-12)

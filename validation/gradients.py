@@ -34,20 +34,37 @@ def box() -> Rows:
     g = ri.gradient(ri.System([rod(2, velocity=1.0), rod(5)]), wrt=LENGTHS)
     for i, (path, exact) in enumerate(zip(LENGTHS, (1 / 5, -2 / 25), strict=True)):
         yield case.row(f"de/dl{i + 1} at 2 : 5", exact, g[path], 1e-8)
-    kink = ri.gradient(ri.System([rod(2, velocity=1.0), rod(2)]), wrt=LENGTHS).kinks[LENGTHS[0]]
+    kink = ri.gradient(ri.System([rod(2, velocity=1.0), rod(2)]), wrt=LENGTHS).kinks[
+        LENGTHS[0]
+    ]
     yield case.row("de/dl1 below l1 = l2 = 2", 0.5, kink.below, 1e-8)
-    yield case.row("de/dl1 above l1 = l2 = 2", -0.5, kink.above, 1e-8,
-                   "the same with l1 and l2 exchanged")
-    yield case.row("when the order of waves changes there, s", 4.0, kink.time, 1e-12, "2 T")
+    yield case.row(
+        "de/dl1 above l1 = l2 = 2",
+        -0.5,
+        kink.above,
+        1e-8,
+        "the same with l1 and l2 exchanged",
+    )
+    yield case.row(
+        "when the order of waves changes there, s", 4.0, kink.time, 1e-12, "2 T"
+    )
 
 
 def near_two_to_five() -> Rows:
     """Transit times 2.05 : 5.15, impedances 1 : 1.7."""
     T1, T2, r = 2.05, 5.15, 1.7
-    g = ri.gradient(ri.System([rod(T1, velocity=1.0), rod(T2, r)]), wrt=[*LENGTHS, "bodies.1.area"])
-    exact = (2 / (T2 * (1 + r)), -2 * T1 / (T2**2 * (1 + r)), 2 * (T2 - T1) / (T2 * (1 + r) ** 2))
+    g = ri.gradient(
+        ri.System([rod(T1, velocity=1.0), rod(T2, r)]), wrt=[*LENGTHS, "bodies.1.area"]
+    )
+    exact = (
+        2 / (T2 * (1 + r)),
+        -2 * T1 / (T2**2 * (1 + r)),
+        2 * (T2 - T1) / (T2 * (1 + r) ** 2),
+    )
     for name, path, value in zip(("T1", "T2", "r"), g.wrt, exact, strict=True):
-        yield Row("T 2.05 : 5.15, Z 1 : 1.7", f"de/d{name}", SERIES, value, g[path], 1e-13)
+        yield Row(
+            "T 2.05 : 5.15, Z 1 : 1.7", f"de/d{name}", SERIES, value, g[path], 1e-13
+        )
 
 
 def scaling() -> Rows:
@@ -56,8 +73,14 @@ def scaling() -> Rows:
     for _ in range(ROWS):
         T, Z = rng.uniform(1, 2, 3), rng.uniform(0.5, 2, 3)
         v, gap = sorted(rng.uniform(0, 1, 3), reverse=True), float(rng.uniform(0.1, 1))
-        system = ri.System([rod(*of) for of in zip(T, Z, v, strict=True)], gaps=[gap, 0.0])
-        paths = [f"bodies.{i}.{name}" for name in ("length", "area", "velocity") for i in range(3)]
+        system = ri.System(
+            [rod(*of) for of in zip(T, Z, v, strict=True)], gaps=[gap, 0.0]
+        )
+        paths = [
+            f"bodies.{i}.{name}"
+            for name in ("length", "area", "velocity")
+            for i in range(3)
+        ]
         g = ri.gradient(system, "velocity_after.2", [*paths, "contacts.0.gap"])
         by_number = np.concatenate([T, Z, v]) * [g[path] for path in paths]
         sums = by_number.reshape(3, 3).sum(axis=1)
@@ -65,6 +88,13 @@ def scaling() -> Rows:
         wrong = (sums[0] + by_gap, sums[1], sums[2] + by_gap - g.value)
         worst = np.maximum(worst, np.abs(wrong))
     for what, difference in zip(
-            ("lengths and gap", "areas", "velocities and gap"), worst, strict=True):
-        yield Row(f"{ROWS} random rows of three", f"velocity after by {what}, largest difference",
-                  EULER, 0.0, float(difference), 1e-12)
+        ("lengths and gap", "areas", "velocities and gap"), worst, strict=True
+    ):
+        yield Row(
+            f"{ROWS} random rows of three",
+            f"velocity after by {what}, largest difference",
+            EULER,
+            0.0,
+            float(difference),
+            1e-12,
+        )

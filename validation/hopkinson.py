@@ -42,7 +42,8 @@ def with_specimen() -> ri.Solution:
     """The row of four."""
     row = ri.System(
         [rod(STRIKER, velocity=1.0), rod(INCIDENT), rod(TRANSMITTED)],
-        contacts=[ri.Rigid(), ri.Spring(STIFFNESS)], ends=(ri.Free(), ri.Absorbing()),
+        contacts=[ri.Rigid(), ri.Spring(STIFFNESS)],
+        ends=(ri.Free(), ri.Absorbing()),
     )
     return ri.solve(row, until=END)
 
@@ -65,42 +66,78 @@ def specimen() -> Rows:
     yield case.row("pulse at the gauge begins", INCIDENT / 2, begins, 1e-12)
     yield case.row("pulse length", PULSE, ends - begins, 1e-12, ": 2 L/c")
     yield case.row("pulse, force over Z", 0.5, height, 1e-12, ": v/2")
-    yield case.row("time of contact with the striker", PULSE, solution.contacts[0].duration, 1e-12,
-                   ": 2 L/c")
-    yield case.row("velocity of the striker after", 0.0, solution.mean_velocity(0, INCIDENT), 1e-12)
-    yield case.zero("force in the specimen, largest difference",
-                    solution.contacts[1].force(t) - exact, 1e-10, by_hand)
-    yield case.row("share of the energy transmitted", round(1 - reflected, 12),
-                   energy.radiated / started, 1e-10, by_hand)
-    yield case.row("share of the energy reflected", round(reflected, 12), energy.total / started,
-                   1e-10, by_hand)
-    yield case.row("energy after - before + radiated", 0.0, energy.residual, 1e-13, "conserved")
+    yield case.row(
+        "time of contact with the striker",
+        PULSE,
+        solution.contacts[0].duration,
+        1e-12,
+        ": 2 L/c",
+    )
+    yield case.row(
+        "velocity of the striker after", 0.0, solution.mean_velocity(0, INCIDENT), 1e-12
+    )
+    yield case.zero(
+        "force in the specimen, largest difference",
+        solution.contacts[1].force(t) - exact,
+        1e-10,
+        by_hand,
+    )
+    yield case.row(
+        "share of the energy transmitted",
+        round(1 - reflected, 12),
+        energy.radiated / started,
+        1e-10,
+        by_hand,
+    )
+    yield case.row(
+        "share of the energy reflected",
+        round(reflected, 12),
+        energy.total / started,
+        1e-10,
+        by_hand,
+    )
+    yield case.row(
+        "energy after - before + radiated", 0.0, energy.residual, 1e-13, "conserved"
+    )
 
 
 def endless() -> Rows:
     """A force of 1 arrives from an endless bar at t = 0 and never ends."""
     left = rod(1.0, velocity=1.0, strain=-1.0)
-    row = ri.System([left, rod(1.0)], contacts=[ri.Spring(STIFFNESS)],
-                    ends=(ri.Absorbing(), ri.Absorbing()))
+    row = ri.System(
+        [left, rod(1.0)],
+        contacts=[ri.Spring(STIFFNESS)],
+        ends=(ri.Absorbing(), ri.Absorbing()),
+    )
     t = np.linspace(0.0, 4.0, 801)
     force = ri.solve(row, until=4.0).contacts[0].force(t)
-    yield Row("spring between two endless bars",
-              "force - F (1 - exp(-2 k t/Z)), largest difference", "by hand", 0.0,
-              float(np.abs(force - loaded(t)).max()), 1e-10)
+    yield Row(
+        "spring between two endless bars",
+        "force - F (1 - exp(-2 k t/Z)), largest difference",
+        "by hand",
+        0.0,
+        float(np.abs(force - loaded(t)).max()),
+        1e-10,
+    )
 
 
 def pulse(gauge: ri.Gauge) -> tuple[float, float, float]:
     """First compression of a record: beginning and end at half height, and c times the strain."""
     depth = -gauge.rightward
     inside = np.flatnonzero(depth > depth.max() / 2)
-    return float(gauge.times[inside[0]]), float(gauge.times[inside[-1] + 1]), float(depth.max())
+    return (
+        float(gauge.times[inside[0]]),
+        float(gauge.times[inside[-1] + 1]),
+        float(depth.max()),
+    )
 
 
 def measured() -> Rows:
     """Incident pulses, and the delay of the reflected one, in microseconds."""
     titanium = ri.Material("Ti-6Al-4V", youngs_modulus=109.3e9, density=4416.0)
-    calibrated = ri.Material("Ti-6Al-4V, calibrated", youngs_modulus=4416.0 * 4865.9**2,
-                             density=4416.0)
+    calibrated = ri.Material(
+        "Ti-6Al-4V, calibrated", youngs_modulus=4416.0 * 4865.9**2, density=4416.0
+    )
     aluminium = ri.Material("Al 7075-T6", youngs_modulus=71.7e9, density=2810.0)
     ti, al = "titanium bars, striker 127 mm", "aluminium bars, striker 25.4 mm"
     for case, name, material, striker, gauge, width, bound in (
@@ -110,15 +147,26 @@ def measured() -> Rows:
     ):
         first, delay = record(material, striker, gauge)
         yield Row(case, f"pulse length, us, from {name}", MEASURED, width, first, bound)
-    yield Row(al, "delay of the reflected pulse, us, from E and rho", MEASURED, 40.14, delay, 0.3)
+    yield Row(
+        al,
+        "delay of the reflected pulse, us, from E and rho",
+        MEASURED,
+        40.14,
+        delay,
+        0.3,
+    )
 
 
 def record(material: ri.Material, striker: float, gauge: float) -> tuple[float, float]:
     """Length of the pulse at a gauge so far from the bar's end, and delay of its reflection, us."""
     length = 4 * gauge
-    bars = [ri.Rod(x, area=1e-4, material=material, velocity=v)
-            for x, v in ((striker, 10.0), (length, 0.0))]
+    bars = [
+        ri.Rod(x, area=1e-4, material=material, velocity=v)
+        for x, v in ((striker, 10.0), (length, 0.0))
+    ]
     record = ri.solve(ri.System(bars)).gauge(1, length - gauge)
     begins, ends, _ = pulse(record)
-    back = float(record.times[np.flatnonzero(record.leftward > record.leftward.max() / 2)[0]])
+    back = float(
+        record.times[np.flatnonzero(record.leftward > record.leftward.max() / 2)[0]]
+    )
     return 1e6 * (ends - begins), 1e6 * (back - begins)

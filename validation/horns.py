@@ -39,7 +39,9 @@ def run() -> Rows:
     return cone(), fronts(), modes(), steps()
 
 
-def horn(area: Callable[[np.ndarray], np.ndarray], **moving: ri.Samples | float) -> ri.Rod:
+def horn(
+    area: Callable[[np.ndarray], np.ndarray], **moving: ri.Samples | float
+) -> ri.Rod:
     """Of length 1."""
     return ri.Rod(segments=[ri.Segment(1.0, ri.Samples(area(ALONG)), UNIT)], **moving)
 
@@ -63,14 +65,30 @@ def cone() -> Rows:
     behind = x < t - 0.1
     pushed = on_grid(ri.Pushed(1.0), t).velocity(0, x, t)
     by_pressure = under_pressure(t, x)
-    yield case.row("given speed: velocity, mean difference", 0.0, np.abs(moved - exact).mean(),
-                   2e-3)
-    yield case.row("given speed: velocity 0.1 behind the front, largest difference", 0.0,
-                   np.abs(moved - exact)[behind].max(), 1e-3)
-    yield case.row("given pressure: velocity, mean difference", 0.0,
-                   np.abs(pushed - by_pressure).mean(), 2e-3)
-    yield case.row("given pressure: velocity 0.1 behind the front, largest difference", 0.0,
-                   np.abs(pushed - by_pressure)[behind].max(), 1e-3)
+    yield case.row(
+        "given speed: velocity, mean difference",
+        0.0,
+        np.abs(moved - exact).mean(),
+        2e-3,
+    )
+    yield case.row(
+        "given speed: velocity 0.1 behind the front, largest difference",
+        0.0,
+        np.abs(moved - exact)[behind].max(),
+        1e-3,
+    )
+    yield case.row(
+        "given pressure: velocity, mean difference",
+        0.0,
+        np.abs(pushed - by_pressure).mean(),
+        2e-3,
+    )
+    yield case.row(
+        "given pressure: velocity 0.1 behind the front, largest difference",
+        0.0,
+        np.abs(pushed - by_pressure)[behind].max(),
+        1e-3,
+    )
 
 
 def under_pressure(t: np.ndarray, x: np.ndarray) -> np.ndarray:
@@ -89,36 +107,61 @@ def on_grid(end: ri.Moved | ri.Pushed, times: np.ndarray) -> ri.Solution:
 
 def fronts() -> Rows:
     """Through a horn and to its free end."""
-    for case, area in (("cone, A1/A0 = 9", conical), ("exponential horn, beta L = 1",
-                                                       exponential(1.0))):
+    for case, area in (
+        ("cone, A1/A0 = 9", conical),
+        ("exponential horn, beta L = 1", exponential(1.0)),
+    ):
         t = np.linspace(0.98, 1.05, 701)
         row = ri.System([horn(area)], ends=(ri.Moved(1.0), ri.Free()))
-        v = ri.solve(row, method=METHOD, cells=CELLS, until=1.05, snapshots=t).velocity(0, 1.0, t)
+        v = ri.solve(row, method=METHOD, cells=CELLS, until=1.05, snapshots=t).velocity(
+            0, 1.0, t
+        )
         growth = 2 * ri.theory.horn_amplification(1.0, float(area(np.array(1.0))))
         i = int(np.argmax(v > growth / 2))
         yield Row(case, "front arrives, L/c", "L/c", 1.0, float(t[i]), 5e-3)
-        yield Row(case, "velocity of the free end behind the front", "2 (A0/A1)^(1/2)", growth,
-                  float(np.interp(1.01, t, v)), 0.02 * growth)
+        yield Row(
+            case,
+            "velocity of the free end behind the front",
+            "2 (A0/A1)^(1/2)",
+            growth,
+            float(np.interp(1.01, t, v)),
+            0.02 * growth,
+        )
 
 
 def modes() -> Rows:
     """Of an exponential horn."""
     beta, dt = 4.0, 0.999 / CELLS
-    for case, ends in (("free", (ri.Free(), ri.Free())), ("fixed", (ri.Fixed(), ri.Fixed()))):
+    for case, ends in (
+        ("free", (ri.Free(), ri.Free())),
+        ("fixed", (ri.Fixed(), ri.Fixed())),
+    ):
         for n in (1, 2, 3):
             k = n * math.pi
             shape = np.sin(k * ALONG)
             if case == "free":
                 shape = np.cos(k * ALONG) + beta / k * shape
-            rod = horn(exponential(beta), velocity=ri.Samples(np.exp(-beta * ALONG) * shape))
+            rod = horn(
+                exponential(beta), velocity=ri.Samples(np.exp(-beta * ALONG) * shape)
+            )
             times = 10 * dt * np.arange(300)
-            solution = ri.solve(ri.System([rod], ends=ends), method=METHOD, dt=dt,
-                                until=float(times[-1]), snapshots=times)
+            solution = ri.solve(
+                ri.System([rod], ends=ends),
+                method=METHOD,
+                dt=dt,
+                until=float(times[-1]),
+                snapshots=times,
+            )
             v = solution.velocity(0, 0.0 if case == "free" else 0.5 / n, times)
             exact = float(ri.theory.horn_frequency(1.0, k, beta))
-            yield Row(f"exponential horn, beta L = 4, {case} ends",
-                      f"angular frequency of mode {n}", "c (k^2 + beta^2)^(1/2)", exact,
-                      frequency(v, 10 * dt), 1e-4 * exact)
+            yield Row(
+                f"exponential horn, beta L = 4, {case} ends",
+                f"angular frequency of mode {n}",
+                "c (k^2 + beta^2)^(1/2)",
+                exact,
+                frequency(v, 10 * dt),
+                1e-4 * exact,
+            )
 
 
 def steps() -> Rows:
@@ -130,8 +173,9 @@ def steps() -> Rows:
         ("rod strikes an exponential horn, beta L = -1", exponential(-1.0), 2e-3),
     ):
         struck = horn(area)
-        stepped = ri.solve(ri.System([striker, struck.in_steps(200)]),
-                           method="fronts").outcome
+        stepped = ri.solve(
+            ri.System([striker, struck.in_steps(200)]), method="fronts"
+        ).outcome
         o = ri.solve(ri.System([striker, struck]), method=METHOD, cells=CELLS).outcome
         source = "200 steps by fronts"
         yield Row(case, "e", source, stepped.restitution, o.restitution, bound)

@@ -55,15 +55,33 @@ def phase_velocities() -> Rows:
     dt = 0.999 / N
     for half_waves in (2, 4, 6, 8, 10):
         k = half_waves * math.pi / L
-        bar = ri.Rod(L, diameter=2 * radius, material=material, lateral_inertia="rayleigh-love",
-                     velocity=ri.Samples(np.cos(k * np.linspace(0.0, L, 8001))))
+        bar = ri.Rod(
+            L,
+            diameter=2 * radius,
+            material=material,
+            lateral_inertia="rayleigh-love",
+            velocity=ri.Samples(np.cos(k * np.linspace(0.0, L, 8001))),
+        )
         times = 5 * dt * np.arange(200)
-        solution = ri.solve(ri.System([bar]), method=METHOD, dt=dt, until=float(times[-1]),
-                            snapshots=times)
+        solution = ri.solve(
+            ri.System([bar]),
+            method=METHOD,
+            dt=dt,
+            until=float(times[-1]),
+            snapshots=times,
+        )
         got = frequency(solution.velocity(0, 0.0, times), 5 * dt) / k
-        exact = float(ri.theory.rayleigh_love_speed(1.0, 0.29, radius / math.sqrt(2), k))
-        yield Row("round bar, nu = 0.29", f"phase velocity over c at k r = {k * radius:.1f}",
-                  "Rayleigh-Love", exact, got, 1e-5)
+        exact = float(
+            ri.theory.rayleigh_love_speed(1.0, 0.29, radius / math.sqrt(2), k)
+        )
+        yield Row(
+            "round bar, nu = 0.29",
+            f"phase velocity over c at k r = {k * radius:.1f}",
+            "Rayleigh-Love",
+            exact,
+            got,
+            1e-5,
+        )
 
 
 def by_modes(x: float, t: float) -> float:
@@ -78,31 +96,59 @@ def by_modes(x: float, t: float) -> float:
 def rises() -> Rows:
     """From 10 to 90 % in microseconds."""
     c, case = float(STEEL.wave_speed), "step of velocity in a steel bar of 19 mm"
-    bar = ri.Rod(8.2, diameter=2 * RADIUS, material=STEEL, lateral_inertia="rayleigh-love")
+    bar = ri.Rod(
+        8.2, diameter=2 * RADIUS, material=STEEL, lateral_inertia="rayleigh-love"
+    )
     row = ri.System([bar], ends=(ri.Moved(1.0), ri.Absorbing()))
-    width = {x: 3e-6 * x ** (1 / 3) for x in QUOTED}  # about the time scale of the front
+    width = {
+        x: 3e-6 * x ** (1 / 3) for x in QUOTED
+    }  # about the time scale of the front
     windows = {x: x / c + width[x] * np.linspace(-4.0, 2.6, 200) for x in QUOTED}
     times = np.concatenate(list(windows.values()))
-    solution = ri.solve(row, method=METHOD, cells=round(8.2 * PER_METRE), until=float(times.max()),
-                        snapshots=times)
+    solution = ri.solve(
+        row,
+        method=METHOD,
+        cells=round(8.2 * PER_METRE),
+        until=float(times.max()),
+        snapshots=times,
+    )
     for x, quoted in QUOTED.items():
         t = windows[x]
         on_grid = passage(t, solution.velocity(0, float(x), t))
         v = np.array([by_modes(x, float(s)) for s in t[::10]])
         first = [int(np.argmax(v > level)) * 10 for level in (0.1, 0.9)]
         early, late = (
-            float(brentq(lambda s, level, x=x: by_modes(x, s) - level, t[i - 10], t[i],
-                         args=(level,), xtol=1e-15))
+            float(
+                brentq(
+                    lambda s, level, x=x: by_modes(x, s) - level,
+                    t[i - 10],
+                    t[i],
+                    args=(level,),
+                    xtol=1e-15,
+                )
+            )
             for level, i in zip((0.1, 0.9), first, strict=True)
         )
         exact = 1e6 * (late - early)
         closed = 1e6 * rise_by_contour(x, c, 0.29 * GYRATION)
         name = f"rise after {x} m, us"
-        yield Row(case, f"{name}, by contour integral", "sum over modes", round(exact, 6), closed,
-                  1e-5)
+        yield Row(
+            case,
+            f"{name}, by contour integral",
+            "sum over modes",
+            round(exact, 6),
+            closed,
+            1e-5,
+        )
         yield Row(case, name, "sum over modes", round(exact, 6), 1e6 * on_grid, 0.03)
-        yield Row(case, f"{name}, beside a round value", "round values", quoted, 1e6 * on_grid,
-                  0.25)
+        yield Row(
+            case,
+            f"{name}, beside a round value",
+            "round values",
+            quoted,
+            1e6 * on_grid,
+            0.25,
+        )
 
 
 def rise_by_contour(distance: float, wave_speed: float, size: float) -> float:
@@ -121,7 +167,12 @@ def rise_by_contour(distance: float, wave_speed: float, size: float) -> float:
     x = distance / size
     spread = float(np.cbrt(1.5 * x))
     early, late = (
-        brentq(lambda z, level=level: front(x, x + z * spread) - level, -4.0, 2.2, xtol=1e-13)
+        brentq(
+            lambda z, level=level: front(x, x + z * spread) - level,
+            -4.0,
+            2.2,
+            xtol=1e-13,
+        )
         for level in (0.1, 0.9)  # the first crest is at 2.34
     )
     return float(late - early) * spread * size / wave_speed
@@ -141,5 +192,7 @@ def passage(t: np.ndarray, v: np.ndarray) -> float:
     passed = []
     for level in (0.1, 0.9):
         i = int(np.argmax(v > level))
-        passed.append(t[i - 1] + (t[i] - t[i - 1]) * (level - v[i - 1]) / (v[i] - v[i - 1]))
+        passed.append(
+            t[i - 1] + (t[i] - t[i - 1]) * (level - v[i - 1]) / (v[i] - v[i - 1])
+        )
     return float(passed[1] - passed[0])

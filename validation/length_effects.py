@@ -41,29 +41,61 @@ def run() -> Rows:
 
 def pairs() -> Rows:
     """Maps over length and area, and lines on them."""
-    lengths, areas = np.geomspace(0.1, 10, 48)[:, None], AREA * np.geomspace(0.1, 10, 52)
+    lengths, areas = (
+        np.geomspace(0.1, 10, 48)[:, None],
+        AREA * np.geomspace(0.1, 10, 52),
+    )
     first = ri.Rod(lengths, area=areas, material=STEEL, velocity=1.0)
     second = ri.Rod(1.0, area=AREA, material=STEEL)
     got = ri.sweep(ri.System([first, second]))
     exact = ri.theory.saint_venant(
-        *(x for rod in (first, second) for x in (rod.segments[0].impedance, rod.transit_time)))
-    case = Case(f"steel rods, lengths and areas 0.1 to 10, {got.restitution.size} pairs",
-                "Saint-Venant 1867")
+        *(
+            x
+            for rod in (first, second)
+            for x in (rod.segments[0].impedance, rod.transit_time)
+        )
+    )
+    case = Case(
+        f"steel rods, lengths and areas 0.1 to 10, {got.restitution.size} pairs",
+        "Saint-Venant 1867",
+    )
     yield case.zero("e, largest difference", got.restitution - exact.restitution, 1e-11)
-    yield case.zero("impulse, largest relative difference", got.impulse / exact.impulse - 1, 1e-11)
-    yield case.zero("vibration left - (1 - e^2) m_coll v_rel^2/2, relative to the kinetic energy",
-                    (got.vibration - exact.vibration_energy) / (first.mass / 2), 1e-11,
-                    "rigid bodies with this e")
+    yield case.zero(
+        "impulse, largest relative difference", got.impulse / exact.impulse - 1, 1e-11
+    )
+    yield case.zero(
+        "vibration left - (1 - e^2) m_coll v_rel^2/2, relative to the kinetic energy",
+        (got.vibration - exact.vibration_energy) / (first.mass / 2),
+        1e-11,
+        "rigid bodies with this e",
+    )
     ratio = np.linspace(0.05, 3, 119)
     same = ri.Rod(ratio, area=AREA, material=STEEL, velocity=1.0)
     e = ri.sweep(ri.System([same, second])).restitution
-    yield Row("steel rods of one area, l1/l2 from 0.05 to 3", "e - shorter over longer, largest",
-              "textbook, box 10.4", 0.0, largest(e - np.minimum(ratio, 1 / ratio)), 1e-13)
-    brass = ri.Rod(ri.materials.brass.wave_speed / STEEL.wave_speed, area=areas,
-                   material=ri.materials.brass)
-    e = ri.sweep(ri.System([ri.Rod(1.0, area=AREA, material=STEEL, velocity=1.0), brass]))
-    yield Row("steel on brass, equal transit times, areas 0.1 to 10", "e - 1, largest",
-              "Saint-Venant 1867", 0.0, largest(e.restitution - 1), 1e-13)
+    yield Row(
+        "steel rods of one area, l1/l2 from 0.05 to 3",
+        "e - shorter over longer, largest",
+        "textbook, box 10.4",
+        0.0,
+        largest(e - np.minimum(ratio, 1 / ratio)),
+        1e-13,
+    )
+    brass = ri.Rod(
+        ri.materials.brass.wave_speed / STEEL.wave_speed,
+        area=areas,
+        material=ri.materials.brass,
+    )
+    e = ri.sweep(
+        ri.System([ri.Rod(1.0, area=AREA, material=STEEL, velocity=1.0), brass])
+    )
+    yield Row(
+        "steel on brass, equal transit times, areas 0.1 to 10",
+        "e - 1, largest",
+        "Saint-Venant 1867",
+        0.0,
+        largest(e.restitution - 1),
+        1e-13,
+    )
 
 
 def second_contacts() -> Rows:
@@ -73,17 +105,30 @@ def second_contacts() -> Rows:
     struck = ri.Rod(segments=[ri.Segment(L, z, UNIT), ri.Segment(length, Z, UNIT)])
     result = ri.sweep(ri.System([rod(1.0, velocity=1.0), struck]), on_error="raise")
     expected = np.where(z < 1 + 2 * (Z - z) / (Z + z) / L, 2, 1)
-    case = Case(f"rods with a nose, impedances 1 : z : {Z:g}, {expected.size} pairs",
-                "z < 1 + 2 r T/L")
-    yield case.row("pairs with a second contact", float(np.sum(expected == 2)),
-                   np.sum(result.episodes == 2), 0.0)
-    yield case.row("pairs with another number of contacts than that", 0.0,
-                   np.sum(result.episodes != expected), 0.0)
+    case = Case(
+        f"rods with a nose, impedances 1 : z : {Z:g}, {expected.size} pairs",
+        "z < 1 + 2 r T/L",
+    )
+    yield case.row(
+        "pairs with a second contact",
+        float(np.sum(expected == 2)),
+        np.sum(result.episodes == 2),
+        0.0,
+    )
+    yield case.row(
+        "pairs with another number of contacts than that",
+        0.0,
+        np.sum(result.episodes != expected),
+        0.0,
+    )
 
 
 def chain(n: int) -> tuple[ri.Outcome, float, float]:
     """n equal rods, the first at 1 m/s; e of the first and all others, e of the first and last."""
-    rods = [ri.Rod(0.2, area=AREA, material=STEEL, velocity=0.0 if i else 1.0) for i in range(n)]
+    rods = [
+        ri.Rod(0.2, area=AREA, material=STEEL, velocity=0.0 if i else 1.0)
+        for i in range(n)
+    ]
     outcome = ri.solve(ri.System(rods)).outcome
     v = outcome.velocities_after
     return outcome, sum(v[1:]) / (n - 1) - v[0], v[-1] - v[0]
@@ -103,9 +148,15 @@ def chains() -> Rows:
     case = Case("chains of 2 to 10 equal rods", "as many go as came")
     yield case.zero("velocities after - (0, ..., 0, 1) m/s, largest", velocity, 1e-13)
     yield case.zero("e of the first and the last - 1, largest", of_last, 1e-13)
-    yield case.zero("e of the first and all others - 1/(n - 1), largest", of_all, 1e-13, "momentum")
-    yield case.zero("the same - e of the first and a rod as long as all others, largest", bonded,
-                    1e-13, "box 10.4")
+    yield case.zero(
+        "e of the first and all others - 1/(n - 1), largest", of_all, 1e-13, "momentum"
+    )
+    yield case.zero(
+        "the same - e of the first and a rod as long as all others, largest",
+        bonded,
+        1e-13,
+        "box 10.4",
+    )
 
 
 def cradle(length: object = 1.0, area: object = 1.0) -> ri.SweepResult:
@@ -119,15 +170,27 @@ def cradles() -> Rows:
     """Newton's cradles of five rods, the first unlike the others."""
     ratio = np.linspace(0.26, 3.0, 138)
     velocities = np.array(cradle(length=ratio).velocities_after)
-    lengths = [np.clip(1 / ratio - k, 0, 1) if k < 4 else np.zeros(ratio.shape)
-               for k in (4, 3, 2, 1, 0)]
+    lengths = [
+        np.clip(1 / ratio - k, 0, 1) if k < 4 else np.zeros(ratio.shape)
+        for k in (4, 3, 2, 1, 0)
+    ]
     a = np.geomspace(1, 10, 41)
     rest = np.zeros(a.shape)
     areas = [(1 - a) / (1 + a), rest, rest, rest, 2 / (1 + a)]
     thick = np.array(cradle(area=a).velocities_after)
-    yield Row("Newton's cradle, four others 0.26 to 3 times as long",
-              "velocities after, m/s, largest difference", "l0/l - k between 0 and 1", 0.0,
-              largest(velocities - lengths), 1e-12)
-    yield Row("Newton's cradle, four others 1 to 10 times as thick",
-              "velocities after, m/s, largest difference", "(1 - a)/(1 + a), 0, 0, 0, 2/(1 + a)",
-              0.0, largest(thick - areas), 1e-12)
+    yield Row(
+        "Newton's cradle, four others 0.26 to 3 times as long",
+        "velocities after, m/s, largest difference",
+        "l0/l - k between 0 and 1",
+        0.0,
+        largest(velocities - lengths),
+        1e-12,
+    )
+    yield Row(
+        "Newton's cradle, four others 1 to 10 times as thick",
+        "velocities after, m/s, largest difference",
+        "(1 - a)/(1 + a), 0, 0, 0, 2/(1 + a)",
+        0.0,
+        largest(thick - areas),
+        1e-12,
+    )

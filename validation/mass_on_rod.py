@@ -52,29 +52,51 @@ def free() -> Rows:
     """Three masses at the default tolerance."""
     for ratio in (0.25, 1.0, 4.0):
         o = ri.solve(ri.System([ri.RigidMass(ratio, velocity=1.0), ROD])).outcome
-        case, (e, impulse) = Case(f"mass on free rod, M/m = {ratio:g}", SOURCE), exact(ratio)
+        case, (e, impulse) = (
+            Case(f"mass on free rod, M/m = {ratio:g}", SOURCE),
+            exact(ratio),
+        )
         yield case.row("e", e, o.restitution, 1e-12)
         yield case.row("impulse over m V", impulse, o.impulse, 1e-12)
         yield case.row("contact time, L/c", 2.0, o.duration, 1e-12)
-        yield case.row("energy after - before, relative", 0.0, o.energy_residual, 1e-13,
-                       "conserved")
+        yield case.row(
+            "energy after - before, relative",
+            0.0,
+            o.energy_residual,
+            1e-13,
+            "conserved",
+        )
 
 
 def fixed() -> Rows:
     """The first contact, and what is left after the last."""
     for ratio in MASSES:
         time, speed, struck, held = first_contact(ratio)
-        case = Case(f"mass on rod with fixed end, M/m = {ratio:g}", "delay equation, step by step")
-        names = ("time, L/c", "peak stress at the struck end, rho c V",
-                 "peak stress at the fixed end, rho c V", "velocity of the mass after it, V")
+        case = Case(
+            f"mass on rod with fixed end, M/m = {ratio:g}",
+            "delay equation, step by step",
+        )
+        names = (
+            "time, L/c",
+            "peak stress at the struck end, rho c V",
+            "peak stress at the fixed end, rho c V",
+            "velocity of the mass after it, V",
+        )
         bounds = (5e-4, 5e-5, 5e-5, 5e-5)  # half of the last digit
         for name, expected, got, bound in zip(
-                names, FIRST[ratio], (time, struck, held, speed), bounds, strict=True):
+            names, FIRST[ratio], (time, struck, held, speed), bounds, strict=True
+        ):
             yield case.row(f"first contact: {name}", expected, got, bound, SOURCE)
         o, (contacts, velocity) = ri.solve(on_fixed_rod(ratio)).outcome, LAST[ratio]
-        yield case.row("contacts until it is final", contacts, o.contacts[0].episodes, 0.0)
-        yield case.row("velocity of the mass after the last contact, V", velocity,
-                       o.velocities_after[0] if o.final else math.nan, 5e-6)
+        yield case.row(
+            "contacts until it is final", contacts, o.contacts[0].episodes, 0.0
+        )
+        yield case.row(
+            "velocity of the mass after the last contact, V",
+            velocity,
+            o.velocities_after[0] if o.final else math.nan,
+            5e-6,
+        )
 
 
 def on_fixed_rod(ratio: float) -> ri.System:
@@ -87,7 +109,9 @@ def first_contact(ratio: float) -> np.ndarray:
     """Contact time, velocity of the mass after it, peak stress at struck and fixed end."""
     solution = ri.solve(on_fixed_rod(ratio), until=9.0)
     end = solution.contacts[0].episodes[0].force_end
-    near, far = (np.union1d(np.linspace(0, t, 4001), np.arange(t)) for t in (end, end + 1))
+    near, far = (
+        np.union1d(np.linspace(0, t, 4001), np.arange(t)) for t in (end, end + 1)
+    )
     force, stress = solution.contacts[0].force(near), -solution.stress(1, 1.0, far)
     after = float(solution.velocity(0, 0.0, end))
     return np.array([end, after, force.max(), stress.max()])

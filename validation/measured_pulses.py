@@ -50,8 +50,13 @@ import rodimpact as ri
 
 from .table import FOLDER, Row, Rows
 
-NEAR = 2.0  # diameters behind the struck end, from where the exact mode carries the pulse
-LATE, LOUD = 6.0, 0.06  # us and relative: freedom of the reflected and the transmitted pulse
+NEAR = (
+    2.0  # diameters behind the struck end, from where the exact mode carries the pulse
+)
+LATE, LOUD = (
+    6.0,
+    0.06,
+)  # us and relative: freedom of the reflected and the transmitted pulse
 LENGTH, STIFFNESS = "bodies.0.length", "contacts.0.stiffness"
 SPEED, BLUR = "materials.bar.wave_speed", "records.0.blur"
 ENDS = {STIFFNESS: (1e7, 1e12)}  # N/m^1.5
@@ -67,23 +72,45 @@ class Shot(NamedTuple):
     bar: ri.waves.Bar
     to_gauge: float  # m from the struck end
     to_specimen: tuple[float, float]  # m from the gauges of either bar
-    windows: tuple[tuple[float, float], tuple[float, float], tuple[float, float]]  # s, of pulses
+    windows: tuple[
+        tuple[float, float], tuple[float, float], tuple[float, float]
+    ]  # s, of pulses
     length: tuple[float, float]  # of the striker, m
     side: float | None = None  # of square bars, m
 
 
 TITANIUM = Shot(
-    "lanl_titanium_bars.csv", "LANL HopPyBar", 4416.0, ri.waves.Bar(4865.9, 0.3303, 4.735e-3),
-    0.381, (0.381, 0.381), ((-20e-6, 120e-6), (130e-6, 275e-6), (130e-6, 275e-6)), (0.115, 0.135),
+    "lanl_titanium_bars.csv",
+    "LANL HopPyBar",
+    4416.0,
+    ri.waves.Bar(4865.9, 0.3303, 4.735e-3),
+    0.381,
+    (0.381, 0.381),
+    ((-20e-6, 120e-6), (130e-6, 275e-6), (130e-6, 275e-6)),
+    (0.115, 0.135),
 )
-ALUMINIUM = Shot(  # a round bar with the radius of gyration of the square one, side/sqrt(3)
-    "lanl_aluminium_bars.csv", "LANL HopPyBar", 2810.0,
-    ri.waves.Bar(5051.0, 0.333, 2.11e-3 / math.sqrt(3)), 0.102, (0.10202, 0.10135),
-    ((-10e-6, 30e-6), (35e-6, 75e-6), (35e-6, 75e-6)), (0.020, 0.030), 2.11e-3,
+ALUMINIUM = (
+    Shot(  # a round bar with the radius of gyration of the square one, side/sqrt(3)
+        "lanl_aluminium_bars.csv",
+        "LANL HopPyBar",
+        2810.0,
+        ri.waves.Bar(5051.0, 0.333, 2.11e-3 / math.sqrt(3)),
+        0.102,
+        (0.10202, 0.10135),
+        ((-10e-6, 30e-6), (35e-6, 75e-6), (35e-6, 75e-6)),
+        (0.020, 0.030),
+        2.11e-3,
+    )
 )
 STEEL = Shot(
-    "yao_steel_bars.csv", "Yao", 7800.0, ri.waves.Bar(5189.0, 0.29, 10e-3), 1.08, (1.02, 0.77),
-    ((-50e-6, 260e-6), (360e-6, 540e-6), (300e-6, 540e-6)), (0.18, 0.22),
+    "yao_steel_bars.csv",
+    "Yao",
+    7800.0,
+    ri.waves.Bar(5189.0, 0.29, 10e-3),
+    1.08,
+    (1.02, 0.77),
+    ((-50e-6, 260e-6), (360e-6, 540e-6), (300e-6, 540e-6)),
+    (0.18, 0.22),
 )
 SHOTS = {"titanium": TITANIUM, "mini aluminium": ALUMINIUM, "steel 945": STEEL}
 PER_RADIUS = 3.8  # cells, where waves run in a theory
@@ -95,7 +122,10 @@ MODELS: dict[str, dict[str, Any]] = {
     "Hertz, Rayleigh-Love": {"vary": ENDS, "theory": RL, "exact": False},
     "Hertz, Mindlin-Herrmann": {"vary": ENDS, "theory": MH, "exact": False},
     "Hertz, exact mode in the bar": {"vary": ENDS},
-    "Hertz, Mindlin-Herrmann, exact mode from 2 diameters": {"vary": ENDS, "theory": MH},
+    "Hertz, Mindlin-Herrmann, exact mode from 2 diameters": {
+        "vary": ENDS,
+        "theory": MH,
+    },
     "flat ends, blur, exact mode in the bar": {"vary": CHAIN},
 }
 BOUNDS = {  # of the misfit, %, by shot
@@ -114,23 +144,36 @@ def row_of(
     shot: Shot, speed: float, law: ri.Rigid | ri.Hertz, theory: str | None, until: float
 ) -> ri.System:
     """Striker and bar, so long that no wave is back at its gauge at the time `until`."""
-    material = ri.Material("bar", youngs_modulus=shot.density * speed**2, density=shot.density,
-                           poisson_ratio=shot.bar.poisson_ratio)
+    material = ri.Material(
+        "bar",
+        youngs_modulus=shot.density * speed**2,
+        density=shot.density,
+        poisson_ratio=shot.bar.poisson_ratio,
+    )
     shape: dict[str, Any] = {"material": material, "lateral_inertia": theory}
     if shot.side is None:
         shape["diameter"] = 2 * shot.bar.radius
     else:
-        shape |= {"area": shot.side**2, "polar_moment": shot.side**4 / 6 if theory else None}
+        shape |= {
+            "area": shot.side**2,
+            "polar_moment": shot.side**4 / 6 if theory else None,
+        }
     return ri.System(
-        [ri.Rod(sum(shot.length) / 2, velocity=10.0, **shape),
-         ri.Rod(0.6 * (speed * until + shot.to_gauge), **shape)],
+        [
+            ri.Rod(sum(shot.length) / 2, velocity=10.0, **shape),
+            ri.Rod(0.6 * (speed * until + shot.to_gauge), **shape),
+        ],
         contacts=[law],
     )
 
 
 def fitted(
-    shot: Shot, vary: dict[str, tuple[float, float]] | None = None, theory: str | None = None,
-    exact: bool = True, speed: float | None = None, starts: int = 1,
+    shot: Shot,
+    vary: dict[str, tuple[float, float]] | None = None,
+    theory: str | None = None,
+    exact: bool = True,
+    speed: float | None = None,
+    starts: int = 1,
 ) -> ri.Fit:
     """Fit of the incident pulse; of ends that are not varied, flat ones.
 
@@ -143,10 +186,16 @@ def fitted(
     x = 2 * NEAR * shot.bar.radius if exact else shot.to_gauge
     until = x / c + 0.8 * (window[1] - window[0])  # the pulse begins within the window
     system = row_of(shot, c, law, theory, until)
-    measured = ri.Measured(record(shot)[0].window(*window), (1, x), distance=shot.to_gauge - x,
-                           radius=shot.bar.radius if exact else None)
+    measured = ri.Measured(
+        record(shot)[0].window(*window),
+        (1, x),
+        distance=shot.to_gauge - x,
+        radius=shot.bar.radius if exact else None,
+    )
     cells = math.ceil(PER_RADIUS * float(system.bodies[1].length) / shot.bar.radius)
-    return ri.fit(system, measured, free, until, starts=starts, cells=cells if theory else None)
+    return ri.fit(
+        system, measured, free, until, starts=starts, cells=cells if theory else None
+    )
 
 
 def table() -> list[tuple[str, str, ri.Fit, float]]:
@@ -155,7 +204,9 @@ def table() -> list[tuple[str, str, ri.Fit, float]]:
     for metal, shot in SHOTS.items():
         for model, how in MODELS.items():
             began = time.process_time()
-            found.append((metal, model, fitted(shot, **how), time.process_time() - began))
+            found.append(
+                (metal, model, fitted(shot, **how), time.process_time() - began)
+            )
     return found
 
 
@@ -179,14 +230,19 @@ def equilibrium(shot: Shot) -> float:
 
     limits = [-LATE, 1 - LOUD] * 2, [LATE, 1 + LOUD] * 2
     starts = [[a, 1.0, b, 1.0] for a in (-3.0, 0.0, 3.0) for b in (-3.0, 0.0, 3.0)]
-    best = min((least_squares(apart, start, bounds=limits) for start in starts),
-               key=lambda fit: fit.cost)
+    best = min(
+        (least_squares(apart, start, bounds=limits) for start in starts),
+        key=lambda fit: fit.cost,
+    )
     return 100 * math.sqrt(2 * best.cost / len(t))
 
 
 def run() -> Rows:
     """Misfits in per cent, and what the fits found."""
-    pulse, forces = "misfit of the incident pulse, %", "misfit of the forces at the specimen, %"
+    pulse, forces = (
+        "misfit of the incident pulse, %",
+        "misfit of the forces at the specimen, %",
+    )
     lanl, length = "measured, LANL HopPyBar", "length of the striker, mm"
     hertz = "titanium, Hertz, exact mode in the bar"
     free = fitted(TITANIUM, {**ENDS, SPEED: (4200.0, 5400.0)}, starts=3)
@@ -198,12 +254,24 @@ def run() -> Rows:
         if f"{metal}, {model}" == hertz:
             yield Row(hertz, length, lanl, 127.0, 1e3 * fit.values[LENGTH], 4.0)
     yield Row(f"{hertz}, 4975 m/s", pulse, lanl, 0.0, 100 * higher.misfits[0], 2.0)
-    yield Row(f"{hertz}, 4975 m/s", length, lanl, 127.0, 1e3 * higher.values[LENGTH], 2.0)
+    yield Row(
+        f"{hertz}, 4975 m/s", length, lanl, 127.0, 1e3 * higher.values[LENGTH], 2.0
+    )
     yield Row(f"{hertz}, wave speed free", pulse, lanl, 0.0, 100 * free.misfits[0], 2.0)
-    yield Row(f"{hertz}, wave speed free", "wave speed, m/s", lanl, TITANIUM.bar.wave_speed,
-              free.values[SPEED], 200.0)
-    yield Row("titanium bars, dispersion", forces, lanl, 0.0, equilibrium(TITANIUM), 2.7)
-    yield Row("steel bars, dispersion", forces, "measured, Yao", 0.0, equilibrium(STEEL), 2.1)
+    yield Row(
+        f"{hertz}, wave speed free",
+        "wave speed, m/s",
+        lanl,
+        TITANIUM.bar.wave_speed,
+        free.values[SPEED],
+        200.0,
+    )
+    yield Row(
+        "titanium bars, dispersion", forces, lanl, 0.0, equilibrium(TITANIUM), 2.7
+    )
+    yield Row(
+        "steel bars, dispersion", forces, "measured, Yao", 0.0, equilibrium(STEEL), 2.1
+    )
 
 
 if __name__ == "__main__":
@@ -211,5 +279,7 @@ if __name__ == "__main__":
     fitted(TITANIUM, ENDS)  # so that machine code is there
     print("misfit, % | CPU time, s | striker, mm | bars, model")
     for metal, model, fit, seconds in table():
-        print(f"{100 * fit.misfits[0]:9.2f} | {seconds:11.2f} | {1e3 * fit.values[LENGTH]:11.2f} | "
-              f"{metal}, {model}")
+        print(
+            f"{100 * fit.misfits[0]:9.2f} | {seconds:11.2f} | {1e3 * fit.values[LENGTH]:11.2f} | "
+            f"{metal}, {model}"
+        )

@@ -42,7 +42,9 @@ from .unit import rod
 CASE = Path(__file__).parent / "cases" / "unequal-rods.toml"
 STEEL = ri.materials.steel
 RUN, LONG = 500_000, 1e6  # events, s
-LAST = Path(__file__).parent / "performance.json"  # ratios of the last version to the leapfrog
+LAST = (
+    Path(__file__).parent / "performance.json"
+)  # ratios of the last version to the leapfrog
 SLOWER = 1.25  # times the last ratio is told of
 
 
@@ -58,7 +60,9 @@ def median(job: Callable[[], Any], runs: int = 7) -> float:
 
 def fresh(code: str) -> float:
     """What a new process prints."""
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
     return float(done.stdout)
 
 
@@ -67,7 +71,9 @@ def processor_time() -> float:
     with tempfile.TemporaryDirectory() as folder:
         place = {**os.environ, "NUMBA_CACHE_DIR": folder}
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        subprocess.run([sys.executable, "-c", WARM], capture_output=True, check=True, env=place)
+        subprocess.run(
+            [sys.executable, "-c", WARM], capture_output=True, check=True, env=place
+        )
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
@@ -81,7 +87,9 @@ def command(*arguments: str) -> float:
 # The yardstick ----------------------------------------------------------------------------------
 
 
-def leapfrog(cells_per_unit: int = 400, lengths: tuple[float, float] = (0.4, 1.0)) -> float:
+def leapfrog(
+    cells_per_unit: int = 400, lengths: tuple[float, float] = (0.4, 1.0)
+) -> float:
     """Restitution of two rods, c = rho = A = 1, by staggered differences.
 
     Velocities sit on the nodes, stresses in the cells; the contact pushes the two end nodes, each
@@ -171,14 +179,22 @@ def long_row(n: int) -> float:
     """Rods of random lengths, impedances and velocities, all touching at first."""
     rng = np.random.default_rng(0)
     T = rng.integers(1, 30, n).tolist()
-    return per_event(T, rng.uniform(0.5, 2.0, n).tolist(), rng.uniform(-1.0, 1.0, n).tolist())
+    return per_event(
+        T, rng.uniform(0.5, 2.0, n).tolist(), rng.uniform(-1.0, 1.0, n).tolist()
+    )
 
 
 def family_of_pairs(pairs: int = 20_000) -> float:
     """Time of one collision of a long list of random pairs, s, without the table made of them."""
     rng = np.random.default_rng(0)
-    rods = [rod(rng.uniform(0.1, 1.0, pairs), np.exp(rng.uniform(0.0, math.log(3.0), pairs)), v)
-            for v in (0.5, -0.5)]
+    rods = [
+        rod(
+            rng.uniform(0.1, 1.0, pairs),
+            np.exp(rng.uniform(0.0, math.log(3.0), pairs)),
+            v,
+        )
+        for v in (0.5, -0.5)
+    ]
     row = Row(ri.System(rods))
     with kernels.forced(True):
         return median(lambda: solve_family(row, None, MAX_EVENTS)) / pairs
@@ -194,16 +210,22 @@ from validation.performance import median
 left = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
 right = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
 """
-COLLIDE = PAIR + """
+COLLIDE = (
+    PAIR
+    + """
 print(median(lambda: ri.collide(left, right), 500))
 assert "numba" not in sys.modules
 """
-FIELD = PAIR + """
+)
+FIELD = (
+    PAIR
+    + """
 solution = ri.solve(ri.System([left, right]))
 x, t = np.linspace(0, 1, 1000)[:, None], np.linspace(0, solution.t_end, 1000)
 solution.velocity(1, x, t)
 print(median(lambda: solution.velocity(1, x, t), 21))
 """
+)
 WARM = "import rodimpact as ri; ri.warm()"
 MEMORY = """
 import resource, sys
@@ -227,20 +249,28 @@ print(peak() - before)
 
 def map_of_pairs() -> tuple[float, float]:
     """Time of a map over lengths and impedances, s, and its largest error of e."""
-    system = ri.System([rod(np.linspace(0.05, 1.0, 1000)[:, None], velocity=1.0),
-                        rod(1.0, np.geomspace(0.1, 10.0, 1000))])
+    system = ri.System(
+        [
+            rod(np.linspace(0.05, 1.0, 1000)[:, None], velocity=1.0),
+            rod(1.0, np.geomspace(0.1, 10.0, 1000)),
+        ]
+    )
     result = ri.sweep(system)
     first, second = (body.segments[0] for body in system.bodies)
     exact = ri.theory.saint_venant(
         first.impedance, first.transit_time, second.impedance, second.transit_time, 1.0
     ).restitution
-    return median(lambda: ri.sweep(system), 5), float(np.abs(result.restitution - exact).max())
+    return median(lambda: ri.sweep(system), 5), float(
+        np.abs(result.restitution - exact).max()
+    )
 
 
 def hertz_pair() -> float:
     """Time of a pair of rods with rounded ends by `solve`, once its machine code is there, s."""
-    rods = [ri.Rod(length, area=1e-4, material=STEEL, velocity=v)
-            for length, v in ((0.4, 1.0), (1.0, 0.0))]
+    rods = [
+        ri.Rod(length, area=1e-4, material=STEEL, velocity=v)
+        for length, v in ((0.4, 1.0), (1.0, 0.0))
+    ]
     system = ri.System(rods, contacts=[ri.Hertz(1e10)])
     ri.solve(system)
     return median(lambda: ri.solve(system).outcome)
@@ -250,7 +280,9 @@ def row_between_walls(law: Any) -> float:
     """Time of five rods between walls, over 100 transits of the longest, by characteristics, s."""
     lengths, unit = (8, 10, 12, 14, 16), 0.02
     rods = [rod(unit * n, 1 + 0.1 * n, 8 / n - 0.7) for n in lengths]
-    system = ri.System([ri.Wall(), *rods, ri.Wall()], gaps=[0.05] * 6, contacts=[law] * 6)
+    system = ri.System(
+        [ri.Wall(), *rods, ri.Wall()], gaps=[0.05] * 6, contacts=[law] * 6
+    )
 
     def solved() -> ri.Solution:
         return ri.solve(system, 100 * unit * lengths[-1], "characteristics")
@@ -262,8 +294,12 @@ def row_between_walls(law: Any) -> float:
 def cell_on_grid(material: ri.Material, theory: str | None = None) -> float:
     """Time of a cell and step of two rods with 800 cells on a grid, in cache, s."""
     cells, steps = 400, 20_000
-    row = [ri.Rod(1.0, diameter=0.012, material=material, velocity=v, lateral_inertia=theory)
-           for v in (1.0, 0.0)]
+    row = [
+        ri.Rod(
+            1.0, diameter=0.012, material=material, velocity=v, lateral_inertia=theory
+        )
+        for v in (1.0, 0.0)
+    ]
     mesh = Mesh(Row(ri.System(row)), [cells] * 2)
     step = COURANT * stable_step(row[0].segments[0], cells)
     run = GridRun(mesh, step, 4, 9 * steps)
@@ -285,11 +321,15 @@ def measure() -> dict[str, float]:
         "a map of 1000 x 1000 lengths and impedances, two threads": seconds,
         "solve() of a Hertz pair": hertz_pair(),
         "warm(), empty cache, processor time": processor_time(),
-        **{f"five rods between walls, 100 transits, {name}": row_between_walls(law)
-           for name, law in (("rigid contacts", ri.Rigid()), ("Hertz", ri.Hertz(10.0)))},
+        **{
+            f"five rods between walls, 100 transits, {name}": row_between_walls(law)
+            for name, law in (("rigid contacts", ri.Rigid()), ("Hertz", ri.Hertz(10.0)))
+        },
         "a cell and step of two rods and their contact": cell_on_grid(STEEL),
         "a cell and step on a grid, damped": cell_on_grid(STEEL.damped(1e-3, 1e4)),
-        "a cell and step on a grid, mindlin-herrmann": cell_on_grid(STEEL, "mindlin-herrmann"),
+        "a cell and step on a grid, mindlin-herrmann": cell_on_grid(
+            STEEL, "mindlin-herrmann"
+        ),
         "velocity on 1000 x 1000 points, compiled": fresh("import numba\n" + FIELD),
         "rodimpact --version": command("--version"),
         f"rodimpact run {CASE.name}": command("run", str(CASE)),
@@ -306,7 +346,9 @@ def shown(seconds: float) -> str:
 
 def main() -> None:
     """Print the table."""
-    memory = fresh(MEMORY)  # first: a process inherits the peak of the one that starts it
+    memory = fresh(
+        MEMORY
+    )  # first: a process inherits the peak of the one that starts it
     second = compiled_godunov()
     before, godunov_before = median(leapfrog), median(second, 101)
     figures = measure()
@@ -315,13 +357,19 @@ def main() -> None:
     print(f"NumPy leapfrog, 400 cells per unit length: {shown(yardstick)}")
     print(f"compiled Godunov, 100 cells per unit length: {shown(other)}")
     last = json.loads(LAST.read_text()) if LAST.exists() else {}
-    ratios = {name: float(f"{value / yardstick:.3g}") for name, value in figures.items()}
-    print(f"{'figure':56} {'median':>8} {'leapfrogs':>10} {'before':>10} {'Godunovs':>10}")
+    ratios = {
+        name: float(f"{value / yardstick:.3g}") for name, value in figures.items()
+    }
+    print(
+        f"{'figure':56} {'median':>8} {'leapfrogs':>10} {'before':>10} {'Godunovs':>10}"
+    )
     for name, value in figures.items():
         before = last.get(name, math.nan)
         late = "  slower" if ratios[name] > SLOWER * before else ""
-        print(f"{name:56} {shown(value):>8} {ratios[name]:10.3g} {before:10.3g} "
-              f"{value / other:10.2g}{late}")
+        print(
+            f"{name:56} {shown(value):>8} {ratios[name]:10.3g} {before:10.3g} "
+            f"{value / other:10.2g}{late}"
+        )
     print(f"\nmemory of a run of a million events: {memory / 1e6:.0f} MB of 100 MB")
     if sys.argv[1:] == ["--keep"]:
         LAST.write_text(json.dumps(ratios, indent=1) + "\n")

@@ -24,23 +24,45 @@ def run() -> Rows:
     """A few ratios of lengths by name, then all small ones, then all small pairs."""
     case = Case("rational arithmetic", "textbook, box 10.4: l1/l2")
     for l1, l2 in SHOWN:
-        yield case.row(f"e of lengths {l1} : {l2}", Fraction(l1, l2), collide(1, l1, 1, l2), 0.0)
+        yield case.row(
+            f"e of lengths {l1} : {l2}", Fraction(l1, l2), collide(1, l1, 1, l2), 0.0
+        )
     ratios = [(l1, l2) for l2 in LENGTHS for l1 in range(1, l2)]
     wrong = sum(collide(1, l1, 1, l2) != Fraction(l1, l2) for l1, l2 in ratios)
-    yield case.row(f"wrong ones of {len(ratios)} ratios of lengths", Fraction(0), Fraction(wrong),
-                   0.0)
-    pairs = [(Z1, T1, Z2, T2) for Z1 in IMPEDANCES for T1 in TIMES
-             for Z2 in IMPEDANCES for T2 in TIMES]
+    yield case.row(
+        f"wrong ones of {len(ratios)} ratios of lengths",
+        Fraction(0),
+        Fraction(wrong),
+        0.0,
+    )
+    pairs = [
+        (Z1, T1, Z2, T2)
+        for Z1 in IMPEDANCES
+        for T1 in TIMES
+        for Z2 in IMPEDANCES
+        for T2 in TIMES
+    ]
     wrong = sum(collide(*pair) != saint_venant(*pair) for pair in pairs)
-    yield case.row(f"wrong ones of {len(pairs)} pairs of impedance and transit time", Fraction(0),
-                   Fraction(wrong), 0.0, "Saint-Venant 1867")
+    yield case.row(
+        f"wrong ones of {len(pairs)} pairs of impedance and transit time",
+        Fraction(0),
+        Fraction(wrong),
+        0.0,
+        "Saint-Venant 1867",
+    )
 
 
 def collide(Z1: int, T1: int, Z2: int, T2: int) -> Fraction:
     """e of a rod at velocity 1 and a rod at rest, by the kernel of the fronts method."""
-    e = ri.exact(PAIR, {
-        "bodies.0.impedance": Z1, "bodies.0.transit_time": T1,
-        "bodies.1.impedance": Z2, "bodies.1.transit_time": T2}).restitution
+    e = ri.exact(
+        PAIR,
+        {
+            "bodies.0.impedance": Z1,
+            "bodies.0.transit_time": T1,
+            "bodies.1.impedance": Z2,
+            "bodies.1.transit_time": T2,
+        },
+    ).restitution
     assert e is not None
     return e
 

@@ -57,7 +57,9 @@ def run() -> Rows:
         as_rigid_bodies("pairs of stepped rods", steps),
         as_rigid_bodies("stepped rods on a fixed wall", fixed),
         as_rigid_bodies("stepped rods on a moving wall", moving),
-        every_speed(), newtons_ratios(), thin_or_thick_ends(),
+        every_speed(),
+        newtons_ratios(),
+        thin_or_thick_ends(),
     )
 
 
@@ -89,23 +91,49 @@ def as_rigid_bodies(kind: str, systems: Iterable[ri.System]) -> Rows:
         solution = ri.solve(system)
         outcome = solution.outcome
         body = outcome.as_rigid()
-        mass, closing = rigid.contact_mass(*outcome.masses), -body.relative_velocity_before
+        mass, closing = (
+            rigid.contact_mass(*outcome.masses),
+            -body.relative_velocity_before,
+        )
         velocities = [float(solution.mean_velocity(i, solution.t_end)) for i in (0, 1)]
-        worst = np.maximum(worst, np.abs([
-            max(abs(velocities[0] - body.velocity_1), abs(velocities[1] - body.velocity_2))
-            / closing,
-            (solution.contacts[0].impulse - body.impulse) / (mass * closing),
-            (sum(outcome.vibration_after) - body.energy_lost) / (mass * closing**2 / 2),
-        ]))
+        worst = np.maximum(
+            worst,
+            np.abs(
+                [
+                    max(
+                        abs(velocities[0] - body.velocity_1),
+                        abs(velocities[1] - body.velocity_2),
+                    )
+                    / closing,
+                    (solution.contacts[0].impulse - body.impulse) / (mass * closing),
+                    (sum(outcome.vibration_after) - body.energy_lost)
+                    / (mass * closing**2 / 2),
+                ]
+            ),
+        )
         outside += not -1e-12 <= outcome.restitution <= 1 + 1e-12
     case = Case(f"{kind}, {MANY} random", "`rigid.collide` with the rods' e")
-    yield case.row("velocity after, over the closing speed, largest difference", 0.0, worst[0],
-                   1e-13)
-    yield case.row("impulse, over contact mass times closing speed, largest difference", 0.0,
-                   worst[1], 1e-13)
-    yield case.row("vibration left - energy lost, over m_coll v_rel^2/2, largest difference", 0.0,
-                   worst[2], 1e-13)
-    yield case.row("e outside 0 to 1, number", 0.0, outside, 0.0, "rods that do not vibrate before")
+    yield case.row(
+        "velocity after, over the closing speed, largest difference",
+        0.0,
+        worst[0],
+        1e-13,
+    )
+    yield case.row(
+        "impulse, over contact mass times closing speed, largest difference",
+        0.0,
+        worst[1],
+        1e-13,
+    )
+    yield case.row(
+        "vibration left - energy lost, over m_coll v_rel^2/2, largest difference",
+        0.0,
+        worst[2],
+        1e-13,
+    )
+    yield case.row(
+        "e outside 0 to 1, number", 0.0, outside, 0.0, "rods that do not vibrate before"
+    )
 
 
 def every_speed() -> Rows:
@@ -118,8 +146,14 @@ def every_speed() -> Rows:
         ).restitution
         for v in speeds
     ]
-    yield Row("steel on brass, 1e-6 to 100 m/s", "e, largest - smallest",
-              "the wave equation is linear", 0.0, max(e) - min(e), 1e-13)
+    yield Row(
+        "steel on brass, 1e-6 to 100 m/s",
+        "e, largest - smallest",
+        "the wave equation is linear",
+        0.0,
+        max(e) - min(e),
+        1e-13,
+    )
 
 
 def newtons_ratios() -> Rows:
@@ -131,8 +165,14 @@ def newtons_ratios() -> Rows:
             ri.Rod(short, area=1e-4, material=ri.materials.steel, velocity=1.0),
             ri.Rod(long, area=1e-4, material=ri.materials.steel),
         )
-        yield Row(f"steel rods {short:g} : {long:g}", f"e, as of balls of {ball}", source, e,
-                  outcome.restitution, 1e-14)
+        yield Row(
+            f"steel rods {short:g} : {long:g}",
+            f"e, as of balls of {ball}",
+            source,
+            e,
+            outcome.restitution,
+            1e-14,
+        )
 
 
 def thin_or_thick_ends() -> Rows:
@@ -142,7 +182,14 @@ def thin_or_thick_ends() -> Rows:
         right = ri.System([ri.Wall(), ri.Rod(segments=pieces, velocity=-1.0)])
         left = right.mirrored()
         both = ri.System([left.bodies[0], right.bodies[1]])
-        case = Case("stepped rod, {:g} : {:g} from the struck end".format(*impedances), "by hand")
+        case = Case(
+            "stepped rod, {:g} : {:g} from the struck end".format(*impedances),
+            "by hand",
+        )
         yield case.row("e on a wall", e, ri.solve(right).outcome.restitution, 1e-14)
-        yield case.row("e of two of them, mirror images", e, ri.solve(both).outcome.restitution,
-                       1e-14)
+        yield case.row(
+            "e of two of them, mirror images",
+            e,
+            ri.solve(both).outcome.restitution,
+            1e-14,
+        )

@@ -48,9 +48,14 @@ def all_different() -> Rows:
     """Z1 = 1, c1 = 1, l1 = 0.7 hits Z2 = 0.5, c2 = 1.3, l2 = 1.1 at speed 1."""
     case = Case("Z 1 : 0.5, c 1 : 1.3, l 0.7 : 1.1", SOURCE)
     other = ri.Material("other", youngs_modulus=1.3**2, density=1.0)
-    solution = ri.solve(ri.System([
-        rod(0.7, velocity=1.0), ri.Rod(1.1, area=0.5 / 1.3, material=other),
-    ]))
+    solution = ri.solve(
+        ri.System(
+            [
+                rod(0.7, velocity=1.0),
+                ri.Rod(1.1, area=0.5 / 1.3, material=other),
+            ]
+        )
+    )
     o, force = solution.outcome, solution.contacts[0].force
     times, forces, _ = solution.contacts[0].breakpoints()
     drop = float(times[np.flatnonzero(np.diff(forces))[0] + 1])
@@ -59,7 +64,9 @@ def all_different() -> Rows:
     yield case.row("force at first, N", 1 / 3, force(0.0), 1e-15, ": 1/3")
     yield case.row("force drops at, s", 1.4, drop, 1e-14, ": 2 T_short")
     yield case.row("force after that, N", 1 / 9, force(1.5), 1e-15, ": 1/9")
-    yield case.row("force ends at, s", 2.2 / 1.3, o.contacts[0].last, 1e-14, ": 2 T_long")
+    yield case.row(
+        "force ends at, s", 2.2 / 1.3, o.contacts[0].last, 1e-14, ": 2 T_long"
+    )
 
 
 def random_pairs() -> Rows:
@@ -69,7 +76,9 @@ def random_pairs() -> Rows:
     exact = ri.theory.saint_venant(Z1, T1, Z2, T2)
     outcomes = [
         ri.collide(rod(*first, 1.0), rod(*second))
-        for first, second in zip(zip(T1, Z1, strict=True), zip(T2, Z2, strict=True), strict=True)
+        for first, second in zip(
+            zip(T1, Z1, strict=True), zip(T2, Z2, strict=True), strict=True
+        )
     ]
     short, long = np.where(T1 < T2, Z1, Z2), np.where(T1 < T2, Z2, Z1)
     q = np.maximum((short - long) / (short + long), 0.0)
@@ -79,7 +88,14 @@ def random_pairs() -> Rows:
     excess = np.array([o.duration for o in outcomes]) / exact.duration - 1
     case = Case(f"{PAIRS} random pairs", "`rodimpact.theory`")
     yield case.zero("e, largest difference", e - exact.restitution, 1e-11)
-    yield case.zero(f"contact time of {np.sum(~faint)} pairs, largest relative difference",
-                    excess[~faint], 1e-11)
-    yield case.zero(f"contact time of the other {np.sum(faint)}, whose force falls below 2^-46 of "
-                    "the first, largest relative excess", np.maximum(excess[faint], 0.0), 1e-11)
+    yield case.zero(
+        f"contact time of {np.sum(~faint)} pairs, largest relative difference",
+        excess[~faint],
+        1e-11,
+    )
+    yield case.zero(
+        f"contact time of the other {np.sum(faint)}, whose force falls below 2^-46 of "
+        "the first, largest relative excess",
+        np.maximum(excess[faint], 0.0),
+        1e-11,
+    )

@@ -30,10 +30,16 @@ def blocks_without_loss() -> Rows:
     """Sample 10.19."""
     case = Case("two blocks without loss", "textbook, sample 10.19")
     after = rigid.collide(2.0, 0.5, 10.0, 0.2, restitution=1.0)
-    yield case.row("velocity of the first block after, m/s", 0.0, after.velocity_1, 1e-15)
-    yield case.row("velocity of the second block after, m/s", 0.3, after.velocity_2, 1e-15)
+    yield case.row(
+        "velocity of the first block after, m/s", 0.0, after.velocity_1, 1e-15
+    )
+    yield case.row(
+        "velocity of the second block after, m/s", 0.3, after.velocity_2, 1e-15
+    )
     yield case.row("kinetic energy before, J", 0.45, after.energy_before, 1e-15)
-    yield case.row("kinetic energy after, J", 0.45, after.energy_after, 1e-15, ": the same")
+    yield case.row(
+        "kinetic energy after, J", 0.45, after.energy_after, 1e-15, ": the same"
+    )
 
 
 def peak_force() -> Rows:
@@ -46,10 +52,17 @@ def peak_force() -> Rows:
     for T, peak in ((0.1, 190.0), (0.001, 19000.0)):
         lasting = f"contact of {T:g} s"
         yield case.row(f"peak force, {lasting}, N", peak, 2 * impulse / T, 1e-15 * peak)
-        integral, _ = quad(lambda t, T=T, F=peak: F / 2 * (1 + math.cos(2 * math.pi * t / T)),
-                           -T / 2, T / 2)
-        yield case.row(f"integral of the raised cosine of that peak, {lasting}, N s", 9.5, integral,
-                       1e-13)
+        integral, _ = quad(
+            lambda t, T=T, F=peak: F / 2 * (1 + math.cos(2 * math.pi * t / T)),
+            -T / 2,
+            T / 2,
+        )
+        yield case.row(
+            f"integral of the raised cosine of that peak, {lasting}, N s",
+            9.5,
+            integral,
+            1e-13,
+        )
 
 
 def tennis_ball_on_basketball() -> Rows:
@@ -59,10 +72,21 @@ def tennis_ball_on_basketball() -> Rows:
     rise = rigid.stack_drop([0.6, 0.06], [0.9, 0.6], height).top_height / height
     exact = Fraction(97, 55) ** 2  # (10 (0.6 + 0.9 + 0.54) - 1)/11, squared
     e1, e2 = np.meshgrid(np.linspace(0, 1, 11), np.linspace(0, 1, 11))
-    heavy = rigid.stack_drop([1.0, 1e-12], np.stack([e2, e1], axis=-1), height).top_height
+    heavy = rigid.stack_drop(
+        [1.0, 1e-12], np.stack([e2, e1], axis=-1), height
+    ).top_height
     limit = (e1 + e2 + e1 * e2) ** 2
-    yield case.row(f"height of the flight over that of the drop, {float(exact):.6f}", 3.11, rise,
-                   0.005, ": 3.11")
+    yield case.row(
+        f"height of the flight over that of the drop, {float(exact):.6f}",
+        3.11,
+        rise,
+        0.005,
+        ": 3.11",
+    )
     yield case.row("the same exactly", exact, rise, 1e-14, ": (19.4/11)^2")
-    yield case.zero("the same for a mass ratio of 1e12, e1 and e2 from 0 to 1, largest difference",
-                    heavy / height - limit, 1e-10, ": (e1 + e2 + e1 e2)^2")
+    yield case.zero(
+        "the same for a mass ratio of 1e12, e1 and e2 from 0 to 1, largest difference",
+        heavy / height - limit,
+        1e-10,
+        ": (e1 + e2 + e1 e2)^2",
+    )

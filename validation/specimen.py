@@ -28,8 +28,11 @@ WINDOW = 120e-6, 235e-6  # s, of the reflected and the transmitted one
 HIGH = 2.5  # V, above which samples belong to the plateau
 STRAIN = 4 / (2.061 * 8.0 * 200)  # for each volt: gauge factor, excitation in V, gain
 UNTIL = 3e-4  # s
-UNKNOWN = {"contacts.0.stiffness": (3e7, 1e10), "contacts.0.yield_force": (1e3, 2e4),
-           "contacts.0.hardening": (1e5, 2e7)}  # N/m, N
+UNKNOWN = {
+    "contacts.0.stiffness": (3e7, 1e10),
+    "contacts.0.yield_force": (1e3, 2e4),
+    "contacts.0.hardening": (1e5, 2e7),
+}  # N/m, N
 SPRING = {"contacts.0.stiffness": (1e6, 1e10)}
 
 
@@ -43,18 +46,33 @@ def fitted(
     pulse = first.resampled(times=np.arange(START, STOP, first.dt))
     level = float(np.median(first.values[first.values > HIGH]))
     late, distance = START, 0.0
-    if dispersion:  # pulses run without any in the model, so it is added before and after
+    if (
+        dispersion
+    ):  # pulses run without any in the model, so it is added before and after
         distance, late = near, START - near / c
         pulse = pulse.extended(1e-4, 1e-4).propagated(near, bar).shifted(-near / c)
         pulse = pulse.resampled(times=np.arange(START, STOP + 6e-5, first.dt))
     wave = ri.Samples([*(-STRAIN * pulse.values), 0.0], step=first.dt)
-    material = ri.Material("bar", youngs_modulus=TITANIUM.density * c**2, density=TITANIUM.density,
-                           poisson_ratio=bar.poisson_ratio)
+    material = ri.Material(
+        "bar",
+        youngs_modulus=TITANIUM.density * c**2,
+        density=TITANIUM.density,
+        poisson_ratio=bar.poisson_ratio,
+    )
     bars = [ri.Rod(near, diameter=2 * bar.radius, material=material)] * 2
-    system = ri.System(bars, contacts=[specimen], ends=[ri.Incoming(wave), ri.Absorbing()])
+    system = ri.System(
+        bars, contacts=[specimen], ends=[ri.Incoming(wave), ri.Absorbing()]
+    )
     records = [
-        ri.Measured(signal.window(*WINDOW), gauge, distance, bar.radius if distance else None,
-                    shift=late, gain=-1 / STRAIN, level=level)
+        ri.Measured(
+            signal.window(*WINDOW),
+            gauge,
+            distance,
+            bar.radius if distance else None,
+            shift=late,
+            gain=-1 / STRAIN,
+            level=level,
+        )
         for signal, gauge in ((first, (0, 0.0)), (last, (1, near)))
     ]
     unknown = UNKNOWN if isinstance(specimen, ri.Yielding) else SPRING
@@ -66,11 +84,21 @@ def run() -> Rows:
     copper = ri.Yielding(1e8, 5e3, 1e6)
     cases = [
         ("copper specimen, yielding", fitted(copper, starts=3), (5.2, 2.5)),
-        ("copper specimen, yielding, dispersion", fitted(copper, dispersion=True), (3.0, 2.3)),
+        (
+            "copper specimen, yielding, dispersion",
+            fitted(copper, dispersion=True),
+            (3.0, 2.3),
+        ),
         ("copper specimen, spring", fitted(ri.Spring(1e8)), (22.0, 20.0)),
     ]
     pulses = "reflected", "transmitted"
     for case, fit, bounds in cases:
         for pulse, misfit, bound in zip(pulses, fit.misfits, bounds, strict=True):
-            yield Row(case, f"misfit of the {pulse} pulse, %", "measured, LANL HopPyBar", 0.0,
-                      100 * misfit, bound)
+            yield Row(
+                case,
+                f"misfit of the {pulse} pulse, %",
+                "measured, LANL HopPyBar",
+                0.0,
+                100 * misfit,
+                bound,
+            )

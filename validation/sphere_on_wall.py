@@ -43,7 +43,10 @@ class Reference(NamedTuple):
 
 
 def method_of_steps(
-    k: float, V: float, rods: Sequence[tuple[float, float]], mass: float = math.inf,
+    k: float,
+    V: float,
+    rods: Sequence[tuple[float, float]],
+    mass: float = math.inf,
     until: float = 0.0,
 ) -> Reference:
     """Hertz contact of stiffness k closing at V between one or two rods and what is left.
@@ -76,15 +79,24 @@ def method_of_steps(
         F = k * max(y[0], 0.0) ** 1.5
         yielding = y[1] / mass
         for Z, T in rods:
-            back = sum(before(t - 2 * n * T) for n in range(1, round_trips(upto, T) + 1))
+            back = sum(
+                before(t - 2 * n * T) for n in range(1, round_trips(upto, T) + 1)
+            )
             yielding += (F + 2 * back) / Z
         return [V - yielding, F]
 
     y, peak = np.zeros(2), 0.0
     for start, end in pairwise(edges):
-        flight = solve_ivp(rate, (start, end), y, method="DOP853", rtol=1e-12, dense_output=True,
-                          atol=[1e-14 * V * until, 1e-14 * k * (V * until) ** 1.5 * until],
-                          args=(start,))
+        flight = solve_ivp(
+            rate,
+            (start, end),
+            y,
+            method="DOP853",
+            rtol=1e-12,
+            dense_output=True,
+            atol=[1e-14 * V * until, 1e-14 * k * (V * until) ** 1.5 * until],
+            args=(start,),
+        )
         pieces.append((start, end, flight.sol))
         y = flight.y[:, -1]
         indented = np.maximum(flight.sol(np.linspace(start, end, 2001))[0], 0.0)
@@ -100,22 +112,45 @@ def round_trips(t: float, T: float) -> int:
 def run() -> Rows:
     """The rod on the wall, the ball on the rod."""
     area = math.pi * DIAMETER**2 / 4
-    law = ri.Hertz.from_radii(RADIUS, math.inf, left_material=STEEL, right_material=STEEL)
+    law = ri.Hertz.from_radii(
+        RADIUS, math.inf, left_material=STEEL, right_material=STEEL
+    )
     moving = ri.Rod(LENGTH, area=area, material=STEEL, velocity=SPEED)
     resting = ri.Rod(LENGTH, area=area, material=STEEL)
     Z, T, m = moving.segments[0].impedance, moving.transit_time, moving.mass
     by_hand = 4 / 3 * 210e9 / (2 * (1 - 0.3**2)) * math.sqrt(RADIUS)
-    yield Row("sphere of 50 mm, steel on steel", "stiffness of Hertz.from_radii, relative",
-              "4/3 E* sqrt(R)", 1.0, law.stiffness / by_hand, 1e-14)
+    yield Row(
+        "sphere of 50 mm, steel on steel",
+        "stiffness of Hertz.from_radii, relative",
+        "4/3 E* sqrt(R)",
+        1.0,
+        law.stiffness / by_hand,
+        1e-14,
+    )
     cases = {
-        "sphere-ended rod on wall": (ri.System([moving, ri.Wall()], contacts=[law]), math.inf),
+        "sphere-ended rod on wall": (
+            ri.System([moving, ri.Wall()], contacts=[law]),
+            math.inf,
+        ),
         "ball of half the rod's mass on rod": (
-            ri.System([ri.RigidMass(m / 2, velocity=SPEED), resting], contacts=[law]), m / 2),
+            ri.System([ri.RigidMass(m / 2, velocity=SPEED), resting], contacts=[law]),
+            m / 2,
+        ),
     }
     for case, (system, mass) in cases.items():
         exact = method_of_steps(by_hand, SPEED, [(Z, T)], mass, until=4 * T)
         o = ri.solve(system).outcome
-        yield Row(case, "impulse, N s", SOURCE, exact.impulse, o.impulse, 1e-8 * exact.impulse)
-        yield Row(case, "peak force, N", SOURCE, exact.peak, o.peak_force, 2e-6 * exact.peak)
-        yield Row(case, "energy after - before, relative, rtol 1e-10", "conserved", 0.0,
-                  ri.solve(system, rtol=1e-10).outcome.energy_residual, 1e-13)
+        yield Row(
+            case, "impulse, N s", SOURCE, exact.impulse, o.impulse, 1e-8 * exact.impulse
+        )
+        yield Row(
+            case, "peak force, N", SOURCE, exact.peak, o.peak_force, 2e-6 * exact.peak
+        )
+        yield Row(
+            case,
+            "energy after - before, relative, rtol 1e-10",
+            "conserved",
+            0.0,
+            ri.solve(system, rtol=1e-10).outcome.energy_residual,
+            1e-13,
+        )

@@ -88,14 +88,21 @@ class Case(NamedTuple):
     source: str
 
     def row(
-        self, quantity: str, expected: float | Fraction, got: Any, bound: float, source: str = ""
+        self,
+        quantity: str,
+        expected: float | Fraction,
+        got: Any,
+        bound: float,
+        source: str = "",
     ) -> Row:
         """One row; a source of its own, or after a colon what of the common one it is."""
         of = source if source and source[0] != ":" else self.source + source
         got = got if isinstance(got, Fraction) else float(got)
         return Row(self.name, quantity, of, expected, got, bound)
 
-    def zero(self, quantity: str, differences: Any, bound: float, source: str = "") -> Row:
+    def zero(
+        self, quantity: str, differences: Any, bound: float, source: str = ""
+    ) -> Row:
         """The row of the largest of some differences, of either sign."""
         return self.row(quantity, 0.0, largest(differences), bound, source)
 
@@ -142,14 +149,19 @@ def page(case: str, rows: list[Row]) -> str:
     """Text of the page of one case, which is `docs/validation/CASE.md`."""
     lines = [HEAD, ("---",) * len(HEAD), *(row.cells() for row in rows)]
     table = "".join("| " + " | ".join(cells) + " |\n" for cells in lines)
-    shown = [f"![]({FROM_PAGES}/figures/{name}.svg)\n" for name in FIGURES.get(case, ())]
+    shown = [
+        f"![]({FROM_PAGES}/figures/{name}.svg)\n" for name in FIGURES.get(case, ())
+    ]
     program = f"Program: [{case}.py]({FROM_PAGES}/{case}.py).\n"
     return "\n".join([f"# {title(case)}\n", f"{told(case)}\n", program, table, *shown])
 
 
 def verdicts(rows: dict[str, list[Row]]) -> str:
     """Text of README.md, a line a case; rows by case."""
-    lines = ["| case | source | numbers | share of bound | verdict |", "|---|---|---|---|---|"]
+    lines = [
+        "| case | source | numbers | share of bound | verdict |",
+        "|---|---|---|---|---|",
+    ]
     for case, its in rows.items():
         shares = [float(row.difference) / row.bound for row in its if not row.tight]
         share = f"{max(shares):.0%}" if shares else "round-off"
@@ -162,8 +174,14 @@ def verdicts(rows: dict[str, list[Row]]) -> str:
 
 FROM_PAGES = "../../validation"
 FIGURES = {
-    "box_10_4": ("equal_rods", "unequal_rods", "unequal_rods_stages", "unequal_rods_contact",
-                 "unequal_rods_energy", "restitution"),
+    "box_10_4": (
+        "equal_rods",
+        "unequal_rods",
+        "unequal_rods_stages",
+        "unequal_rods_contact",
+        "unequal_rods_energy",
+        "restitution",
+    ),
     "damping": ("ring_down",),
     "hertz_ends": ("hertz_ends",),
     "length_effects": ("contact_episodes", "chains", "cradle"),

@@ -28,13 +28,18 @@ from .naming import Naming
 
 LATTICE = 32  # places a side where cells are looked for
 FINE = 1 << 12  # steps a side to which these are rounded, so that fractions are short
-PLACES = 3 * LATTICE**2 + 2 * LATTICE * (LATTICE + 1)  # at random, of the lattice; its edges
+PLACES = 3 * LATTICE**2 + 2 * LATTICE * (
+    LATTICE + 1
+)  # at random, of the lattice; its edges
 CLOSE = 1e-11  # of the way between two places: as good as touching
 MOST_BETWEEN = 12  # times that an edge is cut where there is room for another cell
 MOST_CELLS = 300
 SAMPLES = 60  # places a side at which the sizes of regions are taken
 NOWHERE = -2  # the cell of a place in which floats do not see the place
-SIGNS = {"velocity": "any", "gap": "non-negative"}  # of the ends of axes, where they may be 0
+SIGNS = {
+    "velocity": "any",
+    "gap": "non-negative",
+}  # of the ends of axes, where they may be 0
 
 
 class Region(NamedTuple):
@@ -104,8 +109,13 @@ class Atlas:
             lines.append("...")
         if found:
             naming = self._naming
-            lines.append("where " + ", ".join(
-                f"{name} = {naming.symbol_of(path)}" for name, path in naming.paths.items()))
+            lines.append(
+                "where "
+                + ", ".join(
+                    f"{name} = {naming.symbol_of(path)}"
+                    for name, path in naming.paths.items()
+                )
+            )
         return "\n".join(lines)
 
     def largest(self, most: int) -> list[Region]:
@@ -117,7 +127,10 @@ class Atlas:
             How many at most.
         """
         formulas = Field(self._naming)
-        ends = [np.linspace(low, high, 2 * SAMPLES + 1)[1::2] for _, low, high in (self.x, self.y)]
+        ends = [
+            np.linspace(low, high, 2 * SAMPLES + 1)[1::2]
+            for _, low, high in (self.x, self.y)
+        ]
         x, y = (side.ravel() for side in np.meshgrid(*ends))
         regions = np.append(self.region, -1)[self.locate(x, y)]
         names, counts = np.unique(regions[regions >= 0], return_counts=True)
@@ -127,8 +140,10 @@ class Atlas:
             off = [(v[here] - v[here].mean()) / np.ptp(v) for v in (x, y)]
             middle = here[np.argmin(off[0] ** 2 + off[1] ** 2)]
             results = dict(named(self.cells[self.region.index(int(r))].results))
-            formula = ", ".join(f"{name} = {formulas.quotient(f)}" for name, f in zip(
-                results, formulas.of(results.values()), strict=True))
+            formula = ", ".join(
+                f"{name} = {formulas.quotient(f)}"
+                for name, f in zip(results, formulas.of(results.values()), strict=True)
+            )
             place = float(x[middle]), float(y[middle])
             found.append(Region(len(here) / len(x), place, short(formula)))
         return found
@@ -154,8 +169,13 @@ class Atlas:
 
 
 def atlas(
-    system: System, x: Sequence[Any], y: Sequence[Any], *, most_cells: int = MOST_CELLS,
-    max_events: int = 1000, progress: Progress | None = None,
+    system: System,
+    x: Sequence[Any],
+    y: Sequence[Any],
+    *,
+    most_cells: int = MOST_CELLS,
+    max_events: int = 1000,
+    progress: Progress | None = None,
 ) -> Atlas:
     """Divide the plane of two numbers of a case into regions with a formula each.
 
@@ -197,24 +217,38 @@ def atlas(
     check_arguments(progress, most_cells=most_cells, max_events=max_events)
     axes = [_axis("x", x), _axis("y", y)]
     naming = Naming(system, [path for path, *_ in axes])
-    names = [_name(naming, axis, path) for axis, (path, *_) in zip("xy", axes, strict=True)]
+    names = [
+        _name(naming, axis, path) for axis, (path, *_) in zip("xy", axes, strict=True)
+    ]
     if names[0] == names[1]:
-        raise InvalidModel([("y", f"must be another number than x, got {shown(y[0])} for both")])
-    forecast = Forecast(warn, "a smaller most_cells or max_events", progress, "this atlas")
+        raise InvalidModel(
+            [("y", f"must be another number than x, got {shown(y[0])} for both")]
+        )
+    forecast = Forecast(
+        warn, "a smaller most_cells or max_events", progress, "this atlas"
+    )
     return _Search(naming, names, axes, most_cells, max_events, forecast).atlas()
 
 
 def _axis(name: str, given: Any) -> tuple[str, float, float]:
     """Path of a number and the ends of its axis; InvalidModel for anything else."""
-    if isinstance(given, list | tuple) and len(given) == 3 and isinstance(given[0], str):
+    if (
+        isinstance(given, list | tuple)
+        and len(given) == 3
+        and isinstance(given[0], str)
+    ):
         path, problems = given[0], list[tuple[str, str]]()
         # near 0 there are cells without end
         field = quantity("", SIGNS.get(path.rpartition(".")[2], "positive"))
-        low, high = (field.checked(problems, f"{name}, {path}", end) for end in given[1:])
+        low, high = (
+            field.checked(problems, f"{name}, {path}", end) for end in given[1:]
+        )
         raise_noted(problems)
         if isinstance(low, float) and isinstance(high, float) and low < high:
             return path, low, high
-    message = 'must be a path, its lowest and its highest value, such as ("bodies.0.length"'
+    message = (
+        'must be a path, its lowest and its highest value, such as ("bodies.0.length"'
+    )
     raise InvalidModel([(name, f"{message}, 0.1, 1.0), got {shown(given)}")])
 
 
@@ -243,7 +277,9 @@ def _rounded(places: Floats, room: Any = 1.0) -> Floats:
     as velocities of both bodies, would lie on the border itself.
     """
     fine = FINE * 2.0 ** np.ceil(np.log2(1 / room))
-    shares: Floats = np.minimum((2 * np.floor(fine * places) + 1) / (2 * fine), 1 - 1 / (2 * fine))
+    shares: Floats = np.minimum(
+        (2 * np.floor(fine * places) + 1) / (2 * fine), 1 - 1 / (2 * fine)
+    )
     shares += np.array([0.0, 1 / 8]) / fine
     return shares
 
@@ -268,16 +304,32 @@ class _Search:
         rng = np.random.default_rng(1867)
         self._fill(_rounded(rng.random((2 * LATTICE * LATTICE, 2))))
         grid = np.arange(LATTICE + 1) / LATTICE
-        nodes = _rounded(np.stack(np.meshgrid(grid, grid, indexing="ij"), axis=-1).reshape(-1, 2))
+        nodes = _rounded(
+            np.stack(np.meshgrid(grid, grid, indexing="ij"), axis=-1).reshape(-1, 2)
+        )
         owner = np.maximum(self._fill(nodes), -1).reshape(LATTICE + 1, LATTICE + 1)
         at = np.arange(owner.size).reshape(owner.shape)
-        edges = np.concatenate([np.stack([at[:-1], at[1:]], axis=-1).reshape(-1, 2),
-                                np.stack([at[:, :-1], at[:, 1:]], axis=-1).reshape(-1, 2)])
+        edges = np.concatenate(
+            [
+                np.stack([at[:-1], at[1:]], axis=-1).reshape(-1, 2),
+                np.stack([at[:, :-1], at[:, 1:]], axis=-1).reshape(-1, 2),
+            ]
+        )
         places, between, of = self._cross(nodes[edges], owner.ravel()[edges])
         lines, of_line = self._join(places, between, of)
         x, y = self.axes
-        return Atlas(self.naming.row.system, x, y, self.cells, self.region, self._plane(places),
-                     between, self._plane(lines), of_line, self.naming)
+        return Atlas(
+            self.naming.row.system,
+            x,
+            y,
+            self.cells,
+            self.region,
+            self._plane(places),
+            between,
+            self._plane(lines),
+            of_line,
+            self.naming,
+        )
 
     def _plane(self, places: Floats) -> Any:
         low, high = (np.array([axis[i] for axis in self.axes]) for i in (1, 2))
@@ -290,7 +342,9 @@ class _Search:
         for i in range(len(places)):
             if found[i] == -1 and self.runs < self.most:
                 left = min(self.most - self.runs, int((found[i:] == -1).sum()))
-                self.forecast.extrapolate(self.runs, self.runs + left, f"up to {left} more cells")
+                self.forecast.extrapolate(
+                    self.runs, self.runs + left, f"up to {left} more cells"
+                )
                 self.forecast.reached(self.done + i, PLACES)
                 self.runs += 1
                 cell = self._solved(places[i])
@@ -301,16 +355,25 @@ class _Search:
                     if i in inside:
                         found[inside] = len(self.cells)
                         self.cells.append(cell)
-                        self.region.append(self._formulas.setdefault(
-                            cell.mark(times=False), len(self._formulas)))
+                        self.region.append(
+                            self._formulas.setdefault(
+                                cell.mark(times=False), len(self._formulas)
+                            )
+                        )
         self.done = min(self.done + len(places), PLACES)
         return found
 
     def _solved(self, place: Floats) -> Cell | None:
         """The cell of a place; None if its collision does not come to an end."""
-        values = self.naming.values({
-            name: Fraction(low) + Fraction(float(at)) * (Fraction(high) - Fraction(low))
-            for name, at, (_, low, high) in zip(self.names, place, self.axes, strict=True)})
+        values = self.naming.values(
+            {
+                name: Fraction(low)
+                + Fraction(float(at)) * (Fraction(high) - Fraction(low))
+                for name, at, (_, low, high) in zip(
+                    self.names, place, self.axes, strict=True
+                )
+            }
+        )
         run = self.naming.run(values, self.max_events)
         return Cell(self.naming, run, values, names=self.names) if run.final else None
 
@@ -334,7 +397,9 @@ class _Search:
         for _ in range(MOST_BETWEEN):
             regions = np.append(self.region, -1)[cells]
             differ = regions[:, 0] != regions[:, 1]
-            ends, cells, regions, of = (part[differ] for part in (ends, cells, regions, of))
+            ends, cells, regions, of = (
+                part[differ] for part in (ends, cells, regions, of)
+            )
             P, Q = ends[:, 0], ends[:, 1]
             left, right = self._end(P, Q, cells[:, 0]), 1 - self._end(Q, P, cells[:, 1])
             middle = P + (Q - P) * ((left + right) / 2)[:, None]
@@ -342,21 +407,31 @@ class _Search:
             places = _rounded(middle[~close], ((right - left) / LATTICE)[~close, None])
             there = np.full(len(of), NOWHERE)
             there[~close] = self._fill(places)
-            hard = np.flatnonzero(~close & (there == NOWHERE) & (cells >= 0).all(axis=1))
+            hard = np.flatnonzero(
+                ~close & (there == NOWHERE) & (cells >= 0).all(axis=1)
+            )
             began, told = time.monotonic(), [*np.flatnonzero(close)]
             for k, i in enumerate(hard, 1):
-                border = self._narrowed(P[i], Q[i], left[i], right[i], regions[i].tolist())
+                border = self._narrowed(
+                    P[i], Q[i], left[i], right[i], regions[i].tolist()
+                )
                 if border is not None:
                     middle[i] = border
                     told.append(i)
                 seconds = (time.monotonic() - began) / k * (len(hard) - k)
-                self.forecast.expect(seconds, f"{len(hard)} places of borders in fractions")
+                self.forecast.expect(
+                    seconds, f"{len(hard)} places of borders in fractions"
+                )
                 self.forecast.reached(PLACES - len(hard) + k, PLACES)
             found.append((middle[told], regions[told], of[told]))
             middle[~close] = places
             between = (there != NOWHERE) & (there[:, None] != cells).all(axis=1)
-            ends = np.stack([P, middle, Q], axis=1)[between][:, halves].reshape(-1, 2, 2)
-            cells = np.column_stack([cells[:, 0], there, cells[:, 1]])[between][:, halves]
+            ends = np.stack([P, middle, Q], axis=1)[between][:, halves].reshape(
+                -1, 2, 2
+            )
+            cells = np.column_stack([cells[:, 0], there, cells[:, 1]])[between][
+                :, halves
+            ]
             cells, of = cells.reshape(-1, 2), np.repeat(of[between], 2)
         places, sides, edges = map(np.concatenate, zip(*found, strict=True))
         return places, sides, edges
@@ -370,7 +445,9 @@ class _Search:
             ends[here] = self.cells[c].end(*first.T, *(last - first).T)
         return ends
 
-    def _join(self, places: Floats, between: Any, of: Any) -> tuple[Floats, NDArray[np.int64]]:
+    def _join(
+        self, places: Floats, between: Any, of: Any
+    ) -> tuple[Floats, NDArray[np.int64]]:
         """Straight lines between the places on the edges of each mesh, and a place of each."""
         n, up = LATTICE, LATTICE * (LATTICE + 1)
         on: dict[int, list[int]] = {}  # places by edge
@@ -378,7 +455,12 @@ class _Search:
             on.setdefault(e, []).append(p)
         drawn: list[tuple[int, Any]] = []  # a place, and where a line goes from there
         for i, j in np.ndindex(n, n):
-            sides = (i * (n + 1) + j, i * (n + 1) + j + 1, up + i * n + j, up + (i + 1) * n + j)
+            sides = (
+                i * (n + 1) + j,
+                i * (n + 1) + j + 1,
+                up + i * n + j,
+                up + (i + 1) * n + j,
+            )
             points = [p for e in sides for p in on.get(e, ())]
             alike: dict[Any, list[int]] = {}
             for p in points:
@@ -390,7 +472,10 @@ class _Search:
             drawn += [(p, places[q]) for p, q in pairs]
             if len(points) > 2:
                 centre = places[points].mean(axis=0)
-                for axis in (0, 1):  # borders along the axes meet where edges across say
+                for axis in (
+                    0,
+                    1,
+                ):  # borders along the axes meet where edges across say
                     across = [p for p in points if (of[p] >= up) == bool(axis)]
                     if across:
                         centre[axis] = places[across, axis].mean()

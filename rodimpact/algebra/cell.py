@@ -42,8 +42,12 @@ class Cell:
     """
 
     def __init__(
-        self, naming: Naming, run: ExactRun, place: Mapping[str, Fraction],
-        field: Field | None = None, names: Sequence[str] = (),
+        self,
+        naming: Naming,
+        run: ExactRun,
+        place: Mapping[str, Fraction],
+        field: Field | None = None,
+        names: Sequence[str] = (),
     ) -> None:
         self.results, self.place = run.results, place
         self._conditions = conditions(run, in_order=field is not None)
@@ -54,9 +58,14 @@ class Cell:
     def mark(self, *, times: bool) -> tuple[Any, ...]:
         """What is the same for cells of one formula, that of contact times too if these count."""
         values: list[Number] = []
-        each(self.results if times else self.results._replace(contact_times=()), values.append)
+        each(
+            self.results if times else self.results._replace(contact_times=()),
+            values.append,
+        )
         random = Random(1867)
-        with localcontext(prec=DECIMALS):  # values at names of no sort tell formulas apart
+        with localcontext(
+            prec=DECIMALS
+        ):  # values at names of no sort tell formulas apart
             there = {name: Decimal(1 + random.random()) for name in self.place}
             program = Program(values, lambda x: Decimal(x.numerator) / x.denominator)
             marks = [round(x, 40) for x in program(there)]
@@ -76,7 +85,9 @@ class Cell:
         low = np.zeros(x.shape)
         for n in range(1, ROUNDS + 1):
             shares = low + np.arange(1, CUTS + 1) / CUTS**n
-            inside = self._hold(broken, x + across * shares, y + up * shares).all(axis=0)
+            inside = self._hold(broken, x + across * shares, y + up * shares).all(
+                axis=0
+            )
             inside[:, -1] = False
             low += inside.argmin(axis=1, keepdims=True) / CUTS**n
         return low[:, 0]
@@ -98,7 +109,9 @@ class Cell:
         at.update(zip(self._names, (x, y), strict=True))
         for c, (E, rho) in self._speeds.items():
             if E in self._names or rho in self._names:
-                modulus, density = (at[of] if of in at else float(of) for of in (E, rho))
+                modulus, density = (
+                    at[of] if of in at else float(of) for of in (E, rho)
+                )
                 at[c] = np.sqrt(modulus / density)
         return at
 
@@ -112,11 +125,14 @@ class Cell:
         functions = iter(self._field.of(values))
         return each(self.results, lambda _: next(functions))
 
-    def contains(self, values: Mapping[str, Fraction], open_to: Collection[Any] = ()) -> bool:
+    def contains(
+        self, values: Mapping[str, Fraction], open_to: Collection[Any] = ()
+    ) -> bool:
         """Whether the cell has this place inside, or on one of the borders `open_to`."""
         found = _values(self._conditions, values)
         return all(x >= 0 for x in found) and all(
-            self._field.at(p, values) > 0 or p in open_to for p in self._zero(found))
+            self._field.at(p, values) > 0 or p in open_to for p in self._zero(found)
+        )
 
     @cached_property
     def borders(self) -> Any:
@@ -138,7 +154,9 @@ class Cell:
 
     def _zero(self, found: list[Fraction]) -> Any:
         """Factors of the conditions of which 0 is found."""
-        zero = [x for x, value in zip(self._conditions, found, strict=True) if value == 0]
+        zero = [
+            x for x, value in zip(self._conditions, found, strict=True) if value == 0
+        ]
         return self._field.factors(zero, self.place)
 
 

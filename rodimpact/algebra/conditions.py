@@ -45,15 +45,21 @@ def conditions(run: ExactRun, *, in_order: bool) -> list[Number]:
     if all(end != front.tick for front in state.log[: state.run.rows]):
         end = state.queue[1]
         state.run_to(end, ENDLESS, ZERO)
-    last = max((change.tick + ZERO for change in state.changes if change.tick <= end), default=ZERO)
+    last = max(
+        (change.tick + ZERO for change in state.changes if change.tick <= end),
+        default=ZERO,
+    )
     # where contacts had been open for a while by then half of this later: the proof has room
     wait = (end - last) * HALF
     end += wait
     state.run_to(end, ENDLESS, ZERO)
     proofs = [_for_ever_after(run, k, end) for k in contacts]
     found = [x for proof, _ in proofs for x in proof]
-    longest = max(sum(it.transit for it in state.segments[s : e + 1])
-                  for s, e in run.row.spans if e)
+    longest = max(
+        sum(it.transit for it in state.segments[s : e + 1])
+        for s, e in run.row.spans
+        if e
+    )
     # what is under way must not come before the end: let it come
     state.run_to(end + wait + 2 * longest, ENDLESS, ZERO)
     for k in contacts:
@@ -61,7 +67,9 @@ def conditions(run: ExactRun, *, in_order: bool) -> list[Number]:
         last, _ = spells[-1].waves[0]
         found += [x for t in later for x in (t - end, t - last)]
         if any(bridged for _, bridged in proofs):
-            found.append(abs(end - last))  # the energy is that once all have ceased to press
+            found.append(
+                abs(end - last)
+            )  # the energy is that once all have ceased to press
         for spell in spells:
             found += _lasting(spell, in_order)
     if in_order:  # a hair's breadth from the system what is alike is the same
@@ -69,16 +77,24 @@ def conditions(run: ExactRun, *, in_order: bool) -> list[Number]:
     return [x for x in found if x.made and x.value]
 
 
-def _spells(run: ExactRun, contact: int, until: Number) -> tuple[list[Spell], list[Number]]:
+def _spells(
+    run: ExactRun, contact: int, until: Number
+) -> tuple[list[Spell], list[Number]]:
     """Spells of a contact, and when waves come to it later."""
     state, k = run.state, run.nodes[contact]
-    arrived = {2 * k: state.lines[0].arrived if k == 0 else ZERO,
-               2 * k + 3: state.lines[-1].arrived if k == len(state.nodes) - 1 else ZERO}
-    events: dict[Any, tuple[Number, dict[int, Any]]] = {}  # by time: waves by line, and the status
+    arrived = {
+        2 * k: state.lines[0].arrived if k == 0 else ZERO,
+        2 * k + 3: state.lines[-1].arrived if k == len(state.nodes) - 1 else ZERO,
+    }
+    events: dict[
+        Any, tuple[Number, dict[int, Any]]
+    ] = {}  # by time: waves by line, and the status
     for row in state.log[: state.run.rows]:
         if row.line in arrived or (row.line == CHANGE and row.next_row == k):
             way = ZERO if row.line == CHANGE else state.segments[row.line // 2].transit
-            events.setdefault((row.tick + way).value, (row.tick + way, {}))[1][row.line] = row.value
+            events.setdefault((row.tick + way).value, (row.tick + way, {}))[1][
+                row.line
+            ] = row.value
     gap, closing = run.numbers.gap[contact] * run.rate, ZERO
     spells, later = [Spell(Status.OPEN if gap > 0 else -1, gap, [(ZERO, ZERO)], [])], []
     for at in sorted(events):
@@ -133,7 +149,9 @@ def _for_ever_after(run: ExactRun, k: int, t: Any) -> tuple[list[Number], bool]:
     if left.bounded and right.bounded and right.slowest >= left.fastest:
         loops = _loop(run, node, False), _loop(run, node, True)
         in_turn = [later - t for loop in loops for (_, t), (_, later) in pairwise(loop)]
-        return in_turn + [high - low for high, _ in loops[1] for low, _ in loops[0]], False
+        return in_turn + [
+            high - low for high, _ in loops[1] for low, _ in loops[0]
+        ], False
     finality.bound_deviations(state, node, t)
     gap = at.gap + at.gap_rate * (t - at.solved) - right.deviation + left.deviation
     reach = 2 * _vibration(run) * (left.compliance + right.compliance)
@@ -144,12 +162,16 @@ def _vibration(run: ExactRun) -> Number:
     """Energy of vibration in the end: what the centres have lost, and what moving walls did."""
     numbers, results, segment = run.numbers, run.results, run.state.segments
     energy, impulses = ZERO, [ZERO, *results.impulses, ZERO]
-    for i, ((first, last), v) in enumerate(zip(run.row.spans, numbers.velocity, strict=True)):
+    for i, ((first, last), v) in enumerate(
+        zip(run.row.spans, numbers.velocity, strict=True)
+    ):
         if isinstance(run.row.system.bodies[i], Wall):
             energy += (impulses[i + 1] - impulses[i]) * run.rate * v
         V = results.velocities_after[i]
         for s in range(first, last + 1):
-            energy += segment[s].transit * numbers.impedance[s - 1] * (v * v - V * V) * HALF
+            energy += (
+                segment[s].transit * numbers.impedance[s - 1] * (v * v - V * V) * HALF
+            )
     return energy
 
 
@@ -160,7 +182,10 @@ def _loop(run: ExactRun, k: int, right: bool) -> list[tuple[Number, Number]]:
     if group.last == 0 or finality.nothing_under_way(line, s, group.last):
         return [(line[2 * k + 3 if right else 2 * k].arrived, ZERO)]
     found = []
-    for l, delay in ((2 * s + right, ZERO), (2 * s + 1 - right, run.state.segments[s].transit)):
+    for l, delay in (
+        (2 * s + right, ZERO),
+        (2 * s + 1 - right, run.state.segments[s].transit),
+    ):
         r = line[l].next_row
         while r != NONE:
             found.append((log[r].value, log[r].tick + delay))

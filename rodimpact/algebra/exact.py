@@ -29,7 +29,9 @@ from ..units import shown
 from .numbers import ZERO, Number
 
 MOST_EVENTS = 5_000
-TICKS = 1 << 20  # in the shortest transit: the kernel waits a tick where it waits to prove
+TICKS = (
+    1 << 20
+)  # in the shortest transit: the kernel waits a tick where it waits to prove
 
 
 class Numbers(NamedTuple):
@@ -77,7 +79,10 @@ class Exact(NamedTuple):
 
 
 def exact(
-    system: System, values: Mapping[str, Any] | None = None, *, max_events: int = MOST_EVENTS
+    system: System,
+    values: Mapping[str, Any] | None = None,
+    *,
+    max_events: int = MOST_EVENTS,
 ) -> Exact:
     """Solve a collision in fractions.
 
@@ -113,8 +118,11 @@ def exact(
     check(system)
     check_arguments(max_events=max_events)
     row, places = Row(system), places_of(system)
-    given = {place: value for path, value in fractions_of(values).items()
-             for place in places.get(path, [path])}
+    given = {
+        place: value
+        for path, value in fractions_of(values).items()
+        for place in places.get(path, [path])
+    }
 
     known: dict[str, None] = {}
     squares: dict[str, Fraction] = {}  # of wave speeds, by the paths of segments
@@ -127,12 +135,16 @@ def exact(
         return None if follows else Number(written(value))
 
     def material(s: Any, path: str) -> tuple[Number, Number]:
-        E, rho = (take(f"{path}.material.{name}", getattr(s.material, name))
-                  for name in ("youngs_modulus", "density"))
+        E, rho = (
+            take(f"{path}.material.{name}", getattr(s.material, name))
+            for name in ("youngs_modulus", "density")
+        )
         if E <= 0 or rho <= 0:
             raise InvalidModel([(f"{path}.material", "needs numbers above 0")])
         squares[path] = E.value / rho.value
-        return Number(root(squares[path] / unit()) or 1), rho  # what has no root is told below
+        return Number(
+            root(squares[path] / unit()) or 1
+        ), rho  # what has no root is told below
 
     def unit() -> Fraction:
         """Square of the speed by which times are measured: 1 m/s, or that in the first rod."""
@@ -144,7 +156,8 @@ def exact(
     known |= dict.fromkeys(path for path, at in places.items() if at[0] in known)
     unknown: Problems = [
         (path, f"is not a parameter of the system; {suggestion(path, known)}")
-        for path in given if path not in known
+        for path in given
+        if path not in known
     ]
     for name in ("transit", "impedance"):
         for path, x in zip(row.paths[1:], getattr(numbers, name), strict=True):
@@ -153,13 +166,22 @@ def exact(
     raise_noted(unknown)
     done = run(row, numbers, max_events)
     check_final(done, max_events)
-    return each(done.results, lambda x: x.value)._replace(time_unit=float(unit()) ** -0.5)
+    return each(done.results, lambda x: x.value)._replace(
+        time_unit=float(unit()) ** -0.5
+    )
 
 
 def each(results: Exact, what: Callable[[Any], Any]) -> Exact:
     """Results with what `what` makes of each number."""
+
     def mapped(x: Any) -> Any:
-        return tuple(map(mapped, x)) if isinstance(x, tuple) else None if x is None else what(x)
+        return (
+            tuple(map(mapped, x))
+            if isinstance(x, tuple)
+            else None
+            if x is None
+            else what(x)
+        )
 
     return Exact(*map(mapped, results[:-1]))
 
@@ -193,9 +215,13 @@ def fractions_of(values: Any) -> dict[str, Fraction]:
             problems.append(("values", message))
             continue
         try:
-            given[path] = written(value) if isinstance(value, float) else Fraction(value)
+            given[path] = (
+                written(value) if isinstance(value, float) else Fraction(value)
+            )
         except (ValueError, TypeError, ZeroDivisionError, OverflowError):
-            problems.append((path, f'must be a number or a text such as "1/3", got {shown(value)}'))
+            problems.append(
+                (path, f'must be a number or a text such as "1/3", got {shown(value)}')
+            )
     raise_noted(problems)
     return given
 
@@ -227,23 +253,39 @@ def check(system: System) -> None:
     of_kind("system", system, System, "System([rod, Wall()])")
     problems: Problems = []
     if system.shape:
-        problems.append(("system", f"has members of shape {system.shape}; take one: system[0]"))
+        problems.append(
+            ("system", f"has members of shape {system.shape}; take one: system[0]")
+        )
     found = [(path, f"know no {what}; leave it out") for path, what in needs(system)]
-    found += [(f"bodies.{i}", "need a uniform velocity and no strain; put pieces of rod there")
-              for i, body in enumerate(system.bodies)
-              if isinstance(body, Rod) and (isinstance(body.velocity, Steps) or body.strain != 0)]
-    found += [(f"ends.{side}", f"need Free(), got {type(end).__name__}(); leave it out")
-              for side, end in zip(("left", "right"), system.ends, strict=True)
-              if not isinstance(end, Free)]
-    found += [(f"contacts.{k}", "know no rod bonded to a wall; let it touch")
-              for k, law in enumerate(system.contacts)
-              if isinstance(law, Bonded) and Wall in map(type, system.bodies[k : k + 2])]
-    problems += [(path, f"formulas and fractions {wrong}, or solve()") for path, wrong in found]
+    found += [
+        (
+            f"bodies.{i}",
+            "need a uniform velocity and no strain; put pieces of rod there",
+        )
+        for i, body in enumerate(system.bodies)
+        if isinstance(body, Rod)
+        and (isinstance(body.velocity, Steps) or body.strain != 0)
+    ]
+    found += [
+        (f"ends.{side}", f"need Free(), got {type(end).__name__}(); leave it out")
+        for side, end in zip(("left", "right"), system.ends, strict=True)
+        if not isinstance(end, Free)
+    ]
+    found += [
+        (f"contacts.{k}", "know no rod bonded to a wall; let it touch")
+        for k, law in enumerate(system.contacts)
+        if isinstance(law, Bonded) and Wall in map(type, system.bodies[k : k + 2])
+    ]
+    problems += [
+        (path, f"formulas and fractions {wrong}, or solve()") for path, wrong in found
+    ]
     raise_noted(problems)
 
 
 def read(
-    row: Row, take: Callable[[str, Any], Any], material: Callable[[Any, str], tuple[Number, Number]]
+    row: Row,
+    take: Callable[[str, Any], Any],
+    material: Callable[[Any, str], tuple[Number, Number]],
 ) -> Numbers:
     """Gather the numbers of a row.
 
@@ -268,8 +310,10 @@ def read(
         transit.append(T)
         impedance.append(Z)
     system = row.system
-    velocity = [take(f"bodies.{i}.velocity", body.velocity)
-                for i, body in enumerate(system.bodies)]
+    velocity = [
+        take(f"bodies.{i}.velocity", body.velocity)
+        for i, body in enumerate(system.bodies)
+    ]
     gap = [take(f"contacts.{k}.gap", float(g)) for k, g in enumerate(system.gaps)]
     return Numbers(transit, impedance, velocity, gap)
 
@@ -286,7 +330,9 @@ def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:
     state = simulation(plan, given, [T * rate for T in numbers.transit], 1 / rate, ZERO)
     final = state.run_to(-1, max_events, ZERO) == Stop.FINAL
     energy.update(state)
-    before, after = zip(*(motion(row, state, i) for i in range(len(row.spans))), strict=True)
+    before, after = zip(
+        *(motion(row, state, i) for i in range(len(row.spans))), strict=True
+    )
     e, free = None, unilateral(row.system)
     if final and len(free) == 1 and state.nodes[nodes[free[0]]].episodes:
         k = free[0]
@@ -295,18 +341,29 @@ def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:
     impulses: list[Number] = []
     for i, (k, law) in enumerate(zip(nodes, row.system.contacts, strict=True)):
         impulses.append(state.nodes[k].impulse / rate)
-        if isinstance(law, Bonded):  # its force goes on for ever: what it comes to on average
+        if isinstance(
+            law, Bonded
+        ):  # its force goes on for ever: what it comes to on average
             first, last = row.spans[i]
-            mass = sum((numbers.transit[s - 1] * numbers.impedance[s - 1]
-                        for s in range(first, last + 1)), ZERO)
+            mass = sum(
+                (
+                    numbers.transit[s - 1] * numbers.impedance[s - 1]
+                    for s in range(first, last + 1)
+                ),
+                ZERO,
+            )
             lost = mass * (numbers.velocity[i] - after[i])
             impulses[i] = lost + (impulses[i - 1] if i else ZERO)
-    times: dict[int, list[Number]] = {k: [] for k in nodes}  # when force began and ended in turn
+    times: dict[int, list[Number]] = {
+        k: [] for k in nodes
+    }  # when force began and ended in turn
     for change in state.changes:
         at = times[change.next_row]
         if (change.value == Status.PRESS) != len(at) % 2:
             at.append((change.tick + ZERO) / rate)
-    episodes = tuple(tuple(zip(at[::2], at[1::2], strict=False)) for at in times.values())
+    episodes = tuple(
+        tuple(zip(at[::2], at[1::2], strict=False)) for at in times.values()
+    )
     results = Exact(e, after, tuple(impulses), episodes)
     return ExactRun(row, nodes, numbers, rate, state, final, results)
 
@@ -325,6 +382,9 @@ def _check_speeds(row: Row, squares: Mapping[str, Fraction], unit: Fraction) -> 
     odd = [path for path, square in squares.items() if root(square / unit) is None]
     timed = any(row.system.gaps) or len(squares) < len(row.segments)
     if odd or (timed and unit != 1):
-        path, also = [*odd, *squares][0], ", also relative to the first rod" if odd else ""
+        path, also = (
+            [*odd, *squares][0],
+            ", also relative to the first rod" if odd else "",
+        )
         remedy = f"give {path}.transit_time and {path}.impedance, or take closed_form()"
         raise InvalidModel([(path, f"has an irrational wave speed{also}; {remedy}")])

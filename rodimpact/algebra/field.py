@@ -32,8 +32,12 @@ class Field:
         names = [*naming.base, *naming.speeds]
         self.field, *generators = self.sympy.polys.fields.field(names, self.sympy.ZZ)
         self.names = dict(zip(names, generators, strict=True))
-        symbols = {name: self.sympy.Symbol(name, **{"real" if name[0] == "v" else "positive": True})
-                   for name in naming.base}
+        symbols = {
+            name: self.sympy.Symbol(
+                name, **{"real" if name[0] == "v" else "positive": True}
+            )
+            for name in naming.base
+        }
         self._shown = list(symbols.values())
         for pair in naming.speeds.values():
             E, rho = (symbols.get(x) or self.sympy.Rational(x) for x in pair)
@@ -41,10 +45,14 @@ class Field:
 
     def of(self, wanted: Iterable[Number]) -> list[Any]:
         """Numbers of a run as rational functions."""
-        program = Program(list(wanted), lambda x: self.field(x.numerator) / x.denominator)
+        program = Program(
+            list(wanted), lambda x: self.field(x.numerator) / x.denominator
+        )
         return program(self.names)
 
-    def factors(self, numbers: Iterable[Number], place: Mapping[str, Fraction]) -> list[Any]:
+    def factors(
+        self, numbers: Iterable[Number], place: Mapping[str, Fraction]
+    ) -> list[Any]:
         """Factors whose signs decide those of numbers, each with the sign it has at a place."""
         found: dict[Any, None] = {}
         for f in self._told(self.of(numbers)):
@@ -52,7 +60,9 @@ class Field:
             upper = [(f.numer, 1)] if whole else f.numer.factor_list()[1]
             for p, power in [*upper, *f.denom.factor_list()[1]]:
                 if power % 2 and not definite(p) and not definite(-p):
-                    p = p.set_ring(p.ring.clone(domain=p.ring.domain.get_field())).primitive()[1]
+                    p = p.set_ring(
+                        p.ring.clone(domain=p.ring.domain.get_field())
+                    ).primitive()[1]
                     found[p if self.at(p, place) > 0 else -p] = None
         return list(found)
 
@@ -68,13 +78,23 @@ class Field:
             if _follows(p, others):
                 linear = others
         others = [p for p in ordered if not p.is_linear]
-        return [*linear, *(p for p in self._told(others)
-                           if not any(map(definite, _in_new_variables(p, linear))))]
+        return [
+            *linear,
+            *(
+                p
+                for p in self._told(others)
+                if not any(map(definite, _in_new_variables(p, linear)))
+            ),
+        ]
 
     def _told(self, polynomials: Sequence[Any]) -> Iterator[Any]:
         """Each of some polynomials that are worked on in turn, with news of how long it takes."""
-        forecast = Forecast(warn, "fewer symbols, or some by their whole paths,", self.progress,
-                            "finding where the formula holds")
+        forecast = Forecast(
+            warn,
+            "fewer symbols, or some by their whole paths,",
+            self.progress,
+            "finding where the formula holds",
+        )
         for i, p in enumerate(polynomials):
             forecast.report(i, len(polynomials), f"{len(polynomials)} polynomials")
             yield p
@@ -96,15 +116,26 @@ class Field:
     def at(self, p: Any, values: Mapping[str, Fraction]) -> Fraction:
         """Value of a polynomial."""
         place = [values[name] for name in self.names]
-        return sum((Fraction(int(c.numerator), int(c.denominator))
-                    * prod(x**n for x, n in zip(place, powers, strict=True) if n)
-                    for powers, c in p.terms()), Fraction(0))
+        return sum(
+            (
+                Fraction(int(c.numerator), int(c.denominator))
+                * prod(x**n for x, n in zip(place, powers, strict=True) if n)
+                for powers, c in p.terms()
+            ),
+            Fraction(0),
+        )
 
     def slope(self, p: Any) -> Any:
         """Change of a polynomial at the numbers of the system, by the share of each free one."""
-        return np.array([
-            float(self.at(p.diff(list(self.names).index(name)), self.base) * (self.base[name] or 1))
-            for name in self.naming.free])
+        return np.array(
+            [
+                float(
+                    self.at(p.diff(list(self.names).index(name)), self.base)
+                    * (self.base[name] or 1)
+                )
+                for name in self.naming.free
+            ]
+        )
 
     def distance(self, p: Any) -> float:
         """By which share the numbers of the system must change, at least about, for p to be 0."""
@@ -120,8 +151,12 @@ def definite(p: Any) -> bool:
 
 def _follows(p: Any, others: list[Any]) -> bool:
     """Whether a linear form is a sum of positive shares of others and of positive numbers."""
-    rows = np.array([[float(q.coeff(x)) for x in (1, *p.ring.gens)] for q in [p, *others]])
-    units = np.eye(rows.shape[1])[[0, *(i for i, x in enumerate(p.ring.gens, 1) if definite(x))]]
+    rows = np.array(
+        [[float(q.coeff(x)) for x in (1, *p.ring.gens)] for q in [p, *others]]
+    )
+    units = np.eye(rows.shape[1])[
+        [0, *(i for i, x in enumerate(p.ring.gens, 1) if definite(x))]
+    ]
     shares, _ = nnls(np.vstack([rows[1:], units]).T, rows[0])
     rest = p
     for q, share in zip(others, shares, strict=False):

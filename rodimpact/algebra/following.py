@@ -18,9 +18,13 @@ from .exact import motion
 from .numbers import Dual
 
 EVENTS = (
-    "", "there is no gap at first", "waves from both sides arrive together",
-    "a gap closes just as a wave arrives", "the contact is closed without force",
-    "a front vanishes", "the bodies stay together",
+    "",
+    "there is no gap at first",
+    "waves from both sides arrive together",
+    "a gap closes just as a wave arrives",
+    "the contact is closed without force",
+    "a front vanishes",
+    "the bodies stay together",
 )
 """What may come otherwise on one of the sides of a number."""
 SMOOTH, BORDER, ARRIVALS, CLOSING, FORCE, FRONT, PARTING = range(len(EVENTS))
@@ -49,13 +53,19 @@ class Followed:
         self._row = Row(system)
         run, directions = track(self._row, max_events=max_events), changes.shape[1]
         plan, n, end = run.plan, len(run.plan.kinds) - 1, run.finality_time
-        self._tick, self._frame, self._nodes = run.clock.tick, run.clock.frame, plan.contacts
+        self._tick, self._frame, self._nodes = (
+            run.clock.tick,
+            run.clock.frame,
+            plan.contacts,
+        )
         self.ties: Any = np.outer(NO_TIE, np.ones(directions))
         self._least = LEAST * run.run.scale
         y: Any = list(map(Dual, plan.numbers, changes))
         times = [L / c for c, L in zip(y[:n], y[2 * n : 3 * n], strict=True)]
-        ticks = [Dual(T, T / time.value * time.d)
-                 for T, time in zip(run.clock.ticks[1:-1], times, strict=True)]
+        ticks = [
+            Dual(T, T / time.value * time.d)
+            for T, time in zip(run.clock.ticks[1:-1], times, strict=True)
+        ]
         self._state = state = simulation(plan, y, ticks, self._tick, self._frame)
         state.run.event_limit = IDLE
         state.run.proof_events = IDLE  # nothing is to be proved on the way
@@ -88,10 +98,14 @@ class Followed:
         if kind == "velocity_after":
             return motion(self._row, self._state, i)[1] + self._frame
         if kind == "restitution":
-            (v, after), (w, beyond) = (motion(self._row, self._state, j) for j in (i, i + 1))
+            (v, after), (w, beyond) = (
+                motion(self._row, self._state, j) for j in (i, i + 1)
+            )
             return (beyond - after) / (v - w)
         at = self._state.nodes[self._nodes[i]]
-        return (at.impulse if kind == "impulse" else at.pressed) * self._tick + Dual(0.0)
+        return (at.impulse if kind == "impulse" else at.pressed) * self._tick + Dual(
+            0.0
+        )
 
     def _note(self, event: int, t: int, k: int, apart: Any, least: float) -> None:
         """Note a tie at node k in the directions in which what is equal comes apart."""
@@ -101,11 +115,15 @@ class Followed:
     def _before(self, k: int, t: int) -> tuple[int, list[Any], Any]:
         """Status of node k, the waves that arrive there at tick t, and its gap then."""
         state, at = self._state, self._state.nodes[k]
-        arrivals = [state.lines[l].due for l in (2 * k, 2 * k + 3) if state.lines[l].due == t]
+        arrivals = [
+            state.lines[l].due for l in (2 * k, 2 * k + 3) if state.lines[l].due == t
+        ]
         now = (arrivals or [state.queue[len(state.queue) // 2 + k] if t else 0])[0]
         return at.status, arrivals, at.gap + at.gap_rate * (now - at.solved)
 
-    def _compare(self, k: int, t: int, before: int, arrivals: list[Any], gap: Any) -> None:
+    def _compare(
+        self, k: int, t: int, before: int, arrivals: list[Any], gap: Any
+    ) -> None:
         """Note what is tied at node k, which has been solved at tick t."""
         state, at = self._state, self._state.nodes[k]
         Yl, Yr = (it.mobility for it in state.segments[k : k + 2])
@@ -114,7 +132,9 @@ class Followed:
             self._note(ARRIVALS, t, k, (arrivals[0] - arrivals[1]).d, LEAST * t)
         if before == Status.OPEN and at.gap == 0:
             self._note(CLOSING, t, k, gap.d, self._least * t)
-        if at.status == Status.OPEN:  # bodies that graze move apart when a number changes
+        if (
+            at.status == Status.OPEN
+        ):  # bodies that graze move apart when a number changes
             at.gap_rate = Dual(at.gap_rate.value, (b - a).d)
         elif at.status in (Status.TOUCH, Status.GRAZE):
             self._note(FORCE, t, k, (a - b).d, self._least)
@@ -127,6 +147,9 @@ class Followed:
 def ending(system: System) -> set[int]:
     """Bodies that have a velocity after: no absorbing end slows them down for ever."""
     last = len(system.bodies) - 1
-    radiating = {at for at, end in zip((0, last), system.ends, strict=True)
-                 if isinstance(end, Absorbing)}
+    radiating = {
+        at
+        for at, end in zip((0, last), system.ends, strict=True)
+        if isinstance(end, Absorbing)
+    }
     return {i for group in groups(system) if radiating.isdisjoint(group) for i in group}

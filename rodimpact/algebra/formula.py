@@ -26,7 +26,9 @@ from .field import Field
 from .naming import Naming
 
 SHORT = 1 << 24  # denominator of directions, so that fractions are short
-HAIR = Fraction(1, 1 << 120)  # how far from the numbers of the system runs are made, of themselves
+HAIR = Fraction(
+    1, 1 << 120
+)  # how far from the numbers of the system runs are made, of themselves
 DIRECTIONS = 512  # in which sides are looked for
 MOST_SIDES = 64
 FEW = 4  # other formulas, and borders, that are told in short
@@ -43,7 +45,9 @@ def sides_of(field: Field, max_events: int) -> tuple[list[Cell], bool]:
     """
     names = field.naming.free
     directions = np.random.default_rng(1867).uniform(-1, 1, (DIRECTIONS, len(names)))
-    directions[0] = np.linspace(1, 2, len(names)) + directions[0] / 1000  # no two steps alike
+    directions[0] = (
+        np.linspace(1, 2, len(names)) + directions[0] / 1000
+    )  # no two steps alike
     directions = np.round(directions * SHORT) / SHORT
     unseen = np.ones(DIRECTIONS, dtype=bool)
     sides: list[Cell] = []
@@ -66,8 +70,11 @@ def sides_of(field: Field, max_events: int) -> tuple[list[Cell], bool]:
 
 
 def closed_form(
-    system: System, symbols: Sequence[str] = ("transit_time", "impedance"), *,
-    max_events: int = 1000, progress: Progress | None = None,
+    system: System,
+    symbols: Sequence[str] = ("transit_time", "impedance"),
+    *,
+    max_events: int = 1000,
+    progress: Progress | None = None,
 ) -> ClosedForm:
     """Solve a collision in symbols.
 
@@ -155,7 +162,9 @@ class ClosedForm:
     """
 
     _field: Field
-    _cells: tuple[Cell, ...]  # those of this formula that meet at the numbers of the system
+    _cells: tuple[
+        Cell, ...
+    ]  # those of this formula that meet at the numbers of the system
     _others: tuple[Cell, ...]
     sides: tuple[ClosedForm, ...]
     unsolved: bool
@@ -206,7 +215,9 @@ class ClosedForm:
         The three whose borders are nearest, by the shares of the numbers that must change.
         """
         distances = list(map(self._field.distance, self._borders))
-        return tuple(self.cell[i] for i in sorted(np.argsort(distances, kind="stable")[:NEAREST]))
+        return tuple(
+            self.cell[i] for i in sorted(np.argsort(distances, kind="stable")[:NEAREST])
+        )
 
     def where(self, remedy: str) -> str:
         """The nearest conditions in a line; where there are more, how many, and what shows all."""
@@ -220,7 +231,9 @@ class ClosedForm:
         between, outer = self._tied
         crossed = all(len(cell.slopes) == len(cell.ties) for cell in self._cells)
         found = self._cells[0].borders
-        if crossed and all(any(-p in outer for p in other.ties) for other in self._others):
+        if crossed and all(
+            any(-p in outer for p in other.ties) for other in self._others
+        ):
             others = {p for cell in self._cells for p in cell.borders}
             found = [*others - between - outer, *outer]
         return self._field.reduced(found)
@@ -256,31 +269,40 @@ class ClosedForm:
             return False
         if any(cell.contains(known) for cell in self._cells):
             return True
-        return any(cell.contains(known, self._tied[0]) for cell in self._cells) and not any(
-            other.contains(known, other.borders) for other in self._others)
+        return any(
+            cell.contains(known, self._tied[0]) for cell in self._cells
+        ) and not any(other.contains(known, other.borders) for other in self._others)
 
     def _values(self, values: Mapping[str, Any]) -> dict[str, Fraction]:
         names = self.symbols
         unknown = [name for name in values if name not in names]
         if unknown:
-            raise InvalidModel([(unknown[0], f"is no symbol here; {nearest(unknown[0], names)}")])
+            raise InvalidModel(
+                [(unknown[0], f"is no symbol here; {nearest(unknown[0], names)}")]
+            )
         return self._field.naming.values(fractions_of(values))
 
     def __str__(self) -> str:
         lines = [f"{name} = {value}" for name, value in named(self._results)]
         lines.append(self.where(".cell has all"))
         if self.sides:
-            border = ", ".join(short(f"{tie.lhs} = {tie.rhs}") for tie in self._ties[:FEW])
+            border = ", ".join(
+                short(f"{tie.lhs} = {tie.rhs}") for tie in self._ties[:FEW]
+            )
             count = len(self.sides)
             others = f"{count} other formulas" if count > 1 else "another formula"
             e = self.at().restitution
-            here = "" if e is None else f" (e = {e if e.denominator < MANY else float(e)})"
+            here = (
+                "" if e is None else f" (e = {e if e.denominator < MANY else float(e)})"
+            )
             lines.append(f"It meets {others} where {border}, as here{here}:")
             lines += map(_line, self.sides[:FEW])
             if len(self.sides) > FEW:
                 lines.append("... see the others in .sides")
         if self.unsolved:
-            lines.append("There are more cells, left out by max_events or by the cap on cells.")
+            lines.append(
+                "There are more cells, left out by max_events or by the cap on cells."
+            )
         return "\n".join(lines)
 
     @property
@@ -295,7 +317,13 @@ class ClosedForm:
         cell = ",\\ ".join(map(latex, self.nearest))
         if len(self.cell) > NEAREST:
             cell += f"\\ \\text{{and {len(self.cell) - NEAREST} more}}"
-        return "$$\\begin{aligned}" + "\\\\".join(lines) + "\\end{aligned}\\qquad " + cell + "$$"
+        return (
+            "$$\\begin{aligned}"
+            + "\\\\".join(lines)
+            + "\\end{aligned}\\qquad "
+            + cell
+            + "$$"
+        )
 
 
 def _line(form: ClosedForm) -> str:

@@ -28,7 +28,15 @@ from .following import EVENTS, NO_TIE, SMOOTH, Followed, ending
 
 STRAIGHT = ("gap", "velocity", "strain")
 """Numbers of a row themselves; the numbers of a row go with powers of the others."""
-FIELDS = ("length", "area", "diameter", "youngs_modulus", "density", "wave_speed", *STRAIGHT)
+FIELDS = (
+    "length",
+    "area",
+    "diameter",
+    "youngs_modulus",
+    "density",
+    "wave_speed",
+    *STRAIGHT,
+)
 FEW = 64  # members that are followed one by one
 STEPS = 2.0 ** -np.arange(10.0, 19.0)  # of differences, relative
 AGREE = 1e-6  # relative difference of the derivatives on both sides that is none
@@ -116,7 +124,9 @@ class Gradient:
     units: Mapping[str, str]
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> Array:
-        return np.stack([self.values[path] for path in self.wrt], -1).astype(dtype or float)
+        return np.stack([self.values[path] for path in self.wrt], -1).astype(
+            dtype or float
+        )
 
     def __getitem__(self, path: str) -> Any:
         if not isinstance(path, str) or path not in self.values:
@@ -142,8 +152,12 @@ class Gradient:
 
 
 def gradient(
-    system: System, of: str = "restitution", wrt: Sequence[str] = (), *,
-    max_events: int = MAX_EVENTS, workers: int | None = None,
+    system: System,
+    of: str = "restitution",
+    wrt: Sequence[str] = (),
+    *,
+    max_events: int = MAX_EVENTS,
+    workers: int | None = None,
 ) -> Gradient:
     """Exact derivatives of results of a collision, for systems that the method "fronts" can solve.
 
@@ -235,11 +249,17 @@ class _Number(NamedTuple):
 
     def changes(self) -> Array:
         """How the numbers of a row change with this one, per change by its size."""
-        y, there = (np.array(plan_of(Row(system)).numbers)
-                    for system in (self.system, self.changed(self.size)))
+        y, there = (
+            np.array(plan_of(Row(system)).numbers)
+            for system in (self.system, self.changed(self.size))
+        )
         with np.errstate(all="ignore"):  # of what is 0, and does not change
-            power = np.round(2 * np.log2(there / y)) / 2  # the size of these is the number itself
-        return np.asarray(there - y if self.field in STRAIGHT else np.nan_to_num(power * y))
+            power = (
+                np.round(2 * np.log2(there / y)) / 2
+            )  # the size of these is the number itself
+        return np.asarray(
+            there - y if self.field in STRAIGHT else np.nan_to_num(power * y)
+        )
 
     def differences(self, totals: Callable[[System], Array], value: Any) -> Array:
         """Derivatives below and above, by how much the value jumps, and whether it is smooth.
@@ -248,25 +268,36 @@ class _Number(NamedTuple):
         """
         sign = np.reshape([-1.0, 1.0], (2, *[1] * len(self.system.shape)))
         steps = np.multiply.outer(STEPS, sign) * self.size
-        able = (self.field != "gap") | (self.x + steps >= 0)  # there is one side of no gap
+        able = (self.field != "gap") | (
+            self.x + steps >= 0
+        )  # there is one side of no gap
         y = np.where(able, totals(self.changed(np.where(able, steps, 0.0))), math.nan)
         below, above = _limit(np.diff(y, axis=0) / np.diff(steps, axis=0))
         (jump,) = np.diff(_limit(y), axis=0)
         most = np.abs(below) + np.abs(above) + np.abs(value) / self.size
         whole = np.abs(jump) <= CONTINUOUS * np.abs(value)
-        return np.array([below, above, jump, whole & (np.abs(above - below) <= AGREE * most)])
+        return np.array(
+            [below, above, jump, whole & (np.abs(above - below) <= AGREE * most)]
+        )
 
 
 def _numbers(system: System, paths: Sequence[str]) -> list[_Number]:
     """The numbers at some paths."""
     row, known, have, found = Row(system), places_of(system), numbers_of(system), []
-    c, T = (largest([getattr(s, name) for s in row.segments])
-            for name in ("wave_speed", "transit_time"))
+    c, T = (
+        largest([getattr(s, name) for s in row.segments])
+        for name in ("wave_speed", "transit_time")
+    )
     for path in paths:
         x, field = have[known[path][0]], path.rpartition(".")[2]
-        sizes = {"velocity": row.scale, "strain": row.scale / c,
-                 "gap": np.where(x == 0, row.scale * T, x)[()]}
-        found.append(_Number(system, known[path], field, x, sizes.get(field, np.abs(x))))
+        sizes = {
+            "velocity": row.scale,
+            "strain": row.scale / c,
+            "gap": np.where(x == 0, row.scale * T, x)[()],
+        }
+        found.append(
+            _Number(system, known[path], field, x, sizes.get(field, np.abs(x)))
+        )
     return found
 
 
@@ -280,7 +311,10 @@ def _limit(y: Array) -> Array:
 
 
 def _follow(
-    numbers: Sequence[_Number], of: str, max_events: int, totals: Callable[[System], Array]
+    numbers: Sequence[_Number],
+    of: str,
+    max_events: int,
+    totals: Callable[[System], Array],
 ) -> Array:
     """Columns of one member: [6, path]."""
     changes = np.transpose([x.changes() for x in numbers])
@@ -301,8 +335,12 @@ def _follow(
 def _check(system: System, of: Any, wrt: Any) -> None:
     """Raise InvalidModel for what has no derivatives."""
     problems: Problems = [
-        (f"bodies.{i}.{name}", "jumps, and its derivatives are not known; give one number")
-        for i, body in enumerate(system.bodies) for name in ("velocity", "strain")
+        (
+            f"bodies.{i}.{name}",
+            "jumps, and its derivatives are not known; give one number",
+        )
+        for i, body in enumerate(system.bodies)
+        for name in ("velocity", "strain")
         if isinstance(getattr(body, name, 0.0), Steps)
     ]
     lasting, able = ending(system), unilateral(system)
@@ -313,13 +351,21 @@ def _check(system: System, of: Any, wrt: Any) -> None:
     if not isinstance(of, str) or of not in choices:
         problems.append(("of", f"must be one of {', '.join(choices)}, got {shown(of)}"))
     known = places_of(system)
-    if not isinstance(wrt, list | tuple) or not wrt or not all(isinstance(p, str) for p in wrt):
-        message = f"must be a list of paths, such as ['bodies.0.length'], got {shown(wrt)}"
+    if (
+        not isinstance(wrt, list | tuple)
+        or not wrt
+        or not all(isinstance(p, str) for p in wrt)
+    ):
+        message = (
+            f"must be a list of paths, such as ['bodies.0.length'], got {shown(wrt)}"
+        )
         problems.append(("wrt", message))
         wrt = ()
     for path in wrt:
         if path not in known:
-            message = f"the system has no parameter {shown(path)}; {suggestion(path, known)}"
+            message = (
+                f"the system has no parameter {shown(path)}; {suggestion(path, known)}"
+            )
             problems.append(("wrt", message))
         elif path.rpartition(".")[2] not in FIELDS:
             message = f"{path} is for other methods; derivatives are known for {', '.join(FIELDS)}"
@@ -336,8 +382,13 @@ def _gradient(
     for path, column in zip(wrt, np.moveaxis(table, 1, 0), strict=True):
         kink = Kink(*(x[()] for x in column))
         smooth = np.equal(kink.event, SMOOTH)
-        values[path] = np.where(smooth, (kink.below + kink.above) / 2 + 0.0, math.nan)[()]
-        one_sided[path], units[path] = kink[:2], _per(unit, parameter(system, path).unit)
+        values[path] = np.where(smooth, (kink.below + kink.above) / 2 + 0.0, math.nan)[
+            ()
+        ]
+        one_sided[path], units[path] = (
+            kink[:2],
+            _per(unit, parameter(system, path).unit),
+        )
         if not smooth.all():
             event = np.take(EVENTS, np.int64(kink.event))
             kinks[path] = kink._replace(node=np.int64(kink.node), event=event)
@@ -347,7 +398,9 @@ def _gradient(
 
 def _per(unit: str, other: str) -> str:
     """Unit of a derivative."""
-    above, below = (f"({u})" if "/" in u or " " in u else u for u in (unit, other or "1"))
+    above, below = (
+        f"({u})" if "/" in u or " " in u else u for u in (unit, other or "1")
+    )
     if unit == other:
         return ""
     return unit if below == "1" else f"{above}/{below}"

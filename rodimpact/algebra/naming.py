@@ -20,8 +20,14 @@ from .exact import ExactRun, Numbers, check, read, root, run, written
 from .numbers import ZERO, Number, Program
 
 LETTERS = {
-    "transit_time": "T", "impedance": "Z", "length": "l", "area": "A", "youngs_modulus": "E",
-    "density": "rho", "velocity": "v", "gap": "g",
+    "transit_time": "T",
+    "impedance": "Z",
+    "length": "l",
+    "area": "A",
+    "youngs_modulus": "E",
+    "density": "rho",
+    "velocity": "v",
+    "gap": "g",
 }
 DIGITS = 400  # bits of a wave speed that is no fraction
 
@@ -49,7 +55,9 @@ class Naming:
 
     def __init__(self, system: System, symbols: Sequence[str]) -> None:
         check(system)
-        if not isinstance(symbols, list | tuple) or not all(isinstance(x, str) for x in symbols):
+        if not isinstance(symbols, list | tuple) or not all(
+            isinstance(x, str) for x in symbols
+        ):
             message = f"must be a list of paths or words, such as ['length'], got {shown(symbols)}"
             raise InvalidModel([("symbols", message)])
         self.row, self.symbols = Row(system), list(symbols)
@@ -58,17 +66,27 @@ class Naming:
         self.speeds: dict[str, tuple[Any, Any]] = {}
         self._asked: list[str] = []
         self._named: list[str] = []
-        self._of_material = {place: path for path, places in places_of(system).items()
-                             if path.startswith("materials.") for place in places}
+        self._of_material = {
+            place: path
+            for path, places in places_of(system).items()
+            if path.startswith("materials.")
+            for place in places
+        }
         self._materials: dict[Any, int] = {}
         self._roots: dict[Fraction, Fraction] = {}
         self._numbers = read(self.row, self._take, self._material)
-        known, named = (dict.fromkeys(word for path in paths for word in self._words(path))
-                        for paths in (self._asked, self._named))
+        known, named = (
+            dict.fromkeys(word for path in paths for word in self._words(path))
+            for paths in (self._asked, self._named)
+        )
         problems = [
-            ("symbols", f"{shown(symbol)} names no number of the formula beside the other "
-             f"symbols; {suggestion(symbol, known)}")
-            for symbol in self.symbols if symbol not in named
+            (
+                "symbols",
+                f"{shown(symbol)} names no number of the formula beside the other "
+                f"symbols; {suggestion(symbol, known)}",
+            )
+            for symbol in self.symbols
+            if symbol not in named
         ]
         if problems or not symbols:
             raise InvalidModel(problems or [("symbols", "must name a number")])
@@ -77,8 +95,14 @@ class Naming:
     def free(self) -> list[str]:
         """Names of the numbers in the run that can be shifted, each on its own."""
         own = [name for name in self.base if name[0] not in "Er"]
-        both = [rho for E, rho in self.speeds.values() if isinstance(E, str) and rho in self.base]
-        stand_ins = [c for c, of in self.speeds.items() if any(isinstance(x, str) for x in of)]
+        both = [
+            rho
+            for E, rho in self.speeds.values()
+            if isinstance(E, str) and rho in self.base
+        ]
+        stand_ins = [
+            c for c, of in self.speeds.items() if any(isinstance(x, str) for x in of)
+        ]
         return [*own, *map(str, both), *stand_ins]
 
     def values(self, given: Mapping[str, Fraction]) -> dict[str, Fraction]:
@@ -87,7 +111,11 @@ class Naming:
         for c, (E, rho) in self.speeds.items():
             modulus, density = (Fraction(known.get(x, x)) for x in (E, rho))
             if c not in given:  # where there are no waves it is 0
-                known[c] = self._root(modulus / density) if modulus > 0 < density else Fraction(0)
+                known[c] = (
+                    self._root(modulus / density)
+                    if modulus > 0 < density
+                    else Fraction(0)
+                )
         return known
 
     def run(self, values: Mapping[str, Fraction], max_events: int) -> ExactRun:
@@ -107,7 +135,9 @@ class Naming:
 
     def _words(self, path: str) -> list[str]:
         """What may name the number at a path: the path, that of its material, and its last word."""
-        return list(filter(None, (path, self._of_material.get(path), path.rpartition(".")[2])))
+        return list(
+            filter(None, (path, self._of_material.get(path), path.rpartition(".")[2]))
+        )
 
     def symbol_of(self, path: str) -> str | None:
         """The symbol that names the number at a path."""
@@ -115,7 +145,9 @@ class Naming:
 
     def _take(self, path: str, value: float) -> Any:
         quantity = path.rpartition(".")[2]
-        if quantity == "gap" and value == 0:  # bodies that touch have no gap to be named
+        if (
+            quantity == "gap" and value == 0
+        ):  # bodies that touch have no gap to be named
             return ZERO
         self._asked.append(path)
         derived = quantity in ("transit_time", "impedance")
@@ -126,7 +158,9 @@ class Naming:
         else:
             place = self.row.paths.index(path.rpartition(".")[0])
         name = f"{LETTERS[quantity]}{place}"
-        self._name(name, path, self._derived(quantity, place) if derived else written(value))
+        self._name(
+            name, path, self._derived(quantity, place) if derived else written(value)
+        )
         return Number(self.base[name], (name,))
 
     def _derived(self, quantity: str, place: int) -> Fraction:
@@ -134,7 +168,11 @@ class Naming:
         s = self.row.segments[place - 1]
         E, rho = written(s.material.youngs_modulus), written(s.material.density)
         c = self._root(E / rho)
-        return written(s.length) / c if quantity == "transit_time" else rho * written(s.area) * c
+        return (
+            written(s.length) / c
+            if quantity == "transit_time"
+            else rho * written(s.area) * c
+        )
 
     def _material(self, s: Any, path: str) -> tuple[Number, Any]:
         """Wave speed and density of a segment, in terms of the numbers that have names."""
@@ -142,10 +180,16 @@ class Naming:
         self._asked.append(f"{path}.density")
         pair = s.material.youngs_modulus, s.material.density
         # rods of equal materials have them in common, but for one that is asked for by its path
-        own = path if {f"{path}.youngs_modulus", f"{path}.density"} & set(self.symbols) else ""
+        own = (
+            path
+            if {f"{path}.youngs_modulus", f"{path}.density"} & set(self.symbols)
+            else ""
+        )
         place = self._materials.setdefault((own, pair), len(self._materials) + 1)
         E, rho = (
-            self._name(f"{LETTERS[quantity]}{place}", f"{path}.{quantity}", written(value))
+            self._name(
+                f"{LETTERS[quantity]}{place}", f"{path}.{quantity}", written(value)
+            )
             for quantity, value in zip(("youngs_modulus", "density"), pair, strict=True)
         )
         square, named = written(pair[0]) / written(pair[1]), isinstance(E, str)
@@ -169,5 +213,9 @@ class Naming:
 
 def _nearly_root(square: Fraction) -> Fraction:
     """Square root of a fraction to `DIGITS` bits, rounded down."""
-    more = max(0, DIGITS + square.denominator.bit_length() - square.numerator.bit_length())
-    return Fraction(math.isqrt((square.numerator << 2 * more) // square.denominator), 1 << more)
+    more = max(
+        0, DIGITS + square.denominator.bit_length() - square.numerator.bit_length()
+    )
+    return Fraction(
+        math.isqrt((square.numerator << 2 * more) // square.denominator), 1 << more
+    )

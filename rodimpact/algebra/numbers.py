@@ -14,7 +14,10 @@ from fractions import Fraction
 from typing import Any
 
 OPERATIONS: dict[str, Callable[[Any, Any], Any]] = {
-    "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv,
+    "+": operator.add,
+    "-": operator.sub,
+    "*": operator.mul,
+    "/": operator.truediv,
     "since": lambda passed, x: (passed >= 0) * x,
 }
 NEUTRAL = {"+": 0, "-": 0, "*": 1, "/": 1}
@@ -33,8 +36,12 @@ def _judged(compare: Callable[[Any, Any], Any]) -> Callable[[Any, Any], bool]:
     return lambda x, y: bool(compare(x.value, y.value if isinstance(y, Judged) else y))
 
 
-def _both_sides(operation: str) -> tuple[Callable[[Any, Any], Any], Callable[[Any, Any], Any]]:
-    return (lambda x, y: x.combine(operation, x, y)), (lambda y, x: y.combine(operation, x, y))
+def _both_sides(
+    operation: str,
+) -> tuple[Callable[[Any, Any], Any], Callable[[Any, Any], Any]]:
+    return (lambda x, y: x.combine(operation, x, y)), (
+        lambda y, x: y.combine(operation, x, y)
+    )
 
 
 class Judged:
@@ -48,9 +55,14 @@ class Judged:
     combine: Callable[[str, Any, Any], Any]
 
     __eq__, __lt__, __le__, __gt__, __ge__ = map(
-        _judged, (operator.eq, operator.lt, operator.le, operator.gt, operator.ge))
-    (__add__, __radd__), (__sub__, __rsub__), (__mul__, __rmul__), (__truediv__, __rtruediv__) = (
-        map(_both_sides, NEUTRAL))
+        _judged, (operator.eq, operator.lt, operator.le, operator.gt, operator.ge)
+    )
+    (
+        (__add__, __radd__),
+        (__sub__, __rsub__),
+        (__mul__, __rmul__),
+        (__truediv__, __rtruediv__),
+    ) = map(_both_sides, NEUTRAL)
     __hash__ = None  # type: ignore[assignment]
 
     def __neg__(self) -> Any:
@@ -155,7 +167,9 @@ class Program:
         Makes of a fraction what goes with what stands for the names.
     """
 
-    def __init__(self, wanted: list[Number], constant: Callable[[Fraction], Any]) -> None:
+    def __init__(
+        self, wanted: list[Number], constant: Callable[[Fraction], Any]
+    ) -> None:
         places: dict[tuple[Any, ...], int] = {}
         at: dict[int, int] = {}
         stack = wanted[::-1]
@@ -169,7 +183,9 @@ class Program:
             if len(step) == 3:
                 step = OPERATIONS[step[0]], at[id(step[1])], at[id(step[2])]
             at[id(x)] = places.setdefault(step, len(places))
-        self._steps = [(None, constant(step[1])) if step[0] is None else step for step in places]
+        self._steps = [
+            (None, constant(step[1])) if step[0] is None else step for step in places
+        ]
         self._wanted = [at[id(x)] for x in wanted]
 
     def __call__(self, names: Mapping[str, Any]) -> list[Any]:

@@ -34,7 +34,16 @@ COMMANDS = {
     "help": "tell what a case file may hold, and which units are known",
     "doctor": "show versions, and whether compiled code works here",
 }
-CASE = ("schema", "gravity", "materials", "bodies", "contacts", "ends", "solve", "output")
+CASE = (
+    "schema",
+    "gravity",
+    "materials",
+    "bodies",
+    "contacts",
+    "ends",
+    "solve",
+    "output",
+)
 """Tables of a case file, in whose mistakes `rodimpact help case` helps."""
 DONE, FAULT, MISTAKE, INCOMPLETE, UNVERIFIED, INTERRUPTED = 0, 1, 2, 3, 4, 130
 STATUSES = {
@@ -61,7 +70,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         Exit status.
     """
     for name in ("stdout", "stderr"):
-        if getattr(sys, name) is None:  # closed; what is printed to None goes to the other
+        if (
+            getattr(sys, name) is None
+        ):  # closed; what is printed to None goes to the other
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
     try:
         try:
@@ -72,16 +83,22 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return complain("interrupted", INTERRUPTED)
     except OSError as error:
-        return complain(str(error), MISTAKE if isinstance(error, FileExistsError) else FAULT)
+        return complain(
+            str(error), MISTAKE if isinstance(error, FileExistsError) else FAULT
+        )
     except MemoryError:
         remedy = "ask for a shorter run, fewer events or fewer values"
         return complain(f"not enough memory; {remedy}", FAULT)
     except (OverflowError, FloatingPointError) as error:
-        return complain(f"a number is too large or too small to compute with: {error}", MISTAKE)
+        return complain(
+            f"a number is too large or too small to compute with: {error}", MISTAKE
+        )
     except Exception as error:
         if not hasattr(error, "problems"):
             traceback.print_exc()
-            return complain("a fault of rodimpact, not yours; please report the lines above", FAULT)
+            return complain(
+                "a fault of rodimpact, not yours; please report the lines above", FAULT
+            )
         in_case = any(path.partition(".")[0] in CASE for path, _ in error.problems)
         hint = "\nrodimpact help case: what a case file may hold" if in_case else ""
         return complain(f"{error}{hint}", MISTAKE)
@@ -89,8 +106,10 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(argv: list[str]) -> tuple[str | Iterable[str], int]:
     parser_of = partial(
-        argparse.ArgumentParser, formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False)
+        argparse.ArgumentParser,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
     parser = parser_of(
         prog="rodimpact",
         description="Collisions of elastic rods: exact waves, and the restitution that follows.",
@@ -100,14 +119,27 @@ def _run(argv: list[str]) -> tuple[str | Iterable[str], int]:
         + "\n".join(f"  {status:<10} {what}" for status, what in STATUSES.items())
         + "\n\nrodimpact COMMAND --help tells more about a command.",
     )
-    parser.add_argument("--version", action="version", version=f"rodimpact {__version__}")
-    parser.add_argument("command", nargs="?", default="", metavar="COMMAND",
-                        help="what to do, see below")
-    parser.add_argument("rest", nargs=argparse.REMAINDER, metavar="...", help="its arguments")
+    parser.add_argument(
+        "--version", action="version", version=f"rodimpact {__version__}"
+    )
+    parser.add_argument(
+        "command",
+        nargs="?",
+        default="",
+        metavar="COMMAND",
+        help="what to do, see below",
+    )
+    parser.add_argument(
+        "rest", nargs=argparse.REMAINDER, metavar="...", help="its arguments"
+    )
     called = parser.parse_args(argv)
     if called.command not in COMMANDS:
         near = difflib.get_close_matches(called.command, COMMANDS, n=1)
-        hint = f"perhaps {near[0]} is meant" if near else f"choose one of {', '.join(COMMANDS)}"
+        hint = (
+            f"perhaps {near[0]} is meant"
+            if near
+            else f"choose one of {', '.join(COMMANDS)}"
+        )
         parser.error(f"unknown command {called.command!r}; {hint}")
     asking = import_module(".asking", __name__)  # which imports this package
     command = import_module(f".{called.command}", __name__)
@@ -125,7 +157,9 @@ def _print(text: str | Iterable[str]) -> bool:
     try:
         encoding = sys.stdout.encoding or "utf-8"
         for line in lines:
-            sys.stdout.write(line.encode(encoding, "backslashreplace").decode(encoding) + "\n")
+            sys.stdout.write(
+                line.encode(encoding, "backslashreplace").decode(encoding) + "\n"
+            )
         sys.stdout.flush()
     except OSError as error:
         # nothing may be left to write when the interpreter ends

@@ -43,8 +43,11 @@ class Given(argparse.Namespace):
     def __init__(self, parser: argparse.ArgumentParser) -> None:
         super().__init__()
         self.problems: Problems = []
-        self.options = {action.dest: action.option_strings[-1]
-                        for action in parser._actions if action.option_strings}
+        self.options = {
+            action.dest: action.option_strings[-1]
+            for action in parser._actions
+            if action.option_strings
+        }
 
     def note(self, path: str, message: str) -> None:
         """Note a mistake, unless there is one already: what cannot be read cannot be right."""
@@ -60,7 +63,11 @@ class Given(argparse.Namespace):
             return math.nan
 
     def attempt(
-        self, make: Callable[..., Made], *given: object, names: Names = None, **more: object
+        self,
+        make: Callable[..., Made],
+        *given: object,
+        names: Names = None,
+        **more: object,
     ) -> Made | None:
         """What `make` makes of what was given; None, and its mistakes noted, if it refuses.
 
@@ -85,7 +92,9 @@ class Given(argparse.Namespace):
             yield
         except (ValueError, LargeFile) as error:
             found = getattr(error, "problems", [("", str(error))])
-            told = [(every or known.get(path, path), message) for path, message in found]
+            told = [
+                (every or known.get(path, path), message) for path, message in found
+            ]
             if "" in dict(told):
                 raise
             raise InvalidModel(told) from error
@@ -97,10 +106,14 @@ class Given(argparse.Namespace):
 
     def run_options(self, case: Case | None) -> dict[str, Any]:
         """Options for `solve` and `sweep`; mistakes bear the name of the option, or the entry."""
-        asked = {name: value for name in ("method", *NUMBERS)
-                 if (value := getattr(self, name, None)) is not None}
+        asked = {
+            name: value
+            for name in ("method", *NUMBERS)
+            if (value := getattr(self, name, None)) is not None
+        }
         own = {
-            name: value for name, value in (case.solve if case else {}).items()
+            name: value
+            for name, value in (case.solve if case else {}).items()
             if not (name in ("dt", "cells") and "rtol" in asked)
             and not (name == "rtol" and asked.keys() & {"dt", "cells"})
         }
@@ -133,15 +146,21 @@ class Given(argparse.Namespace):
             from ..plot.files import FORMATS, format_of
 
             option = self.options[figure]
-            self.attempt(format_of, getattr(self, figure), FORMATS, names={"path": option})
+            self.attempt(
+                format_of, getattr(self, figure), FORMATS, names={"path": option}
+            )
         option_of: dict[object, str] = {}
         for name in names:
             path, option = getattr(self, name), self.options[name]
             try:
                 if path is not None:
-                    first = option_of.setdefault(check_target(path, force=self.force), option)
+                    first = option_of.setdefault(
+                        check_target(path, force=self.force), option
+                    )
                     if first != option:
-                        self.note(option, f"{path!r} is the file of {first} too; name another")
+                        self.note(
+                            option, f"{path!r} is the file of {first} too; name another"
+                        )
             except FileExistsError as error:
                 self.note(option, str(error))
         raise_noted(self.problems)
@@ -165,10 +184,14 @@ class Number(argparse.Action):
 
     def __call__(self, _: object, given: Any, text: Any, *__: object) -> None:
         """Read the number."""
-        setattr(given, self.dest, given.number(self.option_strings[-1], text, self.const))
+        setattr(
+            given, self.dest, given.number(self.option_strings[-1], text, self.const)
+        )
 
 
-def add_run_options(parser: argparse.ArgumentParser, names: Sequence[str] = (*NUMBERS,)) -> None:
+def add_run_options(
+    parser: argparse.ArgumentParser, names: Sequence[str] = (*NUMBERS,)
+) -> None:
     """Options of those names, and the method."""
     parser.add_argument("--method", choices=METHOD_NAMES, help="instead of the case's")
     for name in names:
@@ -178,11 +201,14 @@ def add_run_options(parser: argparse.ArgumentParser, names: Sequence[str] = (*NU
 def number(parser: Any, option: str, dimension: str, what: str, **more: Any) -> None:
     """Add to a parser, or a group of it, an option that is a number of a dimension."""
     metavar = {"": "N", "dimensionless": "X"}.get(dimension, dimension.upper())
-    parser.add_argument(option, action=Number, const=dimension, metavar=metavar, help=what, **more)
+    parser.add_argument(
+        option, action=Number, const=dimension, metavar=metavar, help=what, **more
+    )
 
 
 def drawn(draw: Callable[[Any], Any]) -> Callable[..., None]:
     """Writer of the figure that is drawn with `plot`, which is imported only for that."""
+
     def write(path: str, force: bool) -> None:
         from .. import plot
 
@@ -195,7 +221,9 @@ def _whole(text: str) -> int:
     """A positive whole number that a register can hold."""
     if re.fullmatch("0*[1-9][0-9]{0,17}", text.strip()):
         return int(text)
-    raise ValueError(f"must be a positive whole number below 10^18, got {text.strip()!r}")
+    raise ValueError(
+        f"must be a positive whole number below 10^18, got {text.strip()!r}"
+    )
 
 
 def note(text: str) -> None:

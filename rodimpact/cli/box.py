@@ -49,17 +49,39 @@ class Replay(NamedTuple):
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """A ratio of lengths, and where the figures go."""
-    number(parser, "--ratio", "dimensionless",
-           "l1/l2 of the rods of different length, up to 1; default 0.4", default=0.4)
-    parser.add_argument("--material", choices=TABLE, default="steel", metavar="NAME",
-                        help="of the rods, from rodimpact materials; default steel")
-    parser.add_argument("--dowel", action="store_true",
-                        help="also drop a 3-foot wooden dowel on a stone floor")
-    parser.add_argument("--format", choices=("png", "svg", "pdf"), default="png",
-                        help="of the figures; default png")
+    number(
+        parser,
+        "--ratio",
+        "dimensionless",
+        "l1/l2 of the rods of different length, up to 1; default 0.4",
+        default=0.4,
+    )
+    parser.add_argument(
+        "--material",
+        choices=TABLE,
+        default="steel",
+        metavar="NAME",
+        help="of the rods, from rodimpact materials; default steel",
+    )
+    parser.add_argument(
+        "--dowel",
+        action="store_true",
+        help="also drop a 3-foot wooden dowel on a stone floor",
+    )
+    parser.add_argument(
+        "--format",
+        choices=("png", "svg", "pdf"),
+        default="png",
+        help="of the figures; default png",
+    )
     parser.add_argument("--dark", action="store_true", help="light lines on dark paper")
-    parser.add_argument("-o", "--output", default="rodimpact-box", metavar="DIR",
-                        help="directory of the figures; default ./rodimpact-box")
+    parser.add_argument(
+        "-o",
+        "--output",
+        default="rodimpact-box",
+        metavar="DIR",
+        help="directory of the figures; default ./rodimpact-box",
+    )
     parser.add_argument("--force", action="store_true", help="replace existing figures")
 
 
@@ -79,18 +101,24 @@ def run(given: Given) -> tuple[str, int]:
         given.note("--output", f"{given.output!r} is not a directory; name another")
     elif there and not given.force:
         message = f"{folder} holds {', '.join(there)} already"
-        given.note("--output", f"{message}; give --force to replace them, or name another")
+        given.note(
+            "--output", f"{message}; give --force to replace them, or name another"
+        )
     raise_noted(given.problems)
     folder.mkdir(parents=True, exist_ok=True)
 
     material = TABLE[given.material]
-    replays = [Replay(title, names, solve(System(bodies)))
-               for title, names, bodies in collisions(material, given.ratio)[: len(keys)]]
+    replays = [
+        Replay(title, names, solve(System(bodies)))
+        for title, names, bodies in collisions(material, given.ratio)[: len(keys)]
+    ]
     struck = rod(material, 1.0)
     values = [collide(rod(material, r, 1.0), struck).restitution for r in RATIOS]
     largest = max(abs(e - r) for e, r in zip(values, RATIOS, strict=True))
-    law = (f"Length ratios from {RATIOS[0]:.3g} to 1\n"
-           f"{len(RATIOS)} pairs of rods solved: e agrees with l1/l2 to {largest:.1e}.")
+    law = (
+        f"Length ratios from {RATIOS[0]:.3g} to 1\n"
+        f"{len(RATIOS)} pairs of rods solved: e agrees with l1/l2 to {largest:.1e}."
+    )
     texts = [introduction(material), *map(describe, replays), law]
     note("drawing")
     with plot.look("dark" if given.dark else "light"):
@@ -116,7 +144,11 @@ def collisions(material: Material, ratio: float) -> list[tuple[Any, ...]]:
         ("Identical rods", both, [metre, struck]),
         ("A rod on a rigid wall", ("rod", "wall"), [metre, Wall()]),
         (f"Rods of different length, l1/l2 = {ratio:g}", both, [shorter, struck]),
-        ("A wooden dowel, 3 ft long, on a stone floor", ("dowel", "floor"), [dowel, Wall()]),
+        (
+            "A wooden dowel, 3 ft long, on a stone floor",
+            ("dowel", "floor"),
+            [dowel, Wall()],
+        ),
     ]
 
 
@@ -153,24 +185,33 @@ def describe(replay: Replay) -> str:
     ):
         rows.append([what, *(format_si(float(x), unit) for x in numbers)])
     for name, v in zip(replay.names, o.velocities_after, strict=True):
-        rows.append([f"velocity of the {name} afterwards", f"{clean(v, 1.0):.6g} m/s", ""])
-    rows += [["momentum balance, relative error", f"{abs(o.momentum_residual):.2g}", "0"],
-             ["energy balance, relative error", f"{abs(o.energy_residual):.2g}", "0"]]
-    trips = [f"{format_si(2 * float(body.transit_time), 's')} for the {name}"
-             for name, body in zip(replay.names, system.bodies, strict=True)
-             if isinstance(body, Rod)]
+        rows.append(
+            [f"velocity of the {name} afterwards", f"{clean(v, 1.0):.6g} m/s", ""]
+        )
+    rows += [
+        ["momentum balance, relative error", f"{abs(o.momentum_residual):.2g}", "0"],
+        ["energy balance, relative error", f"{abs(o.energy_residual):.2g}", "0"],
+    ]
+    trips = [
+        f"{format_si(2 * float(body.transit_time), 's')} for the {name}"
+        for name, body in zip(replay.names, system.bodies, strict=True)
+        if isinstance(body, Rod)
+    ]
     remark = f"2 l/c is {' and '.join(trips)}"
     if episode.opening > episode.force_end:
         remark += (
             f".\nThe force ends after {format_si(o.duration, 's')}. In the textbook the rods part "
             "then. In fact they touch\nwithout force until the wave of the long rod is back; the "
-            f"gap opens after {format_si(opens, 's')}")
+            f"gap opens after {format_si(opens, 's')}"
+        )
     remark += ".\nThe vibration energy is (1 - e^2) m_coll v^2/2."
     story = tell(replay.solution, replay.names)
     return f"{replay.title}\n\n{story}\n\n{align(rows)}\n{remark}"
 
 
-def draw(replays: list[Replay], values: list[float], paths: list[Path], force: bool) -> None:
+def draw(
+    replays: list[Replay], values: list[float], paths: list[Path], force: bool
+) -> None:
     """Draw every collision, and e against the ratio of lengths."""
     from .. import plot
     from ..plot.moments import moments

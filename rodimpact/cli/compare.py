@@ -21,8 +21,12 @@ from . import record_options
 from .asking import Given, add_run_options, drawn, number
 from .progress import solved, status_of
 
-_PULSE = {"start": "pulse starts", "width": "width at half height",
-          "rise": "rise from 10 to 90 %", "plateau": "plateau"}
+_PULSE = {
+    "start": "pulse starts",
+    "width": "width at half height",
+    "rise": "rise from 10 to 90 %",
+    "plateau": "plateau",
+}
 
 
 # a channel, its prediction, shift and gain of the prediction, and the pulses of the two, if whole
@@ -37,9 +41,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     number(compared, "--stop", "time", "its end")
     number(compared, "--shift", "time", "fixed, of the prediction; positive is later")
     number(compared, "--scale", "dimensionless", "its gain, fixed")
-    number(compared, "--carried", "length", "shift the computed pulse so much farther, with the "
-           "exact dispersion of a round bar, for a gauge placed close behind the struck end")
-    number(compared, "--radius", "length", "its equivalent radius, if the case gives no diameter")
+    number(
+        compared,
+        "--carried",
+        "length",
+        "shift the computed pulse so much farther, with the "
+        "exact dispersion of a round bar, for a gauge placed close behind the struck end",
+    )
+    number(
+        compared,
+        "--radius",
+        "length",
+        "its equivalent radius, if the case gives no diameter",
+    )
     record_options.add_record_options(parser)
     add_run_options(parser)
 
@@ -50,8 +64,13 @@ def run(given: Given) -> tuple[str, int]:
     places = record_options.gauge_places(given, case)
     options = given.run_options(case)
     if not places:
-        given.problems.append(("--gauge", f"is missing; {record_options.FORM} gives a channel and "
-                               "the place of its gauge, as [[gauges]] of the case do, with a name"))
+        given.problems.append(
+            (
+                "--gauge",
+                f"is missing; {record_options.FORM} gives a channel and "
+                "the place of its gauge, as [[gauges]] of the case do, with a name",
+            )
+        )
     if given.radius is not None and given.radius <= 0:
         given.problems.append(("--radius", f"must be positive, got {given.radius!r}"))
     if given.radius is not None and given.carried is None:
@@ -61,8 +80,10 @@ def run(given: Given) -> tuple[str, int]:
     for name in places:
         record = records[name]
         with given.naming(names={"start, end": f"--start, --stop of {name}"}):
-            records[name] = record.window(record.start if given.start is None else given.start,
-                                          record.end if given.stop is None else given.stop)
+            records[name] = record.window(
+                record.start if given.start is None else given.start,
+                record.end if given.stop is None else given.stop,
+            )
     solution = solved(case.system, **options)
     if reason := nothing_to_draw(solution):
         raise InvalidModel([(case.path, reason)])
@@ -87,8 +108,11 @@ def _predicted(solution: Solution, place: tuple[int, float], given: Given) -> Si
 def _laid(measured: Signal, predicted: Signal, given: Given) -> Laid:
     """A prediction laid over a record, and the pulses of the two while the record lasts."""
     found = measured.misfit(predicted, shift=given.shift, scale=given.scale)
-    moved = predicted.replace(values=found.scale * predicted.values,
-                              times=predicted.times + found.shift, unit=measured.unit)
+    moved = predicted.replace(
+        values=found.scale * predicted.values,
+        times=predicted.times + found.shift,
+        unit=measured.unit,
+    )
     pulses: list[Pulse | None] = [None, None]
     for i, signal in enumerate((measured, moved)):
         with suppress(ValueError):  # there is no whole one
@@ -103,15 +127,31 @@ def _table(laid: dict[str, Laid]) -> str:
         rows = [[name, "measured", "predicted"]]
         for each, words in _PULSE.items():
             unit = measured.unit if each == "plateau" else "s"
-            rows.append([words, *("-" if pulse is None else format_si(getattr(pulse, each), unit)
-                                  for pulse in pulses)])
+            rows.append(
+                [
+                    words,
+                    *(
+                        "-" if pulse is None else format_si(getattr(pulse, each), unit)
+                        for pulse in pulses
+                    ),
+                ]
+            )
         at_limit = ", at its limit" if found.at_limit else ""
         gain = f"{found.scale:.6g} {gain_unit(measured.unit, predicted.unit)}"
-        blocks.append(align(rows) + "\n" + align([
-            ["misfit, root mean square over plateau", f"{100 * found.rms:.4g} %"],
-            ["shift of the prediction", format_si(found.shift, "s") + at_limit],
-            ["gain of the prediction", gain.rstrip()],
-        ]))
+        blocks.append(
+            align(rows)
+            + "\n"
+            + align(
+                [
+                    [
+                        "misfit, root mean square over plateau",
+                        f"{100 * found.rms:.4g} %",
+                    ],
+                    ["shift of the prediction", format_si(found.shift, "s") + at_limit],
+                    ["gain of the prediction", gain.rstrip()],
+                ]
+            )
+        )
     return "\n\n".join(blocks)
 
 
@@ -121,8 +161,13 @@ def _json(laid: dict[str, Laid]) -> str:
     for name, (measured, _, misfit, pulses) in laid.items():
         timings = [pulse and pulse._asdict() for pulse in pulses]
         channels[name] = {
-            "unit": measured.unit, "start": measured.start, "stop": measured.end,
-            "misfit": misfit._asdict(), "measured": timings[0], "predicted": timings[1]}
+            "unit": measured.unit,
+            "start": measured.start,
+            "stop": measured.end,
+            "misfit": misfit._asdict(),
+            "measured": timings[0],
+            "predicted": timings[1],
+        }
     return as_json(channels=channels)
 
 
@@ -132,6 +177,8 @@ def _draw(laid: dict[str, Laid], plot: Any) -> Any:
 
     pairs = side_by_side(len(laid))
     for pair, (measured, predicted, found, _) in zip(pairs, laid.values(), strict=True):
-        scale = found.scale if measured.unit == predicted.unit else None  # else it was free
+        scale = (
+            found.scale if measured.unit == predicted.unit else None
+        )  # else it was free
         plot.comparison(measured, predicted, pair, shift=found.shift, scale=scale)
     return pairs[0][0]

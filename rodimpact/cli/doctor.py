@@ -25,7 +25,10 @@ PACKAGES = ("numpy", "scipy", "numba", "matplotlib")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Whether to compile everything, and the form of the answer."""
     parser.add_argument(
-        "--warm", action="store_true", help="compile everything now, so that nothing waits later")
+        "--warm",
+        action="store_true",
+        help="compile everything now, so that nothing waits later",
+    )
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
@@ -40,8 +43,13 @@ def run(given: argparse.Namespace) -> tuple[str, int]:
     status = UNVERIFIED if agrees is False else DONE
     seconds = warm() if given.warm and agrees else None
     if given.json:
-        return as_json(versions=versions, cache_directory=cache, agrees=agrees, status=verdict,
-                       seconds_to_compile_all=seconds), status
+        return as_json(
+            versions=versions,
+            cache_directory=cache,
+            agrees=agrees,
+            status=verdict,
+            seconds_to_compile_all=seconds,
+        ), status
     rows = [[name, version or "missing"] for name, version in versions.items()]
     rows += [["cache of compiled code", cache or "none"], ["compiled code", verdict]]
     if seconds is not None:
@@ -66,7 +74,9 @@ def try_compiled() -> tuple[str | None, bool | None, str]:
             compiled = solve_a_row()
         seconds = time.perf_counter() - begin
         cache = kernels.compiled(run_members).place or None
-    except Exception as error:  # whatever is wrong with this installation is the finding
+    except (
+        Exception
+    ) as error:  # whatever is wrong with this installation is the finding
         return None, False, f"fails: {type(error).__name__}: {error}"
     with kernels.forced(False):
         if solve_a_row() != compiled:

@@ -17,8 +17,12 @@ FIRST = "unequal"  # of the presets, where no case is given
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """A case, and whether a browser opens it."""
-    parser.add_argument("case", metavar="CASE.toml", nargs="?", help="the case file to begin with")
-    parser.add_argument("--no-browser", action="store_true", help="print the path, open nothing")
+    parser.add_argument(
+        "case", metavar="CASE.toml", nargs="?", help="the case file to begin with"
+    )
+    parser.add_argument(
+        "--no-browser", action="store_true", help="print the path, open nothing"
+    )
 
 
 def run(given: argparse.Namespace) -> tuple[str, int]:

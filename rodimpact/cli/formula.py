@@ -17,10 +17,17 @@ from .progress import progress_bar
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """A case, and which of its numbers get names."""
     parser.add_argument("case", metavar="CASE.toml", help="the case file")
-    parser.add_argument("--symbols", metavar="A,B,...", default="transit_time,impedance",
-                        help="numbers that get names; default transit_time,impedance")
-    parser.add_argument("--conditions", action="store_true",
-                        help="print all conditions under which a formula holds, one a line")
+    parser.add_argument(
+        "--symbols",
+        metavar="A,B,...",
+        default="transit_time,impedance",
+        help="numbers that get names; default transit_time,impedance",
+    )
+    parser.add_argument(
+        "--conditions",
+        action="store_true",
+        help="print all conditions under which a formula holds, one a line",
+    )
     parser.add_argument("--latex", action="store_true", help="print LaTeX")
 
 
@@ -44,14 +51,19 @@ def run(given: argparse.Namespace) -> tuple[str, int]:
 def _told(form: ClosedForm, kinds: list[str], conditions: bool) -> str:
     """All that a formula says, with all conditions or the nearest."""
     results = [("e", form.restitution)] if form.restitution is not None else []
-    results += [(f"velocity of {name} after", v)
-                for name, v in zip(body_names(kinds), form.velocities_after, strict=True)]
+    results += [
+        (f"velocity of {name} after", v)
+        for name, v in zip(body_names(kinds), form.velocities_after, strict=True)
+    ]
     contacts = contact_names(kinds)
     for k, J, episodes in zip(contacts, form.impulses, form.contact_times, strict=True):
         results.append((f"impulse at contact {k}", J))
         for start, end in episodes:
             results += [(f"start of force at contact {k}", start), ("end of it", end)]
     lines = [f"{name} = {value}" for name, value in results]
-    lines.append("where " + "\n  and ".join(map(str, form.cell)) if conditions and form.cell else
-                 form.where("--conditions shows all"))
+    lines.append(
+        "where " + "\n  and ".join(map(str, form.cell))
+        if conditions and form.cell
+        else form.where("--conditions shows all")
+    )
     return "\n".join(lines)

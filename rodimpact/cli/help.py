@@ -10,8 +10,16 @@ from . import DONE
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What to tell."""
-    parser.add_argument("topic", nargs="?", choices=TOPICS, default="topics", help="; ".join(
-        f"{topic}: {(tell.__doc__ or '').rstrip('.')}" for topic, tell in TOPICS.items()))
+    parser.add_argument(
+        "topic",
+        nargs="?",
+        choices=TOPICS,
+        default="topics",
+        help="; ".join(
+            f"{topic}: {(tell.__doc__ or '').rstrip('.')}"
+            for topic, tell in TOPICS.items()
+        ),
+    )
 
 
 def run(given: argparse.Namespace) -> tuple[str, int]:
@@ -21,7 +29,10 @@ def run(given: argparse.Namespace) -> tuple[str, int]:
 
 def topics() -> str:
     """These topics."""
-    rows = [(f"rodimpact help {topic}", tell.__doc__ or "") for topic, tell in TOPICS.items()]
+    rows = [
+        (f"rodimpact help {topic}", tell.__doc__ or "")
+        for topic, tell in TOPICS.items()
+    ]
     return align([*rows, ("rodimpact --help", "All commands.")], left=(0, 1))
 
 
@@ -42,10 +53,17 @@ def case() -> str:
 
 def units() -> str:
     """Every unit that a number in a text may have."""
-    rows = [("quantity", "SI", "also"), *(
-        (name, si_unit(name) or "1", ", ".join(unit for unit in known if unit != si_unit(name)))
-        for name, known in UNITS.items()
-    )]
+    rows = [
+        ("quantity", "SI", "also"),
+        *(
+            (
+                name,
+                si_unit(name) or "1",
+                ", ".join(unit for unit in known if unit != si_unit(name)),
+            )
+            for name, known in UNITS.items()
+        ),
+    ]
     return align(rows, left=(0, 1, 2)) + "\n\nA bare number is in SI units."
 
 

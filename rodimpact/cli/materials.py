@@ -17,16 +17,25 @@ def run(given: argparse.Namespace) -> tuple[str, int]:
     """Table or JSON of the materials."""
     if given.json:
         entries = [
-            {**material.to_dict(), "wave_speed": material.wave_speed, "source": SOURCES[name]}
+            {
+                **material.to_dict(),
+                "wave_speed": material.wave_speed,
+                "source": SOURCES[name],
+            }
             for name, material in TABLE.items()
         ]
         return as_json(materials=entries), DONE
     rows = [["material", "Young's modulus", "density", "bar speed", "Poisson ratio"]]
     for name, m in TABLE.items():
         nu = "-" if m.poisson_ratio is None else f"{m.poisson_ratio:g}"
-        rows.append([
-            name, format_si(float(m.youngs_modulus), "Pa"), format_si(float(m.density), "kg/m^3"),
-            f"{float(m.wave_speed):.0f} m/s", nu,
-        ])
+        rows.append(
+            [
+                name,
+                format_si(float(m.youngs_modulus), "Pa"),
+                format_si(float(m.density), "kg/m^3"),
+                f"{float(m.wave_speed):.0f} m/s",
+                nu,
+            ]
+        )
     sources = "\n".join(f"{name}: {source}" for name, source in SOURCES.items())
     return f"{align(rows)}\n\nSources\n{sources}", DONE

@@ -3,12 +3,28 @@
 import re
 
 _BARE = ("max_events", "rtol", "dt")  # no words of English
-_NAMED = (*_BARE, "until", "cells", "method", "force", "time", "time_unit", "rate", "units",
-          "decimal", "radius", "on_error", "allow_energy_release")
+_NAMED = (
+    *_BARE,
+    "until",
+    "cells",
+    "method",
+    "force",
+    "time",
+    "time_unit",
+    "rate",
+    "units",
+    "decimal",
+    "radius",
+    "on_error",
+    "allow_energy_release",
+)
 _NAMES = {"units": "unit", "allow_energy_release": "energy_release"}
-_BEFORE = r"(?<![-\w.'\"])"  # neither options, keys of a case file nor what somebody wrote
+_BEFORE = (
+    r"(?<![-\w.'\"])"  # neither options, keys of a case file nor what somebody wrote
+)
 _ARGUMENT = re.compile(
-    rf'{_BEFORE}(?:({"|".join(_NAMED)})=(?:True|"([^"]*)")?|({"|".join(_BARE)})\b|\(until\))')
+    rf'{_BEFORE}(?:({"|".join(_NAMED)})=(?:True|"([^"]*)")?|({"|".join(_BARE)})\b|\(until\))'
+)
 _GRID = re.compile(r'vary=\{"([^"]+)": "([^"]+)"\}')
 
 
@@ -25,9 +41,13 @@ def as_options(text: str) -> str:
     >>> as_options('leave out until= to run to the proof, raise max_events or give force=True')
     'leave out --until to run to the proof, raise --max-events or give --force'
     """
-    return "\n".join(_ARGUMENT.sub(_key if line.startswith(("solve.", "solve:")) else _option,
-                                   _GRID.sub(r"rodimpact sweep --vary \1=\2", line))
-                     for line in text.split("\n"))
+    return "\n".join(
+        _ARGUMENT.sub(
+            _key if line.startswith(("solve.", "solve:")) else _option,
+            _GRID.sub(r"rodimpact sweep --vary \1=\2", line),
+        )
+        for line in text.split("\n")
+    )
 
 
 def _key(found: re.Match[str]) -> str:

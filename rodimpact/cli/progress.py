@@ -24,7 +24,9 @@ class ProgressBar:
         self.of = of
         self.width = 0  # of the line that stands there
         self.drawn = -math.inf  # when it was drawn
-        self.start: tuple[float, int] | None = None  # the first news, and what was done by then
+        self.start: tuple[float, int] | None = (
+            None  # the first news, and what was done by then
+        )
 
     def __call__(self, done: int, total: int) -> None:
         """Show that so many are done, unless the last news was just now."""
@@ -35,7 +37,9 @@ class ProgressBar:
         self.drawn = now
         part = done / total
         line = f"{math.floor(100 * part):3} %  [{'#' * math.floor(BAR * part):{BAR}}]"
-        if now > since and done > before:  # what an earlier run had done tells nothing of the rate
+        if (
+            now > since and done > before
+        ):  # what an earlier run had done tells nothing of the rate
             rate = (done - before) / (now - since)
             number = f"{rate:.3g}" if rate < 100 else f"{rate:,.0f}"
             line += f"  {number} {self.of}/s  {how_long((total - done) / rate)} left"

@@ -26,13 +26,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     number(specimen, "--diameter", "length", "diameter, if round; or give")
     number(specimen, "--area", "area", "cross-sectional area")
     number(specimen, "--youngs-modulus", "pressure", "of its elastic part")
-    specimen.add_argument("--incompressible", action="store_true",
-                          help="its volume is constant: add true stress and strain")
+    specimen.add_argument(
+        "--incompressible",
+        action="store_true",
+        help="its volume is constant: add true stress and strain",
+    )
     waves = parser.add_argument_group("the waves")
-    waves.add_argument("--compression", choices=("negative", "positive"), default="negative",
-                       help="sign of compressive strains in the record; default: negative")
-    number(waves, "--align-within", "time",
-           "largest shift of the reflected and the transmitted wave", default=0.0)
+    waves.add_argument(
+        "--compression",
+        choices=("negative", "positive"),
+        default="negative",
+        help="sign of compressive strains in the record; default: negative",
+    )
+    number(
+        waves,
+        "--align-within",
+        "time",
+        "largest shift of the reflected and the transmitted wave",
+        default=0.0,
+    )
     record_options.add_record_options(parser)
 
 
@@ -41,16 +53,30 @@ def run(given: Given) -> tuple[str, int]:
     case = given.read_case()
     places = record_options.gauge_places(given, case)
     specimen: Any = given.attempt(
-        Specimen, given.length, area=given.area, diameter=given.diameter,
-        youngs_modulus=given.youngs_modulus, incompressible=given.incompressible)
+        Specimen,
+        given.length,
+        area=given.area,
+        diameter=given.diameter,
+        youngs_modulus=given.youngs_modulus,
+        incompressible=given.incompressible,
+    )
     first = min((body for body, _ in places.values()), default=0)
     if {body - first for body, _ in places.values()} != {0, 1}:
-        given.problems.append(("--gauge", f"give {record_options.FORM} for one gauge or two on "
-                               "each of two neighbouring rods"))
+        given.problems.append(
+            (
+                "--gauge",
+                f"give {record_options.FORM} for one gauge or two on "
+                "each of two neighbouring rods",
+            )
+        )
     signals = record_options.read_record(given, places)
     given.problems += [
-        ("--bridge", f"is missing; the channel {name!r} is in {signals[name].unit}, not strain")
-        for name in places if given.bridge is None and name in signals and signals[name].unit
+        (
+            "--bridge",
+            f"is missing; the channel {name!r} is in {signals[name].unit}, not strain",
+        )
+        for name in places
+        if given.bridge is None and name in signals and signals[name].unit
     ]
     given.check_outputs("csv", "save", figure="save")
     bars: Any = case.system.bodies[first : first + 2]
@@ -61,9 +87,16 @@ def run(given: Given) -> tuple[str, int]:
             gauges[body - first].append(BarGauge(signals[name], far))
     names = dict.fromkeys(("", "input_gauges", "output_gauges"), "--gauge")
     with given.naming(names={"bars": case.path, **names}):
-        found = reduce(*gauges, bars, specimen, compression=given.compression,
-                       align_within=given.align_within)
-    status = given.write(csv=found.to_csv, save=drawn(lambda plot: plot.reduction(found)))
+        found = reduce(
+            *gauges,
+            bars,
+            specimen,
+            compression=given.compression,
+            align_within=given.align_within,
+        )
+    status = given.write(
+        csv=found.to_csv, save=drawn(lambda plot: plot.reduction(found))
+    )
     if not given.json:
         return str(found), status
     columns = {name: signal.values.tolist() for name, signal in found.signals.items()}

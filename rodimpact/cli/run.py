@@ -22,8 +22,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--save", metavar="FILE.npz", help="save the solution")
     parser.add_argument("--plot", metavar="FILE", help="draw it: .png, .svg or .pdf")
-    parser.add_argument("--gauges", metavar="FILE.csv",
-                        help="write strains against time, as tools for Hopkinson bars read them")
+    parser.add_argument(
+        "--gauges",
+        metavar="FILE.csv",
+        help="write strains against time, as tools for Hopkinson bars read them",
+    )
     add_gauge_option(parser, "a column of --gauges and a station in --plot")
     add_run_options(parser)
     parser.add_argument("--force", action="store_true", help="replace existing files")
@@ -35,24 +38,36 @@ def run(given: Given) -> tuple[str, int]:
     options = given.run_options(case)
     places = gauge_places(given, case)
     if given.gauge or given.gauges:
-        given.problems += [("--gauge" if given.gauge else "gauges", sentence)
-                           for name in places if (sentence := misnamed(name))]
+        given.problems += [
+            ("--gauge" if given.gauge else "gauges", sentence)
+            for name in places
+            if (sentence := misnamed(name))
+        ]
     if given.gauges is not None and not places:
-        message = f"goes with --gauge {FORM}, one for each column, or [[gauges]] of the case"
+        message = (
+            f"goes with --gauge {FORM}, one for each column, or [[gauges]] of the case"
+        )
         given.problems.append(("--gauges", message))
     for name, path in case.output.items() if case else ():
         if getattr(given, name) is None:
             setattr(given, name, path)
             given.options[name] = f"output.{name}"
     if given.gauge and given.plot is given.gauges is None:
-        given.problems.append(("--gauge", "goes with --gauges or --plot, which show its record"))
+        given.problems.append(
+            ("--gauge", "goes with --gauges or --plot, which show its record")
+        )
     given.check_outputs("save", "plot", "gauges", figure="plot")
     solution = solved(case.system, **options)
     wrote = given.write(
         save=solution.save,
         plot=drawn(lambda plot: plot.overview(solution, _gauges(solution, places))),
-        gauges=lambda path, force: gauges_to_csv(path, _gauges(solution, places), force=force))
-    status = status_of(solution) or wrote  # a run that stopped early also tells why a file lacks
+        gauges=lambda path, force: gauges_to_csv(
+            path, _gauges(solution, places), force=force
+        ),
+    )
+    status = (
+        status_of(solution) or wrote
+    )  # a run that stopped early also tells why a file lacks
     tell = solution_json if given.json else solution_table
     return as_options(tell(solution)), status
 

@@ -30,21 +30,33 @@ def tell(solution: Solution, names: tuple[str, str]) -> str:
     """
     episode = solution.contacts[0].episodes[0]
     told = [(episode.start, f"the {names[0]} and the {names[1]} meet")]
-    told += [event for event in _fronts(solution, names)
-             if episode.start < event[0] < solution.t_end]
-    told += [(episode.force_end, "the contact force ends"), (episode.opening, "the gap opens")]
+    told += [
+        event
+        for event in _fronts(solution, names)
+        if episode.start < event[0] < solution.t_end
+    ]
+    told += [
+        (episode.force_end, "the contact force ends"),
+        (episode.opening, "the gap opens"),
+    ]
     events: dict[float, list[str]] = {}
     for time, sentence in dict.fromkeys(told):
         events.setdefault(time, []).append(sentence)
     times = sorted(t for t in events if t <= episode.opening)
     later = min((t for t in events if t > episode.opening), default=solution.t_end)
-    rods = {i: names[i] for i, body in enumerate(solution.system.bodies) if body.kind == "rod"}
+    rods = {
+        i: names[i]
+        for i, body in enumerate(solution.system.bodies)
+        if body.kind == "rod"
+    }
     width = max(map(len, rods.values()))
     lines = []
     for time, after in zip(times, [*times[1:], later], strict=True):
         lines.append(f"{format_si(time, 's'):>12}  " + f"\n{'':14}".join(events[time]))
-        lines += [f"{'':18}{name:{width}}  {_pieces(solution, i, (time + after) / 2)}"
-                  for i, name in rods.items()]
+        lines += [
+            f"{'':18}{name:{width}}  {_pieces(solution, i, (time + after) / 2)}"
+            for i, name in rods.items()
+        ]
     return "\n".join(lines)
 
 
@@ -52,8 +64,12 @@ def _fronts(solution: Solution, names: tuple[str, str]) -> list[tuple[float, str
     """When fronts are at the ends of the rods, and when they cross."""
     regions = regions_of(solution)
     told = []
-    for time, i, x in zip(regions.t.tolist(), regions.body_of_vertices().tolist(),
-                          regions.x.tolist(), strict=True):
+    for time, i, x in zip(
+        regions.t.tolist(),
+        regions.body_of_vertices().tolist(),
+        regions.x.tolist(),
+        strict=True,
+    ):
         rod: Any = solution.system.bodies[i]
         place = f"{format_si(x, 'm', 3)} from its left end"
         sentence = f"two fronts cross in the {names[i]}, {place}"
@@ -74,8 +90,12 @@ def _pieces(solution: Solution, body: int, time: float) -> str:
     state = solution.fields.profile(body, int(solution.fields.to_ticks(time)))
     text = ""
     before: Any = None
-    for v, s in zip(state.velocity, state.strain * float(material.youngs_modulus), strict=True):
-        if before:  # v + sigma/(rho c) is the same on both sides of a front that runs right
+    for v, s in zip(
+        state.velocity, state.strain * float(material.youngs_modulus), strict=True
+    ):
+        if (
+            before
+        ):  # v + sigma/(rho c) is the same on both sides of a front that runs right
             right = (v - before[0]) * (s - before[1]) < 0
             text += "  |>  " if right else "  <|  "
         before = v, s

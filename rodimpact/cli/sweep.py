@@ -29,28 +29,52 @@ MORE = "--csv prints all, --save keeps them"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """A case, what varies in it, how to go about it, what to print and write."""
     parser.add_argument("case", metavar="CASE.toml", help="the case file")
-    parser.add_argument("--vary", metavar="PATH=GRID", action="append", default=[],
-                        help=f"a number and its values, {EXAMPLE}; once for each axis")
+    parser.add_argument(
+        "--vary",
+        metavar="PATH=GRID",
+        action="append",
+        default=[],
+        help=f"a number and its values, {EXAMPLE}; once for each axis",
+    )
     number(parser, "--workers", "", "threads; default one a processor")
-    parser.add_argument("--checkpoint", metavar="DIR",
-                        help="keep finished parts here, and go on from those of an earlier run")
-    parser.add_argument("--on-error", choices=("record", "raise"), default="record",
-                        help="a collision that does not come to its end is recorded (default), "
-                        "or stops the sweep")
-    parser.add_argument("--also", metavar="NAME", action="append", default=[], choices=ALSO,
-                        help="compute more, which takes longer: dissipated, the energy lost in "
-                        "contacts; set, the overlap that yielding contacts keep, such as the set "
-                        "of a pile; largest_stress in each rod; displacement of each body at the "
-                        "end (--until); accuracy, the stated error; give --also once for each")
+    parser.add_argument(
+        "--checkpoint",
+        metavar="DIR",
+        help="keep finished parts here, and go on from those of an earlier run",
+    )
+    parser.add_argument(
+        "--on-error",
+        choices=("record", "raise"),
+        default="record",
+        help="a collision that does not come to its end is recorded (default), "
+        "or stops the sweep",
+    )
+    parser.add_argument(
+        "--also",
+        metavar="NAME",
+        action="append",
+        default=[],
+        choices=ALSO,
+        help="compute more, which takes longer: dissipated, the energy lost in "
+        "contacts; set, the overlap that yielding contacts keep, such as the set "
+        "of a pile; largest_stress in each rod; displacement of each body at the "
+        "end (--until); accuracy, the stated error; give --also once for each",
+    )
     add_run_options(parser, ("until", "max_events", "dt", "rtol", "cells"))
     form = parser.add_mutually_exclusive_group()
-    form.add_argument("--csv", action="store_true", help="print a row for each collision")
+    form.add_argument(
+        "--csv", action="store_true", help="print a row for each collision"
+    )
     form.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--save", metavar="FILE.npz", help="save the result")
     parser.add_argument("--plot", metavar="FILE", help="draw it: .png, .svg or .pdf")
-    parser.add_argument("--quantity", metavar="NAME", default="restitution",
-                        help="what --plot shows: restitution (default), duration.0 of contact 0, "
-                        "velocity_after.1 of body 1, or another column of --csv")
+    parser.add_argument(
+        "--quantity",
+        metavar="NAME",
+        default="restitution",
+        help="what --plot shows: restitution (default), duration.0 of contact 0, "
+        "velocity_after.1 of body 1, or another column of --csv",
+    )
     parser.add_argument("--force", action="store_true", help="replace existing files")
 
 
@@ -59,7 +83,10 @@ def run(given: Given) -> tuple[str | Iterable[str], int]:
     case = given.read_case(_vary(given))
     if case:
         _check_case(given, case)
-    how = {name: getattr(given, name) for name in ("on_error", "checkpoint", "also", "workers")}
+    how = {
+        name: getattr(given, name)
+        for name in ("on_error", "checkpoint", "also", "workers")
+    }
     options = given.run_options(case)
     given.check_outputs("save", "plot", figure="plot")
 
@@ -84,9 +111,13 @@ def _vary(given: Given) -> dict[str, str]:
     for item in given.vary:
         path, _, grid = (part.strip() for part in item.rpartition("="))
         if not path:
-            given.problems.append(("--vary", f"must be PATH=GRID, such as {EXAMPLE}, got {item!r}"))
+            given.problems.append(
+                ("--vary", f"must be PATH=GRID, such as {EXAMPLE}, got {item!r}")
+            )
         elif path in vary:
-            given.problems.append((path, "is varied twice; write one list or one range"))
+            given.problems.append(
+                (path, "is varied twice; write one list or one range")
+            )
         else:
             vary[path] = grid
     return vary
@@ -95,7 +126,9 @@ def _vary(given: Given) -> dict[str, str]:
 def _check_case(given: Given, case: Case) -> None:
     """Refuse what only a single run takes, and a figure that cannot be drawn."""
     if "snapshots" in case.solve:
-        given.note("solve.snapshots", "a sweep keeps no states; take snapshots out of the case")
+        given.note(
+            "solve.snapshots", "a sweep keeps no states; take snapshots out of the case"
+        )
     if given.plot is None:
         return
     known = arrays_of(case.system, Readings())
@@ -105,7 +138,12 @@ def _check_case(given: Given, case: Case) -> None:
     wide = sum(len(axis.values) > 1 for axis in case.varied)
     contacts = sum(law.opens for law in case.system.contacts)
     if case.varied and not 1 <= wide <= 2:
-        given.note("--plot", f"a figure has one or two axes, and {wide} numbers vary; leave it out")
+        given.note(
+            "--plot",
+            f"a figure has one or two axes, and {wide} numbers vary; leave it out",
+        )
     elif given.quantity == "restitution" and (contacts != 1 or driven(case.system)):
-        message = "such a row has no e; name another --quantity, such as velocity_after.0"
+        message = (
+            "such a row has no e; name another --quantity, such as velocity_after.0"
+        )
         given.note("--plot", message)

@@ -17,4 +17,10 @@ from .rebound import RestitutionDesign, restitution
 from .stepped import striker
 from .trap import momentum_trap
 
-__all__ = ["PulseDesign", "RestitutionDesign", "momentum_trap", "restitution", "striker"]
+__all__ = [
+    "PulseDesign",
+    "RestitutionDesign",
+    "momentum_trap",
+    "restitution",
+    "striker",
+]

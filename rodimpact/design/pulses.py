@@ -78,12 +78,27 @@ class PulseDesign(Shown):
         for i, piece in enumerate(rod.segments):
             area = float(piece.area)  # type: ignore[arg-type]
             diameter = math.sqrt(4 * area / math.pi)
-            rows.append([str(i), format_si(float(piece.length), "m"), format_si(area, "m^2"),
-                         format_si(diameter, "m"), self.bounded.get(i, "")])
+            rows.append(
+                [
+                    str(i),
+                    format_si(float(piece.length), "m"),
+                    format_si(area, "m^2"),
+                    format_si(diameter, "m"),
+                    self.bounded.get(i, ""),
+                ]
+            )
         facts = [["misfit, of the peak", self.percent]]
         if self.body:
-            facts[:0] = [["gap before it", format_si(float(self.system.gaps[self.body - 1]), "m")]]
-        blocks = [align(rows if self.bounded else [row[:-1] for row in rows]), align(facts)]
+            facts[:0] = [
+                [
+                    "gap before it",
+                    format_si(float(self.system.gaps[self.body - 1]), "m"),
+                ]
+            ]
+        blocks = [
+            align(rows if self.bounded else [row[:-1] for row in rows]),
+            align(facts),
+        ]
         if self.bounded:
             blocks.append(
                 f"{len(self.bounded)} of {len(rod.segments)} areas are at a limit of area_ratio. "
@@ -108,7 +123,9 @@ def force_over_time(given: object, end: float) -> Signal:
         return staircase([0.0, *given.at], given.values, end, "wanted")
     if not isinstance(given, Signal) or given.unit != "N":
         example = "Signal(values, dt=1e-6, unit='N') or Steps"
-        raise refusal("wanted", f"must be a force over time, {example}, got {shown(given)}")
+        raise refusal(
+            "wanted", f"must be a force over time, {example}, got {shown(given)}"
+        )
     outside = np.nextafter([given.start, given.end], [-np.inf, np.inf])
     times = np.unique(np.concatenate([[0.0, end], outside, given.times]))
     times = times[(times >= 0) & (times <= end)]
@@ -116,19 +133,29 @@ def force_over_time(given: object, end: float) -> Signal:
     return Signal(values, times, unit="N", name="wanted")
 
 
-def differences(wanted: Signal, reached: Signal, edges: Floats) -> tuple[Floats, Floats]:
+def differences(
+    wanted: Signal, reached: Signal, edges: Floats
+) -> tuple[Floats, Floats]:
     """Mean difference reached - wanted between edges, s, and its variance there."""
     kinks = np.concatenate([edges, wanted.times, reached.times])
     kinks = np.unique(kinks[(kinks >= edges[0]) & (kinks <= edges[-1])])
     lasting = np.diff(kinks) > INSTANT * edges[-1]
-    middle, half = ((kinks[1:] + kinks[:-1]) / 2)[lasting], (np.diff(kinks) / 2)[lasting]
-    points = np.column_stack([middle - half / math.sqrt(3), middle + half / math.sqrt(3)])
-    difference = (np.interp(points, reached.times, reached.values)
-                  - np.interp(points, wanted.times, wanted.values))
+    middle, half = (
+        ((kinks[1:] + kinks[:-1]) / 2)[lasting],
+        (np.diff(kinks) / 2)[lasting],
+    )
+    points = np.column_stack(
+        [middle - half / math.sqrt(3), middle + half / math.sqrt(3)]
+    )
+    difference = np.interp(points, reached.times, reached.values) - np.interp(
+        points, wanted.times, wanted.values
+    )
     place = np.searchsorted(edges[1:-1], middle, "right")
 
     def mean(values: Floats) -> Floats:
-        return np.bincount(place, half * values.sum(axis=1), len(edges) - 1) / np.diff(edges)
+        return np.bincount(place, half * values.sum(axis=1), len(edges) - 1) / np.diff(
+            edges
+        )
 
     first = mean(difference)
     return first, mean((difference - first[place, None]) ** 2)

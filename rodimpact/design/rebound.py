@@ -61,12 +61,17 @@ class RestitutionDesign(Shown):
     @property
     def values(self) -> dict[str, float]:
         """What was varied, as it is in the system, by the paths of a case file; SI units."""
-        return {path: float(_between(array, self.place))
-                for path, array in self.family.system.parameters.items()}
+        return {
+            path: float(_between(array, self.place))
+            for path, array in self.family.system.parameters.items()
+        }
 
     def __str__(self) -> str:
         rows = [[path, f"{value:.6g}"] for path, value in self.values.items()]
-        rows += [["e wanted", f"{self.wanted:.6g}"], ["e reached", f"{self.reached:.6g}"]]
+        rows += [
+            ["e wanted", f"{self.wanted:.6g}"],
+            ["e reached", f"{self.reached:.6g}"],
+        ]
         return align(rows)
 
 
@@ -105,16 +110,22 @@ def restitution(wanted: float, family: System) -> RestitutionDesign:
     e wanted               0.6
     e reached              0.6
     """
-    of_kind("family", family, System, "System([Rod(np.linspace(.1, 1, 50), ...), other])")
+    of_kind(
+        "family", family, System, "System([Rod(np.linspace(.1, 1, 50), ...), other])"
+    )
     if len(family.shape) != 1 or family.shape[0] < 2:
         raise refusal(
-            "family", "must vary along one axis with two members or more, such as "
-            f"Rod(np.linspace(.1, 1, 50), ...), got the shape {family.shape}")
+            "family",
+            "must vary along one axis with two members or more, such as "
+            f"Rod(np.linspace(.1, 1, 50), ...), got the shape {family.shape}",
+        )
     e = single("wanted", wanted, "", "non-negative")
     members = sweep(family)
     known = members.restitution
     if not np.isfinite(known).any():
-        raise refusal("family", "none of its members has an e; sweep(family).explain says why")
+        raise refusal(
+            "family", "none of its members has an e; sweep(family).explain says why"
+        )
 
     def member(place: float) -> System:
         alone = family._mapped(lambda array: _between(array, place))
@@ -133,15 +144,20 @@ def restitution(wanted: float, family: System) -> RestitutionDesign:
     else:
         nearest = int(np.nanargmin(np.abs(off)))
         around = max(nearest - 1, 0), min(nearest + 1, len(off) - 1)
-        place = minimize_scalar(lambda p: abs(miss(p)), bounds=around, method="bounded",
-                                options={"xatol": 1e-12}).x
+        place = minimize_scalar(
+            lambda p: abs(miss(p)),
+            bounds=around,
+            method="bounded",
+            options={"xatol": 1e-12},
+        ).x
         if not abs(miss(place)) <= NEAR_ENOUGH:
             low, high = np.nanmin(known), np.nanmax(known)
             paths = " and ".join(family.parameters)
             raise refusal(
                 "wanted",
                 f"e = {e:g} is not reached: for these values of {paths}, e lies between {low:.6g} "
-                f"and {high:.6g}. Give a wider range, or vary another number")
+                f"and {high:.6g}. Give a wider range, or vary another number",
+            )
     return RestitutionDesign(member(place), e, miss(place) + e, members, float(place))
 
 

@@ -27,7 +27,10 @@ from ..running.solving import solve
 from ..units import shown
 from .pulses import INSTANT, PulseDesign, differences, force_over_time, staircase
 
-AREA_RATIO = (1 / 9, 9 / 4)  # diameters from a third to one and a half times that of the bar
+AREA_RATIO = (
+    1 / 9,
+    9 / 4,
+)  # diameters from a third to one and a half times that of the bar
 MOST_SEGMENTS = 50
 LONGEST = 20  # durations until when the pulse may be asked for
 LEAST = 1e-6  # parts of the speed, or of a wave, by which a start keeps off what has no area
@@ -66,8 +69,10 @@ class _Search(NamedTuple):
     def system(self, logarithms: Floats, behind: Free | Absorbing = FREE) -> System:
         """The striker and the bar."""
         length = self.duration / 2 * self.material.wave_speed / self.segments
-        segments = [Segment(length, self.area * math.exp(each), self.material)
-                    for each in logarithms[::-1]]
+        segments = [
+            Segment(length, self.area * math.exp(each), self.material)
+            for each in logarithms[::-1]
+        ]
         row = [Rod(segments=segments, velocity=self.velocity), self.bar]
         return System(row, contacts=[self.contact], ends=(behind, Absorbing()))
 
@@ -92,8 +97,10 @@ class _Search(NamedTuple):
         found = self.matched(force[:1])
         bonded = self._replace(contact=Bonded())
         for k in range(1, len(force)):
-            silent, free = (bonded.force(found, self.edges[k + 1], behind).values[-1]
-                            for behind in (Absorbing(), FREE))
+            silent, free = (
+                bonded.force(found, self.edges[k + 1], behind).values[-1]
+                for behind in (Absorbing(), FREE)
+            )
             heard = free - silent
             reflection = (force[k] - silent) / heard if heard else 0.0
             reflection = min(max(reflection, LEAST - 1), 1 - LEAST)
@@ -103,7 +110,11 @@ class _Search(NamedTuple):
 
     def parts(self, reached: Signal) -> tuple[Floats, Floats]:
         """Mean and standard deviation of the difference in each step, as parts of the misfit."""
-        share = np.diff(self.edges) / self.wanted.end / np.abs(self.wanted.values).max() ** 2
+        share = (
+            np.diff(self.edges)
+            / self.wanted.end
+            / np.abs(self.wanted.values).max() ** 2
+        )
         mean, variance = differences(self.wanted, reached, self.edges)
         return np.sqrt(share) * mean, np.sqrt(share * variance)
 
@@ -118,13 +129,24 @@ class _Search(NamedTuple):
         force = differences(silence, self.wanted, self.edges)[0][: self.segments]
         starts = [self.peeled(force), self.matched(force)]
         if coarser.size:
-            here, there = ((np.arange(n) + 0.5) / n for n in (self.segments, coarser.size))
+            here, there = (
+                (np.arange(n) + 0.5) / n for n in (self.segments, coarser.size)
+            )
             starts.append(np.interp(here, there, coarser))
         best = least_squares(
-            residual, min(starts, key=lambda start: float(np.sum(residual(start) ** 2))),
-            bounds=tuple(self.bounds), method="dogbox", diff_step=1e-5,
-            max_nfev=MOST_STEPS, ftol=1e-4, xtol=1e-8, gtol=None).x
-        mean, within = map(np.linalg.norm, self.parts(self.force(best, self.wanted.end)))
+            residual,
+            min(starts, key=lambda start: float(np.sum(residual(start) ** 2))),
+            bounds=tuple(self.bounds),
+            method="dogbox",
+            diff_step=1e-5,
+            max_nfev=MOST_STEPS,
+            ftol=1e-4,
+            xtol=1e-8,
+            gtol=None,
+        ).x
+        mean, within = map(
+            np.linalg.norm, self.parts(self.force(best, self.wanted.end))
+        )
         return _Found(best, math.hypot(mean, within), float(within))
 
 
@@ -137,10 +159,17 @@ class _Found(NamedTuple):
 
 
 def striker(
-    wanted: Signal | Steps, bar: Rod, *, velocity: float, duration: float,
-    until: float | None = None, segments: int = 10,
-    area_ratio: tuple[float, float] = AREA_RATIO, material: Material | None = None,
-    contact: Rigid | Bonded = RIGID, progress: Progress | None = None,
+    wanted: Signal | Steps,
+    bar: Rod,
+    *,
+    velocity: float,
+    duration: float,
+    until: float | None = None,
+    segments: int = 10,
+    area_ratio: tuple[float, float] = AREA_RATIO,
+    material: Material | None = None,
+    contact: Rigid | Bonded = RIGID,
+    progress: Progress | None = None,
 ) -> PulseDesign:
     """Find a stepped striker that sends a pulse of a wanted shape into a bar.
 
@@ -224,22 +253,33 @@ def striker(
         raise refusal("until", f"{message}, got {end!r}")
     ratios = array("area_ratio", area_ratio, "", "positive")
     if ratios.shape != (2,) or not ratios[0] < ratios[1]:
-        raise refusal("area_ratio", f"must be (smallest, largest), got {shown(area_ratio)}")
+        raise refusal(
+            "area_ratio", f"must be (smallest, largest), got {shown(area_ratio)}"
+        )
     force = force_over_time(wanted, end)
     if not force.values.any():
-        raise refusal("wanted", "is 0 from impact on; give the force over the time since then")
+        raise refusal(
+            "wanted", "is 0 from impact on; give the force over the time since then"
+        )
     lowest = float(force.values.min())
     if lowest < 0 and isinstance(contact, Rigid):
-        raise refusal("wanted", f"pulls with {-lowest!r} N, and faces only push; make it 0 there, "
-                      "or take contact=Bonded()")
+        raise refusal(
+            "wanted",
+            f"pulls with {-lowest!r} N, and faces only push; make it 0 there, "
+            "or take contact=Bonded()",
+        )
     search = _Search(bar, steel, V, T, contact, force, np.log(ratios), segments)
     found: list[_Found] = []
     silence = staircase([0.0], [0.0], search.wanted.end, "nothing")
     if search.parts(silence)[1].max() <= PERFECT:  # steps: they may be met exactly
         found = [search.descend(np.zeros(0))]
     if not found or found[0].misfit >= PERFECT:
-        forecast = Forecast(warn, "a smaller number of segments", progress, "this design")
-        total = segments * (segments + 3) // 2  # a striker of n segments takes n + 1 runs a step
+        forecast = Forecast(
+            warn, "a smaller number of segments", progress, "this design"
+        )
+        total = (
+            segments * (segments + 3) // 2
+        )  # a striker of n segments takes n + 1 runs a step
         found = []
         for n in range(1, segments + 1):
             coarser = found[-1].logarithms if found else np.zeros(0)
@@ -249,8 +289,18 @@ def striker(
     best = next(each for each in found if each.misfit * (1 - BETTER) <= least)
     search = search._replace(segments=len(best.logarithms))
     bounded = {
-        i: name for bound, name in zip(search.bounds, ("smallest", "largest"), strict=True)
-        for i in np.flatnonzero(np.abs(best.logarithms[::-1] - bound) <= AT_BOUND).tolist()}
+        i: name
+        for bound, name in zip(search.bounds, ("smallest", "largest"), strict=True)
+        for i in np.flatnonzero(
+            np.abs(best.logarithms[::-1] - bound) <= AT_BOUND
+        ).tolist()
+    }
     return PulseDesign(
-        search.system(best.logarithms), 0, search.wanted,
-        search.force(best.logarithms, search.wanted.end), best.misfit, best.within, bounded)
+        search.system(best.logarithms),
+        0,
+        search.wanted,
+        search.force(best.logarithms, search.wanted.end),
+        best.misfit,
+        best.within,
+        bounded,
+    )

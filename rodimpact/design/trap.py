@@ -25,7 +25,11 @@ ROUND_OFF = 1e-9  # of times and displacements
 
 
 def momentum_trap(
-    system: System, *, until: float, after: float = 0.0, material: Material | None = None
+    system: System,
+    *,
+    until: float,
+    after: float = 0.0,
+    material: Material | None = None,
 ) -> PulseDesign:
     """Find the rod behind a row that takes the waves that arrive there after the first pulse.
 
@@ -75,7 +79,9 @@ def momentum_trap(
     end = single("until", until, "s", "positive")
     passed = single("after", after, "s")
     if not 0 <= passed < end:
-        raise refusal("after", f"must be from 0 to before until = {end!r} s, got {passed!r}")
+        raise refusal(
+            "after", f"must be from 0 to before until = {end!r} s, got {passed!r}"
+        )
     steel = bar.segments[-1].material if material is None else material
     of_kind("material", steel, Material, "materials.steel")
 
@@ -86,14 +92,21 @@ def momentum_trap(
     gap, furthest = float(place[-1] - place[0]), float(place.max() - place[0])
     if furthest > gap + ROUND_OFF * float(np.ptp(place)):
         message = f"the right end is at {gap:.6g} m at {passed!r} s, and was at {furthest:.6g} m"
-        raise refusal("after", f"{message} before; take the time at which it is furthest")
+        raise refusal(
+            "after", f"{message} before; take the time at which it is furthest"
+        )
 
     area = float(bar.segments[-1].impedance) / float(steel.density * steel.wave_speed)
 
     def behind(length: float) -> System:
         trap = Rod(length, area=area, material=steel)
-        return System([*system.bodies, trap], [*system.gaps, max(gap, 0.0)],
-                      [*system.contacts, Rigid()], gravity=system.gravity, ends=system.ends)
+        return System(
+            [*system.bodies, trap],
+            [*system.gaps, max(gap, 0.0)],
+            [*system.contacts, Rigid()],
+            gravity=system.gravity,
+            ends=system.ends,
+        )
 
     c = float(steel.wave_speed)
     breaks, force, _ = solve(behind(c * end), until=end).contacts[-1].breakpoints()
@@ -107,7 +120,9 @@ def momentum_trap(
 
     times_now, _, reached = _waves(solve(found, until=end), last)
     got = staircase(times_now, reached, end, "force of the wave back into the bar")
-    wanted = staircase([*times[before], passed], [*returned[before], 0.0], end, "wanted")
+    wanted = staircase(
+        [*times[before], passed], [*returned[before], 0.0], end, "wanted"
+    )
     (mean,), (variance,) = differences(wanted, got, np.array([passed, end]))
     misfit = float(np.sqrt(mean**2 + variance) / np.abs(arriving).max())
     return PulseDesign(found, last + 1, wanted, got, misfit, 0.0)

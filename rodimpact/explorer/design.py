@@ -32,15 +32,20 @@ def tables_of(case: Case) -> dict[str, Any]:
 
     Mistakes that the page finds then have the path of their field.
     """
-    system = case.system  # no file holds a function, but the page need not know its force
+    system = (
+        case.system
+    )  # no file holds a function, but the page need not know its force
     laws = [Spring(1.0) if isinstance(law, Law) else law for law in system.contacts]
-    tables = tomllib.loads(write_case(replace(case, system=system.replace(contacts=laws))))
+    tables = tomllib.loads(
+        write_case(replace(case, system=system.replace(contacts=laws)))
+    )
     tables.pop("output", None)
     for i, law in enumerate(system.contacts):
         if isinstance(law, Law):
             tables["contacts"][i] = {"gap": system.gaps[i], "law": law.law}
     own = {
-        name: entry for name, entry in tables.pop("materials", {}).items()
+        name: entry
+        for name, entry in tables.pop("materials", {}).items()
         if entry != LIBRARY.get(name)
     }
     if own:

@@ -132,16 +132,24 @@ def page_of(case: System | Case, solver: Callable[..., Solution]) -> Page:
         raise InvalidModel([("case", f"must be a System or a Case, got {shown(case)}")])
     case = with_gauges(case)
     begin: dict[str, Any] = {
-        "version": __version__, "design": tables_of(case), "materials": LIBRARY, "rules": RULES,
-        "presets": [{"key": key, "title": title, "remark": remark, "design": tables_of(first)}
-                    for key, title, remark, first in presets()],
+        "version": __version__,
+        "design": tables_of(case),
+        "materials": LIBRARY,
+        "rules": RULES,
+        "presets": [
+            {"key": key, "title": title, "remark": remark, "design": tables_of(first)}
+            for key, title, remark, first in presets()
+        ],
         "scene": None,
     }
     solution = None
     if not page_solves(begin["design"]["case"]):
         solution = solver(case.system, **case.solve)
         begin["scene"] = packed(json.dumps(scene(case, solution), allow_nan=False))
-    title = os.fsencode(Path(case.path).stem).decode(errors="replace") or "Elastic rods collide"
+    title = (
+        os.fsencode(Path(case.path).stem).decode(errors="replace")
+        or "Elastic rods collide"
+    )
     return Page(standalone(begin, title), solution)
 
 

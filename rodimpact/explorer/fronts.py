@@ -30,7 +30,9 @@ from .known import outcome_told
 ROOM = 32  # rows of the log at first
 FINE = 1.0  # share of the usual room of the clock that is tried first, where it has few bits
 MOST_REGIONS = 3000  # that are drawn
-TOO_FAR_APART = "times too far apart for the clock of this page; rodimpact run may solve it"
+TOO_FAR_APART = (
+    "times too far apart for the clock of this page; rodimpact run may solve it"
+)
 
 
 # Runs ---------------------------------------------------------------------------------------------
@@ -81,25 +83,50 @@ def motion_of(run: Any) -> Any:
     pieces: list[Any] = []
     for front in state.log[: it.rows]:
         if front.line > 1:
-            piece = piece_of(front.tick, NEVER, [front.value])  # until the next one begins
+            piece = piece_of(
+                front.tick, NEVER, [front.value]
+            )  # until the next one begins
             piece.line, piece.order = front.line - 2, 0
             pieces.append(piece)
     waves = reading.waves_of(pieces, len(state.lines) - 2)
     transits = [at.transit for at in state.segments[1 : len(row.segments) + 1]]
-    steady = [wave_of(wave["start"], [piece.coefficient[0] for piece in wave["piece"]])
-              for wave in waves]
-    rods = [{"body": i, "pieces": [
-        {"length": row.segments[s].length, "wave_speed": row.segments[s].wave_speed,
-         "youngs_modulus": row.segments[s].material.youngs_modulus, "ticks": transits[s],
-         "rightward": steady[2 * s], "leftward": steady[2 * s + 1]}
-        for s in range(first - 1, last)
-    ]} for i, (first, last) in enumerate(row.spans)]
+    steady = [
+        wave_of(wave["start"], [piece.coefficient[0] for piece in wave["piece"]])
+        for wave in waves
+    ]
+    rods = [
+        {
+            "body": i,
+            "pieces": [
+                {
+                    "length": row.segments[s].length,
+                    "wave_speed": row.segments[s].wave_speed,
+                    "youngs_modulus": row.segments[s].material.youngs_modulus,
+                    "ticks": transits[s],
+                    "rightward": steady[2 * s],
+                    "leftward": steady[2 * s + 1],
+                }
+                for s in range(first - 1, last)
+            ],
+        }
+        for i, (first, last) in enumerate(row.spans)
+    ]
     now: int = it.now
     while now > 0 and count_of(rods, 0, now, MOST_REGIONS) > MOST_REGIONS:
         now //= 2
-    return {"row": row, "tick": it.tick, "frame": it.frame, "transits": transits, "now": now,
-            "waves": waves, "masses": [], "springs": [], "exact": True, "draft": False,
-            "rods": rods}
+    return {
+        "row": row,
+        "tick": it.tick,
+        "frame": it.frame,
+        "transits": transits,
+        "now": now,
+        "waves": waves,
+        "masses": [],
+        "springs": [],
+        "exact": True,
+        "draft": False,
+        "rods": rods,
+    }
 
 
 def contact_curves(run: Any, stop: int) -> list[Any]:
@@ -126,11 +153,18 @@ def contact_curves(run: Any, stop: int) -> list[Any]:
         now = min(state.queue[1], stop) if now < stop else stop + 1
         while events.advance(state, min(now, stop)) == Stop.FULL:
             state.log.extend(blank(len(state.log), FRONT))
-    return [{  # of forces the one before, and the new one
-        "force": {"t": [at[0] for at in of for _ in (0, 1)][1:],
-                  "y": [at[1] for at in of for _ in (0, 1)][:-1]},
-        "gap": {"t": [at[0] for at in of], "y": [at[2] for at in of]} if law.opens else None,
-    } for law, of in zip(laws, changes, strict=True)]
+    return [
+        {  # of forces the one before, and the new one
+            "force": {
+                "t": [at[0] for at in of for _ in (0, 1)][1:],
+                "y": [at[1] for at in of for _ in (0, 1)][:-1],
+            },
+            "gap": {"t": [at[0] for at in of], "y": [at[2] for at in of]}
+            if law.opens
+            else None,
+        }
+        for law, of in zip(laws, changes, strict=True)
+    ]
 
 
 # What it comes to ---------------------------------------------------------------------------------
@@ -140,20 +174,30 @@ def outcome_of(run: Any, status: str) -> Any:
     """What the collision did, as `outcome_told` has it."""
     it, segment, row = run["run"], run["state"].segments, run["plan"].row
     first, inside = heads(row.system, row.spans), segment[1 : len(row.segments) + 1]
-    kinetic = sum(piece.mass * (inside[s].initial_velocity + it.frame) ** 2 / 2
-                  for s, piece in enumerate(row.segments))
+    kinetic = sum(
+        piece.mass * (inside[s].initial_velocity + it.frame) ** 2 / 2
+        for s, piece in enumerate(row.segments)
+    )
     ticks = [at.transit for at in inside]
     rounded, _ = most_rounded(row, ticks, it.tick)
-    return outcome_told(row.system, {
-        "before": body_velocities(
-            row.system, [segment[s].initial_velocity + it.frame for s in first]),
-        "after": body_velocities(row.system, [segment[s].velocity + it.frame for s in first]),
-        "contacts": [tally_of(node, it.tick) for node in contacts_of(run)],
-        "final": is_proved(run), "status": status,
-        "errors": {"velocity": (rounded + 1 / max(ticks)) * it.events * it.scale},
-        "energy_before": kinetic + sum(at.initial_vibration for at in inside) * it.tick,
-        "vibration_after": sum(at.vibration for at in inside) * it.tick,
-    })
+    return outcome_told(
+        row.system,
+        {
+            "before": body_velocities(
+                row.system, [segment[s].initial_velocity + it.frame for s in first]
+            ),
+            "after": body_velocities(
+                row.system, [segment[s].velocity + it.frame for s in first]
+            ),
+            "contacts": [tally_of(node, it.tick) for node in contacts_of(run)],
+            "final": is_proved(run),
+            "status": status,
+            "errors": {"velocity": (rounded + 1 / max(ticks)) * it.events * it.scale},
+            "energy_before": kinetic
+            + sum(at.initial_vibration for at in inside) * it.tick,
+            "vibration_after": sum(at.vibration for at in inside) * it.tick,
+        },
+    )
 
 
 def contacts_of(run: Any) -> list[Any]:
@@ -188,14 +232,21 @@ def solved_by_fronts(system: Any, asked: Any) -> Any:
     outcome, motion = outcome_of(run, sentence_of(run)), motion_of(run)
     stop, tick = motion["now"], motion["tick"]
     if stop == 0:
-        message = "lasts no time to show" if run["run"].now == 0 else "has too many fronts to show"
+        message = (
+            "lasts no time to show"
+            if run["run"].now == 0
+            else "has too many fronts to show"
+        )
         return {"problem": ("solve", f"{message}. {outcome['status']}")}
     notes = [outcome["status"]]
     if stop < run["run"].now:
         end = format_si(stop * tick, "s", 4)
         notes.append(f"The picture ends at {end}: too many regions later.")
     return {
-        "motion": motion, "outcome": outcome, "method": "fronts", "notes": notes,
+        "motion": motion,
+        "outcome": outcome,
+        "method": "fronts",
+        "notes": notes,
         "closed_form": closed_form_of(system, outcome["before"]),
         "contacts": contact_curves(run, stop),
         "tiling": polygons_of(motion["rods"], tick, motion["frame"], 0, stop),
@@ -207,12 +258,19 @@ def closed_form_of(system: Any, before: list[float]) -> Any:
     bodies = system.bodies
     if len(bodies) != 2 or not system.contacts[0].opens or before[0] <= before[1]:
         return None
-    if any(not isinstance(body.velocity, float) or body.strain != 0.0 or len(body.segments) > 1
-           for body in bodies) or any(end.kind != "free" for end in system.ends):
+    if any(
+        not isinstance(body.velocity, float)
+        or body.strain != 0.0
+        or len(body.segments) > 1
+        for body in bodies
+    ) or any(end.kind != "free" for end in system.ends):
         return None
     if any(body.kind == "wall" for body in bodies):
         return {"restitution": 1.0, "source": "textbook, box 10.4"}
     left, right = [body.segments[0] for body in bodies]
-    e = pair_restitution(*pair_numbers(
-        left.impedance, left.transit_time, right.impedance, right.transit_time))
+    e = pair_restitution(
+        *pair_numbers(
+            left.impedance, left.transit_time, right.impedance, right.transit_time
+        )
+    )
     return {"restitution": e * 1.0, "source": "Saint-Venant 1867"}

@@ -27,47 +27,108 @@ import numpy as np
 
 MOST = 1 << 53  # doubles hold whole numbers below
 TEMPLATES = {
-    "Break": "break;\n", "Continue": "continue;\n", "Return": "return {value};\n",
-    "Expr": "{value};\n", "Assign": "{targets}={value};\n", "AnnAssign": "{target}={value};\n",
-    "If": "if({?test}){\n{body}}else{\n{orelse}}\n", "While": "while({?test}){\n{body}}\n",
+    "Break": "break;\n",
+    "Continue": "continue;\n",
+    "Return": "return {value};\n",
+    "Expr": "{value};\n",
+    "Assign": "{targets}={value};\n",
+    "AnnAssign": "{target}={value};\n",
+    "If": "if({?test}){\n{body}}else{\n{orelse}}\n",
+    "While": "while({?test}){\n{body}}\n",
     "For": "for({target} of {iter}){\n{body}}\n",
-    "IfExp": "({?test}?{body}:{orelse})", "List": "[{elts}]", "Tuple": "[{elts}]",
-    "Starred": "...{value}", "Attribute": "{value}.{attr}", "Subscript": "{value}[{slice}]",
-    "JoinedStr": "({values})", "FormattedValue": "py.format({value},{format_spec})",
+    "IfExp": "({?test}?{body}:{orelse})",
+    "List": "[{elts}]",
+    "Tuple": "[{elts}]",
+    "Starred": "...{value}",
+    "Attribute": "{value}.{attr}",
+    "Subscript": "{value}[{slice}]",
+    "JoinedStr": "({values})",
+    "FormattedValue": "py.format({value},{format_spec})",
     # operators; a space, as the number behind may have a sign
-    "Add": "({left}+{right})", "Sub": "({left}- {right})", "Mult": "({left}*{right})",
-    "Div": "({left}/{right})", "FloorDiv": "py.floordiv({left},{right})",
-    "Mod": "py.mod({left},{right})", "BitXor": "py.xor({left},{right})",
-    "LShift": "py.shl({left},{right})", "RShift": "py.shr({left},{right})",
-    "Pow": "py.pow({left},{right})", "List Mult": "py.repeat({left},{right})",
-    "Lt": "{left}<{right}", "LtE": "{left}<={right}", "Gt": "{left}>{right}",
-    "GtE": "{left}>={right}", "Eq": "{left}==={right}", "NotEq": "{left}!=={right}",
-    "In": "py.has({right},{left})", "NotIn": "!py.has({right},{left})",
-    "Is": "{left}=={right}", "IsNot": "{left}!={right}",
-    "Not": "!{?operand}", "USub": "(-{operand})", "And": " && ", "Or": " || ",
+    "Add": "({left}+{right})",
+    "Sub": "({left}- {right})",
+    "Mult": "({left}*{right})",
+    "Div": "({left}/{right})",
+    "FloorDiv": "py.floordiv({left},{right})",
+    "Mod": "py.mod({left},{right})",
+    "BitXor": "py.xor({left},{right})",
+    "LShift": "py.shl({left},{right})",
+    "RShift": "py.shr({left},{right})",
+    "Pow": "py.pow({left},{right})",
+    "List Mult": "py.repeat({left},{right})",
+    "Lt": "{left}<{right}",
+    "LtE": "{left}<={right}",
+    "Gt": "{left}>{right}",
+    "GtE": "{left}>={right}",
+    "Eq": "{left}==={right}",
+    "NotEq": "{left}!=={right}",
+    "In": "py.has({right},{left})",
+    "NotIn": "!py.has({right},{left})",
+    "Is": "{left}=={right}",
+    "IsNot": "{left}!={right}",
+    "Not": "!{?operand}",
+    "USub": "(-{operand})",
+    "And": " && ",
+    "Or": " || ",
 }
 """What nodes and operators become; with a question mark a part is a condition."""
 SEPARATORS = {"elts": ",", "targets": "=", "values": "+"}
 CALLS: dict[Any, str] = {
-    abs: "Math.abs", int: "py.int", round: "py.round", sorted: "py.sorted", list: "Array.from",
-    enumerate: "py.enumerate", zip: "py.zip", range: "py.range", bool: "py.truth", float: "Number",
-    len: "{}.length", sum: "py.sum", any: "py.any", all: "py.all", max: "py.most",
-    min: "py.least", isinstance: "py.isinstance", bisect_left: "py.bisect_left",
+    abs: "Math.abs",
+    int: "py.int",
+    round: "py.round",
+    sorted: "py.sorted",
+    list: "Array.from",
+    enumerate: "py.enumerate",
+    zip: "py.zip",
+    range: "py.range",
+    bool: "py.truth",
+    float: "Number",
+    len: "{}.length",
+    sum: "py.sum",
+    any: "py.any",
+    all: "py.all",
+    max: "py.most",
+    min: "py.least",
+    isinstance: "py.isinstance",
+    bisect_left: "py.bisect_left",
     bisect_right: "py.bisect_right",
-    math.sqrt: "Math.sqrt", math.floor: "Math.floor", math.trunc: "Math.trunc",
-    math.log: "Math.log", math.log10: "Math.log10", math.gcd: "py.gcd", math.frexp: "py.frexp",
+    math.sqrt: "Math.sqrt",
+    math.floor: "Math.floor",
+    math.trunc: "Math.trunc",
+    math.log: "Math.log",
+    math.log10: "Math.log10",
+    math.gcd: "py.gcd",
+    math.frexp: "py.frexp",
     math.isfinite: "Number.isFinite",
     # of single numbers
-    np.where: "py.where", np.minimum: "py.min", np.maximum: "py.max", np.floor: "Math.floor",
-    np.abs: "Math.abs", np.exp: "Math.exp", np.expm1: "Math.expm1", np.arctanh: "Math.atanh",
-    np.rint: "py.round", np.spacing: "py.spacing", np.isfinite: "Number.isFinite",
+    np.where: "py.where",
+    np.minimum: "py.min",
+    np.maximum: "py.max",
+    np.floor: "Math.floor",
+    np.abs: "Math.abs",
+    np.exp: "Math.exp",
+    np.expm1: "Math.expm1",
+    np.arctanh: "Math.atanh",
+    np.rint: "py.round",
+    np.spacing: "py.spacing",
+    np.isfinite: "Number.isFinite",
     np.any: "py.truth",
 }
-KINDS = {"float": "number", "str": "string", "dict": "object", "list": "array",
-         "Steps": "object"}
+KINDS = {
+    "float": "number",
+    "str": "string",
+    "dict": "object",
+    "list": "array",
+    "Steps": "object",
+}
 METHODS = {
-    "append": "{}.push({})", "extend": "py.extend({},{})", "get": "py.get({},{})",
-    "pop": "{}.pop()", "items": "Object.entries({})", "upper": "{}.toUpperCase()",
+    "append": "{}.push({})",
+    "extend": "py.extend({},{})",
+    "get": "py.get({},{})",
+    "pop": "{}.pop()",
+    "items": "Object.entries({})",
+    "upper": "{}.toUpperCase()",
     "join": "{1}.join({0})",
 }
 ARRAYS = set(dir(np.ndarray)) - {"base", "mean"}
@@ -79,7 +140,8 @@ class Untranslatable(ValueError):
 
 
 def javascript(
-    roots: Iterable[Any], constants: Mapping[str, float] | None = None,
+    roots: Iterable[Any],
+    constants: Mapping[str, float] | None = None,
     known: Mapping[Any, str] | None = None,
 ) -> str:
     """Functions, and all of the package that they call, as JavaScript.
@@ -100,14 +162,18 @@ def javascript(
     program = _Program(constants or {}, {**CALLS, **(known or {})})
     for root in roots:
         program.name(root, root.__name__, root.__module__)
-    texts = [_Translator(function, program).text() for function in program.functions]  # they grow
+    texts = [
+        _Translator(function, program).text() for function in program.functions
+    ]  # they grow
     return "\n".join([*program.tables, *texts])
 
 
 class _Program:
     """Functions with all that they need; `calls` are names of what JavaScript has."""
 
-    def __init__(self, constants: Mapping[str, float], calls: Mapping[Any, str]) -> None:
+    def __init__(
+        self, constants: Mapping[str, float], calls: Mapping[Any, str]
+    ) -> None:
         self.constants, self.calls = constants, calls
         self.functions: list[FunctionType] = []
         self.tables: list[str] = []
@@ -128,7 +194,10 @@ class _Program:
             self.functions.append(thing)
             return name
         if isinstance(thing, np.dtype):
-            thing = {field: np.zeros(thing[field].shape).tolist() for field in thing.names or ()}
+            thing = {
+                field: np.zeros(thing[field].shape).tolist()
+                for field in thing.names or ()
+            }
         self.tables.append(f"const {name}={json.dumps(thing, separators=(',', ':'))};")
         return name
 
@@ -139,10 +208,15 @@ class _Translator(ast.NodeVisitor):
     def __init__(self, function: FunctionType, program: _Program) -> None:
         self.function, self.program = function, program
         lines, self.line = inspect.getsourcelines(function)
-        tree: Any = ast.increment_lineno(ast.parse(textwrap.dedent("".join(lines))), self.line - 1)
+        tree: Any = ast.increment_lineno(
+            ast.parse(textwrap.dedent("".join(lines))), self.line - 1
+        )
         self.tree = tree.body[0]
-        stored = {n.id for n in ast.walk(self.tree)
-                  if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+        stored = {
+            n.id
+            for n in ast.walk(self.tree)
+            if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
+        }
         self.arguments = [n.arg for n in self.tree.args.args]
         self.local = stored | {*self.arguments}
 
@@ -152,10 +226,14 @@ class _Translator(ast.NodeVisitor):
         for k, default in enumerate(reversed(self.tree.args.defaults), 1):
             names[-k] += f"={self.visit(default)}"
         own = ",".join(f"{name}_" for name in sorted(self.local - {*self.arguments}))
-        name = self.program.name(self.function, self.function.__name__, self.function.__module__)
+        name = self.program.name(
+            self.function, self.function.__name__, self.function.__module__
+        )
         body = self.tree.body[1 if ast.get_docstring(self.tree) else 0 :]
         begin = f"let {own};\n" if own else ""
-        return f"function {name}({','.join(names)}){{\n{begin}{self.part('body', body)}}}"
+        return (
+            f"function {name}({','.join(names)}){{\n{begin}{self.part('body', body)}}}"
+        )
 
     def visit(self, node: ast.AST) -> str:
         """Text of a node."""
@@ -175,6 +253,7 @@ class _Translator(ast.NodeVisitor):
 
     def filled(self, kind: str, node: Any) -> str:
         """The template of a kind with the parts of a node."""
+
         def text(found: re.Match[str]) -> str:
             value = getattr(node, found[2])
             return self.truth(value) if found[1] else self.part(found[2], value)
@@ -198,7 +277,9 @@ class _Translator(ast.NodeVisitor):
         match node.iter:
             case ast.Call(ast.Name("range"), bounds):
                 target, *given = map(self.visit, [node.target, *bounds])
-                start, stop, step = given if len(given) == 3 else [*["0", *given][-2:], "1"]
+                start, stop, step = (
+                    given if len(given) == 3 else [*["0", *given][-2:], "1"]
+                )
                 sign = ">" if "-" in step else "<"
                 # a variable of its own: the loop's keeps its last value
                 head = f"let _{target}={start},_end={stop};_{target}{sign}_end;_{target}+={step}"
@@ -208,7 +289,9 @@ class _Translator(ast.NodeVisitor):
     def visit_Assign(self, node: ast.Assign) -> str:
         match node.targets, node.value:
             case [ast.Tuple(targets)], ast.Tuple(values):  # quicker than by a list
-                held = ",".join(f"_{i}={self.visit(value)}" for i, value in enumerate(values))
+                held = ",".join(
+                    f"_{i}={self.visit(value)}" for i, value in enumerate(values)
+                )
                 sent = "".join(f"{self.visit(x)}=_{i};" for i, x in enumerate(targets))
                 return f"{{const {held};{sent}}}\n"
         return self.generic_visit(node)
@@ -225,7 +308,9 @@ class _Translator(ast.NodeVisitor):
         match node:
             case ast.Name(name) if name not in self.local:
                 held = self.function.__globals__
-                return constants.get(name, held.get(name, getattr(builtins, name, None)))
+                return constants.get(
+                    name, held.get(name, getattr(builtins, name, None))
+                )
             case ast.Attribute(value, name):
                 owner = self.known(value)
         if not isinstance(owner, ModuleType | Enum | EnumType):
@@ -239,7 +324,8 @@ class _Translator(ast.NodeVisitor):
         if isinstance(value, type):
             return json.dumps(KINDS[value.__name__])
         if not isinstance(value, int | float | str) or (
-                isinstance(value, int) and abs(value) >= MOST):
+            isinstance(value, int) and abs(value) >= MOST
+        ):
             raise KeyError(f"the name {name}")
         return json.dumps(value)  # which has Infinity and NaN, as JavaScript
 
@@ -247,13 +333,19 @@ class _Translator(ast.NodeVisitor):
         return "null" if node.value is None else self.held(repr(node.value), node.value)
 
     def visit_Name(self, node: ast.Name) -> str:
-        return f"{node.id}_" if node.id in self.local else self.held(node.id, self.known(node))
+        return (
+            f"{node.id}_"
+            if node.id in self.local
+            else self.held(node.id, self.known(node))
+        )
 
     def visit_Attribute(self, node: ast.Attribute) -> str:
         value = self.known(node)
         if node.attr in ARRAYS and value is None:
             raise KeyError(f"the attribute {node.attr}")
-        return self.generic_visit(node) if value is None else self.held(node.attr, value)
+        return (
+            self.generic_visit(node) if value is None else self.held(node.attr, value)
+        )
 
     def visit_Subscript(self, node: ast.Subscript) -> str:
         match node.slice:
@@ -270,14 +362,20 @@ class _Translator(ast.NodeVisitor):
 
     def visit_Compare(self, node: ast.Compare) -> str:
         sides = [node.left, *node.comparators]
-        return "({})".format(" && ".join(
-            self.filled(type(op).__name__, ast.BinOp(left, ast.Add(), right))
-            for left, op, right in zip(sides, node.ops, sides[1:], strict=False)))
+        return "({})".format(
+            " && ".join(
+                self.filled(type(op).__name__, ast.BinOp(left, ast.Add(), right))
+                for left, op, right in zip(sides, node.ops, sides[1:], strict=False)
+            )
+        )
 
     def visit_Dict(self, node: ast.Dict) -> str:
-        entries = [f"...{self.visit(value)}" if key is None
-                   else f"[{self.visit(key)}]:{self.visit(value)}"
-                   for key, value in zip(node.keys, node.values, strict=True)]
+        entries = [
+            f"...{self.visit(value)}"
+            if key is None
+            else f"[{self.visit(key)}]:{self.visit(value)}"
+            for key, value in zip(node.keys, node.values, strict=True)
+        ]
         return f"({{{','.join(entries)}}})"
 
     def visit_ListComp(self, node: ast.ListComp | ast.GeneratorExp) -> str:
@@ -286,25 +384,35 @@ class _Translator(ast.NodeVisitor):
             item = self.visit(loop.target)
             kept = "".join(f".filter(({item})=>{self.truth(x)})" for x in loop.ifs)
             every = "flatMap" if i else "map"
-            text = f"Array.from({self.visit(loop.iter)}){kept}.{every}(({item})=>({text}))"
+            text = (
+                f"Array.from({self.visit(loop.iter)}){kept}.{every}(({item})=>({text}))"
+            )
         return text
 
     visit_GeneratorExp = visit_ListComp  # noqa: N815 - a name of ast
 
     def visit_Call(self, node: ast.Call) -> str:
-        called, name, calls = self.known(node.func), ast.unparse(node.func), self.program.calls
+        called, name, calls = (
+            self.known(node.func),
+            ast.unparse(node.func),
+            self.program.calls,
+        )
         given = [self.visit(x) for x in node.args]
         if any(word.arg != "strict" for word in node.keywords):
             raise KeyError("an argument by name")
         if called is None and isinstance(node.func, ast.Attribute):
-            return METHODS[node.func.attr].format(self.visit(node.func.value), ",".join(given))
+            return METHODS[node.func.attr].format(
+                self.visit(node.func.value), ",".join(given)
+            )
         if called in (min, max) and len(given) > 1:
             return reduce(lambda text, other: f"py.{name}({text},{other})", given)
         if fields := getattr(called, "_fields", ()):
             return f"({{{','.join(map(':'.join, zip(fields, given, strict=True)))}}})"
         if called in calls:
             text = calls[called]
-        elif isinstance(called, FunctionType) and called.__module__.startswith("rodimpact."):
+        elif isinstance(called, FunctionType) and called.__module__.startswith(
+            "rodimpact."
+        ):
             text = self.program.name(called, called.__name__, called.__module__)
         else:
             raise KeyError(f"calling {name}")

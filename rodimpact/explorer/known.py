@@ -29,7 +29,8 @@ def outcome_told(system: Any, found: Any) -> Any:
     """
     able, before, after = unilateral(system), found["before"], found["after"]
     why = no_restitution(
-        able, before, found["contacts"], driven(system), found["final"], found["status"])
+        able, before, found["contacts"], driven(system), found["final"], found["status"]
+    )
     e, error = None, 0.0
     if why == "":
         k = able[0]
@@ -66,15 +67,25 @@ def body_told(body: Any, number: str, path: Any) -> Any:
     even = isinstance(body.velocity, float) and (not rod or body.strain == 0.0)
     pieces = body.segments if rod else []
     return {
-        "kind": body.kind, "name": name, "path": path,
+        "kind": body.kind,
+        "name": name,
+        "path": path,
         "title": capital(number if number == "wall" else name),
         "mass": 0.0 if body.kind == "wall" else body.mass,
         "approach": body.velocity if even else None,
-        "pieces": [{
-            "length": piece.length, "area": extremes(piece.area)[1], "mass": piece.mass,
-            "wave_speed": piece.wave_speed, "transit_time": piece.transit_time,
-            "impedance": piece.material.density * piece.wave_speed * extremes(piece.area)[1],
-        } for piece in pieces],
+        "pieces": [
+            {
+                "length": piece.length,
+                "area": extremes(piece.area)[1],
+                "mass": piece.mass,
+                "wave_speed": piece.wave_speed,
+                "transit_time": piece.transit_time,
+                "impedance": piece.material.density
+                * piece.wave_speed
+                * extremes(piece.area)[1],
+            }
+            for piece in pieces
+        ],
         "derived": [derived_of(piece) for piece in pieces],
     }
 
@@ -86,7 +97,8 @@ def derived_of(piece: Any) -> Any:
     return [
         ("bar speed c", f"{piece.wave_speed:.4g} m/s"),
         ("impedance Z", f"{low if low == high else f'{low} to {high}'} kg/s"),
-        ("transit time T", written(piece.transit_time, "s", 5)), ("mass m", f"{piece.mass:.4g} kg"),
+        ("transit time T", written(piece.transit_time, "s", 5)),
+        ("mass m", f"{piece.mass:.4g} kg"),
     ]
 
 

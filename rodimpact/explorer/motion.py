@@ -37,10 +37,22 @@ def grids_of(run: Any) -> Any:
             rows: list[list[float]] = []
             for k in range(ROWS + 1):
                 now = run["now"] * k / ROWS
-                rows.append([
-                    ((reading.passed_by(a, now - T * m / across)[0] - begun
-                      + reading.passed_by(b, now - T + T * m / across)[0]) / 2
-                     + frame * now) * tick + moved for m in range(across + 1)])
+                rows.append(
+                    [
+                        (
+                            (
+                                reading.passed_by(a, now - T * m / across)[0]
+                                - begun
+                                + reading.passed_by(b, now - T + T * m / across)[0]
+                            )
+                            / 2
+                            + frame * now
+                        )
+                        * tick
+                        + moved
+                        for m in range(across + 1)
+                    ]
+                )
             add_cells(found, i, piece, left, run["now"] * tick, rows)
             left += piece.length
             moved += body.strain * piece.length
@@ -57,8 +69,12 @@ def path_of(run: Any, i: int) -> Any:
         return {"t": [0.0, end], "displacement": [0.0, body.velocity * end]}
     even = [run["now"] * k / SAMPLES for k in range(SAMPLES + 1)]
     wave = run["masses"][run["row"].mass_of[i]]
-    return {"t": [at * tick for at in even], "displacement": [
-        (reading.passed_by(wave, at)[0] + run["frame"] * at) * tick for at in even]}
+    return {
+        "t": [at * tick for at in even],
+        "displacement": [
+            (reading.passed_by(wave, at)[0] + run["frame"] * at) * tick for at in even
+        ],
+    }
 
 
 def curve_of(run: Any, terms: Any) -> Any:
@@ -68,7 +84,9 @@ def curve_of(run: Any, terms: Any) -> Any:
     """
     now, breaks = run["now"], [0, run["now"]]
     for wave, delay, _ in terms:
-        breaks.extend([start + delay for start in wave["start"] if 0 < start + delay < now])
+        breaks.extend(
+            [start + delay for start in wave["start"] if 0 < start + delay < now]
+        )
     breaks = sorted(breaks)
     times, values, last, least = [], [], -now, 0.0 if run["exact"] else FINEST * now
     for i in range(len(breaks) - 1):
@@ -79,8 +97,12 @@ def curve_of(run: Any, terms: Any) -> Any:
                 at = low + (high - low) * k / parts
                 if k in (0, parts) or at - last > least:
                     times.append(at * run["tick"])
-                    values.append(sum(factor * held_at(wave, low - delay, at - delay)
-                                      for wave, delay, factor in terms))
+                    values.append(
+                        sum(
+                            factor * held_at(wave, low - delay, at - delay)
+                            for wave, delay, factor in terms
+                        )
+                    )
                     last = at
     return {"t": times, "y": values}
 
@@ -95,15 +117,24 @@ def gauge_curve(run: Any, s: int, x: float) -> Any:
     """Curve of the strain at a place of segment s, m from its left end."""
     piece, T = run["row"].segments[s], run["transits"][s]
     after, factor = max(0, min(T, round(x / piece.length * T))), 0.5 / piece.wave_speed
-    return curve_of(run, [(run["waves"][2 * s + 1], T - after, factor),
-                          (run["waves"][2 * s], after, -factor)])
+    return curve_of(
+        run,
+        [
+            (run["waves"][2 * s + 1], T - after, factor),
+            (run["waves"][2 * s], after, -factor),
+        ],
+    )
 
 
 def energy_curves(run: Any, corners: list[float]) -> Any:
     """Energy by kind over time, J, at even times and at `corners`, s, if they are few."""
     moments = FEW if run["draft"] else MOMENTS
-    times = sorted([*corners, *[run["now"] * k / moments * run["tick"]
-                                for k in range(moments + 1)]])
+    times = sorted(
+        [
+            *corners,
+            *[run["now"] * k / moments * run["tick"] for k in range(moments + 1)],
+        ]
+    )
     least = SAME * times[-1]
     times = [t for i, t in enumerate(times) if i == 0 or t > times[i - 1] + least]
     if len(times) > MOST_TIMES:
@@ -159,8 +190,10 @@ def strain_energy(run: Any, now: float) -> float:
             wide = edges[i + 1] - edges[i]
             count = 1 if run["exact"] else 1 + int(POINTS * wide / T)
             after = [edges[i] + wide * (k + 0.5) / count for k in range(count)]
-            square = sum((reading.value_at(b, now - T + x) - reading.value_at(a, now - x)) ** 2
-                         for x in after)
+            square = sum(
+                (reading.value_at(b, now - T + x) - reading.value_at(a, now - x)) ** 2
+                for x in after
+            )
             total += piece.mass * wide / T * square / count / 8
     return total
 
@@ -168,7 +201,9 @@ def strain_energy(run: Any, now: float) -> float:
 def jumps_between(run: Any, wave: Any, start: float, stop: float) -> list[float]:
     """Ticks between two at which a wave jumps."""
     first, last = reading.place_of(wave, start) + 1, reading.place_of(wave, stop)
-    found = [piece.start for piece in wave["piece"][first : last + 1] if piece.order == 0]
+    found = [
+        piece.start for piece in wave["piece"][first : last + 1] if piece.order == 0
+    ]
     return found if run["exact"] or len(found) < POINTS else []
 
 

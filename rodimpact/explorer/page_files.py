@@ -13,9 +13,25 @@ from typing import Any
 from .solver import script
 
 SCRIPTS = (
-    "numbers.js", "python.js", "kernels.js", "solver.js", "pens.js", "layout.js", "picture.js",
-    "strip.js", "plots.js", "reading.js", "lesson.js", "tour.js", "film.js",
-    "compare.js", "controls.js", "map.js", "build.js", "address.js", "main.js",
+    "numbers.js",
+    "python.js",
+    "kernels.js",
+    "solver.js",
+    "pens.js",
+    "layout.js",
+    "picture.js",
+    "strip.js",
+    "plots.js",
+    "reading.js",
+    "lesson.js",
+    "tour.js",
+    "film.js",
+    "compare.js",
+    "controls.js",
+    "map.js",
+    "build.js",
+    "address.js",
+    "main.js",
 )
 LOADER = "loader.js"  # unpacks the others
 
@@ -24,12 +40,16 @@ def read(name: str) -> str:
     """Text of a file of the page; the kernels are translated as they are now."""
     if name == "kernels.js":
         return script()
-    return resources.files(__package__).joinpath("page", name).read_text(encoding="utf-8")
+    return (
+        resources.files(__package__).joinpath("page", name).read_text(encoding="utf-8")
+    )
 
 
 def lean(text: str) -> str:
     """A script or a style without indentation, and without comments on lines of their own."""
-    return re.sub(r"^(\s+|\s*//.*\n|\s*/\*\*(.|\n)*?\*/\n)", "", text, flags=re.MULTILINE)
+    return re.sub(
+        r"^(\s+|\s*//.*\n|\s*/\*\*(.|\n)*?\*/\n)", "", text, flags=re.MULTILINE
+    )
 
 
 def standalone(embedded: Mapping[str, Any], title: str) -> str:
@@ -49,12 +69,19 @@ def standalone(embedded: Mapping[str, Any], title: str) -> str:
     """
     style = lean(read("page.css"))
     loader, script = lean(read(LOADER)), lean("\n".join(map(read, SCRIPTS)))
-    policy = "; ".join([
-        "default-src 'none'", f"style-src {_digest(style)}",
-        f"script-src {_digest(loader)} {_digest(script)}",
-        "img-src data: blob:", "base-uri 'none'", "form-action 'none'",
-    ])
-    data = json.dumps(embedded, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
+    policy = "; ".join(
+        [
+            "default-src 'none'",
+            f"style-src {_digest(style)}",
+            f"script-src {_digest(loader)} {_digest(script)}",
+            "img-src data: blob:",
+            "base-uri 'none'",
+            "form-action 'none'",
+        ]
+    )
+    data = json.dumps(
+        embedded, allow_nan=False, ensure_ascii=False, separators=(",", ":")
+    )
     data = data.replace("<", "\\u003c")  # so that no text in it ends the element
     head = (
         f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'
@@ -65,7 +92,9 @@ def standalone(embedded: Mapping[str, Any], title: str) -> str:
         f'<script type="text/plain" id="packed">{packed(script)}</script>\n'
         f"<script>{loader}</script>"
     )
-    page = read("page.html").replace("<title>rodimpact<", f"<title>{html.escape(title)}<")
+    page = read("page.html").replace(
+        "<title>rodimpact<", f"<title>{html.escape(title)}<"
+    )
     page = page.replace('<link rel="stylesheet" href="page.css">', head)
     return page.replace("</body>", f"{tail}\n</body>")
 
@@ -77,4 +106,6 @@ def packed(text: str) -> str:
 
 def _digest(text: str) -> str:
     """What a policy calls a script or style of this text."""
-    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+    return (
+        f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+    )

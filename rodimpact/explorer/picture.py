@@ -43,24 +43,50 @@ def picture(system: Any, found: Any, paths: Any, records: Any, energy: Any) -> A
     numbers, names = body_numbers(kinds), contact_names(kinds)
     known = {
         **found,
-        "bodies": [body_told(body, numbers[i], paths[i])
-                   for i, body in enumerate(system.bodies)],
-        "contacts": [{
-            "index": i, "name": names[i], "bonded": law.law == "bonded",
-            "compliant": law.law not in ("rigid", "bonded"), **found["contacts"][i],
-        } for i, law in enumerate(system.contacts)],
+        "bodies": [
+            body_told(body, numbers[i], paths[i])
+            for i, body in enumerate(system.bodies)
+        ],
+        "contacts": [
+            {
+                "index": i,
+                "name": names[i],
+                "bonded": law.law == "bonded",
+                "compliant": law.law not in ("rigid", "bonded"),
+                **found["contacts"][i],
+            }
+            for i, law in enumerate(system.contacts)
+        ],
     }
     e = restitution_of(known)
     return {
-        **known, "outcome": None, "end": max(found["tiling"]["t"]),
+        **known,
+        "outcome": None,
+        "end": max(found["tiling"]["t"]),
         "plots": [
-            {"key": "energy", "title": "Energy", "unit": "J", "series": [
-                {"name": name, "t": [*energy["t"]], "y": y}
-                for name, y in energy.items() if name != "t"]},
-            {"key": "gauge", "title": "Strain, below 0 compressed", "unit": "µε", "series": [
-                {**record, "y": [1e6 * e for e in record["y"]]} for record in records]},
+            {
+                "key": "energy",
+                "title": "Energy",
+                "unit": "J",
+                "series": [
+                    {"name": name, "t": [*energy["t"]], "y": y}
+                    for name, y in energy.items()
+                    if name != "t"
+                ],
+            },
+            {
+                "key": "gauge",
+                "title": "Strain, below 0 compressed",
+                "unit": "µε",
+                "series": [
+                    {**record, "y": [1e6 * e for e in record["y"]]}
+                    for record in records
+                ],
+            },
         ],
-        "row": row_of_picture(system, known), "restitution": e, "ratio": ratio_of(known),
+        "row": row_of_picture(system, known),
+        "restitution": e,
+        "ratio": ratio_of(known),
         "reason": reason_of(known, e["text"] if e["why"] == "" else ""),
         "results": results_of(known),
     }
@@ -83,8 +109,13 @@ def row_of_picture(system: Any, known: Any) -> Any:
         note = f"displacements {TIMES} {format_factor(magnification)}"
     if frame != 0:
         note = f"{note}, frame moving at {format_si(frame, 'm/s', 4)}"
-    return {"block": round_down(BLOCK * total), "apart": apart,
-            "magnification": magnification, "frame": frame, "note": note}
+    return {
+        "block": round_down(BLOCK * total),
+        "apart": apart,
+        "magnification": magnification,
+        "frame": frame,
+        "note": note,
+    }
 
 
 def spread(known: Any, apart: list[float], frame: float) -> float:
@@ -92,12 +123,22 @@ def spread(known: Any, apart: list[float], frame: float) -> float:
     tiling = known["tiling"]
     moved: list[float] = []
     for g, i in enumerate(tiling["body"]):
-        moved.extend([apart[i] + tiling["displacement"][k] - frame * tiling["t"][k]
-                      for k in range(tiling["start"][g], tiling["start"][g + 1])])
+        moved.extend(
+            [
+                apart[i] + tiling["displacement"][k] - frame * tiling["t"][k]
+                for k in range(tiling["start"][g], tiling["start"][g + 1])
+            ]
+        )
     for i, body in enumerate(known["bodies"]):
         if body["path"] is not None:
-            moved.extend([apart[i] + u - frame * t for t, u in zip(
-                body["path"]["t"], body["path"]["displacement"], strict=True)])
+            moved.extend(
+                [
+                    apart[i] + u - frame * t
+                    for t, u in zip(
+                        body["path"]["t"], body["path"]["displacement"], strict=True
+                    )
+                ]
+            )
     return max(moved) - min(moved)
 
 
@@ -117,12 +158,22 @@ def restitution_of(known: Any) -> Any:
     outcome, why, value, text = known["outcome"], known["outcome"]["why"], None, "-"
     if why == "":
         value, digits = outcome["restitution"], 6 if known["method"] == "fronts" else 5
-        text = stated(f"{clean(value, 1.0):.{digits}g}", max(value, 1e-9), digits,
-                      outcome["error"], "")
+        text = stated(
+            f"{clean(value, 1.0):.{digits}g}",
+            max(value, 1e-9),
+            digits,
+            outcome["error"],
+            "",
+        )
     elif len(outcome["able"]) > 1:
         count = len(outcome["able"])
         why = f"A coefficient e belongs to one contact; this row has {count}, see the velocities"
-    return {"value": value, "text": text, "why": capital(why), "closed_form": known["closed_form"]}
+    return {
+        "value": value,
+        "text": text,
+        "why": capital(why),
+        "closed_form": known["closed_form"],
+    }
 
 
 def results_of(known: Any) -> Any:
@@ -137,16 +188,27 @@ def results_of(known: Any) -> Any:
             text = stated(f"{v:.{digits}g} m/s", v, digits, errors["velocity"], "m/s")
             rows.append((f"velocity of {body['name']} {after}", text))
     for i in o["able"]:
-        c, name = o["contacts"][i], f" {known['contacts'][i]['name']}" if len(o["able"]) > 1 else ""
+        c, name = (
+            o["contacts"][i],
+            f" {known['contacts'][i]['name']}" if len(o["able"]) > 1 else "",
+        )
         for what, key, value, unit in (
             ("impulse", "impulse", c.impulse, "N s"),
             ("peak force", "peak_force", c.peak_force, "N"),
             ("force duration", "duration", c.duration, "s"),
         ):
             if value == value:  # a blow of rigid bodies has no peak force
-                text = stated(written(value, unit, 5), value, 5, errors.get(key, 0.0), unit)
+                text = stated(
+                    written(value, unit, 5), value, 5, errors.get(key, 0.0), unit
+                )
                 rows.append((f"{what}{name}", text))
     vibration = clean(o["vibration_after"], o["energy_before"])
-    text = stated(written(vibration, "J", 5), vibration, 5, errors.get("energy", 0.0), "J")
-    return [*rows, ("energy before", written(o["energy_before"], "J", 5)),
-            (f"energy in vibration {after}", text), ("method", known["method"])]
+    text = stated(
+        written(vibration, "J", 5), vibration, 5, errors.get("energy", 0.0), "J"
+    )
+    return [
+        *rows,
+        ("energy before", written(o["energy_before"], "J", 5)),
+        (f"energy in vibration {after}", text),
+        ("method", known["method"]),
+    ]

@@ -14,7 +14,14 @@ from ..methods.pieces.layout import Asked, Clock
 from ..methods.pieces.method import RTOL
 from ..methods.pieces.records import NONE, PIECE, TURN
 from ..methods.pieces.series import N
-from ..methods.pieces.totals import last_of, stated, status_of, tally_of, told_of, why_stopped
+from ..methods.pieces.totals import (
+    last_of,
+    stated,
+    status_of,
+    tally_of,
+    told_of,
+    why_stopped,
+)
 from ..methods.status import strain_warning
 from ..methods.walk import frame_of, largest, scale_of, walk, wave_of_strain
 from .fronts import TOO_FAR_APART
@@ -42,8 +49,11 @@ def waves_at_start(row: Any, clock: Clock) -> Any:
     for i, body in enumerate(row.system.bodies):
         for s in range(row.spans[i][0] - 1, row.spans[i][1]):
             stretch = body.strain * row.segments[s].wave_speed
-            pieces.extend(layout.under_way(
-                body.velocity - clock.frame, stretch, clock.transits[s]))
+            pieces.extend(
+                layout.under_way(
+                    body.velocity - clock.frame, stretch, clock.transits[s]
+                )
+            )
     for side, (kind, value) in enumerate(row.outside):
         k, came, factor = side * (last + 1), 0.0, 1.0
         if kind == "none" and row.first[k] == row.first[k + 1]:
@@ -77,27 +87,41 @@ def run_of(row: Any, asked: Any, tolerance: float, keep: bool, earlier: Any) -> 
         log[l].line = l
     wanted = Asked(until, tolerance, asked.max_events, keep)
     known = [(1, 0, 1) for _ in log]
-    runs, node, link, mass, line, part = layout.lay_out(row, clock, wanted, known, outside)
+    runs, node, link, mass, line, part = layout.lay_out(
+        row, clock, wanted, known, outside
+    )
     run, turn = runs[0], blank(ROOM + march.FLIPS, TURN)
     log.extend(blank(ROOM, PIECE))
     if earlier is not None:
         accuracy.compare(earlier["ended"].run, run)
     size = N * max([at.links for at in node])
     matrix = [[0.0] * (size + 1) for _ in range(size)]
-    while march.follow(runs, node, link, mass, line, part, log, turn, matrix) == Stop.FULL:
+    while (
+        march.follow(runs, node, link, mass, line, part, log, turn, matrix) == Stop.FULL
+    ):
         log.extend(blank(len(log), PIECE))
         turn.extend(blank(len(turn), TURN))
     if run.stop == Stop.STUCK:
         message = "a rigid mass is squeezed between walls; give a contact there a compliant law"
         return {"problem": ("contacts", message)}
-    return {"row": row, "clock": clock, "ended": Ended(run, link, part), "mass": mass,
-            "log": log[: run.pieces], "lines": len(line), "until": asked.until,
-            "now": min([run.end, *[at.now for at in node]])}
+    return {
+        "row": row,
+        "clock": clock,
+        "ended": Ended(run, link, part),
+        "mass": mass,
+        "log": log[: run.pieces],
+        "lines": len(line),
+        "until": asked.until,
+        "now": min([run.end, *[at.now for at in node]]),
+    }
 
 
 def solved(row: Any, asked: Any, tolerance: float) -> Any:
     """A run, as of `run_of`, with the stated ``errors`` of the `MEASURES`, and their ``goal``."""
-    fine, coarser = run_of(row, asked, tolerance, True, None), accuracy.COARSER * tolerance
+    fine, coarser = (
+        run_of(row, asked, tolerance, True, None),
+        accuracy.COARSER * tolerance,
+    )
     errors = [0.0 for _ in range(5)]
     if "problem" in fine:
         return fine
@@ -105,40 +129,80 @@ def solved(row: Any, asked: Any, tolerance: float) -> Any:
         coarse = run_of(row, asked, coarser, False, fine)
         errors = accuracy.apart(fine["ended"], coarse["ended"])
         coarser *= accuracy.COARSER  # the same steps tell nothing
-    left = max([accuracy.left_open(fine["ended"].run, 0.0),
-                *[1 / T for T in fine["clock"].transits]])  # which are rounded to whole ticks
+    left = max(
+        [
+            accuracy.left_open(fine["ended"].run, 0.0),
+            *[1 / T for T in fine["clock"].transits],
+        ]
+    )  # which are rounded to whole ticks
     return {**fine, "errors": [error + left for error in errors], "goal": tolerance}
 
 
 def outcome_of(run: Any, errors: list[float], status: str) -> Any:
     """What the collision did, as `outcome_told` has it."""
-    row, ended, tick, frame = run["row"], run["ended"], run["clock"].tick, run["clock"].frame
+    row, ended, tick, frame = (
+        run["row"],
+        run["ended"],
+        run["clock"].tick,
+        run["clock"].frame,
+    )
     heads, it = [part for part in ended.part if part.parts > 0], ended.run
     contacts = [tally_of(ended.link[i], tick, run["now"]) for i in row.contact_link]
-    energy = sum(body.mass * body.velocity**2 / 2 + sum(
-        piece.mass * (piece.wave_speed * body.strain) ** 2 / 2 for piece in body.segments)
-        for body in row.system.bodies)
-    doubt = errors[0] * it.scale * it.scale * sum(body.mass for body in row.system.bodies)
-    return outcome_told(row.system, {
-        "before": body_velocities(row.system, [part.initial + frame for part in heads]),
-        "after": body_velocities(row.system, [part.mean + frame for part in heads]),
-        "contacts": contacts, "final": it.proved >= 0, "status": status,
-        "energy_before": energy, "vibration_after": sum(part.energy for part in ended.part),
-        "errors": {**errors_of(errors, it.scale, contacts), "energy": doubt},
-    })
+    energy = sum(
+        body.mass * body.velocity**2 / 2
+        + sum(
+            piece.mass * (piece.wave_speed * body.strain) ** 2 / 2
+            for piece in body.segments
+        )
+        for body in row.system.bodies
+    )
+    doubt = (
+        errors[0] * it.scale * it.scale * sum(body.mass for body in row.system.bodies)
+    )
+    return outcome_told(
+        row.system,
+        {
+            "before": body_velocities(
+                row.system, [part.initial + frame for part in heads]
+            ),
+            "after": body_velocities(row.system, [part.mean + frame for part in heads]),
+            "contacts": contacts,
+            "final": it.proved >= 0,
+            "status": status,
+            "energy_before": energy,
+            "vibration_after": sum(part.energy for part in ended.part),
+            "errors": {**errors_of(errors, it.scale, contacts), "energy": doubt},
+        },
+    )
 
 
 def sentence_of(run: Any) -> str:
     """Why the run ended, as `Solution.status` has it."""
     row, ended, tick, it = run["row"], run["ended"], run["clock"].tick, run["ended"].run
-    strains = [sum(abs(c) for c in piece.coefficient) / row.segments[piece.line // 2].wave_speed
-               for piece in run["log"] if piece.line < 2 * len(row.segments)]
-    end, round_trip = run["now"] * tick, 2 * layout.longest_of(row, run["clock"], 0) * tick
+    strains = [
+        sum(abs(c) for c in piece.coefficient)
+        / row.segments[piece.line // 2].wave_speed
+        for piece in run["log"]
+        if piece.line < 2 * len(row.segments)
+    ]
+    end, round_trip = (
+        run["now"] * tick,
+        2 * layout.longest_of(row, run["clock"], 0) * tick,
+    )
     sentence = status_of(
-        it, ended.link, row.system, why_stopped(it, run["until"] >= 0), end,
-        last_of(it, ended.link, end, round_trip))
-    return sentence + stated(size_of(run["errors"][:3]), run["goal"]) + told_of(it) + (
-        strain_warning(max(strains)))
+        it,
+        ended.link,
+        row.system,
+        why_stopped(it, run["until"] >= 0),
+        end,
+        last_of(it, ended.link, end, round_trip),
+    )
+    return (
+        sentence
+        + stated(size_of(run["errors"][:3]), run["goal"])
+        + told_of(it)
+        + (strain_warning(max(strains)))
+    )
 
 
 def solved_by_pieces(system: Any, asked: Any, tolerance: float) -> Any:
@@ -153,20 +217,38 @@ def solved_by_pieces(system: Any, asked: Any, tolerance: float) -> Any:
         return {"problem": ("solve", f"lasts no time to show. {outcome['status']}")}
     waves = reading.waves_of(run["log"], run["lines"])
     motion = {
-        "row": row, "tick": clock.tick, "frame": clock.frame, "transits": clock.transits,
-        "now": run["now"], "waves": waves, "masses": [waves[mass.line] for mass in run["mass"]],
-        "springs": [(link[i], waves[link[i].kept + 1]) for i in row.contact_link
-                    if link[i].law >= Law.SPRING],
-        "exact": False, "draft": tolerance > RTOL,
+        "row": row,
+        "tick": clock.tick,
+        "frame": clock.frame,
+        "transits": clock.transits,
+        "now": run["now"],
+        "waves": waves,
+        "masses": [waves[mass.line] for mass in run["mass"]],
+        "springs": [
+            (link[i], waves[link[i].kept + 1])
+            for i in row.contact_link
+            if link[i].law >= Law.SPRING
+        ],
+        "exact": False,
+        "draft": tolerance > RTOL,
     }
     contacts = []
     for i, law in enumerate(system.contacts):
         it = link[row.contact_link[i]]
-        contacts.append({
-            "force": curve_of(motion, [(waves[it.kept], 0, 1.0)]),
-            "gap": curve_of(motion, [(waves[it.kept + 1], 0, -1.0)]) if law.opens else None})
+        contacts.append(
+            {
+                "force": curve_of(motion, [(waves[it.kept], 0, 1.0)]),
+                "gap": curve_of(motion, [(waves[it.kept + 1], 0, -1.0)])
+                if law.opens
+                else None,
+            }
+        )
     return {
-        "motion": motion, "outcome": outcome, "method": "characteristics", "closed_form": None,
+        "motion": motion,
+        "outcome": outcome,
+        "method": "characteristics",
+        "closed_form": None,
         "notes": [outcome["status"], "The picture shows means over cells."],
-        "contacts": contacts, "tiling": grids_of(motion),
+        "contacts": contacts,
+        "tiling": grids_of(motion),
     }

@@ -9,7 +9,9 @@ from typing import Any
 from ..storage.tables import clean
 from .texts import capital, written
 
-SMALL = 1e-6  # of the peak force, the largest gap or the time since the first touch: none
+SMALL = (
+    1e-6  # of the peak force, the largest gap or the time since the first touch: none
+)
 MOST = 0.99  # of an impulse
 
 
@@ -24,8 +26,11 @@ def reason_of(known: Any, e: str) -> list[str]:
         The coefficient of restitution as it is written; "" if there is none.
     """
     outcome = known["outcome"]
-    pressed = [known["contacts"][i] for i in outcome["able"]
-               if outcome["contacts"][i].episodes > 0]
+    pressed = [
+        known["contacts"][i]
+        for i in outcome["able"]
+        if outcome["contacts"][i].episodes > 0
+    ]
     if len(pressed) == 0:
         happened = "No contact that can open presses."
     elif len(outcome["able"]) > 1:
@@ -96,14 +101,20 @@ def of_chain(known: Any, pressed: list[Any]) -> str:
                 first, begun = contact, spell["from"]
             if spell["to"] > ended:
                 last, ended = contact, spell["to"]
-    return (f"The first contact to press is that of {pair_of(known, first)}, at "
-            f"{written(begun, 's', 4)}; the last force, between {pair_of(known, last)}, ends at "
-            f"{written(ended, 's', 4)}.")
+    return (
+        f"The first contact to press is that of {pair_of(known, first)}, at "
+        f"{written(begun, 's', 4)}; the last force, between {pair_of(known, last)}, ends at "
+        f"{written(ended, 's', 4)}."
+    )
 
 
 def of_contact(known: Any, contact: Any) -> str:
     """How the force of the only contact that can open begins, falls and ends."""
-    spells, presses, pair = spells_of(contact), presses_of(contact), pair_of(known, contact)
+    spells, presses, pair = (
+        spells_of(contact),
+        presses_of(contact),
+        pair_of(known, contact),
+    )
     if len(presses) == 0:
         return "The contact presses for too short a time to be shown."
     begun, ended, force = presses[0]["from"], presses[-1]["to"], contact["force"]
@@ -119,7 +130,9 @@ def of_contact(known: Any, contact: Any) -> str:
         early = f"; {100 * MOST:.3g} % of the impulse came in the first {written(most, 's', 4)}"
         text = f"{text}{in_transits(known, contact, lasted)}{end}"
         text = f"{text}{early if most < 0.75 * lasted else ''}"
-    elif any(spell["state"] == "open" and begun < spell["from"] < ended for spell in spells):
+    elif any(
+        spell["state"] == "open" and begun < spell["from"] < ended for spell in spells
+    ):
         text = f"{capital(pair)} part and meet again; the last force ends at "
         text = f"{text}{written(ended, 's', 4)}"
     else:
@@ -127,13 +140,20 @@ def of_contact(known: Any, contact: Any) -> str:
         puller = "a wall" if wall else "a contact"
         text = f"{returning(known, contact, lasted)} and the force ends, since {puller} cannot pull"
         edge, y = SMALL * lasted, force["y"]
-        falls = [k for k, t in enumerate(force["t"])
-                 if begun + edge < t < ended - edge and y[k] < (1 - SMALL) * y[k - 1]]
+        falls = [
+            k
+            for k, t in enumerate(force["t"])
+            if begun + edge < t < ended - edge and y[k] < (1 - SMALL) * y[k - 1]
+        ]
         if len(falls) > 0:
             k, more = falls[0], "" if len(falls) == 1 else ", and so do later waves"
-            text = (f"{returning(known, contact, force['t'][k] - begun)} and lowers the force to "
-                    f"{y[k] / y[k - 1]:.3g} times its value{more}; contact goes on. {text}")
-    opened = spells[-1]["from"] if known["exact"] and spells[-1]["state"] == "open" else -1.0
+            text = (
+                f"{returning(known, contact, force['t'][k] - begun)} and lowers the force to "
+                f"{y[k] / y[k - 1]:.3g} times its value{more}; contact goes on. {text}"
+            )
+    opened = (
+        spells[-1]["from"] if known["exact"] and spells[-1]["state"] == "open" else -1.0
+    )
     if opened > ended + SMALL * lasted:
         text = f"{text}; the faces touch without force until they part at {written(opened, 's', 4)}"
     return f"{text}."
@@ -164,7 +184,9 @@ def returning(known: Any, contact: Any, after: float) -> str:
                 fewest, found = trips, f"{capital(body['name'])}'s wave returns after"
     if fewest == 0:
         return f"After {time} a wave arrives"
-    return f"{found} {time}" if fewest == 1 else f"{found} {fewest} round trips, {time},"
+    return (
+        f"{found} {time}" if fewest == 1 else f"{found} {fewest} round trips, {time},"
+    )
 
 
 def in_transits(known: Any, contact: Any, lasted: float) -> str:
@@ -173,7 +195,10 @@ def in_transits(known: Any, contact: Any, lasted: float) -> str:
     for body in beside(known, contact):
         time = sum(piece["transit_time"] for piece in body["pieces"])
         if time > 0 and (shortest == 0 or time < shortest):
-            shortest, found = time, f", {lasted / time:.3g} transit times of {body['name']}"
+            shortest, found = (
+                time,
+                f", {lasted / time:.3g} transit times of {body['name']}",
+            )
     return found
 
 
@@ -182,15 +207,24 @@ def in_transits(known: Any, contact: Any, lasted: float) -> str:
 
 def result_of(known: Any, pressed: list[Any], e: str) -> str:
     """The impulse, the velocities that it leaves, e, and the share of vibration."""
-    outcome, bodies, after = known["outcome"], known["bodies"], known["outcome"]["after"]
+    outcome, bodies, after = (
+        known["outcome"],
+        known["bodies"],
+        known["outcome"]["after"],
+    )
     fastest = max([abs(v) for v in [*outcome["before"], *after]])
-    said = [f"{clean(after[i], fastest):.4g} m/s" for i, body in enumerate(bodies)
-            if body["kind"] != "wall"]
+    said = [
+        f"{clean(after[i], fastest):.4g} m/s"
+        for i, body in enumerate(bodies)
+        if body["kind"] != "wall"
+    ]
     vibration = outcome["vibration_after"]
-    energy = vibration + sum(body["mass"] * after[i] ** 2 / 2 for i, body in enumerate(bodies))
+    energy = vibration + sum(
+        body["mass"] * after[i] ** 2 / 2 for i, body in enumerate(bodies)
+    )
     speeds, word = said[-1], "velocity"
     if len(said) > 1:
-        speeds, word = f"{', '.join(said[:len(said) - 1])} and {speeds}", "velocities"
+        speeds, word = f"{', '.join(said[: len(said) - 1])} and {speeds}", "velocities"
     if len(pressed) == 1 and len(outcome["able"]) == 1:
         impulse = written(outcome["contacts"][pressed[0]["index"]].impulse, "N s", 4)
         text = f"The impulse of {impulse} changes the mean {word} to {speeds}"
@@ -210,8 +244,11 @@ def ratio_named(known: Any) -> str:
     Two uniform rods of one impedance, in rigid contact and without vibration before.
     """
     bodies = known["bodies"]
-    if len(bodies) != 2 or known["contacts"][0]["compliant"] or any(
-            len(body["pieces"]) != 1 or body["approach"] is None for body in bodies):
+    if (
+        len(bodies) != 2
+        or known["contacts"][0]["compliant"]
+        or any(len(body["pieces"]) != 1 or body["approach"] is None for body in bodies)
+    ):
         return ""
     left, right = [body["pieces"][0] for body in bodies]
     order, ratio = "₁₂", left["transit_time"] / right["transit_time"]

@@ -49,33 +49,65 @@ def scene(case: Case, solution: Solution) -> Scene:
         raise InvalidModel([("solve", reason)])
     system, o, theory = solution.system, solution.outcome, pair_theory(solution.system)
     times = np.linspace(0.0, solution.t_end, SAMPLES + 1)
-    contacts = [{
-        "force": _mean_force(contact, times),
-        "gap": None if isinstance(contact.law, Bonded) else _curve(times, contact.gap(times)),
-    } for contact in solution.contacts]
+    contacts = [
+        {
+            "force": _mean_force(contact, times),
+            "gap": None
+            if isinstance(contact.law, Bonded)
+            else _curve(times, contact.gap(times)),
+        }
+        for contact in solution.contacts
+    ]
     records = []
     for body, fraction, _ in case.gauges:
         _, _, name = gauge_of(system, {"body": body, "fraction": fraction})
         x = fraction * float(solution.fields.edges(body)[-1])
-        records.append({"name": name, **_curve(times, solution.gauge(body, x).strain_at(times))})
+        records.append(
+            {"name": name, **_curve(times, solution.gauge(body, x).strain_at(times))}
+        )
     relative = [solution.accuracy.get(name, 0.0) for name in run.MEASURES]
     speeds = [*o.velocities_before, *o.velocities_after]
-    found: Scene = _short(picture(system, {
-        "method": solution.method, "exact": False,
-        "closed_form": theory and {
-            "restitution": float(theory.collision().restitution), "source": theory.source},
-        "notes": [solution.status,
-                  "The picture shows means over cells, not the fronts themselves."],
-        "gauges": [{"body": body, "fraction": at} for body, at, _ in case.gauges],
-        "outcome": outcome_told(system, {
-            "before": o.velocities_before, "after": o.velocities_after, "contacts": o.contacts,
-            "final": o.final, "status": o.status,
-            "errors": errors_of(relative, max(speeds) - min(speeds), [*o.contacts]),
-            "energy_before": o.kinetic_before + sum(o.vibration_before),
-            "vibration_after": sum(o.vibration_after),
-        }),
-        "tiling": grids(solution), "contacts": contacts,
-    }, [_path(solution, i) for i in range(len(system.bodies))], records, _energy(solution)))
+    found: Scene = _short(
+        picture(
+            system,
+            {
+                "method": solution.method,
+                "exact": False,
+                "closed_form": theory
+                and {
+                    "restitution": float(theory.collision().restitution),
+                    "source": theory.source,
+                },
+                "notes": [
+                    solution.status,
+                    "The picture shows means over cells, not the fronts themselves.",
+                ],
+                "gauges": [
+                    {"body": body, "fraction": at} for body, at, _ in case.gauges
+                ],
+                "outcome": outcome_told(
+                    system,
+                    {
+                        "before": o.velocities_before,
+                        "after": o.velocities_after,
+                        "contacts": o.contacts,
+                        "final": o.final,
+                        "status": o.status,
+                        "errors": errors_of(
+                            relative, max(speeds) - min(speeds), [*o.contacts]
+                        ),
+                        "energy_before": o.kinetic_before + sum(o.vibration_before),
+                        "vibration_after": sum(o.vibration_after),
+                    },
+                ),
+                "tiling": grids(solution),
+                "contacts": contacts,
+            },
+            [_path(solution, i) for i in range(len(system.bodies))],
+            records,
+            _energy(solution),
+        )
+    )
     found["tiling"].pop("strain")
     return found
 
@@ -89,13 +121,22 @@ def _path(solution: Solution, i: int) -> Any:
     """How a body without inside moves; None for a rod."""
     kind = solution.system.bodies[i].kind
     times = np.linspace(0.0, solution.t_end, 2 if kind == "wall" else SAMPLES)
-    return None if kind == "rod" else {
-        "t": times.tolist(), "displacement": solution.displacement(i, 0.0, times).tolist()}
+    return (
+        None
+        if kind == "rod"
+        else {
+            "t": times.tolist(),
+            "displacement": solution.displacement(i, 0.0, times).tolist(),
+        }
+    )
 
 
 def _mean_force(contact: ContactHistory, times: Floats) -> dict[str, list[float]]:
     """Mean force between times that follow each other, at the middle between them."""
-    mean, middles = np.diff(contact.impulse_until(times)) / np.diff(times), times[1:] + times[:-1]
+    mean, middles = (
+        np.diff(contact.impulse_until(times)) / np.diff(times),
+        times[1:] + times[:-1],
+    )
     return _curve(middles / 2, mean)
 
 
@@ -104,8 +145,11 @@ def _energy(solution: Solution) -> Any:
     times = np.linspace(0.0, solution.t_end, MOMENTS)
     e = solution.energy(times)
     always, rare = ("kinetic", "vibrational_kinetic", "strain"), ("contact", "damped")
-    kinds = {ENERGIES[name]: getattr(e, name).tolist() for name in (*always, *rare)
-             if name in always or getattr(e, name).any()}
+    kinds = {
+        ENERGIES[name]: getattr(e, name).tolist()
+        for name in (*always, *rare)
+        if name in always or getattr(e, name).any()
+    }
     return {"t": times.tolist(), **kinds, "total": e.total.tolist()}
 
 
@@ -114,5 +158,8 @@ def _short(value: Any) -> Any:
     if isinstance(value, float):
         return float(f"{value:.{DIGITS}g}")
     if isinstance(value, dict):
-        return {key: item if key == "restitution" else _short(item) for key, item in value.items()}
+        return {
+            key: item if key == "restitution" else _short(item)
+            for key, item in value.items()
+        }
     return [*map(_short, value)] if isinstance(value, list | tuple) else value

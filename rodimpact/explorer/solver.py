@@ -18,17 +18,32 @@ from .tables import lacking, mistakes
 from .texts import name_of, written
 
 CONSTANTS = {
-    "CLOCK_BITS": 52, "NEVER": 1 << 52, "IDLE": (1 << 53) - 1, "LEAST_UNIT": 2.0**34,
-    "MOST_PARTS": 1 << 32, "FINE": 2.0**-7,
+    "CLOCK_BITS": 52,
+    "NEVER": 1 << 52,
+    "IDLE": (1 << 53) - 1,
+    "LEAST_UNIT": 2.0**34,
+    "MOST_PARTS": 1 << 32,
+    "FINE": 2.0**-7,
 }
 """Constants of the kernels on the page's clock."""
 FUNCTIONS = (
-    lacking, mistakes, scene_of, e_of, body_numbers, contact_names, name_of,
-    spells_of, value_at,
+    lacking,
+    mistakes,
+    scene_of,
+    e_of,
+    body_numbers,
+    contact_names,
+    name_of,
+    spells_of,
+    value_at,
 )
 KNOWN = {
-    format_si: "inSi", written: "inSi", format_factor: "plainNumber", blank: "py.blank",
-    extremes: "py.extremes", Steps: "py.steps",
+    format_si: "inSi",
+    written: "inSi",
+    format_factor: "plainNumber",
+    blank: "py.blank",
+    extremes: "py.extremes",
+    Steps: "py.steps",
 }
 """What the page writes in its own way."""
 

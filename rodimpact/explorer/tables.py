@@ -17,14 +17,23 @@ from ..model.profiles import Steps
 
 LAWS = (Rigid, Bonded, Spring, SpringDashpot, Hertz, HuntCrossley, PowerLaw)
 MAX = sys.float_info.max
-RANGES = {"positive": (TINY, MAX), "non-negative": (0.0, MAX), "any": (-MAX, MAX),
-          "[0, 1]": (0.0, 1.0), "[1, inf)": (1.0, MAX)}
+RANGES = {
+    "positive": (TINY, MAX),
+    "non-negative": (0.0, MAX),
+    "any": (-MAX, MAX),
+    "[0, 1]": (0.0, 1.0),
+    "[1, inf)": (1.0, MAX),
+}
 """The smallest and the largest number of each sign."""
 RULES: dict[str, dict[str, tuple[float, float, str]]] = {
-    table: {name: (*RANGES[fields[name].sign], fields[name].wanted[:-11]) for name in names}
+    table: {
+        name: (*RANGES[fields[name].sign], fields[name].wanted[:-11]) for name in names
+    }
     for table, fields, names in (
-        ("segment", Segment.fields, ("length", "area")), ("rod", Rod.fields, tuple(Rod.fields)),
-        ("wall", Wall.fields, ("velocity",)), ("mass", RigidMass.fields, ("mass", "velocity")),
+        ("segment", Segment.fields, ("length", "area")),
+        ("rod", Rod.fields, tuple(Rod.fields)),
+        ("wall", Wall.fields, ("velocity",)),
+        ("mass", RigidMass.fields, ("mass", "velocity")),
         *((law.law, law.fields, tuple(law.fields)) for law in LAWS),
         ("contact", {"gap": GAP}, ("gap",)),
         ("material", Material.fields, ("youngs_modulus", "density")),
@@ -33,12 +42,18 @@ RULES: dict[str, dict[str, tuple[float, float, str]]] = {
 }
 """By table and field the smallest and the largest number, and what it must be."""
 NUMBERS = {law.law: list(law.fields) for law in LAWS}
-NAMES = {"lateral_inertia": abilities.LATERAL, "polar_moment": abilities.LATERAL,
-         "viscosity": abilities.DAMPING, "loss_factor": abilities.DAMPING}
+NAMES = {
+    "lateral_inertia": abilities.LATERAL,
+    "polar_moment": abilities.LATERAL,
+    "viscosity": abilities.DAMPING,
+    "loss_factor": abilities.DAMPING,
+}
 """What entries stand for that the page cannot solve."""
 PROFILES = "profiles in one row with compliant contacts or rigid masses"
 SCALE = OUT_OF_SCALE[:-11]
-MOST_EVENTS = 20_000  # fronts that arrive at an end: an answer comes while a slider is dragged
+MOST_EVENTS = (
+    20_000  # fronts that arrive at an end: an answer comes while a slider is dragged
+)
 
 
 def is_smooth(case: Any) -> bool:
@@ -67,10 +82,28 @@ def lacking(case: Any) -> tuple[str, str]:
     for i, body in enumerate(bodies):
         if body["kind"] == "mass" and not smooth:
             return f"bodies.{i}", abilities.MASSES
-        entries.append((f"bodies.{i}", body, (
-            "kind", "segments", "velocity", "strain", "length", "area", "material", "mass")))
-        entries.extend([(f"bodies.{i}", piece, ("length", "area", "material"))
-                        for piece in body.get("segments", [])])
+        entries.append(
+            (
+                f"bodies.{i}",
+                body,
+                (
+                    "kind",
+                    "segments",
+                    "velocity",
+                    "strain",
+                    "length",
+                    "area",
+                    "material",
+                    "mass",
+                ),
+            )
+        )
+        entries.extend(
+            [
+                (f"bodies.{i}", piece, ("length", "area", "material"))
+                for piece in body.get("segments", [])
+            ]
+        )
     for i, contact in enumerate(case.get("contacts", [])):
         path, law = f"contacts.{i}", contact.get("law", "rigid")
         rods = any(body["kind"] == "rod" for body in bodies[i : i + 2])
@@ -80,14 +113,28 @@ def lacking(case: Any) -> tuple[str, str]:
             return path, abilities.COMPLIANCE
         if law == "bonded" and not rods:
             return path, "rigid bodies that are bonded"
-        numbers = [] if law == "rigid" and rods else NUMBERS[law]  # waves decide e of rods
+        numbers = (
+            [] if law == "rigid" and rods else NUMBERS[law]
+        )  # waves decide e of rods
         entries.append((path, contact, ("gap", "law", *numbers)))
     used = [piece.get("material", "") for body in bodies for piece in pieces_of(body)]
-    entries.extend([
-        (f"materials.{name}", material, ("youngs_modulus", "density", "poisson_ratio"))
-        for name, material in case.get("materials", {}).items() if name in used])
-    entries.extend([(f"ends.{side}", end, ("kind", "value"))
-                    for side, end in case.get("ends", {}).items()])
+    entries.extend(
+        [
+            (
+                f"materials.{name}",
+                material,
+                ("youngs_modulus", "density", "poisson_ratio"),
+            )
+            for name, material in case.get("materials", {}).items()
+            if name in used
+        ]
+    )
+    entries.extend(
+        [
+            (f"ends.{side}", end, ("kind", "value"))
+            for side, end in case.get("ends", {}).items()
+        ]
+    )
     for path, table, known in entries:
         for key, value in table.items():
             what = "" if key in known else NAMES.get(key, f"the entry {key}")
@@ -110,11 +157,15 @@ def mistakes(case: Any, gauges: Any, library: Any, rules: Any) -> list[Any]:
     found, bodies, materials = [], case["bodies"], case.get("materials", {})
     kinds, pairs = [body["kind"] for body in bodies], len(bodies) - 1
     rods = [i for i, kind in enumerate(kinds) if kind == "rod"]
-    tables = [(f"materials.{name}", table, "material") for name, table in materials.items()]
+    tables = [
+        (f"materials.{name}", table, "material") for name, table in materials.items()
+    ]
     if len(rods) == 0:
         found.append(("bodies", "needs at least one rod"))
     if len(contacts_in(case)) != pairs:
-        found.append(("contacts", f"needs one entry for each neighbouring pair, {pairs} in all"))
+        found.append(
+            ("contacts", f"needs one entry for each neighbouring pair, {pairs} in all")
+        )
     for i, gauge in enumerate(gauges):
         tables.append((f"gauges.{i}", gauge, "gauge"))
         if gauge["body"] not in rods:
@@ -133,10 +184,14 @@ def mistakes(case: Any, gauges: Any, library: Any, rules: Any) -> list[Any]:
                 found.append((f"{where}.material", "unknown material"))
     for i, contact in enumerate(case.get("contacts", [])):
         law, pair = contact.get("law", "rigid"), kinds[i : i + 2]
-        tables.extend([(f"contacts.{i}", contact, "contact"), (f"contacts.{i}", contact, law)])
+        tables.extend(
+            [(f"contacts.{i}", contact, "contact"), (f"contacts.{i}", contact, law)]
+        )
         waves = "rod" in pair or "mass" not in pair
         if law == "rigid" and not waves and contact.get("restitution") is None:
-            message = "no wave decides this contact: give its restitution, or a compliant law"
+            message = (
+                "no wave decides this contact: give its restitution, or a compliant law"
+            )
             found.append((f"contacts.{i}", message))
         if law == "bonded" and contact.get("gap", 0) != 0:
             found.append((f"contacts.{i}.gap", "must be 0 where bodies are bonded"))
@@ -163,7 +218,9 @@ def wrong_number(value: Any, low: float, high: float, sentence: str) -> str:
 
 # What stands in a row, by the names of the model.
 Stuff = namedtuple("Stuff", "name density youngs_modulus")
-Piece = namedtuple("Piece", "length area material wave_speed impedance transit_time mass")
+Piece = namedtuple(
+    "Piece", "length area material wave_speed impedance transit_time mass"
+)
 Body = namedtuple("Body", "kind segments mass velocity strain")  # a wall has no mass
 Contact = namedtuple("Contact", "law opens restitution stiffness exponent damping")
 End = namedtuple("End", "kind value")
@@ -180,15 +237,24 @@ def system_of(case: Any, library: Any) -> Row:
     return Row(
         [body_of(body, materials) for body in case["bodies"]],
         [contact.get("gap", 0.0) for contact in contacts],
-        [law_of(contact) for contact in contacts], 0.0,
-        [End(end["kind"], profile_of(end.get("value", 0.0))) for end in (
-            ends.get("left", {"kind": "free"}), ends.get("right", {"kind": "free"}))])
+        [law_of(contact) for contact in contacts],
+        0.0,
+        [
+            End(end["kind"], profile_of(end.get("value", 0.0)))
+            for end in (
+                ends.get("left", {"kind": "free"}),
+                ends.get("right", {"kind": "free"}),
+            )
+        ],
+    )
 
 
 def asked_of(case: Any) -> Asked:
     """What a case asks of a run."""
     solve = case.get("solve", {})
-    return Asked(solve.get("until", -1.0), min(solve.get("max_events", MOST_EVENTS), MOST_EVENTS))
+    return Asked(
+        solve.get("until", -1.0), min(solve.get("max_events", MOST_EVENTS), MOST_EVENTS)
+    )
 
 
 def body_of(table: Any, materials: Any) -> Body:
@@ -196,21 +262,36 @@ def body_of(table: Any, materials: Any) -> Body:
     segments, mass = [], table.get("mass", 0.0)
     for piece in pieces_of(table):
         material, length = materials[piece["material"]], piece["length"]
-        stuff = Stuff(piece["material"], material["density"], material["youngs_modulus"])
+        stuff = Stuff(
+            piece["material"], material["density"], material["youngs_modulus"]
+        )
         speed = math.sqrt(stuff.youngs_modulus / stuff.density)
         Z, T = stuff.density * piece["area"] * speed, length / speed
         segments.append(Piece(length, piece["area"], stuff, speed, Z, T, Z * T))
         mass += Z * T
-    return Body(table["kind"], segments, mass, profile_of(table.get("velocity", 0.0)),
-                profile_of(table.get("strain", 0.0)))
+    return Body(
+        table["kind"],
+        segments,
+        mass,
+        profile_of(table.get("velocity", 0.0)),
+        profile_of(table.get("strain", 0.0)),
+    )
 
 
 def law_of(contact: Any) -> Contact:
     """A contact law from its table."""
     law = contact.get("law", "rigid")
-    exponent = 1.0 if law in ("spring", "spring-dashpot") else contact.get("exponent", 1.5)
-    return Contact(law, law != "bonded", contact.get("restitution"), contact.get("stiffness", 0.0),
-                   exponent, contact.get("damping", 0.0))
+    exponent = (
+        1.0 if law in ("spring", "spring-dashpot") else contact.get("exponent", 1.5)
+    )
+    return Contact(
+        law,
+        law != "bonded",
+        contact.get("restitution"),
+        contact.get("stiffness", 0.0),
+        exponent,
+        contact.get("damping", 0.0),
+    )
 
 
 def profile_of(value: Any) -> Any:

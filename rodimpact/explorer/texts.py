@@ -23,6 +23,8 @@ def written(value: float, unit: str, digits: int) -> str:
 
 def stated(text: str, value: float, digits: int, error: float, unit: str) -> str:
     """The text of a value of so many digits, with its error if that is above half of the last."""
-    if value == 0 or not error > 0.5 * 10.0 ** (math.floor(math.log10(abs(value))) + 1 - digits):
+    if value == 0 or not error > 0.5 * 10.0 ** (
+        math.floor(math.log10(abs(value))) + 1 - digits
+    ):
         return text
     return f"{text} ± {written(error, unit, 1)}"

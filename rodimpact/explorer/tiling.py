@@ -19,18 +19,34 @@ CELLS, ROWS = 2000, 50  # in all, about, and one above the other
 
 def no_cells() -> Any:
     """A grid to begin with."""
-    return {"start": [0], "body": [], "across": [], "x": [], "t": [], "displacement": [],
-            "velocity": [], "strain": [], "stress": []}
+    return {
+        "start": [0],
+        "body": [],
+        "across": [],
+        "x": [],
+        "t": [],
+        "displacement": [],
+        "velocity": [],
+        "strain": [],
+        "stress": [],
+    }
 
 
 def across_of(system: Any, piece: Any) -> int:
     """How many cells a segment has beside each other: cells are of about equal width."""
-    total = sum(one.length for body in system.bodies if body.kind == "rod" for one in body.segments)
+    total = sum(
+        one.length
+        for body in system.bodies
+        if body.kind == "rod"
+        for one in body.segments
+    )
     across: int = round(CELLS / ROWS * piece.length / total)
     return max(1, across)
 
 
-def add_cells(found: Any, body: int, piece: Any, left: float, end: float, rows: Any) -> None:
+def add_cells(
+    found: Any, body: int, piece: Any, left: float, end: float, rows: Any
+) -> None:
     """Add the grid of a segment of a body.
 
     Parameters
@@ -52,7 +68,9 @@ def add_cells(found: Any, body: int, piece: Any, left: float, end: float, rows: 
         found["displacement"].extend(here)
         before = rows[max(0, j - 1)]
         for k in range(across if j > 0 else 0):
-            strain = (here[k + 1] - here[k] + before[k + 1] - before[k]) / 2 * across / L
+            strain = (
+                (here[k + 1] - here[k] + before[k + 1] - before[k]) / 2 * across / L
+            )
             rise = here[k] + here[k + 1] - before[k] - before[k + 1]
             found["velocity"].append(rise / 2 / step)
             found["strain"].append(strain)

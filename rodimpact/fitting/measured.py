@@ -65,7 +65,9 @@ class Measured(Declared):
     def _check(self, problems: Problems) -> None:
         of_kind("signal", self.signal, Signal, "read_signals('record.csv')['incident']")
         if not isinstance(self.gauge, tuple | list) or len(self.gauge) != 2:
-            raise refusal("gauge", f"must be (body, x), such as (1, 0.5), got {shown(self.gauge)}")
+            raise refusal(
+                "gauge", f"must be (body, x), such as (1, 0.5), got {shown(self.gauge)}"
+            )
         self._set(gauge=(self.gauge[0], single("gauge", self.gauge[1], "m")))
         check_function(problems, "seen", self.seen)
         if self.level is not None:
@@ -77,9 +79,14 @@ class Measured(Declared):
         """Bounds of shift, s, gain, and blur, s; None where the number is free."""
         blur = bounds_of("blur", self.blur, "s")
         if blur is None or blur[0] < 0:
-            raise refusal("blur", f"must be 0 s or more, or (low, high), got {shown(self.blur)}")
-        return {"shift": bounds_of("shift", self.shift, "s"),
-                "gain": bounds_of("gain", self.gain, ""), "blur": blur}
+            raise refusal(
+                "blur", f"must be 0 s or more, or (low, high), got {shown(self.blur)}"
+            )
+        return {
+            "shift": bounds_of("shift", self.shift, "s"),
+            "gain": bounds_of("gain", self.gain, ""),
+            "blur": blur,
+        }
 
     @property
     def size(self) -> float:

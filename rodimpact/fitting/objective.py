@@ -24,7 +24,9 @@ from ..results.solution import Solution
 from .measured import Measured
 from .parameters import KINDS, Parameter, changed
 
-CHANGE = 1e-3  # of the plateau, by which signals are to change for a quotient of differences
+CHANGE = (
+    1e-3  # of the plateau, by which signals are to change for a quotient of differences
+)
 FIRST, LEAST, MOST = 1e-4, 1e-6, 1e-2  # steps between the bounds for that
 TOO_FAR = 4.0  # times the right step, beyond which the quotient is taken anew
 BEYOND = 1.0  # s, before and after a signal: a knot from which on it is constant
@@ -40,13 +42,19 @@ def smooth(signal: Signal, blur: float) -> Any:
 
     values = filters.blurred(signal.values, signal.dt, blur) if blur else signal.values
     curve = CubicSpline(signal.times, values)
-    for end, value in ((signal.start - BEYOND, values[0]), (signal.end + BEYOND, values[-1])):
+    for end, value in (
+        (signal.start - BEYOND, values[0]),
+        (signal.end + BEYOND, values[-1]),
+    ):
         curve.extend([[0.0], [0.0], [0.0], [value]], [end])
     return curve
 
 
 def computed(
-    system: System, options: Options, gauges: Sequence[tuple[int, float]], interval: float
+    system: System,
+    options: Options,
+    gauges: Sequence[tuple[int, float]],
+    interval: float,
 ) -> list[Signal]:
     """Strains at the gauges; InvalidModel if the run stops before `until`."""
     solution = Solution(options.run(options.method, system))
@@ -63,14 +71,22 @@ class Objective:
     """Differences of predictions and records over the record levels, and their derivatives."""
 
     def __init__(
-        self, system: System, measured: Sequence[Measured], parameters: Sequence[Parameter],
-        of_records: Sequence[Parameter], options: Options, interval: float,
+        self,
+        system: System,
+        measured: Sequence[Measured],
+        parameters: Sequence[Parameter],
+        of_records: Sequence[Parameter],
+        options: Options,
+        interval: float,
         executor: Executor | None,
     ) -> None:
         self.system, self.measured, self.parameters = system, measured, parameters
         self.all = [*parameters, *of_records]  # in the order of the point
         self.run: Callable[[System], list[Signal]] = partial(
-            computed, options=options, gauges=[m.gauge for m in measured], interval=interval
+            computed,
+            options=options,
+            gauges=[m.gauge for m in measured],
+            interval=interval,
         )
         self.map: Any = executor.map if executor else map
         self.solved = 0  # collisions
@@ -86,11 +102,15 @@ class Objective:
         self.recorded = np.concatenate([m.signal.values / m.size for m in measured])
         self.low, self.high = np.array([n.ends for n in self.all]).T
         self.free = self.low < self.high
-        self.middle = [(n.low + n.high) / 2 if math.isfinite(n.high) else 0.0 for n in of_records]
+        self.middle = [
+            (n.low + n.high) / 2 if math.isfinite(n.high) else 0.0 for n in of_records
+        ]
 
     def system_at(self, point: Floats) -> System:
         """The system with the parameter values of a point, or of its shares alone."""
-        values = [p.value(s) for p, s in zip(self.parameters, point.tolist(), strict=False)]
+        values = [
+            p.value(s) for p, s in zip(self.parameters, point.tolist(), strict=False)
+        ]
         return changed(self.system, self.parameters, values)
 
     def signals(self, points: Iterable[Floats]) -> list[list[Signal]]:
@@ -98,8 +118,12 @@ class Objective:
         systems = [self.system_at(shares) for shares in points]
         found = []
         for system, strains in zip(systems, self.map(self.run, systems), strict=True):
-            found.append([m.carried(strain, system)
-                          for m, strain in zip(self.measured, strains, strict=True)])
+            found.append(
+                [
+                    m.carried(strain, system)
+                    for m, strain in zip(self.measured, strains, strict=True)
+                ]
+            )
             self.solved += 1
             self.heard(self.solved)
         return found
@@ -108,7 +132,9 @@ class Objective:
         """Predictions of each record as smooth curves, before gain and shift."""
         return list(map(smooth, signals, point[self.places[BLUR]].tolist()))
 
-    def started(self, shares: Floats, signals: Sequence[Signal]) -> tuple[float, Floats]:
+    def started(
+        self, shares: Floats, signals: Sequence[Signal]
+    ) -> tuple[float, Floats]:
         """Least sum of squares over shifts and gains at these shares, and its point.
 
         A shift that several records have in common starts from the best shift of one of them.
@@ -128,8 +154,10 @@ class Objective:
             end[place] = shift
             end[gains] = 1.0  # then the best gains for its shifts
             model = self._predicted(curves, end)
-            cross, power = (np.bincount(gains[self.record], model * each, len(end))
-                            for each in (self.recorded, model))
+            cross, power = (
+                np.bincount(gains[self.record], model * each, len(end))
+                for each in (self.recorded, model)
+            )
             best = np.divide(cross, power, out=np.ones_like(end), where=power > 0)
             end[gains] = np.clip(best, self.low, self.high)[gains]
             apart = self._predicted(curves, end) - self.recorded
@@ -149,9 +177,15 @@ class Objective:
 
     def _predicted(self, curves: Sequence[Any], point: Floats) -> Floats:
         """Predictions at the times of all records, over their levels."""
-        each = zip(self.measured, self.levels, curves, point[self.places].T, strict=True)
-        return np.concatenate([gain * c(m.signal.times - shift) / level
-                               for m, level, c, (shift, gain, _) in each])
+        each = zip(
+            self.measured, self.levels, curves, point[self.places].T, strict=True
+        )
+        return np.concatenate(
+            [
+                gain * c(m.signal.times - shift) / level
+                for m, level, c, (shift, gain, _) in each
+            ]
+        )
 
     def derivatives(self, point: Floats) -> Floats:
         """Derivatives of the residuals by each number of the point, shape (sample, number).
@@ -161,21 +195,42 @@ class Objective:
         """
         shares, signals = point[: len(self.parameters)], self._signals_at(point)
         J = np.zeros((len(self.record), len(point)))
-        beside = [np.clip(shares + sign * step, 0, 1)
-                  for step in np.diag(self.steps) for sign in (1, -1)]
-        near = [self._predicted(self.blurred(each, point), point) for each in self.signals(beside)]
+        beside = [
+            np.clip(shares + sign * step, 0, 1)
+            for step in np.diag(self.steps)
+            for sign in (1, -1)
+        ]
+        near = [
+            self._predicted(self.blurred(each, point), point)
+            for each in self.signals(beside)
+        ]
         for j in range(len(shares)):
-            J[:, j] = (near[2 * j] - near[2 * j + 1]) / (beside[2 * j][j] - beside[2 * j + 1][j])
+            J[:, j] = (near[2 * j] - near[2 * j + 1]) / (
+                beside[2 * j][j] - beside[2 * j + 1][j]
+            )
         curves, unit = self.blurred(signals, point), point.copy()
         unit[self.places[GAIN]] = 1.0
-        wide = np.where(np.isin(np.arange(len(point)), self.places[BLUR]), CHANGE * point, 0.0)
-        wider, narrower = (self._predicted(self.blurred(signals, point + by), point)
-                           for by in (wide, -wide))
+        wide = np.where(
+            np.isin(np.arange(len(point)), self.places[BLUR]), CHANGE * point, 0.0
+        )
+        wider, narrower = (
+            self._predicted(self.blurred(signals, point + by), point)
+            for by in (wide, -wide)
+        )
         change = 2 * wide[self.places[BLUR]][self.record]
-        by_blur = np.divide(wider - narrower, change, out=np.zeros(len(J)), where=change > 0)
+        by_blur = np.divide(
+            wider - narrower, change, out=np.zeros(len(J)), where=change > 0
+        )
         by_shift = -self._predicted([c.derivative() for c in curves], point)
-        for kind, by in ((SHIFT, by_shift), (GAIN, self._predicted(curves, unit)), (BLUR, by_blur)):
+        for kind, by in (
+            (SHIFT, by_shift),
+            (GAIN, self._predicted(curves, unit)),
+            (BLUR, by_blur),
+        ):
             J[np.arange(len(J)), self.places[kind][self.record]] = by
         rates = np.sqrt(np.mean(J[:, : len(shares)] ** 2, axis=0))
-        taken, self.steps = self.steps, np.clip(CHANGE / np.maximum(rates, CHANGE), LEAST, MOST)
+        taken, self.steps = (
+            self.steps,
+            np.clip(CHANGE / np.maximum(rates, CHANGE), LEAST, MOST),
+        )
         return self.derivatives(point) if (taken > TOO_FAR * self.steps).any() else J

@@ -8,7 +8,14 @@ from typing import Any, NamedTuple
 from ..model import System
 from ..model.arguments import array
 from ..model.frozen import InvalidModel, refusal
-from ..model.paths import held_at, numbers_of, places_of, suggestion, unit_at, with_numbers
+from ..model.paths import (
+    held_at,
+    numbers_of,
+    places_of,
+    suggestion,
+    unit_at,
+    with_numbers,
+)
 from ..units import shown
 from .measured import Measured
 
@@ -45,13 +52,19 @@ class Parameter(NamedTuple):
         """The number, or its logarithm, at 0, and how much more it is at 1."""
         if self.kind:
             return 0.0, 1.0
-        low, high = map(math.log, (self.low, self.high)) if self.by_ratio else (self.low, self.high)
+        low, high = (
+            map(math.log, (self.low, self.high))
+            if self.by_ratio
+            else (self.low, self.high)
+        )
         return low, high - low
 
     def value(self, share: float) -> float:
         """The number at this share of the way from `low` to `high`, or where it is not scaled."""
         start, slope = self.line
-        return math.exp(start + slope * share) if self.by_ratio else start + slope * share
+        return (
+            math.exp(start + slope * share) if self.by_ratio else start + slope * share
+        )
 
     def share(self, value: float) -> float:
         """The share of the way from `low` to `high` at which this number lies, or the nearest."""
@@ -74,7 +87,9 @@ def parameters_of(system: System, vary: Mapping[str, Any]) -> list[Parameter]:
     found = []
     for path, bounds in vary.items():
         if path not in known:
-            message = f"is not a parameter of the system; {suggestion(str(path), known)}"
+            message = (
+                f"is not a parameter of the system; {suggestion(str(path), known)}"
+            )
             raise refusal(f"vary.{path}", message)
         unit = unit_at(system, known[path][0])
         for place in known[path]:
@@ -82,7 +97,9 @@ def parameters_of(system: System, vary: Mapping[str, Any]) -> list[Parameter]:
                 message = f"is already varied as {other}; leave one of them out"
                 raise refusal(f"vary.{path}", message)
         start = float(numbers[known[path][0]])
-        found.append(Parameter(path, *ends_of(path, bounds, unit), unit, start, known[path]))
+        found.append(
+            Parameter(path, *ends_of(path, bounds, unit), unit, start, known[path])
+        )
     return found
 
 
@@ -99,15 +116,23 @@ def record_numbers(
             path = f"{HEAD}{k}.{kind}"
             names = [name for name in vary if fnmatchcase(path, name)] or [path]
             if len(names) > 1:
-                message = f"names {path}, which {names[0]} includes; leave one of them out"
+                message = (
+                    f"names {path}, which {names[0]} includes; leave one of them out"
+                )
                 raise refusal(f"vary.{names[1]}", message)
             groups.setdefault(names[0], []).append((k, kind))
     found = []
     for name, members in groups.items():
-        alike = {(kind, measured[k].signal.unit if kind == "gain" else "s") for k, kind in members}
+        alike = {
+            (kind, measured[k].signal.unit if kind == "gain" else "s")
+            for k, kind in members
+        }
         if len(alike) != 1:
-            raise refusal(f"vary.{name}", "is not one number of records, in one unit; give a name "
-                          f"such as {HEAD}0.shift, or {HEAD}*.gain for one gain of all")
+            raise refusal(
+                f"vary.{name}",
+                "is not one number of records, in one unit; give a name "
+                f"such as {HEAD}0.shift, or {HEAD}*.gain for one gain of all",
+            )
         ((kind, unit),) = alike
         records = tuple(k for k, _ in members)
         ends: tuple[float, float] | None = None
@@ -116,7 +141,9 @@ def record_numbers(
         elif vary[name] is not None or kind == "blur":
             ends = ends_of(name, vary[name], unit)
         if ends is None and kind == "shift":
-            first, last = zip(*(measured[k].shifts(until, system) for k in records), strict=True)
+            first, last = zip(
+                *(measured[k].shifts(until, system) for k in records), strict=True
+            )
             ends = min(first), max(last)
         low, high = ends or (-math.inf, math.inf)
         found.append(Parameter(name, low, high, unit, kind=kind, records=records))
@@ -127,17 +154,23 @@ def ends_of(path: str, bounds: Any, unit: str) -> tuple[float, float]:
     """Bounds of a parameter."""
     ends = array(f"vary.{path}", bounds, unit, "any")
     if ends.shape != (2,) or not ends[0] < ends[1]:
-        message = f"must be (low, high), two numbers with low < high, got {shown(bounds)}"
+        message = (
+            f"must be (low, high), two numbers with low < high, got {shown(bounds)}"
+        )
         raise refusal(f"vary.{path}", message)
     return float(ends[0]), float(ends[1])
 
 
-def changed(system: System, parameters: Sequence[Parameter], values: Sequence[float]) -> System:
+def changed(
+    system: System, parameters: Sequence[Parameter], values: Sequence[float]
+) -> System:
     """The system with these values; InvalidModel, which names the values, if they are invalid."""
     each = zip(parameters, values, strict=True)
     try:
         return with_numbers(system, {place: v for p, v in each for place in p.places})
     except InvalidModel as error:
-        which = ", ".join(f"{p.path} = {v:.6g}" for p, v in zip(parameters, values, strict=True))
+        which = ", ".join(
+            f"{p.path} = {v:.6g}" for p, v in zip(parameters, values, strict=True)
+        )
         message = f"the bounds allow an invalid system ({which}): {error}"
         raise InvalidModel([("vary", f"{message}; narrow the bounds")]) from None

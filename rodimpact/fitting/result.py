@@ -28,7 +28,10 @@ MODEL_ERROR = (
 LOOSE = 0.5  # of the range: a number with a larger standard error is not determined
 AT_BOUND = 1e-3  # of the range
 ALIKE = 0.98  # correlation from which on two numbers are hardly told apart
-SAME, NONE = 1e-3, 1e-9  # differences of misfits that count as none: of them, of the level
+SAME, NONE = (
+    1e-3,
+    1e-9,
+)  # differences of misfits that count as none: of them, of the level
 APART = 0.3  # standard errors by which searches may end apart
 TABLE = "number,unit,value,standard error,low,high"
 
@@ -191,12 +194,18 @@ class Fit(Shown):
             if (f.name, f.unit) in theirs:
                 moved = theirs[f.name, f.unit] - f.value
                 often = f", {abs(moved) / f.standard_error:.1f} standard errors"
-                notes.append(f"With the other law or theory {f.name} changes by "
-                             f"{format_si(moved, f.unit, 3)}{often if f.standard_error else ''}.")
+                notes.append(
+                    f"With the other law or theory {f.name} changes by "
+                    f"{format_si(moved, f.unit, 3)}{often if f.standard_error else ''}."
+                )
         if not notes:
-            raise refusal("other", "has no number in common with this fit; vary the same numbers")
+            raise refusal(
+                "other", "has no number in common with this fit; vary the same numbers"
+            )
         misfits = ", ".join(f"{100 * misfit:.3g} %" for misfit in other.misfits)
-        return replace(self, notes=(*self.notes, *notes, f"Misfit of the other fit: {misfits}."))
+        return replace(
+            self, notes=(*self.notes, *notes, f"Misfit of the other fit: {misfits}.")
+        )
 
     def to_csv(self, path: PathLike, *, force: bool = False) -> None:
         """Write a row for each number: its value, standard error and bounds, in its unit.
@@ -206,23 +215,39 @@ class Fit(Shown):
         FileExistsError
             If the file exists and `force` is false.
         """
-        rows = [",".join([f.name, f.unit or "1", *map(repr, f[2:])]) for f in self.fitted]
+        rows = [
+            ",".join([f.name, f.unit or "1", *map(repr, f[2:])]) for f in self.fitted
+        ]
         write_text(path, "\n".join([TABLE, *rows, ""]), force=force)
 
     def __str__(self) -> str:
         names, last = [f.name for f in self.fitted], len(self.fitted) - 1
         numbers = [["", "value", "standard error", "from", "to"]]
-        numbers += [[f.name, *_with_error(f), *(
-            format_si(end, f.unit, 4) if math.isfinite(end) else "-" for end in (f.low, f.high)
-        )] for f in self.fitted]
+        numbers += [
+            [
+                f.name,
+                *_with_error(f),
+                *(
+                    format_si(end, f.unit, 4) if math.isfinite(end) else "-"
+                    for end in (f.low, f.high)
+                ),
+            ]
+            for f in self.fitted
+        ]
         matrix = [["correlation", *map(str, range(1, last + 1))]]
         matrix += [
-            [f"{i + 1} {name}", *(f"{c:.2f}" for c in self.correlation[i, :i]), *[""] * (last - i)]
+            [
+                f"{i + 1} {name}",
+                *(f"{c:.2f}" for c in self.correlation[i, :i]),
+                *[""] * (last - i),
+            ]
             for i, name in enumerate(names)
         ]
         misfits = [["record", "misfit"]]
-        misfits += [[m.title, f"{100 * misfit:.3g} %"]
-                    for m, misfit in zip(self.measured, self.misfits, strict=True)]
+        misfits += [
+            [m.title, f"{100 * misfit:.3g} %"]
+            for m, misfit in zip(self.measured, self.misfits, strict=True)
+        ]
         tables = [numbers, *([matrix] if last else []), misfits]
         return "\n\n".join([*map(align, tables), "\n".join([*self.notes, MODEL_ERROR])])
 
@@ -235,29 +260,39 @@ def doubts(
     open_ones = errors > LOOSE
     for f, is_open in zip(fitted, open_ones, strict=True):
         if is_open:
-            yield (f"{f.name} is not determined: its standard error is as large as its range. "
-                   "Fix this parameter, or add a record that depends on it.")
+            yield (
+                f"{f.name} is not determined: its standard error is as large as its range. "
+                "Fix this parameter, or add a record that depends on it."
+            )
         if not f.high - f.low < np.inf:
             continue
         for end, remedy in ((f.low, "lower"), (f.high, "raise")):
             if abs(f.value - end) <= AT_BOUND * (f.high - f.low):
-                yield (f"{f.name} is at its bound, {format_si(end, f.unit)}, so its "
-                       f"standard error is not reliable: {remedy} the bound, or fix the parameter.")
+                yield (
+                    f"{f.name} is at its bound, {format_si(end, f.unit)}, so its "
+                    f"standard error is not reliable: {remedy} the bound, or fix the parameter."
+                )
     correlation = correlation_of(relative)
     for i, j in np.argwhere(np.triu(np.abs(correlation) > ALIKE, 1)):
         if not (open_ones[i] or open_ones[j]):
-            yield (f"{fitted[i].name} and {fitted[j].name} are hardly distinguishable: the "
-                   f"correlation of their errors is {correlation[i, j]:.3f}. Fix one of them.")
+            yield (
+                f"{fitted[i].name} and {fitted[j].name} are hardly distinguishable: the "
+                f"correlation of their errors is {correlation[i, j]:.3f}. Fix one of them."
+            )
     best, *others = descents
     if not best.complete:
         yield "The best search was stopped before it reached a minimum."
     worse = [d.misfit for d in others if d.misfit > (1 + SAME) * best.misfit + NONE]
     if worse:
-        yield (f"{len(worse)} of {len(descents)} searches ended at larger misfits, "
-               f"{100 * min(worse):.3g} % and more: there are several minima. Use more starts or "
-               "narrower bounds to test whether this minimum is the best.")
+        yield (
+            f"{len(worse)} of {len(descents)} searches ended at larger misfits, "
+            f"{100 * min(worse):.3g} % and more: there are several minima. Use more starts or "
+            "narrower bounds to test whether this minimum is the best."
+        )
     for f in fitted:
-        same = [d.values[f.name] for d in descents if d.misfit <= (1 + SAME) * best.misfit]
+        same = [
+            d.values[f.name] for d in descents if d.misfit <= (1 + SAME) * best.misfit
+        ]
         if np.ptp(same) > APART * f.standard_error:
             ends = f"{format_si(min(same), f.unit)} to {format_si(max(same), f.unit)}"
             yield f"Searches with the same misfit ended at different values of {f.name}: {ends}."
@@ -276,6 +311,8 @@ def _with_error(f: Fitted) -> list[str]:
     """Value and standard error, both to the second digit of the error."""
     digits = 6
     if 0 < f.standard_error < math.inf and f.value:
-        first, last = (math.floor(math.log10(abs(x))) for x in (f.value, f.standard_error))
+        first, last = (
+            math.floor(math.log10(abs(x))) for x in (f.value, f.standard_error)
+        )
         digits = min(max(first - last + 2, 2), 15)
     return [format_si(f.value, f.unit, digits), format_si(f.standard_error, f.unit, 2)]

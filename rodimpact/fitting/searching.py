@@ -32,10 +32,18 @@ USUAL_STEPS = 8  # of a descent
 
 
 def fit(
-    system: System, measured: Measured | Sequence[Measured],
-    vary: Mapping[str, tuple[float, float] | None], until: float, *, method: str = "auto",
-    dt: float | None = None, rtol: float | None = None, cells: int | None = None,
-    interval: float | None = None, starts: int = 3, executor: Executor | None = None,
+    system: System,
+    measured: Measured | Sequence[Measured],
+    vary: Mapping[str, tuple[float, float] | None],
+    until: float,
+    *,
+    method: str = "auto",
+    dt: float | None = None,
+    rtol: float | None = None,
+    cells: int | None = None,
+    interval: float | None = None,
+    starts: int = 3,
+    executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> Fit:
     """Fit numbers of a system to measured records.
@@ -101,7 +109,9 @@ def fit(
     >>> {path: round(value, 6) for path, value in found.values.items()}
     {'bodies.0.length': 0.2, 'bodies.0.velocity': 10.0}
     """
-    records: list[Any] = list(measured) if isinstance(measured, list | tuple) else [measured]
+    records: list[Any] = (
+        list(measured) if isinstance(measured, list | tuple) else [measured]
+    )
     for each in records or [measured]:
         of_kind("measured", each, Measured, "Measured(signal, gauge=(1, 0.5))")
     options = Options(until, method, dt=dt, rtol=rtol, cells=cells)
@@ -110,12 +120,16 @@ def fit(
         message = f"must be one system, got a family of shape {system.shape}; fit system[index]"
         raise refusal("system", message)
     if options.until is None:
-        raise refusal("until", "is missing; give a time, s, at which all pulses have passed")
+        raise refusal(
+            "until", "is missing; give a time, s, at which all pulses have passed"
+        )
     if not isinstance(vary, Mapping) or not vary:
         message = "must name numbers with their bounds, such as {'bodies.0.length': (0.1, 0.2)}"
         raise refusal("vary", f"{message}, got {shown(vary)}")
     shortest = min(float(np.diff(m.signal.times).min()) for m in records)
-    step = single("interval", shortest if interval is None else interval, "s", "positive")
+    step = single(
+        "interval", shortest if interval is None else interval, "s", "positive"
+    )
     problems: Problems = []
     begins = count(problems, "starts", starts)
     check_function(problems, "progress", progress)
@@ -125,23 +139,41 @@ def fit(
     parameters = parameters_of(system, {p: e for p, e in vary.items() if p not in ours})
     of_records = record_numbers(system, records, ours, options.until)
     if dt is rtol is cells is None and "cells" in METHODS[options.method].takes:
-        pieces = [s for rod in system.bodies if isinstance(rod, Rod) for s in rod.segments]
+        pieces = [
+            s for rod in system.bodies if isinstance(rod, Rod) for s in rod.segments
+        ]
         crossing = max(s.transit_time for s in pieces)
         options = replace(options, cells=math.ceil(crossing / step))
-    objective = Objective(system, records, parameters, of_records, options, step, executor)
+    objective = Objective(
+        system, records, parameters, of_records, options, step, executor
+    )
 
     tried = _coarse([p.share(p.start) for p in parameters])
     expected = len(tried) + begins * USUAL_STEPS * (1 + 2 * len(parameters))
-    forecast = Forecast(warn, "fewer starts, fewer numbers to vary or an earlier end (until)",
-                        progress, "this fit")
-    objective.heard = lambda done: forecast.report(done, expected, f"some {expected} collisions")
-    swept = [objective.started(shares, signals)
-             for shares, signals in zip(tried, objective.signals(tried), strict=True)]
-    least = [min(swept[k::begins], key=lambda one: one[0])[1]
-             for k in range(min(begins, len(swept)))]
+    forecast = Forecast(
+        warn,
+        "fewer starts, fewer numbers to vary or an earlier end (until)",
+        progress,
+        "this fit",
+    )
+    objective.heard = lambda done: forecast.report(
+        done, expected, f"some {expected} collisions"
+    )
+    swept = [
+        objective.started(shares, signals)
+        for shares, signals in zip(tried, objective.signals(tried), strict=True)
+    ]
+    least = [
+        min(swept[k::begins], key=lambda one: one[0])[1]
+        for k in range(min(begins, len(swept)))
+    ]
     lasting = max(m.signal.end - m.signal.start for m in records)
-    sizes = np.array([{"": 1.0, "gain": abs(x)}.get(n.kind, lasting)
-                      for n, x in zip(objective.all, least[0], strict=True)])[objective.free]
+    sizes = np.array(
+        [
+            {"": 1.0, "gain": abs(x)}.get(n.kind, lasting)
+            for n, x in zip(objective.all, least[0], strict=True)
+        ]
+    )[objective.free]
     ends = [_descend(objective, point, sizes) for point in least]
     return _result(objective, sorted(ends, key=lambda end: end.cost), sizes)
 
@@ -170,10 +202,15 @@ def _descend(objective: Objective, start: Floats, sizes: Floats) -> Any:
         return whole
 
     end = least_squares(
-        lambda x: objective.residuals(point(x)), start[free] / sizes,
+        lambda x: objective.residuals(point(x)),
+        start[free] / sizes,
         lambda x: objective.derivatives(point(x))[:, free] * sizes,
-        bounds=(objective.low[free] / sizes, objective.high[free] / sizes), x_scale="jac",
-        ftol=1e-10, xtol=1e-8, gtol=1e-10, max_nfev=MOST_STEPS,
+        bounds=(objective.low[free] / sizes, objective.high[free] / sizes),
+        x_scale="jac",
+        ftol=1e-10,
+        xtol=1e-8,
+        gtol=1e-10,
+        max_nfev=MOST_STEPS,
     )
     end.x = point(end.x)
     return end
@@ -187,21 +224,39 @@ def _result(objective: Objective, ends: Sequence[Any], sizes: Floats) -> Fit:
     relative = covariance(jacobian, best.fun, objective.lengths)
     varied = [n for n, is_free in zip(objective.all, free, strict=True) if is_free]
     descents = tuple(
-        Descent(math.sqrt(2 * end.cost / len(end.fun)), {
-            n.path: n.value(x) for n, x in zip(varied, end.x[free].tolist(), strict=True)
-        }, end.status > 0) for end in ends)
-    units = ranges * [n.slope(x) for n, x in zip(varied, best.x[free].tolist(), strict=True)]
+        Descent(
+            math.sqrt(2 * end.cost / len(end.fun)),
+            {
+                n.path: n.value(x)
+                for n, x in zip(varied, end.x[free].tolist(), strict=True)
+            },
+            end.status > 0,
+        )
+        for end in ends
+    )
+    units = ranges * [
+        n.slope(x) for n, x in zip(varied, best.x[free].tolist(), strict=True)
+    ]
     errors = np.sqrt(np.diag(relative)) * units
     fitted = tuple(
         Fitted(n.path, n.unit, descents[0].values[n.path], error, *map(n.value, n.ends))
-        for n, error in zip(varied, errors.tolist(), strict=True))
+        for n, error in zip(varied, errors.tolist(), strict=True)
+    )
     spread = np.sqrt(np.einsum("ij,jk,ik->i", jacobian, relative, jacobian))
-    residuals, spreads = (np.split(each, np.cumsum(objective.lengths)[:-1])
-                          for each in (best.fun, spread))
+    residuals, spreads = (
+        np.split(each, np.cumsum(objective.lengths)[:-1]) for each in (best.fun, spread)
+    )
     return Fit(
-        objective.system_at(best.x), tuple(records), fitted, relative * np.outer(units, units),
-        tuple(m.signal.replace(values=m.signal.values + m.size * r)
-              for m, r in zip(records, residuals, strict=True)),
+        objective.system_at(best.x),
+        tuple(records),
+        fitted,
+        relative * np.outer(units, units),
+        tuple(
+            m.signal.replace(values=m.signal.values + m.size * r)
+            for m, r in zip(records, residuals, strict=True)
+        ),
         tuple(m.size * s for m, s in zip(records, spreads, strict=True)),
-        tuple(math.sqrt(float(np.mean(r**2))) for r in residuals), descents,
-        tuple(doubts(fitted, relative, descents)))
+        tuple(math.sqrt(float(np.mean(r**2))) for r in residuals),
+        descents,
+        tuple(doubts(fitted, relative, descents)),
+    )

@@ -33,14 +33,21 @@ def covariance(jacobian: Floats, residuals: Floats, lengths: Sequence[int]) -> F
     ends = np.cumsum(lengths)[:-1]
     information, directions = np.linalg.eigh(jacobian.T @ jacobian)
     known = information > max(FLAT * information[-1], float(np.mean(residuals**2)))
-    root, unknown = directions[:, known] / np.sqrt(information[known]), directions[:, ~known]
-    spectra = [np.fft.rfft(Q, 2 * len(Q), axis=0) for Q in np.split(jacobian @ root, ends)]
+    root, unknown = (
+        directions[:, known] / np.sqrt(information[known]),
+        directions[:, ~known],
+    )
+    spectra = [
+        np.fft.rfft(Q, 2 * len(Q), axis=0) for Q in np.split(jacobian @ root, ends)
+    ]
     seen = [autocovariance(r) for r in np.split(residuals, ends)]
     taken = [np.zeros_like(c) for c in seen]
     for _ in range(ROUNDS + 1):
         noise = [power_of(c + more) for c, more in zip(seen, taken, strict=True)]
         carried = sum(map(carried_by, noise, spectra))  # Q' G Q
-        taken = [taken_by_fit(S, Q, carried) for S, Q in zip(noise, spectra, strict=True)]
+        taken = [
+            taken_by_fit(S, Q, carried) for S, Q in zip(noise, spectra, strict=True)
+        ]
     total: Floats = root @ carried @ root.T + unknown @ unknown.T
     return total
 
@@ -72,7 +79,9 @@ def carried_by(noise: Floats, Q: Any) -> Floats:
 def taken_by_fit(noise: Floats, Q: Any, carried: Any) -> Floats:
     """Autocovariance of Q Q' G + G Q Q' - Q (Q' G Q) Q' in one record."""
     n = len(noise) - 1
-    felt = np.fft.rfft(np.fft.irfft(noise[:, None] * Q, 2 * n, axis=0)[:n], 2 * n, axis=0)
+    felt = np.fft.rfft(
+        np.fft.irfft(noise[:, None] * Q, 2 * n, axis=0)[:n], 2 * n, axis=0
+    )
     power = np.sum(Q.conj() * (2 * felt - Q @ carried), axis=1).real
     products: Floats = np.fft.irfft(power, 2 * n)[:n] / n
     return products

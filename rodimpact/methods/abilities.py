@@ -13,8 +13,15 @@ JOINTS, OWN_LAWS = "joints", "laws given as a Python function"
 SMOOTH_STATES, SMOOTH_DRIVES = "profiles other than steps", "drives other than steps"
 DAMPING, LATERAL, TAPER = "damping", "lateral inertia", "tapered rods"
 RODLESS = "rows without a rod"
-OF_LAWS = {"joint": JOINTS, "own": OWN_LAWS}  # that are no compliant contacts of the package's own
-SINGLE = (GRAVITY, DAMPING, LATERAL)  # which one entry of a rod or of the system switches on
+OF_LAWS = {
+    "joint": JOINTS,
+    "own": OWN_LAWS,
+}  # that are no compliant contacts of the package's own
+SINGLE = (
+    GRAVITY,
+    DAMPING,
+    LATERAL,
+)  # which one entry of a rod or of the system switches on
 
 
 def needs(system: model.System) -> list[tuple[str, str]]:
@@ -27,17 +34,26 @@ def needs(system: model.System) -> list[tuple[str, str]]:
             found.append((f"bodies.{i}", MASSES))
         elif isinstance(body, model.Rod):
             found += [(f"bodies.{i}.{where}", what) for where, what in _of_rod(body)]
-    found += [(f"contacts.{i}.law", OF_LAWS.get(law.law, COMPLIANCE))
-              for i, law in enumerate(system.contacts) if law.law not in ("rigid", "bonded")]
-    found += [(f"ends.{side}.value", SMOOTH_DRIVES)
-              for side, end in zip(model.SIDES, system.ends, strict=True)
-              if isinstance(getattr(end, "value", None), model.Samples)]
+    found += [
+        (f"contacts.{i}.law", OF_LAWS.get(law.law, COMPLIANCE))
+        for i, law in enumerate(system.contacts)
+        if law.law not in ("rigid", "bonded")
+    ]
+    found += [
+        (f"ends.{side}.value", SMOOTH_DRIVES)
+        for side, end in zip(model.SIDES, system.ends, strict=True)
+        if isinstance(getattr(end, "value", None), model.Samples)
+    ]
     return found
 
 
 def _of_rod(rod: model.Rod) -> list[tuple[str, str]]:
     states = {"velocity": rod.velocity, "strain": rod.strain}
-    found = [(name, SMOOTH_STATES) for name, v in states.items() if isinstance(v, model.Samples)]
+    found = [
+        (name, SMOOTH_STATES)
+        for name, v in states.items()
+        if isinstance(v, model.Samples)
+    ]
     for j, segment in enumerate(rod.segments):
         place = f"segments.{j}." if len(rod.segments) > 1 else ""
         if not vanishes(segment.material.viscosity):

@@ -60,7 +60,10 @@ class Clock:
         first, last = self.spans[body]
         if last == 0:
             return float(getattr(self.system.bodies[body], "mass", math.inf))
-        return sum(self.impedance[s] * self.ticks[s] for s in range(first, last + 1)) * self.tick
+        return (
+            sum(self.impedance[s] * self.ticks[s] for s in range(first, last + 1))
+            * self.tick
+        )
 
 
 def clock_of(row: Row, ticks: Sequence[int], tick: float, **known: Any) -> Clock:
@@ -78,13 +81,23 @@ def clock_of(row: Row, ticks: Sequence[int], tick: float, **known: Any) -> Clock
     """
     for name in ("wave_speed", "impedance", "length"):
         if name not in known:
-            known[name] = [0.0, *(float(getattr(piece, name)) for piece in row.segments), 0.0]
+            known[name] = [
+                0.0,
+                *(float(getattr(piece, name)) for piece in row.segments),
+                0.0,
+            ]
     if "frame" not in known:  # which takes longer than all else here
         known["frame"] = float(row.frame)
     error, worst = most_rounded(row, ticks, tick)
     known = {"gravity": float(row.system.gravity), "transit_error": error, **known}
-    return Clock(system=row.system, spans=tuple(row.spans), ticks=[0, *ticks, 0], tick=tick,
-                 worst=worst, **known)
+    return Clock(
+        system=row.system,
+        spans=tuple(row.spans),
+        ticks=[0, *ticks, 0],
+        tick=tick,
+        worst=worst,
+        **known,
+    )
 
 
 def most_rounded(row: Any, ticks: Any, tick: float) -> tuple[float, str]:

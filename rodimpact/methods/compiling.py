@@ -111,11 +111,15 @@ class Compiled:
         except Exception as error:
             if not self.place or type(error).__module__.startswith("numba"):
                 raise
-            if not isinstance(error, OSError):  # the disk is not full, but what it holds no code
+            if not isinstance(
+                error, OSError
+            ):  # the disk is not full, but what it holds no code
                 for file in self.files():
                     with contextlib.suppress(OSError):
                         file.unlink()
-                message = "machine code in the compiler's cache is damaged; it is made anew"
+                message = (
+                    "machine code in the compiler's cache is damaged; it is made anew"
+                )
                 warnings.warn(message, DamagedCache, stacklevel=2)
             self._make(keep=False)
             return self(*given)
@@ -165,13 +169,20 @@ def _entry(kernel: Any, own: Functions) -> FunctionType:
 
 def _once(module: ModuleType) -> frozenset[str]:
     """Names that one function uses, of those in a kernel module and in what it imports."""
-    uses = Counter(name for one in _modules(module) for value in vars(one).values()
-                   if isinstance(value, FunctionType) for name in {*value.__code__.co_names})
+    uses = Counter(
+        name
+        for one in _modules(module)
+        for value in vars(one).values()
+        if isinstance(value, FunctionType)
+        for name in {*value.__code__.co_names}
+    )
     return frozenset(name for name, times in uses.items() if times == 1)
 
 
 @functools.cache
-def _twin(module: ModuleType, own: Functions, once: frozenset[str] | None = None) -> ModuleType:
+def _twin(
+    module: ModuleType, own: Functions, once: frozenset[str] | None = None
+) -> ModuleType:
     """The same module with the user's functions; jitted if it is known what is called `once`.
 
     That becomes part of what calls it, which makes no more code: handing arrays over takes time.
@@ -188,7 +199,9 @@ def _twin(module: ModuleType, own: Functions, once: frozenset[str] | None = None
         if name == "own" and own:
             made = _one_of(own, jit)
         elif isinstance(value, FunctionType) and value.__module__ == module.__name__:
-            made = jit(FunctionType(value.__code__, vars(twin), name, value.__defaults__), name)
+            made = jit(
+                FunctionType(value.__code__, vars(twin), name, value.__defaults__), name
+            )
         elif _is_kernel(value):
             made = _twin(value, own, once)
         elif isinstance(value, list) and once is not None:
@@ -259,7 +272,9 @@ def _kind(record: Any) -> Any:
     zeros = []
     for name in record.names:
         zero = np.zeros((), record[name]).tolist
-        new = dataclasses.field(default_factory=zero) if record[name].subdtype else zero()
+        new = (
+            dataclasses.field(default_factory=zero) if record[name].subdtype else zero()
+        )
         zeros.append((name, Any, new))
     return dataclasses.make_dataclass("Record", zeros, slots=True)
 
@@ -282,7 +297,11 @@ def as_objects(records: Any) -> list[Any]:
 
 def as_records(objects: list[Any], record: Any) -> Any:
     """Return a list of `as_objects` as an array of that kind again."""
-    rows = list(map(operator.attrgetter(*record.names), objects)) if record.names else objects
+    rows = (
+        list(map(operator.attrgetter(*record.names), objects))
+        if record.names
+        else objects
+    )
     return np.array(rows, record)
 
 

@@ -50,10 +50,18 @@ class Forecast:
     """
 
     def __init__(
-        self, announce: Callable[[str], None] | None, remedy: str,
-        progress: Progress | None = None, work: str = "this run",
+        self,
+        announce: Callable[[str], None] | None,
+        remedy: str,
+        progress: Progress | None = None,
+        work: str = "this run",
     ) -> None:
-        self._announce, self._remedy, self._progress, self._work = announce, remedy, progress, work
+        self._announce, self._remedy, self._progress, self._work = (
+            announce,
+            remedy,
+            progress,
+            work,
+        )
         self._began, self._told = time.monotonic(), LONG / MORE
         self._next = 0.0
 

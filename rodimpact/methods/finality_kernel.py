@@ -11,7 +11,9 @@ import math
 from typing import Any
 
 
-def separation_time(opening: Any, least: Any, apart: Any, square: Any, tol: Any) -> float:
+def separation_time(
+    opening: Any, least: Any, apart: Any, square: Any, tol: Any
+) -> float:
     """Time until a contact may be proved not to close again: 0 if it is, inf if not as it is.
 
     Parameters

@@ -33,7 +33,9 @@ def grounds(system: Any, group: list[int]) -> list[Any]:
     return held
 
 
-def velocities_in_group(system: Any, group: list[int], inside: list[int], own: Any) -> list[Any]:
+def velocities_in_group(
+    system: Any, group: list[int], inside: list[int], own: Any
+) -> list[Any]:
     """Velocities of bodies bonded together: that of the ground that holds them, or their own.
 
     Between two grounds of different velocity a group has its own: there is none about which it
@@ -53,15 +55,23 @@ def velocities_in_group(system: Any, group: list[int], inside: list[int], own: A
         return [own for _ in group]
     shared, moving = ground[0], inside if len(inside) > 0 else group
     if len(ground) == 2:
-        shared = np.where(ground[0] == ground[1], ground[0], own) + 0.0  # a number, where one is
-    return [ground[0] if i < moving[0] else ground[-1] if i > moving[-1] else shared for i in group]
+        shared = (
+            np.where(ground[0] == ground[1], ground[0], own) + 0.0
+        )  # a number, where one is
+    return [
+        ground[0] if i < moving[0] else ground[-1] if i > moving[-1] else shared
+        for i in group
+    ]
 
 
 def movable(system: System) -> list[int]:
     """Bodies that can move against the walls: all but the walls and the masses bonded to them."""
     row = walk(system)
-    return [i for i, m in enumerate(row.mass_of)
-            if system.bodies[i].kind == "rod" or 0 <= m < len(row.masses)]
+    return [
+        i
+        for i, m in enumerate(row.mass_of)
+        if system.bodies[i].kind == "rod" or 0 <= m < len(row.masses)
+    ]
 
 
 def without_walls(system: Any, group: list[int]) -> list[int]:
@@ -71,8 +81,13 @@ def without_walls(system: Any, group: list[int]) -> list[int]:
 
 def body_velocities(system: Any, own: list[Any]) -> list[Any]:
     """Velocities of the bodies, m/s: `own` of their group, or that of its wall."""
-    return [v for g, group in enumerate(groups(system))
-            for v in velocities_in_group(system, group, without_walls(system, group), own[g])]
+    return [
+        v
+        for g, group in enumerate(groups(system))
+        for v in velocities_in_group(
+            system, group, without_walls(system, group), own[g]
+        )
+    ]
 
 
 def heads(system: Any, spans: Any) -> list[int]:
@@ -97,7 +112,11 @@ def fill_bonds(
         Force of what is outside the left end.
     """
     whole, rigid = [*forces], [force is None for force in forces]
-    held = rigid.index(False) if isinstance(system.bodies[0], Wall) and False in rigid else 0
+    held = (
+        rigid.index(False)
+        if isinstance(system.bodies[0], Wall) and False in rigid
+        else 0
+    )
     for k in range(held - 1, -1, -1):
         whole[k] = whole[k + 1] + spent(k + 1)
     for k in range(held, len(whole)):

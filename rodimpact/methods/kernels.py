@@ -113,8 +113,12 @@ def _fault() -> str:
         return "numba is not installed"
     try:
         compiling.compiler()
-    except Exception as error:  # of itself, of what it needs, or of a variable with a wrong value
-        given = ", ".join(f"{k} = {v!r}" for k, v in os.environ.items() if k.startswith("NUMBA_"))
+    except (
+        Exception
+    ) as error:  # of itself, of what it needs, or of a variable with a wrong value
+        given = ", ".join(
+            f"{k} = {v!r}" for k, v in os.environ.items() if k.startswith("NUMBA_")
+        )
         remedy = f" Mend or unset {given}" if given else ""
         return f"numba does not start: {error}{remedy}"
     return ""
@@ -127,12 +131,17 @@ def _tell(reason: str) -> None:
         message = f"{reason}; long runs go in plain Python, some fifty times slower"
         warnings.warn(message, NoCompiler, stacklevel=2)
     elif "ipykernel" in sys.modules or (sys.stderr and sys.stderr.isatty()):
-        sys.stderr.write("compiling once, for this and all later runs; up to half a minute\n")
+        sys.stderr.write(
+            "compiling once, for this and all later runs; up to half a minute\n"
+        )
 
 
 if hasattr(os, "register_at_fork"):
     import logging  # noqa: F401 - its lock is taken after this one, as numba does: else both wait
 
     # a child that is forked while a thread starts numba or compiles would wait for ever
-    os.register_at_fork(before=ONE_AT_A_TIME.acquire, after_in_parent=ONE_AT_A_TIME.release,
-                        after_in_child=ONE_AT_A_TIME.release)
+    os.register_at_fork(
+        before=ONE_AT_A_TIME.acquire,
+        after_in_parent=ONE_AT_A_TIME.release,
+        after_in_child=ONE_AT_A_TIME.release,
+    )

@@ -57,7 +57,9 @@ class Stop(IntEnum):
     FINAL = 4  # proved, and run on
     CAP = 5  # more events than the limit
     CLOCK = 6  # its ticks are over
-    OVERFLOW = 7  # there is no clock: the energy of such velocities and strains is no float
+    OVERFLOW = (
+        7  # there is no clock: the energy of such velocities and strains is no float
+    )
     LONG = 8  # the time asked for takes more ticks than a clock has
     SHORT = 9  # a transit time is too few ticks
     STUCK = 10  # no solution: a mass between closing walls

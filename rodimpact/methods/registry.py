@@ -33,7 +33,9 @@ class Method(NamedTuple):
     # runs many members in one call, or says None where each runs alone
     family: Callable[..., FamilyRun | None] | None = None
     together: Callable[[Row], int] = lambda _: 0  # how many; 0 where each runs alone
-    also: tuple[str, ...] = ()  # what its family finds if asked; the rest is read member by member
+    also: tuple[
+        str, ...
+    ] = ()  # what its family finds if asked; the rest is read member by member
 
     def lacking(self, needs: Needs) -> Needs:
         """What of these the method cannot do."""
@@ -41,11 +43,25 @@ class Method(NamedTuple):
 
 
 METHODS = {
-    "fronts": Method(fronts.LACKS, (), fronts.solve, front_families.solve_family,
-                     front_families.together, READ),
-    "characteristics": Method(pieces.LACKS, ("rtol",), pieces.solve, pieces.solve_family,
-                              pieces.together, ("accuracy",)),
-    "finite-difference": Method(grid.LACKS, ("dt", "rtol", "cells", "snapshots"), grid.solve),
+    "fronts": Method(
+        fronts.LACKS,
+        (),
+        fronts.solve,
+        front_families.solve_family,
+        front_families.together,
+        READ,
+    ),
+    "characteristics": Method(
+        pieces.LACKS,
+        ("rtol",),
+        pieces.solve,
+        pieces.solve_family,
+        pieces.together,
+        ("accuracy",),
+    ),
+    "finite-difference": Method(
+        grid.LACKS, ("dt", "rtol", "cells", "snapshots"), grid.solve
+    ),
 }
 """In the order in which ``"auto"`` tries them; the last can do anything."""
 
@@ -105,8 +121,11 @@ class Options(Declared):
             self._set(snapshots=_snapshots(problems, self.snapshots, self.until))
         told = [path for path, _ in problems]
         problems += [
-            (name, "fixes the step, rtol chooses it; give one of them") for name in ("dt", "cells")
-            if self.rtol is not None and getattr(self, name) is not None and name not in told
+            (name, "fixes the step, rtol chooses it; give one of them")
+            for name in ("dt", "cells")
+            if self.rtol is not None
+            and getattr(self, name) is not None
+            and name not in told
         ]
         one_of("method", self.method, METHOD_NAMES)
 
@@ -132,16 +151,29 @@ class Options(Declared):
         remedy = f'method "{able[0]}" has'
         if all(what == abilities.TAPER for _, what in missing):
             remedy += ", or give rod.in_steps(n)"
-        raise_noted([(path, f'method "{method}" has no {what}; {remedy}')
-                     for path, what in missing])
+        raise_noted(
+            [
+                (path, f'method "{method}" has no {what}; {remedy}')
+                for path, what in missing
+            ]
+        )
         used = f'"{method}"' + (', which "auto" takes' if self.method == "auto" else "")
-        raise_noted([
-            (name, f"is for method {_takers(name)}, not {used}; leave it out, or give another")
-            for name in METHODS["finite-difference"].takes
-            if getattr(self, name) is not None and name not in METHODS[method].takes])
+        raise_noted(
+            [
+                (
+                    name,
+                    f"is for method {_takers(name)}, not {used}; leave it out, or give another",
+                )
+                for name in METHODS["finite-difference"].takes
+                if getattr(self, name) is not None and name not in METHODS[method].takes
+            ]
+        )
         if self.until is None and abilities.driven(system):
-            raise refusal("until", "must be given: where gravity or drives act, there is no last "
-                          "contact to wait for")
+            raise refusal(
+                "until",
+                "must be given: where gravity or drives act, there is no last "
+                "contact to wait for",
+            )
         return method
 
     def run(self, method: str, system: System, **calls: Any) -> Run:
@@ -156,31 +188,43 @@ class Options(Declared):
             What long runs call on their way: `progress`, and `announce` with a sentence.
         """
         own = {name: getattr(self, name) for name in METHODS[method].takes}
-        run = METHODS[method].run(Row(system), self.until, self.max_events, **own, **calls)
+        run = METHODS[method].run(
+            Row(system), self.until, self.max_events, **own, **calls
+        )
         slower = self.method == "auto" and method != next(iter(METHODS))
         why = self._why(method, system) if slower else ""
         return replace(run, status=f"{run.status} {why}") if why else run
 
     def _first(self, needs: Needs) -> str:
         """The first method that has this physics, and an accuracy if one is asked for."""
-        return next(name for name, method in METHODS.items() if not method.lacking(needs)
-                    and (self.rtol is None or "rtol" in method.takes))
+        return next(
+            name
+            for name, method in METHODS.items()
+            if not method.lacking(needs)
+            and (self.rtol is None or "rtol" in method.takes)
+        )
 
     def _why(self, method: str, system: System) -> str:
         """Sentence on what keeps a system from a faster method, if single entries do."""
         needs = abilities.needs(system)
-        faster = self._first([need for need in needs if need[1] not in abilities.SINGLE])
+        faster = self._first(
+            [need for need in needs if need[1] not in abilities.SINGLE]
+        )
         if faster == method:
             return ""
         (path, what), *others = METHODS[faster].lacking(needs)
         more = f" and {len(others)} more" if others else ""
-        return (f'Solved by the slower method "{method}" because of {path}{more}: the method '
-                f'"{faster}" has no {what}.')
+        return (
+            f'Solved by the slower method "{method}" because of {path}{more}: the method '
+            f'"{faster}" has no {what}.'
+        )
 
 
 def _takers(option: str) -> str:
     """Methods that take an option."""
-    return " or ".join(f'"{name}"' for name, method in METHODS.items() if option in method.takes)
+    return " or ".join(
+        f'"{name}"' for name, method in METHODS.items() if option in method.takes
+    )
 
 
 def count(problems: Problems, name: str, value: Any) -> int:
@@ -190,7 +234,9 @@ def count(problems: Problems, name: str, value: Any) -> int:
     if 1 <= counted <= MOST_COUNTED:
         return counted
     limit = f" of at most {MOST_COUNTED:g}" if counted > 1 else ""
-    problems.append((name, f"must be a positive whole number{limit}, got {shown(value)}"))
+    problems.append(
+        (name, f"must be a positive whole number{limit}, got {shown(value)}")
+    )
     return 0
 
 
@@ -200,7 +246,9 @@ def check_function(problems: Problems, name: str, value: Any) -> None:
         problems.append((name, f"must be a function, got {shown(value)}"))
 
 
-def _snapshots(problems: Problems, value: Any, until: float | None) -> int | tuple[float, ...]:
+def _snapshots(
+    problems: Problems, value: Any, until: float | None
+) -> int | tuple[float, ...]:
     if most := count([], "snapshots", value):
         return most
     with suppress(ValueError):

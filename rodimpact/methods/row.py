@@ -83,7 +83,9 @@ class Row(Walk):
         stands = [("outside", 0)]
         for k, (start, stop) in enumerate(pairwise(self.first)):
             stands += [("mass", m) for m in range(start, stop)]
-            stands.append(("segment", k + 1) if k < len(self.segments) else ("outside", 1))
+            stands.append(
+                ("segment", k + 1) if k < len(self.segments) else ("outside", 1)
+            )
         return list(pairwise(stands))
 
     @cached_property
@@ -121,26 +123,46 @@ class Row(Walk):
         heaviest: Any = largest([*self.masses, *(s.mass for s in self.segments)])
         T: Any = largest([s.transit_time for s in self.segments])
         with np.errstate(over="ignore", invalid="ignore", under="ignore"):
-            force = speed * largest([
-                s.material.density * s.wave_speed * extremes(s.area)[1] for s in self.segments])
+            force = speed * largest(
+                [
+                    s.material.density * s.wave_speed * extremes(s.area)[1]
+                    for s in self.segments
+                ]
+            )
             squares = speed * speed * heaviest, force * force
             good = np.less(SMALLEST * ROOM, np.minimum(*squares)) & np.less(
-                np.maximum(*squares), LARGEST / ROOM)
-            message = (f"velocities and strains of {np.max(speed):.6g} m/s make energies or forces "
-                       "that overflow or vanish; use smaller or larger ones")
+                np.maximum(*squares), LARGEST / ROOM
+            )
+            message = (
+                f"velocities and strains of {np.max(speed):.6g} m/s make energies or forces "
+                "that overflow or vanish; use smaller or larger ones"
+            )
             beyond = [(np.not_equal(speed, 0) & ~good, "bodies", message)]
             for i, link in self.by_law.items():
                 it = self.links[link]
-                stiff = it.stiffness * (T / least_impedance(self)) * np.power(
-                    speed * T, np.asarray(it.exponent) - 1)
-                message = (f"is as good as rigid beside these rods, got {it.stiffness!r}; use "
-                           f"{'Bonded' if it.law == Law.JOINT else 'Rigid'}()")
-                beyond.append((~np.less_equal(stiff, STIFFEST), f"contacts.{i}.stiffness", message))
+                stiff = (
+                    it.stiffness
+                    * (T / least_impedance(self))
+                    * np.power(speed * T, np.asarray(it.exponent) - 1)
+                )
+                message = (
+                    f"is as good as rigid beside these rods, got {it.stiffness!r}; use "
+                    f"{'Bonded' if it.law == Law.JOINT else 'Rigid'}()"
+                )
+                beyond.append(
+                    (
+                        ~np.less_equal(stiff, STIFFEST),
+                        f"contacts.{i}.stiffness",
+                        message,
+                    )
+                )
         return beyond
 
     def check_scales(self) -> None:
         """Raise InvalidModel where steps overflow, vanish, or lose an indentation in round-off."""
-        problems = [(path, message) for bad, path, message in self.beyond_scales() if bad]
+        problems = [
+            (path, message) for bad, path, message in self.beyond_scales() if bad
+        ]
         if problems:
             raise InvalidModel(problems[:1] if problems[0][0] == "bodies" else problems)
 

@@ -257,7 +257,9 @@ def stopped_by(refused: Any, final: Any, capped: Any, until: float | None) -> In
     """Place in `STOPPED_BY` of each member: it was refused, is final, or had too many events."""
     reasons = [refused, final & (until is None), capped]
     places = [STOPPED_BY.index(name) for name in ("refused", "final", "max_events")]
-    return np.select(reasons, places, STOPPED_BY.index("clock" if until is None else "until"))
+    return np.select(
+        reasons, places, STOPPED_BY.index("clock" if until is None else "until")
+    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

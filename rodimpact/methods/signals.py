@@ -50,7 +50,9 @@ class Pieces:
     ([-1.0, 1.0, 4.0], [8.0, 8.0])
     """
 
-    def __init__(self, ticks: ArrayLike, coefficients: ArrayLike, end: int | None = None) -> None:
+    def __init__(
+        self, ticks: ArrayLike, coefficients: ArrayLike, end: int | None = None
+    ) -> None:
         self.ticks: Ints = np.asarray(ticks, dtype=np.int64)
         columns: Floats = np.asarray(coefficients, dtype=np.float64)
         self.coefficients = columns if columns.ndim == 2 else columns[:, None]
@@ -60,7 +62,9 @@ class Pieces:
     @classmethod
     def lines(cls, ticks: ArrayLike, starts: Floats, stops: Floats, end: int) -> Pieces:
         """Straight lines from `starts` to `stops`, both [n]; other arguments as above."""
-        return cls(ticks, np.stack(((starts + stops) / 2, (stops - starts) / 2), axis=1), end)
+        return cls(
+            ticks, np.stack(((starts + stops) / 2, (stops - starts) / 2), axis=1), end
+        )
 
     @classmethod
     def through(cls, ticks: ArrayLike, values: Floats) -> Pieces:
@@ -111,17 +115,29 @@ class Pieces:
         """
         if self.size == 1:
             return self.ticks
-        middle, swing = self.coefficients[:, 0], np.abs(self.coefficients[:, 1:]).sum(axis=1)
+        middle, swing = (
+            self.coefficients[:, 0],
+            np.abs(self.coefficients[:, 1:]).sum(axis=1),
+        )
         low, high = float((middle - swing).min()), float((middle + swing).max())
         error = max(STRAIGHT * (high - low), ROUND_OFF * max(high, -low))
         # a line over the n-th part of a piece is off by less than (2/n)^2/8 of its bend
-        parts = np.ceil(np.sqrt(self.bends / (2 * error))) if error else np.ones(len(middle))
+        parts = (
+            np.ceil(np.sqrt(self.bends / (2 * error)))
+            if error
+            else np.ones(len(middle))
+        )
         counts = np.clip(parts, 1, self.widths).astype(np.int64)
         place = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-        inside = np.repeat(self.ticks, counts) + np.repeat(self.widths // counts, counts) * place
+        inside = (
+            np.repeat(self.ticks, counts)
+            + np.repeat(self.widths // counts, counts) * place
+        )
         jumps = np.abs(self.values[1:] - self.at(self.ticks[1:], "left")) > error
         starts = self.ticks[1:][jumps]
-        return each_once(inside, starts - 1 - (starts >> 51), [self.end])  # floats tell them apart
+        return each_once(
+            inside, starts - 1 - (starts >> 51), [self.end]
+        )  # floats tell them apart
 
     def piece(self, ticks: ArrayLike, side: Side = "right") -> Ints:
         """Index of the piece in which ticks lie."""
@@ -211,7 +227,9 @@ class Pieces:
         starts = each_once(self.breaks, other.breaks)
         stops = np.append(starts[1:], starts[-1])
         shares, to_coefficients = _interpolation(size)
-        values = operation(self.inside(starts, stops, shares), other.inside(starts, stops, shares))
+        values = operation(
+            self.inside(starts, stops, shares), other.inside(starts, stops, shares)
+        )
         return Pieces(starts, values @ to_coefficients)
 
     def times(self, factor: float) -> Pieces:

@@ -14,8 +14,11 @@ ROUNDED = 2.0**-36  # relative change of a transit time that is told
 def is_held(system: Any) -> bool:
     """Whether walls hold a row in: one at both ends, or one that is joined to it."""
     last = len(system.bodies) - 1
-    walls = [system.contacts[k].opens for i, k in ((0, 0), (last, last - 1))
-             if system.bodies[i].kind == "wall"]
+    walls = [
+        system.contacts[k].opens
+        for i, k in ((0, 0), (last, last - 1))
+        if system.bodies[i].kind == "wall"
+    ]
     return len(walls) == 2 or not all(opens for opens in walls)
 
 
@@ -45,7 +48,9 @@ def ending(stopped_by: str, final: str, end: str, cap: str, system: Any) -> str:
     )
 
 
-def last_contact(ends: Sequence[Sequence[float]], t_end: float, round_trip: float) -> float:
+def last_contact(
+    ends: Sequence[Sequence[float]], t_end: float, round_trip: float
+) -> float:
     """When the last contact ended, s, in a run that is proved final.
 
     Bodies that touch without force part as soon as a wave that pulls arrives. If none has come in a

@@ -14,17 +14,24 @@ TERMS = 1 << 20  # largest numerator or denominator of a recognised ratio
 SLACK = 4.0 * 2.0**-52  # relative error of a ratio of two quotients of floats
 MOST_PARTS = 1 << 40  # into how many units the longest duration may be divided
 DIVISIBLE = 720720  # least common multiple of 1 to 16
-LEAST_UNIT = 2.0**40  # ticks in the unit of any further class, so that rounding it is harmless
+LEAST_UNIT = (
+    2.0**40
+)  # ticks in the unit of any further class, so that rounding it is harmless
 
 CLOCK_BITS = 62  # ticks end at 2^62
 HORIZON = 4096  # longest transits for which the clock has room when no end is given
 FINEST, COARSEST = 50, 20  # longest transit in ticks, as a power of two
 
-SPAN = np.dtype([
-    ("time", "f8"), ("ticks", "i8"),  # s
-    ("place", "i8"),  # of the span that comes here by decreasing duration
-    ("p", "i8"), ("q", "i8"),  # ratio to the longest of its class; q < 0: it has its ticks
-], align=True)
+SPAN = np.dtype(
+    [
+        ("time", "f8"),
+        ("ticks", "i8"),  # s
+        ("place", "i8"),  # of the span that comes here by decreasing duration
+        ("p", "i8"),
+        ("q", "i8"),  # ratio to the longest of its class; q < 0: it has its ticks
+    ],
+    align=True,
+)
 """A duration to be counted in ticks."""
 
 

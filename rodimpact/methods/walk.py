@@ -12,24 +12,45 @@ from .compiling import blank
 from .laws import KNOTS, UNREACHED, Law
 
 ENDS = {
-    "free": "none", "fixed": "velocity", "velocity": "velocity", "force": "force",
-    "absorbing": "absorbing", "incoming": "absorbing",
+    "free": "none",
+    "fixed": "velocity",
+    "velocity": "velocity",
+    "force": "force",
+    "absorbing": "absorbing",
+    "incoming": "absorbing",
 }
 """What is outside the ends of a row, by their kind."""
 
 LAWS = {
-    "bonded": Law.BOND, "joint": Law.JOINT, "rigid": Law.RIGID, "spring": Law.SPRING,
-    "spring-dashpot": Law.SPRING, "hertz": Law.POWER, "power": Law.POWER, "own": Law.OWN,
-    "hunt-crossley": Law.POWER, "yielding": Law.YIELD, "tabulated": Law.YIELD,
+    "bonded": Law.BOND,
+    "joint": Law.JOINT,
+    "rigid": Law.RIGID,
+    "spring": Law.SPRING,
+    "spring-dashpot": Law.SPRING,
+    "hertz": Law.POWER,
+    "power": Law.POWER,
+    "own": Law.OWN,
+    "hunt-crossley": Law.POWER,
+    "yielding": Law.YIELD,
+    "tabulated": Law.YIELD,
 }
 """What acts in a contact, by the name of its law; an impact where a rigid one has a restitution."""
 
-LINK = np.dtype([
-    ("law", "i8"), ("stiffness", "f8"), ("exponent", "f8"), ("strength", "f8"),
-    ("damping", "f8"),  # the restitution of an impact; the hardening, as a share of the stiffness
-    ("gap", "f8"),  # of a joint its stretch
-    ("knots", "f8", (KNOTS,)), ("shares", "f8", (KNOTS,)),  # forces of other hardenings, and these
-])
+LINK = np.dtype(
+    [
+        ("law", "i8"),
+        ("stiffness", "f8"),
+        ("exponent", "f8"),
+        ("strength", "f8"),
+        (
+            "damping",
+            "f8",
+        ),  # the restitution of an impact; the hardening, as a share of the stiffness
+        ("gap", "f8"),  # of a joint its stretch
+        ("knots", "f8", (KNOTS,)),
+        ("shares", "f8", (KNOTS,)),  # forces of other hardenings, and these
+    ]
+)
 """A link of a row; in a family numbers are arrays."""
 
 
@@ -52,11 +73,17 @@ class Walk(NamedTuple):
 def walk(system: Any) -> Walk:
     """Walk through a system from left to right."""
     bodies, last = system.bodies, len(system.bodies) - 1
-    row = Walk(system, [], [""], [], [0], [], [], [], [], [], [("none", 0.0), ("none", 0.0)])
+    row = Walk(
+        system, [], [""], [], [0], [], [], [], [], [], [("none", 0.0), ("none", 0.0)]
+    )
     rods = [body.kind == "rod" for body in bodies]
     # rigid bodies that are bonded together are one block
-    for block in parted([law.law != "bonded" or rods[i] or rods[i + 1]
-                         for i, law in enumerate(system.contacts)]):
+    for block in parted(
+        [
+            law.law != "bonded" or rods[i] or rods[i + 1]
+            for i, law in enumerate(system.contacts)
+        ]
+    ):
         i, body = block[0], bodies[block[0]]
         if i > 0:
             row.contact_link.append(len(row.links))
@@ -177,7 +204,10 @@ def velocities_of(row: Any) -> list[Any]:
     """Velocities of all that moves at t = 0 or is moved, m/s."""
     given = [body.velocity for body in row.system.bodies if body.kind != "mass"]
     driven = [value for kind, value in row.outside if kind == "velocity"]
-    return [*row.mass_velocity, *[v for speed in [*given, *driven] for v in extremes(speed)]]
+    return [
+        *row.mass_velocity,
+        *[v for speed in [*given, *driven] for v in extremes(speed)],
+    ]
 
 
 def frame_of(row: Any) -> Any:
@@ -196,7 +226,9 @@ def wave_of_strain(row: Any, side: int) -> Any:
 
 def least_impedance(row: Any) -> Any:
     """Smallest impedance, kg/s."""
-    return smallest([s.material.density * s.wave_speed * extremes(s.area)[0] for s in row.segments])
+    return smallest(
+        [s.material.density * s.wave_speed * extremes(s.area)[0] for s in row.segments]
+    )
 
 
 def scale_of(row: Any) -> Any:
@@ -210,7 +242,9 @@ def scale_of(row: Any) -> Any:
         if kind == "force":
             pushed.extend([abs(F) for F in extremes(value)])
         elif kind == "absorbing":
-            strained.extend([abs(e * wave_of_strain(row, side)) for e in extremes(value)])
+            strained.extend(
+                [abs(e * wave_of_strain(row, side)) for e in extremes(value)]
+            )
     for it in row.links:
         if it.law == Law.JOINT:
             pushed.append(abs(it.stiffness * it.gap))

@@ -8,7 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..units import shown
-from .frozen import Field, InvalidModel, Problems, broadcast_shape, raise_noted, refusal, require
+from .frozen import (
+    Field,
+    InvalidModel,
+    Problems,
+    broadcast_shape,
+    raise_noted,
+    refusal,
+    require,
+)
 from .frozen import Number as Number
 from .quantities import Floats, floats
 
@@ -63,7 +71,9 @@ def of_kind(name: str, value: Any, kind: type, example: str) -> None:
     """InvalidModel if the argument is not of that class; the example says how to come by one."""
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
-        message = f"must be {article} {kind.__name__}, such as {example}, got {shown(value)}"
+        message = (
+            f"must be {article} {kind.__name__}, such as {example}, got {shown(value)}"
+        )
         raise refusal(name, message)
 
 
@@ -76,8 +86,14 @@ def one_of(name: str, value: Any, choices: Collection[str]) -> None:
 
 def whole(name: str, value: Any, low: int, high: int) -> int:
     """The argument as a whole number from `low` to `high`; InvalidModel if it is none."""
-    if isinstance(value, bool) or not isinstance(value, Integral) or not low <= int(value) <= high:
-        raise refusal(name, f"must be a whole number from {low} to {high}, got {shown(value)}")
+    if (
+        isinstance(value, bool)
+        or not isinstance(value, Integral)
+        or not low <= int(value) <= high
+    ):
+        raise refusal(
+            name, f"must be a whole number from {low} to {high}, got {shown(value)}"
+        )
     return int(value)
 
 

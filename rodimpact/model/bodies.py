@@ -18,7 +18,16 @@ from numpy.typing import ArrayLike
 from ..units import shown
 from . import frozen, profiles
 from .arguments import array, demand, of_kind, together, whole
-from .frozen import Declared, Frozen, Number, Numeric, NumericOrNone, Problems, Taken, quantity
+from .frozen import (
+    Declared,
+    Frozen,
+    Number,
+    Numeric,
+    NumericOrNone,
+    Problems,
+    Taken,
+    quantity,
+)
 from .lateral_inertia import MINDLIN_HERRMANN, RAYLEIGH_LOVE, THEORIES
 from .profiles import Floats, Profile, ProfileLike, Samples, Steps
 
@@ -63,7 +72,9 @@ class Material(Declared):
     _: KW_ONLY
     youngs_modulus: Numeric = quantity("Pa", "positive", "Young's modulus")
     density: Numeric = quantity("kg/m^3", "positive")
-    poisson_ratio: NumericOrNone = quantity("", "(-1, 0.5]", "Poisson's ratio", default=None)
+    poisson_ratio: NumericOrNone = quantity(
+        "", "(-1, 0.5]", "Poisson's ratio", default=None
+    )
     viscosity: Numeric = quantity("Pa s", "non-negative", default=0.0)
 
     def _check(self, problems: Problems) -> None:
@@ -72,7 +83,9 @@ class Material(Declared):
         if not problems:
             E, rho = self.youngs_modulus, self.density
             message = "gives no finite wave speed with density {1!r}, got {0!r}"
-            frozen.require(problems, frozen.in_range(E / rho), "youngs_modulus", message, E, rho)
+            frozen.require(
+                problems, frozen.in_range(E / rho), "youngs_modulus", message, E, rho
+            )
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
         described = super().to_dict()
@@ -114,10 +127,13 @@ class Material(Declared):
         79.577
         """
         tangent, f, E = together(
-            loss_factor=(loss_factor, "", "non-negative"), frequency=(frequency, "Hz", "positive"),
+            loss_factor=(loss_factor, "", "non-negative"),
+            frequency=(frequency, "Hz", "positive"),
             youngs_modulus=(self.youngs_modulus, "Pa", ""),
         )
-        with np.errstate(all="ignore"):  # what is out of range, the material will refuse
+        with np.errstate(
+            all="ignore"
+        ):  # what is out of range, the material will refuse
             return self.replace(viscosity=E * tangent / (2 * math.pi * f))
 
 
@@ -159,7 +175,9 @@ class Segment(Declared):
     """
 
     _instead: ClassVar[dict[str, tuple[str, ...]]] = {
-        "diameter": ("area",), "area": ("diameter",)}
+        "diameter": ("area",),
+        "area": ("diameter",),
+    }
     length: Numeric = quantity("m", "positive")
     area: Area = quantity("m^2", "positive", default=None, along="length")
     material: Taken[Material, Material | None] = NOTHING
@@ -176,13 +194,17 @@ class Segment(Declared):
                 problems.append(("diameter", "give either area or diameter, not both"))
             area = 1.0 if problems else math.pi * self.diameter * self.diameter / 4
         if area is None:
-            problems.append(("area", "is missing; give it, or the diameter of a round rod"))
+            problems.append(
+                ("area", "is missing; give it, or the diameter of a round rod")
+            )
         elif isinstance(area, Steps):
             message = "jumps inside a segment; give Rod(area=Steps(...)), or a segment for each"
             problems.append(("area", f"{message} of its values"))
         else:
             known = None if problems else L
-            area = profiles.along_rod(problems, "area", area, self.fields["area"], known)
+            area = profiles.along_rod(
+                problems, "area", area, self.fields["area"], known
+            )
         self._set(area=area)
         if self.lateral_inertia is not None or self.polar_moment is not None:
             self._check_inertia(problems)
@@ -203,29 +225,43 @@ class Segment(Declared):
                 "length {0!r} and area {1!r} of this material make an impedance, a transit time or "
                 f"a mass outside {frozen.SMALLEST:g} to {frozen.LARGEST:g}; use consistent units"
             )
-            demand(good, "area" if self.diameter is None else "diameter", message, L, area)
+            demand(
+                good, "area" if self.diameter is None else "diameter", message, L, area
+            )
 
     def _check_inertia(self, problems: Problems) -> None:
         """Note what is wrong with the theory of the motion sideways, and what it lacks."""
-        theory, moment, material = self.lateral_inertia, self.polar_moment, self.material
+        theory, moment, material = (
+            self.lateral_inertia,
+            self.polar_moment,
+            self.material,
+        )
         said_round = self.diameter is not None
         if not isinstance(moment, str | None) and (said_round or self.tapered):
-            message = f'must be "{CIRCULAR}" along a taper and with a diameter, or left out'
+            message = (
+                f'must be "{CIRCULAR}" along a taper and with a diameter, or left out'
+            )
             frozen.note(problems, "polar_moment", message, moment)
         if theory is None:
             message = f'has no effect by itself; give lateral_inertia="{RAYLEIGH_LOVE}" too, or '
             problems.append(("polar_moment", f"{message}leave polar_moment out"))
         elif moment is None and not said_round:
-            message = "needs the diameter of a round rod, or a polar_moment; give one of them"
+            message = (
+                "needs the diameter of a round rod, or a polar_moment; give one of them"
+            )
             problems.append(("lateral_inertia", message))
         elif not isinstance(theory, str) or theory not in THEORIES:
-            message = f"unknown theory {shown(theory)}; {frozen.nearest(theory, THEORIES)}"
+            message = (
+                f"unknown theory {shown(theory)}; {frozen.nearest(theory, THEORIES)}"
+            )
             problems.append(("lateral_inertia", message))
         elif isinstance(material, Material):
             nu, path = material.poisson_ratio, "material.poisson_ratio"
             if nu is None:
                 message = f"is missing in {shown(material.name)}; lateral inertia needs it: give "
-                problems.append((path, f"{message}the material one, or leave lateral_inertia out"))
+                problems.append(
+                    (path, f"{message}the material one, or leave lateral_inertia out")
+                )
             elif theory == MINDLIN_HERRMANN:
                 message = f'must be below 0.5 for "{theory}", got {{0!r}}'
                 frozen.require(problems, nu < 0.5, path, message, nu)
@@ -306,7 +342,9 @@ class Segment(Declared):
         """
         places = array("edges", edges, "m")
         if places.ndim != 1 or places.size < 2:
-            raise ValueError(f"edges: must be two places or more in a row, got {shown(edges)}")
+            raise ValueError(
+                f"edges: must be two places or more in a row, got {shown(edges)}"
+            )
         return profiles.averages(self.area, places, float(self.length))
 
     def polar_moments(self, areas: ArrayLike) -> Floats:
@@ -325,7 +363,11 @@ class Segment(Declared):
         A = array("areas", areas, "m^2")
         if self.lateral_inertia is None:
             return np.zeros(A.shape)
-        return A**2 / (2 * math.pi) if self.solid_round else np.full(A.shape, self.polar_moment)
+        return (
+            A**2 / (2 * math.pi)
+            if self.solid_round
+            else np.full(A.shape, self.polar_moment)
+        )
 
     def mirrored(self) -> Segment:
         """Return the segment seen in a mirror."""
@@ -340,7 +382,10 @@ class Segment(Declared):
         """
         if not self.tapered:
             return [self]
-        return [self.replace(length=self.length / n, area=area) for area in self._mean_areas(n)]
+        return [
+            self.replace(length=self.length / n, area=area)
+            for area in self._mean_areas(n)
+        ]
 
     def _mean_areas(self, n: int) -> list[float]:
         """Mean areas of `n` pieces of equal length, whatever that is, m^2."""
@@ -394,7 +439,9 @@ class Rod(Frozen, kind="rod"):
     """
 
     _instead: ClassVar[dict[str, tuple[str, ...]]] = {
-        **Segment._instead, "segments": tuple(frozen.defaults_of(Segment))}
+        **Segment._instead,
+        "segments": tuple(frozen.defaults_of(Segment)),
+    }
     segments: tuple[Segment, ...]
     velocity: Profile = quantity("m/s", default=0.0, along="length")
     strain: Profile = quantity(default=0.0, along="length")
@@ -415,8 +462,12 @@ class Rod(Frozen, kind="rod"):
         problems: Problems = []
         pieces: tuple[Segment, ...] = ()
         shape: dict[str, Any] = {
-            "length": length, "area": area, "diameter": diameter, "material": material,
-            "polar_moment": polar_moment, "lateral_inertia": lateral_inertia,
+            "length": length,
+            "area": area,
+            "diameter": diameter,
+            "material": material,
+            "polar_moment": polar_moment,
+            "lateral_inertia": lateral_inertia,
         }
         try:
             if segments is not None:
@@ -428,9 +479,13 @@ class Rod(Frozen, kind="rod"):
         except frozen.InvalidModel as error:
             problems += error.problems
         if len(pieces) > 1:
-            frozen.family_shape((f"segments.{i}.length", s.length) for i, s in enumerate(pieces))
+            frozen.family_shape(
+                (f"segments.{i}.length", s.length) for i, s in enumerate(pieces)
+            )
         total = None if problems else sum(s.length for s in pieces)
-        v = profiles.along_rod(problems, "velocity", velocity, self.fields["velocity"], total)
+        v = profiles.along_rod(
+            problems, "velocity", velocity, self.fields["velocity"], total
+        )
         e = profiles.along_rod(problems, "strain", strain, self.fields["strain"], total)
         frozen.raise_noted(problems)
         self._set(segments=pieces, velocity=v, strain=e)
@@ -489,22 +544,29 @@ class Rod(Frozen, kind="rod"):
         (200, True)
         """
         count = whole("n", n, 1, MOST_STEPS)
-        pieces = [piece for segment in self.segments for piece in segment.in_steps(count)]
+        pieces = [
+            piece for segment in self.segments for piece in segment.in_steps(count)
+        ]
         return self.replace(segments=pieces)
 
 
 def _joined(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ...]:
     """Segments as given; InvalidModel also where the shape is told in another way, too."""
     if any(v is not None for v in shape.values()):
-        message = "give either segments or length, area, material and polar_moment, not both"
+        message = (
+            "give either segments or length, area, material and polar_moment, not both"
+        )
         raise frozen.refusal("segments", message)
     if not isinstance(segments, list | tuple) or not segments:
         message = f"must be a list of at least one Segment, got {shown(segments)}"
         raise frozen.refusal("segments", message)
-    frozen.raise_noted([
-        (f"segments.{i}", f"must be a Segment, got {shown(segment)}")
-        for i, segment in enumerate(segments) if not isinstance(segment, Segment)
-    ])
+    frozen.raise_noted(
+        [
+            (f"segments.{i}", f"must be a Segment, got {shown(segment)}")
+            for i, segment in enumerate(segments)
+            if not isinstance(segment, Segment)
+        ]
+    )
     return tuple(segments)
 
 
@@ -513,15 +575,19 @@ def _between_jumps(area: Steps, shape: dict[str, Any]) -> tuple[Segment, ...]:
     problems: Problems = []
     pieces: list[Segment] = []
     L = Segment.fields["length"].checked(problems, "length", shape["length"])
-    profiles.along_rod(problems, "area", area, Segment.fields["area"], None if problems else L)
+    profiles.along_rod(
+        problems, "area", area, Segment.fields["area"], None if problems else L
+    )
     frozen.raise_noted(problems)
     ends = pairwise((0.0, *area.at, L))
     for i, (A, (start, end)) in enumerate(zip(area.values, ends, strict=True)):
         try:
             pieces.append(Segment(**{**shape, "length": end - start, "area": A}))
         except frozen.InvalidModel as error:
-            problems += [(path.replace("area", f"area.values.{i}"), message)
-                         for path, message in error.problems]
+            problems += [
+                (path.replace("area", f"area.values.{i}"), message)
+                for path, message in error.problems
+            ]
     frozen.raise_noted(problems)
     return tuple(pieces)
 

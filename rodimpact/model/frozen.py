@@ -19,7 +19,16 @@ from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, Self, TypeAlias, TypeVar
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    ClassVar,
+    Generic,
+    NamedTuple,
+    Self,
+    TypeAlias,
+    TypeVar,
+)
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,12 +47,17 @@ MOST_TOLD = 20  # mistakes that the text of an error tells
 MOST_MEMBERS = 10**7  # of a family
 SMALLEST, LARGEST = 1e-150, 1e150  # magnitudes whose squares are neither 0 nor infinite
 TINY = sys.float_info.min  # with all its digits
-OUT_OF_SCALE = f"must be 0 or of a magnitude from {SMALLEST:g} to {LARGEST:g} in consistent units"
+OUT_OF_SCALE = (
+    f"must be 0 or of a magnitude from {SMALLEST:g} to {LARGEST:g} in consistent units"
+)
 OUT_OF_SCALE += ", got {0!r}"
 REQUIRED = inspect.Parameter.empty
 INTERVALS = {
-    "positive": "(0, inf)", "positive or infinite": "(0, inf]", "non-negative": "[0, inf)",
-    "any": "(-inf, inf)", "sampled": "(-inf, inf)",
+    "positive": "(0, inf)",
+    "positive or infinite": "(0, inf]",
+    "non-negative": "[0, inf)",
+    "any": "(-inf, inf)",
+    "sampled": "(-inf, inf)",
 }
 """Where the numbers of a sign lie."""
 
@@ -70,7 +84,9 @@ class InvalidModel(ValueError):
 
     def __init__(self, problems: Problems) -> None:
         self.problems = problems = list(dict.fromkeys(problems))
-        lines = [f"{one_line(path)}: {message}" for path, message in problems[:MOST_TOLD]]
+        lines = [
+            f"{one_line(path)}: {message}" for path, message in problems[:MOST_TOLD]
+        ]
         if len(problems) > MOST_TOLD:
             lines.append(f"...: and {len(problems) - MOST_TOLD} mistakes more")
         super().__init__("\n".join(lines))
@@ -129,7 +145,11 @@ class Field(NamedTuple):
             return f"must be a positive number{number_of(self.unit)} or infinite, got {{0!r}}"
         if self.sign[0] in "[(":
             return f"must lie in {self.sign}, got {{0!r}}"
-        kind = f"finite {self.sign}" if self.sign in ("positive", "non-negative") else "finite"
+        kind = (
+            f"finite {self.sign}"
+            if self.sign in ("positive", "non-negative")
+            else "finite"
+        )
         return f"must be a {kind} number{number_of(self.unit)}, got {{0!r}}"
 
     def holds(self, value: Any) -> Any:
@@ -168,9 +188,13 @@ class Field(NamedTuple):
         array = (array if array.ndim else array.item()) + 0.0
         if require(problems, self.holds(array), path, self.wanted, array):
             # what may be 0 may be small, too; but a number that stands alone has all its digits
-            least = SMALLEST if "positive" in sign else 0.0 if sign == "sampled" else TINY
+            least = (
+                SMALLEST if "positive" in sign else 0.0 if sign == "sampled" else TINY
+            )
             size = abs(array)
-            good = (size == 0) | (size >= least) & (size <= LARGEST) | (size == math.inf)
+            good = (
+                (size == 0) | (size >= least) & (size <= LARGEST) | (size == math.inf)
+            )
             require(problems, good, path, OUT_OF_SCALE, array)
         if isinstance(array, np.ndarray):
             array.flags.writeable = False
@@ -178,18 +202,26 @@ class Field(NamedTuple):
                 note(problems, path, "must be a single number", value)
         return array
 
-    def _each_checked(self, problems: Problems, path: str, items: Any) -> tuple[Any, ...]:
+    def _each_checked(
+        self, problems: Problems, path: str, items: Any
+    ) -> tuple[Any, ...]:
         """Return a list of numbers as a tuple, each as `checked` returns it."""
         if not isinstance(items, list | tuple):
             try:
                 items = list(floats(items, self.unit))
             except (TypeError, ValueError) as error:  # a single number, or what is none
                 single = isinstance(error, TypeError)
-                wrong = f"must be a list of numbers, got {shown(items)}" if single else str(error)
+                wrong = (
+                    f"must be a list of numbers, got {shown(items)}"
+                    if single
+                    else str(error)
+                )
                 problems.append((path, wrong))
                 return ()
         each = self._replace(many=False)
-        return tuple(each.checked(problems, f"{path}.{i}", v) for i, v in enumerate(items))
+        return tuple(
+            each.checked(problems, f"{path}.{i}", v) for i, v in enumerate(items)
+        )
 
 
 def quantity(unit: str = "", sign: str = "any", label: str = "", **more: Any) -> Any:
@@ -201,6 +233,7 @@ class Taken(Generic[Held, Given]):
     """To type checkers: what an object holds, and what its constructor takes for it."""
 
     if TYPE_CHECKING:
+
         def __get__(self, instance: object, owner: Any) -> Held: ...
         def __set__(self, instance: object, value: Given) -> None: ...
 
@@ -224,7 +257,9 @@ def family_shape(numbers: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
     arrays = [(path, v) for path, v in numbers if isinstance(v, np.ndarray)]
     shape = broadcast_shape(arrays)
     if math.prod(shape) > MOST_MEMBERS:
-        message = f"makes a family of {math.prod(shape)} members, more than {MOST_MEMBERS}"
+        message = (
+            f"makes a family of {math.prod(shape)} members, more than {MOST_MEMBERS}"
+        )
         raise InvalidModel([(arrays[0][0], f"{message}; take one part after another")])
     return shape
 
@@ -250,7 +285,9 @@ def in_range(value: Number) -> Any:
     return (value >= SMALLEST) & (value <= LARGEST)
 
 
-def require(problems: Problems, good: Any, path: str, message: str, *values: Number) -> bool:
+def require(
+    problems: Problems, good: Any, path: str, message: str, *values: Number
+) -> bool:
     """Whether something holds for every member of a family; note the first for which it does not.
 
     The message may show the values there, as ``{0!r}``; the path ends with the index, ``[3,1]``.
@@ -297,7 +334,9 @@ class Frozen:
         cls._tag = tag or cls._tag
         for name, word in tag.items():
             setattr(cls, name, word)
-        if declared := {name: v for name, v in vars(cls).items() if isinstance(v, Field)}:
+        if declared := {
+            name: v for name, v in vars(cls).items() if isinstance(v, Field)
+        }:
             cls.fields = declared
         for name, field in declared.items():
             delattr(cls, name)
@@ -305,7 +344,9 @@ class Frozen:
                 setattr(cls, name, field.default)
 
     def __setattr__(self, name: str, value: Any = None) -> None:
-        raise AttributeError(f"{type(self).__name__} is frozen; make a new one with another {name}")
+        raise AttributeError(
+            f"{type(self).__name__} is frozen; make a new one with another {name}"
+        )
 
     __delattr__ = __setattr__
 
@@ -335,10 +376,13 @@ class Frozen:
         kind: Any = type(self)
         known = defaults_of(kind)
         wrong = f"is no parameter of {kind.__name__}"
-        raise_noted([
-            (name, f"{wrong}; {nearest(name, known) if known else 'it has none'}")
-            for name in changes if name not in known
-        ])
+        raise_noted(
+            [
+                (name, f"{wrong}; {nearest(name, known) if known else 'it has none'}")
+                for name in changes
+                if name not in known
+            ]
+        )
         gone = {other for name in changes for other in self._instead.get(name, ())}
         kept = {name: v for name, v in self._parameters().items() if name not in gone}
         return kind(**{**kept, **changes})  # type: ignore[no-any-return]
@@ -349,7 +393,9 @@ class Frozen:
 
     def to_dict(self) -> dict[str, Any]:
         """Return a JSON-ready description from which an equal object can be made."""
-        given = {name: plain(v) for name, v in self._parameters().items() if v is not None}
+        given = {
+            name: plain(v) for name, v in self._parameters().items() if v is not None
+        }
         return self._tag | given
 
     @property
@@ -386,7 +432,10 @@ class Frozen:
     @cached_property
     def _varies(self) -> bool:
         """Whether a number of this object, or of what it holds, is an array."""
-        for name, value in self.__dict__.items():  # of every object made: no generator, for speed
+        for (
+            name,
+            value,
+        ) in self.__dict__.items():  # of every object made: no generator, for speed
             for item in value if isinstance(value, tuple) else (value,):
                 array = isinstance(item, np.ndarray) and name not in self._whole
                 if item._varies if isinstance(item, Frozen) else array:
@@ -410,13 +459,18 @@ class Frozen:
                 return change(value)
             if isinstance(value, Frozen):
                 return value._mapped(change)
-            return tuple(mapped(v) for v in value) if isinstance(value, tuple) else value
+            return (
+                tuple(mapped(v) for v in value) if isinstance(value, tuple) else value
+            )
 
         twin = object.__new__(type(self))
-        twin._set(**{
-            name: value if name in self._whole else mapped(value)
-            for name, value in self.__dict__.items() if name[0] != "_"
-        })
+        twin._set(
+            **{
+                name: value if name in self._whole else mapped(value)
+                for name, value in self.__dict__.items()
+                if name[0] != "_"
+            }
+        )
         return twin
 
 
@@ -452,7 +506,10 @@ class Declared(Frozen):
 @cache
 def defaults_of(kind: Any) -> dict[str, Any]:
     """Parameters of the constructor of a class with their defaults, or `REQUIRED`."""
-    return {name: taken.default for name, taken in inspect.signature(kind).parameters.items()}
+    return {
+        name: taken.default
+        for name, taken in inspect.signature(kind).parameters.items()
+    }
 
 
 def short(value: Any) -> str:
@@ -474,7 +531,9 @@ def nearest(word: Any, choices: Collection[str], head: str = "") -> str:
 
 def listed(names: list[str]) -> str:
     """Names in a row, of which the first `MOST_CHOICES` stand for many."""
-    return ", ".join(names[:MOST_CHOICES]) + (", ..." if len(names) > MOST_CHOICES else "")
+    return ", ".join(names[:MOST_CHOICES]) + (
+        ", ..." if len(names) > MOST_CHOICES else ""
+    )
 
 
 def plain(value: Any) -> Any:

@@ -49,4 +49,6 @@ def radial_moduli(youngs_modulus: Any, poisson_ratio: Any) -> RadialModuli:
     """Return these moduli for a Young's modulus in Pa and a Poisson ratio below 0.5."""
     E, nu = youngs_modulus, poisson_ratio
     radial = 2 * E / ((1 + nu) * (1 - 2 * nu))
-    return RadialModuli(E + nu * nu * radial, nu * radial, radial, SHEAR * E / (2 + 2 * nu))
+    return RadialModuli(
+        E + nu * nu * radial, nu * radial, radial, SHEAR * E / (2 + 2 * nu)
+    )

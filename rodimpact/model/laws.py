@@ -18,7 +18,16 @@ from numpy.typing import ArrayLike
 from . import frozen
 from .arguments import array, demand, together
 from .bodies import Material
-from .frozen import Declared, Field, Number, Numeric, NumericOrNone, Problems, note, quantity
+from .frozen import (
+    Declared,
+    Field,
+    Number,
+    Numeric,
+    NumericOrNone,
+    Problems,
+    note,
+    quantity,
+)
 
 FACE = Field("m", "positive or infinite", default=np.inf)
 """The radius of a face, infinite for a flat one."""
@@ -40,7 +49,8 @@ class _Compliant(_Law):
         """Energy stored at an indentation d >= 0, m: k d^(p+1)/(p+1), J; ValueError at others."""
         law: Any = self
         d, k, p = together(
-            indentation=(indentation, "m", "non-negative"), stiffness=(law.stiffness, "", ""),
+            indentation=(indentation, "m", "non-negative"),
+            stiffness=(law.stiffness, "", ""),
             exponent=(law.exponent, "", ""),
         )
         with np.errstate(over="ignore", invalid="ignore"):
@@ -85,7 +95,9 @@ class Rigid(_Law, law="rigid"):
     Rigid()
     """
 
-    restitution: NumericOrNone = quantity("", "[0, 1]", "coefficient of restitution", default=None)
+    restitution: NumericOrNone = quantity(
+        "", "[0, 1]", "coefficient of restitution", default=None
+    )
 
 
 class Bonded(_Law, law="bonded"):
@@ -254,7 +266,10 @@ class Hertz(_Compliant, law="hertz"):
         problems: Problems = []
         meeting: dict[str, Number] = {}
         yielding = []
-        faces: Any = (("left", left_radius, left_material), ("right", right_radius, right_material))
+        faces: Any = (
+            ("left", left_radius, left_material),
+            ("right", right_radius, right_material),
+        )
         for side, radius, material in faces:
             R, path = f"{side}_radius", f"{side}_material"
             meeting[R] = FACE.checked(problems, R, radius)
@@ -263,15 +278,21 @@ class Hertz(_Compliant, law="hertz"):
                 meeting |= {f"{path}.youngs_modulus": E, f"{path}.poisson_ratio": nu}
                 yielding.append((E, nu))
             elif material is not None:
-                message = "must be a Material with a poisson_ratio, or None for a rigid face"
+                message = (
+                    "must be a Material with a poisson_ratio, or None for a rigid face"
+                )
                 note(problems, path, message, material)
         if left_material is right_material is None:
-            message = "is None, and so is the left one; one of the faces must be elastic"
+            message = (
+                "is None, and so is the left one; one of the faces must be elastic"
+            )
             problems.append(("right_material", message))
         frozen.raise_noted(problems)
         frozen.family_shape(meeting.items())
         curvature = 1 / meeting["left_radius"] + 1 / meeting["right_radius"]
-        message = "is infinite, and so is the left one; two flat faces make no Hertz contact"
+        message = (
+            "is infinite, and so is the left one; two flat faces make no Hertz contact"
+        )
         demand(curvature > 0, "right_radius", message)
         with np.errstate(all="ignore"):  # what is out of range, the law will refuse
             compliance: Number = sum(1 / (E / (1 - nu**2)) for E, nu in yielding)
@@ -428,7 +449,9 @@ class Tabulated(Plastic, law="tabulated"):
             return
         counts = len(self.compression), len(self.force)
         if counts[0] != counts[1] or not 1 <= counts[0] <= MOST + 1:
-            message = f"must be 1 to {MOST} numbers, as many as forces, got {counts[0]} for"
+            message = (
+                f"must be 1 to {MOST} numbers, as many as forces, got {counts[0]} for"
+            )
             raise frozen.refusal("compression", f"{message} {counts[1]}")
         frozen.increasing(problems, "compression", self.compression)
         frozen.increasing(problems, "force", self.force)
@@ -436,7 +459,9 @@ class Tabulated(Plastic, law="tabulated"):
             steepest, k = reduce(np.maximum, self.slopes), np.asarray(self.unloading)
             message = "must be at least that of the steepest line, {0!r}, got {1!r}"
             enough = k >= steepest * (1 - ROUND_OFF)
-            frozen.require(problems, enough, "unloading", message, steepest, self.unloading)
+            frozen.require(
+                problems, enough, "unloading", message, steepest, self.unloading
+            )
 
     @property
     def slopes(self) -> list[Number]:
@@ -447,7 +472,11 @@ class Tabulated(Plastic, law="tabulated"):
     @property
     def stiffness(self) -> Number:
         """That of the unloading, N/m."""
-        return reduce(np.maximum, self.slopes) if self.unloading is None else self.unloading
+        return (
+            reduce(np.maximum, self.slopes)
+            if self.unloading is None
+            else self.unloading
+        )
 
     @property
     def yield_force(self) -> Number:
@@ -463,8 +492,10 @@ class Tabulated(Plastic, law="tabulated"):
     @property
     def table(self) -> list[tuple[Number, Number]]:
         """Forces at which lines begin, N, and stiffnesses along them as shares of the unloading."""
-        return [(F, slope / self.stiffness)
-                for F, slope in zip(self.force, self.slopes[1:], strict=False)]
+        return [
+            (F, slope / self.stiffness)
+            for F, slope in zip(self.force, self.slopes[1:], strict=False)
+        ]
 
     def hardened(self, force: Any) -> Tabulated:
         """The law after a peak force, N, for compressions from where the faces are then."""
@@ -535,20 +566,43 @@ class Law(_Law, law="own"):
         from scipy.integrate import quad
 
         d = array("indentation", indentation, "m", "non-negative")
-        return np.vectorize(lambda x: quad(self.force, 0.0, x, (0.0,))[0], otypes=[float])(d)[()]
+        return np.vectorize(
+            lambda x: quad(self.force, 0.0, x, (0.0,))[0], otypes=[float]
+        )(d)[()]
 
     def to_dict(self) -> dict[str, Any]:
         """Return a description: the same for the same function, but no file can make it again."""
         own: Any = getattr(self.force, "py_func", self.force)
-        code, cells = getattr(own, "__code__", None), getattr(own, "__closure__", None) or ()
-        said = [getattr(own, "__qualname__", repr(own)), *(repr(c.cell_contents) for c in cells)]
-        said += [code.co_code.hex(), repr(code.co_consts), repr(code.co_names)] if code else []
+        code, cells = (
+            getattr(own, "__code__", None),
+            getattr(own, "__closure__", None) or (),
+        )
+        said = [
+            getattr(own, "__qualname__", repr(own)),
+            *(repr(c.cell_contents) for c in cells),
+        ]
+        said += (
+            [code.co_code.hex(), repr(code.co_consts), repr(code.co_names)]
+            if code
+            else []
+        )
         return self._tag | {"force": " ".join(said)}
 
 
 ContactLaw: TypeAlias = (
-    Rigid | Bonded | Joint | Spring | SpringDashpot | Hertz | HuntCrossley | PowerLaw | Yielding
-    | Tabulated | Law)
+    Rigid
+    | Bonded
+    | Joint
+    | Spring
+    | SpringDashpot
+    | Hertz
+    | HuntCrossley
+    | PowerLaw
+    | Yielding
+    | Tabulated
+    | Law
+)
 CONTACT_LAWS: dict[str, type[ContactLaw]] = {
-    law.law: law for law in get_args(ContactLaw) if law is not Law}
+    law.law: law for law in get_args(ContactLaw) if law is not Law
+}
 RIGID = Rigid()

@@ -4,6 +4,7 @@ Paths of case files and `body=` count all bodies from 0 instead. Plain Python, w
 JavaScript.
 """
 
+
 def body_numbers(kinds: list[str]) -> list[str]:
     """Number of each body of these kinds, "wall" for a wall.
 
@@ -27,7 +28,10 @@ def body_names(kinds: list[str]) -> list[str]:
     ['rod 1', 'mass 2', 'wall']
     """
     numbers = body_numbers(kinds)
-    return [kind if kind == "wall" else f"{kind} {numbers[i]}" for i, kind in enumerate(kinds)]
+    return [
+        kind if kind == "wall" else f"{kind} {numbers[i]}"
+        for i, kind in enumerate(kinds)
+    ]
 
 
 def contact_names(kinds: list[str]) -> list[str]:

@@ -21,8 +21,14 @@ SPEED, MODULUS = "wave_speed", "youngs_modulus"
 STAND_INS = {SPEED: MODULUS, "area": "diameter"}
 """Fields that stand for others."""
 FIELDS = {
-    **Material.fields, **Segment.fields, **Rod.fields, **RigidMass.fields, SPEED: Field("m/s"),
-    "gravity": System.fields["gravity"], "gap": GAP, "step": Field("s"),
+    **Material.fields,
+    **Segment.fields,
+    **Rod.fields,
+    **RigidMass.fields,
+    SPEED: Field("m/s"),
+    "gravity": System.fields["gravity"],
+    "gap": GAP,
+    "step": Field("s"),
 }
 
 
@@ -32,7 +38,9 @@ def numbers_of(system: System) -> dict[str, Number]:
     for place, value in list(numbers.items()):
         owner, _, field = place.rpartition(".")
         if field == MODULUS:
-            numbers[f"{owner}.{SPEED}"] = np.sqrt(value / numbers[f"{owner}.density"])[()]
+            numbers[f"{owner}.{SPEED}"] = np.sqrt(value / numbers[f"{owner}.density"])[
+                ()
+            ]
         elif field == "diameter":
             numbers[f"{owner}.area"] = math.pi * value * value / 4
     return numbers
@@ -64,7 +72,9 @@ def with_numbers(system: System, numbers: Mapping[str, float]) -> System:
         if field == SPEED:
             table[MODULUS] = table["density"] * value * abs(value)
         elif field == "area" and "diameter" in table:
-            table["diameter"] = np.copysign(np.sqrt(4 * np.abs(value) / math.pi), value)[()]
+            table["diameter"] = np.copysign(
+                np.sqrt(4 * np.abs(value) / math.pi), value
+            )[()]
         else:
             table[field] = value
     return System.from_dict(described)
@@ -94,5 +104,7 @@ def suggestion(path: str, known: Collection[str]) -> str:
 
 def _at(described: Any, place: str) -> tuple[Any, Any]:
     """The table or list of a description that holds a number, and the key of this."""
-    *steps, last = (int(step) if step.isdecimal() else step for step in place.split("."))
+    *steps, last = (
+        int(step) if step.isdecimal() else step for step in place.split(".")
+    )
     return reduce(lambda table, step: table[step], steps, described), last

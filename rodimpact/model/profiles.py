@@ -123,14 +123,18 @@ def along_rod(
     elsewhere leaves unknown, only what does not depend on it is checked. `Steps` bear any sign.
     """
     held: Profile = value
-    if type(value) is float or not (isinstance(value, Steps | Samples) or callable(value)):
+    if type(value) is float or not (
+        isinstance(value, Steps | Samples) or callable(value)
+    ):
         held = field.checked(problems, path, value)
     elif isinstance(value, Steps):
         if value.at and length is not None:
             frozen.family_shape([("length", length), *value._numbers(path)])
             last, end = f"{path}.at.{len(value.at) - 1}", value.at[-1]
             message = "must lie inside the rod of length {0!r}, got {1!r}"
-            frozen.require(problems, np.asarray(end) < length, last, message, length, end)
+            frozen.require(
+                problems, np.asarray(end) < length, last, message, length, end
+            )
     elif isinstance(value, Samples):
         if value.step is not None:
             message = "is for samples in time; those of a rod run from end to end; leave it out"
@@ -141,7 +145,9 @@ def along_rod(
         message = "is a function, but the members of the family differ in length; give Samples"
         problems.append((path, message))
     elif length is not None:
-        held = _curve(problems, path, value, np.linspace(0.0, length, ALONG_ROD), field, None)
+        held = _curve(
+            problems, path, value, np.linspace(0.0, length, ALONG_ROD), field, None
+        )
     return held
 
 
@@ -154,18 +160,28 @@ def in_time(value: Any, field: Field, duration: Any) -> Profile:
     held: Profile = value
     if callable(value):
         if duration is None:
-            message = "is missing; give the seconds for which the function is to be sampled"
+            message = (
+                "is missing; give the seconds for which the function is to be sampled"
+            )
             problems.append(("duration", message))
         end = Field("s", "positive", default=None, single=True).checked(
-            problems, "duration", duration)
+            problems, "duration", duration
+        )
         if not problems:
             times, step = np.linspace(0.0, end, IN_TIME), end / (IN_TIME - 1)
             held = _curve(problems, "value", value, times, field, step)
     else:
         if duration is not None:
-            note(problems, "duration", "belongs to a function of time; leave it out", duration)
+            note(
+                problems,
+                "duration",
+                "belongs to a function of time; leave it out",
+                duration,
+            )
         if isinstance(value, Samples) and value.step is None:
-            problems.append(("value.step", "is missing; give the seconds between two samples"))
+            problems.append(
+                ("value.step", "is missing; give the seconds between two samples")
+            )
         if not isinstance(value, Steps | Samples):
             held = field.checked(problems, "value", value)
     frozen.raise_noted(problems)
@@ -222,8 +238,14 @@ def averages(profile: Any, edges: Any, length: float) -> Floats:
     """
     if not isinstance(profile, Samples):
         steps = profile if isinstance(profile, Steps) else Steps([profile], [])
-        at, values = np.array(steps.at, dtype=float), np.array(steps.values, dtype=float)
-        first, last = np.searchsorted(at, edges[:-1], "right"), np.searchsorted(at, edges[1:])
+        at, values = (
+            np.array(steps.at, dtype=float),
+            np.array(steps.values, dtype=float),
+        )
+        first, last = (
+            np.searchsorted(at, edges[:-1], "right"),
+            np.searchsorted(at, edges[1:]),
+        )
         means: Floats = values[first]
         for i in np.flatnonzero(last > first):
             cuts = np.concatenate(([edges[i]], at[first[i] : last[i]], [edges[i + 1]]))
@@ -250,12 +272,19 @@ def profile_from(data: Any) -> Any:
     if not isinstance(data, dict):
         return data
     if "samples" in data:
-        return Samples(**{"values" if key == "samples" else key: v for key, v in data.items()})
+        return Samples(
+            **{"values" if key == "samples" else key: v for key, v in data.items()}
+        )
     return Steps(**data) if "values" in data else data
 
 
 def _curve(
-    problems: Problems, path: str, function: Any, places: Floats, field: Field, step: Any
+    problems: Problems,
+    path: str,
+    function: Any,
+    places: Floats,
+    field: Field,
+    step: Any,
 ) -> Profile:
     """Samples of a function, with the curve between them that is nearer to it half way."""
     from scipy.interpolate import make_interp_spline
@@ -266,7 +295,10 @@ def _curve(
     except ValueError as error:
         problems.append((path, str(error)))
         return 0.0
-    curve, lines = make_interp_spline(places, values, 5)(middles), (values[1:] + values[:-1]) / 2
+    curve, lines = (
+        make_interp_spline(places, values, 5)(middles),
+        (values[1:] + values[:-1]) / 2,
+    )
     bent, straight = (float(np.max(np.abs(given - true))) for given in (curve, lines))
     return Samples(values, step, smooth=bent < straight, error=min(bent, straight))
 
@@ -282,16 +314,24 @@ def _sampled(function: Callable[[Any], Any], places: Floats, field: Field) -> Fl
             returned = [function(x) for x in places.tolist()]
         except Exception as error:
             reason = f"{type(error).__name__}: {one_line(str(error))}"
-            raise ValueError(f"is a function that cannot be evaluated: {reason}") from None
+            raise ValueError(
+                f"is a function that cannot be evaluated: {reason}"
+            ) from None
         try:
             values = floats(returned, field.unit)
         except ValueError as error:
-            raise ValueError(f"must be a function that returns numbers: {error}") from None
+            raise ValueError(
+                f"must be a function that returns numbers: {error}"
+            ) from None
     if values.shape != places.shape:
-        raise ValueError(f"must be a function that returns numbers, got {shown(values[0])} at 0.0")
+        raise ValueError(
+            f"must be a function that returns numbers, got {shown(values[0])} at 0.0"
+        )
     good = (np.abs(values) <= frozen.LARGEST) & field.holds(values)
     if not good.all():
         x, got = float(places[~good][0]), float(values[~good][0])
         kind = "positive" if field.sign == "positive" else "finite"
-        raise ValueError(f"must be a function that returns {kind} numbers, got {got!r} at {x!r}")
+        raise ValueError(
+            f"must be a function that returns {kind} numbers, got {got!r} at {x!r}"
+        )
     return values

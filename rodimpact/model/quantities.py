@@ -19,8 +19,13 @@ Floats: TypeAlias = NDArray[np.float64]
 MOST_AXES = 32  # of a family; NumPy broadcasts no more
 _PLAIN = frozenset({float, int, np.float64})
 _WORDS = {
-    "m": "metres", "m^2": "square metres", "s": "seconds", "Hz": "hertz", "kg": "kilograms",
-    "N": "newtons", "Pa": "pascals",
+    "m": "metres",
+    "m^2": "square metres",
+    "s": "seconds",
+    "Hz": "hertz",
+    "kg": "kilograms",
+    "N": "newtons",
+    "Pa": "pascals",
 }
 
 
@@ -56,7 +61,9 @@ def floats(value: Any, unit: str) -> Floats:
             why = "; lists must be of equal lengths"
         else:
             if numbers.ndim > MOST_AXES:
-                raise ValueError(f"must have at most {MOST_AXES} axes, got {numbers.ndim}")
+                raise ValueError(
+                    f"must have at most {MOST_AXES} axes, got {numbers.ndim}"
+                )
             return numbers
     except OverflowError:
         why = "; it is too large for a floating-point number"
@@ -87,7 +94,11 @@ def _bare(value: Any, unit: str) -> Any:
     if hasattr(value, "units") or hasattr(value, "unit"):
         try:
             converted = value.to(_spelt(unit))
-            bare = converted.magnitude if hasattr(converted, "magnitude") else converted.value
+            bare = (
+                converted.magnitude
+                if hasattr(converted, "magnitude")
+                else converted.value
+            )
         except Exception:  # each library of units raises its own
             wanted = f"be in a unit that converts to {unit}" if unit else "have no unit"
             raise ValueError(f"must {wanted}, got {shown(value)}") from None

@@ -21,7 +21,17 @@ from . import frozen
 from .arguments import demand
 from .bodies import BODIES, NOTHING, Body, Material, RigidMass, Rod, Segment, Wall
 from .ends import ENDS, FREE, Absorbing, End, Free, Moved, Pushed
-from .frozen import Declared, Field, Number, Numeric, Problems, Taken, note, plain, quantity
+from .frozen import (
+    Declared,
+    Field,
+    Number,
+    Numeric,
+    Problems,
+    Taken,
+    note,
+    plain,
+    quantity,
+)
 from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Joint, Law, Plastic, Rigid
 from .profiles import Floats, flipped, negative, profile_from
 
@@ -75,11 +85,18 @@ class System(Declared):
     def _check(self, problems: Problems) -> None:
         bodies: Any = self.bodies
         if not isinstance(bodies, list | tuple) or not bodies:
-            message = f"must be a list of at least one rod or rigid mass, got {shown(bodies)}"
+            message = (
+                f"must be a list of at least one rod or rigid mass, got {shown(bodies)}"
+            )
             raise frozen.refusal("bodies", message)
         for i, body in enumerate[Any](bodies):
             if type(body) not in _BODIES:
-                note(problems, f"bodies.{i}", "must be a Rod, a RigidMass or a Wall itself", body)
+                note(
+                    problems,
+                    f"bodies.{i}",
+                    "must be a Rod, a RigidMass or a Wall itself",
+                    body,
+                )
             elif isinstance(body, Wall) and 0 < i < len(bodies) - 1:
                 message = "a wall may stand only at an end of the row; make two systems of this one"
                 problems.append((f"bodies.{i}", message))
@@ -87,7 +104,11 @@ class System(Declared):
         laws = _per_pair(problems, "contacts", self.contacts, RIGID, pairs)
         walls = sum(isinstance(body, Wall) for body in bodies)
         apart = sum(not isinstance(law, Bonded) for law in laws)
-        if not problems and walls > apart and not any(isinstance(body, Rod) for body in bodies):
+        if (
+            not problems
+            and walls > apart
+            and not any(isinstance(body, Rod) for body in bodies)
+        ):
             message = "needs a rod or a rigid mass that is not bonded to a wall"
             problems.append(("bodies", message))
         given = _per_pair(problems, "gaps", self.gaps, 0.0, pairs)
@@ -95,7 +116,11 @@ class System(Declared):
         for i, law, width in zip(range(pairs), laws, given, strict=False):
             known = type(law) in _LAWS
             # what is compliant may begin pressed; a joint has its stretch instead
-            gap = OVERLAP if known and not isinstance(law, Rigid | Bonded | Joint) else GAP
+            gap = (
+                OVERLAP
+                if known and not isinstance(law, Rigid | Bonded | Joint)
+                else GAP
+            )
             widths.append(gap.checked(problems, f"gaps.{i}", width))
             if not known:
                 message = "must be a contact law itself, one of "
@@ -103,18 +128,28 @@ class System(Declared):
                 note(problems, f"contacts.{i}", message, law)
             elif not law.opens:
                 message = "must be 0 where bodies are joined, got {0!r}; a Joint takes a stretch"
-                frozen.require(problems, np.equal(widths[i], 0), f"gaps.{i}", message, widths[i])
+                frozen.require(
+                    problems, np.equal(widths[i], 0), f"gaps.{i}", message, widths[i]
+                )
             elif isinstance(law, Rigid):
                 _check_rigid(problems, i, law, *bodies[i : i + 2])
         both: Any = (FREE, FREE) if self.ends is None else self.ends
         if not isinstance(both, list | tuple) or len(both) != 2:
-            note(problems, "ends", "must be a pair, such as (Free(), Absorbing())", both)
+            note(
+                problems, "ends", "must be a pair, such as (Free(), Absorbing())", both
+            )
         else:
-            for side, end, body in zip(SIDES, both, (bodies[0], bodies[-1]), strict=True):
+            for side, end, body in zip(
+                SIDES, both, (bodies[0], bodies[-1]), strict=True
+            ):
                 _check_end(problems, side, end, body)
         frozen.raise_noted(problems)
         self._set(
-            bodies=tuple(bodies), gaps=tuple(widths), contacts=tuple(laws), ends=tuple(both))
+            bodies=tuple(bodies),
+            gaps=tuple(widths),
+            contacts=tuple(laws),
+            ends=tuple(both),
+        )
         if self._varies:
             self._set(_shape=frozen.family_shape(self._numbers()))
         _check_joined(self)
@@ -146,6 +181,7 @@ class System(Declared):
 
     def __getitem__(self, index: Any) -> System:
         """Member of a family, or a smaller family, by NumPy's rules of indexing."""
+
         def pick(array: Floats) -> Number:
             view = np.broadcast_to(array, self.shape)[index]
             # an array is kept along the axes along which it varies
@@ -172,8 +208,14 @@ class System(Declared):
 
     def check_file(self) -> None:
         """Raise InvalidModel where a law is a function, which no file keeps."""
-        functions = [(f"contacts.{k}", "a law that is a Python function cannot be kept in a file")
-                     for k, law in enumerate(self.contacts) if isinstance(law, Law)]
+        functions = [
+            (
+                f"contacts.{k}",
+                "a law that is a Python function cannot be kept in a file",
+            )
+            for k, law in enumerate(self.contacts)
+            if isinstance(law, Law)
+        ]
         frozen.raise_noted(functions)
 
     @classmethod
@@ -185,7 +227,9 @@ class System(Declared):
             return cls(
                 [restored(BODIES, "kind", body) for body in data["bodies"]],
                 gaps=[contact.pop("gap") for contact in contacts],
-                contacts=[restored(CONTACT_LAWS, "law", contact) for contact in contacts],
+                contacts=[
+                    restored(CONTACT_LAWS, "law", contact) for contact in contacts
+                ],
                 gravity=data.get("gravity", 0.0),
                 ends=ends and [restored(ENDS, "kind", ends[side]) for side in SIDES],
             )
@@ -206,16 +250,33 @@ class System(Declared):
         """
         lossless = {"viscosity": 0, "damping": 0, "restitution": 1}
         why = "; losses and driven ends cannot be reversed in time"
-        frozen.raise_noted([
-            *((path, f"must be {kept}{why}") for path, value in self._numbers()
-              if np.any(value != (kept := lossless.get(path.rpartition(".")[2], value)))),
-            *((f"contacts.{i}", f"must not yield{why}")
-              for i, law in enumerate(self.contacts) if isinstance(law, Plastic)),
-            *((f"ends.{side}", f"must be Free() or Fixed(), not {type(end).__name__}{why}")
-              for side, end in zip(SIDES, self.ends, strict=True)
-              if isinstance(end, Absorbing | Pushed | Moved)),
-        ])
-        bodies = [body.replace(velocity=negative(body.velocity)) for body in self.bodies]
+        frozen.raise_noted(
+            [
+                *(
+                    (path, f"must be {kept}{why}")
+                    for path, value in self._numbers()
+                    if np.any(
+                        value != (kept := lossless.get(path.rpartition(".")[2], value))
+                    )
+                ),
+                *(
+                    (f"contacts.{i}", f"must not yield{why}")
+                    for i, law in enumerate(self.contacts)
+                    if isinstance(law, Plastic)
+                ),
+                *(
+                    (
+                        f"ends.{side}",
+                        f"must be Free() or Fixed(), not {type(end).__name__}{why}",
+                    )
+                    for side, end in zip(SIDES, self.ends, strict=True)
+                    if isinstance(end, Absorbing | Pushed | Moved)
+                ),
+            ]
+        )
+        bodies = [
+            body.replace(velocity=negative(body.velocity)) for body in self.bodies
+        ]
         return self.replace(bodies=bodies)
 
     def mirrored(self) -> System:
@@ -224,8 +285,10 @@ class System(Declared):
             body.replace(
                 segments=[segment.mirrored() for segment in reversed(body.segments)],
                 velocity=negative(flipped(body.velocity, body.length)),
-                strain=flipped(body.strain, body.length))
-            if isinstance(body, Rod) else body.replace(velocity=-body.velocity)
+                strain=flipped(body.strain, body.length),
+            )
+            if isinstance(body, Rod)
+            else body.replace(velocity=-body.velocity)
             for body in reversed(self.bodies)
         ]
         ends = [
@@ -233,13 +296,19 @@ class System(Declared):
             for end in reversed(self.ends)
         ]
         return System(
-            bodies, self.gaps[::-1], self.contacts[::-1], gravity=-self.gravity, ends=ends
+            bodies,
+            self.gaps[::-1],
+            self.contacts[::-1],
+            gravity=-self.gravity,
+            ends=ends,
         )
 
 
 def restored(classes: Mapping[str, Any], tag: str, data: dict[str, Any]) -> Any:
     """Make the body, the contact law or the end that `to_dict` described."""
-    return classes[data[tag]](**_entries({key: v for key, v in data.items() if key != tag}))
+    return classes[data[tag]](
+        **_entries({key: v for key, v in data.items() if key != tag})
+    )
 
 
 def _entries(data: dict[str, Any]) -> dict[str, Any]:
@@ -252,12 +321,16 @@ def _entries(data: dict[str, Any]) -> dict[str, Any]:
     return entries
 
 
-def _per_pair(problems: Problems, name: str, items: Any, default: Any, pairs: int) -> Any:
+def _per_pair(
+    problems: Problems, name: str, items: Any, default: Any, pairs: int
+) -> Any:
     """What is given for each neighbouring pair; note what is not one thing for each."""
     each = (default,) * pairs if items is None else items
     listed = isinstance(each, list | tuple)
     if not listed or len(each) != pairs:
-        message = f"must be a list with one entry for each neighbouring pair, {pairs} in all"
+        message = (
+            f"must be a list with one entry for each neighbouring pair, {pairs} in all"
+        )
         note(problems, name, message, items)
     return each if listed else ()
 
@@ -277,7 +350,11 @@ def _check_joined(system: System) -> None:
     """Refuse rigid bodies that are bonded and yet move apart."""
     for i, law in enumerate(system.contacts):
         left, right = system.bodies[i : i + 2]
-        if isinstance(law, Bonded) and not isinstance(left, Rod) and not isinstance(right, Rod):
+        if (
+            isinstance(law, Bonded)
+            and not isinstance(left, Rod)
+            and not isinstance(right, Rod)
+        ):
             v, w = left.velocity, right.velocity
             message = "must be {0!r}, that of the rigid body it is bonded to, got {1!r}"
             demand(np.equal(v, w), f"bodies.{i + 1}.velocity", message, v, w)

@@ -25,6 +25,20 @@ from .stages import snapshots
 from .style import look
 
 __all__ = [
-    "animation", "atlas", "comparison", "contact", "design", "energy", "fit", "gauge", "look",
-    "overview", "reduction", "restitution", "save", "snapshots", "spacetime", "sweep",
+    "animation",
+    "atlas",
+    "comparison",
+    "contact",
+    "design",
+    "energy",
+    "fit",
+    "gauge",
+    "look",
+    "overview",
+    "reduction",
+    "restitution",
+    "save",
+    "snapshots",
+    "spacetime",
+    "sweep",
 ]

@@ -15,7 +15,10 @@ from . import style
 from .scales import Scale, engineering, scale_of
 
 MESH = 160  # places a side at which the formulas are evaluated for colours
-NAMED, SHORT = 3, 64  # regions whose formulas stand in the picture, and characters of them
+NAMED, SHORT = (
+    3,
+    64,
+)  # regions whose formulas stand in the picture, and characters of them
 WHOLE = 1e-9  # of e: as good as 1
 DERIVED = {"transit_time": ("transit time", "s"), "impedance": ("impedance", "kg/s")}
 
@@ -58,30 +61,52 @@ def atlas(found: Atlas, ax: Axes | None = None) -> style.Picture:
     x, y = (edge * scale.factor for edge, scale in zip(edges, scales, strict=True))
     low = float(np.nanmin(e)) if np.isfinite(e).any() else 0.0
     cells, without = style.cells(
-        ax, (x, y), e.T, style.RISING, colors.Normalize(low, max(1.0, low + 1e-3)),
-        "no value, or unresolved")
+        ax,
+        (x, y),
+        e.T,
+        style.RISING,
+        colors.Normalize(low, max(1.0, low + 1e-3)),
+        "no value, or unresolved",
+    )
     lines = found.lines * [scale.factor for scale in scales]
     # what changes at the places of the borders: 0 the formula alone, 1 contacts, 2 at e = 1
     contacts = dict(enumerate(found.contacts))
     pairs = [(contacts.get(a), contacts.get(b)) for a, b in found.between.tolist()]
-    kinds = np.array([None not in pair and pair[0] != pair[1] for pair in pairs], dtype=int)
+    kinds = np.array(
+        [None not in pair and pair[0] != pair[1] for pair in pairs], dtype=int
+    )
     for region, i in {region: i for i, region in enumerate(found.region)}.items():
         here = np.flatnonzero((found.between == region).any(axis=1))
-        kinds[here[np.abs(found.cells[i].restitution(*found.borders[here].T) - 1) < WHOLE]] = 2
+        kinds[
+            here[np.abs(found.cells[i].restitution(*found.borders[here].T) - 1) < WHOLE]
+        ] = 2
     drawn, ink = [], style.colours().ink
-    for kind, (what, width, colour) in enumerate((
-            ("another formula", 0.8, ink), ("other contacts", 2.0, ink),
-            ("e = 1", 2.0, style.colours().series[4]))):
+    for kind, (what, width, colour) in enumerate(
+        (
+            ("another formula", 0.8, ink),
+            ("other contacts", 2.0, ink),
+            ("e = 1", 2.0, style.colours().series[4]),
+        )
+    ):
         here = lines[kinds[found.of_line] == kind]
         if len(here):
-            drawn.append(collections.LineCollection(
-                here, colors=colour, label=what, zorder=3 + kind, linewidths=width))
+            drawn.append(
+                collections.LineCollection(
+                    here, colors=colour, label=what, zorder=3 + kind, linewidths=width
+                )
+            )
             ax.add_collection(drawn[-1])
     with suppress(ImportError):  # formulas need sympy
         _name_largest(ax, found, scales)
     bar = style.colour_bar(ax, cells, "coefficient of restitution e")
-    style.dress(ax, [*drawn, *without], xlim=x[[0, -1]], ylim=y[[0, -1]], xlabel=scales[0].label,
-                ylabel=scales[1].label)
+    style.dress(
+        ax,
+        [*drawn, *without],
+        xlim=x[[0, -1]],
+        ylim=y[[0, -1]],
+        xlabel=scales[0].label,
+        ylabel=scales[1].label,
+    )
     return style.Picture(ax=ax, cells=cells, borders=drawn, colour_bar=bar)
 
 
@@ -91,13 +116,28 @@ def _name_largest(ax: Axes, found: Atlas, scales: list[Scale]) -> None:
     lines, letters = [], int(0.95 * style.extent(ax)[0] / (style.LETTER * style.SMALL))
     for number, region in enumerate(found.largest(NAMED), 1):
         x, y = (v * scale.factor for v, scale in zip(region.place, scales, strict=True))
-        ax.text(x, y, str(number), ha="center", va="center", color=ink, zorder=6,
-                bbox={"boxstyle": "circle", "facecolor": paper, "edgecolor": "none"})
+        ax.text(
+            x,
+            y,
+            str(number),
+            ha="center",
+            va="center",
+            color=ink,
+            zorder=6,
+            bbox={"boxstyle": "circle", "facecolor": paper, "edgecolor": "none"},
+        )
         text = region.formula
         text = text if len(text) <= SHORT else text[:SHORT].rsplit(" ", 1)[0] + " ..."
         lines += wrap(f"{number}: {text}", letters)
-    ax.annotate("\n".join(lines), (0, 0), (0, -34), "axes fraction", "offset points", va="top",
-                fontsize=style.SMALL)
+    ax.annotate(
+        "\n".join(lines),
+        (0, 0),
+        (0, -34),
+        "axes fraction",
+        "offset points",
+        va="top",
+        fontsize=style.SMALL,
+    )
 
 
 def _scale(system: System, path: str, low: float, high: float) -> Scale:

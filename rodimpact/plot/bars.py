@@ -26,7 +26,9 @@ TOLD = "thick: compressed, thin: stretched, thick line: pressing"
 TALL = 0.32  # half height of walls, and of what is drawn across the end of a bar
 MANY = 16  # pieces of a rod from which those alike are drawn as one
 ALIKE = 0.1  # of the range of a rod's velocities: how much they differ at most
-ONE_WAY = 0.1  # how much velocity and stretch may differ across a front that has a direction
+ONE_WAY = (
+    0.1  # how much velocity and stretch may differ across a front that has a direction
+)
 NARROWEST = 1e-9  # part of a rod that is drawn: fronts leave an end at no exact floating-point time
 TURNS = 8  # of a spring
 UP = np.concatenate([[0.0, 0.0], 0.12 * np.resize([1.0, -1.0], TURNS), [0.0, 0.0]])
@@ -35,8 +37,12 @@ ALONG = np.concatenate([[0.0], np.linspace(0.12, 0.88, TURNS + 2), [1.0]])
 
 
 STATE = ("half", "velocity", "strain", "stress", "speed")
-PIECE = np.dtype([*((name, int) for name in ("row", "body", "segment")),
-                  *((name, float) for name in ("left", "right", *STATE))])
+PIECE = np.dtype(
+    [
+        *((name, int) for name in ("row", "body", "segment")),
+        *((name, float) for name in ("left", "right", *STATE)),
+    ]
+)
 """A uniform piece of rod in a row of the picture: its ends, half thickness, state and bar speed."""
 
 
@@ -63,11 +69,21 @@ class Bars:
     def at(self, times: Floats) -> None:
         """Draw other times, with the same thickening of the bars."""
         self.times, self.rows = times, -np.arange(float(times.size))
-        rods = [(i, body) for i, body in enumerate(self.system.bodies) if isinstance(body, Rod)]
-        states = [(row, i, state_at(self.plan.solution, i, t))
-                  for row, t in enumerate(np.maximum(times, 0.0).tolist()) for i, _ in rods]
-        self.largest = self.largest or max(
-            float(np.abs(profile.strain).max()) for *_, profile in states) or 1.0
+        rods = [
+            (i, body)
+            for i, body in enumerate(self.system.bodies)
+            if isinstance(body, Rod)
+        ]
+        states = [
+            (row, i, state_at(self.plan.solution, i, t))
+            for row, t in enumerate(np.maximum(times, 0.0).tolist())
+            for i, _ in rods
+        ]
+        self.largest = (
+            self.largest
+            or max(float(np.abs(profile.strain).max()) for *_, profile in states)
+            or 1.0
+        )
         widest = max(extremes(s.area)[1] for _, rod in rods for s in rod.segments)
         parts = []
         for row, i, profile in states:
@@ -78,36 +94,73 @@ class Bars:
             area, modulus, density = properties(self.plan.solution, i, middle)
             thick = THICKNESS * np.maximum(THINNEST, np.sqrt(area / widest))
             half = thick / 2 * (1 - SWELLING * strain / self.largest)
-            found: Any = np.rec.fromarrays(np.broadcast_arrays(
-                row, i, segment, places[:-1], places[1:], half, profile.velocity, strain,
-                modulus * strain, np.sqrt(modulus / density)), dtype=PIECE)
+            found: Any = np.rec.fromarrays(
+                np.broadcast_arrays(
+                    row,
+                    i,
+                    segment,
+                    places[:-1],
+                    places[1:],
+                    half,
+                    profile.velocity,
+                    strain,
+                    modulus * strain,
+                    np.sqrt(modulus / density),
+                ),
+                dtype=PIECE,
+            )
             found = found[np.diff(x) > NARROWEST * x[-1]]
             crowd = not self.stepped and len(found) > MANY
-            parts.append(joined(found, ALIKE * np.ptp(profile.velocity)) if crowd else found)
+            parts.append(
+                joined(found, ALIKE * np.ptp(profile.velocity)) if crowd else found
+            )
         self.pieces: Any = np.concatenate(parts).view(np.recarray)
 
     def fronts(self) -> list[Line2D]:
         """Triangles above the fronts that show their direction."""
         pieces, marks = self.pieces, []
-        jump, stretch = np.diff(pieces.velocity), pieces.speed[1:] * np.diff(pieces.strain)
+        jump, stretch = (
+            np.diff(pieces.velocity),
+            pieces.speed[1:] * np.diff(pieces.strain),
+        )
         one_way = np.isclose(abs(jump), abs(stretch), rtol=ONE_WAY, atol=0.0)
         one_way &= _follow(pieces) & (not self.stepped)
         for i in np.flatnonzero(one_way):
             marks += self.ax.plot(
-                pieces.right[i], 0.4 - pieces.row[i], color=self.colours.ink, markersize=3.5,
-                marker=">" if jump[i] * stretch[i] < 0 else "<", zorder=4)
+                pieces.right[i],
+                0.4 - pieces.row[i],
+                color=self.colours.ink,
+                markersize=3.5,
+                marker=">" if jump[i] * stretch[i] < 0 else "<",
+                zorder=4,
+            )
         return marks
 
-    def rods(self, numbers: Floats, norm: colors.Normalize) -> collections.PolyCollection:
+    def rods(
+        self, numbers: Floats, norm: colors.Normalize
+    ) -> collections.PolyCollection:
         """A polygon for each piece, with these numbers; outlined each where pieces are few."""
-        lines: Any = ({"linewidths": 0.0, "antialiased": False} if self.stepped
-                      else {"linewidths": 0.6, "edgecolors": self.colours.ink})
+        lines: Any = (
+            {"linewidths": 0.0, "antialiased": False}
+            if self.stepped
+            else {"linewidths": 0.6, "edgecolors": self.colours.ink}
+        )
         p = self.pieces
-        corners: Any = np.array([[p.left, p.right, p.right, p.left],
-                            np.multiply.outer([-1, -1, 1, 1], p.half) - p.row])
+        corners: Any = np.array(
+            [
+                [p.left, p.right, p.right, p.left],
+                np.multiply.outer([-1, -1, 1, 1], p.half) - p.row,
+            ]
+        )
         bars = collections.PolyCollection(
-            corners.T, array=numbers, cmap=self.colours.signed, norm=norm, zorder=2,
-            rasterized=self.stepped, **lines)
+            corners.T,
+            array=numbers,
+            cmap=self.colours.signed,
+            norm=norm,
+            zorder=2,
+            rasterized=self.stepped,
+            **lines,
+        )
         self.ax.add_collection(bars)
         return bars
 
@@ -122,7 +175,8 @@ class Bars:
             y = np.concatenate([half, -half[::-1], half[:1]]) - p.row[0]
             lines.append(np.column_stack([np.concatenate([x, x[::-1], x[:1]]), y]))
         drawn = collections.LineCollection(
-            lines, colors=self.colours.ink, linewidths=0.6, zorder=2.5)
+            lines, colors=self.colours.ink, linewidths=0.6, zorder=2.5
+        )
         self.ax.add_collection(drawn)
         return drawn
 
@@ -132,17 +186,32 @@ class Bars:
         blocks: list[patches.Rectangle] = []
         for i, right in self.plan.walls():
             faces = self.end(i, right)
-            blocks += self.ax.barh(self.rows, depth, 2 * TALL, faces if right else faces - depth,
-                                   **mark("wall"))
+            blocks += self.ax.barh(
+                self.rows,
+                depth,
+                2 * TALL,
+                faces if right else faces - depth,
+                **mark("wall"),
+            )
             self._upright(faces, linewidth=1.5)
         return blocks
 
     def masses(self) -> list[patches.Rectangle]:
         """A block for each rigid mass."""
         width = self.plan.block * self.place.factor
-        return [block for i, body in enumerate(self.system.bodies) if isinstance(body, RigidMass)
-                for block in self.ax.barh(self.rows, width, THICKNESS, self.end(i, False),
-                                          zorder=3, **mark("mass"))]
+        return [
+            block
+            for i, body in enumerate(self.system.bodies)
+            if isinstance(body, RigidMass)
+            for block in self.ax.barh(
+                self.rows,
+                width,
+                THICKNESS,
+                self.end(i, False),
+                zorder=3,
+                **mark("mass"),
+            )
+        ]
 
     def marks(self) -> None:
         """Dashes at absorbing ends, arrow heads at driven ones, springs, lines that press."""
@@ -151,28 +220,62 @@ class Bars:
             if isinstance(end, Absorbing):
                 self._upright(places, **mark("open"))
             elif type(end) in DRIVEN:
-                self.ax.plot(places, self.rows, marker="<" if side else ">", markersize=6.0,
-                             zorder=4, **mark("drive"))
+                self.ax.plot(
+                    places,
+                    self.rows,
+                    marker="<" if side else ">",
+                    markersize=6.0,
+                    zorder=4,
+                    **mark("drive"),
+                )
         for _, start, stop in self.plan.springs(self.times):
             x = start + np.outer(ALONG, stop - start)
-            self.ax.plot(x * self.place.factor, np.add.outer(UP, self.rows), zorder=3,
-                         color=self.colours.ink, linewidth=0.9)
+            self.ax.plot(
+                x * self.place.factor,
+                np.add.outer(UP, self.rows),
+                zorder=3,
+                color=self.colours.ink,
+                linewidth=0.9,
+            )
         for history in self.plan.solution.contacts:
             if isinstance(history.law, Rigid):
-                presses = (history.force(np.maximum(self.times, 0.0)) > 0) & (self.times >= 0)
-                self._upright(np.where(presses, self.end(history.index, True), np.nan),
-                              linewidth=2.6, zorder=4)
+                presses = (history.force(np.maximum(self.times, 0.0)) > 0) & (
+                    self.times >= 0
+                )
+                self._upright(
+                    np.where(presses, self.end(history.index, True), np.nan),
+                    linewidth=2.6,
+                    zorder=4,
+                )
 
     def gauges(self, records: Mapping[str, Gauge]) -> None:
         """Squares where strain gauges are, with their names at the first time."""
         rows = self.rows - THICKNESS / 2
         for name, record in records.items():
-            places = self.plan.point(record.body, record.x, self.times) * self.place.factor
-            self.ax.plot(places, rows, linestyle="", marker="s", markersize=4.5, zorder=5,
-                         color=self.colours.series[4], label=name)
-            self.ax.annotate(name, (places[0], rows[0]), (0, -4), textcoords="offset points",
-                             ha="center", va="top", fontsize=SMALL + 1, color=self.colours.ink,
-                             parse_math=False)
+            places = (
+                self.plan.point(record.body, record.x, self.times) * self.place.factor
+            )
+            self.ax.plot(
+                places,
+                rows,
+                linestyle="",
+                marker="s",
+                markersize=4.5,
+                zorder=5,
+                color=self.colours.series[4],
+                label=name,
+            )
+            self.ax.annotate(
+                name,
+                (places[0], rows[0]),
+                (0, -4),
+                textcoords="offset points",
+                ha="center",
+                va="top",
+                fontsize=SMALL + 1,
+                color=self.colours.ink,
+                parse_math=False,
+            )
 
     def end(self, body: int, right: bool) -> Floats:
         """Places of an end of a body, in the unit of the picture."""
@@ -181,8 +284,12 @@ class Bars:
     def _upright(self, x: Floats, **how: Any) -> None:
         """An upright line in each row in which x is known, by default of the colour of ink."""
         rows = self.rows[np.isfinite(x)]
-        self.ax.vlines(x[np.isfinite(x)], rows - TALL, rows + TALL,
-                       **{"color": self.colours.ink, **how})
+        self.ax.vlines(
+            x[np.isfinite(x)],
+            rows - TALL,
+            rows + TALL,
+            **{"color": self.colours.ink, **how},
+        )
 
 
 def joined(pieces: Any, room: Any) -> Any:
@@ -194,7 +301,9 @@ def joined(pieces: Any, room: Any) -> Any:
     whole, width = pieces[starts], pieces.right - pieces.left
     whole.right = pieces.right[np.append(starts, len(pieces))[1:] - 1]
     for name in STATE:
-        whole[name] = np.add.reduceat(width * pieces[name], starts) / np.add.reduceat(width, starts)
+        whole[name] = np.add.reduceat(width * pieces[name], starts) / np.add.reduceat(
+            width, starts
+        )
     return whole
 
 

@@ -44,7 +44,9 @@ class Borders:
         return strip
 
     def _lines(self, paths: list[Floats], **style: Any) -> collections.LineCollection:
-        lines = collections.LineCollection(paths, **{"colors": self.colours.ink, **style})
+        lines = collections.LineCollection(
+            paths, **{"colors": self.colours.ink, **style}
+        )
         self.ax.add_collection(lines)
         return lines
 
@@ -52,13 +54,24 @@ class Borders:
         """Paths of the ends of all rods; dashed where waves leave for good."""
         last, edges = len(self.system.bodies) - 1, self.plan.solution.fields.edges
         outer = dict(zip([(0, False), (last, True)], self.system.ends, strict=True))
-        ends = [(i, right) for i, body in enumerate(self.system.bodies) if isinstance(body, Rod)
-                for right in (False, True)]
-        drawn = [mark("open") if isinstance(outer.get(end), Absorbing) else mark("end")
-                 for end in ends]
+        ends = [
+            (i, right)
+            for i, body in enumerate(self.system.bodies)
+            if isinstance(body, Rod)
+            for right in (False, True)
+        ]
+        drawn = [
+            mark("open") if isinstance(outer.get(end), Absorbing) else mark("end")
+            for end in ends
+        ]
         return self._lines(
-            [self._track(i, right, self.cut.bends(i, edges(i)[-right])) for i, right in ends],
-            zorder=3, **{key: [each[key] for each in drawn] for key in mark("end")})
+            [
+                self._track(i, right, self.cut.bends(i, edges(i)[-right]))
+                for i, right in ends
+            ],
+            zorder=3,
+            **{key: [each[key] for each in drawn] for key in mark("end")},
+        )
 
     def contacts(self) -> list[collections.LineCollection]:
         """Where bodies press, where they touch without force, and where a gap has no width."""
@@ -67,7 +80,12 @@ class Borders:
         for history in self.plan.solution.contacts:
             if history.law.opens:
                 turns = self.times if stepped else history.breakpoints()[0]
-                told = [t for episode in history.episodes[:POINTS] for t in episode if t == t]
+                told = [
+                    t
+                    for episode in history.episodes[:POINTS]
+                    for t in episode
+                    if t == t
+                ]
                 times = self._within([*turns, *told])
                 force = np.diff(history.impulse_until(times)) / np.diff(times)
                 gap = np.abs(history.gap(times))
@@ -75,16 +93,22 @@ class Borders:
                 presses = force > ROUND_OFF * history.peak_force
                 touches = closed & ~presses & isinstance(history.law, Rigid)
                 apart = ~presses & ~touches & (self.plan.magnification == 0)
-                left, right = (self.plan.end(history.index + i, not i, times) for i in (0, 1))
+                left, right = (
+                    self.plan.end(history.index + i, not i, times) for i in (0, 1)
+                )
                 track = self.plane.points((left + right) / 2, times)
                 for each, inside in zip(paths, (presses, touches, apart), strict=True):
                     each += _stretches(track, inside)
         casing = [patheffects.withStroke(linewidth=4.5, foreground=self.colours.paper)]
         looks: dict[str, Any] = {
             "pressing": {"linewidths": 3.0, "zorder": 5, "path_effects": casing},
-            "touching": {"linewidths": 1.2, "zorder": 4}, "apart": {"zorder": 4, **mark("apart")}}
-        return [self._lines(track, label=label, capstyle="butt", **look)
-                for track, (label, look) in zip(paths, looks.items(), strict=True)]
+            "touching": {"linewidths": 1.2, "zorder": 4},
+            "apart": {"zorder": 4, **mark("apart")},
+        }
+        return [
+            self._lines(track, label=label, capstyle="butt", **look)
+            for track, (label, look) in zip(paths, looks.items(), strict=True)
+        ]
 
     def _within(self, times: ArrayLike) -> Floats:
         """The times in the picture, with its first and its last."""
@@ -95,10 +119,19 @@ class Borders:
         bands = []
         for history, *faces in self.plan.springs(self.times):
             if history.law.opens:
-                ends = np.stack([self.plane.points(x, self.times) for x in faces], axis=1)
-                bands += [self._strip(band[:, 0], band[:, 1], zorder=1.5, label="spring, pressed",
-                                      facecolor=self.colours.wall)
-                          for band in _stretches(ends, history.gap(self.times)[:-1] < 0)]
+                ends = np.stack(
+                    [self.plane.points(x, self.times) for x in faces], axis=1
+                )
+                bands += [
+                    self._strip(
+                        band[:, 0],
+                        band[:, 1],
+                        zorder=1.5,
+                        label="spring, pressed",
+                        facecolor=self.colours.wall,
+                    )
+                    for band in _stretches(ends, history.gap(self.times)[:-1] < 0)
+                ]
         return bands
 
     def walls(self) -> list[patches.Polygon]:
@@ -114,69 +147,141 @@ class Borders:
 
     def masses(self) -> list[patches.Polygon]:
         """Dark strips along the paths of rigid masses."""
-        return [self._strip(*(self._track(i, right, self.cut.bends(i, 0.0))
-                              for right in (False, True)),
-                            zorder=2.5, label="rigid mass", **mark("mass"))
-                for i, body in enumerate(self.system.bodies) if isinstance(body, RigidMass)]
+        return [
+            self._strip(
+                *(
+                    self._track(i, right, self.cut.bends(i, 0.0))
+                    for right in (False, True)
+                ),
+                zorder=2.5,
+                label="rigid mass",
+                **mark("mass"),
+            )
+            for i, body in enumerate(self.system.bodies)
+            if isinstance(body, RigidMass)
+        ]
 
     def joints(self) -> list[patches.Polygon]:
         """Hatched strips between the faces that joints hold together."""
-        style = {"facecolor": self.colours.paper, "edgecolor": self.colours.ink, "hatch": "xxxxx",
-                 "linewidth": 3.0, "linestyle": (0, (0.5, 0.5)), "zorder": 2.5, "label": "joint"}
-        return [self._strip(self._track(i, True, self.times), self._track(i + 1, False, self.times),
-                            **style)
-                for i, law in enumerate(self.system.contacts) if isinstance(law, Joint)]
+        style = {
+            "facecolor": self.colours.paper,
+            "edgecolor": self.colours.ink,
+            "hatch": "xxxxx",
+            "linewidth": 3.0,
+            "linestyle": (0, (0.5, 0.5)),
+            "zorder": 2.5,
+            "label": "joint",
+        }
+        return [
+            self._strip(
+                self._track(i, True, self.times),
+                self._track(i + 1, False, self.times),
+                **style,
+            )
+            for i, law in enumerate(self.system.contacts)
+            if isinstance(law, Joint)
+        ]
 
     def centres(self) -> list[Line2D]:
         """Dashed paths of the centres of mass of rods that move in the picture."""
         times = np.linspace(*self.plane.span, CENTRES)
-        casing = [patheffects.withStroke(linewidth=2.2, foreground=self.colours.paper, alpha=0.6)]
-        return [line for i, body in enumerate(self.system.bodies)
-                if isinstance(body, Rod) and self.plan.magnification
-                for line in self.ax.plot(
-                    *self.plane.points(self.plan.centre(i, times), times).T, linestyle=(0, (5, 4)),
-                    color=self.colours.ink, linewidth=0.9, zorder=4.5, path_effects=casing,
-                    label="centre of mass")]
+        casing = [
+            patheffects.withStroke(
+                linewidth=2.2, foreground=self.colours.paper, alpha=0.6
+            )
+        ]
+        return [
+            line
+            for i, body in enumerate(self.system.bodies)
+            if isinstance(body, Rod) and self.plan.magnification
+            for line in self.ax.plot(
+                *self.plane.points(self.plan.centre(i, times), times).T,
+                linestyle=(0, (5, 4)),
+                color=self.colours.ink,
+                linewidth=0.9,
+                zorder=4.5,
+                path_effects=casing,
+                label="centre of mass",
+            )
+        ]
 
     def gauges(self, records: Mapping[str, Gauge]) -> list[Line2D]:
         """Paths of strain gauges, each with its name."""
         casing = [patheffects.withStroke(linewidth=2.4, foreground=self.colours.paper)]
-        turn: Any = {"rotation": 0, "ha": "left", "xytext": (3, 2)} if self.plane.across else {
-            "rotation": 90, "ha": "right", "xytext": (-2, 3)}
+        turn: Any = (
+            {"rotation": 0, "ha": "left", "xytext": (3, 2)}
+            if self.plane.across
+            else {"rotation": 90, "ha": "right", "xytext": (-2, 3)}
+        )
         paths = []
         for name, record in records.items():
             times = self._within(record.times[evenly(record.times.size, POINTS)])
             track = self.plane.path(record.body, record.x, times)
-            paths += self.ax.plot(*track.T, color=self.colours.ink, linewidth=1.0, linestyle="-.",
-                                  zorder=5, path_effects=casing, label=name)
-            self.ax.annotate(name, track[0], textcoords="offset points", va="bottom", zorder=6,
-                             fontsize=SMALL + 1, color=self.colours.ink, path_effects=casing,
-                             parse_math=False, **turn)
+            paths += self.ax.plot(
+                *track.T,
+                color=self.colours.ink,
+                linewidth=1.0,
+                linestyle="-.",
+                zorder=5,
+                path_effects=casing,
+                label=name,
+            )
+            self.ax.annotate(
+                name,
+                track[0],
+                textcoords="offset points",
+                va="bottom",
+                zorder=6,
+                fontsize=SMALL + 1,
+                color=self.colours.ink,
+                path_effects=casing,
+                parse_math=False,
+                **turn,
+            )
         return paths
 
     def drives(self) -> list[Line2D]:
         """Arrow heads along the paths of driven ends, towards the row."""
         times = np.linspace(*self.plane.span, 2 * ARROWS + 1)[1::2]
         heads = "^v" if self.plane.across else "><"
-        return [arrow for side, end in enumerate(self.system.ends) if type(end) in DRIVEN
-                for arrow in self.ax.plot(
-                    *self._track(side * (len(self.system.bodies) - 1), bool(side), times).T,
-                    marker=heads[side], markersize=5.0, zorder=6, clip_on=False,
-                    label=DRIVEN[type(end)], **mark("drive"))]
+        return [
+            arrow
+            for side, end in enumerate(self.system.ends)
+            if type(end) in DRIVEN
+            for arrow in self.ax.plot(
+                *self._track(side * (len(self.system.bodies) - 1), bool(side), times).T,
+                marker=heads[side],
+                markersize=5.0,
+                zorder=6,
+                clip_on=False,
+                label=DRIVEN[type(end)],
+                **mark("drive"),
+            )
+        ]
 
 
-def mark(kind: Literal["wall", "mass", "drive", "apart", "open", "end"]) -> dict[str, Any]:
+def mark(
+    kind: Literal["wall", "mass", "drive", "apart", "open", "end"],
+) -> dict[str, Any]:
     """Style of walls and fixed ends, rigid masses, driven ends, gaps without width, and ends.
 
     Waves leave through an open end for good.
     """
     paper, ink, faint, wall, mass, *_ = colours()
     styles: dict[str, dict[str, Any]] = {
-        "wall": {"facecolor": wall, "edgecolor": faint, "hatch": "////", "linewidth": 0.0},
+        "wall": {
+            "facecolor": wall,
+            "edgecolor": faint,
+            "hatch": "////",
+            "linewidth": 0.0,
+        },
         "mass": {"facecolor": mass, "edgecolor": ink, "linewidth": 0.6},
         "drive": {"linestyle": "", "color": ink, "markerfacecolor": paper},
-        "apart": {"color": paper, "linewidth": 2.4,
-                  "path_effects": [patheffects.withStroke(linewidth=3.6, foreground=ink)]},
+        "apart": {
+            "color": paper,
+            "linewidth": 2.4,
+            "path_effects": [patheffects.withStroke(linewidth=3.6, foreground=ink)],
+        },
         "open": {"color": ink, "linewidth": 1.6, "linestyle": (0, (3, 2))},
         "end": {"color": ink, "linewidth": 0.8, "linestyle": "-"},
     }

@@ -23,10 +23,17 @@ from .style import Picture, axes, centred, colour_bar, legend_above, styled
 
 @styled
 def spacetime(
-    solution: Solution, ax: Axes | None = None, field: str = "velocity",
-    dimensionless: bool = False, start: float = 0.0, stop: float | None = None,
-    magnification: float | None = None, coordinates: str = "body", across: bool = False,
-    *, gauges: Mapping[str, Gauge] | None = None,
+    solution: Solution,
+    ax: Axes | None = None,
+    field: str = "velocity",
+    dimensionless: bool = False,
+    start: float = 0.0,
+    stop: float | None = None,
+    magnification: float | None = None,
+    coordinates: str = "body",
+    across: bool = False,
+    *,
+    gauges: Mapping[str, Gauge] | None = None,
 ) -> Picture:
     """Draw where every piece of rod is at every time, coloured by its state.
 
@@ -103,8 +110,11 @@ def spacetime(
     cut: Cut = (Raster if is_stepped(solution) else Polygons)(solution, start, stop)
     stop = solution.t_end if stop is None else stop
     if coordinates == "body" and magnification is not None:
-        raise refusal("magnification", 'nothing moves in coordinates="body"; leave it out, or give '
-                      'coordinates="lab"')
+        raise refusal(
+            "magnification",
+            'nothing moves in coordinates="body"; leave it out, or give '
+            'coordinates="lab"',
+        )
     plan = placing(solution, start, stop, magnification, still=coordinates == "body")
     values = cut.values(field, plan.frame)
     rest = plan.frame if field == "velocity" else 0.0
@@ -112,27 +122,53 @@ def spacetime(
     scale = field_scale(solution, field, dimensionless, max(map(abs, reach)))
     if plan.frame and field in ("displacement", "energy"):
         scale = scale._replace(
-            name=f"{scale.name}\nin a frame moving at {written(plan.frame, 'm/s')}")
+            name=f"{scale.name}\nin a frame moving at {written(plan.frame, 'm/s')}"
+        )
     ax = axes(ax, *(6.6, 4.4) if across else (5.6, 5.2))
-    plane = Plane(ax, plan, *axis_scales(solution, dimensionless, stop, plan.row), (start, stop),
-                  across)
+    plane = Plane(
+        ax,
+        plan,
+        *axis_scales(solution, dimensionless, stop, plan.row),
+        (start, stop),
+        across,
+    )
 
     norm = centred([v * scale.factor for v in reach], rest * scale.factor)
     drawn = cut.draw(plane, values * scale.factor, norm)
     borders = Borders(plane, cut)
     walls, ends, contacts = borders.walls(), borders.ends(), borders.contacts()
     masses, joints, drives = borders.masses(), borders.joints(), borders.drives()
-    springs, paths, centres = borders.springs(), borders.gauges(stations), borders.centres()
+    springs, paths, centres = (
+        borders.springs(),
+        borders.gauges(stations),
+        borders.centres(),
+    )
     plane.dress()
     bar = colour_bar(ax, drawn, scale.label, rest * scale.factor)
     marks = [lines for lines in contacts if lines.get_segments()]
-    named: list[artist.Artist] = [Line2D([], [], label="apart", **mark("apart"))
-                           if lines is contacts[2] else lines for lines in marks]
+    named: list[artist.Artist] = [
+        Line2D([], [], label="apart", **mark("apart"))
+        if lines is contacts[2]
+        else lines
+        for lines in marks
+    ]
     named += [*springs[:1], *masses[:1], *joints[:1], *drives, *centres[:1]]
     if any(isinstance(end, Absorbing) for end in solution.system.ends):
         named.append(Line2D([], [], label="absorbing end", **mark("open")))
     legend_above(ax, named)
     pressing, touching, apart = contacts
-    return Picture(ax=ax, regions=drawn, ends=ends, pressing=pressing, touching=touching,
-                   apart=apart, walls=walls, labels=cut.finish(), colour_bar=bar, masses=masses,
-                   scale=scale, gauges=paths, centres=centres)
+    return Picture(
+        ax=ax,
+        regions=drawn,
+        ends=ends,
+        pressing=pressing,
+        touching=touching,
+        apart=apart,
+        walls=walls,
+        labels=cut.finish(),
+        colour_bar=bar,
+        masses=masses,
+        scale=scale,
+        gauges=paths,
+        centres=centres,
+    )

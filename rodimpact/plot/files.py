@@ -31,7 +31,9 @@ FORMATS: dict[str, dict[str, Any]] = {
     "pdf": {"CreationDate": None},
 }
 SHADES = 255  # colours of a GIF, those of its last frame
-ALIKE = 9  # of 255: shades that are no nearer to the paper than this are not taken for it
+ALIKE = (
+    9  # of 255: shades that are no nearer to the paper than this are not taken for it
+)
 Progress = Callable[[int, int], Any] | None
 
 
@@ -73,16 +75,26 @@ def save(picture: Any, path: str | os.PathLike[str], force: bool = False) -> Non
     memory = io.BytesIO()
     about = FORMATS[kind]
     if kind == "svg":  # what a screen reader says of the picture
-        words = [word for ax in figure.axes[:1] for word in (ax.get_ylabel(), ax.get_xlabel())]
+        words = [
+            word
+            for ax in figure.axes[:1]
+            for word in (ax.get_ylabel(), ax.get_xlabel())
+        ]
         title = figure.get_suptitle() or " over ".join(filter(None, words))
         about = {**about, "Title": " ".join(title.split())}
-    with rc_context({"svg.hashsalt": "rodimpact", "svg.fonttype": "none", "pdf.fonttype": 42}):
+    with rc_context(
+        {"svg.hashsalt": "rodimpact", "svg.fonttype": "none", "pdf.fonttype": 42}
+    ):
         figure.savefig(memory, format=kind, dpi=DOTS_PER_INCH, metadata=about)
     data = memory.getvalue()
     if kind == "svg":  # hundredths of a point are enough, and a font that is named once
         family = f"; font-family: '{FONT}'(?=[;\"])".encode()
-        data = re.sub(rb"(?<=\.\d\d)\d+(?=[^<>]*>)|(?<=\n) +| (?=\n)|" + family, b"", data)
-        data = data.replace(b"<svg ", f"<svg font-family=\"'{FONT}', sans-serif\" ".encode(), 1)
+        data = re.sub(
+            rb"(?<=\.\d\d)\d+(?=[^<>]*>)|(?<=\n) +| (?=\n)|" + family, b"", data
+        )
+        data = data.replace(
+            b"<svg ", f"<svg font-family=\"'{FONT}', sans-serif\" ".encode(), 1
+        )
     write_bytes(path, data, force=force)
 
 
@@ -118,8 +130,10 @@ def check_film(path: str | os.PathLike[str]) -> str:
 def as_image(data: bytes, kind: str, words: str) -> str:
     """A picture as HTML that needs no file."""
     code = base64.b64encode(data).decode()
-    return (f'<img src="data:image/{kind};base64,{code}" alt="{html.escape(words)}" '
-            'style="max-width: 100%">')
+    return (
+        f'<img src="data:image/{kind};base64,{code}" alt="{html.escape(words)}" '
+        'style="max-width: 100%">'
+    )
 
 
 def write_gif(file: BinaryIO, film: Any, progress: Progress) -> None:
@@ -129,21 +143,50 @@ def write_gif(file: BinaryIO, film: Any, progress: Progress) -> None:
     shades, paper = np.reshape(palette.getpalette(), (-1, 3)), last.getpixel((0, 0))
     shades[np.abs(shades - paper).max(axis=1) < ALIKE] = paper
     palette.putpalette(shades.ravel().tolist())
-    pictures = (Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
-                for frame in film.frames(progress))
-    next(pictures).save(file, format="GIF", save_all=True, append_images=pictures, loop=0,
-                        duration=10 * max(2, round(100 / film.fps)))
+    pictures = (
+        Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
+        for frame in film.frames(progress)
+    )
+    next(pictures).save(
+        file,
+        format="GIF",
+        save_all=True,
+        append_images=pictures,
+        loop=0,
+        duration=10 * max(2, round(100 / film.fps)),
+    )
 
 
 def _write_mp4(file: BinaryIO, film: Any, progress: Progress) -> None:
     height, width, _ = film.frame(0).shape
     command = [
-        "ffmpeg", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24",
-        "-s", f"{width}x{height}", "-r", f"{film.fps:g}", "-i", "-",
-        "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2",  # the format takes even numbers of pixels
-        "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4", "-y", file.name,
+        "ffmpeg",
+        "-loglevel",
+        "error",
+        "-f",
+        "rawvideo",
+        "-pix_fmt",
+        "rgb24",
+        "-s",
+        f"{width}x{height}",
+        "-r",
+        f"{film.fps:g}",
+        "-i",
+        "-",
+        "-vf",
+        "pad=ceil(iw/2)*2:ceil(ih/2)*2",  # the format takes even numbers of pixels
+        "-pix_fmt",
+        "yuv420p",
+        "-movflags",
+        "+faststart",
+        "-f",
+        "mp4",
+        "-y",
+        file.name,
     ]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as process:
         assert process.stdin is not None
         with contextlib.suppress(BrokenPipeError):  # the errors tell why
             for picture in film.frames(progress):

@@ -32,7 +32,9 @@ FAINTEST = 0.01  # of the largest strain that a wave carries: less is no pulse
 
 @style.styled
 def contact(
-    solution: Solution, ax: Sequence[Axes] | None = None, contact: int | Sequence[int] = 0
+    solution: Solution,
+    ax: Sequence[Axes] | None = None,
+    contact: int | Sequence[int] = 0,
 ) -> style.Picture:
     """Draw force and gap of a contact, or of several together, against time.
 
@@ -70,9 +72,16 @@ def contact(
     'contact force (kN)'
     """
     check_solution(solution)
-    chosen, count = array("contact", contact, "").ravel().tolist(), len(solution.contacts)
+    chosen, count = (
+        array("contact", contact, "").ravel().tolist(),
+        len(solution.contacts),
+    )
     if not chosen or not set(chosen) <= set(range(count)):
-        have = f"from 0 to {count - 1}" if count else "given only where there are two bodies"
+        have = (
+            f"from 0 to {count - 1}"
+            if count
+            else "given only where there are two bodies"
+        )
         raise refusal("contact", f"must be {have}, got {shown(contact)}")
     force_ax, gap_ax = style.two_axes(ax, "force and gap", 4.2, (1, 1))
     drawn = Forces(solution, list(map(int, chosen)))
@@ -85,24 +94,46 @@ def contact(
         word = f"{word},\nor stretch" if laws > {Joint} else "stretch"
     scale = engineering(word, max(-low, high), "m")
 
-    forces, time, (_, ink, faint, *_) = drawn.draw(force_ax), drawn.time.factor, style.colours()
-    gaps = [line for force, (times, gap) in zip(forces, drawn.gaps, strict=True)
-            for line in gap_ax.plot(times * time, gap * scale.factor, linewidth=1.5,
-                                    color=force.get_edgecolor(), linestyle=force.get_linestyle())]
+    forces, time, (_, ink, faint, *_) = (
+        drawn.draw(force_ax),
+        drawn.time.factor,
+        style.colours(),
+    )
+    gaps = [
+        line
+        for force, (times, gap) in zip(forces, drawn.gaps, strict=True)
+        for line in gap_ax.plot(
+            times * time,
+            gap * scale.factor,
+            linewidth=1.5,
+            color=force.get_edgecolor(),
+            linestyle=force.get_linestyle(),
+        )
+    ]
     if overlaps or Joint in laws:
         gap_ax.axhline(0.0, color=faint, linewidth=0.6, zorder=0)
     gap_ax.set_xlabel(drawn.time.label)
-    for each, label, named in ((force_ax, drawn.scale.label, forces[len(forces) == 1 :]),
-                               (gap_ax, scale.label, ())):
+    for each, label, named in (
+        (force_ax, drawn.scale.label, forces[len(forces) == 1 :]),
+        (gap_ax, scale.label, ()),
+    ):
         low, high = min(0.0, each.dataLim.y0), max(0.0, each.dataLim.y1)
         high = 1.3 * high or (1.0 if low == 0 else -0.1 * low)  # room for words
-        style.dress(each, named, ylabel=style.broken(label, style.extent(each)[1]),
-                    xlim=(0, solution.t_end * time), ylim=(1.1 * low, high))
+        style.dress(
+            each,
+            named,
+            ylabel=style.broken(label, style.extent(each)[1]),
+            xlim=(0, solution.t_end * time),
+            ylim=(1.1 * low, high),
+        )
     marks: list[Annotation] = []
     episodes, names = drawn.histories[0].episodes, round_trips(solution)
     few = len(gaps) == 1 and len(episodes) <= MARKED_UP_TO
     for k, (_, force_end, opening) in enumerate(episodes if few else ()):
-        for on, t, what in ((force_ax, force_end, "force ends"), (gap_ax, opening, "gap opens")):
+        for on, t, what in (
+            (force_ax, force_end, "force ends"),
+            (gap_ax, opening, "gap opens"),
+        ):
             if not t < np.inf:
                 continue
             x = t * time
@@ -110,12 +141,27 @@ def contact(
                 each.axvline(x, color=faint, linewidth=0.8, linestyle=":", zorder=0)
             left = x > np.mean(on.get_xlim())  # where there is more room
             name = f"{names[t]} = " if t in names else ""
-            marks.append(on.annotate(
-                f"{what} at {name}{drawn.time.write(t)}", (x, 1.0),
-                (-4 if left else 4, -3 - 11 * k), on.get_xaxis_transform(), "offset points",
-                ha="right" if left else "left", va="top", fontsize=style.SMALL + 1, color=ink))
-    return style.Picture(ax=force_ax, force_ax=force_ax, gap_ax=gap_ax, forces=forces, gaps=gaps,
-                         marks=marks)
+            marks.append(
+                on.annotate(
+                    f"{what} at {name}{drawn.time.write(t)}",
+                    (x, 1.0),
+                    (-4 if left else 4, -3 - 11 * k),
+                    on.get_xaxis_transform(),
+                    "offset points",
+                    ha="right" if left else "left",
+                    va="top",
+                    fontsize=style.SMALL + 1,
+                    color=ink,
+                )
+            )
+    return style.Picture(
+        ax=force_ax,
+        force_ax=force_ax,
+        gap_ax=gap_ax,
+        forces=forces,
+        gaps=gaps,
+        marks=marks,
+    )
 
 
 class Forces:
@@ -140,13 +186,17 @@ class Forces:
         self.forces, self.gaps = [], []
         for history in self.histories:
             times, force, _ = history.breakpoints()
-            if getattr(history.law, "restitution", None) is not None:  # an impact takes no time
+            if (
+                getattr(history.law, "restitution", None) is not None
+            ):  # an impact takes no time
                 edges: Floats = np.linspace(0.0, self.end, INTERVALS + 1)
                 force = np.diff(history.impulse_until(edges)) / np.diff(edges)
                 step = max(fields.step, self.end / INTERVALS)
                 mean = f",\nmean over {written(step, 's')}"
             else:
-                edges, force = steps_until(self.end, times, force, smooth=history.push.size > 1)
+                edges, force = steps_until(
+                    self.end, times, force, smooth=history.push.size > 1
+                )
             gap = history.gap(edges)
             self.forces.append(thinned_steps(edges, force))
             self.gaps.append((edges[telling(gap)], gap[telling(gap)]))
@@ -159,11 +209,20 @@ class Forces:
         series, drawn = style.colours().series, []
         for i, (force, edges) in enumerate(self.forces):
             colour, base = series[i % len(series)], float(i * rows)
-            drawn.append(ax.stairs(
-                force * factor + base, edges * self.time.factor, baseline=base, fill=True,
-                facecolor=(colour, 0.15), edgecolor=colour, label=self.names[i], linewidth=1.5,
-                linestyle="-" if rows else style.DASHES[i % len(style.DASHES)],
-                orientation="horizontal" if up else "vertical"))
+            drawn.append(
+                ax.stairs(
+                    force * factor + base,
+                    edges * self.time.factor,
+                    baseline=base,
+                    fill=True,
+                    facecolor=(colour, 0.15),
+                    edgecolor=colour,
+                    label=self.names[i],
+                    linewidth=1.5,
+                    linestyle="-" if rows else style.DASHES[i % len(style.DASHES)],
+                    orientation="horizontal" if up else "vertical",
+                )
+            )
         return drawn
 
     def draw_rows(self, ax: Axes) -> None:
@@ -171,10 +230,17 @@ class Forces:
         self.draw(ax, rows=True)
         named = evenly(len(self.forces), NAMED_UP_TO)
         ax.set_yticks(named, [self.names[i] for i in named])
-        style.dress(ax, xlim=(0, self.end * self.time.factor), ylim=(0, len(self.forces)),
-                    xlabel=self.time.label)
-        ax.set_title(f"{self.scale.name}, largest {self.scale.write(self.largest)}", loc="left",
-                     fontsize=style.SMALL + 1)
+        style.dress(
+            ax,
+            xlim=(0, self.end * self.time.factor),
+            ylim=(0, len(self.forces)),
+            xlabel=self.time.label,
+        )
+        ax.set_title(
+            f"{self.scale.name}, largest {self.scale.write(self.largest)}",
+            loc="left",
+            fontsize=style.SMALL + 1,
+        )
 
 
 @style.styled
@@ -234,47 +300,96 @@ def gauge(
     def steps(of: Gauge, values: Floats, name: str, **how: Any) -> StepPatch:
         smooth = of.record.size > 2  # waves of a grid are drawn state by state
         values, edges = thinned_steps(*steps_until(of.end, of.times, values, smooth))
-        return ax.stairs(values * scale.factor, edges * time.factor, baseline=None, label=name,
-                         **{"linewidth": 1.4, **how})
+        return ax.stairs(
+            values * scale.factor,
+            edges * time.factor,
+            baseline=None,
+            label=name,
+            **{"linewidth": 1.4, **how},
+        )
 
     faint, series = style.colours().faint, style.colours().series
     shades = {"incident": series[0], "reflected": series[1], "transmitted": series[3]}
     width = 5.0 if record.times.size <= BOLD_UP_TO else 2.5
-    strain = steps(record, record.strain, "strain", color=faint, linewidth=width, zorder=1)
+    strain = steps(
+        record, record.strain, "strain", color=faint, linewidth=width, zorder=1
+    )
     rightward = steps(record, record.rightward, "wave running right", color=series[0])
-    leftward = steps(record, record.leftward, "wave running left", color=series[1], linestyle="--")
-    beyond = None if transmitted is None else steps(
-        transmitted, transmitted.strain, "transmitted strain", color=series[3], linestyle="-.")
+    leftward = steps(
+        record, record.leftward, "wave running left", color=series[1], linestyle="--"
+    )
+    beyond = (
+        None
+        if transmitted is None
+        else steps(
+            transmitted,
+            transmitted.strain,
+            "transmitted strain",
+            color=series[3],
+            linestyle="-.",
+        )
+    )
     ax.axhline(0.0, color=faint, linewidth=0.6, zorder=0)
     low, high = ax.get_ylim()
-    style.dress(ax, xlim=(0, record.end * time.factor), ylim=(low, high), xlabel=time.label,
-                ylabel=scale.label)
+    style.dress(
+        ax,
+        xlim=(0, record.end * time.factor),
+        ylim=(low, high),
+        xlabel=time.label,
+        ylabel=scale.label,
+    )
     pulses = dict(zip(("incident", "reflected"), _passing(record), strict=True))
     if transmitted is not None:
         pulses["transmitted"] = _passing(transmitted)[0]
     (first, last, _), *others = pulses.values()
-    vibrates = any(start == 0 for start, *_ in others)  # a bar that does has no such pulses
+    vibrates = any(
+        start == 0 for start, *_ in others
+    )  # a bar that does has no such pulses
     windows = {
-        name: ax.add_patch(Rectangle(
-            (start * time.factor, 0.0), min(last - first, record.end - start) * time.factor,
-            high if tension else low, color=shades[name], alpha=0.18, linewidth=0, zorder=0,
-            label=name))
-        for name, (start, _, tension) in pulses.items() if start < record.end and not vibrates
+        name: ax.add_patch(
+            Rectangle(
+                (start * time.factor, 0.0),
+                min(last - first, record.end - start) * time.factor,
+                high if tension else low,
+                color=shades[name],
+                alpha=0.18,
+                linewidth=0,
+                zorder=0,
+                label=name,
+            )
+        )
+        for name, (start, _, tension) in pulses.items()
+        if start < record.end and not vibrates
     }
     lines = (strain, rightward, leftward, beyond, *windows.values())
     places = listed([f"{r.name} at {place_scale(r.x).write(r.x)}" for r in records])
     style.legend_above(ax, lines, title=f"gauge on {places}")
-    return style.Picture(ax=ax, strain=strain, rightward=rightward, leftward=leftward,
-                         transmitted=beyond, windows=windows)
+    return style.Picture(
+        ax=ax,
+        strain=strain,
+        rightward=rightward,
+        leftward=leftward,
+        transmitted=beyond,
+        windows=windows,
+    )
 
 
 def _passing(record: Gauge) -> list[tuple[float, float, bool]]:
     """When each of two waves is more than faint for the first time, the earlier wave first."""
-    waves, times = (record.rightward, record.leftward), np.append(record.times, record.end)
+    waves, times = (
+        (record.rightward, record.leftward),
+        np.append(record.times, record.end),
+    )
     least, pulses = FAINTEST * np.abs(waves).max(), []
     for wave in waves:
         strong = np.abs(wave) > least
         first = int(np.append(strong, True).argmax())  # the end if it never is
         after = first + int(np.append(strong[first:], False).argmin())
-        pulses.append((float(times[first]), float(times[after]), bool(wave[first:after].sum() > 0)))
+        pulses.append(
+            (
+                float(times[first]),
+                float(times[after]),
+                bool(wave[first:after].sum() > 0),
+            )
+        )
     return sorted(pulses)

@@ -25,13 +25,22 @@ OF_MASSES = 401  # the same where no rod vibrates, and contacts are short
 TURNS = 6  # of contacts that are sampled too
 CORNERS_UP_TO = 500
 BANDS = {
-    "kinetic": "#53659f", "vibrational_kinetic": "#f0dc78", "strain": "#b9b9b9",
-    "contact": "#7aa6a1", "dissipated": "#d9b3a6", "radiated": "#e3e3e3", "damped": "#e0c39a",
+    "kinetic": "#53659f",
+    "vibrational_kinetic": "#f0dc78",
+    "strain": "#b9b9b9",
+    "contact": "#7aa6a1",
+    "dissipated": "#d9b3a6",
+    "radiated": "#e3e3e3",
+    "damped": "#e0c39a",
     "numerical": "#c7a3c4",
 }
 """Entries of the ledger that are stacked, and their colours."""
 ALWAYS = ("kinetic", "vibrational_kinetic", "strain")
-WORKS = {"wall_work": "the walls", "drive_work": "the driven ends", "gravity_work": "gravity"}
+WORKS = {
+    "wall_work": "the walls",
+    "drive_work": "the driven ends",
+    "gravity_work": "gravity",
+}
 
 
 @styled
@@ -74,33 +83,56 @@ def energy(solution: Solution, ax: Axes | None = None) -> Picture:
     ax = axes(ax, 5.6, 3.2)
     times = _times(solution)
     frame = placing(solution, 0.0, solution.t_end).frame
-    ledger, masses, free = solution.energy(times), solution.outcome.masses, movable(solution.system)
+    ledger, masses, free = (
+        solution.energy(times),
+        solution.outcome.masses,
+        movable(solution.system),
+    )
     momentum = sum(masses[i] * solution.mean_velocity(i, times) for i in free)
     drift = frame * (momentum - frame / 2 * sum(masses[i] for i in free))
     entries = {entry: getattr(ledger, entry) for entry in BANDS}
     entries["kinetic"] = ledger.kinetic - drift
     works = {name: getattr(ledger, entry) for entry, name in WORKS.items()}
-    works["waves that enter through absorbing ends"] = np.maximum(-entries["radiated"], 0.0)
+    works["waves that enter through absorbing ends"] = np.maximum(
+        -entries["radiated"], 0.0
+    )
     supplied = ledger.total[0] - drift + sum(works.values())
     parts = {entry: np.maximum(part, 0.0) for entry, part in entries.items()}
     total = float(sum(parts.values()).max())
-    parts = {entry: part for entry, part in parts.items()
-             if entry in ALWAYS or part.max() > ROUND_OFF * total}
+    parts = {
+        entry: part
+        for entry, part in parts.items()
+        if entry in ALWAYS or part.max() > ROUND_OFF * total
+    }
     workers = [name for name, work in works.items() if np.ptp(work) > ROUND_OFF * total]
 
     time, scale = time_scale(solution.t_end), engineering("energy", total, "J")
     x, heights = times * time.factor, list(parts.values())
     bands = ax.stackplot(
-        x, np.stack(heights) * scale.factor, linewidth=0.0,
-        colors=[BANDS[entry] for entry in parts], labels=[ENERGIES[entry] for entry in parts])
+        x,
+        np.stack(heights) * scale.factor,
+        linewidth=0.0,
+        colors=[BANDS[entry] for entry in parts],
+        labels=[ENERGIES[entry] for entry in parts],
+    )
     seen = f" in a frame moving at {written(frame, 'm/s')}" if frame else ""
-    dress(ax, xlim=(0, solution.t_end * time.factor), xlabel=time.label,
-          ylim=(0, 1.08 * max(total, float(supplied.max())) * scale.factor or 1.0),
-          ylabel=f"{scale.name}{seen} ({scale.unit})")
+    dress(
+        ax,
+        xlim=(0, solution.t_end * time.factor),
+        xlabel=time.label,
+        ylim=(0, 1.08 * max(total, float(supplied.max())) * scale.factor or 1.0),
+        ylabel=f"{scale.name}{seen} ({scale.unit})",
+    )
     work = None
     if workers:
-        (work,) = ax.plot(x, supplied * scale.factor, color=INK, linewidth=1.2, linestyle="--",
-                          label=f"initial energy and work of {listed(workers)}")
+        (work,) = ax.plot(
+            x,
+            supplied * scale.factor,
+            color=INK,
+            linewidth=1.2,
+            linestyle="--",
+            label=f"initial energy and work of {listed(workers)}",
+        )
     labels: list[Text] = []
     missing: list[artist.Artist | None] = [work]
     borders = np.cumsum([np.zeros(x.size), *heights], axis=0) * scale.factor
@@ -108,8 +140,16 @@ def energy(solution: Solution, ax: Axes | None = None) -> Picture:
         name = str(band.get_label())
         spot = _widest(ax, x, low, high, name)
         if spot:
-            labels.append(ax.text(*spot, name, color="white" if band is bands[0] else INK,
-                                  ha="center", va="center", fontsize=SMALL + 1))
+            labels.append(
+                ax.text(
+                    *spot,
+                    name,
+                    color="white" if band is bands[0] else INK,
+                    ha="center",
+                    va="center",
+                    fontsize=SMALL + 1,
+                )
+            )
         elif (high - low).max() > ROUND_OFF * borders.max():
             missing.append(band)
     legend_above(ax, missing)

@@ -26,12 +26,16 @@ def moments(solution: Solution, most: int = 8) -> Floats:
     the longest intervals are added. Solutions with a time step have no reflections.
     """
     turns: Floats = np.unique(contact_turns(solution))
-    closed = any(c.episodes and not c.episodes[-1].opening <= solution.t_end
-                 for c in solution.contacts)
+    closed = any(
+        c.episodes and not c.episodes[-1].opening <= solution.t_end
+        for c in solution.contacts
+    )
     fields: Any = solution.fields
     first = float(turns[0]) if turns.size else 0.0
     last = solution.t_end if closed or not turns.size else float(turns[-1])
-    reflections: Floats = np.empty(0)  # times at which a changed wave leaves an end of a segment
+    reflections: Floats = np.empty(
+        0
+    )  # times at which a changed wave leaves an end of a segment
     if is_stepped(solution):
         near = np.diff(turns, prepend=-np.inf) < CROWD * (last - first) / most
         turns = turns[~near]
@@ -48,7 +52,9 @@ def moments(solution: Solution, most: int = 8) -> Floats:
     others = np.setdiff1d(reflections, chosen)
     chosen = np.union1d(chosen, others[evenly(others.size, most - chosen.size)])
     shortest = 0.75 * float(np.diff(np.union1d(first, after)).min(initial=np.inf))
-    while chosen.size < most:  # the middles of the longest waits, if these are not too short
+    while (
+        chosen.size < most
+    ):  # the middles of the longest waits, if these are not too short
         inside = chosen[(chosen >= first) & (chosen <= last)]
         waits = np.diff(inside)
         if waits.max(initial=0.0) <= (shortest if after.size else 0.0):
@@ -67,8 +73,11 @@ def happening(solution: Solution, t: float) -> str:
         where = f" at contact {names[contact.index]}" if several else ""
         for start, force_end, opening in contact.episodes:
             ends = ((force_end, "force ends"), (opening, "gap opens"))
-            event = "force begins" if t == start else ", ".join(
-                what for when, what in ends if t == when)
+            event = (
+                "force begins"
+                if t == start
+                else ", ".join(what for when, what in ends if t == when)
+            )
             if event:
                 lines.append(event + where)
     return "\n".join(lines)
@@ -76,8 +85,13 @@ def happening(solution: Solution, t: float) -> str:
 
 def contact_turns(solution: Solution) -> list[float]:
     """Times at which a contact begins, stops pressing, or opens."""
-    return [t for contact in solution.contacts for episode in contact.episodes for t in episode
-            if t == t]
+    return [
+        t
+        for contact in solution.contacts
+        for episode in contact.episodes
+        for t in episode
+        if t == t
+    ]
 
 
 def length_name(system: System, body: int) -> str:
@@ -91,16 +105,32 @@ def round_trips(solution: Solution) -> dict[float, str]:
     Of contacts that press from t = 0 on; a trip is that of a wave in one of the two rods there.
     """
     system, names = solution.system, dict[float, str]()
-    rods = {i: body for i, body in enumerate(system.bodies)
-            if isinstance(body, Rod) and len(body.segments) == 1}
+    rods = {
+        i: body
+        for i, body in enumerate(system.bodies)
+        if isinstance(body, Rod) and len(body.segments) == 1
+    }
     several = len({body.segments[0].material for body in rods.values()}) > 1
     for contact in solution.contacts:
-        turns = {t for start, *ends in contact.episodes[:1] if start == 0 for t in ends if t == t}
-        trips = [(round(t / (2 * time)), t, body) for body in (contact.index, contact.index + 1)
-                 if body in rods for time in [float(rods[body].transit_time)] for t in turns
-                 if math.isclose(t, 2 * time * round(t / (2 * time)), rel_tol=ALIKE)]
+        turns = {
+            t
+            for start, *ends in contact.episodes[:1]
+            if start == 0
+            for t in ends
+            if t == t
+        }
+        trips = [
+            (round(t / (2 * time)), t, body)
+            for body in (contact.index, contact.index + 1)
+            if body in rods
+            for time in [float(rods[body].transit_time)]
+            for t in turns
+            if math.isclose(t, 2 * time * round(t / (2 * time)), rel_tol=ALIKE)
+        ]
         for count, t, body in sorted(trips):
             length = length_name(system, body)
             if count <= TRIPS:
-                names.setdefault(t, f"{2 * count} {length}/c{length[1:] if several else ''}")
+                names.setdefault(
+                    t, f"{2 * count} {length}/c{length[1:] if several else ''}"
+                )
     return names

@@ -38,7 +38,10 @@ MOST_FRAMES, MOST_PER_SECOND = 10_000, 50
 DOTS_PER_INCH = 100
 CONTACTS = 5  # shown at most
 SAMPLED = 100  # frames by whose largest strain bars swell
-APPROACH, WAY = 0.2, 0.12  # before contact, at most: parts of the frames, and of the row
+APPROACH, WAY = (
+    0.2,
+    0.12,
+)  # before contact, at most: parts of the frames, and of the row
 REST = 1.5  # of the last frame, s
 
 
@@ -57,15 +60,20 @@ class Animation:
     """
 
     def __init__(
-        self, solution: Solution, field: str, times: Floats, fps: float,
+        self,
+        solution: Solution,
+        field: str,
+        times: Floats,
+        fps: float,
         magnification: float | None,
     ) -> None:
         self.fps, self.title, self._look = fps, headline(solution), copy_context()
         self.field, self.colours = field, style.colours()
         start, stop = float(times[0]), float(times[-1])
         plan = placing(solution, start, stop, magnification)
-        self.times = np.concatenate((_approach(plan, times), times,
-                                     np.full(round(REST * fps), stop)))
+        self.times = np.concatenate(
+            (_approach(plan, times), times, np.full(round(REST * fps), stop))
+        )
         # times at which something happens at contacts, and what to read before and after each
         self._turns = sorted({t for t in contact_turns(solution) if start <= t <= stop})
         self._captions = ["before contact" if start == 0 and self._turns else ""]
@@ -74,21 +82,36 @@ class Animation:
             self._captions.append("\n".join(lines[:3]) + ", ..." * (len(lines) > 3))
         self._time, place = axis_scales(solution, False, stop, plan.row)
         self.figure = style.new_figure(8.4, 6.8)
-        self.figure.suptitle(style.broken(self.title, 72 * self.figure.get_figwidth()),
-                             fontsize=style.NORMAL + 1)
+        self.figure.suptitle(
+            style.broken(self.title, 72 * self.figure.get_figwidth()),
+            fontsize=style.NORMAL + 1,
+        )
         self.figure.set_dpi(DOTS_PER_INCH)
-        grid = self.figure.add_gridspec(2, 2, height_ratios=(1.2, 3.6), width_ratios=(3, 1))
+        grid = self.figure.add_gridspec(
+            2, 2, height_ratios=(1.2, 3.6), width_ratios=(3, 1)
+        )
         below = self.figure.add_subplot(grid[1, 0])
-        picture = spacetime(solution, below, field, start=start, stop=stop,
-                            magnification=plan.magnification, coordinates="lab")
+        picture = spacetime(
+            solution,
+            below,
+            field,
+            start=start,
+            stop=stop,
+            magnification=plan.magnification,
+            coordinates="lab",
+        )
         self._norm: Any = picture.regions.norm
         self._factor = picture.scale.factor
         self._row = self.figure.add_subplot(grid[0, 0], sharex=below, animated=True)
         self._row.set(ylim=(-0.6, 0.6), autoscale_on=False)
         self._row.set_axis_off()
         self._bars = Bars(self._row, plan, times[:: 1 + times.size // SAMPLED], place)
-        first = [float(plan.end(i, False, self.times[0])) for i in range(len(plan.left))]
-        below.set_xlim(left=min(below.get_xlim()[0], (min(first) - 0.02 * plan.row) * place.factor))
+        first = [
+            float(plan.end(i, False, self.times[0])) for i in range(len(plan.left))
+        ]
+        below.set_xlim(
+            left=min(below.get_xlim()[0], (min(first) - 0.02 * plan.row) * place.factor)
+        )
         self._words = self.figure.add_subplot(grid[0, 1], animated=True)
         self._clock, self._caption = self._write(solution, times)
         self._growing = [below]
@@ -105,15 +128,28 @@ class Animation:
         self._words.set_axis_off()
         stop = float(times[-1])
         slowness = (times.size - 1) / self.fps / (stop - float(times[0]))
-        rounded = f"{float(f'{slowness:.2g}'):,.0f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
+        rounded = f"{float(f'{slowness:.2g}'):,.0f}".replace(
+            ",", "\N{NARROW NO-BREAK SPACE}"
+        )
         words = [f"slowed down {rounded} times"] * (slowness > 1)
         words += [f"first {written(stop, 's')} of {written(solution.t_end, 's')}"] * (
-            stop < solution.t_end)
+            stop < solution.t_end
+        )
         words.append(TOLD.replace(", ", ",\n"))
-        self._words.text(0.0, 0.0, "\n".join(words), fontsize=style.SMALL + 1,
-                         color=self.colours.faint, linespacing=1.4)
-        return [self._words.text(0.0, height, "", va="top", fontsize=size, color=self.colours.ink)
-                for height, size in ((1.0, style.NORMAL + 4), (0.85, style.NORMAL))]
+        self._words.text(
+            0.0,
+            0.0,
+            "\n".join(words),
+            fontsize=style.SMALL + 1,
+            color=self.colours.faint,
+            linespacing=1.4,
+        )
+        return [
+            self._words.text(
+                0.0, height, "", va="top", fontsize=size, color=self.colours.ink
+            )
+            for height, size in ((1.0, style.NORMAL + 4), (0.85, style.NORMAL))
+        ]
 
     @style.styled
     def frame(self, number: int) -> NDArray[np.uint8]:
@@ -121,17 +157,23 @@ class Animation:
         t = float(self.times[number])
         self._canvas.restore_region(self._still)
         self._clock.set_text(self.clock(number))
-        self._caption.set_text(self._captions[np.searchsorted(self._turns, t, side="right")])
+        self._caption.set_text(
+            self._captions[np.searchsorted(self._turns, t, side="right")]
+        )
         self._look.run(self._draw_bodies, t)
         for ax in (self._row, self._words):
             self.figure.draw_artist(ax)
         for actor in [*self._row.collections, *self._row.patches, *self._row.lines]:
             actor.remove()
         picture = np.array(self._canvas.buffer_rgba())[..., :3]
-        paper, ink = (255 * np.array(to_rgb(c)) for c in (self.colours.paper, self.colours.ink))
+        paper, ink = (
+            255 * np.array(to_rgb(c)) for c in (self.colours.paper, self.colours.ink)
+        )
         for ax in self._growing:  # nothing is seen of the future
             left, bottom, right, top = np.rint(ax.bbox.extents).astype(int)
-            now = round(ax.transData.transform((0.0, max(t, 0.0) * self._time.factor))[1])
+            now = round(
+                ax.transData.transform((0.0, max(t, 0.0) * self._time.factor))[1]
+            )
             future = picture[::-1][max(bottom, now) : top, left + 1 : right]
             future[:] = paper
             future[:2] = ink
@@ -148,7 +190,9 @@ class Animation:
     def clock(self, number: int) -> str:
         """Time of a frame, in words."""
         now, end = self.times[[number, -1]] * self._time.factor
-        return signed(f"t = {now:.{max(0, 2 - math.floor(math.log10(end)))}f} {self._time.unit}")
+        return signed(
+            f"t = {now:.{max(0, 2 - math.floor(math.log10(end)))}f} {self._time.unit}"
+        )
 
     def __len__(self) -> int:
         return len(self.times)
@@ -161,7 +205,11 @@ class Animation:
                 progress(number + 1, len(self))
 
     def save(
-        self, path: str | os.PathLike[str], *, force: bool = False, progress: files.Progress = None
+        self,
+        path: str | os.PathLike[str],
+        *,
+        force: bool = False,
+        progress: files.Progress = None,
     ) -> None:
         """Write a GIF or an MP4, whichever the suffix names.
 
@@ -197,8 +245,13 @@ class Animation:
 
 @style.styled
 def animation(
-    solution: Solution, field: str = "velocity", frames: int = 120, fps: float = 25.0,
-    start: float = 0.0, stop: float | None = None, magnification: float | None = None,
+    solution: Solution,
+    field: str = "velocity",
+    frames: int = 120,
+    fps: float = 25.0,
+    start: float = 0.0,
+    stop: float | None = None,
+    magnification: float | None = None,
 ) -> Animation:
     """Make a moving picture of a collision; `save` writes it, a notebook plays it.
 
@@ -256,9 +309,13 @@ def check_frames(frames: int, fps: float) -> None:
     """Raise ValueError if there cannot be so many frames, or so many a second."""
     count, rate = single("frames", frames, ""), single("fps", fps, "")
     if not 2 <= count <= MOST_FRAMES or count != int(count):
-        raise refusal("frames", f"must be a whole number from 2 to {MOST_FRAMES}, got {frames!r}")
+        raise refusal(
+            "frames", f"must be a whole number from 2 to {MOST_FRAMES}, got {frames!r}"
+        )
     if not 1 <= rate <= MOST_PER_SECOND:
-        raise refusal("fps", f"must be 1 to {MOST_PER_SECOND} frames a second, got {fps!r}")
+        raise refusal(
+            "fps", f"must be 1 to {MOST_PER_SECOND} frames a second, got {fps!r}"
+        )
 
 
 def _approach(plan: Placing, times: Floats) -> Floats:
@@ -279,7 +336,12 @@ def _draw_forces(ax: Axes, solution: Solution) -> None:
     able, limits = solution.outcome.unilateral, ax.get_ylim()
     forces = Forces(solution, able[:CONTACTS])
     drawn = forces.draw(ax, up=True)
-    style.dress(ax, xlim=(0, 1.1 * ax.dataLim.xmax or 1.0), ylim=limits, xlabel=forces.scale.label)
+    style.dress(
+        ax,
+        xlim=(0, 1.1 * ax.dataLim.xmax or 1.0),
+        ylim=limits,
+        xlabel=forces.scale.label,
+    )
     ax.tick_params(labelleft=False)
     if len(able) > 1:
         more = f"first {CONTACTS} of {len(able)}" if len(able) > CONTACTS else None

@@ -20,25 +20,34 @@ from .records import fit
 MORE = "to_csv writes all, save keeps them"
 
 
-def html_of(result: Solution | SweepResult | PulseDesign | RestitutionDesign | Fit) -> str:
+def html_of(
+    result: Solution | SweepResult | PulseDesign | RestitutionDesign | Fit,
+) -> str:
     """Picture and table of a result."""
     pictures: list[tuple[Any, str]] = []
     if isinstance(result, PulseDesign | RestitutionDesign):
         table, pictures = str(result), [(design(result), "wanted and reached")]
     elif isinstance(result, Fit):
         table = str(result)
-        pictures = [(fit(result, record=i), f"{m.title}, measured and predicted")
-                    for i, m in enumerate(result.measured)]
+        pictures = [
+            (fit(result, record=i), f"{m.title}, measured and predicted")
+            for i, m in enumerate(result.measured)
+        ]
     elif isinstance(result, Solution):
         table = solution_table(result)
         if result.t_end > 0:  # otherwise there is nothing to draw
             pictures = [(overview(result), headline(result))]
     else:
-        varied = [(*axis, parameter(result.system, axis.name).unit.removeprefix("1"))
-                  for axis in result.axes]
+        varied = [
+            (*axis, parameter(result.system, axis.name).unit.removeprefix("1"))
+            for axis in result.axes
+        ]
         table = sweep_table(result, varied, MORE)
         # of e, or of the last body's velocity; none of a family with three axes, or none
-        for quantity in ("restitution", f"velocity_after.{len(result.system.bodies) - 1}"):
+        for quantity in (
+            "restitution",
+            f"velocity_after.{len(result.system.bodies) - 1}",
+        ):
             with suppress(ValueError):
                 over = f"{quantity} over {', '.join(result.parameters)}"
                 pictures = pictures or [(sweep(result, quantity=quantity), over)]

@@ -21,9 +21,15 @@ PAGE, COLUMN = (11.7, 8.3), 4.3  # inches; a column has its panels one below the
 NARROW = 5.5  # inches, below which a page is a column
 ROW = 1.96  # height of the lowest row of a column, inches
 TALLER = 1.5  # of the rows above it, relatively
-TOGETHER = 3  # contacts whose forces and gaps are drawn over each other; more have a line each
+TOGETHER = (
+    3  # contacts whose forces and gaps are drawn over each other; more have a line each
+)
 NAMED_UP_TO = 6  # bodies whose velocities fit into the headline
-KINDS = {Rod: ("rod", "rods"), RigidMass: ("rigid mass", "rigid masses"), Wall: ("wall", "walls")}
+KINDS = {
+    Rod: ("rod", "rods"),
+    RigidMass: ("rigid mass", "rigid masses"),
+    Wall: ("wall", "walls"),
+}
 
 
 @styled
@@ -62,12 +68,16 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
     check_solution(solution)
     time_scale(solution.t_end)  # refuses what lasts no time
     able, stop = solution.outcome.unilateral, solution.t_end
-    waves = any(isinstance(body, Rod) for body in solution.system.bodies)  # masses have none
+    waves = any(
+        isinstance(body, Rod) for body in solution.system.bodies
+    )  # masses have none
     many = len(able) > TOGETHER
     contacts: list[Any] = ["force" if many else [["force"], ["gap"]]] if able else []
     names = [*["velocity", "stress"] * waves, *contacts, "energy"]
     columns = 1 if wanted_width(PAGE[0]) < NARROW else 2
-    names += names[-1:] * (len(names) % columns)  # the energy is below, or in the last row
+    names += names[-1:] * (
+        len(names) % columns
+    )  # the energy is below, or in the last row
     rows = [names[i : i + columns] for i in range(0, len(names), columns)]
     heights = [*[TALLER] * (len(rows) - 1), 1.0]
     figure = new_figure(*PAGE if columns == 2 else (COLUMN, ROW * sum(heights)))
@@ -87,11 +97,15 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
     figure.suptitle(broken(headline(solution), room / 1.3), fontsize=NORMAL + 2)
     notes = [] if solution.final else [solution.status]
     if stop < solution.t_end:
-        notes.append(f"The upper pictures show the first {written(stop, 's')}; "
-                     "a longer interval would have too many regions to be legible.")
+        notes.append(
+            f"The upper pictures show the first {written(stop, 's')}; "
+            "a longer interval would have too many regions to be legible."
+        )
     letters = int(room / (LETTER * (SMALL + 1)))
-    figure.supxlabel("\n".join(line for note in notes for line in wrap(note, letters)),
-                     fontsize=SMALL + 1)
+    figure.supxlabel(
+        "\n".join(line for note in notes for line in wrap(note, letters)),
+        fontsize=SMALL + 1,
+    )
     return figure
 
 
@@ -104,16 +118,20 @@ def headline(solution: Solution) -> str:
     if v:
         parts.append(f"closing speed {written(v, 'm/s')}")
     if not outcome.why_no_restitution():
-        parts.append(f"restitution e = {outcome.restitution:.4g}, "
-                    f"impulse {written(outcome.impulse, 'N s')}, "
-                    f"force duration {written(outcome.duration, 's')}")
+        parts.append(
+            f"restitution e = {outcome.restitution:.4g}, "
+            f"impulse {written(outcome.impulse, 'N s')}, "
+            f"force duration {written(outcome.duration, 's')}"
+        )
     elif solution.final and not any(c.episodes for c in outcome.contacts):
         parts.append("nothing collides")
     elif len(bodies) <= NAMED_UP_TO:
         largest = max(map(abs, outcome.velocities_after))
         scale = engineering("", largest, "m/s")
-        values = ", ".join(digits(v * scale.factor, largest * scale.factor)
-                           for v in outcome.velocities_after)
+        values = ", ".join(
+            digits(v * scale.factor, largest * scale.factor)
+            for v in outcome.velocities_after
+        )
         when = "after" if solution.final else "at the end"
         parts.append(f"velocities {when} {values} {scale.unit}")
     return ", ".join(parts)

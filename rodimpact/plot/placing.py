@@ -71,7 +71,9 @@ class Placing:
             return "true to scale"
         return f"displacements {TIMES} {format_factor(self.magnification)}"
 
-    def place(self, body: int | Ints, x: ArrayLike, t: ArrayLike, displacement: Any) -> Floats:
+    def place(
+        self, body: int | Ints, x: ArrayLike, t: ArrayLike, displacement: Any
+    ) -> Floats:
         """Place X in the picture, m, of points x (m) of bodies at t (s), displaced (m)."""
         moved = self.apart[body] + displacement - self.frame * np.asarray(t)
         place: Floats = self.left[body] + np.asarray(x) + self.magnification * moved
@@ -82,8 +84,11 @@ class Placing:
         bodies, ends = self.solution.system.bodies, self.solution.system.ends
         return [
             *((i, i > 0) for i, body in enumerate(bodies) if isinstance(body, Wall)),
-            *((side * (len(bodies) - 1), bool(side)) for side, end in enumerate(ends)
-              if isinstance(end, Fixed)),
+            *(
+                (side * (len(bodies) - 1), bool(side))
+                for side, end in enumerate(ends)
+                if isinstance(end, Fixed)
+            ),
         ]
 
     def point(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
@@ -124,7 +129,10 @@ class Placing:
 
 
 def placing(
-    solution: Solution, start: float, stop: float, magnification: float | None = None,
+    solution: Solution,
+    start: float,
+    stop: float,
+    magnification: float | None = None,
     still: bool = False,
 ) -> Placing:
     """Choose frame and magnification (1, 2 or 5 times a power of ten) for an interval of time.
@@ -151,10 +159,13 @@ def placing(
     begin = np.cumsum([0.0, *lengths[:-1]])
     apart = np.array(solution.fields.positions) - begin
     times = np.linspace(start, stop, 101)
-    moved = np.array([
-        apart[body] + solution.displacement(body, x, times)
-        for body, length in enumerate(lengths) for x in (0.0, length)
-    ])
+    moved = np.array(
+        [
+            apart[body] + solution.displacement(body, x, times)
+            for body, length in enumerate(lengths)
+            for x in (0.0, length)
+        ]
+    )
     # velocity of a wall, 0 if an end is held, else the least of the bodies' velocities
     held = [float(body.velocity) for body in bodies if isinstance(body, Wall)]
     held += [0.0 for end in solution.system.ends if isinstance(end, Fixed | Moved)]
@@ -169,15 +180,34 @@ def placing(
     if still:
         magnification = 0.0
     elif magnification is None:
-        strain = max((
-            np.abs(solution.strain(body, np.linspace(0, length, 33)[:, None], times)).max()
-            for body, length in enumerate(lengths) if length), default=0.0)
+        strain = max(
+            (
+                np.abs(
+                    solution.strain(body, np.linspace(0, length, 33)[:, None], times)
+                ).max()
+                for body, length in enumerate(lengths)
+                if length
+            ),
+            default=0.0,
+        )
         magnification = magnified(row, reach, relative, float(strain))
     frame = slowest if drifts(reach, relative) else 0.0
     free, often = np.zeros(len(solution.contacts)), np.linspace(start, stop, 301)
-    for history in solution.contacts if magnification > 1 else ():  # true to scale none is drawn
+    for history in (
+        solution.contacts if magnification > 1 else ()
+    ):  # true to scale none is drawn
         if not isinstance(history.law, Rigid | Bonded):
             deepest = max(0.0, -float(np.min(history.gap(often))))
-            free[history.index] = ROOM * (left[-1] + widths[-1]) + magnification * deepest
-    return Placing(solution, magnification, frame, left + np.cumsum([0.0, *free]), widths, apart,
-                   block, free)
+            free[history.index] = (
+                ROOM * (left[-1] + widths[-1]) + magnification * deepest
+            )
+    return Placing(
+        solution,
+        magnification,
+        frame,
+        left + np.cumsum([0.0, *free]),
+        widths,
+        apart,
+        block,
+        free,
+    )

@@ -60,28 +60,49 @@ class Plane(NamedTuple):
         ax.margins(*(0.0, 0.02) if self.across else (0.02, 0.0))
         ax.autoscale_view()
         times, places = (ax.xaxis, ax.yaxis) if self.across else (ax.yaxis, ax.xaxis)
-        along, length = extent(ax) if self.across else extent(ax)[::-1]  # of time, of places
+        along, length = (
+            extent(ax) if self.across else extent(ax)[::-1]
+        )  # of time, of places
         times.set_label_text(self.time.label)
         places.set_label_text(broken(place_label(plan, self.place), length))
         low, high = (t * self.time.factor for t in self.span)
         (ax.set_xlim if self.across else ax.set_ylim)(low, high)
-        marks = {t * self.time.factor: name for t, name in round_trips(plan.solution).items()
-                 if self.span[0] < t <= self.span[1]}
+        marks = {
+            t * self.time.factor: name
+            for t, name in round_trips(plan.solution).items()
+            if self.span[0] < t <= self.span[1]
+        }
         if marks:
             least = (3.0 if self.across else 1.3) * NORMAL * (high - low) / along
-            numbers = [x for x in AutoLocator().tick_values(low, high)
-                       if low <= x <= high and all(abs(x - mark) > least for mark in marks)]
-            times.set_ticks([*numbers, *marks], labels=[
-                *(digits(x, high) for x in numbers), *marks.values()])
+            numbers = [
+                x
+                for x in AutoLocator().tick_values(low, high)
+                if low <= x <= high and all(abs(x - mark) > least for mark in marks)
+            ]
+            times.set_ticks(
+                [*numbers, *marks],
+                labels=[*(digits(x, high) for x in numbers), *marks.values()],
+            )
         per_point = np.ptp(places.get_view_interval()) / length
         least = (1.5 if self.across else 5 * LETTER) * NORMAL * per_point
         system, names = plan.solution.system, body_names(plan.solution.system.kinds)
-        ends = {i: [float(plan.end(i, right, self.span[0])) * self.place.factor
-                    for right in (False, True)]
-                for i, body in enumerate(system.bodies) if isinstance(body, Rod)}
-        wide = {i: (left + right) / 2 for i, (left, right) in ends.items() if right - left > least}
-        words = [names[i] if plan.magnification else f"{length_name(system, i)}\n{names[i]}"
-                 for i in wide]
+        ends = {
+            i: [
+                float(plan.end(i, right, self.span[0])) * self.place.factor
+                for right in (False, True)
+            ]
+            for i, body in enumerate(system.bodies)
+            if isinstance(body, Rod)
+        }
+        wide = {
+            i: (left + right) / 2
+            for i, (left, right) in ends.items()
+            if right - left > least
+        }
+        words = [
+            names[i] if plan.magnification else f"{length_name(system, i)}\n{names[i]}"
+            for i in wide
+        ]
         if not plan.magnification:
             edges: list[float] = []
             for x in np.unique(list(ends.values())).tolist():

@@ -22,8 +22,13 @@ from .style import SMALL, Picture, colours, dress, grid, new_figure, styled, two
 
 @styled
 def comparison(
-    measured: Signal, predicted: Signal, ax: Sequence[Axes] | None = None, *,
-    shift: Bounds | None = None, scale: Bounds | None = None, band: Signal | None = None,
+    measured: Signal,
+    predicted: Signal,
+    ax: Sequence[Axes] | None = None,
+    *,
+    shift: Bounds | None = None,
+    scale: Bounds | None = None,
+    band: Signal | None = None,
 ) -> Picture:
     """Draw a record over its prediction, and below the residual, measured minus predicted.
 
@@ -68,23 +73,37 @@ def comparison(
     of_kind("measured", measured, Signal, "read_signals('shot.csv')['incident']")
     found = measured.misfit(predicted, shift=shift, scale=scale)
     t, values = measured.times, measured.values
-    model: Floats = found.scale * np.interp(t - found.shift, predicted.times, predicted.values)
+    model: Floats = found.scale * np.interp(
+        t - found.shift, predicted.times, predicted.values
+    )
     upper, lower = two_axes(ax, "signals and residual", 4.2, (3, 1))
 
     time = engineering("time t", float(np.abs(t).max()), "s")
-    unit = engineering(measured.name or "signal", float(np.abs(values).max()), measured.unit)
+    unit = engineering(
+        measured.name or "signal", float(np.abs(values).max()), measured.unit
+    )
     percent = 100 / plateau(values)
     series, faint = colours().series, colours().faint
     area = None
     if band is not None:
         of_kind("band", band, Signal, "0.02 * predicted")
         if band.unit != predicted.unit:
-            raise refusal("band", f"must be in the unit of the prediction, {predicted.unit!r}, "
-                             f"got {band.unit!r}")
-        wide = abs(found.scale) * np.interp(t - found.shift, band.times, np.abs(band.values))
+            raise refusal(
+                "band",
+                f"must be in the unit of the prediction, {predicted.unit!r}, "
+                f"got {band.unit!r}",
+            )
+        wide = abs(found.scale) * np.interp(
+            t - found.shift, band.times, np.abs(band.values)
+        )
         filled: Any = {"color": series[1], "alpha": 0.25, "linewidth": 0}
-        area = upper.fill_between(t * time.factor, (model - wide) * unit.factor,
-                                  (model + wide) * unit.factor, label="its band", **filled)
+        area = upper.fill_between(
+            t * time.factor,
+            (model - wide) * unit.factor,
+            (model + wide) * unit.factor,
+            label="its band",
+            **filled,
+        )
         lower.fill_between(t * time.factor, -wide * percent, wide * percent, **filled)
 
     def line(on: Axes, y: Floats, factor: float, **how: Any) -> Line2D:
@@ -100,9 +119,18 @@ def comparison(
         gain = gain_unit(measured.unit, predicted.unit)
         told += f", {TIMES} {signed(f'{found.scale:.4g} {gain}')}".rstrip()
         told += " (at its limit)" if "scale" in found.at_limit else ""
-    one = line(upper, values, unit.factor, color=series[0], linewidth=1.2, label="measured")
-    other = line(upper, model, unit.factor, color=series[1], linewidth=1.2, linestyle="--",
-                 label=told)
+    one = line(
+        upper, values, unit.factor, color=series[0], linewidth=1.2, label="measured"
+    )
+    other = line(
+        upper,
+        model,
+        unit.factor,
+        color=series[1],
+        linewidth=1.2,
+        linestyle="--",
+        label=told,
+    )
     left = line(lower, values - model, percent, color=colours().ink, linewidth=0.9)
     for each, named in ((upper, [one, other, area]), (lower, ())):
         each.axhline(0.0, color=faint, linewidth=0.6, zorder=0)
@@ -112,10 +140,24 @@ def comparison(
     lower.set(xlabel=time.label, ylabel="residual\n(% of plateau)")
     reach = 1.9 * max(map(abs, lower.get_ylim()))
     lower.set_ylim(-reach, reach)
-    lower.text(0.01, 0.97, f"misfit {100 * found.rms:.3g} % of the plateau",
-               transform=lower.transAxes, va="top", fontsize=SMALL + 1, color=colours().ink)
-    return Picture(ax=upper, residual_ax=lower, measured=one, predicted=other, residual=left,
-                   band=area, misfit=found)
+    lower.text(
+        0.01,
+        0.97,
+        f"misfit {100 * found.rms:.3g} % of the plateau",
+        transform=lower.transAxes,
+        va="top",
+        fontsize=SMALL + 1,
+        color=colours().ink,
+    )
+    return Picture(
+        ax=upper,
+        residual_ax=lower,
+        measured=one,
+        predicted=other,
+        residual=left,
+        band=area,
+        misfit=found,
+    )
 
 
 def fit(found: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Picture:
@@ -160,7 +202,11 @@ def fit(found: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Pictur
     record = whole("record", record, 0, len(found.measured) - 1)
     predicted = found.predicted[record]
     return comparison(
-        found.measured[record].signal, predicted, ax, shift=0.0, scale=1.0,
+        found.measured[record].signal,
+        predicted,
+        ax,
+        shift=0.0,
+        scale=1.0,
         band=predicted.replace(values=2 * found.bands[record]),
     )
 
@@ -211,22 +257,47 @@ def reduction(found: Reduction, ax: Sequence[Axes] | None = None) -> Picture:
     >>> picture is not None
     True
     """
-    of_kind("found", found, Reduction, "ri.reduce(input_gauge, output_gauge, bar, specimen)")
+    of_kind(
+        "found", found, Reduction, "ri.reduce(input_gauge, output_gauge, bar, specimen)"
+    )
     upper, lower = two_axes(ax, "stress and strain rate", 4.6, (3, 1))
     up, first, second = found.loading, *colours().series[:2]
-    strain, stress, around = 100 * found.strain[up], found.stress[up], found.stress_band[up]
+    strain, stress, around = (
+        100 * found.strain[up],
+        found.stress[up],
+        found.stress_band[up],
+    )
     unit = engineering("stress", float(np.abs(stress).max()), "Pa")
-    (one,) = upper.plot(strain, stress * unit.factor, color=first, linewidth=1.3,
-                        label="transmitted wave")
-    (two,) = upper.plot(strain, found.two_wave_stress[up] * unit.factor, color=second,
-                        linewidth=0.9, linestyle="--", label="incident and reflected wave")
+    (one,) = upper.plot(
+        strain,
+        stress * unit.factor,
+        color=first,
+        linewidth=1.3,
+        label="transmitted wave",
+    )
+    (two,) = upper.plot(
+        strain,
+        found.two_wave_stress[up] * unit.factor,
+        color=second,
+        linewidth=0.9,
+        linestyle="--",
+        label="incident and reflected wave",
+    )
     band = upper.fill_between(
-        strain, (stress - around) * unit.factor, (stress + around) * unit.factor, color=first,
-        alpha=0.25, linewidth=0, label="95 % band")
+        strain,
+        (stress - around) * unit.factor,
+        (stress + around) * unit.factor,
+        color=first,
+        alpha=0.25,
+        linewidth=0,
+        label="95 % band",
+    )
     (rate,) = lower.plot(strain, found.strain_rate[up], color=first, linewidth=1.1)
     dress(upper, [one, two, band], xlim=(0, 1.02 * strain[-1]), ylabel=unit.label)
     dress(lower, xlabel="strain (%)", ylabel="strain rate\n(1/s)")
     for each in (upper, lower):
         grid(each)
         each.set_ylim(bottom=0)
-    return Picture(ax=upper, rate_ax=lower, stress=one, two_wave=two, band=band, rate=rate)
+    return Picture(
+        ax=upper, rate_ax=lower, stress=one, two_wave=two, band=band, rate=rate
+    )

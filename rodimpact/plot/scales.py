@@ -17,8 +17,10 @@ from .moments import length_name
 from .placing import Placing
 
 FIELDS = {
-    "velocity": ("velocity", "m/s"), "stress": ("stress, tension positive", "Pa"),
-    "strain": ("strain", ""), "displacement": ("displacement", "m"),
+    "velocity": ("velocity", "m/s"),
+    "stress": ("stress, tension positive", "Pa"),
+    "strain": ("strain", ""),
+    "displacement": ("displacement", "m"),
     "energy": ("kinetic and strain energy per length", "J/m"),
 }
 """Names and units of the fields that a space-time diagram shows."""
@@ -121,7 +123,12 @@ def multiple(value: float, unit: str) -> str:
         return "0"
     sign = MINUS if near < 0 else ""
     top, bottom = abs(near.numerator), near.denominator
-    return sign + (str(top) if top > 1 else "") + unit + (f"/{bottom}" if bottom > 1 else "")
+    return (
+        sign
+        + (str(top) if top > 1 else "")
+        + unit
+        + (f"/{bottom}" if bottom > 1 else "")
+    )
 
 
 def listed(names: Sequence[str]) -> str:
@@ -139,32 +146,46 @@ def closing_speed(solution: Solution) -> float:
 def first_rod(solution: Solution) -> tuple[Rod, str]:
     """Leftmost rod, by which pictures without dimensions are scaled, and the name of its length."""
     system = solution.system
-    return next((body, length_name(system, i)) for i, body in enumerate(system.bodies)
-                if isinstance(body, Rod))
+    return next(
+        (body, length_name(system, i))
+        for i, body in enumerate(system.bodies)
+        if isinstance(body, Rod)
+    )
 
 
 def time_scale(end: float) -> Scale:
     """Scale of an axis of time from 0 to `end` s; raise ValueError if that is no time at all."""
     if not end > 0:
-        raise refusal("solution", f"lasts {end!r} s and has no history; solve it with until > 0")
+        raise refusal(
+            "solution", f"lasts {end!r} s and has no history; solve it with until > 0"
+        )
     return engineering("time t", end, "s")
 
 
 def place_scale(width: float) -> Scale:
     """Scale of an axis of places, for a row `width` m wide: metres unless it is small."""
-    return Scale(1.0, "place x", "m") if width >= 0.1 else engineering("place x", width, "m")
+    return (
+        Scale(1.0, "place x", "m")
+        if width >= 0.1
+        else engineering("place x", width, "m")
+    )
 
 
 def place_label(plan: Placing, place: Scale) -> str:
     """Label of an axis of places: in which frame and how much magnified they are drawn."""
     if not plan.magnification:
-        label = place._replace(name=place.name.replace("place", "material coordinate")).label
+        label = place._replace(
+            name=place.name.replace("place", "material coordinate")
+        ).label
         return f"{label}, rods laid end to end, gaps left out"
     label = place.label
     if plan.frame:
         label += f" in a frame moving at {written(plan.frame, 'm/s')}"
     if plan.block:
-        label += f", masses drawn {plan.block * place.factor:g} {place.unit}".rstrip() + " wide"
+        label += (
+            f", masses drawn {plan.block * place.factor:g} {place.unit}".rstrip()
+            + " wide"
+        )
     if plan.free.any():
         label += ", springs drawn long"
     return f"{label}, {plan.scale}"
@@ -176,12 +197,16 @@ def axis_scales(
     """Scales of time and place, for times up to `duration` s and a picture `width` m wide."""
     if dimensionless:
         rod, length = first_rod(solution)
-        return (Scale(1 / float(rod.transit_time), f"time t c/{length}"),
-                Scale(1 / float(rod.length), f"place x/{length}"))
+        return (
+            Scale(1 / float(rod.transit_time), f"time t c/{length}"),
+            Scale(1 / float(rod.length), f"place x/{length}"),
+        )
     return time_scale(duration), place_scale(width)
 
 
-def field_scale(solution: Solution, field: str, dimensionless: bool, largest: float) -> Scale:
+def field_scale(
+    solution: Solution, field: str, dimensionless: bool, largest: float
+) -> Scale:
     """Scale of a field of `FIELDS`, for values up to `largest`.
 
     Raises
@@ -194,8 +219,11 @@ def field_scale(solution: Solution, field: str, dimensionless: bool, largest: fl
         return engineering(name, largest, unit)
     v0 = closing_speed(solution)
     if v0 == 0:
-        raise refusal("dimensionless", "velocities are scaled by the closing speed, but no bodies "
-                      "approach in this row; use dimensionless=False")
+        raise refusal(
+            "dimensionless",
+            "velocities are scaled by the closing speed, but no bodies "
+            "approach in this row; use dimensionless=False",
+        )
     rod, length = first_rod(solution)
     material, area = rod.segments[0].material, extremes(rod.segments[0].area)[1]
     rho, c = float(material.density), float(material.wave_speed)
@@ -203,6 +231,10 @@ def field_scale(solution: Solution, field: str, dimensionless: bool, largest: fl
         "velocity": Scale(1 / v0, "velocity v/v₀"),
         "stress": Scale(1 / (rho * c * v0), f"stress {SIGMA}/({RHO} c v₀)"),
         "strain": Scale(c / v0, "strain ε c/v₀"),
-        "displacement": Scale(c / (v0 * float(rod.length)), f"displacement u c/(v₀ {length})"),
-        "energy": Scale(1 / (rho * area * v0**2), f"energy per length w/({RHO} A₁ v₀²)"),
+        "displacement": Scale(
+            c / (v0 * float(rod.length)), f"displacement u c/(v₀ {length})"
+        ),
+        "energy": Scale(
+            1 / (rho * area * v0**2), f"energy per length w/({RHO} A₁ v₀²)"
+        ),
     }[field]

@@ -20,14 +20,19 @@ from .bars import TOLD, Bars, joined
 from .moments import happening, moments
 from .placing import placing
 
-BESIDE = 0.36  # from the middle of a row to numbers that have no room in a bar, up or down
+BESIDE = (
+    0.36  # from the middle of a row to numbers that have no room in a bar, up or down
+)
 ALIKE = 0.02  # velocities of a stretch that bears one label, in parts of the largest
 
 
 @style.styled
 def snapshots(
-    solution: Solution, ax: Axes | None = None, times: Sequence[float] | Floats | None = None,
-    magnification: float | None = None, gauges: Mapping[str, Gauge] | None = None,
+    solution: Solution,
+    ax: Axes | None = None,
+    times: Sequence[float] | Floats | None = None,
+    magnification: float | None = None,
+    gauges: Mapping[str, Gauge] | None = None,
 ) -> style.Picture:
     """Draw the row at chosen times, one below the other, coloured by velocity.
 
@@ -87,7 +92,11 @@ def snapshots(
     drawn = Bars(ax, plan, when, place)
     velocities, stepped, bar = drawn.pieces.velocity, drawn.stepped, None
     norm = style.centred(velocities, plan.frame)
-    bars, outlines, fronts = drawn.rods(velocities, norm), drawn.outlines(), drawn.fronts()
+    bars, outlines, fronts = (
+        drawn.rods(velocities, norm),
+        drawn.outlines(),
+        drawn.fronts(),
+    )
     walls, masses = drawn.walls(), drawn.masses()
     drawn.marks()
     drawn.gauges(check_gauges(gauges or {}))
@@ -96,27 +105,52 @@ def snapshots(
     ax.autoscale_view()
     ax.set_ylim(0.45 - when.size, 0.8)
     for i in range(len(solution.system.bodies) - 1):
-        ax.axvline(float(drawn.end(i, True)[0]), color=drawn.colours.faint, linewidth=0.6,
-                   linestyle=(0, (4, 4)), zorder=1)
+        ax.axvline(
+            float(drawn.end(i, True)[0]),
+            color=drawn.colours.faint,
+            linewidth=0.6,
+            linestyle=(0, (4, 4)),
+            zorder=1,
+        )
 
     _name_rows(ax, solution, when)
     largest, closing = float(np.abs(velocities).max()), scales.closing_speed(solution)
     scale = scales.engineering("velocity", largest, "m/s")
-    unit = f"closing speed v = {scales.written(closing, 'm/s')}" if closing else (
-        f"velocities ({scale.unit})")
-    ax.set_xlabel("\n".join(style.broken(label, style.extent(ax)[0]) for label in (
-        scales.place_label(plan, place), unit, TOLD)))
+    unit = (
+        f"closing speed v = {scales.written(closing, 'm/s')}"
+        if closing
+        else (f"velocities ({scale.unit})")
+    )
+    ax.set_xlabel(
+        "\n".join(
+            style.broken(label, style.extent(ax)[0])
+            for label in (scales.place_label(plan, place), unit, TOLD)
+        )
+    )
     if stepped:
         bar = style.colour_bar(
-            ax, bars, scale.label, plan.frame, location="bottom", fraction=0.03, aspect=50,
-            shrink=0.6, format=lambda value, _: scales.digits(value * scale.factor, 0.0))
-    style.figure_of(ax).draw_without_rendering()  # so that it is known how wide the Axes are
+            ax,
+            bars,
+            scale.label,
+            plan.frame,
+            location="bottom",
+            fraction=0.03,
+            aspect=50,
+            shrink=0.6,
+            format=lambda value, _: scales.digits(value * scale.factor, 0.0),
+        )
+    style.figure_of(
+        ax
+    ).draw_without_rendering()  # so that it is known how wide the Axes are
 
     def write(velocity: float) -> str:  # where it varies along the rods, to hundredths
         part = (velocity - plan.frame * bool(closing)) / (closing or largest or 1.0)
         part = round(part, 2) if stepped else part
-        return scales.multiple(part, "v") if closing else scales.digits(
-            part * largest * scale.factor, largest * scale.factor)
+        return (
+            scales.multiple(part, "v")
+            if closing
+            else scales.digits(part * largest * scale.factor, largest * scale.factor)
+        )
 
     labels = _labels(drawn, norm, write) + _mass_labels(drawn, write)
     names = body_names(solution.system.kinds)
@@ -125,8 +159,17 @@ def snapshots(
         if wide and isinstance(body, Rod):
             middle = float(plan.middle(i, when[0])) * place.factor
             _write(ax, middle, 0.5, names[i], drawn.colours.ink, "bottom")
-    return style.Picture(ax=ax, times=when, bars=bars, labels=labels, fronts=fronts, walls=walls,
-                         masses=masses, outlines=outlines, colour_bar=bar)
+    return style.Picture(
+        ax=ax,
+        times=when,
+        bars=bars,
+        labels=labels,
+        fronts=fronts,
+        walls=walls,
+        masses=masses,
+        outlines=outlines,
+        colour_bar=bar,
+    )
 
 
 def _name_rows(ax: Axes, solution: Solution, when: Floats) -> None:
@@ -134,16 +177,28 @@ def _name_rows(ax: Axes, solution: Solution, when: Floats) -> None:
     style.dress(ax)
     time = scales.engineering("time", solution.t_end, "s")
     rod, length = scales.first_rod(solution)
-    ax.set_yticks(-np.arange(when.size), [
-        f"{t * time.factor:.4g} {time.unit}\n{t / float(rod.transit_time):.3g} {length}/c"
-        for t in when.tolist()])
+    ax.set_yticks(
+        -np.arange(when.size),
+        [
+            f"{t * time.factor:.4g} {time.unit}\n{t / float(rod.transit_time):.3g} {length}/c"
+            for t in when.tolist()
+        ],
+    )
     ax.tick_params(axis="y", length=0)
     ax.spines["left"].set_visible(False)
     for row, t in enumerate(when.tolist()):
-        words = [style.broken(line, style.extent(ax)[0] / 3)
-                 for line in happening(solution, t).splitlines()]
-        ax.text(1.01, -row, "\n".join(words), transform=ax.get_yaxis_transform(), va="center",
-                fontsize=style.SMALL + 1)
+        words = [
+            style.broken(line, style.extent(ax)[0] / 3)
+            for line in happening(solution, t).splitlines()
+        ]
+        ax.text(
+            1.01,
+            -row,
+            "\n".join(words),
+            transform=ax.get_yaxis_transform(),
+            va="center",
+            fontsize=style.SMALL + 1,
+        )
 
 
 def _mass_labels(drawn: Bars, write: Callable[[float], str]) -> list[Text]:
@@ -155,8 +210,10 @@ def _mass_labels(drawn: Bars, write: Callable[[float], str]) -> list[Text]:
         if isinstance(body, RigidMass):
             middle = drawn.plan.middle(i, times) * drawn.place.factor
             speeds = drawn.plan.solution.velocity(i, 0.0, times).tolist()
-            labels += [_write(drawn.ax, middle[row], up - row, write(v), drawn.colours.ink, va)
-                       for row, v in enumerate(speeds)]
+            labels += [
+                _write(drawn.ax, middle[row], up - row, write(v), drawn.colours.ink, va)
+                for row, v in enumerate(speeds)
+            ]
     return labels
 
 
@@ -174,10 +231,20 @@ def _labels(drawn: Bars, norm: Any, write: Callable[[float], str]) -> list[Text]
         width = _width(ax, text)
         x = (piece.left + piece.right) / 2
         if piece.right - piece.left > width:
-            labels.append(_write(ax, x, float(-piece.row), text, style.ink_on(norm, piece.velocity),
-                                 "center_baseline"))
+            labels.append(
+                _write(
+                    ax,
+                    x,
+                    float(-piece.row),
+                    text,
+                    style.ink_on(norm, piece.velocity),
+                    "center_baseline",
+                )
+            )
         elif not drawn.stepped and (row != piece.row or x - width / 2 > taken):
-            labels.append(_write(ax, x, -piece.row - BESIDE, text, drawn.colours.ink, "top"))
+            labels.append(
+                _write(ax, x, -piece.row - BESIDE, text, drawn.colours.ink, "top")
+            )
             row, taken = piece.row, x + width / 2
     return labels
 
@@ -189,4 +256,6 @@ def _width(ax: Axes, text: str) -> float:
 
 
 def _write(ax: Axes, x: float, y: float, text: str, colour: str, va: str) -> Text:
-    return ax.text(x, y, text, color=colour, ha="center", va=va, fontsize=style.SMALL + 1, zorder=5)
+    return ax.text(
+        x, y, text, color=colour, ha="center", va=va, fontsize=style.SMALL + 1, zorder=5
+    )

@@ -35,15 +35,23 @@ INCH = 25.4  # mm
 DOTS_PER_INCH = 90  # in a notebook
 LETTER = 0.57  # mean width of a letter, in heights of the font
 HANDLE = 6  # letters that the mark before a name in a legend takes
-COMPUTED: dict[str, Any] = {"marker": "o", "markersize": 3.5, "markerfacecolor": "none",
-                            "markeredgewidth": 0.8, "label": "computed"}
+COMPUTED: dict[str, Any] = {
+    "marker": "o",
+    "markersize": 3.5,
+    "markerfacecolor": "none",
+    "markeredgewidth": 0.8,
+    "label": "computed",
+}
 
 RISING = colors.LinearSegmentedColormap.from_list(  # in 101 steps: to the eye as smooth as 256
-    "rising", ["#16256e", "#53659f", "#a0a0a0", "#d6c05f", "#ffe94a"], 101)
+    "rising", ["#16256e", "#53659f", "#a0a0a0", "#d6c05f", "#ffe94a"], 101
+)
 ON_LIGHT = colors.LinearSegmentedColormap.from_list(
-    "signed on light", ["#16256e", "#7084c4", "#f4f4f1", "#eec654", "#c48600"])
+    "signed on light", ["#16256e", "#7084c4", "#f4f4f1", "#eec654", "#c48600"]
+)
 ON_DARK = colors.LinearSegmentedColormap.from_list(
-    "signed on dark", ["#9db7ff", "#4e62a0", "#262b33", "#967a30", "#ffe94a"])
+    "signed on dark", ["#9db7ff", "#4e62a0", "#262b33", "#967a30", "#ffe94a"]
+)
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -63,10 +71,19 @@ class Colours(NamedTuple):
 
 LOOKS = {
     "light": Colours("#ffffff", INK, FAINT, "#d9d9d9", "#33302e", SERIES, ON_LIGHT),
-    "dark": Colours("#14161a", "#e8e8e8", "#8f939b", "#33373e", "#cfc8c0",
-                    ("#8ea6ff", "#f0a13c", "#b4b4b4", "#5cc588", "#e283ad"), ON_DARK),
+    "dark": Colours(
+        "#14161a",
+        "#e8e8e8",
+        "#8f939b",
+        "#33373e",
+        "#cfc8c0",
+        ("#8ea6ff", "#f0a13c", "#b4b4b4", "#5cc588", "#e283ad"),
+        ON_DARK,
+    ),
 }
-_look: ContextVar[tuple[Colours, float | None]] = ContextVar("look", default=(LOOKS["light"], None))
+_look: ContextVar[tuple[Colours, float | None]] = ContextVar(
+    "look", default=(LOOKS["light"], None)
+)
 
 
 def colours() -> Colours:
@@ -118,12 +135,25 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
     @wraps(draw)
     def drawn(*args: P.args, **kwargs: P.kwargs) -> R:
         paper, ink, faint, *_ = colours()
-        with np.errstate(under="ignore"), rc_context({
-            "font.family": [FONT], "font.size": NORMAL, "axes.titlesize": NORMAL,
-            "axes.labelsize": NORMAL, "text.color": ink, "axes.labelcolor": ink,
-            "text.usetex": False, "figure.facecolor": paper, "axes.facecolor": paper,
-            "axes.edgecolor": faint, "axes.unicode_minus": True, "axes.formatter.useoffset": False,
-        }):
+        with (
+            np.errstate(under="ignore"),
+            rc_context(
+                {
+                    "font.family": [FONT],
+                    "font.size": NORMAL,
+                    "axes.titlesize": NORMAL,
+                    "axes.labelsize": NORMAL,
+                    "text.color": ink,
+                    "axes.labelcolor": ink,
+                    "text.usetex": False,
+                    "figure.facecolor": paper,
+                    "axes.facecolor": paper,
+                    "axes.edgecolor": faint,
+                    "axes.unicode_minus": True,
+                    "axes.formatter.useoffset": False,
+                }
+            ),
+        ):
             return draw(*args, **kwargs)
 
     return drawn
@@ -135,7 +165,9 @@ def centred(values: Any, rest: float = 0.0) -> colors.Normalize:
     return colors.Normalize(rest - reach, rest + reach)
 
 
-def ink_on(norm: colors.Normalize, value: float, palette: colors.Colormap | None = None) -> str:
+def ink_on(
+    norm: colors.Normalize, value: float, palette: colors.Colormap | None = None
+) -> str:
     """Colour of text that can be read on the colour of `value`, by default a signed one."""
     red, green, blue, _ = (palette or colours().signed)(norm(value))
     return "white" if 0.3 * red + 0.59 * green + 0.11 * blue < 0.45 else INK
@@ -146,7 +178,9 @@ class Sheet(Figure):
 
     def _repr_png_(self) -> bytes:
         memory = io.BytesIO()
-        self.savefig(memory, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None})
+        self.savefig(
+            memory, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None}
+        )
         return memory.getvalue()
 
 
@@ -173,7 +207,9 @@ def figure_of(drawn: Any) -> Any:
     axes = getattr(drawn, "ax", drawn)
     figure = getattr(axes, "figure", axes)
     if not isinstance(figure, Figure):
-        raise refusal("picture", f"must be a figure, axes or a picture of them, got {drawn!r}")
+        raise refusal(
+            "picture", f"must be a figure, axes or a picture of them, got {drawn!r}"
+        )
     return figure
 
 
@@ -185,7 +221,9 @@ def wanted_width(usual: float) -> float:
 def new_figure(width: float, height: float) -> Sheet:
     """Figure of a size in inches, or of the width asked for, that pyplot does not keep."""
     scale = wanted_width(width) / width
-    tall = height * (scale if scale > 1 else math.sqrt(scale))  # labels take room as before
+    tall = height * (
+        scale if scale > 1 else math.sqrt(scale)
+    )  # labels take room as before
     return Sheet(figsize=(width * scale, tall), layout="constrained")
 
 
@@ -197,7 +235,9 @@ def axes(ax: Axes | None, width: float, height: float) -> Axes:
     return ax
 
 
-def two_axes(ax: Any, what: str, height: float, ratios: Sequence[float]) -> tuple[Axes, Axes]:
+def two_axes(
+    ax: Any, what: str, height: float, ratios: Sequence[float]
+) -> tuple[Axes, Axes]:
     """The pair of Axes given, or those of a new figure; ValueError for anything else."""
     if ax is None:
         ax = new_figure(5.6, height).subplots(2, sharex=True, height_ratios=ratios)
@@ -208,13 +248,21 @@ def two_axes(ax: Any, what: str, height: float, ratios: Sequence[float]) -> tupl
     return upper, lower
 
 
-def dress(ax: Axes, named: Sequence[artist.Artist | None] = (), **settings: Any) -> None:
+def dress(
+    ax: Axes, named: Sequence[artist.Artist | None] = (), **settings: Any
+) -> None:
     """Settings, ticks and frame of an Axes, and the names of artists above it."""
     ax.set(**settings)
     legend_above(ax, named)
     _, ink, faint, *_ = colours()
-    ax.tick_params(which="both", labelsize=NORMAL - 1, labelfontfamily=FONT, labelcolor=ink,
-                   color=faint, length=3)
+    ax.tick_params(
+        which="both",
+        labelsize=NORMAL - 1,
+        labelfontfamily=FONT,
+        labelcolor=ink,
+        color=faint,
+        length=3,
+    )
     ax.spines[:].set_color(faint)
     ax.spines[["top", "right"]].set_visible(False)
 
@@ -250,38 +298,76 @@ def legend_above(
         return
     letters = [len(str(each.get_label())) for each in shown]
     room = 1.1 * float(extent(ax)[0]) / LETTER / SMALL  # and a little beyond the Axes
-    columns = next((n for n in range(len(shown), 1, -1) if room > sum(
-        max(column) + HANDLE for column in np.array_split(letters, n))), 1)
-    ax.legend(handles=shown, loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.1,
-              ncols=columns, frameon=False, fontsize=SMALL, title=title, title_fontsize=SMALL,
-              alignment="left", columnspacing=1.2, handlelength=1.6)
+    columns = next(
+        (
+            n
+            for n in range(len(shown), 1, -1)
+            if room > sum(max(column) + HANDLE for column in np.array_split(letters, n))
+        ),
+        1,
+    )
+    ax.legend(
+        handles=shown,
+        loc="lower left",
+        bbox_to_anchor=(0, 1),
+        borderaxespad=0.1,
+        ncols=columns,
+        frameon=False,
+        fontsize=SMALL,
+        title=title,
+        title_fontsize=SMALL,
+        alignment="left",
+        columnspacing=1.2,
+        handlelength=1.6,
+    )
 
 
 def cells(
-    ax: Axes, edges: Sequence[Floats], values: Floats, palette: colors.Colormap,
-    norm: colors.Normalize, missing: str = "no value",
+    ax: Axes,
+    edges: Sequence[Floats],
+    values: Floats,
+    palette: colors.Colormap,
+    norm: colors.Normalize,
+    missing: str = "no value",
 ) -> tuple[collections.QuadMesh, list[artist.Artist]]:
     """Draw values [x, y] as cells of one colour each; cells without value, if any, have a name."""
     paper, _, faint, *_ = colours()
-    drawn = ax.pcolormesh(*edges, np.ma.masked_invalid(values.T), cmap=palette, norm=norm,
-                          shading="flat", rasterized=True, zorder=1)
+    drawn = ax.pcolormesh(
+        *edges,
+        np.ma.masked_invalid(values.T),
+        cmap=palette,
+        norm=norm,
+        shading="flat",
+        rasterized=True,
+        zorder=1,
+    )
     name = patches.Patch(facecolor=paper, edgecolor=faint, label=missing)
     return drawn, [name] if np.isnan(values).any() else []
 
 
 def colour_bar(
-    ax: Axes, drawn: cm.ScalarMappable, label: str, rest: float | None = None, **how: Any
+    ax: Axes,
+    drawn: cm.ScalarMappable,
+    label: str,
+    rest: float | None = None,
+    **how: Any,
 ) -> colorbar.Colorbar:
     """Colour bar beside an Axes, or where and as matplotlib's words for it say.
 
     Of colours that are symmetric about a value of rest it shows those in use.
     """
-    bar = ax.figure.colorbar(drawn, ax=ax, label=label,
-                             **{"fraction": 0.06, "pad": 0.02, "aspect": 30, **how})
+    bar = ax.figure.colorbar(
+        drawn,
+        ax=ax,
+        label=label,
+        **{"fraction": 0.06, "pad": 0.02, "aspect": 30, **how},
+    )
     dress(bar.ax)
     bar.outline.set_visible(False)
     used: Any = np.ma.masked_invalid(np.ma.asarray(drawn.get_array()))
     if rest is not None and (used != rest).any():
         limits = min(rest, float(used.min())), max(rest, float(used.max()))
-        (bar.ax.set_xlim if bar.orientation == "horizontal" else bar.ax.set_ylim)(limits)
+        (bar.ax.set_xlim if bar.orientation == "horizontal" else bar.ax.set_ylim)(
+            limits
+        )
     return bar

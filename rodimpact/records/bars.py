@@ -65,18 +65,27 @@ class BarGauge(Declared):
     gain: float = quantity("", default=1.0, single=True)
 
     def _check(self, problems: Problems) -> None:
-        for name in ("signal", "opposite") if self.opposite is not None else ("signal",):
+        for name in (
+            ("signal", "opposite") if self.opposite is not None else ("signal",)
+        ):
             of_kind(name, getattr(self, name), Signal, "bridge.strain(volts)")
         if self.signal.unit and np.array_equal(self.gain, 1):
-            problems.append(("signal", f"must be strain, got {self.signal.unit}; give "
-                             "bridge.strain(volts), or a gain"))
+            problems.append(
+                (
+                    "signal",
+                    f"must be strain, got {self.signal.unit}; give "
+                    "bridge.strain(volts), or a gain",
+                )
+            )
         if not problems:
             _ = self.strain  # for which the opposite gauge has the same times and unit
 
     @property
     def strain(self) -> Signal:
         """Mean strain of the cross-section, with the sign of the signal."""
-        signal = self.signal if self.opposite is None else (self.signal + self.opposite) / 2
+        signal = (
+            self.signal if self.opposite is None else (self.signal + self.opposite) / 2
+        )
         return (signal * self.gain).replace(unit="")
 
     @property
@@ -149,7 +158,9 @@ class Side(NamedTuple):
         """
         from scipy import fft
 
-        lasting = math.ceil(3 * np.abs(distances).max() / self.speed / self.dt)  # of slow waves
+        lasting = math.ceil(
+            3 * np.abs(distances).max() / self.speed / self.dt
+        )  # of slow waves
         size = fft.next_fast_len(2 * count + lasting, real=True)
         f = fft.rfftfreq(size, self.dt)
         transfer = np.exp(-2j * np.pi * f * distances / self.speed)
@@ -162,7 +173,9 @@ class Side(NamedTuple):
         from scipy import fft
 
         size, transfer = self.transfer(len(strain), distance)
-        later: Floats = fft.irfft(fft.rfft(strain, size) * transfer, size)[: len(strain)]
+        later: Floats = fft.irfft(fft.rfft(strain, size) * transfer, size)[
+            : len(strain)
+        ]
         return later
 
     def at_face(self) -> tuple[Floats, Floats]:
@@ -201,8 +214,14 @@ class Side(NamedTuple):
             return (moving * pair[:, :count]).ravel()
 
         gauges: Any = LinearOperator((2 * count, 2 * count), seen, adjoint, dtype=float)
-        found = lsqr(gauges, (told * self.strains).ravel(), damp=DAMPING, iter_lim=ITERATIONS,
-                     atol=1e-10, btol=1e-10)[0]
+        found = lsqr(
+            gauges,
+            (told * self.strains).ravel(),
+            damp=DAMPING,
+            iter_lim=ITERATIONS,
+            atol=1e-10,
+            btol=1e-10,
+        )[0]
         towards, away = found.reshape(2, count)
         return towards, away
 
@@ -241,8 +260,10 @@ def sides_of(
     ):
         message = "must be a uniform Rod, two uniform Rods, or a Calibration"
         raise refusal("bars", f"{message}, got {shown(bars)}")
-    return (_side_of("input_gauges", input_gauges, pair[0], False, compression),
-            _side_of("output_gauges", output_gauges, pair[1], True, compression))
+    return (
+        _side_of("input_gauges", input_gauges, pair[0], False, compression),
+        _side_of("output_gauges", output_gauges, pair[1], True, compression),
+    )
 
 
 def _side_of(name: str, given: Any, rod: Rod, leaving: bool, compression: str) -> Side:
@@ -252,8 +273,12 @@ def _side_of(name: str, given: Any, rod: Rod, leaving: bool, compression: str) -
         of_kind(name, gauge, BarGauge, EXAMPLE)
         if gauge.distance >= float(rod.length):
             message = f"a gauge is {gauge.distance:g} m from the specimen"
-            raise refusal(name, f"{message}, but the bar is only {float(rod.length):g} m long")
-    if not 1 <= len(gauges) <= 2 or len({gauge.distance for gauge in gauges}) < len(gauges):
+            raise refusal(
+                name, f"{message}, but the bar is only {float(rod.length):g} m long"
+            )
+    if not 1 <= len(gauges) <= 2 or len({gauge.distance for gauge in gauges}) < len(
+        gauges
+    ):
         raise refusal(name, "must be one gauge, or two at different distances")
     strains = [gauge.strain for gauge in gauges]
     dt = strains[0].dt
@@ -264,27 +289,43 @@ def _side_of(name: str, given: Any, rod: Rod, leaving: bool, compression: str) -
     read = []
     for gauge, strain in zip(gauges, strains, strict=True):
         values = SIGNS[compression] * np.asarray(strain.at(np.minimum(times, end)))
-        read.append((_front_of(name, times, values, compression), gauge.distance, values))
+        read.append(
+            (_front_of(name, times, values, compression), gauge.distance, values)
+        )
     read.sort(key=lambda each: each[0].start)
     front = read[0][0]
     quiet = int((front.start - 1.5 * front.rise - start) / dt)
     if quiet < QUIET:
         message = f"the record begins {front.start - start:.3g} s before the pulse"
-        raise refusal(name, f"{message}; {QUIET} samples before it are needed for the baseline")
-    return Side(rod, leaving, np.array([distance for _, distance, _ in read]),
-                np.array([values - values[:quiet].mean() for _, _, values in read]),
-                times, dt, quiet, front)
+        raise refusal(
+            name, f"{message}; {QUIET} samples before it are needed for the baseline"
+        )
+    return Side(
+        rod,
+        leaving,
+        np.array([distance for _, distance, _ in read]),
+        np.array([values - values[:quiet].mean() for _, _, values in read]),
+        times,
+        dt,
+        quiet,
+        front,
+    )
 
 
 def _front_of(name: str, times: Floats, strain: Floats, compression: str) -> Pulse:
     """The first compressive pulse of a record; the rest of it is cut off where it is over."""
     values = strain - np.median(strain[:QUIET])
-    smooth = np.convolve(values, np.ones(5) / 5, "same")  # one sample of noise is no pulse
+    smooth = np.convolve(
+        values, np.ones(5) / 5, "same"
+    )  # one sample of noise is no pulse
     first = int(np.argmax(np.abs(smooth) > 0.4 * np.abs(values).max()))
     if smooth[first] <= 0:
         (other,) = SIGNS.keys() - {compression}
-        raise refusal(name, "must begin with a compression; give "
-                      f'compression="{other}" if the signs differ')
+        raise refusal(
+            name,
+            "must begin with a compression; give "
+            f'compression="{other}" if the signs differ',
+        )
     below = np.flatnonzero(smooth[first:] <= 0)
     past = first + int(below[0]) + 1 if below.size else len(values)
     ended = np.append(values[:past], 0.0)  # how the pulse ends does not matter here

@@ -61,7 +61,9 @@ class Bridge(Declared):
             problems.append(("gain", "must not be 0"))
         one_of("kind", self.kind, ALONG)
         if self.kind == "full" and self.poisson_ratio is None:
-            message = "is missing; a full bridge needs it, two gauges lie across the bar"
+            message = (
+                "is missing; a full bridge needs it, two gauges lie across the bar"
+            )
             problems.append(("poisson_ratio", message))
         elif self.kind == "quarter" and self.poisson_ratio is not None:
             message = "is for gauges across the bar, and a quarter bridge has none"
@@ -83,8 +85,15 @@ class Bridge(Declared):
         ValueError
             If the signal is not in volts.
         """
-        of_kind("volts", volts, Signal, "read_signals('shot.csv', rate=1e7, units='V')['CH1']")
+        of_kind(
+            "volts",
+            volts,
+            Signal,
+            "read_signals('shot.csv', rate=1e7, units='V')['CH1']",
+        )
         if volts.unit != "V":
             got = volts.unit or "pure numbers"
-            raise refusal("volts", f"must be a signal in V, got {shown(volts.name)} in {got}")
+            raise refusal(
+                "volts", f"must be a signal in V, got {shown(volts.name)} in {got}"
+            )
         return volts.replace(values=volts.values * self.strain_per_volt, unit="")

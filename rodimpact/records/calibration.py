@@ -23,7 +23,9 @@ from .signal import Signal
 
 SLACK = 0.1  # of a travel time: how far the wave speed that was given may be off
 FAINT = 0.15  # of a pulse: what is above it counts
-PASSES = 3  # of finding a wave speed, on which the dispersion that finds it depends a little
+PASSES = (
+    3  # of finding a wave speed, on which the dispersion that finds it depends a little
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,15 +77,20 @@ class Calibration:
 
     def applied(self, sides: tuple[Side, ...]) -> tuple[Side, ...]:
         """Sides of a shot with the gains applied."""
-        return tuple(side._replace(strains=gain * side.strains)
-                     for side, gain in zip(sides, self.gains, strict=True))
+        return tuple(
+            side._replace(strains=gain * side.strains)
+            for side, gain in zip(sides, self.gains, strict=True)
+        )
 
     def off_by_one_error(self, sides: tuple[Side, ...]) -> Iterator[tuple[Side, ...]]:
         """Sides in which one gain or one wave speed is changed by its standard error."""
         for i, side in enumerate(sides):
             gain = 1 + self.gain_errors[i] / self.gains[i]
             faster = with_speed(side.rod, side.speed + self.speed_errors[i])
-            for changed in (side._replace(strains=gain * side.strains), side._replace(rod=faster)):
+            for changed in (
+                side._replace(strains=gain * side.strains),
+                side._replace(rod=faster),
+            ):
                 yield (*sides[:i], changed, *sides[i + 1 :])
 
     def __str__(self) -> str:
@@ -91,19 +98,28 @@ class Calibration:
         rows = [["", "wave speed", "gain", "noise/plateau", "bending/plateau"]]
         for k, title in enumerate(("input bar", "output bar")):
             bending, speed = self.bending[k], self.bars[k].segments[0].wave_speed
-            rows.append([
-                title, f"{speed:.1f} +- {self.speed_errors[k]:.1f} m/s",
-                f"{self.gains[k]:.4f} +- {self.gain_errors[k]:.4f}",
-                f"{100 * self.noise[k]:.2f} %",
-                "-" if bending is None else f"{100 * bending:.1f} %"])
+            rows.append(
+                [
+                    title,
+                    f"{speed:.1f} +- {self.speed_errors[k]:.1f} m/s",
+                    f"{self.gains[k]:.4f} +- {self.gain_errors[k]:.4f}",
+                    f"{100 * self.noise[k]:.2f} %",
+                    "-" if bending is None else f"{100 * bending:.1f} %",
+                ]
+            )
         return align(list(zip(*rows, strict=True))) + (
             f"\nreflected at the joint: {100 * self.reflected:.2f} % of the incident strain; "
-            f"expected from the impedances: {100 * self.expected:.2f} %")
+            f"expected from the impedances: {100 * self.expected:.2f} %"
+        )
 
 
 def calibrate(
-    input_gauges: Any, output_gauges: Any, bars: Rod | tuple[Rod, Rod], *,
-    striker_speed: float | None = None, compression: Compression = "negative",
+    input_gauges: Any,
+    output_gauges: Any,
+    bars: Rod | tuple[Rod, Rod],
+    *,
+    striker_speed: float | None = None,
+    compression: Compression = "negative",
 ) -> Calibration:
     """Wave speeds and gains from a shot with the two bars together and no specimen.
 
@@ -150,19 +166,34 @@ def calibrate(
     >>> [round(gain, 2) for gain in found.gains]
     [1.0, 1.0]
     """
-    for name, given in (("input_gauges", input_gauges), ("output_gauges", output_gauges)):
-        of_kind(name, given, BarGauge, EXAMPLE)  # each gauge of a bar is calibrated alone
+    for name, given in (
+        ("input_gauges", input_gauges),
+        ("output_gauges", output_gauges),
+    ):
+        of_kind(
+            name, given, BarGauge, EXAMPLE
+        )  # each gauge of a bar is calibrated alone
     first, second = sides_of(input_gauges, output_gauges, bars, compression)
     # the pulse comes back to the output gauge from the far end of its bar
     back = 2 * (float(second.rod.length) - float(second.distances[0]))
     passed_second = _passing(second)
-    second, error2 = _timed(second, back, second, lambda now: -now.carried(passed_second, back))
+    second, error2 = _timed(
+        second, back, second, lambda now: -now.carried(passed_second, back)
+    )
     # from the input gauge it goes through the rest of both bars to the output gauge
     pulse = np.interp(second.times, first.times, _passing(first), left=0.0, right=0.0)
     path, rest = float(first.distances[0]), float(second.distances[0])
-    first, own = _timed(first, path, second, lambda now: second.carried(
-        now._replace(dt=second.dt).carried(pulse, path), rest))
-    other = error2 / second.speed * rest / second.speed  # s, by which the second bar may be off
+    first, own = _timed(
+        first,
+        path,
+        second,
+        lambda now: second.carried(
+            now._replace(dt=second.dt).carried(pulse, path), rest
+        ),
+    )
+    other = (
+        error2 / second.speed * rest / second.speed
+    )  # s, by which the second bar may be off
     error1 = math.hypot(own, first.speed**2 / path * other)
     # strain that comes back from the joint over the incident one, by least squares
     sent = first.carried(_passing(first), 2 * path)
@@ -178,12 +209,20 @@ def calibrate(
     transmitted = 2 * Z2 / (Z1 + Z2) * first.stiffness / second.stiffness
     gains = gain, gain * transmitted * struck / passed
     noise = _noise(first) / struck, _noise(second) / passed
-    errors = [share / math.sqrt(max(1.0, side.front.width / side.dt)) * gain
-              for share, side, gain in zip(noise, (first, second), gains, strict=True)]
+    errors = [
+        share / math.sqrt(max(1.0, side.front.width / side.dt)) * gain
+        for share, side, gain in zip(noise, (first, second), gains, strict=True)
+    ]
     return Calibration(
-        (first.rod, second.rod), gains, (error1, error2), (errors[0], errors[1]),
-        reflected, (Z2 - Z1) / (Z1 + Z2), noise,
-        (_bending(input_gauges, first), _bending(output_gauges, second)))
+        (first.rod, second.rod),
+        gains,
+        (error1, error2),
+        (errors[0], errors[1]),
+        reflected,
+        (Z2 - Z1) / (Z1 + Z2),
+        noise,
+        (_bending(input_gauges, first), _bending(output_gauges, second)),
+    )
 
 
 def with_speed(rod: Rod, speed: float) -> Rod:
@@ -212,12 +251,22 @@ def _timed(
         there = np.flatnonzero(np.abs(lag) > FAINT * np.abs(lag).max())
         low, high = seen.times[there[[0, -1]]] + SLACK * travel * np.array([-1, 1])
         if high > seen.times[-1]:
-            message = f"the record ends at {seen.times[-1]:.4g} s, before the pulse returns"
-            raise refusal("output_gauges", f"{message} from the far end; record up to {high:.4g} s")
-        found = Signal(seen.strains[0], seen.times).window(low, high).misfit(
-            Signal(lag, seen.times), shift=(-SLACK * travel, SLACK * travel))
+            message = (
+                f"the record ends at {seen.times[-1]:.4g} s, before the pulse returns"
+            )
+            raise refusal(
+                "output_gauges",
+                f"{message} from the far end; record up to {high:.4g} s",
+            )
+        found = (
+            Signal(seen.strains[0], seen.times)
+            .window(low, high)
+            .misfit(Signal(lag, seen.times), shift=(-SLACK * travel, SLACK * travel))
+        )
         if found.at_limit:
-            message = f"the travel time is more than {100 * SLACK:g} % off the expected one"
+            message = (
+                f"the travel time is more than {100 * SLACK:g} % off the expected one"
+            )
             raise refusal("bars", f"{message}; correct wave speed, length or distances")
         side = side._replace(rod=with_speed(side.rod, path / (travel + found.shift)))
     slopes = np.diff(lag)[there[0] : there[-1]] / seen.dt

@@ -10,7 +10,9 @@ Bounds: TypeAlias = float | tuple[float, float]
 Record: TypeAlias = tuple[Floats, Floats]  # times and values
 
 NEAR_TOP = 0.7  # of the largest sample: from here on samples belong to the plateau
-MOST_LAGS = 1 << 16  # samples of a record and its shifts, among which the best is chosen
+MOST_LAGS = (
+    1 << 16
+)  # samples of a record and its shifts, among which the best is chosen
 FAINT = 1e-12  # of the power of a model: less is round-off
 REFINED = 4  # of the best shifts of a sample each
 AT_LIMIT = 1e-3  # of the range between two limits
@@ -77,7 +79,9 @@ class Misfit(NamedTuple):
 def pulse_of(times: Floats, values: Floats) -> Pulse:
     """Timing of the pulse with the largest sample; ValueError if the record cuts the pulse off."""
     sign = 1.0 if values.max() >= -values.min() else -1.0
-    v = np.concatenate(([-np.inf], sign * values, [-np.inf]))  # below any level beyond the ends
+    v = np.concatenate(
+        ([-np.inf], sign * values, [-np.inf])
+    )  # below any level beyond the ends
     t = np.concatenate(([np.nan], times, [np.nan]))
     top = int(v.argmax())
 
@@ -98,7 +102,9 @@ def pulse_of(times: Floats, values: Floats) -> Pulse:
             "its plateau, after it below half; use a longer window, or subtract the baseline"
         )
     high = above.start + int(np.argmax(v[above] >= 0.9 * level))
-    reach = float(np.interp(0.9 * level, v[high - 1 : high + 1], t[high - 1 : high + 1]))
+    reach = float(
+        np.interp(0.9 * level, v[high - 1 : high + 1], t[high - 1 : high + 1])
+    )
     return Pulse(start, down - up, reach - start, sign * level)
 
 
@@ -125,7 +131,9 @@ def gain_unit(measured: str, predicted: str) -> str:
 
 
 def misfit_of(
-    record: Record, model: Record, shift: tuple[float, float] | None,
+    record: Record,
+    model: Record,
+    shift: tuple[float, float] | None,
     scale: tuple[float, float] | None,
 ) -> Misfit:
     """Misfit with the best shift and scale within their bounds."""
@@ -147,13 +155,19 @@ def misfit_of(
         # of all shifts by whole samples those that suit best; the sums of products for all shifts
         # at once are a correlation, by Fourier transforms
         length = times[-1] - times[0]
-        step = float(max(min(np.diff(times).min(), np.diff(model[0]).min()),
-                         (length + high - low) / MOST_LAGS))
+        step = float(
+            max(
+                min(np.diff(times).min(), np.diff(model[0]).min()),
+                (length + high - low) / MOST_LAGS,
+            )
+        )
         n, lags = int(length / step) + 1, int((high - low) / step) + 1
         y = np.interp(times[0] + step * np.arange(n), times, values)
         m = np.interp(times[0] - high + step * np.arange(n + lags - 1), *model)
         size = 1 << (len(m) - 1).bit_length()
-        cross = np.fft.irfft(np.fft.rfft(m, size) * np.conj(np.fft.rfft(y, size)), size)[:lags]
+        cross = np.fft.irfft(
+            np.fft.rfft(m, size) * np.conj(np.fft.rfft(y, size)), size
+        )[:lags]
         sums = np.concatenate(([0.0], np.cumsum(m * m)))
         power = sums[n : n + lags] - sums[:lags]
         power[power <= FAINT * sums[-1]] = 0.0
@@ -164,8 +178,14 @@ def misfit_of(
         shifts = [float(min(max(high - j * step, low), high)) for j in chosen]
         options = {"xatol": 1e-9 * length}
         refined = [
-            float(minimize_scalar(lambda x: at(x)[0], method="bounded", options=options,
-                                  bounds=(max(s - step, low), min(s + step, high))).x)
+            float(
+                minimize_scalar(
+                    lambda x: at(x)[0],
+                    method="bounded",
+                    options=options,
+                    bounds=(max(s - step, low), min(s + step, high)),
+                ).x
+            )
             for s in shifts
         ]
         best = min([*refined, *shifts], key=at)
@@ -174,8 +194,11 @@ def misfit_of(
     limits = {"shift": (best, low, high, near)}
     if scale is not None:
         limits["scale"] = (factor, *scale, AT_LIMIT * (scale[1] - scale[0]))
-    told = tuple(name for name, (x, least, most, apart) in limits.items()
-                 if least < most and not least + apart < x < most - apart)
+    told = tuple(
+        name
+        for name, (x, least, most, apart) in limits.items()
+        if least < most and not least + apart < x < most - apart
+    )
     return Misfit(found, best, factor, told)
 
 

@@ -35,12 +35,15 @@ def amplified(values: Floats, dt: float, frequency: float, order: int) -> Floats
 
     analog = signal.butter(order, 2 * math.pi * frequency, analog=True)
     top, bottom, _ = signal.cont2discrete(analog, dt, method="foh")
-    result: Floats = values[0] + signal.lfilter(np.ravel(top), bottom, values - values[0])
+    result: Floats = values[0] + signal.lfilter(
+        np.ravel(top), bottom, values - values[0]
+    )
     return result
 
 
 LOW_PASS: dict[str, Callable[[Floats, float, float], Floats]] = {
-    "gaussian": gaussian, "first-order": partial(amplified, order=1),
+    "gaussian": gaussian,
+    "first-order": partial(amplified, order=1),
     "second-order": partial(amplified, order=2),
 }
 
@@ -69,12 +72,16 @@ def first_mode(f: Floats, distance: float, bar: Any) -> Any:
 
     Delays count from the arrival of long waves; nothing above the cut-off goes on.
     """
-    below = np.clip((bar.cut_off - f) / f[1] + 0.5, 0.0, 1.0)  # share of what f stands for
+    below = np.clip(
+        (bar.cut_off - f) / f[1] + 0.5, 0.0, 1.0
+    )  # share of what f stands for
     carried = np.minimum(f, bar.cut_off)
     return below * np.exp(-2j * np.pi * carried * bar.delays(carried) * distance)
 
 
-def _through(values: Floats, dt: float, transfer: Callable[[Floats], Any], tail: int) -> Floats:
+def _through(
+    values: Floats, dt: float, transfer: Callable[[Floats], Any], tail: int
+) -> Floats:
     """Values after a filter of that gain over frequency, whose answers last `tail` samples.
 
     A smooth way leads from the last value back to the first, out of reach of the record.
@@ -84,14 +91,22 @@ def _through(values: Floats, dt: float, transfer: Callable[[Floats], Any], tail:
     margin = tail + len(values) // 4 + 64
     if len(values) + 3 * margin > MOST:
         message = f"{dt!r} makes the filtered record longer than {MOST} samples"
-        raise refusal("dt", f"{message}; use resampled(dt) with a longer dt, or a shorter distance")
+        raise refusal(
+            "dt",
+            f"{message}; use resampled(dt) with a longer dt, or a shorter distance",
+        )
     count = fft.next_fast_len(len(values) + 3 * margin, real=True)
     back = np.arange(1, count - len(values) - 2 * margin + 1)
     weight = (1 + np.cos(np.pi * back / (len(back) + 1))) / 2
     first, last = values[0], values[-1]
-    whole = np.concatenate((
-        values, np.full(margin, last), first + (last - first) * weight, np.full(margin, first)
-    ))
+    whole = np.concatenate(
+        (
+            values,
+            np.full(margin, last),
+            first + (last - first) * weight,
+            np.full(margin, first),
+        )
+    )
     spectrum = fft.rfft(whole) * transfer(fft.rfftfreq(count, dt))
     result: Floats = fft.irfft(spectrum, count)[: len(values)]
     return result

@@ -23,7 +23,10 @@ def as_table(text: str) -> tuple[str, str]:
         entries[key.casefold()] = [cell for cell in cells if cell]
         if key.casefold() == HEAD and LABVIEW in entries:
             return _labview(text, number, [key, *cells], entries)
-    if not any(key in entries for key in TEKTRONIX) or "horizontal units" not in entries:
+    if (
+        not any(key in entries for key in TEKTRONIX)
+        or "horizontal units" not in entries
+    ):
         return text, ""
     return _tektronix(text, lines, entries)
 
@@ -34,14 +37,20 @@ def _labview(
     """A time for every line where there is none, and heads with units."""
     columns = entries.get("x_columns", ["One"])[0].casefold()
     if columns not in ("one", "no"):
-        raise FileFormatError(f"has a column of times for each channel (X_Columns {columns}); "
-                              "save it with one column for all (X_Columns One)")
+        raise FileFormatError(
+            f"has a column of times for each channel (X_Columns {columns}); "
+            "save it with one column for all (X_Columns One)"
+        )
     if columns == "no":
         try:
-            start, step = (float(entries[key][0].replace(",", ".")) for key in ("x0", "delta_x"))
+            start, step = (
+                float(entries[key][0].replace(",", ".")) for key in ("x0", "delta_x")
+            )
         except (KeyError, IndexError, ValueError):
-            raise FileFormatError("has no times (X_Columns No), and no numbers X0 and Delta_X; "
-                                  "save it with a column of times (X_Columns One)") from None
+            raise FileFormatError(
+                "has no times (X_Columns No), and no numbers X0 and Delta_X; "
+                "save it with a column of times (X_Columns One)"
+            ) from None
         sign = entries.get("decimal_separator", ["."])[0]
         lines = text.split("\n")
         for i in range(number + 1, len(lines)):
@@ -52,7 +61,9 @@ def _labview(
     return text, _heads(channels, entries.get("y_unit_label", []), "s", "\t")
 
 
-def _tektronix(text: str, lines: list[str], entries: dict[str, list[str]]) -> tuple[str, str]:
+def _tektronix(
+    text: str, lines: list[str], entries: dict[str, list[str]]
+) -> tuple[str, str]:
     """The table alone, and heads with units."""
     time, units = entries["horizontal units"][0], entries.get("vertical units", [])
     if "time" in entries:
@@ -60,7 +71,9 @@ def _tektronix(text: str, lines: list[str], entries: dict[str, list[str]]) -> tu
     if lines[0].count(",") < BESIDE:
         return text, ""
     table = [line.split(",", BESIDE)[-1] for line in text.split("\n")]
-    return "\n".join(table), _heads(entries.get("source", ["CH1"])[:1], units[:1], time, ",")
+    return "\n".join(table), _heads(
+        entries.get("source", ["CH1"])[:1], units[:1], time, ","
+    )
 
 
 def _heads(channels: list[str], units: list[str], time: str, mark: str) -> str:

@@ -35,21 +35,47 @@ SURE = 3  # rows of numbers that begin a table
 GAP = 1.5  # steps from which on samples are missing
 HELD = 8  # samples in a row at the largest value, and
 LONGER = 4  # times as many as at any other: a recorder at its limit
-BLOCK = 1 << 17  # characters: the most before the numbers, and between two reports of progress
+BLOCK = (
+    1 << 17
+)  # characters: the most before the numbers, and between two reports of progress
 TIMES_FILE = 4  # bytes of memory for each byte of a table
-WORDS = {"second": "s", "seconds": "s", "sec": "s", "msec": "ms", "usec": "us", "nsec": "ns",
-         "volt": "V", "volts": "V", "strain": "1", "-": "1", "m/m": "1", "mm/mm": "1"}
+WORDS = {
+    "second": "s",
+    "seconds": "s",
+    "sec": "s",
+    "msec": "ms",
+    "usec": "us",
+    "nsec": "ns",
+    "volt": "V",
+    "volts": "V",
+    "strain": "1",
+    "-": "1",
+    "m/m": "1",
+    "mm/mm": "1",
+}
 """Units as instruments spell them."""
-MEASURED = ("time", "voltage", "dimensionless", "force", "pressure", "velocity", "length",
-            "acceleration")
+MEASURED = (
+    "time",
+    "voltage",
+    "dimensionless",
+    "force",
+    "pressure",
+    "velocity",
+    "length",
+    "acceleration",
+)
 """What a unit at the end of a name may be, without brackets: incident_V."""
 _NUMBER = r"[+-]?(?:\d+(?:{0})?|{1})(?:[eE][+-]?\d+)?|(?i:[+-]?(?:nan|inf(?:inity)?))"
-_THOUSANDS = {".": re.compile(r"[+-]?[1-9]\d{0,2}(\.\d{3})+"),
-              ",": re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")}
+_THOUSANDS = {
+    ".": re.compile(r"[+-]?[1-9]\d{0,2}(\.\d{3})+"),
+    ",": re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+"),
+}
 _QUOTED = re.compile(r'"[+-]?\d*,\d+(?:[eE][+-]?\d+)?"')
 _LINE = re.compile(r".*\n|.+")
-_NUMBERS = {".": re.compile(_NUMBER.format(r"\.\d*", r"\.\d+")),
-            ",": re.compile(_NUMBER.format(r",\d+", r",\d+"))}
+_NUMBERS = {
+    ".": re.compile(_NUMBER.format(r"\.\d*", r"\.\d+")),
+    ",": re.compile(_NUMBER.format(r",\d+", r",\d+")),
+}
 
 
 class ClippedSignal(UserWarning):
@@ -111,9 +137,14 @@ FORMS[4:4] = QUOTED, COMMAS
 
 
 def read_signals(
-    path: PathLike, *, time: str | None = None, time_unit: str | None = None,
-    rate: float | None = None, units: str | Mapping[str, str] | None = None,
-    decimal: str | None = None, progress: Progress | None = None,
+    path: PathLike,
+    *,
+    time: str | None = None,
+    time_unit: str | None = None,
+    rate: float | None = None,
+    units: str | Mapping[str, str] | None = None,
+    decimal: str | None = None,
+    progress: Progress | None = None,
 ) -> dict[str, Signal]:
     r"""Read the channels of a table of text.
 
@@ -186,10 +217,15 @@ def read_signals(
     if progress is not None and not callable(progress):
         raise refusal("progress", f"must be a function, got {shown(progress)}")
     with open_regular(path) as file:
-        memory.check_file(file.name, TIMES_FILE * os.fstat(file.fileno()).st_size,
-                          "cut it into shorter records")
+        memory.check_file(
+            file.name,
+            TIMES_FILE * os.fstat(file.fileno()).st_size,
+            "cut it into shorter records",
+        )
         try:
-            return _Table(_text(file), decimal, progress).signals(time, time_unit, rate, units)
+            return _Table(_text(file), decimal, progress).signals(
+                time, time_unit, rate, units
+            )
         except FileFormatError as error:
             raise FileFormatError(str(error), os.fspath(path)) from None
 
@@ -210,8 +246,13 @@ class _Table:
         self.names, self.units = _heads(heads, self.form, self.count)
         delimiter = self.form.delimiter.translate(self.form.to_points) or None
         try:
-            rows: Any = np.loadtxt(self._plain(progress), delimiter=delimiter, comments=None,
-                                   quotechar='"', ndmin=2)
+            rows: Any = np.loadtxt(
+                self._plain(progress),
+                delimiter=delimiter,
+                comments=None,
+                quotechar='"',
+                ndmin=2,
+            )
         except ValueError:
             rows = np.empty((0, 0))
         if rows.shape[1] != self.count or not np.isfinite(rows).all():
@@ -228,7 +269,9 @@ class _Table:
 
     def _plain(self, progress: Progress | None) -> Iterator[str]:
         """Rows with decimal points."""
-        forecast = Forecast(warn, "a record of fewer samples or channels", progress, "reading")
+        forecast = Forecast(
+            warn, "a record of fewer samples or channels", progress, "reading"
+        )
         told, done, size = 0, self.start, len(self.text)
         for _, row in self._rows():
             yield row.translate(self.form.to_points)
@@ -241,14 +284,20 @@ class _Table:
         """Numbers of line i; FileFormatError with the place of what is none."""
         cells = self.form.cells(text)
         if len(cells) > self.count:
-            raise FileFormatError(f"line {i}: has {len(cells)} columns, the lines above have "
-                                  f"{self.count}; complete or remove it")
+            raise FileFormatError(
+                f"line {i}: has {len(cells)} columns, the lines above have "
+                f"{self.count}; complete or remove it"
+            )
         numbers = []
         for name, cell in zip_longest(self.names, cells, fillvalue=""):
-            number = float(cell.replace(",", ".")) if self.form.is_number(cell) else math.nan
+            number = (
+                float(cell.replace(",", ".")) if self.form.is_number(cell) else math.nan
+            )
             if not math.isfinite(number):
-                raise FileFormatError(f"line {i}, column {shown(name)}: must be a finite number, "
-                                      f"got {shown(cell)}; complete or remove the line")
+                raise FileFormatError(
+                    f"line {i}, column {shown(name)}: must be a finite number, "
+                    f"got {shown(cell)}; complete or remove the line"
+                )
             numbers.append(number)
         return numbers
 
@@ -256,8 +305,13 @@ class _Table:
         """Refuse numbers that may be thousands or parts of one: all are like 1,234."""
         sign = self.form.decimal
         whole = _THOUSANDS[sign].fullmatch
-        cells = (cell for _, row in self._rows() if sign in row
-                 for cell in self.form.cells(row) if sign in cell)
+        cells = (
+            cell
+            for _, row in self._rows()
+            if sign in row
+            for cell in self.form.cells(row)
+            if sign in cell
+        )
         first = next(cells, "")
         if whole(first) and all(map(whole, cells)):
             raise FileFormatError(
@@ -275,21 +329,28 @@ class _Table:
     ) -> dict[str, Signal]:
         """Signal of each channel."""
         if self.columns.shape[1] < 2:
-            raise FileFormatError("has one line of numbers; a signal needs two samples or more")
+            raise FileFormatError(
+                "has one line of numbers; a signal needs two samples or more"
+            )
         named = [name for name in self.names if TIMES.fullmatch(name)]
         if rate is None:
-            first = ["1"] if self.names[0] == "1" else named  # the first column without heads
+            first = (
+                ["1"] if self.names[0] == "1" else named
+            )  # the first column without heads
             found = first if time is None else [time]
             if len(found) != 1 or found[0] not in self.names or self.count < 2:
                 heads = ", ".join(map(shown, self.names[:8]))
                 raise FileFormatError(
                     f"must have one column called {shown(time or 'time')} and another one, has "
                     f"{heads}; give the head of one as time=, or give rate=, the sampling rate in "
-                    "Hz")
+                    "Hz"
+                )
             clock = self.names.index(found[0])
             times = self._times(clock, time_unit)
         elif named:
-            raise FileFormatError(f"has a column of times, {shown(named[0])}; leave rate out")
+            raise FileFormatError(
+                f"has a column of times, {shown(named[0])}; leave rate out"
+            )
         else:
             clock, times = -1, np.arange(self.columns.shape[1]) / rate
         channels = {name: j for j, name in enumerate(self.names) if j != clock}
@@ -298,7 +359,9 @@ class _Table:
         for name in units:
             if name not in channels:
                 raise refusal(
-                    "units", f"there is no channel {shown(name)}; {nearest(name, channels)}")
+                    "units",
+                    f"there is no channel {shown(name)}; {nearest(name, channels)}",
+                )
         signals = {}
         for name, j in channels.items():
             unit = self.units[j] if units.get(name) is None else units[name]
@@ -322,20 +385,28 @@ class _Table:
         if si != "s":
             raise FileFormatError(
                 f"column {name}: has no unit of time; give time_unit=, one of 's', 'ms', 'us', "
-                "'ns', or give the head of the column of times as time=")
+                "'ns', or give the head of the column of times as time="
+            )
         steps = np.diff(times)
         usual = np.median(steps)
         uneven = np.mean(np.abs(steps - usual) > EVEN * usual) >= 0.1
         for wrong, message in (
-            (steps <= 0, "times must increase; if the times have too few digits, remove the column "
-             "and give rate"),
-            ((steps > GAP * usual) & ~uneven, "samples are missing; cut the record there, or fill "
-             "in the samples"),
+            (
+                steps <= 0,
+                "times must increase; if the times have too few digits, remove the column "
+                "and give rate",
+            ),
+            (
+                (steps > GAP * usual) & ~uneven,
+                "samples are missing; cut the record there, or fill in the samples",
+            ),
         ):
             if wrong.any():
                 i = int(wrong.argmax())
-                raise FileFormatError(f"line {self._line(i + 1)}, column {name}: {times[i + 1]:.9g}"
-                                      f" s comes after {times[i]:.9g} s; {message}")
+                raise FileFormatError(
+                    f"line {self._line(i + 1)}, column {name}: {times[i + 1]:.9g}"
+                    f" s comes after {times[i]:.9g} s; {message}"
+                )
         return times  # type: ignore[no-any-return]
 
     def _warn_if_clipped(self, column: int) -> None:
@@ -348,7 +419,9 @@ class _Table:
             warnings.warn(
                 f"column {shown(self.names[column])} stays at {held[i]:.6g} for {lengths[i]} "
                 f"samples from line {self._line(int(starts[i]))} on: the recorder may have "
-                "clipped it", ClippedSignal, stacklevel=4,
+                "clipped it",
+                ClippedSignal,
+                stacklevel=4,
             )
 
 
@@ -368,14 +441,21 @@ def _text(file: BinaryIO) -> str:
 
 def _form_of(lines: list[str], text: str, decimal: str | None) -> tuple[_Form, int]:
     """How the lines of a text are cut into numbers, and the first line of numbers."""
-    forms = [form for form in FORMS if decimal in (None, form.decimal)
-             and (form != QUOTED or _QUOTED.search(text))]
+    forms = [
+        form
+        for form in FORMS
+        if decimal in (None, form.decimal) and (form != QUOTED or _QUOTED.search(text))
+    ]
     found: list[_Form] = []
     for start in range(len(lines)):
         # so many lines from there on, or all that follow, have equally many numbers
         rows = [line for line in lines[start : start + 2 * SURE] if line.strip()][:SURE]
-        if found := [form for form in forms if (count := form.numbers(lines[start]))
-                     and all(form.numbers(row) == count for row in rows)]:
+        if found := [
+            form
+            for form in forms
+            if (count := form.numbers(lines[start]))
+            and all(form.numbers(row) == count for row in rows)
+        ]:
             break
     else:
         raise FileFormatError(f"has no table of numbers{_why_none(lines, forms)}")
@@ -389,8 +469,10 @@ def _form_of(lines: list[str], text: str, decimal: str | None) -> tuple[_Form, i
         form = COMMAS
         last = next(filter(str.strip, reversed(lines[:start])), "")  # of the heads
         if len(several) < len(found) and last.count(",") != form.numbers(line) - 1:
-            raise FileFormatError(f"line {start + 1}: {shown(line)} may be two numbers or a "
-                                  'decimal comma; give decimal="." or decimal=","')
+            raise FileFormatError(
+                f"line {start + 1}: {shown(line)} may be two numbers or a "
+                'decimal comma; give decimal="." or decimal=","'
+            )
     count = form.numbers(line)
     alike = (i for i in range(start) if form.numbers(lines[i]) == count > 1)
     return form, next(alike, start)
@@ -403,31 +485,47 @@ def _why_none(lines: list[str], forms: list[_Form]) -> str:
         return "; export it as text, with one row for each sample"
     i = filled[len(filled) // 2]
     form = max(forms, key=lambda form: sum(map(form.is_number, form.cells(lines[i]))))
-    if count := form.numbers(lines[i]):  # then a line below it keeps it from being the first row
-        return (f": line {i + 1} has {count} numbers, but not all lines below it; every line needs "
-                "a number for each column")
+    if count := form.numbers(
+        lines[i]
+    ):  # then a line below it keeps it from being the first row
+        return (
+            f": line {i + 1} has {count} numbers, but not all lines below it; every line needs "
+            "a number for each column"
+        )
     odd = next(cell for cell in form.cells(lines[i]) if not form.is_number(cell))
-    return (f": line {i + 1} has {shown(odd)}; below the heads write only numbers, in columns "
-            "separated by tabs, semicolons, commas or blanks, times in seconds, and no separators "
-            "of thousands")
+    return (
+        f": line {i + 1} has {shown(odd)}; below the heads write only numbers, in columns "
+        "separated by tabs, semicolons, commas or blanks, times in seconds, and no separators "
+        "of thousands"
+    )
 
 
 def _heads(lines: list[str], form: _Form, count: int) -> tuple[list[str], list[str]]:
     """Names and units of the columns, from the lines before the numbers."""
-    texts = {i: text for i, line in enumerate(lines, 1) if (text := line.strip("#%/ \t\r;,"))}
-    rows = [row for row in (_head_cells(text, form, count) for text in texts.values())
-            if len(row) == count and all(row)]
+    texts = {
+        i: text for i, line in enumerate(lines, 1) if (text := line.strip("#%/ \t\r;,"))
+    }
+    rows = [
+        row
+        for row in (_head_cells(text, form, count) for text in texts.values())
+        if len(row) == count and all(row)
+    ]
     if not rows:
         given = form.cells(texts.popitem()[1]) if texts else []
         if form.delimiter and min(count, len(given)) > 1:
-            raise FileFormatError(f"has the {len(given)} heads {shown(given)} for {count} columns "
-                                  "of numbers; name each column")
+            raise FileFormatError(
+                f"has the {len(given)} heads {shown(given)} for {count} columns "
+                "of numbers; name each column"
+            )
         return [str(j + 1) for j in range(count)], [""] * count
     if count > 1 and form.is_number(rows[-1][0]):
         raise FileFormatError(
-            f"begins with a line that mixes {shown(rows[-1])} and numbers; complete or remove it")
+            f"begins with a line that mixes {shown(rows[-1])} and numbers; complete or remove it"
+        )
     below = [_spelt(cell.strip("[]() ")) for cell in rows[-1]]
-    alone = len(rows) > 1 and all(known_units.conversion(unit) is not None for unit in below)
+    alone = len(rows) > 1 and all(
+        known_units.conversion(unit) is not None for unit in below
+    )
     names, inside = zip(*map(_name_and_unit, rows[-2 if alone else -1]), strict=True)
     if double := [name for name in names if names.count(name) > 1]:
         raise FileFormatError(f"has two columns called {shown(double[0])}; rename one")
@@ -440,7 +538,9 @@ def _head_cells(text: str, form: _Form, count: int) -> list[str]:
     if not form.delimiter and len(cells) != count:
         joined = re.sub(r"\s+([\[(])", r"\1", text).split()
         cells = joined if len(joined) == count else re.split(r"\s{2,}|\t", text)
-    if len(cells) == count + 1 and cells[-1].casefold() == "comment":  # of LabVIEW, without entries
+    if (
+        len(cells) == count + 1 and cells[-1].casefold() == "comment"
+    ):  # of LabVIEW, without entries
         cells.pop()
     return cells
 
@@ -454,8 +554,12 @@ def _name_and_unit(head: str) -> tuple[str, str]:
     """Name of a column and its unit, "" if it has none."""
     head = head.strip(" \"'")
     if found := re.fullmatch(r"(.*?)[\s_/,]*[\[(]([^\[\]()]*)[\])]", head):
-        return one_line(found[1] or found[2]), _spelt(found[2].strip()) if found[1] else ""
-    if (found := re.fullmatch(r"(.*?)\s*(?:/|\bin\b|_|,|\s)\s*([^\s_/,]+)", head)) and found[1]:
+        return one_line(found[1] or found[2]), _spelt(found[2].strip()) if found[
+            1
+        ] else ""
+    if (
+        found := re.fullmatch(r"(.*?)\s*(?:/|\bin\b|_|,|\s)\s*([^\s_/,]+)", head)
+    ) and found[1]:
         si = known_units.conversion(unit := _spelt(found[2]))
         if si and known_units.dimension_of(si.unit) in MEASURED and unit != "1":
             return one_line(found[1]), unit

@@ -112,7 +112,9 @@ class Curve:
     def at_strain(self, strain: Any, column: Floats) -> Floats:
         """A column while loading, over strain instead of time."""
         up = self.loading
-        found: Floats = np.interp(strain, np.maximum.accumulate(self.strain[up]), column[up])
+        found: Floats = np.interp(
+            strain, np.maximum.accumulate(self.strain[up]), column[up]
+        )
         return found
 
 
@@ -192,7 +194,10 @@ class Reduction(Curve):
     @property
     def energy(self) -> Floats:
         """Energy absorbed by the specimen, the integral of F1 v1 - F2 v2, J, shape (n,)."""
-        power = self.input_force * self.input_velocity - self.output_force * self.output_velocity
+        power = (
+            self.input_force * self.input_velocity
+            - self.output_force * self.output_velocity
+        )
         return _integral(power, self.times)
 
     @property
@@ -210,19 +215,34 @@ class Reduction(Curve):
     def _keeps_volume(self) -> None:
         if not self.specimen.incompressible:
             message = "true stress and strain need a constant volume"
-            raise refusal("specimen", f"{message}: give Specimen(..., incompressible=True)")
+            raise refusal(
+                "specimen", f"{message}: give Specimen(..., incompressible=True)"
+            )
 
     @property
     def signals(self) -> dict[str, Signal]:
         """All columns as signals, by name."""
-        told = {"strain": "", "strain_rate": "1/s", "stress": "Pa", "stress_band": "Pa",
-                "strain_band": "", "one_sample": "Pa", "two_wave_stress": "Pa",
-                "three_wave_stress": "Pa", "input_force": "N", "output_force": "N",
-                "input_velocity": "m/s", "output_velocity": "m/s", "energy": "J"}
+        told = {
+            "strain": "",
+            "strain_rate": "1/s",
+            "stress": "Pa",
+            "stress_band": "Pa",
+            "strain_band": "",
+            "one_sample": "Pa",
+            "two_wave_stress": "Pa",
+            "three_wave_stress": "Pa",
+            "input_force": "N",
+            "output_force": "N",
+            "input_velocity": "m/s",
+            "output_velocity": "m/s",
+            "energy": "J",
+        }
         if self.specimen.incompressible:
             told |= {"true_strain": "", "true_stress": "Pa"}
-        return {name: Signal(getattr(self, name), self.times, unit=unit, name=name)
-                for name, unit in told.items()}
+        return {
+            name: Signal(getattr(self, name), self.times, unit=unit, name=name)
+            for name, unit in told.items()
+        }
 
     def to_csv(self, path: str, *, force: bool = False) -> None:
         """Write all columns over time; FileExistsError as `write_signals`."""
@@ -235,25 +255,38 @@ class Reduction(Curve):
     def __str__(self) -> str:
         """Table of stress at several strains, then alignment and energy."""
         strain = np.maximum.accumulate(self.strain[self.loading])
-        rows = [["strain", "strain rate", "stress", "+-", "one sample", "(F1 - F2)/mean"]]
+        rows = [
+            ["strain", "strain rate", "stress", "+-", "one sample", "(F1 - F2)/mean"]
+        ]
         for at in (*(e for e in SHOWN if e < strain[-1]), strain[-1]):
             i = int(np.searchsorted(strain, at))
-            rows.append([
-                f"{100 * self.strain[i]:.3g} %", f"{self.strain_rate[i]:.0f} 1/s",
-                format_si(self.stress[i], "Pa", 4), format_si(self.stress_band[i], "Pa", 2),
-                format_si(self.one_sample[i], "Pa", 2), f"{100 * self.equilibrium[i]:.1f} %"])
+            rows.append(
+                [
+                    f"{100 * self.strain[i]:.3g} %",
+                    f"{self.strain_rate[i]:.0f} 1/s",
+                    format_si(self.stress[i], "Pa", 4),
+                    format_si(self.stress_band[i], "Pa", 2),
+                    format_si(self.one_sample[i], "Pa", 2),
+                    f"{100 * self.equilibrium[i]:.1f} %",
+                ]
+            )
         way = "with the exact first mode" if self.disperses else "without dispersion"
         reflected, transmitted = (f"{1e6 * shift:.3g} us" for shift in self.shifts)
         return align(rows) + (
             f"\nstress from the transmitted wave; waves propagated {way}; reflected wave moved "
             f"{reflected} earlier, transmitted wave {transmitted}\n"
             f"energy absorbed: {format_si(self.energy[self.loading][-1], 'J', 3)}; the waves are "
-            f"separated until {1e6 * (self.times[-1] - self.times[0]):.4g} us after they arrive")
+            f"separated until {1e6 * (self.times[-1] - self.times[0]):.4g} us after they arrive"
+        )
 
 
 def reduce(
-    input_gauges: Any, output_gauges: Any, bars: Rod | tuple[Rod, Rod] | Calibration,
-    specimen: Specimen, *, compression: Compression = "negative",
+    input_gauges: Any,
+    output_gauges: Any,
+    bars: Rod | tuple[Rod, Rod] | Calibration,
+    specimen: Specimen,
+    *,
+    compression: Compression = "negative",
     align_within: float = 0.0,
 ) -> Reduction:
     """Stress, strain and energy of a specimen from the gauges of its two bars.
@@ -304,7 +337,8 @@ def reduce(
     limit = single("align_within", align_within, "s", "non-negative")
     known = bars if isinstance(bars, Calibration) else None
     sides: tuple[Side, ...] = sides_of(
-        input_gauges, output_gauges, known.bars if known else bars, compression)
+        input_gauges, output_gauges, known.bars if known else bars, compression
+    )
     # from the arrival at the specimen as long as the records separate the waves
     first = sides[0]
     start = first.foot + float(first.distances[0]) / first.speed
@@ -312,8 +346,11 @@ def reduce(
     count = int((end - start) / first.dt)
     if count < QUIET:
         message = f"the wave reaches the specimen at {start:.6g} s, but from {end:.6g} s on the"
-        raise refusal("input_gauges", f"{message} records do not separate the waves; use longer "
-                      "records or bars, and check the distances")
+        raise refusal(
+            "input_gauges",
+            f"{message} records do not separate the waves; use longer "
+            "records or bars, and check the distances",
+        )
     if known:
         sides = known.applied(sides)
     shot = _Shot(sides, specimen, start + first.dt * np.arange(count, dtype=float))
@@ -322,8 +359,14 @@ def reduce(
     curve = shot.curve()
     stress_band, strain_band = shot.bands(curve, known)
     disperses = all(side.mode for side in shot.sides)
-    return Reduction(**vars(curve), stress_band=stress_band, strain_band=strain_band,
-                     one_sample=shot.one_sample(curve), shifts=shot.shifts, disperses=disperses)
+    return Reduction(
+        **vars(curve),
+        stress_band=stress_band,
+        strain_band=strain_band,
+        one_sample=shot.one_sample(curve),
+        shifts=shot.shifts,
+        disperses=disperses,
+    )
 
 
 @dataclass(frozen=True)
@@ -342,11 +385,14 @@ class _Shot:
         i, r, b, t = (
             np.interp(self.times + shift, side.times, wave)
             for side, moved in zip(self.sides, shifts, strict=True)
-            for wave, shift in zip(side.at_face(), moved, strict=True))
+            for wave, shift in zip(side.at_face(), moved, strict=True)
+        )
         v1, v2 = first.speed * (i - r), second.speed * (t - b)
         rate = (v1 - v2) / self.specimen.length
         F1, F2 = first.stiffness * (i + r), second.stiffness * (t + b)
-        return Curve(self.times, _integral(rate, self.times), rate, F1, F2, v1, v2, self.specimen)
+        return Curve(
+            self.times, _integral(rate, self.times), rate, F1, F2, v1, v2, self.specimen
+        )
 
     def aligned(self, limit: float) -> _Shot:
         """The shot with the shifts that make its start elastic and its forces alike."""
@@ -358,20 +404,29 @@ class _Shot:
 
         def left(shifts: Floats) -> Floats:
             curve = replace(self, shifts=tuple(shifts)).curve()
-            apart = [(curve.input_force - curve.output_force)[start] / self.specimen.section]
+            apart = [
+                (curve.input_force - curve.output_force)[start] / self.specimen.section
+            ]
             if modulus is not None:
                 apart.append((curve.stress - modulus * curve.strain)[start])
             over: Floats = np.concatenate(apart) / largest
             return over
 
-        found = least_squares(left, (0.0, 0.0), bounds=(-limit, limit), diff_step=1e-3,
-                              x_scale=self.sides[0].dt)
+        found = least_squares(
+            left,
+            (0.0, 0.0),
+            bounds=(-limit, limit),
+            diff_step=1e-3,
+            x_scale=self.sides[0].dt,
+        )
         return replace(self, shifts=tuple(found.x.tolist()))
 
     def one_sample(self, curve: Curve) -> Floats:
         """Change of the stress at equal strain by a sample of the transmitted wave, Pa."""
         (early, late), dt = self.shifts, self.sides[1].dt
-        moved = [replace(self, shifts=(early, late + step)).curve() for step in (-dt, dt)]
+        moved = [
+            replace(self, shifts=(early, late + step)).curve() for step in (-dt, dt)
+        ]
         at_strain = [one.at_strain(curve.strain, one.stress) for one in moved]
         return np.abs(np.array(at_strain) - curve.stress).max(axis=0)  # type: ignore[no-any-return]
 
@@ -379,10 +434,14 @@ class _Shot:
         """Bands of 95 % of stress and strain: from noise, and from other constants of the bars."""
         rng = np.random.default_rng(0)
         two = max(len(side.distances) for side in self.sides) > 1
-        drawn = [replace(self, sides=tuple(_noise(side, rng) for side in self.sides)).curve()
-                 for _ in range(TWO_GAUGE_DRAWS if two else DRAWS)]
-        off = [replace(self, sides=sides).curve()
-               for sides in (known.off_by_one_error(self.sides) if known else ())]
+        drawn = [
+            replace(self, sides=tuple(_noise(side, rng) for side in self.sides)).curve()
+            for _ in range(TWO_GAUGE_DRAWS if two else DRAWS)
+        ]
+        off = [
+            replace(self, sides=sides).curve()
+            for sides in (known.off_by_one_error(self.sides) if known else ())
+        ]
 
         def band(column: Callable[[Curve], Floats]) -> Floats:
             variance = np.mean([column(each) ** 2 for each in drawn], axis=0)
@@ -499,10 +558,20 @@ def mean_of_shots(shots: Sequence[Reduction], points: int = 201) -> Shots:
     """
     given = isinstance(shots, Sequence) and len(shots) > 1
     if not given or not all(isinstance(each, Reduction) for each in shots):
-        raise refusal("shots", f"must be two or more Reductions from ri.reduce, got {shown(shots)}")
+        raise refusal(
+            "shots",
+            f"must be two or more Reductions from ri.reduce, got {shown(shots)}",
+        )
     strain = np.linspace(0, min(float(each.strain.max()) for each in shots), points)
-    columns = np.array([[each.at_strain(strain, each.stress),
-                         each.at_strain(strain, each.strain_rate)] for each in shots])
+    columns = np.array(
+        [
+            [
+                each.at_strain(strain, each.stress),
+                each.at_strain(strain, each.strain_rate),
+            ]
+            for each in shots
+        ]
+    )
     stress, rate = columns.mean(axis=0)
     scatter = columns[:, 0].std(axis=0, ddof=1)
     return Shots(strain, stress, rate, scatter, len(shots))

@@ -68,7 +68,10 @@ class Signal(Frozen):
     Signal(values=array(3,), times=array(3,), unit='V', name='incident')
     """
 
-    _instead: ClassVar[dict[str, tuple[str, ...]]] = {"dt": ("times",), "start": ("times",)}
+    _instead: ClassVar[dict[str, tuple[str, ...]]] = {
+        "dt": ("times",),
+        "start": ("times",),
+    }
     _whole: ClassVar[tuple[str, ...]] = ("values", "times")
     values: Floats
     times: Floats
@@ -76,15 +79,24 @@ class Signal(Frozen):
     name: str
 
     def __init__(
-        self, values: ArrayLike, times: ArrayLike | None = None, *, dt: float | None = None,
-        start: float = 0.0, unit: str = "", name: str = "",
+        self,
+        values: ArrayLike,
+        times: ArrayLike | None = None,
+        *,
+        dt: float | None = None,
+        start: float = 0.0,
+        unit: str = "",
+        name: str = "",
     ) -> None:
         for field, word in (("unit", unit), ("name", name)):
             if not isinstance(word, str) or not word.isprintable():
                 raise refusal(field, f"must be a word, got {shown(word)}")
         if (si := units.conversion(unit)) and si.factor != 1:
-            raise refusal("unit", f"must be an SI unit, got {unit!r}; give the values in "
-                          f"{si.unit or 'units'}, multiplied by {float(si.factor):g}")
+            raise refusal(
+                "unit",
+                f"must be an SI unit, got {unit!r}; give the values in "
+                f"{si.unit or 'units'}, multiplied by {float(si.factor):g}",
+            )
         v = _samples("values", values, unit)
         if (times is None) == (dt is None):
             raise refusal("times", "give either the times, or dt between two samples")
@@ -93,8 +105,16 @@ class Signal(Frozen):
             times = single("start", start, "s") + step * np.arange(v.size)
         t = _samples("times", times, "s")
         if t.shape != v.shape:
-            raise refusal("times", f"must be as many as values, got {t.size} for {v.size}")
-        demand(np.diff(t) > 0, "times", "must increase, got {1!r} after {0!r}", t[:-1], t[1:])
+            raise refusal(
+                "times", f"must be as many as values, got {t.size} for {v.size}"
+            )
+        demand(
+            np.diff(t) > 0,
+            "times",
+            "must increase, got {1!r} after {0!r}",
+            t[:-1],
+            t[1:],
+        )
         self._set(values=v, times=t, unit=unit, name=name)
 
     @property
@@ -118,7 +138,10 @@ class Signal(Frozen):
         """
         count = len(self.times) - 1
         step = (self.end - self.start) / count
-        off = np.abs(self.times - (self.start + step * np.arange(count + 1))) > EVEN * step
+        off = (
+            np.abs(self.times - (self.start + step * np.arange(count + 1)))
+            > EVEN * step
+        )
         if off.any():
             i = int(off.argmax())
             raise ValueError(
@@ -142,7 +165,9 @@ class Signal(Frozen):
         demand((t >= self.start - room) & (t <= self.end + room), "t", message, t)
         return plain(np.interp(t, self.times, self.values))
 
-    def resampled(self, dt: float | None = None, *, times: ArrayLike | None = None) -> Signal:
+    def resampled(
+        self, dt: float | None = None, *, times: ArrayLike | None = None
+    ) -> Signal:
         """Return the signal at steps of `dt`, s, from its start on, or at the given times.
 
         The new samples are interpolated linearly. Before you increase the time step, remove the
@@ -160,7 +185,9 @@ class Signal(Frozen):
             count = (self.end - self.start) / step * (1 + 1e-12)
             if not 1 <= count < filters.MOST:
                 message = f"{step} makes {count + 1:.3g} samples of {self._title}"
-                raise refusal("dt", f"{message}; give a dt that makes 2 to {filters.MOST}")
+                raise refusal(
+                    "dt", f"{message}; give a dt that makes 2 to {filters.MOST}"
+                )
             times = self.start + step * np.arange(int(count) + 1)
         return self.replace(values=self.at(times), times=times)
 
@@ -192,11 +219,16 @@ class Signal(Frozen):
                 raise refusal(name, f"{message}, got {given}")
             counts.append(math.ceil(count * (1 - 1e-12)))
         ahead, behind = counts
-        times = np.concatenate((
-            self.start - step * np.arange(ahead, 0, -1), self.times,
-            self.end + step * np.arange(1, behind + 1),
-        ))
-        return self.replace(values=np.pad(self.values, (ahead, behind), "edge"), times=times)
+        times = np.concatenate(
+            (
+                self.start - step * np.arange(ahead, 0, -1),
+                self.times,
+                self.end + step * np.arange(1, behind + 1),
+            )
+        )
+        return self.replace(
+            values=np.pad(self.values, (ahead, behind), "edge"), times=times
+        )
 
     def baseline(self, start: float, end: float) -> Signal:
         """Return the signal minus its mean from start to end, s."""
@@ -209,13 +241,15 @@ class Signal(Frozen):
         if inside.sum() < 2:
             message = f"fewer than two samples lie from {low!r} to {high!r} s"
             raise refusal(
-                "start, end", f"{message}; the {self._title} runs from {self.start!r} to "
-                f"{self.end!r} s"
+                "start, end",
+                f"{message}; the {self._title} runs from {self.start!r} to "
+                f"{self.end!r} s",
             )
         return inside
 
     def low_pass(
-        self, frequency: float,
+        self,
+        frequency: float,
         kind: Literal["gaussian", "first-order", "second-order"] = "gaussian",
     ) -> Signal:
         """Return the signal without its frequencies above a limit.
@@ -247,7 +281,9 @@ class Signal(Frozen):
         f = single("frequency", frequency, "Hz", "positive")
         if f * self.dt >= 0.5:
             rate = units.format_si(1 / self.dt, "Hz")
-            raise refusal("frequency", f"must be below half of the sampling rate, {rate}, got {f}")
+            raise refusal(
+                "frequency", f"must be below half of the sampling rate, {rate}, got {f}"
+            )
         return self.replace(values=filters.LOW_PASS[kind](self.values, self.dt, f))
 
     def propagated(
@@ -288,13 +324,24 @@ class Signal(Frozen):
             bar = waves.Bar.of(bar, radius)
         elif radius is not None:
             raise refusal("radius", "belongs to a rod; a waves.Bar has its own")
-        of_kind("bar", bar, waves.Bar, "waves.Bar(wave_speed=5000, poisson_ratio=0.3, radius=0.01)")
+        of_kind(
+            "bar",
+            bar,
+            waves.Bar,
+            "waves.Bar(wave_speed=5000, poisson_ratio=0.3, radius=0.01)",
+        )
         values = filters.dispersed(self.values, self.dt, z, bar)
         return self.replace(values=values, times=self.times + z / bar.wave_speed)
 
     def as_measured(
-        self, *, gauge_length: float = 0.0, wave_speed: float | None = None,
-        bandwidth: float | None = None, order: int = 1, scale: float = 1.0, offset: float = 0.0,
+        self,
+        *,
+        gauge_length: float = 0.0,
+        wave_speed: float | None = None,
+        bandwidth: float | None = None,
+        order: int = 1,
+        scale: float = 1.0,
+        offset: float = 0.0,
     ) -> Signal:
         """Return a computed signal as a gauge and its amplifier would record it.
 
@@ -319,11 +366,15 @@ class Signal(Frozen):
         signal, length = self, single("gauge_length", gauge_length, "m", "non-negative")
         if length:
             c = single("wave_speed", wave_speed, "m/s", "positive")
-            signal = self.replace(values=filters.averaged(self.values, self.times, length / c))
+            signal = self.replace(
+                values=filters.averaged(self.values, self.times, length / c)
+            )
         if bandwidth is not None:
             if type(order) is not int or order not in (1, 2):
                 raise refusal("order", f"must be 1 or 2, got {shown(order)}")
-            signal = signal.low_pass(bandwidth, "first-order" if order == 1 else "second-order")
+            signal = signal.low_pass(
+                bandwidth, "first-order" if order == 1 else "second-order"
+            )
         return signal * single("scale", scale, "") + single("offset", offset, self.unit)
 
     def pulse(self) -> Pulse:
@@ -386,7 +437,9 @@ class Signal(Frozen):
         if scale is not None:
             self._same_unit(other, "compared with a fixed scale; leave scale out")
         pair = (self.times, self.values), (other.times, other.values)
-        return misfit_of(*pair, bounds_of("shift", shift, "s"), bounds_of("scale", scale, ""))
+        return misfit_of(
+            *pair, bounds_of("shift", shift, "s"), bounds_of("scale", scale, "")
+        )
 
     def _same_unit(self, other: Signal, done: str) -> None:
         if self.unit != other.unit:
@@ -446,7 +499,9 @@ class Signal(Frozen):
         xarray = optional("xarray", "xarray")
         time = ("time", self.times, {"long_name": "time", "units": "s"})
         said = {"long_name": self.name or "signal", "units": self.unit or "1"}
-        return xarray.DataArray(self.values, {"time": time}, "time", self.name or None, said)
+        return xarray.DataArray(
+            self.values, {"time": time}, "time", self.name or None, said
+        )
 
     @classmethod
     def from_xarray(cls, data: Any) -> Signal:
@@ -458,13 +513,17 @@ class Signal(Frozen):
             If the DataArray does not have one dimension, or units are missing or unknown.
         """
         if len(getattr(data, "dims", ())) != 1:
-            raise refusal("data", f"must be a DataArray of one dimension, got {shown(data)}")
+            raise refusal(
+                "data", f"must be a DataArray of one dimension, got {shown(data)}"
+            )
         over = data[data.dims[0]]
         times, second = units.in_si(over.values, over.attrs.get("units"))
         values, unit = units.in_si(data.values, data.attrs.get("units"))
         if second != "s":
             given = shown(over.attrs["units"])
-            raise refusal(data.dims[0], f"must be times, with .attrs['units'] = 's', got {given}")
+            raise refusal(
+                data.dims[0], f"must be times, with .attrs['units'] = 's', got {given}"
+            )
         return cls(values, times, unit=unit, name=str(data.name or ""))
 
 
@@ -472,7 +531,9 @@ def _samples(path: str, given: Any, unit: str) -> Array:
     """Samples as a read-only array."""
     samples = array(path, given, unit, "any")
     if samples.ndim != 1 or samples.size < 2:
-        raise refusal(path, f"must be a list of two or more numbers, got {shown(given)}")
+        raise refusal(
+            path, f"must be a list of two or more numbers, got {shown(given)}"
+        )
     samples.flags.writeable = False
     return samples
 
@@ -487,5 +548,3 @@ def bounds_of(name: str, given: Any, unit: str) -> tuple[float, float] | None:
     if ends.shape != (2,) or ends[0] > ends[1]:
         raise refusal(name, f"must be a number, or (low, high), got {shown(given)}")
     return float(ends[0]), float(ends[1])
-
-

@@ -27,7 +27,9 @@ from ..units import shown
 from .signal import Signal
 
 
-def write_signals(path: PathLike, signals: Mapping[str, Signal], *, force: bool = False) -> None:
+def write_signals(
+    path: PathLike, signals: Mapping[str, Signal], *, force: bool = False
+) -> None:
     """Write signals as one table: times, then a column for each signal, with units in the heads.
 
     Parameters
@@ -57,11 +59,18 @@ def write_signals(path: PathLike, signals: Mapping[str, Signal], *, force: bool 
     ['time [s],force [N]', '0.0,0.0', '0.5,2.0', '1.0,0.0']
     """
     times = _times_of(signals)
-    problems: Problems = [("signals", said) for name in signals if (said := misnamed(name))]
+    problems: Problems = [
+        ("signals", said) for name in signals if (said := misnamed(name))
+    ]
     if problems:
         raise InvalidModel(problems)
-    heads = [heading("time", "s"), *(heading(name, s.unit) for name, s in signals.items())]
-    write_table(path, heads, [[times, *(s.values for s in signals.values())]], force=force)
+    heads = [
+        heading("time", "s"),
+        *(heading(name, s.unit) for name, s in signals.items()),
+    ]
+    write_table(
+        path, heads, [[times, *(s.values for s in signals.values())]], force=force
+    )
 
 
 def signals_to_xarray(signals: Mapping[str, Signal]) -> Any:
@@ -87,7 +96,9 @@ def signals_to_xarray(signals: Mapping[str, Signal]) -> Any:
     """
     _times_of(signals)
     xarray = optional("xarray", "xarray")
-    return xarray.Dataset({name: signal.to_xarray() for name, signal in signals.items()})
+    return xarray.Dataset(
+        {name: signal.to_xarray() for name, signal in signals.items()}
+    )
 
 
 def signals_from_xarray(data: Any) -> dict[str, Signal]:
@@ -118,13 +129,17 @@ def signals_from_xarray(data: Any) -> dict[str, Signal]:
     """
     if not hasattr(data, "data_vars"):
         raise refusal("data", f"must be an xarray Dataset, got {shown(data)}")
-    return {str(name): Signal.from_xarray(each) for name, each in data.data_vars.items()}
+    return {
+        str(name): Signal.from_xarray(each) for name, each in data.data_vars.items()
+    }
 
 
 def _times_of(signals: Any) -> Floats:
     """The times of all signals; InvalidModel if they have none in common."""
     if not isinstance(signals, Mapping) or not signals:
-        message = "must be signals by name, such as {'incident': Signal([0.0, 1.0], dt=1e-6)}"
+        message = (
+            "must be signals by name, such as {'incident': Signal([0.0, 1.0], dt=1e-6)}"
+        )
         raise refusal("signals", f"{message}, got {shown(signals)}")
     for name, signal in signals.items():
         of_kind(f"signals.{name}", signal, Signal, "Signal([0.0, 1.0], dt=1e-6)")
@@ -132,6 +147,9 @@ def _times_of(signals: Any) -> Floats:
     times: Floats = signals[first].times
     for name in others:
         if not np.array_equal(signals[name].times, times):
-            raise refusal("signals", f"{shown(name)} and {shown(first)} have different times; use "
-                          ".resampled(times=...) with the times of one of them")
+            raise refusal(
+                "signals",
+                f"{shown(name)} and {shown(first)} have different times; use "
+                ".resampled(times=...) with the times of one of them",
+            )
     return times

@@ -83,7 +83,9 @@ class ContactHistory:
         more of them: straight lines between them follow force and gap to 5e-5 of their ranges.
         """
         smooth = self.push.size > 1
-        ticks = each_once(self.push.marks, self._gap.marks) if smooth else self.push.ticks
+        ticks = (
+            each_once(self.push.marks, self._gap.marks) if smooth else self.push.ticks
+        )
         return ticks * self._tick, self.push.at(ticks), self._gap.at(ticks)
 
     def impulse_until(self, t: ArrayLike) -> Floats:

@@ -107,18 +107,30 @@ def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
     for g, (velocity, inside) in enumerate(zip(velocities, bodies, strict=True)):
         mass[g] = sum(a.mass(i) for i in inside)
         velocity[:] = sum(
-            fields.momentum(i, times) if i in rods else a.mass(i) * fields.velocity(i, 0.0, times)
-            for i in inside) / (mass[g] or 1.0)
+            fields.momentum(i, times)
+            if i in rods
+            else a.mass(i) * fields.velocity(i, 0.0, times)
+            for i in inside
+        ) / (mass[g] or 1.0)
         for i in inside:
             if i in rods:
                 known = zip(ticks.tolist(), velocity.tolist(), strict=True)
-                moving[i], strained[i] = np.transpose([fields.energy(i, *at) for at in known])
+                moving[i], strained[i] = np.transpose(
+                    [fields.energy(i, *at) for at in known]
+                )
             else:
                 off = fields.velocity(i, 0.0, times) - velocity
                 moving[i] = a.mass(i) * off * off / 2
     return BondedGroups(
-        ticks, bodies, velocities, float(mass.sum()), np.sum(mass * velocities, axis=0),
-        np.sum(mass * velocities**2, axis=0) / 2, moving, strained)
+        ticks,
+        bodies,
+        velocities,
+        float(mass.sum()),
+        np.sum(mass * velocities, axis=0),
+        np.sum(mass * velocities**2, axis=0) / 2,
+        moving,
+        strained,
+    )
 
 
 def stored(law: Any, gap: Floats) -> Floats:
@@ -137,7 +149,9 @@ def ledger(
     path = (states.mass * a.gravity * t / 2 + states.momentum[0]) * t
     for side, sign in zip(fields.signals.outside, INWARD, strict=True):
         if side is not None:
-            works[side.kind] += sign * (side.push * side.speed).integral(0, ticks) * a.tick
+            works[side.kind] += (
+                sign * (side.push * side.speed).integral(0, ticks) * a.tick
+            )
             path = path + sign * side.push.integrated_twice(ticks) * a.tick * a.tick
     fallen = a.gravity * path if a.gravity else np.zeros(t.shape)
     contact, dissipated, numerical = np.zeros((3, *t.shape))
@@ -154,12 +168,28 @@ def ledger(
     for work in (*works.values(), fallen):
         missing = missing - work
     return EnergyLedger(
-        *in_bodies, contact, dissipated, damped, numerical, -works["absorbing"], works["wall"],
-        works["drive"], fallen, missing,
+        *in_bodies,
+        contact,
+        dissipated,
+        damped,
+        numerical,
+        -works["absorbing"],
+        works["wall"],
+        works["drive"],
+        fallen,
+        missing,
     )
 
 
-WORKS = ("wall_work", "drive_work", "gravity_work", "radiated", "dissipated", "damped", "numerical")
+WORKS = (
+    "wall_work",
+    "drive_work",
+    "gravity_work",
+    "radiated",
+    "dissipated",
+    "damped",
+    "numerical",
+)
 """Entries of a ledger that count from t = 0."""
 
 
@@ -170,23 +200,40 @@ def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> T
     states = bonded_groups(fields, ticks)
     book = ledger(fields, contacts, states)
     works = {name: float(getattr(book, name)[-1]) for name in WORKS}
-    own = (run.groups.before, run.groups.after) if run.groups else states.velocity[:, [0, -1]].T
+    own = (
+        (run.groups.before, run.groups.after)
+        if run.groups
+        else states.velocity[:, [0, -1]].T
+    )
     velocities = [
-        [float(v) for of in zip(groups(system), states.bodies, each, strict=True)
-         for v in velocities_in_group(system, *of)] for each in own]
+        [
+            float(v)
+            for of in zip(groups(system), states.bodies, each, strict=True)
+            for v in velocities_in_group(system, *of)
+        ]
+        for each in own
+    ]
     vibration = (states.moving + states.strained).T[[0, -1]]
     if run.groups:
         vibration[-1] = run.groups.vibration
     impulse = sum(
         sign * float(side.push.integral(0, ticks[-1])) * clock.tick
-        for side, sign in zip(fields.signals.outside, INWARD, strict=True) if side is not None
+        for side, sign in zip(fields.signals.outside, INWARD, strict=True)
+        if side is not None
     )
     gained = float(states.momentum[-1] - states.momentum[0])
-    missing = gained - impulse - states.mass * clock.gravity * float(ticks[-1]) * clock.tick
-    pushed = sum(abs(tally.impulse) for tally in run.contacts if tally.impulse == tally.impulse)
-    turnover = float(book.total[0]) + abs(works["gravity_work"]) + sum(
-        abs(works[name]) for name in ("wall_work", "drive_work", "radiated")
-    ) + states.mass * clock.scale**2 / 2
+    missing = (
+        gained - impulse - states.mass * clock.gravity * float(ticks[-1]) * clock.tick
+    )
+    pushed = sum(
+        abs(tally.impulse) for tally in run.contacts if tally.impulse == tally.impulse
+    )
+    turnover = (
+        float(book.total[0])
+        + abs(works["gravity_work"])
+        + sum(abs(works[name]) for name in ("wall_work", "drive_work", "radiated"))
+        + states.mass * clock.scale**2 / 2
+    )
     return Totals(
         masses=[clock.mass(i) for i in range(len(system.bodies))],
         velocities=(velocities[0], velocities[1]),
@@ -194,6 +241,9 @@ def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> T
         vibration=(vibration[0].tolist(), vibration[1].tolist()),
         momentum=(missing, states.mass * clock.scale + pushed),
         energy=(float(book.residual[-1]), turnover),
-        works={**works, "contact_energy": float(book.contact[-1]),
-               "contact_energy_before": float(book.contact[0])},
+        works={
+            **works,
+            "contact_energy": float(book.contact[-1]),
+            "contact_energy_before": float(book.contact[0]),
+        },
     )

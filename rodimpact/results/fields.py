@@ -60,9 +60,16 @@ class Fields(Protocol):
     rods: dict[int, Rod]
 
     def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
-        self.clock, self.end, self.signals, self.motion = clock, end, signals, signals.motion
+        self.clock, self.end, self.signals, self.motion = (
+            clock,
+            end,
+            signals,
+            signals.motion,
+        )
         self.step = clock.tick * self.resolution
-        self.rods = {i: b for i, b in enumerate(clock.system.bodies) if isinstance(b, Rod)}
+        self.rods = {
+            i: b for i, b in enumerate(clock.system.bodies) if isinstance(b, Rod)
+        }
 
     resolution: int = 1
     """Ticks in which nothing is resolved, of a grid those of its step; `step` is the same in s."""
@@ -75,7 +82,9 @@ class Fields(Protocol):
     def moving(self, body: int, x: ArrayLike, ticks: Ints, side: Side) -> Floats:
         """Velocity in a rod, m/s, less what gravity gives; x and ticks broadcast."""
 
-    def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
+    def strain(
+        self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
+    ) -> Floats:
         """Positive in tension; x and t broadcast."""
 
     def strain_rate(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
@@ -91,7 +100,10 @@ class Fields(Protocol):
     def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:
         """Mean velocity and strain [places, intervals] at places x between increasing times t."""
         ticks = self.to_ticks(t)
-        moved, strained = self.displacement(body, x[:, None], t), self.strained(body, x, ticks)
+        moved, strained = (
+            self.displacement(body, x[:, None], t),
+            self.strained(body, x, ticks),
+        )
         lasts = np.diff(ticks)
         return np.diff(moved) / (lasts * self.clock.tick), np.diff(strained) / lasts
 
@@ -135,8 +147,15 @@ class Fields(Protocol):
         end = self.end * self.clock.tick
         inside = (t >= 0) & (t <= end * (1 + 1e-12) + self.clock.tick)
         if not inside.all():
-            demand(inside, "t", f"must lie in the solution, 0 to {end:.9g} s, got {{0!r}}", t)
-        ticks: Ints = np.minimum(np.rint(t / self.clock.tick).astype(np.int64), self.end)
+            demand(
+                inside,
+                "t",
+                f"must lie in the solution, 0 to {end:.9g} s, got {{0!r}}",
+                t,
+            )
+        ticks: Ints = np.minimum(
+            np.rint(t / self.clock.tick).astype(np.int64), self.end
+        )
         return ticks if side is None else to_side(ticks, side)
 
     def edges(self, body: int) -> Floats:
@@ -156,7 +175,12 @@ class Fields(Protocol):
         x, edges = array("x", x, "m"), self.edges(body)
         inside = (x >= 0) & (x <= edges[-1] * (1 + 1e-12))
         if not inside.all():
-            demand(inside, "x", f"must lie in body {body}, 0 to {edges[-1]:.9g} m, got {{0!r}}", x)
+            demand(
+                inside,
+                "x",
+                f"must lie in body {body}, 0 to {edges[-1]:.9g} m, got {{0!r}}",
+                x,
+            )
         piece = np.clip(np.searchsorted(edges, x, "right") - 1, 0, last - first)
         return np.asarray(piece + first), np.asarray(x - edges[piece])
 
@@ -165,8 +189,12 @@ class Fields(Protocol):
         try:
             return np.broadcast_shapes(np.shape(x), np.shape(t))
         except ValueError:
-            message = f"shape {np.shape(x)} does not broadcast with shape {np.shape(t)} of t"
-            raise refusal("x", f"{message}; for a grid ask for x[:, None] and t") from None
+            message = (
+                f"shape {np.shape(x)} does not broadcast with shape {np.shape(t)} of t"
+            )
+            raise refusal(
+                "x", f"{message}; for a grid ask for x[:, None] and t"
+            ) from None
 
     # Of rods, masses and walls ----------------------------------------------------------------
 
@@ -174,13 +202,23 @@ class Fields(Protocol):
         """Velocity that the frame has gained."""
         return np.asarray(self.clock.gravity * ticks * self.clock.tick)
 
-    def velocity(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
+    def velocity(
+        self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
+    ) -> Floats:
         """m/s; x and t broadcast, and x is left out of account in a mass or a wall."""
-        ticks, a, mass = self.to_ticks(t, side), self.clock, self.signals.masses.get(body)
+        ticks, a, mass = (
+            self.to_ticks(t, side),
+            self.clock,
+            self.signals.masses.get(body),
+        )
         held: Any = a.system.bodies[body]
         if not (mass or a.spans[body][1]):  # a wall
             return np.asarray(held.velocity + 0.0 * ticks)
-        v = mass.at(ticks, side) + a.frame if mass else self.moving(body, x, ticks, side)
+        v = (
+            mass.at(ticks, side) + a.frame
+            if mass
+            else self.moving(body, x, ticks, side)
+        )
         return v + self._fallen(self.to_ticks(t)) if a.gravity else v
 
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
@@ -190,8 +228,11 @@ class Fields(Protocol):
         if not (mass or a.spans[body][1]):
             return np.asarray(held.velocity * ticks * a.tick)
         time = ticks * a.tick
-        moved = (mass.integral(0, ticks) * a.tick + a.frame * time if mass
-                 else self.moved(body, x, ticks))
+        moved = (
+            mass.integral(0, ticks) * a.tick + a.frame * time
+            if mass
+            else self.moved(body, x, ticks)
+        )
         return moved + a.gravity * time * time / 2
 
     @cached_property
@@ -204,7 +245,9 @@ class Fields(Protocol):
         for body, (first, last) in enumerate(a.spans):
             if body:
                 law = a.system.contacts[body - 1]
-                x += float(a.system.gaps[body - 1]) + float(getattr(law, "stretch", 0.0))
+                x += float(a.system.gaps[body - 1]) + float(
+                    getattr(law, "stretch", 0.0)
+                )
             places.append(x)
             if last:
                 x += sum(a.length[first : last + 1])

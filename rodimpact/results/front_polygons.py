@@ -55,7 +55,9 @@ def regions_in(piece: Any, start: int, stop: int) -> Any:
     for i in range(len(ps) - 1):
         low = max(ps[i] - T, start - T + (start - ps[i + 1]))
         high = min(ps[i + 1] + T, stop - T + (stop - ps[i]))
-        found.append((bisect_right(qs, low, 1) - 1, bisect_left(qs, high, 0, len(qs) - 1)))
+        found.append(
+            (bisect_right(qs, low, 1) - 1, bisect_left(qs, high, 0, len(qs) - 1))
+        )
     return ps, qs, found
 
 
@@ -65,7 +67,10 @@ def region(
     """Corners (p, q) of the part of a rectangle that lies in the segment and the interval."""
     corners = [(p0, q0), (p1, q0), (p1, q1), (p0, q1)]
     for n0, n1, bound in (
-        (-1, 1, T), (1, -1, T), (1, 1, 2 * stop - T), (-1, -1, T - 2 * start)
+        (-1, 1, T),
+        (1, -1, T),
+        (1, 1, 2 * stop - T),
+        (-1, -1, T - 2 * start),
     ):
         corners = clip(corners, n0, n1, bound)
     return corners
@@ -124,12 +129,26 @@ def polygons_of(rods: Any, tick: float, frame: float, start: int, stop: int) -> 
         Its velocity, m/s.
     start, stop : int
     """
-    found: Any = {"body": [], "segment": [], "start": [0], "x": [], "t": [], "displacement": [],
-                  "velocity": [], "strain": [], "stress": []}
+    found: Any = {
+        "body": [],
+        "segment": [],
+        "start": [0],
+        "x": [],
+        "t": [],
+        "displacement": [],
+        "velocity": [],
+        "strain": [],
+        "stress": [],
+    }
     for rod in rods:
         left, moved = 0.0, 0.0
         for s, piece in enumerate(rod["pieces"]):
-            a, b, T, length = piece["rightward"], piece["leftward"], piece["ticks"], piece["length"]
+            a, b, T, length = (
+                piece["rightward"],
+                piece["leftward"],
+                piece["ticks"],
+                piece["length"],
+            )
             ps, qs, spans = regions_in(piece, start, stop)
             begun, ready = passed_by(a, 0), passed_by(b, -T)
             for k, (low, high) in enumerate(spans):
@@ -142,8 +161,16 @@ def polygons_of(rods: Any, tick: float, frame: float, start: int, stop: int) -> 
                     found["velocity"].append((right + back) / 2 + frame)
                     found["strain"].append(strain)
                     found["stress"].append(strain * piece["youngs_modulus"])
-                    for p, q in region(ps[k], ps[k + 1], qs[j], qs[j + 1], T, start, stop):
-                        u = passed_by(a, p) - begun + passed_by(b, q) - ready + frame * (p + q + T)
+                    for p, q in region(
+                        ps[k], ps[k + 1], qs[j], qs[j + 1], T, start, stop
+                    ):
+                        u = (
+                            passed_by(a, p)
+                            - begun
+                            + passed_by(b, q)
+                            - ready
+                            + frame * (p + q + T)
+                        )
                         found["x"].append(left + (q - p + T) / 2 / T * length)
                         found["t"].append((p + q + T) / 2 * tick)
                         found["displacement"].append(u / 2 * tick + moved)

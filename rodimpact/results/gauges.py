@@ -85,7 +85,9 @@ class Gauge:
         until = np.append(self.times[1:], self.end)
         lasts = until - self.times
         gained = self.record.at(self._ticks(until, "left"), "left") - self.strain_after
-        return np.asarray(np.divide(gained, lasts, out=np.zeros(len(lasts)), where=lasts > 0))
+        return np.asarray(
+            np.divide(gained, lasts, out=np.zeros(len(lasts)), where=lasts > 0)
+        )
 
     def _ticks(self, t: Floats, side: Side = "right") -> Ints:
         return to_side(np.rint(t / self.tick).astype(np.int64), side)
@@ -135,7 +137,9 @@ class Gauge:
         begins, lasts = (cuts[:-1] - bounds[cell]) / step, np.diff(cuts) / step
         shares, weights = quadrature((self.record.size + 3) // 2)
         u = begins[:, None] + lasts[:, None] * shares  # place in its cell, 0 to 1
-        values = self.record.inside(cuts[:-1], cuts[1:], shares) * weights * lasts[:, None]
+        values = (
+            self.record.inside(cuts[:-1], cuts[1:], shares) * weights * lasts[:, None]
+        )
         value, lever, square = (
             np.bincount(cell, (values * power).sum(axis=1), len(bounds) - 1)
             for power in (1.0, u, u * u)
@@ -166,7 +170,10 @@ class Gauge:
 
 
 def gauges_to_csv(
-    path: str | os.PathLike[str], gauges: Mapping[str, Gauge], *, interval: float | None = None,
+    path: str | os.PathLike[str],
+    gauges: Mapping[str, Gauge],
+    *,
+    interval: float | None = None,
     force: bool = False,
 ) -> None:
     """Write strains of several gauges at equal intervals: a column of times, then one a gauge.
@@ -206,19 +213,31 @@ def gauges_to_csv(
     'time [s],incident [1],transmitted [1]'
     """
     check_gauges(gauges)
-    demand(len(gauges) > 0, "gauges", "needs at least one record, such as solution.gauge(1, 0.5)")
-    raise_noted([("gauges", sentence) for name in gauges if (sentence := misnamed(name))])
+    demand(
+        len(gauges) > 0,
+        "gauges",
+        "needs at least one record, such as solution.gauge(1, 0.5)",
+    )
+    raise_noted(
+        [("gauges", sentence) for name in gauges if (sentence := misnamed(name))]
+    )
     step, rows = _sampling(interval, min(record.end for record in gauges.values()))
-    columns = ([step * block, *(record.strain_at(step * block) for record in gauges.values())]
-               for block in _blocks(rows))
+    columns = (
+        [step * block, *(record.strain_at(step * block) for record in gauges.values())]
+        for block in _blocks(rows)
+    )
     heads = [heading("time", "s"), *(heading(name, "") for name in gauges)]
     write_table(path, heads, columns, force=force)
 
 
 def check_gauges(gauges: Any) -> Mapping[str, Gauge]:
     """Gauges by name; InvalidModel for anything else."""
-    if not isinstance(gauges, Mapping) or not all(isinstance(g, Gauge) for g in gauges.values()):
-        message = "must be records by name, such as {'incident': solution.gauge(1, 0.5)}"
+    if not isinstance(gauges, Mapping) or not all(
+        isinstance(g, Gauge) for g in gauges.values()
+    ):
+        message = (
+            "must be records by name, such as {'incident': solution.gauge(1, 0.5)}"
+        )
         raise refusal("gauges", f"{message}, got {shown(gauges)}")
     return gauges
 
@@ -235,4 +254,7 @@ def _sampling(interval: Any, end: float) -> tuple[float, int]:
 
 def _blocks(rows: int) -> Iterator[Ints]:
     """All rows of a table, some at a time."""
-    return (np.arange(start, min(start + TOGETHER, rows)) for start in range(0, rows, TOGETHER))
+    return (
+        np.arange(start, min(start + TOGETHER, rows))
+        for start in range(0, rows, TOGETHER)
+    )

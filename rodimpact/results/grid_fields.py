@@ -47,7 +47,9 @@ class GridFields(Fields):
         return np.asarray(self.motion.when * STEP_TICKS)
 
     def nearest_known(self, ticks: Ints) -> Ints:
-        return self.known[np.searchsorted((self.known[1:] + self.known[:-1]) / 2, ticks, "right")]
+        return self.known[
+            np.searchsorted((self.known[1:] + self.known[:-1]) / 2, ticks, "right")
+        ]
 
     # Between states and between nodes -------------------------------------------------------------
 
@@ -56,7 +58,9 @@ class GridFields(Fields):
         when, last = self.known, len(self.known) - 1  # 0 where nothing moves: one state
         i = np.clip(np.searchsorted(when, ticks, "right") - 1, 0, max(last - 1, 0))
         after = np.minimum(i + 1, last)
-        share = np.minimum((ticks - when[i]) / np.maximum(when[after] - when[i], 1), 1.0)
+        share = np.minimum(
+            (ticks - when[i]) / np.maximum(when[after] - when[i], 1), 1.0
+        )
         return np.asarray(table[i, place] * (1 - share) + table[after, place] * share)
 
     def _at(self, body: int, x: ArrayLike, ticks: Ints, tables: Tables) -> Floats:
@@ -64,7 +68,9 @@ class GridFields(Fields):
         self._together(self.locate(body, x)[0], ticks)
         places, table = tables[body]
         i = np.clip(np.searchsorted(places, x, "right") - 1, 0, len(places) - 2)
-        share = np.minimum((np.asarray(x) - places[i]) / (places[i + 1] - places[i]), 1.0)
+        share = np.minimum(
+            (np.asarray(x) - places[i]) / (places[i + 1] - places[i]), 1.0
+        )
         before, after = (self._in_time(table, at, ticks) for at in (i, i + 1))
         return np.asarray(before * (1 - share) + after * share)
 
@@ -81,8 +87,13 @@ class GridFields(Fields):
     @cached_property
     def _moving(self) -> Tables:
         """Velocities of nodes in the frame, m/s."""
-        return {body: (self._node_places(body), self.motion.velocity[:, self._span(body)[0]])
-                for body in self.rods}
+        return {
+            body: (
+                self._node_places(body),
+                self.motion.velocity[:, self._span(body)[0]],
+            )
+            for body in self.rods
+        }
 
     @cached_property
     def _stretched(self) -> tuple[Tables, Tables]:
@@ -94,13 +105,21 @@ class GridFields(Fields):
         cells, kept = self.motion.cells, np.zeros((2, *self.motion.force.shape))
         kept[0] = self._strain
         kept[1, :, 1:-1] = np.diff(self.motion.velocity, axis=1) / cells.width[1:-1]
-        tension = self.motion.force + cells.viscous * cells.width * kept[1]  # none between pieces
+        tension = (
+            self.motion.force + cells.viscous * cells.width * kept[1]
+        )  # none between pieces
         for body, rod in self.rods.items():
             segments = enumerate(rod.segments, self.clock.spans[body][0])
-            parts = [(np.concatenate((x[:1], (x[1:] + x[:-1]) / 2, x[-1:])),
-                      self._held(*of, tension, kept))
-                     for of, x in zip(segments, self._places(body), strict=True)]
-            places, states = (np.concatenate(of, axis=-1) for of in zip(*parts, strict=True))
+            parts = [
+                (
+                    np.concatenate((x[:1], (x[1:] + x[:-1]) / 2, x[-1:])),
+                    self._held(*of, tension, kept),
+                )
+                for of, x in zip(segments, self._places(body), strict=True)
+            ]
+            places, states = (
+                np.concatenate(of, axis=-1) for of in zip(*parts, strict=True)
+            )
             found[0][body], found[1][body] = ((places, values) for values in states)
         return found
 
@@ -116,11 +135,20 @@ class GridFields(Fields):
         mesh, cells, (E, eta) = self.motion, self.motion.cells, _moduli(segment)
         a, b = mesh.first[s], mesh.last[s]
         held = kept[..., a : b + 2].copy()
-        areas = segment.area.values if isinstance(segment.area, Samples) else [segment.area]
-        for node, cell, inward, area in ((a, a + 1, 1, areas[0]), (b, b, -1, areas[-1])):
+        areas = (
+            segment.area.values if isinstance(segment.area, Samples) else [segment.area]
+        )
+        for node, cell, inward, area in (
+            (a, a + 1, 1, areas[0]),
+            (b, b, -1, areas[-1]),
+        ):
             behind, end = cell + inward * (b > a + 1), (inward - 1) // 2
-            held[..., end] = strain, rate = 1.5 * kept[..., cell] - 0.5 * kept[..., behind]
-            if not (cells.lateral[node] or cells.lateral[node + 1] or cells.swelling[cell]):
+            held[..., end] = strain, rate = (
+                1.5 * kept[..., cell] - 0.5 * kept[..., behind]
+            )
+            if not (
+                cells.lateral[node] or cells.lateral[node + 1] or cells.swelling[cell]
+            ):
                 pull = tension[:, node + 1] - tension[:, node] + self._pushed(node)
                 gained = pull * cells.cell_mass[cell] / 2 / mesh.mass[node]
                 stress = (tension[:, cell] - inward * gained) / float(area)
@@ -146,7 +174,9 @@ class GridFields(Fields):
     @cached_property
     def _displaced(self) -> Tables:
         """Displacements of nodes in the frame, m."""
-        stretched = np.cumsum(self._strain[:, :-1] * self.motion.cells.width[:-1], axis=1)
+        stretched = np.cumsum(
+            self._strain[:, :-1] * self.motion.cells.width[:-1], axis=1
+        )
         displaced = {}
         for body, (first, last) in enumerate(self.clock.spans):
             if last:
@@ -163,7 +193,9 @@ class GridFields(Fields):
     def moving(self, body: int, x: ArrayLike, ticks: Ints, side: Side) -> Floats:  # noqa: ARG002
         return self._at(body, x, ticks, self._moving) + self.clock.frame
 
-    def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
+    def strain(
+        self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
+    ) -> Floats:
         return self._at(body, x, self.to_ticks(t, side), self._stretched[0])
 
     def strain_rate(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
@@ -175,14 +207,20 @@ class GridFields(Fields):
 
     def strained(self, body: int, x: Floats, ticks: Ints) -> Floats:
         strains = self._at(body, x[:, None], self.known, self._stretched[0])
-        return np.array([Pieces.through(self.known, of).integral(0, ticks) for of in strains])
+        return np.array(
+            [Pieces.through(self.known, of).integral(0, ticks) for of in strains]
+        )
 
     def trace(self, body: int, x: float) -> tuple[Pieces, Pieces, Pieces, float]:
         c, ticks = self.clock.wave_speed[int(self.locate(body, x)[0])], self.known
         v = self._at(body, x, ticks, self._moving)
         stretch = c * self._at(body, x, ticks, self._stretched[0])
-        return (Pieces.through(ticks, v - stretch), Pieces.through(ticks, v + stretch),
-                Pieces.through(ticks, 2 * stretch), c)
+        return (
+            Pieces.through(ticks, v - stretch),
+            Pieces.through(ticks, v + stretch),
+            Pieces.through(ticks, 2 * stretch),
+            c,
+        )
 
     # Integrals over bodies ------------------------------------------------------------------------
 
@@ -196,22 +234,33 @@ class GridFields(Fields):
 
     def momentum(self, body: int, t: ArrayLike) -> Floats:
         nodes, _, mass = self._span(body)
-        own = (self.motion.velocity[:, nodes] * mass).sum(axis=1)  # state by state the same bits
+        own = (self.motion.velocity[:, nodes] * mass).sum(
+            axis=1
+        )  # state by state the same bits
         ticks = self.to_ticks(t)
         moving = self._in_time(own[:, None], 0, ticks)
-        return np.asarray(moving + mass.sum() * (self.clock.frame + self._fallen(ticks)))
+        return np.asarray(
+            moving + mass.sum() * (self.clock.frame + self._fallen(ticks))
+        )
 
     def energy(self, body: int, tick: int, velocity: float) -> tuple[float, float]:
         a, (nodes, _, mass) = self.clock, self._span(body)
         place = int(np.searchsorted(self.motion.when, tick // STEP_TICKS))
-        v = self.motion.velocity[place, nodes] + a.frame + a.gravity * tick * a.tick - velocity
+        v = (
+            self.motion.velocity[place, nodes]
+            + a.frame
+            + a.gravity * tick * a.tick
+            - velocity
+        )
         return self.motion.energies(nodes, mass, place, v, self.step)
 
     def largest_stress(self, body: int) -> float:
         """Of the states that were kept."""
         segments, (strains, rates) = self.rods[body].segments, self._stretched
         counts = [len(x) + 1 for x in self._places(body)]
-        E, eta = (np.repeat(of, counts) for of in zip(*map(_moduli, segments), strict=True))
+        E, eta = (
+            np.repeat(of, counts) for of in zip(*map(_moduli, segments), strict=True)
+        )
         return float(np.abs(E * strains[body][1] + eta * rates[body][1]).max())
 
     def damped(self, ticks: Ints) -> Floats:

@@ -115,7 +115,11 @@ def outcome(system: System, column: str) -> Quantity:
     if kind == "largest_stress":
         return Quantity(f"largest stress in {_body(system, index)}", "Pa")
     name, unit = _NAMES.get(kind) or parameter(system, column)
-    where = f" at contact {_pair(system, index)}" if index and len(system.contacts) > 1 else ""
+    where = (
+        f" at contact {_pair(system, index)}"
+        if index and len(system.contacts) > 1
+        else ""
+    )
     return Quantity(name + where, unit)
 
 
@@ -123,8 +127,13 @@ def dataset(
     system: System, data: dict[str, Any], over: dict[str, Any], **attributes: str
 ) -> Any:
     """An xarray Dataset of variables and coordinates, (dimensions, values) by name, with labels."""
-    labelled = ({name: (*values, outcome(system, name).attributes) for name, values in of.items()}
-                for of in (data, over))
+    labelled = (
+        {
+            name: (*values, outcome(system, name).attributes)
+            for name, values in of.items()
+        }
+        for of in (data, over)
+    )
     return optional("xarray", "xarray").Dataset(*labelled, attributes)
 
 

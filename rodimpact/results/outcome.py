@@ -171,13 +171,22 @@ class Outcome(OnlyContact[float]):
         if reason := self.why_no_restitution():
             raise UndefinedRestitution(reason)
         k = self.unilateral[0]
-        before, after = self.velocities_before[k : k + 2], self.velocities_after[k : k + 2]
+        before, after = (
+            self.velocities_before[k : k + 2],
+            self.velocities_after[k : k + 2],
+        )
         return float(effective_restitution(True, 1, before, after))
 
     def why_no_restitution(self) -> str:
         """Return the sentence that says why `restitution` is undefined, empty if it is defined."""
-        return no_restitution(self.unilateral, self.velocities_before, self.contacts, self.driven,
-                              self.final, self.status)
+        return no_restitution(
+            self.unilateral,
+            self.velocities_before,
+            self.contacts,
+            self.driven,
+            self.final,
+            self.status,
+        )
 
     def as_rigid(self) -> RigidCollision:
         """Return the collision as rigid-body mechanics sees it.
@@ -207,15 +216,21 @@ class Outcome(OnlyContact[float]):
         e = self.restitution
         k = self.unilateral[0] + 1
         return collide(
-            sum(self.masses[:k]), self.velocities_before[0],
-            sum(self.masses[k:]), self.velocities_before[-1],
-            e, allow_energy_release=e > 1,
+            sum(self.masses[:k]),
+            self.velocities_before[0],
+            sum(self.masses[k:]),
+            self.velocities_before[-1],
+            e,
+            allow_energy_release=e > 1,
         )
 
     def to_dict(self) -> dict[str, Any]:
         """All entries by name, those of contacts too, in JSON's terms; nan stays a float."""
         contacts = [tally._asdict() for tally in self.contacts]
-        return {**{name: plain(v) for name, v in vars(self).items()}, "contacts": contacts}
+        return {
+            **{name: plain(v) for name, v in vars(self).items()},
+            "contacts": contacts,
+        }
 
     def __str__(self) -> str:
         from ..storage.report import outcome_table
@@ -226,8 +241,12 @@ class Outcome(OnlyContact[float]):
 
 
 def no_restitution(
-    able: Sequence[int], before: Sequence[float], contacts: Sequence[ContactTally], driven: bool,
-    final: bool, status: str,
+    able: Sequence[int],
+    before: Sequence[float],
+    contacts: Sequence[ContactTally],
+    driven: bool,
+    final: bool,
+    status: str,
 ) -> str:
     """Why there is no coefficient of restitution; empty if there is one.
 
@@ -254,14 +273,23 @@ def no_restitution(
     k = able[0]
     episodes, closing = contacts[k].episodes, before[k] - before[k + 1]
     reasons = [
-        (driven, "gravity or a driven end changes the velocities too; read impulse and velocities "
-                 "instead"),
+        (
+            driven,
+            "gravity or a driven end changes the velocities too; read impulse and velocities "
+            "instead",
+        ),
         (episodes == 0 and closing < 0, "nothing collided; the bodies move apart"),
-        (episodes == 0 and closing <= 0, "nothing collided; the bodies do not approach each other"),
+        (
+            episodes == 0 and closing <= 0,
+            "nothing collided; the bodies do not approach each other",
+        ),
         (episodes == 0, f"nothing collided; {status}"),
         (not final, f"the collision is not over. {status}"),
-        (closing <= 0, "the centres of mass did not approach each other; only vibration brought "
-                       "the bodies together"),
+        (
+            closing <= 0,
+            "the centres of mass did not approach each other; only vibration brought "
+            "the bodies together",
+        ),
     ]
     why = [f"restitution is undefined: {reason}" for holds, reason in reasons if holds]
     return why[0] if len(why) > 0 else ""
@@ -295,27 +323,35 @@ def outcome_of(run: Run, totals: Totals) -> Outcome:
     system = run.system
     (before, after), (started, stopped) = totals.velocities, totals.vibration
     momentum, energy = (
-        missing / scale if scale > 0 else 0.0 for missing, scale in (totals.momentum, totals.energy)
+        missing / scale if scale > 0 else 0.0
+        for missing, scale in (totals.momentum, totals.energy)
     )
     return Outcome(
         bodies=tuple(system.kinds),
         masses=tuple(totals.masses),
-        velocities_before=tuple(before), velocities_after=tuple(after),
-        kinetic_before=totals.kinetic[0], kinetic_after=totals.kinetic[1],
-        vibration_before=tuple(started), vibration_after=tuple(stopped),
+        velocities_before=tuple(before),
+        velocities_after=tuple(after),
+        kinetic_before=totals.kinetic[0],
+        kinetic_after=totals.kinetic[1],
+        vibration_before=tuple(started),
+        vibration_after=tuple(stopped),
         contacts=tuple(run.contacts),
         unilateral=tuple(unilateral(system)),
-        momentum_residual=momentum, energy_residual=energy, final=run.final,
+        momentum_residual=momentum,
+        energy_residual=energy,
+        final=run.final,
         status=run.status + _unbalanced(momentum, energy),
-        driven=driven(system) or bool(system.gravity), **totals.works,
+        driven=driven(system) or bool(system.gravity),
+        **totals.works,
     )
 
 
 def _unbalanced(momentum: float, energy: float) -> str:
     """A warning of balances that do not close."""
     missing = " and ".join(
-        f"{abs(share):.1g} of the {name}" for name, share in
-        (("momentum", momentum), ("energy", energy)) if not abs(share) <= UNBALANCED
+        f"{abs(share):.1g} of the {name}"
+        for name, share in (("momentum", momentum), ("energy", energy))
+        if not abs(share) <= UNBALANCED
     )
     return missing and (
         f" The balance does not close: {missing} is missing. Take a smaller "

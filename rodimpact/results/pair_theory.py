@@ -41,7 +41,9 @@ class PairTheory(NamedTuple):
 
     def each(self, change: Callable[[Floats], Floats]) -> PairTheory:
         """The family with every array changed."""
-        return PairTheory(*(np.stack([change(left), change(right)]) for left, right in self))
+        return PairTheory(
+            *(np.stack([change(left), change(right)]) for left, right in self)
+        )
 
     def along(self, known: Floats, wanted: Floats) -> PairTheory:
         """A family with one axis, given at `known`, at `wanted` values of its parameter.
@@ -64,17 +66,25 @@ class PairTheory(NamedTuple):
         if np.isfinite(self.impedance).all():
             return saint_venant(Z1, T1, Z2, T2, V)
         Z, T, mass = (Z2, T2, m1) if np.isinf(Z1).any() else (Z1, T1, m2)
-        return rod_on_wall(Z, T, V) if np.isinf(mass).any() else mass_on_rod(mass, Z, T, V)
+        return (
+            rod_on_wall(Z, T, V) if np.isinf(mass).any() else mass_on_rod(mass, Z, T, V)
+        )
 
     def column(self, name: str) -> Floats:
         """Results of one of `COLUMNS`, nan where the bodies do not approach each other."""
-        return np.where(np.greater(*self.velocity), COLUMNS[name](self, self.collision()), np.nan)
+        return np.where(
+            np.greater(*self.velocity), COLUMNS[name](self, self.collision()), np.nan
+        )
 
 
 COLUMNS: dict[str, Callable[[PairTheory, PairCollision], Any]] = {
     "restitution": lambda _, pair: pair.restitution,
-    "velocity_after.0": lambda family, pair: family.velocity[0] - pair.impulse / family.mass[0],
-    "velocity_after.1": lambda family, pair: family.velocity[1] + pair.impulse / family.mass[1],
+    "velocity_after.0": lambda family, pair: (
+        family.velocity[0] - pair.impulse / family.mass[0]
+    ),
+    "velocity_after.1": lambda family, pair: (
+        family.velocity[1] + pair.impulse / family.mass[1]
+    ),
     "impulse.0": lambda _, pair: pair.impulse,
     "peak_force.0": lambda _, pair: pair.peak_force,
     "duration.0": lambda _, pair: pair.duration,
@@ -89,8 +99,12 @@ def pair_theory(system: System) -> PairTheory | None:
     rigid = len(numbers) == 2 and all(numbers) and isinstance(system.contacts[0], Rigid)
     if not rigid or system != System(system.bodies, system.gaps, system.contacts):
         return None  # more acts on the row
-    family = PairTheory(*(np.stack([np.broadcast_to(x, system.shape) for x in pair])
-                          for pair in zip(*numbers, strict=True)))
+    family = PairTheory(
+        *(
+            np.stack([np.broadcast_to(x, system.shape) for x in pair])
+            for pair in zip(*numbers, strict=True)
+        )
+    )
     return family if np.greater(*family.velocity).any() else None
 
 
@@ -98,7 +112,12 @@ def _numbers(body: Body) -> tuple[Any, ...]:
     """Impedance, transit time, mass and velocity; none of a rod that has more to it."""
     if isinstance(body, Rod):
         segment, even = body.segments[0], isinstance(body.velocity, float | np.ndarray)
-        if len(body.segments) > 1 or not segment.ideal or not even or np.any(body.strain != 0):
+        if (
+            len(body.segments) > 1
+            or not segment.ideal
+            or not even
+            or np.any(body.strain != 0)
+        ):
             return ()
         return segment.impedance, segment.transit_time, segment.mass, body.velocity
     return np.inf, 0.0, getattr(body, "mass", np.inf), body.velocity

@@ -62,7 +62,10 @@ class Regions:
 
 
 def regions_of(
-    solution: Solution, start: float = 0.0, stop: float | None = None, limit: float = 100_000
+    solution: Solution,
+    start: float = 0.0,
+    stop: float | None = None,
+    limit: float = 100_000,
 ) -> Regions:
     """Cut the (x, t) plane of every rod into regions of constant state.
 
@@ -102,8 +105,12 @@ def regions_of(
     demand(limit >= 1, "limit", "must be 1 or more, got {0:g}", limit)
     rods = _rods(fields)
     if count_of(rods, first_tick, last_tick, limit) > limit:
-        raise refusal("limit", f"more than {limit:.15g} regions; choose a shorter interval")
-    found = polygons_of(rods, fields.clock.tick, fields.clock.frame, first_tick, last_tick)
+        raise refusal(
+            "limit", f"more than {limit:.15g} regions; choose a shorter interval"
+        )
+    found = polygons_of(
+        rods, fields.clock.tick, fields.clock.frame, first_tick, last_tick
+    )
     return Regions(**{name: np.array(values) for name, values in found.items()})
 
 
@@ -128,29 +135,54 @@ def readable_until(solution: Solution, limit: int) -> float:
         stop /= 2
         last_tick = int(fields.to_ticks(stop))
     if not last_tick:
-        raise refusal("solution", f"has more than {limit} regions of constant state at the "
-                         "start, too many for a picture; describe the row in fewer pieces")
+        raise refusal(
+            "solution",
+            f"has more than {limit} regions of constant state at the "
+            "start, too many for a picture; describe the row in fewer pieces",
+        )
     return stop
 
 
-def _interval(solution: Solution, start: float, stop: float | None) -> tuple[WaveFields, int, int]:
+def _interval(
+    solution: Solution, start: float, stop: float | None
+) -> tuple[WaveFields, int, int]:
     """Fields between whose fronts there are regions, and first and last tick of an interval."""
     fields, stop = solution.fields, solution.t_end if stop is None else stop
     if not isinstance(fields, WaveFields) or not fields.constant_between_fronts:
-        raise refusal("solution", f'method "{solution.method}" has no fronts to draw between')
-    first_tick, last_tick = (int(fields.to_ticks(single(name, t, "s", "")))
-                             for name, t in (("start", start), ("stop", stop)))
-    demand(last_tick > first_tick, "stop", f"must be later than start = {start!r} s, got {stop!r}")
+        raise refusal(
+            "solution", f'method "{solution.method}" has no fronts to draw between'
+        )
+    first_tick, last_tick = (
+        int(fields.to_ticks(single(name, t, "s", "")))
+        for name, t in (("start", start), ("stop", stop))
+    )
+    demand(
+        last_tick > first_tick,
+        "stop",
+        f"must be later than start = {start!r} s, got {stop!r}",
+    )
     return fields, first_tick, last_tick
 
 
 def _rods(fields: WaveFields) -> list[dict[str, Any]]:
     """The rods with their waves, as `polygons_of` has them."""
     a = fields.clock
-    return [{"body": body, "pieces": [
-        {"ticks": T, "length": a.length[s], "wave_speed": a.wave_speed[s],
-         "youngs_modulus": float(segment.material.youngs_modulus),
-         "rightward": wave_of(A.ticks.tolist(), A.values.tolist()),
-         "leftward": wave_of(B.ticks.tolist(), B.values.tolist())}
-        for (s, T, A, B), segment in zip(fields.along(body), rod.segments, strict=True)
-    ]} for body, rod in fields.rods.items()]
+    return [
+        {
+            "body": body,
+            "pieces": [
+                {
+                    "ticks": T,
+                    "length": a.length[s],
+                    "wave_speed": a.wave_speed[s],
+                    "youngs_modulus": float(segment.material.youngs_modulus),
+                    "rightward": wave_of(A.ticks.tolist(), A.values.tolist()),
+                    "leftward": wave_of(B.ticks.tolist(), B.values.tolist()),
+                }
+                for (s, T, A, B), segment in zip(
+                    fields.along(body), rod.segments, strict=True
+                )
+            ],
+        }
+        for body, rod in fields.rods.items()
+    ]

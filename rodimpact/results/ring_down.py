@@ -79,19 +79,26 @@ def ring_down(fields: Fields, start: float, end: float) -> RingDown:
     ticks = np.unique(fields.nearest_known(fields.to_ticks(even)))
     if len(ticks) < FEWEST and end - start > FEWEST * fields.step:
         message = f"only {len(ticks)} states were kept after the collision"
-        raise refusal("ring_down", f"{message}; leave snapshots out, or give more of them")
+        raise refusal(
+            "ring_down", f"{message}; leave snapshots out, or give more of them"
+        )
     times = ticks * fields.clock.tick
     states = bonded_groups(fields, ticks)
     rigid, vibration = states.kinetic, (states.moving + states.strained).sum(axis=0)
     masses = [fields.clock.mass(i) for group in states.bodies for i in group]
     scale = sum(m * math.sqrt(2 * (rigid + vibration).max() / m) for m in masses)
     modes = {i: lasting_mode(rod.segments) for i, rod in fields.rods.items()}
-    slowest = max((1 / (2 * rate) if rate > 0 else math.inf, i, omega / (2 * math.pi))
-                  for i, (omega, rate) in modes.items())
+    slowest = max(
+        (1 / (2 * rate) if rate > 0 else math.inf, i, omega / (2 * math.pi))
+        for i, (omega, rate) in modes.items()
+    )
     return RingDown(
-        times, vibration, float(rigid[-1]),
+        times,
+        vibration,
+        float(rigid[-1]),
         float(np.ptp(states.momentum)) / scale if scale else 0.0,
-        _decay_time(times, vibration, ENOUGH * float(rigid.max() + vibration.max())), *slowest,
+        _decay_time(times, vibration, ENOUGH * float(rigid.max() + vibration.max())),
+        *slowest,
     )
 
 

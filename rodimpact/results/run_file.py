@@ -26,12 +26,28 @@ from ..model.profiles import Samples, Steps
 from ..storage.writing import Arrays
 
 RUN_CLASSES: tuple[Any, ...] = (
-    Cells, Clock, GridMotion, Pieces, Run, runs.ContactSignal, runs.ContactTally,
-    runs.Episode, runs.Outside, runs.Signals, runs.Totals, runs.Waves,
+    Cells,
+    Clock,
+    GridMotion,
+    Pieces,
+    Run,
+    runs.ContactSignal,
+    runs.ContactTally,
+    runs.Episode,
+    runs.Outside,
+    runs.Signals,
+    runs.Totals,
+    runs.Waves,
 )
 MODEL_CLASSES: tuple[Any, ...] = (
-    System, Material, Segment, Samples, Steps,
-    *BODIES.values(), *CONTACT_LAWS.values(), *ENDS.values(),
+    System,
+    Material,
+    Segment,
+    Samples,
+    Steps,
+    *BODIES.values(),
+    *CONTACT_LAWS.values(),
+    *ENDS.values(),
 )
 MAKERS: dict[str, Any] = {
     **{kind.__name__: kind for kind in RUN_CLASSES + MODEL_CLASSES},
@@ -45,7 +61,9 @@ NOT_IN_JSON = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
 def take_apart(content: Any) -> tuple[dict[str, Any], Arrays]:
     """Document and arrays that `put_together` makes the same of, bit for bit."""
     columns, sizes = defaultdict[str, list[Any]](list), Counter[str]()
-    places: dict[int, tuple[Any, dict[str, Any]]] = {}  # with the array, so that its id is its own
+    places: dict[
+        int, tuple[Any, dict[str, Any]]
+    ] = {}  # with the array, so that its id is its own
 
     def put(array: Any) -> dict[str, Any]:
         if id(array) not in places:
@@ -63,11 +81,15 @@ def take_apart(content: Any) -> tuple[dict[str, Any], Arrays]:
             return [plain(item) for item in value]
         if isinstance(value, float) and not math.isfinite(value):
             return str(float(value))
-        if isinstance(value, str) and value in NOT_IN_JSON:  # a name that reads as a number
+        if (
+            isinstance(value, str) and value in NOT_IN_JSON
+        ):  # a name that reads as a number
             return {"class": "str", "text": value}
         if isinstance(value, System):
             value.check_file()
-        kind: Any = Clock if isinstance(value, Clock) else type(value)  # not what assemblies add
+        kind: Any = (
+            Clock if isinstance(value, Clock) else type(value)
+        )  # not what assemblies add
         if isinstance(value, Mapping):
             kind, entries = dict, {"items": list(value.items())}
         elif isinstance(value, Frozen):
@@ -76,7 +98,10 @@ def take_apart(content: Any) -> tuple[dict[str, Any], Arrays]:
             entries = {name: getattr(value, name) for name in names_of(kind)}
         else:
             return value
-        return {"class": kind.__name__, **{key: plain(entry) for key, entry in entries.items()}}
+        return {
+            "class": kind.__name__,
+            **{key: plain(entry) for key, entry in entries.items()},
+        }
 
     document = {"content": plain(content)}
     return document, {name: np.concatenate(parts) for name, parts in columns.items()}
@@ -84,6 +109,7 @@ def take_apart(content: Any) -> tuple[dict[str, Any], Arrays]:
 
 def put_together(document: Mapping[str, Any], arrays: Arrays) -> Any:
     """Make again what `take_apart` took apart."""
+
     @cache
     def part(array: str, start: int, *shape: int) -> Any:
         """A stretch of a column, the same object wherever it stands."""

@@ -87,7 +87,12 @@ class Solution(Shown):
     """
 
     def __init__(self, run: Run) -> None:
-        self.run, self.system, self.method, self.until = run, run.system, run.method, run.until
+        self.run, self.system, self.method, self.until = (
+            run,
+            run.system,
+            run.method,
+            run.until,
+        )
         # the cap may end what follows the proof, in which nothing more can happen
         proved = run.final and run.until is None
         self.stopped_by, self.events = "final" if proved else run.stopped_by, run.events
@@ -126,7 +131,9 @@ class Solution(Shown):
     # Fields -------------------------------------------------------------------------------------
 
     @_FAINT
-    def velocity(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
+    def velocity(
+        self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
+    ) -> Floats:
         """Velocity of the material.
 
         Parameters
@@ -153,12 +160,16 @@ class Solution(Shown):
         return self.fields.velocity(self._index(body), x, t, side)
 
     @_FAINT
-    def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
+    def strain(
+        self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
+    ) -> Floats:
         """Strain, positive in tension; arguments as in `velocity`."""
         return self.fields.strain(self._index(body), x, t, side)
 
     @_FAINT
-    def stress(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
+    def stress(
+        self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
+    ) -> Floats:
         """Stress E eps + eta d(eps)/dt in Pa, positive in tension; arguments as in `velocity`."""
         stress = self.strain(body, x, t, side) * self._along(body, x, "youngs_modulus")
         viscosity = self._along(body, x, "viscosity")
@@ -167,7 +178,9 @@ class Solution(Shown):
         return stress
 
     @_FAINT
-    def axial_force(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
+    def axial_force(
+        self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
+    ) -> Floats:
         """Stress times area in N, positive in tension; arguments as in `velocity`."""
         return self.stress(body, x, t, side) * self._along(body, x, "area")
 
@@ -182,7 +195,9 @@ class Solution(Shown):
     def position(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Place in the laboratory in m; the left end of the row starts at 0. As `velocity`."""
         base = self.fields.positions[self._index(body)]
-        inside = array("x", x, "m") if isinstance(self.system.bodies[body], Rod) else 0.0
+        inside = (
+            array("x", x, "m") if isinstance(self.system.bodies[body], Rod) else 0.0
+        )
         return base + inside + self.displacement(body, x, t)
 
     @_FAINT
@@ -202,9 +217,16 @@ class Solution(Shown):
         right, left = rightward.at(ticks), leftward.at(ticks)
         times, rest = ticks * a.tick, (right[0] + left[0]) / 2
         return Gauge(
-            body, x, times, (left - right) * per_wave,
-            (left + right) / 2 + (a.frame + a.gravity * times), (rest - right) * per_wave,
-            (left - rest) * per_wave, self.t_end, stretch.times(per_wave), a.tick,
+            body,
+            x,
+            times,
+            (left - right) * per_wave,
+            (left + right) / 2 + (a.frame + a.gravity * times),
+            (rest - right) * per_wave,
+            (left - rest) * per_wave,
+            self.t_end,
+            stretch.times(per_wave),
+            a.tick,
             body_names(self.system.kinds)[body],
         )
 
@@ -250,22 +272,39 @@ class Solution(Shown):
         message = f"must lie in a body, from 0 to {max(lengths):.9g} m, got {{0!r}}"
         demand(np.any(inside, axis=0), "x", message, x)
         data: dict[str, Any] = {}
-        for name in ("velocity", "displacement", "position", "strain", "stress", "axial_force"):
+        for name in (
+            "velocity",
+            "displacement",
+            "position",
+            "strain",
+            "stress",
+            "axial_force",
+        ):
             values = np.full((len(bodies), x.size, t.size), np.nan)
             for i, body in enumerate(bodies):
-                if isinstance(body, Rod) or name in ("velocity", "displacement", "position"):
+                if isinstance(body, Rod) or name in (
+                    "velocity",
+                    "displacement",
+                    "position",
+                ):
                     values[i, inside[i]] = getattr(self, name)(i, x[inside[i], None], t)
             data[name] = ["body", "x", "time"], values
         means = np.array([self.mean_velocity(i, t) for i in range(len(bodies))])
         data["mean_velocity"] = ["body", "time"], means
         for name in ("force", "gap"):
             histories = [getattr(contact, name)(t) for contact in self.contacts]
-            data[name] = ["contact", "time"], np.reshape(histories, (len(histories), t.size))
+            data[name] = (
+                ["contact", "time"],
+                np.reshape(histories, (len(histories), t.size)),
+            )
         parts = vars(self.energy(t))
         data["energy"] = ["part", "time"], np.array([*parts.values()])
         over = {
-            "body": (["body"], range(len(bodies))), "kind": (["body"], self.system.kinds),
-            "x": (["x"], x), "time": (["time"], t), "part": (["part"], [*parts]),
+            "body": (["body"], range(len(bodies))),
+            "kind": (["body"], self.system.kinds),
+            "x": (["x"], x),
+            "time": (["time"], t),
+            "part": (["part"], [*parts]),
             "contact": (["contact"], range(len(self.contacts))),
             "law": (["contact"], [law.law for law in self.system.contacts]),
         }
@@ -279,7 +318,9 @@ class Solution(Shown):
         ticks = self.fields.nearest_known(self.fields.to_ticks(t))
         states = bonded_groups(self.fields, np.concatenate(([0], ticks.ravel())))
         entries = vars(ledger(self.fields, self.contacts, states)).items()
-        return EnergyLedger(**{name: of[1:].reshape(ticks.shape) for name, of in entries})
+        return EnergyLedger(
+            **{name: of[1:].reshape(ticks.shape) for name, of in entries}
+        )
 
     @_FAINT
     def ring_down(self) -> RingDown:
@@ -311,7 +352,11 @@ class Solution(Shown):
         1.0
         """
         demand(self.final, "ring_down", f"the collision is not over. {self.status}")
-        demand(not self.outcome.driven, "ring_down", "gravity or a driven end acts on and on")
+        demand(
+            not self.outcome.driven,
+            "ring_down",
+            "gravity or a driven end acts on and on",
+        )
         start = self.t_final if self.t_final < self.t_end else self.t_proved
         return ring_down(self.fields, start, self.t_end)
 
@@ -334,14 +379,18 @@ class Solution(Shown):
         tick = int(self.fields.to_ticks(single("t", t, "s", "")))
         for side, end in zip(("left", "right"), self.system.ends, strict=True):
             if isinstance(getattr(end, "value", 0.0), Steps | Samples):
-                raise refusal(f"ends.{side}", "is driven by a function of time; drive it anew")
+                raise refusal(
+                    f"ends.{side}", "is driven by a function of time; drive it anew"
+                )
         bodies = [
-            body.replace(**state_profiles(self.fields, i, tick)) if isinstance(body, Rod)
+            body.replace(**state_profiles(self.fields, i, tick))
+            if isinstance(body, Rod)
             else body.replace(velocity=float(self.velocity(i, 0.0, t)))
             for i, body in enumerate(self.system.bodies)
         ]
         return self.system.replace(
-            bodies=bodies, gaps=[float(c.gap(t)) if c.law.opens else 0.0 for c in self.contacts],
+            bodies=bodies,
+            gaps=[float(c.gap(t)) if c.law.opens else 0.0 for c in self.contacts],
             contacts=[contact.law_at(t) for contact in self.contacts],
         )
 
@@ -379,7 +428,10 @@ class Solution(Shown):
         for s, piece in enumerate(rod.segments, self.fields.clock.spans[body][0]):
             held: Any = piece.area if name == "area" else getattr(piece.material, name)
             even = np.atleast_1d(held.values if isinstance(held, Samples) else held)
-            here, places = segment == s, np.linspace(0.0, float(piece.length), len(even))
+            here, places = (
+                segment == s,
+                np.linspace(0.0, float(piece.length), len(even)),
+            )
             values[here] = np.interp(inside[here], places, even)
         return values
 
@@ -393,5 +445,8 @@ def check_waves(value: Any) -> None:
     """Raise ValueError for what is no solution, or has no rod whose waves could be drawn."""
     check_solution(value)
     if not any(isinstance(body, Rod) for body in value.system.bodies):
-        raise refusal("solution", "has no rod, and rigid masses have no waves to be drawn; draw "
-                         "its contacts and its energy")
+        raise refusal(
+            "solution",
+            "has no rod, and rigid masses have no waves to be drawn; draw "
+            "its contacts and its energy",
+        )

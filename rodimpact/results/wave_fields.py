@@ -55,8 +55,12 @@ class WaveFields(Fields):
     def _offset(self, body: int, x: ArrayLike) -> tuple[Ints, Ints]:
         """Segment and ticks from its left end of places x in a body, m from its left end."""
         segment, inside = self.locate(body, x)
-        length, transit = (np.array(of)[segment] for of in (self.clock.length, self.clock.ticks))
-        return segment, np.clip(np.rint(inside / length * transit).astype(np.int64), 0, transit)
+        length, transit = (
+            np.array(of)[segment] for of in (self.clock.length, self.clock.ticks)
+        )
+        return segment, np.clip(
+            np.rint(inside / length * transit).astype(np.int64), 0, transit
+        )
 
     # Fields -----------------------------------------------------------------------------------
 
@@ -66,7 +70,9 @@ class WaveFields(Fields):
 
         return self._values(body, x, ticks, velocity, side == "right")
 
-    def strain(self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right") -> Floats:
+    def strain(
+        self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
+    ) -> Floats:
         def strain(s: int, A: Pieces, B: Pieces, p: Ints, q: Ints) -> Floats:
             per_wave = 0.5 / self.clock.wave_speed[s]
             return (B.at(q, side) - A.at(p, side)) * per_wave + 0.0  # no -0.0
@@ -77,8 +83,13 @@ class WaveFields(Fields):
         self, body: int, x: ArrayLike, ticks: Ints, value: Seen, onward: bool = False
     ) -> Floats:
         """Values at places and ticks; `onward`: of waves that hold from each front on."""
-        if (onward and self.constant_between_fronts and ticks.ndim == 1
-                and np.shape(x) == (np.size(x) or 1, 1) and np.all(ticks[1:] >= ticks[:-1])):
+        if (
+            onward
+            and self.constant_between_fronts
+            and ticks.ndim == 1
+            and np.shape(x) == (np.size(x) or 1, 1)
+            and np.all(ticks[1:] >= ticks[:-1])
+        ):
             return self._on_grid(body, x, ticks, value)
         segments, offset = self._offset(body, x)
         out = np.empty(self._together(offset, ticks))
@@ -86,7 +97,9 @@ class WaveFields(Fields):
         for s in np.unique(segments).tolist():
             here = segment == s
             p = ticks[here] - offset[here]
-            out[here] = value(s, *self.waves(s), p, p + 2 * offset[here] - self.clock.ticks[s])
+            out[here] = value(
+                s, *self.waves(s), p, p + 2 * offset[here] - self.clock.ticks[s]
+            )
         return out
 
     def _on_grid(self, body: int, x: ArrayLike, when: Ints, value: Seen) -> Floats:
@@ -97,7 +110,9 @@ class WaveFields(Fields):
         for start, stop in pairwise(borders):
             s, inside = int(segment[start, 0]), offset[start:stop]
             (A, B), T = self.waves(s), self.clock.ticks[s]
-            fronts = np.concatenate((A.ticks[1:] + inside, B.ticks[1:] + T - inside), axis=1)
+            fronts = np.concatenate(
+                (A.ticks[1:] + inside, B.ticks[1:] + T - inside), axis=1
+            )
             seen = np.sort(when.searchsorted(fronts.T), axis=0).T
             counts.append(np.diff(seen, prepend=0, append=len(when)).ravel())
             starts = np.sort(np.append(fronts, inside - FAR, axis=1))
@@ -119,14 +134,18 @@ class WaveFields(Fields):
         """Initial displacement of each segment's left end."""
         starts = [0.0]  # of the outside
         for body in range(len(self.clock.spans)):
-            longer = [float(A.integral(0, -T) + B.integral(-T, 0)) / 2 * self.clock.tick
-                      for _, T, A, B in self.along(body)]
+            longer = [
+                float(A.integral(0, -T) + B.integral(-T, 0)) / 2 * self.clock.tick
+                for _, T, A, B in self.along(body)
+            ]
             starts += [*accumulate(longer, initial=0.0)][:-1]
         return starts
 
     def strained(self, body: int, x: Floats, ticks: Ints) -> Floats:
         def strained(s: int, A: Pieces, B: Pieces, p: Ints, q: Ints) -> Floats:
-            return (B.integral(0, q) - A.integral(0, p)) * (0.5 / self.clock.wave_speed[s])
+            return (B.integral(0, q) - A.integral(0, p)) * (
+                0.5 / self.clock.wave_speed[s]
+            )
 
         return self._values(body, x[:, None], ticks, strained)
 
@@ -143,9 +162,14 @@ class WaveFields(Fields):
 
     def momentum(self, body: int, t: ArrayLike) -> Floats:
         ticks, a = self.to_ticks(t), self.clock
-        passed = ((s, T, A.integral(ticks - T, ticks) + B.integral(ticks - T, ticks))
-                  for s, T, A, B in self.along(body))
-        total = sum(a.impedance[s] * (inside / 2 + a.frame * T) * a.tick for s, T, inside in passed)
+        passed = (
+            (s, T, A.integral(ticks - T, ticks) + B.integral(ticks - T, ticks))
+            for s, T, A, B in self.along(body)
+        )
+        total = sum(
+            a.impedance[s] * (inside / 2 + a.frame * T) * a.tick
+            for s, T, inside in passed
+        )
         return np.asarray(total + a.mass(body) * self._fallen(ticks))
 
     def energy(self, body: int, tick: int, velocity: float) -> tuple[float, float]:
@@ -155,10 +179,16 @@ class WaveFields(Fields):
         for s, T, A, B in self.along(body):
             start = tick - T
             waves = A.within(start, tick), B.within(start, tick).turned(start + tick)
-            edges = each_once([start], *(wave.breaks_in(start, tick) for wave in waves), [tick])
+            edges = each_once(
+                [start], *(wave.breaks_in(start, tick) for wave in waves), [tick]
+            )
             shares, weights = quadrature(max(A.size, B.size))
-            up, down = (wave.inside(edges[:-1], edges[1:], shares) - V for wave in waves)
-            squares = [(w * w) @ weights @ np.diff(edges) for w in (up + down, up - down)]
+            up, down = (
+                wave.inside(edges[:-1], edges[1:], shares) - V for wave in waves
+            )
+            squares = [
+                (w * w) @ weights @ np.diff(edges) for w in (up + down, up - down)
+            ]
             energies += np.array(squares) * (a.impedance[s] * a.tick / 8)
         return float(energies[0]), float(energies[1])
 
@@ -168,10 +198,14 @@ class WaveFields(Fields):
             (p, right), (q, left) = (self._lasting(wave, -T) for wave in waves)
             # waves that leave the ends at p and q meet at (p + q + T)/2 if |p - q| < T
             first = q[1:].searchsorted(np.maximum(p[:-1] - T, -T - p[1:]), "right")
-            last = q[:-1].searchsorted(np.minimum(p[1:] + T, self.end - T + (self.end - p[:-1])))
+            last = q[:-1].searchsorted(
+                np.minimum(p[1:] + T, self.end - T + (self.end - p[:-1]))
+            )
             meeting = np.stack((first, last), axis=1).ravel()
-            most, least = (extreme.reduceat(np.append(left, np.nan), meeting)[::2]
-                           for extreme in (np.fmax, np.fmin))
+            most, least = (
+                extreme.reduceat(np.append(left, np.nan), meeting)[::2]
+                for extreme in (np.fmax, np.fmin)
+            )
             parted = np.fmax.reduce(np.fmax(most - right, right - least), initial=0.0)
             strain = float(parted / (2 * self.clock.wave_speed[s]))
             largest.append(float(segment.material.youngs_modulus) * strain)
@@ -180,7 +214,9 @@ class WaveFields(Fields):
     def _lasting(self, wave: Pieces, start: int) -> tuple[Ints, Floats]:
         """Steps that follow a wave closely, [n + 1] ticks and [n] values; nan of slivers."""
         marks = wave.marks
-        edges = np.concatenate(([start], marks[(marks > start) & (marks < self.end)], [self.end]))
+        edges = np.concatenate(
+            ([start], marks[(marks > start) & (marks < self.end)], [self.end])
+        )
         return edges, np.where(np.diff(edges) > SLIVER, wave.at(edges[:-1]), np.nan)
 
     def profile(self, body: int, tick: int) -> Profile:
@@ -188,15 +224,24 @@ class WaveFields(Fields):
         drift = a.frame + a.gravity * tick * a.tick
         ends = pairwise(self.edges(body))
         for (s, T, A, B), (start, stop) in zip(self.along(body), ends, strict=True):
-            cuts = each_once(tick - A.within(tick - T, tick).marks,
-                             B.within(tick - T, tick).marks - tick + T)
-            unsure = tick >> 51  # it comes from a time: what left within that has just left
-            bounds = np.concatenate(([0], cuts[(cuts > unsure) & (cuts < T - unsure)], [T]))
+            cuts = each_once(
+                tick - A.within(tick - T, tick).marks,
+                B.within(tick - T, tick).marks - tick + T,
+            )
+            unsure = (
+                tick >> 51
+            )  # it comes from a time: what left within that has just left
+            bounds = np.concatenate(
+                ([0], cuts[(cuts > unsure) & (cuts < T - unsure)], [T])
+            )
             right = A.means(tick - bounds[1:], tick - bounds[:-1])
             left = B.means(tick - T + bounds[:-1], tick - T + bounds[1:])
-            parts.append((
-                np.append(start + a.length[s] * (bounds[1:-1] / T), stop),
-                (right + left) / 2 + drift, (left - right) * (0.5 / a.wave_speed[s]),
-            ))
+            parts.append(
+                (
+                    np.append(start + a.length[s] * (bounds[1:-1] / T), stop),
+                    (right + left) / 2 + drift,
+                    (left - right) * (0.5 / a.wave_speed[s]),
+                )
+            )
         edges, *others = (np.concatenate(of) for of in zip(*parts, strict=True))
         return Profile(np.append(0.0, edges), *others)

@@ -42,25 +42,33 @@ class Readings(NamedTuple):
     also: tuple[str, ...] = ()
 
 
-def columns_of(system: System, names: Iterable[str]) -> dict[str, tuple[str, int | None]]:
+def columns_of(
+    system: System, names: Iterable[str]
+) -> dict[str, tuple[str, int | None]]:
     """Columns of these names of `COLUMNS`, each with its name there and its body or contact."""
     bodies, contacts = range(len(system.bodies)), range(len(system.contacts))
     owners: dict[str, Iterable[int | None]] = {
-        "row": [None], "body": bodies, "contact": contacts,
+        "row": [None],
+        "body": bodies,
+        "contact": contacts,
         "rod": [i for i in bodies if isinstance(system.bodies[i], Rod)],
         "yielding": [k for k in contacts if isinstance(system.contacts[k], Plastic)],
     }
     return {
         name if owner is None else f"{name}.{owner}": (name, owner)
-        for name in names for owner in owners[COLUMNS[name][0]]
+        for name in names
+        for owner in owners[COLUMNS[name][0]]
     }
 
 
-def arrays_of(system: System, readings: Readings) -> dict[str, tuple[Any, tuple[int, ...]]]:
+def arrays_of(
+    system: System, readings: Readings
+) -> dict[str, tuple[Any, tuple[int, ...]]]:
     """Columns that each member has, with types and shapes beyond the family's, by name."""
     columns = columns_of(system, (*ALWAYS, *readings.also)).items()
     arrays: dict[str, Any] = {
-        column: (KINDS.get(name, np.float64), ()) for column, (name, _) in columns}
+        column: (KINDS.get(name, np.float64), ()) for column, (name, _) in columns
+    }
     if readings.gauges:
         arrays["strain"] = np.float64, (len(readings.gauges), len(readings.times))
     return arrays
@@ -69,19 +77,25 @@ def arrays_of(system: System, readings: Readings) -> dict[str, tuple[Any, tuple[
 def row_of(solution: Solution, readings: Readings) -> Columns:
     """Columns of a member, by name."""
     columns = columns_of(solution.system, (*ALWAYS, *readings.also)).items()
-    row = {column: COLUMNS[name][1](solution, owner) for column, (name, owner) in columns}
+    row = {
+        column: COLUMNS[name][1](solution, owner) for column, (name, owner) in columns
+    }
     if readings.gauges:
         inside = readings.times <= solution.t_end * (1 + 1e-12)
         row["strain"] = np.full((len(readings.gauges), len(inside)), math.nan)
         for g, gauge in enumerate(readings.gauges):
-            row["strain"][g, inside] = solution.gauge(*gauge).strain_at(readings.times[inside])
+            row["strain"][g, inside] = solution.gauge(*gauge).strain_at(
+                readings.times[inside]
+            )
     return row
 
 
 def _set(solution: Solution, contact: int) -> float:
     """How far a contact has yielded for good, m: its gap counts from the faces as they are."""
     times = [0.0, solution.fields.end * solution.fields.clock.tick]
-    length = getattr(solution.system.bodies[contact], "length", 0.0)  # rigid masses have none
+    length = getattr(
+        solution.system.bodies[contact], "length", 0.0
+    )  # rigid masses have none
     left = solution.displacement(contact, length, times)
     right = solution.displacement(contact + 1, 0.0, times)
     start, end = solution.contacts[contact].gap(times) - (right - left)
@@ -90,23 +104,34 @@ def _set(solution: Solution, contact: int) -> float:
 
 def _moved(solution: Solution, body: int) -> float:
     """How far the centre of mass of a body has moved at the end, m."""
-    signals, end, tick = solution.run.signals, solution.fields.end, solution.fields.clock.tick
+    signals, end, tick = (
+        solution.run.signals,
+        solution.fields.end,
+        solution.fields.clock.tick,
+    )
     time = end * tick
     if not isinstance(solution.system.bodies[body], Rod):
         return float(solution.displacement(body, 0.0, time))
     left, right = (side and side.push for side in signals.outside)
     pushes = [left, *(contact.force for contact in signals.contacts), right]
     # by the forces on its two faces: Newton's law, integrated twice
-    moved = sum(sign * float(push.integrated_twice(end)) * tick * tick
-                for push, sign in zip(pushes[body : body + 2], INWARD, strict=True) if push)
+    moved = sum(
+        sign * float(push.integrated_twice(end)) * tick * tick
+        for push, sign in zip(pushes[body : body + 2], INWARD, strict=True)
+        if push
+    )
     start = float(solution.mean_velocity(body, 0.0)) * time
     fallen = float(solution.system.gravity) * time * time / 2
     return start + moved / solution.fields.clock.mass(body) + fallen
 
 
 COLUMNS: dict[str, tuple[str, Callable[[Solution, Any], Any]]] = {
-    "restitution": ("row", lambda run, _: (
-        math.nan if run.outcome.why_no_restitution() else run.outcome.restitution)),
+    "restitution": (
+        "row",
+        lambda run, _: (
+            math.nan if run.outcome.why_no_restitution() else run.outcome.restitution
+        ),
+    ),
     "velocity_after": ("body", lambda run, i: run.outcome.velocities_after[i]),
     "impulse": ("contact", lambda run, k: run.outcome.contacts[k].impulse),
     "peak_force": ("contact", lambda run, k: run.outcome.contacts[k].peak_force),

@@ -9,7 +9,13 @@ import os
 import threading
 from collections import deque
 from collections.abc import Callable, Generator, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    Executor,
+    Future,
+    ThreadPoolExecutor,
+    wait,
+)
 from typing import Any
 
 from ..methods import memory
@@ -33,7 +39,9 @@ def pool_of(
     if executor is not None:
         yield executor, workers_of(executor), None
         return
-    mine = getattr(os, "sched_getaffinity", None)  # processors that this process may use
+    mine = getattr(
+        os, "sched_getaffinity", None
+    )  # processors that this process may use
     threads = workers or (len(mine(0)) if mine else os.cpu_count() or 1)
     stopping = threading.Event()
     own = ThreadPoolExecutor(threads, initializer=memory.share, initargs=(threads,))
@@ -52,7 +60,9 @@ def pool_of(
 class Here(Executor):
     """Does every job at once, itself."""
 
-    def submit(self, job: Callable[..., Any], /, *given: Any, **named: Any) -> Future[Any]:
+    def submit(
+        self, job: Callable[..., Any], /, *given: Any, **named: Any
+    ) -> Future[Any]:
         """Do it; what goes wrong is raised here."""
         future: Future[Any] = Future()
         future.set_result(job(*given, **named))
@@ -69,8 +79,12 @@ def workers_of(executor: Any) -> int:
 
 
 def results_of(
-    workers: int, submit: Callable[[int, int], Future[Any]], spans: list[Span], unit: int,
-    most: int, wanted: Callable[[int], bool],
+    workers: int,
+    submit: Callable[[int, int], Future[Any]],
+    spans: list[Span],
+    unit: int,
+    most: int,
+    wanted: Callable[[int], bool],
 ) -> Generator[list[tuple[int, int, Any]]]:
     """Run members of a family; yield what has come in, if anything, twice a second or more often.
 
@@ -97,7 +111,9 @@ def results_of(
     left, size = sum(stop - start for start, stop in spans), unit
     try:
         while True:
-            while waiting and len(running) < 2 * workers:  # one to do, and one to go on with
+            while (
+                waiting and len(running) < 2 * workers
+            ):  # one to do, and one to go on with
                 start, stop = waiting.popleft()
                 if not wanted(start):
                     continue

@@ -45,7 +45,12 @@ def load(path: PathLike) -> Any:
     ...     ri.load(f"{folder}/run.npz").outcome == solution.outcome
     True
     """
-    return read_npz(path, {
-        "solution": lambda document, arrays: Solution(put_together(document, arrays)),
-        "sweep": SweepResult.restored,
-    })
+    return read_npz(
+        path,
+        {
+            "solution": lambda document, arrays: Solution(
+                put_together(document, arrays)
+            ),
+            "sweep": SweepResult.restored,
+        },
+    )

@@ -14,9 +14,15 @@ AUTO = Options()
 
 
 def solve(
-    system: System, until: float | None = None, method: str = "auto", *,
-    max_events: int = MAX_EVENTS, dt: float | None = None, rtol: float | None = None,
-    cells: int | None = None, snapshots: int | ArrayLike | None = None,
+    system: System,
+    until: float | None = None,
+    method: str = "auto",
+    *,
+    max_events: int = MAX_EVENTS,
+    dt: float | None = None,
+    rtol: float | None = None,
+    cells: int | None = None,
+    snapshots: int | ArrayLike | None = None,
     progress: Progress | None = None,
 ) -> Solution:
     """Solve a collision.
@@ -96,8 +102,9 @@ def solve(
     return Solution(options.run(chosen, system, progress=progress, announce=warn))
 
 
-def collide(left: Body, right: Body, gap: float = 0.0,
-            contact: ContactLaw | None = None) -> Outcome:
+def collide(
+    left: Body, right: Body, gap: float = 0.0, contact: ContactLaw | None = None
+) -> Outcome:
     """Let two bodies collide; shorthand for ``solve(System([left, right])).outcome``.
 
     Parameters

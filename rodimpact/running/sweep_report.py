@@ -37,10 +37,18 @@ def sweep_table(result: SweepResult, varied: Varied, more: str) -> str:
     str
         The grids, the extremes of e, all collisions or some, and why some have no e.
     """
-    rows = [["varied", "values", "from", "to"], *(
-        [path, str(len(values)), format_si(values.min(), unit), format_si(values.max(), unit)]
-        for path, values, unit in varied
-    )]
+    rows = [
+        ["varied", "values", "from", "to"],
+        *(
+            [
+                path,
+                str(len(values)),
+                format_si(values.min(), unit),
+                format_si(values.max(), unit),
+            ]
+            for path, values, unit in varied
+        ),
+    ]
     blocks = [align(rows), _extremes(result, varied), _members(result, varied, more)]
     return "\n\n".join(filter(None, [*blocks, _missing(result, varied)]))
 
@@ -61,10 +69,16 @@ def sweep_json(result: SweepResult, varied: Varied) -> Iterator[str]:
         column is a number that varies or a result: a list with one entry a collision, the last axis
         fastest, in SI units and full precision, with null for what does not exist.
     """
-    axes = [{"path": path, "unit": unit, "values": values.tolist()}
-            for path, values, unit in varied]
-    head = {"schema_version": SCHEMA_VERSION, "method": result.method, "shape": result.shape,
-            "varied": axes}
+    axes = [
+        {"path": path, "unit": unit, "values": values.tolist()}
+        for path, values, unit in varied
+    ]
+    head = {
+        "schema_version": SCHEMA_VERSION,
+        "method": result.method,
+        "shape": result.shape,
+        "varied": axes,
+    }
     yield json.dumps(head).removesuffix("}") + ', "columns": {'
     columns = result.table()
     for i, (name, column) in enumerate(columns.items(), 1):
@@ -81,7 +95,9 @@ def _extremes(result: SweepResult, varied: Varied) -> str:
         e = extreme.reduce(result.restitution, axis=None)
         if not math.isnan(e):
             where = _where(_first(result.restitution == e), varied)
-            rows.append([f"{name} coefficient of restitution e", f"{clean(e, 1.0):.9g}", where])
+            rows.append(
+                [f"{name} coefficient of restitution e", f"{clean(e, 1.0):.9g}", where]
+            )
     return align(rows, left=(0, 2))
 
 
@@ -94,27 +110,38 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
     bodies, pairs = list(range(len(system.bodies))), result.unilateral
     velocities = [read[f"velocity_after.{i}"] for i in bodies]
     places = np.unravel_index(shown, result.shape or (1,))
-    columns = {path: _written(values[where], unit)
-               for (path, values, unit), where in zip(varied, places, strict=False)}
+    columns = {
+        path: _written(values[where], unit)
+        for (path, values, unit), where in zip(varied, places, strict=False)
+    }
     if len(pairs) == 1:
         k = pairs[0]
         columns["e"] = [_digits(e, 1.0) for e in read["restitution"]]
         columns["impulse"] = _written(read[f"impulse.{k}"], "N s")
         columns["peak force"] = _written(read[f"peak_force.{k}"], "N")
         columns["force duration"] = _written(read[f"duration.{k}"], "s")
-        columns["episodes"] = ["-" if math.isnan(J) else str(n) for J, n in zip(
-            read[f"impulse.{k}"], read[f"episodes.{k}"], strict=True)]
+        columns["episodes"] = [
+            "-" if math.isnan(J) else str(n)
+            for J, n in zip(read[f"impulse.{k}"], read[f"episodes.{k}"], strict=True)
+        ]
     else:
         if len(bodies) > MOST_BODIES:
             bodies = bodies[: MOST_BODIES // 2] + bodies[-MOST_BODIES // 2 :]
         fastest = np.max(np.abs(velocities), axis=0)
         for i in bodies:
             columns[f"velocity {i} after"] = [
-                _digits(*both, " m/s") for both in zip(velocities[i], fastest, strict=True)]
+                _digits(*both, " m/s")
+                for both in zip(velocities[i], fastest, strict=True)
+            ]
     # energy of the motion of the bodies relative to each other, or more
-    masses = [np.broadcast_to(body.mass, result.shape).ravel()[shown]
-              for body in system.bodies if not isinstance(body, Wall)]
-    push = np.sum([np.abs(read[f"impulse.{k}"]) for k in range(len(system.contacts))], axis=0)
+    masses = [
+        np.broadcast_to(body.mass, result.shape).ravel()[shown]
+        for body in system.bodies
+        if not isinstance(body, Wall)
+    ]
+    push = np.sum(
+        [np.abs(read[f"impulse.{k}"]) for k in range(len(system.contacts))], axis=0
+    )
     scale = np.sum(masses, axis=0) * np.ptp(velocities, axis=0) ** 2 / 2
     scale = scale + push**2 / (2 * np.min(masses, axis=0))
     columns["vibration energy"] = list(map(joules, read["vibration"], scale))
@@ -137,7 +164,10 @@ def _digits(value: float, scale: float, unit: str = "") -> str:
 
 def _missing(result: SweepResult, varied: Varied) -> str:
     """How many have no e, and why: a sentence for each kind."""
-    missing, met = np.isnan(result.restitution), sum(c.episodes for c in result.contacts) > 0
+    missing, met = (
+        np.isnan(result.restitution),
+        sum(c.episodes for c in result.contacts) > 0,
+    )
     kinds = np.asarray(2 * result.columns["status"] + np.logical_not(met))
     sentences = []
     for kind in np.unique(kinds[missing]):

@@ -28,7 +28,15 @@ from ..results.solution import Solution
 from ..storage.extras import optional
 from ..storage.writing import PathLike, write_npz, written
 from ..units import shown
-from .columns import ENDED, STATUS, Columns, ContactColumns, Readings, arrays_of, columns_of
+from .columns import (
+    ENDED,
+    STATUS,
+    Columns,
+    ContactColumns,
+    Readings,
+    arrays_of,
+    columns_of,
+)
 
 
 class Axis(NamedTuple):
@@ -135,7 +143,9 @@ class SweepResult(Shown, OnlyContact[Any]):
     @property
     def velocities_after(self) -> tuple[Any, ...]:
         """Velocities of the centres of mass, one array a body, m/s."""
-        return tuple(self.columns[f"velocity_after.{i}"] for i in range(len(self.system.bodies)))
+        return tuple(
+            self.columns[f"velocity_after.{i}"] for i in range(len(self.system.bodies))
+        )
 
     @property
     def vibration(self) -> Any:
@@ -161,7 +171,9 @@ class SweepResult(Shown, OnlyContact[Any]):
     def contacts(self) -> tuple[ContactColumns, ...]:
         """Totals of each contact, walls counted."""
         return tuple(
-            ContactColumns(*(self.columns[f"{name}.{k}"] for name in ContactColumns._fields))
+            ContactColumns(
+                *(self.columns[f"{name}.{k}"] for name in ContactColumns._fields)
+            )
             for k in range(len(self.system.contacts))
         )
 
@@ -216,7 +228,9 @@ class SweepResult(Shown, OnlyContact[Any]):
         except InvalidModel as error:
             return "; ".join(f"{path}: {message}" for path, message in error.problems)
         o = solution.outcome
-        never = o.final or (o.driven and solution.stopped_by == "until")  # however long it runs
+        never = o.final or (
+            o.driven and solution.stopped_by == "until"
+        )  # however long it runs
         return (never and o.why_no_restitution()) or o.status
 
     def save(self, path: PathLike, *, force: bool = False) -> None:
@@ -227,9 +241,13 @@ class SweepResult(Shown, OnlyContact[Any]):
         FileExistsError
             If the file is there and `force` is false.
         """
-        document, numbers = take_apart([self.system, asdict(self.options), list(self.readings)])
+        document, numbers = take_apart(
+            [self.system, asdict(self.options), list(self.readings)]
+        )
         strain = {} if self.strain is None else {"strain": self.strain}
-        write_npz(path, "sweep", document, {**numbers, **self.columns, **strain}, force=force)
+        write_npz(
+            path, "sweep", document, {**numbers, **self.columns, **strain}, force=force
+        )
 
     @classmethod
     def restored(cls, document: dict[str, Any], arrays: Columns) -> SweepResult:
@@ -238,9 +256,14 @@ class SweepResult(Shown, OnlyContact[Any]):
         readings = Readings(tuple(map(tuple, gauges)), times, tuple(also))
         of = arrays_of(system, readings)
         columns = {name: arrays[name] for name in of}
-        if any(columns[name].shape != (*system.shape, *beyond) for name, (_, beyond) in of.items()):
+        if any(
+            columns[name].shape != (*system.shape, *beyond)
+            for name, (_, beyond) in of.items()
+        ):
             raise ValueError("columns do not have the family's shape")
-        return cls(system, Options(**options), columns, readings, columns.pop("strain", None))
+        return cls(
+            system, Options(**options), columns, readings, columns.pop("strain", None)
+        )
 
     def table(self, start: int = 0, stop: int | None = None) -> Columns:
         """Varied numbers and results of the members `start` to `stop` in C order, by name."""
@@ -257,7 +280,9 @@ class SweepResult(Shown, OnlyContact[Any]):
         yield ",".join([*self.parameters, *self.columns])
         for start in range(0, math.prod(self.shape), 4096):
             table = self.table(start, start + 4096)
-            for row in zip(*(values.tolist() for values in table.values()), strict=True):
+            for row in zip(
+                *(values.tolist() for values in table.values()), strict=True
+            ):
                 yield ",".join("" if v != v else str(v) for v in row)
 
     def to_csv(self, path: PathLike, *, force: bool = False) -> None:
@@ -309,7 +334,9 @@ class SweepResult(Shown, OnlyContact[Any]):
         """
         names = [axis.name for axis in self.axes]
         coordinates: Columns = {
-            path: (names, np.broadcast_to(v, self.shape)) for path, v in self.parameters.items()}
+            path: (names, np.broadcast_to(v, self.shape))
+            for path, v in self.parameters.items()
+        }
         coordinates |= {name: ([name], values) for name, values in self.axes}
         columns = {name: (names, values) for name, values in self.columns.items()}
         columns["status"] = names, self.status

@@ -38,7 +38,9 @@ from .sweep_result import SweepResult
 
 FORECAST = warn, "a smaller family", None, "this sweep"
 PLACE = quantity("m", "non-negative", single=True)  # of a gauge
-TOGETHER = 8192  # members that are kept, or run again, as one where they run in compiled code
+TOGETHER = (
+    8192  # members that are kept, or run again, as one where they run in compiled code
+)
 
 
 class SweepError(ValueError):
@@ -64,7 +66,9 @@ class SweepError(ValueError):
     (0,) {'bodies.0.length': 0.2}
     """
 
-    def __init__(self, index: tuple[int, ...], parameters: dict[str, float], reason: str) -> None:
+    def __init__(
+        self, index: tuple[int, ...], parameters: dict[str, float], reason: str
+    ) -> None:
         self.index, self.parameters = index, parameters
         numbers = ", ".join(f"{path} = {value!r}" for path, value in parameters.items())
         self.problems = [(f"member {list(index)} ({numbers})", reason)]
@@ -75,12 +79,22 @@ class SweepError(ValueError):
 
 
 def sweep(
-    system: System, method: str = "auto", executor: Executor | None = None, *,
-    until: float | None = None, max_events: int = MAX_EVENTS, dt: float | None = None,
-    rtol: float | None = None, cells: int | None = None,
-    gauges: Sequence[tuple[int, float]] = (), times: ArrayLike | None = None,
-    also: Sequence[str] = (), workers: int | None = None, progress: Progress | None = None,
-    on_error: str = "record", checkpoint: PathLike | None = None,
+    system: System,
+    method: str = "auto",
+    executor: Executor | None = None,
+    *,
+    until: float | None = None,
+    max_events: int = MAX_EVENTS,
+    dt: float | None = None,
+    rtol: float | None = None,
+    cells: int | None = None,
+    gauges: Sequence[tuple[int, float]] = (),
+    times: ArrayLike | None = None,
+    also: Sequence[str] = (),
+    workers: int | None = None,
+    progress: Progress | None = None,
+    on_error: str = "record",
+    checkpoint: PathLike | None = None,
 ) -> SweepResult:
     """Solve every collision of a family.
 
@@ -184,13 +198,17 @@ def sweep(
     """
     problems: Problems = []
     if not isinstance(on_error, str) or on_error not in ("raise", "record"):
-        problems.append(("on_error", f'must be "raise" or "record", got {shown(on_error)}'))
+        problems.append(
+            ("on_error", f'must be "raise" or "record", got {shown(on_error)}')
+        )
     if workers is not None:
         workers = count(problems, "workers", workers)
     check_function(problems, "progress", progress)
     runs_chunks = isinstance(executor, Executor | None)
     if not runs_chunks:
-        message = "must be an executor, such as concurrent.futures.ProcessPoolExecutor()"
+        message = (
+            "must be an executor, such as concurrent.futures.ProcessPoolExecutor()"
+        )
         problems.append(("executor", f"{message}, got {executor!r}"))
     try:
         options = Options(until, method, max_events, dt, rtol, cells)
@@ -203,26 +221,52 @@ def sweep(
     except InvalidModel as error:
         problems += error.problems
     raise_noted(problems)
-    together = 0 if _alone(options, readings) else METHODS[options.method].together(Row(system))
+    together = (
+        0
+        if _alone(options, readings)
+        else METHODS[options.method].together(Row(system))
+    )
     size, unit = math.prod(system.shape), _unit(system, min(TOGETHER, together))
-    described = {} if checkpoint is None else {
-        "rodimpact": __version__, "system": system.digest, "shape": system.shape,
-        **asdict(options), **readings._asdict(), "times": readings.times.tolist(),
-    }
+    described = (
+        {}
+        if checkpoint is None
+        else {
+            "rodimpact": __version__,
+            "system": system.digest,
+            "shape": system.shape,
+            **asdict(options),
+            **readings._asdict(),
+            "times": readings.times.tolist(),
+        }
+    )
     keep = Checkpoint(arrays_of(system, readings), size, unit, checkpoint, described)
-    shaped = {name: column.reshape((*system.shape, *column.shape[1:]))
-              for name, column in keep.columns.items()}
+    shaped = {
+        name: column.reshape((*system.shape, *column.shape[1:]))
+        for name, column in keep.columns.items()
+    }
     result = SweepResult(system, options, shaped, readings, shaped.pop("strain", None))
     raises, status = on_error == "raise", keep.columns["status"]
     done = keep.spans(keep.done) if raises else []
     wanted = min((_first_failure(status, *span) for span in done), default=size)
-    with contextlib.closing(keep), pool_of(executor, workers) as (pool, running, stopping):
+    with (
+        contextlib.closing(keep),
+        pool_of(executor, workers) as (pool, running, stopping),
+    ):
         tell = _news_of(keep, running, together > 0, progress)
-        results = results_of(running, lambda start, stop: pool.submit(
-            run_job, _members(system, start, stop), options, readings,
-            *((stopping, size - stop) if stopping else ()),
-        ), keep.spans(~keep.done), unit, together or TOGETHER,
-            lambda i: i < wanted)
+        results = results_of(
+            running,
+            lambda start, stop: pool.submit(
+                run_job,
+                _members(system, start, stop),
+                options,
+                readings,
+                *((stopping, size - stop) if stopping else ()),
+            ),
+            keep.spans(~keep.done),
+            unit,
+            together or TOGETHER,
+            lambda i: i < wanted,
+        )
         with contextlib.closing(results):
             for parts in results:
                 for start, stop, part in parts:
@@ -270,8 +314,11 @@ def run_job(*of_chunk: Any) -> tuple[float, Columns]:
 
 
 def run_chunk(
-    system: System, options: Options, readings: Readings,
-    stop: Callable[[], bool] = lambda: False, more: int = 0,
+    system: System,
+    options: Options,
+    readings: Readings,
+    stop: Callable[[], bool] = lambda: False,
+    more: int = 0,
 ) -> Columns:
     """Columns of the members of a family, in C order.
 
@@ -283,20 +330,25 @@ def run_chunk(
     own["also"] = [name for name in readings.also if name in method.also]
     try:
         run = method.family and method.family(
-            Row(system), options.until, options.max_events, **own, stop=stop, more=more)
+            Row(system), options.until, options.max_events, **own, stop=stop, more=more
+        )
         if not run or _alone(options, readings):
             columns = _one_by_one(system, options, readings, stop)
         if run:
             columns |= _columns_of(run, system)
     finally:
         memory.give_back()
-    return {name: columns[name].astype(kind, copy=False)
-            for name, (kind, _) in arrays_of(system, readings).items()}
+    return {
+        name: columns[name].astype(kind, copy=False)
+        for name, (kind, _) in arrays_of(system, readings).items()
+    }
 
 
 def _alone(options: Options, readings: Readings) -> bool:
     """Whether what is to be read needs the solution of each member."""
-    return bool(readings.gauges) or not set(readings.also) <= {*METHODS[options.method].also}
+    return bool(readings.gauges) or not set(readings.also) <= {
+        *METHODS[options.method].also
+    }
 
 
 def _one_by_one(
@@ -305,12 +357,17 @@ def _one_by_one(
     """Columns of members that are solved each alone."""
     # a member that is refused has no numbers
     columns = {
-        name: np.full((math.prod(system.shape), *beyond), math.nan if kind is np.float64 else 0)
-        for name, (kind, beyond) in arrays_of(system, readings).items()}
+        name: np.full(
+            (math.prod(system.shape), *beyond), math.nan if kind is np.float64 else 0
+        )
+        for name, (kind, beyond) in arrays_of(system, readings).items()
+    }
     columns["status"][...] = STATUS.index("refused")
     seen = readings.gauges or "largest_stress" in readings.also
     if "snapshots" in METHODS[options.method].takes and not seen:
-        options = replace(options, snapshots=2)  # an outcome needs the first and the last state
+        options = replace(
+            options, snapshots=2
+        )  # an outcome needs the first and the last state
 
     def ask(*_: Any) -> None:
         if stop():
@@ -319,7 +376,9 @@ def _one_by_one(
     for i, index in enumerate(np.ndindex(system.shape)):
         ask()
         with contextlib.suppress(InvalidModel), np.errstate(under="ignore"):
-            solution = Solution(options.run(options.method, system[index], progress=ask))
+            solution = Solution(
+                options.run(options.method, system[index], progress=ask)
+            )
             for name, value in row_of(solution, readings).items():
                 columns[name][i] = value
     return columns
@@ -331,13 +390,23 @@ def _columns_of(run: FamilyRun, system: System) -> Columns:
     if len(able) == 1:
         k = able[0]
         e = effective_restitution(
-            run.final, run.contacts["episodes"][k], run.before[k : k + 2], run.after[k : k + 2])
-    columns = {"restitution": e, "vibration": run.vibration, "final": run.final,
-               "status": run.stopped_by, **run.further}
+            run.final,
+            run.contacts["episodes"][k],
+            run.before[k : k + 2],
+            run.after[k : k + 2],
+        )
+    columns = {
+        "restitution": e,
+        "vibration": run.vibration,
+        "final": run.final,
+        "status": run.stopped_by,
+        **run.further,
+    }
     columns |= {f"velocity_after.{i}": v for i, v in enumerate(run.after)}
     return columns | {
         f"{name}.{k}": values
-        for name, by_contact in run.contacts.items() for k, values in enumerate(by_contact)
+        for name, by_contact in run.contacts.items()
+        for k, values in enumerate(by_contact)
     }
 
 
@@ -366,13 +435,17 @@ def _unit(system: System, most: int) -> int:
     return whole if whole <= most else unit - unit % row
 
 
-def readings_of(problems: Problems, system: System, gauges: Any, times: Any) -> Readings:
+def readings_of(
+    problems: Problems, system: System, gauges: Any, times: Any
+) -> Readings:
     """Check gauges and times; note mistakes."""
     if not isinstance(gauges, Sequence | np.ndarray):
         problems.append(("gauges", f"must be [(body, x), ...], got {shown(gauges)}"))
         return Readings()
     if (times is None) == bool(len(gauges)):
-        problems.append(("times", "go with gauges=[(body, x), ...]; give both or neither"))
+        problems.append(
+            ("times", "go with gauges=[(body, x), ...]; give both or neither")
+        )
     if times is None or not len(gauges):
         return Readings()
     lengths = {i: b.length for i, b in enumerate(system.bodies) if isinstance(b, Rod)}
@@ -381,12 +454,20 @@ def readings_of(problems: Problems, system: System, gauges: Any, times: Any) -> 
         try:
             body, x = gauge
         except (TypeError, ValueError):
-            problems.append((f"gauges.{i}", f"must be (body, x), such as (1, 0.5), got {gauge!r}"))
+            problems.append(
+                (f"gauges.{i}", f"must be (body, x), such as (1, 0.5), got {gauge!r}")
+            )
             continue
         x = PLACE.checked(problems, f"gauges.{i}.x", x)
-        if isinstance(body, bool) or not isinstance(body, Integral) or body not in lengths:
+        if (
+            isinstance(body, bool)
+            or not isinstance(body, Integral)
+            or body not in lengths
+        ):
             known = ", ".join(map(str, lengths))
-            problems.append((f"gauges.{i}.body", f"must be a rod, {known}; got {body!r}"))
+            problems.append(
+                (f"gauges.{i}.body", f"must be a rod, {known}; got {body!r}")
+            )
         elif np.all(x > (shortest := float(np.min(lengths[int(body)])))):
             message = f"must lie in body {body} of every member, 0 to {shortest!r} m, got {x!r}"
             problems.append((f"gauges.{i}.x", message))
@@ -404,8 +485,11 @@ def _also(problems: Problems, given: Any, until: float | None) -> tuple[str, ...
     if isinstance(given, str) or not isinstance(given, Sequence):
         problems.append(("also", f"must be a list of {known}, got {shown(given)}"))
         return ()
-    problems += [("also", f"must be of {known}, got {shown(name)}")
-                 for name in given if not isinstance(name, str) or name not in ALSO]
+    problems += [
+        ("also", f"must be of {known}, got {shown(name)}")
+        for name in given
+        if not isinstance(name, str) or name not in ALSO
+    ]
     if "displacement" in given and until is None:
         message = "a body that flies on has no last displacement; give the time (until)"
         problems.append(("also", message))
@@ -415,7 +499,9 @@ def _also(problems: Problems, given: Any, until: float | None) -> tuple[str, ...
 def _raise_for(member: int, result: SweepResult) -> None:
     """Say why a member did not come to its end."""
     index = tuple(map(int, np.unravel_index(member, result.shape)))
-    parameters = {path: float(np.broadcast_to(values, result.shape)[index])
-                  for path, values in result.parameters.items()}
+    parameters = {
+        path: float(np.broadcast_to(values, result.shape)[index])
+        for path, values in result.parameters.items()
+    }
     reason = f'{result.explain(index)} (on_error="record" keeps the others)'
     raise SweepError(index, parameters, reason)

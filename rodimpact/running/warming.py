@@ -41,7 +41,9 @@ def warm() -> float:
     """
     begun = time.perf_counter()
     if reason := kernels.why_not():
-        warnings.warn(f"nothing can be compiled: {reason}", kernels.NoCompiler, stacklevel=2)
+        warnings.warn(
+            f"nothing can be compiled: {reason}", kernels.NoCompiler, stacklevel=2
+        )
         return 0.0
     for name in METHODS:
         warm_method(name)
@@ -50,7 +52,11 @@ def warm() -> float:
 
 def warm_method(name: str) -> None:
     """Run each kernel of a method once, compiled."""
-    method, bar, speeds = METHODS[name], Rod(1.0, area=1e-4, material=steel), np.array([1.0, 2.0])
+    method, bar, speeds = (
+        METHODS[name],
+        Rod(1.0, area=1e-4, material=steel),
+        np.array([1.0, 2.0]),
+    )
     cells = 8 if "cells" in method.takes else None
     families = [
         System([Rod(0.5, area=1e-4, material=steel, velocity=speeds), bar]),
@@ -60,7 +66,14 @@ def warm_method(name: str) -> None:
         for family in families:
             if not method.lacking(needs(family)):
                 sweep(family, name, cells=cells, workers=1)
-                sweep(family, name, until=1e-3, cells=cells, workers=1, also=["largest_stress"])
+                sweep(
+                    family,
+                    name,
+                    until=1e-3,
+                    cells=cells,
+                    workers=1,
+                    also=["largest_stress"],
+                )
                 solution = solve(family[0], method=name, cells=cells)
                 if cells:  # without cells, what is measured of levels
                     solve(family[0], method=name, rtol=1.0)

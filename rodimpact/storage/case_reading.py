@@ -21,7 +21,10 @@ from .case import SCHEMA, Case, GaugePlace
 from .case_tables import Table
 from .grids import Grids
 
-DAMPING = {"loss_factor": Field("", "non-negative"), "loss_frequency": Field("Hz", "positive")}
+DAMPING = {
+    "loss_factor": Field("", "non-negative"),
+    "loss_frequency": Field("Hz", "positive"),
+}
 SEGMENT = (*Segment.fields, "material", "lateral_inertia")
 OF_SYSTEM = {r"^gaps\.(\d+)": r"contacts.\1.gap", "^gaps$": "contacts"}
 """Keys of the file, where the model calls numbers otherwise."""
@@ -68,12 +71,19 @@ def case_from(
     for i, table in enumerate(contacts):
         gaps.append(table.entry("gap", GAP))
         laws.append(_read_law(table, (*bodies[i : i + 2], None, None)[:2], known))
-    sides = top.table("ends")  # of the row; where mistakes allow nothing, nothing happens there
+    sides = top.table(
+        "ends"
+    )  # of the row; where mistakes allow nothing, nothing happens there
     ends = [_read_end(sides.table(side)) if sides.has(side) else FREE for side in SIDES]
     sides.close()
     system: Any = bodies and top.make(
-        System, OF_SYSTEM, bodies=[body or ANY_ROD for body in bodies], gaps=gaps, contacts=laws,
-        gravity=gravity, ends=ends,
+        System,
+        OF_SYSTEM,
+        bodies=[body or ANY_ROD for body in bodies],
+        gaps=gaps,
+        contacts=laws,
+        gravity=gravity,
+        ends=ends,
     )
     options, output = _read_solve(top.table("solve")), _read_output(top.table("output"))
     gauges = tuple(_read_gauge(table, bodies) for table in top.tables("gauges"))
@@ -87,7 +97,9 @@ def case_from(
 
 def _check_schema(top: Table) -> None:
     schema = top.get("schema")
-    if type(schema) is int and schema > SCHEMA:  # its other entries may mean other things
+    if (
+        type(schema) is int and schema > SCHEMA
+    ):  # its other entries may mean other things
         message = f"is {shown(schema)}; this rodimpact reads {SCHEMA}, get a newer one"
         raise refusal("schema", message)
     if type(schema) is not int or schema != SCHEMA:
@@ -99,14 +111,25 @@ def _read_materials(top: Table) -> Materials:
     known, group = dict(materials.TABLE), top.table("materials")
     for name in group.data:
         table = group.table(name)
-        material = table.make(Material, name=name, **table.entries(Material)) or materials.steel
+        material = (
+            table.make(Material, name=name, **table.entries(Material))
+            or materials.steel
+        )
         if [key for key in DAMPING if table.gives(key)]:
             if table.gives("viscosity"):
-                message = "give either viscosity or loss_factor and loss_frequency, not both"
+                message = (
+                    "give either viscosity or loss_factor and loss_frequency, not both"
+                )
                 table.note("viscosity", message)
-            factor, frequency = (table.entry(key, field) for key, field in DAMPING.items())
-            material = table.make(material.damped, {"^frequency": "loss_frequency"},
-                                  loss_factor=factor, frequency=frequency)
+            factor, frequency = (
+                table.entry(key, field) for key, field in DAMPING.items()
+            )
+            material = table.make(
+                material.damped,
+                {"^frequency": "loss_frequency"},
+                loss_factor=factor,
+                frequency=frequency,
+            )
         table.close()
         known[name] = material or materials.steel
     return known
@@ -119,7 +142,11 @@ def _read_body(table: Table, known: Materials) -> Body | None:
         return None
     shape: dict[str, Any] = {}
     if kind == Rod.kind:
-        shape = _read_segments(table, known) if table.has("segments") else _shape(table, known)
+        shape = (
+            _read_segments(table, known)
+            if table.has("segments")
+            else _shape(table, known)
+        )
     body: Body | None = None
     entries = {**shape, **table.entries(BODIES[kind])}
     if None not in shape.get("segments", ()):
@@ -130,7 +157,9 @@ def _read_body(table: Table, known: Materials) -> Body | None:
 
 def _read_segments(table: Table, known: Materials) -> dict[str, Any]:
     if [key for key in SEGMENT if table.has(key)]:
-        message = "give either segments or length, area, material and polar_moment, not both"
+        message = (
+            "give either segments or length, area, material and polar_moment, not both"
+        )
         table.note("segments", message)
     pieces = []
     for piece in table.tables("segments"):
@@ -153,14 +182,19 @@ def _material(table: Table, known: Materials, key: str = "material") -> Material
     name = table.word(key, known)
     if name is None:
         return materials.steel
-    material = _varied(Table(f"materials.{name}", {}, table.grids, table.mistakes), known[name])
+    material = _varied(
+        Table(f"materials.{name}", {}, table.grids, table.mistakes), known[name]
+    )
     return _varied(table.inner(key, {}), material) if key == "material" else material
 
 
 def _varied(table: Table, material: Material) -> Material:
     """The material with the numbers of it that vary by their paths in this table."""
-    changes = {key: table.entry(key, field) for key, field in Material.fields.items()
-               if table.gives(key)}
+    changes = {
+        key: table.entry(key, field)
+        for key, field in Material.fields.items()
+        if table.gives(key)
+    }
     if changes:
         material = table.make(material.replace, **changes) or material
     if table.gives(SPEED):
@@ -170,24 +204,34 @@ def _varied(table: Table, material: Material) -> Material:
     return material
 
 
-def _read_law(table: Table, pair: tuple[Body | None, ...], known: Materials) -> ContactLaw:
+def _read_law(
+    table: Table, pair: tuple[Body | None, ...], known: Materials
+) -> ContactLaw:
     """The law; a spring, which goes between any bodies, where mistakes allow none."""
     name = table.word("law", CONTACT_LAWS, "rigid")
     if name is None:  # who knows which keys are right
         return Spring(1.0)
     kind: Any = CONTACT_LAWS[name]
-    rounded = [side for side in SIDES if kind is Hertz and table.gives(f"{side}_radius")]
+    rounded = [
+        side for side in SIDES if kind is Hertz and table.gives(f"{side}_radius")
+    ]
     if kind is Hertz and table.gives("stiffness") == bool(rounded):
-        table.note("stiffness", "give either the stiffness, or left_radius and right_radius")
+        table.note(
+            "stiffness", "give either the stiffness, or left_radius and right_radius"
+        )
     numbers = _read_faces(table, pair, known) if rounded else table.entries(kind)
-    law: ContactLaw | None = table.make(Hertz.from_radii if rounded else kind, **numbers)
+    law: ContactLaw | None = table.make(
+        Hertz.from_radii if rounded else kind, **numbers
+    )
     table.close()
     if None in pair and numbers.get("restitution") is not None:  # is it right here?
         law = None
     return law or Spring(1.0)
 
 
-def _read_faces(table: Table, pair: tuple[Body | None, ...], known: Materials) -> dict[str, Any]:
+def _read_faces(
+    table: Table, pair: tuple[Body | None, ...], known: Materials
+) -> dict[str, Any]:
     """Radii and materials of a Hertz contact, for `Hertz.from_radii`."""
     faces: dict[str, Any] = {}
     for side, body, end in zip(SIDES, pair, (-1, 0), strict=True):
@@ -234,7 +278,11 @@ def _read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
     if type(body) is not int or body not in rods:
         names = ", ".join(map(str, rods))
         table.note("body", f"must be the number of a rod, {names}; got {shown(body)}")
-    fraction = math.nan if given is None else table.quantity("fraction", given, "dimensionless")
+    fraction = (
+        math.nan
+        if given is None
+        else table.quantity("fraction", given, "dimensionless")
+    )
     if not 0 <= fraction <= 1:
         table.note("fraction", "give the place over the length of the rod, from 0 to 1")
     if not isinstance(name, str):
@@ -250,7 +298,9 @@ def _check_varied(top: Table, system: System | None) -> None:
     unread = tuple(re.sub(r"\.(kind|law)$", "", path) + "." for path in top.mistakes)
     for path in grids.texts:
         if path not in grids.known and not path.startswith(unread):
-            top.note(path, f"is no number that can vary; {suggestion(path, grids.known)}")
+            top.note(
+                path, f"is no number that can vary; {suggestion(path, grids.known)}"
+            )
     if system is None or top.mistakes:  # where mistakes are, something else stands in
         return
     shape = system.shape or (0,) * len(grids.texts)

@@ -38,7 +38,9 @@ class Table:
         """Path of this entry."""
         return f"{self.path}.{key}" if self.path else key
 
-    def note(self, key: str, message: str, word: Any = "", choices: Collection[str] = ()) -> None:
+    def note(
+        self, key: str, message: str, word: Any = "", choices: Collection[str] = ()
+    ) -> None:
         """Note a mistake, unless this entry has one already: the second would come of the first.
 
         Which of the choices is near the word is looked for only if the mistake will be told.
@@ -86,7 +88,9 @@ class Table:
                 return self.word(key, (field.word,))
             if "infinite" in field.sign and value in ("inf", math.inf):
                 return math.inf
-        return self.quantity(key, value, field.dimension, True, PROFILES.get(field.along, ""))
+        return self.quantity(
+            key, value, field.dimension, True, PROFILES.get(field.along, "")
+        )
 
     def quantity(
         self, key: str, value: Any, dimension: str, vary: bool = False, hint: str = ""
@@ -98,7 +102,11 @@ class Table:
                 return self.grids.take(path, dimension)
             return units.parse(value, dimension)
         except ValueError as error:
-            told = f'{hint} vary={{"{path}": "start:stop:count"}} varies it' if vary else ""
+            told = (
+                f'{hint} vary={{"{path}": "start:stop:count"}} varies it'
+                if vary
+                else ""
+            )
             self.note(key, f"{error}{told if isinstance(value, list) else ''}")
             return math.nan
 
@@ -111,8 +119,11 @@ class Table:
             values = inner.numbers("samples", field.dimension, vary=False)
             profile = inner.make(Samples, OF_SAMPLES, values=values, step=step)
         else:
-            profile = inner.make(Steps, values=inner.numbers("values", field.dimension),
-                                 at=inner.numbers("at", field.along))
+            profile = inner.make(
+                Steps,
+                values=inner.numbers("values", field.dimension),
+                at=inner.numbers("at", field.along),
+            )
         inner.close()
         return profile or 1.0
 
@@ -120,12 +131,21 @@ class Table:
         """A list of numbers, each of which may vary or not; None for anything else."""
         given = self.get(key)
         if isinstance(given, list):
-            return [self.quantity(f"{key}.{i}", x, dimension, vary) for i, x in enumerate(given)]
-        self.note(key, "is missing; give a list of numbers" if given is None else
-                  f"must be a list of numbers, got {shown(given)}")
+            return [
+                self.quantity(f"{key}.{i}", x, dimension, vary)
+                for i, x in enumerate(given)
+            ]
+        self.note(
+            key,
+            "is missing; give a list of numbers"
+            if given is None
+            else f"must be a list of numbers, got {shown(given)}",
+        )
         return None
 
-    def word(self, key: str, choices: Collection[str], default: str | None = None) -> str | None:
+    def word(
+        self, key: str, choices: Collection[str], default: str | None = None
+    ) -> str | None:
         """One of `choices`, None where it is not."""
         value = self.get(key, default)
         if isinstance(value, str) and value in choices:
@@ -142,7 +162,9 @@ class Table:
         if isinstance(data, dict):
             return self.inner(key, data)
         self.note(key, f"must be a table, got {shown(data)}")
-        return Table(self.where(key), {}, Grids(), {})  # what it lacks is no further mistake
+        return Table(
+            self.where(key), {}, Grids(), {}
+        )  # what it lacks is no further mistake
 
     def inner(self, key: str, data: dict[str, Any]) -> Table:
         """A table within this one."""
@@ -151,13 +173,19 @@ class Table:
     def tables(self, key: str) -> list[Table]:
         """All tables of that name."""
         data = self.get(key, [])
-        if not isinstance(data, list) or not all(isinstance(item, dict) for item in data):
+        if not isinstance(data, list) or not all(
+            isinstance(item, dict) for item in data
+        ):
             brackets = re.sub(r"\.\d+", "", self.where(key))
-            self.note(key, f"must be tables that each begin [[{brackets}]], got {shown(data)}")
+            self.note(
+                key, f"must be tables that each begin [[{brackets}]], got {shown(data)}"
+            )
             data = []
         return [self.inner(f"{key}.{i}", item) for i, item in enumerate(data)]
 
-    def make(self, kind: Any, keys: Mapping[str, str] | None = None, /, **entries: Any) -> Any:
+    def make(
+        self, kind: Any, keys: Mapping[str, str] | None = None, /, **entries: Any
+    ) -> Any:
         """An object of the model; None, with its mistakes noted here, if they allow none.
 
         What this table calls otherwise than the model is in `keys`, by a pattern of the path.
@@ -176,4 +204,3 @@ class Table:
         for key in self.data:
             if key not in self.asked:
                 self.note(key, "unknown key", key, self.asked)
-

@@ -45,21 +45,33 @@ def write_case(case: Case | System) -> str:
         raise refusal("case", f"must be a Case or a System, got {shown(case)}")
     system = case.system
     if system.shape != ():
-        message = f"a family of shape {system.shape} is no single case; write system[index]"
+        message = (
+            f"a family of shape {system.shape} is no single case; write system[index]"
+        )
         raise refusal("system", message)
     system.check_file()
     described = system.to_dict()
     parts = [toml_table(f"schema = {SCHEMA}", {"gravity": described.get("gravity")})]
     for name, material in _materials(system).items():
         key = name if re.fullmatch("[A-Za-z0-9_-]+", name) else _toml(name)
-        parts.append(toml_table(f"[materials.{key}]", material.to_dict() | {"name": None}))
+        parts.append(
+            toml_table(f"[materials.{key}]", material.to_dict() | {"name": None})
+        )
     for body in described["bodies"]:
         parts.append(toml_table("[[bodies]]", body | {"segments": None}))
-        parts += [toml_table("[[bodies.segments]]", piece) for piece in body.get("segments", ())]
+        parts += [
+            toml_table("[[bodies.segments]]", piece)
+            for piece in body.get("segments", ())
+        ]
     parts += [toml_table("[[contacts]]", contact) for contact in described["contacts"]]
-    parts += [toml_table(f"[ends.{side}]", end) for side, end in described.get("ends", {}).items()]
-    parts += [toml_table("[[gauges]]", gauge._asdict() | {"name": gauge.name or None})
-              for gauge in case.gauges]
+    parts += [
+        toml_table(f"[ends.{side}]", end)
+        for side, end in described.get("ends", {}).items()
+    ]
+    parts += [
+        toml_table("[[gauges]]", gauge._asdict() | {"name": gauge.name or None})
+        for gauge in case.gauges
+    ]
     options = ("[solve]", case.solve), ("[output]", case.output)
     parts += [toml_table(header, given) for header, given in options if given]
     return "\n\n".join(parts) + "\n"
@@ -72,14 +84,18 @@ def _materials(system: System) -> dict[str, Material]:
         for segment in body.segments if isinstance(body, Rod) else ():
             material = segment.material
             if named.setdefault(material.name, material) != material:
-                message = f"another material is called {shown(material.name)} too; rename one"
+                message = (
+                    f"another material is called {shown(material.name)} too; rename one"
+                )
                 raise refusal(f"bodies.{i}.material", message)
     return named
 
 
 def toml_table(header: str, entries: dict[str, Any]) -> str:
     """A table of a case file, of the entries that are not None."""
-    kept = (f"{key} = {_toml(value)}" for key, value in entries.items() if value is not None)
+    kept = (
+        f"{key} = {_toml(value)}" for key, value in entries.items() if value is not None
+    )
     return "\n".join([header, *kept])
 
 
@@ -88,10 +104,16 @@ def _toml(value: Any) -> str:
         value = value.tolist()
     if isinstance(value, str):  # a string of JSON is one of TOML, but for DEL
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
-    if isinstance(value, dict) and "youngs_modulus" in value:  # a material, with a table of its own
+    if (
+        isinstance(value, dict) and "youngs_modulus" in value
+    ):  # a material, with a table of its own
         return _toml(value["name"])
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{key} = {_toml(item)}" for key, item in value.items()) + "}"
+        return (
+            "{"
+            + ", ".join(f"{key} = {_toml(item)}" for key, item in value.items())
+            + "}"
+        )
     if isinstance(value, list | tuple):
         return "[" + ", ".join(map(_toml, value)) + "]"
     return repr(value)

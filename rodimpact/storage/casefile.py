@@ -77,7 +77,9 @@ MOST_BYTES = 10**7  # of a file; Python takes a hundred for each
 CHARACTERS_A_SECOND = 5e5
 
 
-def read_case(path: str | os.PathLike[str], vary: Mapping[str, str] | None = None) -> Case:
+def read_case(
+    path: str | os.PathLike[str], vary: Mapping[str, str] | None = None
+) -> Case:
     """Read a case file.
 
     Parameters
@@ -120,11 +122,15 @@ def read_case(path: str | os.PathLike[str], vary: Mapping[str, str] | None = Non
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = raw.count(b"\n", 0, error.start) + 1
-        raise refusal(name, f"is not text in UTF-8 (at line {line}); save it as UTF-8") from None
+        raise refusal(
+            name, f"is not text in UTF-8 (at line {line}); save it as UTF-8"
+        ) from None
     return parse_case(text, name, vary)
 
 
-def parse_case(text: str, source: str = "case", vary: Mapping[str, str] | None = None) -> Case:
+def parse_case(
+    text: str, source: str = "case", vary: Mapping[str, str] | None = None
+) -> Case:
     """Read the text of a case file.
 
     Parameters
@@ -168,12 +174,15 @@ def parse_case(text: str, source: str = "case", vary: Mapping[str, str] | None =
     if not isinstance(text, str):
         raise refusal(source, f"must be the text of a case file, got {shown(text)}")
     seconds = len(text) / CHARACTERS_A_SECOND
-    Forecast(warn, "a shorter file").expect(seconds, f"{len(text) / 1e6:.3g} MB of TOML")
+    Forecast(warn, "a shorter file").expect(
+        seconds, f"{len(text) / 1e6:.3g} MB of TOML"
+    )
     try:
         data = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # a number of 5000 digits is a plain ValueError
+    except (
+        ValueError,
+        RecursionError,
+    ) as error:  # a number of 5000 digits is a plain ValueError
         reason = str(error).partition("; use sys.")[0]
         raise refusal(source, f"is not valid TOML: {reason}") from None
     return case_from(data, source, vary)
-
-

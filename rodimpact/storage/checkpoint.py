@@ -19,7 +19,10 @@ from .reading import FileFormatError, read_npz
 from .writing import PASSING, Arrays, PathLike, check_target, file_name, write_npz
 
 KIND, NAME = "part of a sweep", "members-{}.npz"  # with the first of them
-EVERY, SHARE = 1.0, 0.02  # s, or this share of the time so far: work that a crash undoes
+EVERY, SHARE = (
+    1.0,
+    0.02,
+)  # s, or this share of the time so far: work that a crash undoes
 
 
 class DamagedChunks(UserWarning):
@@ -69,12 +72,18 @@ class Checkpoint:
     """
 
     def __init__(
-        self, columns: Mapping[str, tuple[Any, tuple[int, ...]]], size: int, unit: int,
-        path: PathLike | None, sweep: Mapping[str, Any],
+        self,
+        columns: Mapping[str, tuple[Any, tuple[int, ...]]],
+        size: int,
+        unit: int,
+        path: PathLike | None,
+        sweep: Mapping[str, Any],
     ) -> None:
         self.size, self.unit = size, unit
-        self.columns: Arrays = {name: np.empty((size, *beyond), kind)
-                                for name, (kind, beyond) in columns.items()}
+        self.columns: Arrays = {
+            name: np.empty((size, *beyond), kind)
+            for name, (kind, beyond) in columns.items()
+        }
         self.path = None if path is None else Path(file_name(path))
         self._sweep = json.loads(json.dumps(sweep))
         self._began = self._saved = time.monotonic()
@@ -105,7 +114,9 @@ class Checkpoint:
         except OSError as error:
             message = f"cannot make the directory {str(self.path)!r}: {error.strerror}"
             raise type(error)(message) from None
-        check_target(self.path / NAME.format(0), force=True)  # before anything is computed
+        check_target(
+            self.path / NAME.format(0), force=True
+        )  # before anything is computed
         files = sorted(x for x in self.path.iterdir() if not x.name.startswith(PASSING))
         for file in files:
             if not file.match(NAME.format("*")):
@@ -148,7 +159,13 @@ class Checkpoint:
             part = {name: column[start:stop] for name, column in self.columns.items()}
             document = {"sweep": self._sweep, "start": start}
             try:
-                write_npz(self.path / NAME.format(f"{start:08}"), KIND, document, part, force=True)
+                write_npz(
+                    self.path / NAME.format(f"{start:08}"),
+                    KIND,
+                    document,
+                    part,
+                    force=True,
+                )
             except OSError as error:
                 remedy = "what is done is kept, and the same sweep goes on from there"
                 raise type(error)(f"{error}; {remedy}") from error

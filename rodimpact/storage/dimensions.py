@@ -51,6 +51,10 @@ def by_dimension(*arrays: Any) -> tuple[Floats, ...]:
     axes = []
     for each in xarray.align(*arrays, join="exact"):
         values, _ = in_si(floats(each.values, ""), each.attrs.get("units", ""))
-        ordered = each.copy(data=values).transpose(*(n for n in names if n in each.dims)).values
+        ordered = (
+            each.copy(data=values)
+            .transpose(*(n for n in names if n in each.dims))
+            .values
+        )
         axes.append(np.reshape(ordered, [each.sizes.get(name, 1) for name in names]))
     return tuple(axes)

@@ -13,7 +13,8 @@ from ..units import shown
 
 FORM = "start:stop:count, start:stop:count:log or a list such as 0.1,0.2,0.4"
 SPACED = re.compile(
-    r"(?P<start>[^:]*):(?P<stop>[^:]*):\s*(?P<count>[0-9]{1,20})\s*(?P<log>:\s*log\s*)?")
+    r"(?P<start>[^:]*):(?P<stop>[^:]*):\s*(?P<count>[0-9]{1,20})\s*(?P<log>:\s*log\s*)?"
+)
 
 
 class Varied(NamedTuple):
@@ -33,14 +34,18 @@ class Grids:
 
     def __init__(self, vary: Mapping[str, str] | None = None) -> None:
         given: Any = {} if vary is None else vary
-        if not isinstance(given, Mapping) or not all(isinstance(path, str) for path in given):
+        if not isinstance(given, Mapping) or not all(
+            isinstance(path, str) for path in given
+        ):
             message = f"must name numbers by their paths, each with a grid, got {shown(given)}"
             raise refusal("vary", message)
         self.texts: dict[str, Any] = dict(given)
         self.known: dict[str, None] = {}  # all numbers that can be varied
         self.taken: dict[str, Varied] = {}
         if len(self.texts) > MOST_AXES:
-            message = f"is one of {len(self.texts)} numbers; at most {MOST_AXES} vary at once"
+            message = (
+                f"is one of {len(self.texts)} numbers; at most {MOST_AXES} vary at once"
+            )
             raise refusal(list(self.texts)[MOST_AXES], message)
 
     def ask(self, path: str) -> bool:
@@ -61,11 +66,15 @@ def _values(text: Any, dimension: str) -> Floats:
         return np.array([units.parse(number, dimension) for number in text.split(",")])
     found = SPACED.fullmatch(text) if isinstance(text, str) else None
     if found is None or not 1 <= int(found["count"]) <= MOST_MEMBERS:
-        raise ValueError(f"must be {FORM}, with 1 to {MOST_MEMBERS} values; got {shown(text)}")
+        raise ValueError(
+            f"must be {FORM}, with 1 to {MOST_MEMBERS} values; got {shown(text)}"
+        )
     start, stop = (units.parse(found[end], dimension) for end in ("start", "stop"))
     size = int(found["count"])
     if size == 1 and start != stop:
-        raise ValueError(f"one value cannot be at both ends; raise the count in {shown(text)}")
+        raise ValueError(
+            f"one value cannot be at both ends; raise the count in {shown(text)}"
+        )
     if found["log"] and min(start, stop) <= 0:
         raise ValueError(f"needs ends above 0 for equal ratios, got {shown(text)}")
     with np.errstate(all="ignore"):

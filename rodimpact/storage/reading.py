@@ -18,7 +18,15 @@ import numpy as np
 from ..methods import memory
 from ..methods.duration import Forecast, LongRun
 from ..version import __version__
-from .writing import FORMAT, MOST_DOCUMENT, SCHEMA, Arrays, PathLike, described, file_name
+from .writing import (
+    FORMAT,
+    MOST_DOCUMENT,
+    SCHEMA,
+    Arrays,
+    PathLike,
+    described,
+    file_name,
+)
 
 MOST_HEADER = 1 << 12  # bytes before the numbers of an array; usually 128
 ADVICE = "load it on a larger machine"
@@ -57,7 +65,9 @@ def open_regular(path: PathLike) -> BinaryIO:
     return open(path, "rb")
 
 
-def read_npz(path: PathLike, readers: Mapping[str, Callable[[dict[str, Any], Arrays], Any]]) -> Any:
+def read_npz(
+    path: PathLike, readers: Mapping[str, Callable[[dict[str, Any], Arrays], Any]]
+) -> Any:
     """Read what `write_npz` wrote.
 
     Parameters
@@ -81,7 +91,9 @@ def read_npz(path: PathLike, readers: Mapping[str, Callable[[dict[str, Any], Arr
     with open_regular(path) as file:
         try:
             if file.read(2) != b"PK":
-                raise FileFormatError("is not an NPZ file, so rodimpact did not save it")
+                raise FileFormatError(
+                    "is not an NPZ file, so rodimpact did not save it"
+                )
             with zipfile.ZipFile(file) as archive:
                 document = _document(archive, readers)
                 arrays = _arrays(archive, document.pop("arrays"))
@@ -90,9 +102,15 @@ def read_npz(path: PathLike, readers: Mapping[str, Callable[[dict[str, Any], Arr
             raise FileFormatError(str(error), os.fspath(path)) from None
         except MemoryError:
             raise
-        except Exception as error:  # zipfile, zlib and numpy raise a dozen kinds for a damaged file
-            reason = f"{type(error).__name__}: {error}"[:200]  # some repeat what they read
-            message = f"is not a whole NPZ file of plain arrays that fit together ({reason})"
+        except (
+            Exception
+        ) as error:  # zipfile, zlib and numpy raise a dozen kinds for a damaged file
+            reason = f"{type(error).__name__}: {error}"[
+                :200
+            ]  # some repeat what they read
+            message = (
+                f"is not a whole NPZ file of plain arrays that fit together ({reason})"
+            )
             raise FileFormatError(message, os.fspath(path)) from error
 
 
@@ -108,7 +126,11 @@ def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str,
         document = json.loads(text)
         if document["format"] != FORMAT:
             raise foreign
-        schema, kind, version = document["schema"], document["kind"], document["rodimpact"]
+        schema, kind, version = (
+            document["schema"],
+            document["kind"],
+            document["rodimpact"],
+        )
         known = schema == SCHEMA and kind in readers
     except (KeyError, TypeError, ValueError, RecursionError):
         raise foreign from None
@@ -122,13 +144,17 @@ def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str,
 
 def _arrays(archive: zipfile.ZipFile, entries: dict[str, Any]) -> Arrays:
     """The arrays that the document names, each as it was written."""
-    sizes = {name: np.dtype(entry["type"]).itemsize * math.prod(entry["shape"])
-             for name, entry in entries.items()}
+    sizes = {
+        name: np.dtype(entry["type"]).itemsize * math.prod(entry["shape"])
+        for name, entry in entries.items()
+    }
     size = sum(sizes.values())
     memory.check_file(archive.filename, size, ADVICE)
     _expect(size / BYTES_A_SECOND, "arrays", size)
     mismatch = "is damaged: {} is not what the document says"
-    for name in {*archive.namelist()} ^ {f"{name}.npy" for name in (*entries, "document")}:
+    for name in {*archive.namelist()} ^ {
+        f"{name}.npy" for name in (*entries, "document")
+    }:
         raise FileFormatError(mismatch.format(name))
     arrays = {}
     for name, entry in entries.items():

@@ -13,10 +13,15 @@ from .tables import align, as_json, clean, joules
 
 MOST_EPISODES = 12  # listed in a table
 ENERGIES = {
-    "kinetic": "moving as a whole", "vibrational_kinetic": "vibration", "strain": "strain",
-    "inner": "vibration and strain", "contact": "in compliant contacts",
-    "dissipated": "lost in contacts", "damped": "lost in material",
-    "numerical": "lost to the grid", "radiated": "gone through absorbing ends",
+    "kinetic": "moving as a whole",
+    "vibrational_kinetic": "vibration",
+    "strain": "strain",
+    "inner": "vibration and strain",
+    "contact": "in compliant contacts",
+    "dissipated": "lost in contacts",
+    "damped": "lost in material",
+    "numerical": "lost to the grid",
+    "radiated": "gone through absorbing ends",
 }
 """What tables, figures and the page call the entries of an energy ledger."""
 
@@ -57,8 +62,11 @@ def solution_table(solution: Any) -> str:
         The tables of `outcome_table`, and when each contact pressed and opened.
     """
     outcome = solution.outcome
-    run = [["run to", format_si(solution.t_end, "s")], ["method", solution.method],
-           ["events", str(solution.events)]]
+    run = [
+        ["run to", format_si(solution.t_end, "s")],
+        ["method", solution.method],
+        ["events", str(solution.events)],
+    ]
     if 0 < solution.t_final < math.inf:
         run.insert(0, ["last contact ended at", format_si(solution.t_final, "s")])
     blocks = [*_tables(outcome), *_episodes(solution), align(run), _sentences(outcome)]
@@ -76,20 +84,31 @@ def ring_down_table(found: Any) -> str:
     -------
     str
     """
+
     def spell(seconds: float) -> str:
         return format_si(seconds, "s", 4) if seconds < math.inf else "never"
 
     first, last = float(found.vibration[0]), float(found.vibration[-1])
-    return align([
-        ["vibration when the collision is over", format_si(first, "J", 4)],
-        ["vibration at the end", format_si(clean(last, first + found.rigid), "J", 4)],
-        ["energy of the rigid motion", format_si(found.rigid, "J", 4)],
-        ["time from then to the end", spell(float(found.times[-1] - found.times[0]))],
-        ["vibration falls to 1/e in, by its last third", spell(found.decay_time)],
-        [f"the slowest to decay, {format_si(found.frequency, 'Hz', 4)}, falls to 1/e in",
-         spell(found.modal_decay_time)],
-        ["momentum changed by, relative", _residual(found.momentum_change)],
-    ])
+    return align(
+        [
+            ["vibration when the collision is over", format_si(first, "J", 4)],
+            [
+                "vibration at the end",
+                format_si(clean(last, first + found.rigid), "J", 4),
+            ],
+            ["energy of the rigid motion", format_si(found.rigid, "J", 4)],
+            [
+                "time from then to the end",
+                spell(float(found.times[-1] - found.times[0])),
+            ],
+            ["vibration falls to 1/e in, by its last third", spell(found.decay_time)],
+            [
+                f"the slowest to decay, {format_si(found.frequency, 'Hz', 4)}, falls to 1/e in",
+                spell(found.modal_decay_time),
+            ],
+            ["momentum changed by, relative", _residual(found.momentum_change)],
+        ]
+    )
 
 
 def solution_json(solution: Any) -> str:
@@ -106,14 +125,24 @@ def solution_json(solution: Any) -> str:
         that do not exist or are infinite are null; where there is no restitution,
         ``restitution_undefined`` is the reason.
     """
-    names = ("final", "stopped_by", "status", "t_end", "t_final", "t_proved", "events",
-             "transit_error")
+    names = (
+        "final",
+        "stopped_by",
+        "status",
+        "t_end",
+        "t_final",
+        "t_proved",
+        "events",
+        "transit_error",
+    )
     return as_json(
         system=solution.system.to_dict(),
         method=solution.method,
         outcome=_outcome(solution.outcome),
-        episodes=[[episode._asdict() for episode in contact.episodes]
-                  for contact in solution.contacts],
+        episodes=[
+            [episode._asdict() for episode in contact.episodes]
+            for contact in solution.contacts
+        ],
         **{name: getattr(solution, name) for name in names},
     )
 
@@ -134,12 +163,28 @@ def _bodies(o: Any) -> str:
         return f"{clean(v, largest):.{digits}g} m/s"
 
     then, scale = _then(o), _vibration_scale(o)
-    rows = [["body", "mass", "velocity before", f"velocity {then}", f"vibration energy {then}"]]
+    rows = [
+        [
+            "body",
+            "mass",
+            "velocity before",
+            f"velocity {then}",
+            f"vibration energy {then}",
+        ]
+    ]
     for name, mass, before, after, vibration in zip(
-        body_names(o.bodies), o.masses, o.velocities_before, o.velocities_after, o.vibration_after,
+        body_names(o.bodies),
+        o.masses,
+        o.velocities_before,
+        o.velocities_after,
+        o.vibration_after,
         strict=True,
     ):
-        rest = ["-", "-"] if mass == math.inf else [format_si(mass, "kg"), joules(vibration, scale)]
+        rest = (
+            ["-", "-"]
+            if mass == math.inf
+            else [format_si(mass, "kg"), joules(vibration, scale)]
+        )
         rows.append([name, rest[0], velocity(before), velocity(after), rest[1]])
     return align(rows)
 
@@ -147,7 +192,9 @@ def _bodies(o: Any) -> str:
 def _contacts(o: Any) -> str:
     rows = [["contact", "impulse", "peak force", "force duration", "episodes"]]
     scale = max(abs(c.impulse) for c in o.contacts)
-    for i, (name, c) in enumerate(zip(contact_names(o.bodies), o.contacts, strict=True)):
+    for i, (name, c) in enumerate(
+        zip(contact_names(o.bodies), o.contacts, strict=True)
+    ):
         impulse = format_si(clean(c.impulse, scale), "N s")
         if i in o.unilateral:
             force, time = format_si(c.peak_force, "N"), format_si(c.duration, "s")
@@ -165,29 +212,40 @@ def _energy(o: Any) -> str:
     }
     both["total"] = tuple(map(sum, zip(*both.values(), strict=True)))
     exchanged = {
-        "work of moving walls": o.wall_work, "work of driven ends": o.drive_work,
+        "work of moving walls": o.wall_work,
+        "work of driven ends": o.drive_work,
         "work of gravity": o.gravity_work,
-        **{ENERGIES[name]: getattr(o, name)
-           for name in ("dissipated", "damped", "numerical", "radiated")},
+        **{
+            ENERGIES[name]: getattr(o, name)
+            for name in ("dissipated", "damped", "numerical", "radiated")
+        },
     }
     scale = max(both["total"])
     scales = {ENERGIES["inner"]: _vibration_scale(o)}
     rows = [["energy", "before", _then(o)]]
-    rows += [[name, *(joules(value, scales.get(name, scale)) for value in pair)]
-             for name, pair in both.items() if name != ENERGIES["contact"] or any(pair)]
+    rows += [
+        [name, *(joules(value, scales.get(name, scale)) for value in pair)]
+        for name, pair in both.items()
+        if name != ENERGIES["contact"] or any(pair)
+    ]
     scale = max(scale, *map(abs, exchanged.values()))
-    rows += [[name, "", joules(value, scale)]
-             for name, value in exchanged.items() if clean(value, scale)]
+    rows += [
+        [name, "", joules(value, scale)]
+        for name, value in exchanged.items()
+        if clean(value, scale)
+    ]
     return align(rows)
 
 
 def _balances(o: Any) -> str:
     e = "-" if o.why_no_restitution() else f"{clean(o.restitution, 1.0):.9g}"
-    return align([
-        ["coefficient of restitution e", e],
-        ["momentum balance, relative error", _residual(o.momentum_residual)],
-        ["energy balance, relative error", _residual(o.energy_residual)],
-    ])
+    return align(
+        [
+            ["coefficient of restitution e", e],
+            ["momentum balance, relative error", _residual(o.momentum_residual)],
+            ["energy balance, relative error", _residual(o.energy_residual)],
+        ]
+    )
 
 
 def _residual(value: float) -> str:
@@ -196,10 +254,15 @@ def _residual(value: float) -> str:
 
 def _episodes(solution: Any) -> list[str]:
     names = contact_names(solution.system.kinds)
-    rows = [[names[contact.index], *(format_si(t, "s") for t in episode)]
-            for contact in solution.contacts for episode in contact.episodes]
+    rows = [
+        [names[contact.index], *(format_si(t, "s") for t in episode)]
+        for contact in solution.contacts
+        for episode in contact.episodes
+    ]
     hidden = len(rows) - MOST_EPISODES
-    table = align([["contact", "force from", "force ends", "gap opens"], *rows[:MOST_EPISODES]])
+    table = align(
+        [["contact", "force from", "force ends", "gap opens"], *rows[:MOST_EPISODES]]
+    )
     return [table + (f"\n... and {hidden} more" if hidden > 0 else "")] if rows else []
 
 
@@ -226,19 +289,30 @@ def _vibration_scale(o: Any) -> Any:
 def _outcome(o: Any) -> dict[str, Any]:
     reason = o.why_no_restitution()
     bodies = {
-        "kind": o.bodies, "mass": o.masses, "velocity_before": o.velocities_before,
-        "velocity_after": o.velocities_after, "vibration_before": o.vibration_before,
+        "kind": o.bodies,
+        "mass": o.masses,
+        "velocity_before": o.velocities_before,
+        "velocity_after": o.velocities_after,
+        "vibration_before": o.vibration_before,
         "vibration_after": o.vibration_after,
     }
     contacts = [
-        {"left": i, "right": i + 1, "bonded": i not in o.unilateral, **{
-            name: value if i in o.unilateral or name == "impulse" else None
-            for name, value in c._asdict().items()
-        }} for i, c in enumerate(o.contacts)
+        {
+            "left": i,
+            "right": i + 1,
+            "bonded": i not in o.unilateral,
+            **{
+                name: value if i in o.unilateral or name == "impulse" else None
+                for name, value in c._asdict().items()
+            },
+        }
+        for i, c in enumerate(o.contacts)
     ]
     return {
-        "bodies": [dict(zip(bodies, numbers, strict=True))
-                   for numbers in zip(*bodies.values(), strict=True)],
+        "bodies": [
+            dict(zip(bodies, numbers, strict=True))
+            for numbers in zip(*bodies.values(), strict=True)
+        ],
         "contacts": contacts,
         "restitution": None if reason else o.restitution,
         "restitution_undefined": reason or None,

@@ -52,7 +52,9 @@ def align(rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> str:
     columns = []
     for i, column in enumerate(zip(*rows, strict=True)):
         width = max(map(len, column))
-        columns.append([cell.ljust(width) if i in left else cell.rjust(width) for cell in column])
+        columns.append(
+            [cell.ljust(width) if i in left else cell.rjust(width) for cell in column]
+        )
     return "\n".join("  ".join(row).rstrip() for row in zip(*columns, strict=True))
 
 
@@ -63,13 +65,19 @@ def clean(value: float, scale: float) -> float:
 
 def as_html(text: str) -> str:
     """A table as HTML, for notebooks and pages made of them; its columns stay aligned."""
-    style = "white-space: pre; overflow-x: auto; font-family: monospace; text-align: left"
+    style = (
+        "white-space: pre; overflow-x: auto; font-family: monospace; text-align: left"
+    )
     return f'<pre style="{style}">{html.escape(text)}</pre>'
 
 
 def misnamed(column: object) -> str:
     """Say why a column cannot have this name: it would not be read as it was written."""
-    if isinstance(column, str) and _NAME.fullmatch(column) and not TIMES.fullmatch(column):
+    if (
+        isinstance(column, str)
+        and _NAME.fullmatch(column)
+        and not TIMES.fullmatch(column)
+    ):
         return ""
     return (
         "a column is named by letters, digits, single blanks and _ . : ( ) / -, a letter or digit "
@@ -88,13 +96,18 @@ def heading(column: str, unit: str) -> str:
     if column != "time" and (sentence := misnamed(column)):
         raise refusal("name", sentence)
     if re.search(r'[]["(),;]', unit):
-        message = f"a unit in a table has no brackets, commas or quotes; got {shown(unit)}"
+        message = (
+            f"a unit in a table has no brackets, commas or quotes; got {shown(unit)}"
+        )
         raise refusal("unit", message)
     return f"{column} [{unit or 1}]"
 
 
 def write_table(
-    path: PathLike, heads: Sequence[str], blocks: Iterable[Sequence[Any]], *,
+    path: PathLike,
+    heads: Sequence[str],
+    blocks: Iterable[Sequence[Any]],
+    *,
     force: bool = False,
 ) -> None:
     """Write a table of numbers with all their digits, as CSV; rows come in blocks of columns."""

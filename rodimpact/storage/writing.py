@@ -83,7 +83,9 @@ def check_target(path: PathLike, *, force: bool = False) -> Path:
     if mode and not force:
         raise FileExistsError(refused + EXISTS)
     if not folder.exists():
-        raise FileNotFoundError(refused + f"there is no directory {str(folder)!r}; make it")
+        raise FileNotFoundError(
+            refused + f"there is no directory {str(folder)!r}; make it"
+        )
     if not folder.is_dir():
         raise NotADirectoryError(refused + f"{str(folder)!r} is not a directory")
     if not os.access(folder, os.W_OK | os.X_OK):
@@ -132,7 +134,11 @@ def written(path: PathLike, *, force: bool = False) -> Iterator[BinaryIO]:
             else:
                 _place(passing, target)
         except OSError as error:
-            reason = EXISTS if isinstance(error, FileExistsError) else error.strerror or error
+            reason = (
+                EXISTS
+                if isinstance(error, FileExistsError)
+                else error.strerror or error
+            )
             raise type(error)(f"cannot write {os.fspath(path)!r}: {reason}") from error
         finally:
             with contextlib.suppress(OSError):
@@ -153,12 +159,19 @@ def _place(passing: Path, target: Path) -> None:
 @contextlib.contextmanager
 def _signals_raise() -> Iterator[None]:
     """Let the signals that would end this process raise first, so that it can clear up."""
+
     def leave(number: int, _: Any) -> None:
         raise SystemExit(128 + number)
 
     mine = threading.current_thread() is threading.main_thread()
-    known = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
-    ending = [number for number in known if mine and signal.getsignal(number) == signal.SIG_DFL]
+    known = [
+        getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)
+    ]
+    ending = [
+        number
+        for number in known
+        if mine and signal.getsignal(number) == signal.SIG_DFL
+    ]
     try:
         for number in ending:
             signal.signal(number, leave)
@@ -174,7 +187,12 @@ def write_text(path: PathLike, text: str, *, force: bool = False) -> None:
 
 
 def write_npz(
-    path: PathLike, kind: str, document: dict[str, Any], arrays: Arrays, *, force: bool = False
+    path: PathLike,
+    kind: str,
+    document: dict[str, Any],
+    arrays: Arrays,
+    *,
+    force: bool = False,
 ) -> None:
     """Write arrays and a JSON document as one compressed NPZ that `read_npz` knows by its `kind`.
 

@@ -17,10 +17,12 @@ BY = ("bodies.0.length", "bodies.1.length", "bodies.0.area", "bodies.1.area")
 
 
 def pair(length=0.4, other=1.0, area=1e-4, velocity=1.0):
-    return ri.System([
-        ri.Rod(length, area=1e-4, material=STEEL, velocity=velocity),
-        ri.Rod(other, area=area, material=STEEL),
-    ])
+    return ri.System(
+        [
+            ri.Rod(length, area=1e-4, material=STEEL, velocity=velocity),
+            ri.Rod(other, area=area, material=STEEL),
+        ]
+    )
 
 
 def random_row(seed):
@@ -39,8 +41,11 @@ def random_row(seed):
 def _any_row(rng, seed):
     def rod(velocity):
         segments = [
-            ri.Segment(float(rng.uniform(0.1, 1)), float(rng.uniform(0.5, 2) * 1e-4),
-                       MATERIALS[rng.integers(2)])
+            ri.Segment(
+                float(rng.uniform(0.1, 1)),
+                float(rng.uniform(0.5, 2) * 1e-4),
+                MATERIALS[rng.integers(2)],
+            )
             for _ in range(1 + (seed % 3 == 0))
         ]
         strain = float(1e-5 * rng.uniform(0.5, 1)) if seed % 5 == 0 else 0.0
@@ -49,14 +54,19 @@ def _any_row(rng, seed):
     bodies = [rod(float(v)) for v in np.sort(rng.uniform(0, 1, 2 + seed % 2))[::-1]]
     if seed % 4 == 1:
         bodies.append(ri.Wall(-0.5))
-    gaps = [float(rng.uniform(1, 2) * 1e-5) if seed % 4 > 1 else 0.0 for _ in bodies[1:]]
+    gaps = [
+        float(rng.uniform(1, 2) * 1e-5) if seed % 4 > 1 else 0.0 for _ in bodies[1:]
+    ]
     return ri.System(bodies, gaps=gaps)
 
 
 def fields(system, *names):
     """Paths of the numbers other than 0 that have one of these names."""
-    return [path for path, value in numbers_of(system).items()
-            if path.rpartition(".")[2] in names and value != 0]
+    return [
+        path
+        for path, value in numbers_of(system).items()
+        if path.rpartition(".")[2] in names and value != 0
+    ]
 
 
 def weighted(g, system, paths):
@@ -90,10 +100,14 @@ def test_the_box_meets_waves_whose_order_changes_nothing():
 def test_equal_rods_have_a_kink_on_both_sides_of_which_e_falls():
     g = ri.gradient(pair(0.4, 0.4), wrt=["bodies.0.length", "bodies.1.area"])
     kink = g.kinks["bodies.0.length"]
-    assert (kink.below, kink.above) == pytest.approx((2.5, -2.5), rel=1e-8)  # e = l1/l2, l2/l1
+    assert (kink.below, kink.above) == pytest.approx(
+        (2.5, -2.5), rel=1e-8
+    )  # e = l1/l2, l2/l1
     assert (kink.jump, kink.node) == (0, 1)
     assert kink.time == pytest.approx(0.8 / STEEL.wave_speed)
-    assert g["bodies.1.area"] == pytest.approx(0, abs=1e-8)  # e = 1 for equal transit times
+    assert g["bodies.1.area"] == pytest.approx(
+        0, abs=1e-8
+    )  # e = 1 for equal transit times
     assert "waves from both sides" in str(g)
     assert "bodies.1.area" in str(g)
 
@@ -103,8 +117,10 @@ def test_without_a_gap_there_is_one_side():
     path = "contacts.1.gap"
     g = ri.gradient(system, "velocity_after.2", [path])
     below, above = g.one_sided[path]
-    v0, v1, v2 = (of_run(with_numbers(system, {path: gap}), "velocity_after.2")
-                  for gap in (0.0, 1e-7, 2e-7))
+    v0, v1, v2 = (
+        of_run(with_numbers(system, {path: gap}), "velocity_after.2")
+        for gap in (0.0, 1e-7, 2e-7)
+    )
     assert np.isnan(below)
     assert above == pytest.approx((4 * v1 - v2 - 3 * v0) / 2e-7, rel=1e-5)
     assert "no gap" in g.kinks[path].event
@@ -121,26 +137,35 @@ def test_scaling(seed):
         assert not g.kinks.keys() - set(gaps)
         size = abs(g.value) + 1e-6
         assert weighted(g, system, [*lengths, *gaps]) == pytest.approx(
-            of_size * g.value, abs=1e-11 * size)
+            of_size * g.value, abs=1e-11 * size
+        )
         assert weighted(g, system, areas) == pytest.approx(
-            (of == "impulse.0") * g.value, abs=1e-11 * size)
+            (of == "impulse.0") * g.value, abs=1e-11 * size
+        )
         assert weighted(g, system, [*motion, *gaps]) == pytest.approx(
-            (of != "duration.0") * g.value, abs=1e-11 * size)
+            (of != "duration.0") * g.value, abs=1e-11 * size
+        )
 
 
 @pytest.mark.parametrize("seed", few_of(range(60), range(6)))
 def test_differences(seed):
     system = random_row(seed)
     of = "restitution" if len(system.bodies) == 2 else "velocity_after.1"
-    paths = fields(system, "length", "area", "density", "wave_speed", "gap", "velocity", "strain")
+    paths = fields(
+        system, "length", "area", "density", "wave_speed", "gap", "velocity", "strain"
+    )
     g = ri.gradient(system, of, paths)
     for path in paths:
         x = float(numbers_of(system)[path])
         errors = []
         for h in (1e-6 * x, 1e-7 * x):
-            up, down = (of_run(with_numbers(system, {path: x + d}), of) for d in (h, -h))
+            up, down = (
+                of_run(with_numbers(system, {path: x + d}), of) for d in (h, -h)
+            )
             errors.append(abs((up - down) / (2 * h) - g[path]) * abs(x))
-        assert path in g.kinks or min(errors) < 1e-7 * max(abs(g.value), abs(x * g[path])), path
+        assert path in g.kinks or min(errors) < 1e-7 * max(
+            abs(g.value), abs(x * g[path])
+        ), path
 
 
 def test_families_compiled_and_in_plain_python():
@@ -155,7 +180,8 @@ def test_families_compiled_and_in_plain_python():
         single = ri.gradient(family[index], wrt=BY)
         for path in BY:
             assert np.array_equal(
-                [side[index] for side in plain.one_sided[path]], single.one_sided[path])
+                [side[index] for side in plain.one_sided[path]], single.one_sided[path]
+            )
             assert (path in single.kinks) == bool(plain.kinks[path].event[index])
     assert "6 members" in str(plain)
 
@@ -174,9 +200,16 @@ def test_a_member_that_does_not_collide_has_none():
 def test_what_holds_a_rod():
     rod = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0)
     wall = ri.System([rod, ri.Wall(-1.0)])
-    g = ri.gradient(wall, "velocity_after.0", ["bodies.0.velocity", "bodies.1.velocity"])
+    g = ri.gradient(
+        wall, "velocity_after.0", ["bodies.0.velocity", "bodies.1.velocity"]
+    )
     np.testing.assert_allclose(g, [-1.0, 2.0], rtol=1e-13)
-    assert ri.gradient(wall, "velocity_after.1", ["bodies.1.velocity"])["bodies.1.velocity"] == 1
+    assert (
+        ri.gradient(wall, "velocity_after.1", ["bodies.1.velocity"])[
+            "bodies.1.velocity"
+        ]
+        == 1
+    )
     fixed = ri.System([rod, pair().bodies[1]], ends=[ri.Free(), ri.Fixed()])
     for held, moving in ((fixed, 0), (fixed.mirrored(), 1)):
         path = f"bodies.{moving}.velocity"
@@ -184,7 +217,10 @@ def test_what_holds_a_rod():
         assert g[path] == pytest.approx(g.value * (1 - 2 * moving), rel=1e-12)
     left, right = (
         ri.gradient(held, "impulse.0", [path]).one_sided[path]
-        for held, path in ((fixed, "bodies.0.area"), (fixed.mirrored(), "bodies.1.area"))
+        for held, path in (
+            (fixed, "bodies.0.area"),
+            (fixed.mirrored(), "bodies.1.area"),
+        )
     )
     assert np.isfinite(left).all()
     assert left == pytest.approx(right, rel=1e-9)
@@ -197,29 +233,59 @@ def test_a_striker_on_an_endless_bar(area):
     mass, r = 0.4 * 1e-4 * STEEL.density, area / 1e-4
     for system, striker, bar in ((row, 0, 1), (row.mirrored(), 1, 0)):
         back, v = (r - 1) / (r + 1), 1 - 2 * striker
-        paths = [f"bodies.{striker}.velocity", f"bodies.{striker}.length", f"bodies.{bar}.length"]
+        paths = [
+            f"bodies.{striker}.velocity",
+            f"bodies.{striker}.length",
+            f"bodies.{bar}.length",
+        ]
         g = ri.gradient(system, f"velocity_after.{striker}", paths)
         np.testing.assert_allclose(g, [-back, 0, 0], atol=1e-12)
         g = ri.gradient(system, "impulse.0", paths)
         np.testing.assert_allclose(
-            g, [v * mass * (1 + back), mass * (1 + back) / 0.4, 0], atol=1e-12)
+            g, [v * mass * (1 + back), mass * (1 + back) / 0.4, 0], atol=1e-12
+        )
         path = f"bodies.{bar}.area"
-        slope = ri.gradient(system, f"velocity_after.{striker}", [path]).one_sided[path][1]
+        slope = ri.gradient(system, f"velocity_after.{striker}", [path]).one_sided[
+            path
+        ][1]
         assert slope == pytest.approx(-v * 2e4 / (1 + r) ** 2, rel=1e-7)
 
 
-@pytest.mark.parametrize(("system", "given", "message"), [
-    (pair(), {"of": "e"}, "of: must be one of velocity_after.0, .*restitution"),
-    (pair(), {"wrt": "bodies.0.length"}, "wrt: must be a list of paths"),
-    (pair(), {"wrt": ["bodies.0.lenght"]}, "perhaps 'bodies.0.length' is meant"),
-    (pair(), {"wrt": ["gravity"]}, "gravity is for other methods"),
-    (pair(), {"workers": 0, "max_events": 0}, "max_events: must be a positive"),
-    (ri.System(pair().bodies, ends=[ri.Free(), ri.Absorbing()]), {"of": "velocity_after.1"},
-     "of: must be one of velocity_after.0, impulse.0, duration.0, got"),
-    (ri.System([ri.Rod(1.0, area=1e-4, material=STEEL, velocity=ri.Steps([1.0, 0.0], [0.5])),
-                ri.Wall()]), {}, "bodies.0.velocity: jumps"),
-    (ri.System(pair().bodies, contacts=[ri.Hertz(1e10)]), {}, 'method "fronts" has no compliant'),
-])
+@pytest.mark.parametrize(
+    ("system", "given", "message"),
+    [
+        (pair(), {"of": "e"}, "of: must be one of velocity_after.0, .*restitution"),
+        (pair(), {"wrt": "bodies.0.length"}, "wrt: must be a list of paths"),
+        (pair(), {"wrt": ["bodies.0.lenght"]}, "perhaps 'bodies.0.length' is meant"),
+        (pair(), {"wrt": ["gravity"]}, "gravity is for other methods"),
+        (pair(), {"workers": 0, "max_events": 0}, "max_events: must be a positive"),
+        (
+            ri.System(pair().bodies, ends=[ri.Free(), ri.Absorbing()]),
+            {"of": "velocity_after.1"},
+            "of: must be one of velocity_after.0, impulse.0, duration.0, got",
+        ),
+        (
+            ri.System(
+                [
+                    ri.Rod(
+                        1.0,
+                        area=1e-4,
+                        material=STEEL,
+                        velocity=ri.Steps([1.0, 0.0], [0.5]),
+                    ),
+                    ri.Wall(),
+                ]
+            ),
+            {},
+            "bodies.0.velocity: jumps",
+        ),
+        (
+            ri.System(pair().bodies, contacts=[ri.Hertz(1e10)]),
+            {},
+            'method "fronts" has no compliant',
+        ),
+    ],
+)
 def test_what_has_no_derivatives(system, given, message):
     with pytest.raises(ri.InvalidModel, match=message):
         ri.gradient(system, **{"wrt": ["bodies.0.length"], **given})

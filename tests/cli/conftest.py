@@ -17,6 +17,7 @@ def case(tmp_path, monkeypatch):
 @pytest.fixture
 def refuses(capsys):
     """Check that a call ends with 2, says all this and prints nothing; returns what it says."""
+
     def call(argv, *said):
         capsys.readouterr()
         assert main(argv) == 2
@@ -26,14 +27,17 @@ def refuses(capsys):
         for text in said:
             assert text in err
         return err
+
     return call
 
 
 @pytest.fixture
 def told(capsys):
     """What a call prints that ends with this status."""
+
     def call(*argv, status=0):
         capsys.readouterr()
         assert main(argv) == status
         return capsys.readouterr().out
+
     return call

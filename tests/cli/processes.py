@@ -10,7 +10,12 @@ import rodimpact as ri
 
 ROOT = Path(ri.__file__).parent.parent
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"}
-HOW = {"env": ENVIRONMENT, "text": True, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+HOW = {
+    "env": ENVIRONMENT,
+    "text": True,
+    "stdout": subprocess.PIPE,
+    "stderr": subprocess.PIPE,
+}
 
 
 def python(*arguments, **options):

@@ -45,7 +45,10 @@ def test_version_and_help_need_no_numpy():
         "import sys; from rodimpact.cli import main; main([{!r}]);"
         "assert not {{'numpy', 'numba', 'matplotlib'}} & set(sys.modules)"
     )
-    for option, said in (("--version", f"rodimpact {ri.__version__}\n"), ("--help", "usage: ")):
+    for option, said in (
+        ("--version", f"rodimpact {ri.__version__}\n"),
+        ("--help", "usage: "),
+    ):
         done = python("-c", code.format(option))
         assert (done.returncode, done.stderr) == (0, "")
         assert done.stdout.startswith(said)
@@ -60,19 +63,28 @@ def test_help_lists_exit_statuses_and_commands_with_their_own_help(told):
         assert f"usage: rodimpact {command}" in told(command, "--help")
 
 
-@pytest.mark.parametrize(("argv", "said"), [
-    ([], "unknown command ''; choose one of box, run"),
-    (["verfy"], "unknown command 'verfy'; perhaps verify is meant"),
-    (["zzz"], "choose one of box, run"),
-    (["run"], "the following arguments are required: CASE.toml"),
-    (["verify", "--js"], "unrecognized arguments: --js"),
-    (["help", "cases"], "invalid choice: 'cases'"),
-    (["run", "missing.toml"], "missing.toml: cannot be read"),
-    (["run", "."], ".: cannot be read"),
-    ([*SAMPLE, "-e", "1.5"], "-e: must lie in [-1, 1], got 1.5"),
-    ([*SAMPLE, "-e", "1", "--m1", "-2"], "--m1: must be a positive number of kilograms"),
-    ([*SAMPLE, "-e", "1", "--v1", "0"], "--v1: must be above the velocity of body 2"),
-])
+@pytest.mark.parametrize(
+    ("argv", "said"),
+    [
+        ([], "unknown command ''; choose one of box, run"),
+        (["verfy"], "unknown command 'verfy'; perhaps verify is meant"),
+        (["zzz"], "choose one of box, run"),
+        (["run"], "the following arguments are required: CASE.toml"),
+        (["verify", "--js"], "unrecognized arguments: --js"),
+        (["help", "cases"], "invalid choice: 'cases'"),
+        (["run", "missing.toml"], "missing.toml: cannot be read"),
+        (["run", "."], ".: cannot be read"),
+        ([*SAMPLE, "-e", "1.5"], "-e: must lie in [-1, 1], got 1.5"),
+        (
+            [*SAMPLE, "-e", "1", "--m1", "-2"],
+            "--m1: must be a positive number of kilograms",
+        ),
+        (
+            [*SAMPLE, "-e", "1", "--v1", "0"],
+            "--v1: must be above the velocity of body 2",
+        ),
+    ],
+)
 def test_a_wrong_call_ends_with_2_and_says_what_is_meant(argv, said, refuses):
     refuses(argv, said)
 
@@ -98,7 +110,9 @@ def test_sigint_ends_a_long_run_with_130_and_without_traceback(case):
         "run.solved = lambda *a, **k: (print('solving', flush=True), solve(*a, **k))[1];"
         "sys.exit(main(['run', sys.argv[1]]))"
     )
-    with started("-c", code, case, env=ENVIRONMENT | {"NUMBA_DISABLE_JIT": "1"}) as process:
+    with started(
+        "-c", code, case, env=ENVIRONMENT | {"NUMBA_DISABLE_JIT": "1"}
+    ) as process:
         assert process.stdout.readline() == "solving\n"
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=30)
@@ -109,10 +123,14 @@ def test_sigint_ends_a_long_run_with_130_and_without_traceback(case):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="no such pipes")
-@pytest.mark.parametrize("command", [
-    ["materials"], ["--help"],
-    ["sweep", "case.toml", "--vary", "bodies.0.length=1:2:300", "--csv"],
-])
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["materials"],
+        ["--help"],
+        ["sweep", "case.toml", "--vary", "bodies.0.length=1:2:300", "--csv"],
+    ],
+)
 @pytest.mark.usefixtures("case")
 def test_a_reader_who_has_gone_is_no_failure(command):
     reading, writing = os.pipe()
@@ -138,7 +156,10 @@ def test_a_poor_encoding_of_the_output_is_no_fault(case):
     poor = ENVIRONMENT | {"PYTHONIOENCODING": "ascii:strict"}
     done = python("-m", "rodimpact", "run", case, "--json", env=poor)
     assert (done.returncode, done.stderr) == (0, "")
-    assert json.loads(done.stdout)["system"]["bodies"][0]["material"]["name"] == "St\u00e4hl"
+    assert (
+        json.loads(done.stdout)["system"]["bodies"][0]["material"]["name"]
+        == "St\u00e4hl"
+    )
 
 
 @pytest.mark.skipif(os.name == "nt", reason="a directory in use stays")
@@ -154,10 +175,25 @@ def test_a_deleted_working_directory_is_named(case, tmp_path):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="needs a shell of POSIX")
-@pytest.mark.parametrize(("argv", "status"), [(["run", "missing.toml"], 2), (["materials"], 0)])
-def test_nothing_but_results_goes_to_standard_output_when_stderr_is_closed(told, argv, status):
-    closed = ["sh", "-c", 'exec "$@" 2>&-', "sh", sys.executable, "-m", "rodimpact", *argv]
-    done = subprocess.run(closed, env=ENVIRONMENT, stdout=subprocess.PIPE, text=True, check=False)
+@pytest.mark.parametrize(
+    ("argv", "status"), [(["run", "missing.toml"], 2), (["materials"], 0)]
+)
+def test_nothing_but_results_goes_to_standard_output_when_stderr_is_closed(
+    told, argv, status
+):
+    closed = [
+        "sh",
+        "-c",
+        'exec "$@" 2>&-',
+        "sh",
+        sys.executable,
+        "-m",
+        "rodimpact",
+        *argv,
+    ]
+    done = subprocess.run(
+        closed, env=ENVIRONMENT, stdout=subprocess.PIPE, text=True, check=False
+    )
     expected = told(*argv, status=status)
     assert (done.returncode, done.stdout) == (status, expected)
     assert bool(expected) == (status == 0)
@@ -183,8 +219,9 @@ def test_signals_while_a_file_is_written_leave_nothing(case, tmp_path, name):
 @pytest.mark.skipif(os.name == "nt", reason="no such signals")
 @pytest.mark.usefixtures("children_hear_signals")
 def test_ctrl_c_before_the_program_listens_shows_no_traceback(tmp_path):
-    (tmp_path / "argparse.py").write_text("print('starting', flush=True)\nimport time\n"
-                                          "time.sleep(60)\n")
+    (tmp_path / "argparse.py").write_text(
+        "print('starting', flush=True)\nimport time\ntime.sleep(60)\n"
+    )
     path = os.pathsep.join([str(tmp_path), str(ROOT)])
     env = ENVIRONMENT | {"PYTHONPATH": path}
     with started("-m", "rodimpact", "materials", env=env, cwd=tmp_path) as process:
@@ -197,10 +234,13 @@ def test_ctrl_c_before_the_program_listens_shows_no_traceback(tmp_path):
 # run ----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("argv", "remedy", "status"), [
-    (["--until", "0"], "leave out --until to run", 1),
-    (["--max-events", "1"], "Raise --max-events", 3),
-])
+@pytest.mark.parametrize(
+    ("argv", "remedy", "status"),
+    [
+        (["--until", "0"], "leave out --until to run", 1),
+        (["--max-events", "1"], "Raise --max-events", 3),
+    ],
+)
 def test_a_run_of_no_time_prints_its_table_and_tells_why_it_draws_nothing(
     case, capsys, argv, remedy, status
 ):
@@ -218,39 +258,65 @@ def test_a_run_of_no_time_prints_its_table_and_tells_why_it_draws_nothing(
     assert not Path("a.csv").exists()
 
 
-@pytest.mark.parametrize("command", [["export", "-o", "a.html"], ["animate", "-o", "a.gif"]])
-@pytest.mark.parametrize(("change", "remedy"), [
-    ("[solve]\nmax_events = 1\n", "cap of 1 events"),
-    ("[[contacts]]\ngap = 1e9\n", "Give solve.until"),
-])
-def test_a_run_of_no_time_is_no_page_and_no_film(case, refuses, command, change, remedy):
+@pytest.mark.parametrize(
+    "command", [["export", "-o", "a.html"], ["animate", "-o", "a.gif"]]
+)
+@pytest.mark.parametrize(
+    ("change", "remedy"),
+    [
+        ("[solve]\nmax_events = 1\n", "cap of 1 events"),
+        ("[[contacts]]\ngap = 1e9\n", "Give solve.until"),
+    ],
+)
+def test_a_run_of_no_time_is_no_page_and_no_film(
+    case, refuses, command, change, remedy
+):
     case.write_text(CASE + change)
-    error = refuses([command[0], "case.toml", *command[1:]], "there is nothing to draw", remedy)
+    error = refuses(
+        [command[0], "case.toml", *command[1:]], "there is nothing to draw", remedy
+    )
     assert "--until" not in error
     assert [path.name for path in case.parent.iterdir()] == ["case.toml"]
 
 
-@pytest.mark.parametrize(("argv", "said"), [
-    (["--save", "a.png", "--plot", "./a.png"], "--plot: './a.png' is the file of --save too"),
-    (["--save", "there.npz"], "--save: "),
-    (["--plot", "a.xyz"], "--plot: must end in one of .png, .svg"),
-])
+@pytest.mark.parametrize(
+    ("argv", "said"),
+    [
+        (
+            ["--save", "a.png", "--plot", "./a.png"],
+            "--plot: './a.png' is the file of --save too",
+        ),
+        (["--save", "there.npz"], "--save: "),
+        (["--plot", "a.xyz"], "--plot: must end in one of .png, .svg"),
+    ],
+)
 def test_outputs_are_checked_before_solving(case, refuses, monkeypatch, argv, said):
-    monkeypatch.setattr("rodimpact.cli.run.solved", lambda *_, **__: pytest.fail("solved"))
+    monkeypatch.setattr(
+        "rodimpact.cli.run.solved", lambda *_, **__: pytest.fail("solved")
+    )
     Path("there.npz").write_text("precious")
     refuses(["run", str(case), *argv], said)
     assert {path.name for path in case.parent.iterdir()} == {"case.toml", "there.npz"}
 
 
-@pytest.mark.parametrize(("argv", "said"), [
-    (["-o", "film.avi"], "--output: must end in one of .gif, .mp4, got 'film.avi'"),
-    (["-o", "film.gif", "--frames", "1"], "--frames: must be a whole number from 2"),
-    (["-o", "film.gif", "--until", "soon"], "--until: "),
-    (["-o", "film.gif", "--until", "0"], "--until: there is nothing to draw"),
-    (["-o", "film.gif", "--magnify", "0"], "--magnify: must be a finite positive number"),
-    (["-o", "film.gif", "--field", "heat"], "--field: invalid choice"),
-    ([], "required: -o/--output"),
-])
+@pytest.mark.parametrize(
+    ("argv", "said"),
+    [
+        (["-o", "film.avi"], "--output: must end in one of .gif, .mp4, got 'film.avi'"),
+        (
+            ["-o", "film.gif", "--frames", "1"],
+            "--frames: must be a whole number from 2",
+        ),
+        (["-o", "film.gif", "--until", "soon"], "--until: "),
+        (["-o", "film.gif", "--until", "0"], "--until: there is nothing to draw"),
+        (
+            ["-o", "film.gif", "--magnify", "0"],
+            "--magnify: must be a finite positive number",
+        ),
+        (["-o", "film.gif", "--field", "heat"], "--field: invalid choice"),
+        ([], "required: -o/--output"),
+    ],
+)
 def test_a_film_that_cannot_be_made_is_refused(case, refuses, argv, said):
     refuses(["animate", "case.toml", *argv], said)
     assert [path.name for path in case.parent.iterdir()] == ["case.toml"]
@@ -258,11 +324,16 @@ def test_a_film_that_cannot_be_made_is_refused(case, refuses, argv, said):
 
 def test_gauges_of_the_case_are_written(case):
     text = case.read_text()
-    case.write_text(text + '[[gauges]]\nbody = 1\nfraction = 0.5\nname = "far"\n'
-                    '[[gauges]]\nbody = 0\nfraction = 1\n')
+    case.write_text(
+        text + '[[gauges]]\nbody = 1\nfraction = 0.5\nname = "far"\n'
+        "[[gauges]]\nbody = 0\nfraction = 1\n"
+    )
     rods = ri.read_case(case).system.bodies
     assert main(["run", str(case), "--gauges", "a.csv"]) == 0
-    places = [f"far=1:{rods[1].length / 2}", f"rod 1 at {rods[0].length:g} m=0:{rods[0].length}"]
+    places = [
+        f"far=1:{rods[1].length / 2}",
+        f"rod 1 at {rods[0].length:g} m=0:{rods[0].length}",
+    ]
     argv = [word for place in places for word in ("--gauge", place)]
     assert main(["run", str(case), "--gauges", "b.csv", *argv]) == 0
     assert Path("a.csv").read_text() == Path("b.csv").read_text()
@@ -273,12 +344,19 @@ def test_gauges_of_the_case_are_written(case):
 def test_names_that_are_no_text(case, refuses):
     name = os.fsdecode(b"\xff")
     case.rename(f"{name}.toml")
-    assert main(["run", f"{name}.toml", "--save", f"{name}.npz", "--plot", f"{name}.svg"]) == 0
+    assert (
+        main(["run", f"{name}.toml", "--save", f"{name}.npz", "--plot", f"{name}.svg"])
+        == 0
+    )
     assert ri.load(f"{name}.npz").final
     assert main(["export", f"{name}.toml", "-o", f"{name}.html"]) == 0
-    assert "<title>\N{REPLACEMENT CHARACTER}</title>" in Path(f"{name}.html").read_text("utf-8")
-    refuses(["run", f"{name}.toml", "--gauges", "g.csv", "--gauge", f"{name}=1:0.5"],
-            "a column is named by letters")
+    assert "<title>\N{REPLACEMENT CHARACTER}</title>" in Path(f"{name}.html").read_text(
+        "utf-8"
+    )
+    refuses(
+        ["run", f"{name}.toml", "--gauges", "g.csv", "--gauge", f"{name}=1:0.5"],
+        "a column is named by letters",
+    )
 
 
 def test_run_prints_the_table(case, capsys):
@@ -299,10 +377,13 @@ def test_run_prints_json_in_full_precision(case, told):
     assert data["outcome"]["restitution"] == expected.restitution
 
 
-@pytest.mark.parametrize(("command", "missing"), [
-    (["run"], "matplotlib numba scipy"),
-    (["sweep", "--vary", "bodies.0.length=50 mm:1 m:5"], "matplotlib"),
-])
+@pytest.mark.parametrize(
+    ("command", "missing"),
+    [
+        (["run"], "matplotlib numba scipy"),
+        (["sweep", "--vary", "bodies.0.length=50 mm:1 m:5"], "matplotlib"),
+    ],
+)
 @pytest.mark.usefixtures("case")
 def test_without_plots_no_matplotlib_is_imported(command, missing):
     code = (
@@ -353,10 +434,24 @@ def test_an_existing_file_needs_force_and_is_left_alone(case, refuses):
 
 def test_all_mistakes_are_reported_at_once(case, refuses):
     Path("a.npz").write_text("precious")
-    case.write_text(CASE.replace('"0.4 m"', "-1").replace('"steel"\n\n', '"stel"\n\n', 1)
-                    + '[output]\nsave = "a.npz"\n')
-    argv = ["run", str(case), "--until", "3 kg", "--max-events", "0", "--cells", "1.5",
-            "--snapshots", "no", "--plot", "a.npz"]
+    case.write_text(
+        CASE.replace('"0.4 m"', "-1").replace('"steel"\n\n', '"stel"\n\n', 1)
+        + '[output]\nsave = "a.npz"\n'
+    )
+    argv = [
+        "run",
+        str(case),
+        "--until",
+        "3 kg",
+        "--max-events",
+        "0",
+        "--cells",
+        "1.5",
+        "--snapshots",
+        "no",
+        "--plot",
+        "a.npz",
+    ]
     lines = refuses(argv).splitlines()
     said = {line.split(": ")[1]: line for line in lines}
     assert all(line.startswith("rodimpact: ") for line in lines)
@@ -365,8 +460,10 @@ def test_all_mistakes_are_reported_at_once(case, refuses):
     assert "unit of mass" in said["--until"]
 
 
-PROFILE = {"values": [i % 7 for i in range(11_000)],
-           "at": [0.4 * i / 11_000 for i in range(1, 11_000)]}
+PROFILE = {
+    "values": [i % 7 for i in range(11_000)],
+    "at": [0.4 * i / 11_000 for i in range(1, 11_000)],
+}
 
 
 @pytest.mark.exhaustive
@@ -390,8 +487,22 @@ def test_rigid_prints_sample_10_19(told):
 
 
 def test_rigid_takes_units_signs_walls_and_percent(told):
-    data = json.loads(told("rigid", "--m1", "500 g", "--v1", "10", "--m2", "inf",
-                           "--v2", "-20cm/s", "-e", "90%", "--json"))
+    data = json.loads(
+        told(
+            "rigid",
+            "--m1",
+            "500 g",
+            "--v1",
+            "10",
+            "--m2",
+            "inf",
+            "--v2",
+            "-20cm/s",
+            "-e",
+            "90%",
+            "--json",
+        )
+    )
     assert data["m2"] is data["energy_before"] is None
     assert data["velocity_1"] == pytest.approx(-0.2 - 0.9 * 10.2, rel=1e-14)
     assert data["impulse"] == pytest.approx(0.5 * 1.9 * 10.2, rel=1e-14)
@@ -418,9 +529,14 @@ def test_verify_prints_every_check(told):
     assert len(passed) > 25
 
 
-@pytest.mark.parametrize(("got", "said", "status"), [
-    (1.0, "All 2 checks passed", 0), (1.5, "1 checks FAILED", 4),
-    (math.nan, "1 checks FAILED", 4)])
+@pytest.mark.parametrize(
+    ("got", "said", "status"),
+    [
+        (1.0, "All 2 checks passed", 0),
+        (1.5, "1 checks FAILED", 4),
+        (math.nan, "1 checks FAILED", 4),
+    ],
+)
 def test_verify_ends_with_4_if_a_number_is_off(monkeypatch, told, got, said, status):
     found = [Check("a", 1.0, 1.0), Check("b", 1.0, got)]
     monkeypatch.setattr("rodimpact.cli.verify.checks", lambda: found)
@@ -436,10 +552,16 @@ def test_the_solver_meets_the_closed_forms_far_within_the_bound():
     assert [check for check in found if not check.residual < verify.BOUND / 100] == []
 
 
-@pytest.mark.parametrize(("expected", "got", "residual"), [
-    (1e6, 1e6 + 1e-3, 1e-9), (0.0, -1e-9, 1e-9), (1.0, 1.0 + 1e-11, 1e-11),
-    (1.0, math.nan, math.nan), ([1.0, 2.0, 3.0], [1.0, math.nan, 3.5], math.nan),
-])
+@pytest.mark.parametrize(
+    ("expected", "got", "residual"),
+    [
+        (1e6, 1e6 + 1e-3, 1e-9),
+        (0.0, -1e-9, 1e-9),
+        (1.0, 1.0 + 1e-11, 1e-11),
+        (1.0, math.nan, math.nan),
+        ([1.0, 2.0, 3.0], [1.0, math.nan, 3.5], math.nan),
+    ],
+)
 def test_a_wrong_number_or_a_missing_one_fails(expected, got, residual):
     """Residuals are relative unless nothing is expected."""
     check = verify.worst("x", expected, got)
@@ -454,7 +576,8 @@ def test_a_wrong_solver_is_noticed(monkeypatch):
     def wrong(system, **options):
         solution = right(system, **options)
         object.__setattr__(
-            solution.outcome, "velocities_after",
+            solution.outcome,
+            "velocities_after",
             tuple(v * (1 + 1e-9) for v in solution.outcome.velocities_after),
         )
         return solution
@@ -468,7 +591,16 @@ def test_a_wrong_solver_is_noticed(monkeypatch):
 def test_materials_names_speeds_and_sources(told):
     out = told("materials")
     steel = next(line for line in out.splitlines() if line.startswith("steel"))
-    assert steel.split() == ["steel", "200", "GPa", "7850", "kg/m^3", "5048", "m/s", "0.29"]
+    assert steel.split() == [
+        "steel",
+        "200",
+        "GPa",
+        "7850",
+        "kg/m^3",
+        "5048",
+        "m/s",
+        "0.29",
+    ]
     data = json.loads(told("materials", "--json"))["materials"]
     assert {m["name"] for m in data} == set(ri.materials.TABLE)
     assert all(m["source"] for m in data)
@@ -481,9 +613,14 @@ def test_doctor_finds_nothing_wrong(told):
 
 
 def test_doctor_says_how_long_it_took_to_compile_everything(monkeypatch, told):
-    monkeypatch.setattr("rodimpact.cli.doctor.try_compiled", lambda: ("here", True, "works"))
+    monkeypatch.setattr(
+        "rodimpact.cli.doctor.try_compiled", lambda: ("here", True, "works")
+    )
     monkeypatch.setattr("rodimpact.cli.doctor.warm", lambda: 24.04)
-    assert json.loads(told("doctor", "--warm", "--json"))["seconds_to_compile_all"] == 24.04
+    assert (
+        json.loads(told("doctor", "--warm", "--json"))["seconds_to_compile_all"]
+        == 24.04
+    )
     text = told("doctor", "--warm")
     assert "compiled code" in text
     assert "in 24.0 s" in text
@@ -493,10 +630,16 @@ def fails():
     raise OSError("no room")
 
 
-@pytest.mark.parametrize(("solve", "said"), [
-    (iter("ab").__next__, "does not agree"), (fails, "fails: OSError: no room"),
-])
-def test_doctor_notices_compiled_code_that_fails_or_disagrees(monkeypatch, told, solve, said):
+@pytest.mark.parametrize(
+    ("solve", "said"),
+    [
+        (iter("ab").__next__, "does not agree"),
+        (fails, "fails: OSError: no room"),
+    ],
+)
+def test_doctor_notices_compiled_code_that_fails_or_disagrees(
+    monkeypatch, told, solve, said
+):
     monkeypatch.setattr(kernels, "why_not", lambda: "")
     monkeypatch.setattr(kernels, "enabled", lambda: True)
     monkeypatch.setattr(kernels, "compiled", lambda kernel: SimpleNamespace(place=""))
@@ -543,11 +686,15 @@ def test_box_tells_the_stages_of_identical_rods(box):
     ]
 
 
-def test_box_puts_theory_beside_what_it_found_and_says_where_the_textbook_lets_rods_part(box):
+def test_box_puts_theory_beside_what_it_found_and_says_where_the_textbook_lets_rods_part(
+    box,
+):
     lines = story(box[0], "Rods of different length, l1/l2 = 0.4")
     for line in (
-        "coefficient of restitution e 0.4 0.4", "contact force lasts 158.493 us 158.493 us",
-        "gap opens after 396.232 us 396.232 us", "energy left in vibration 94.2 mJ 94.2 mJ",
+        "coefficient of restitution e 0.4 0.4",
+        "contact force lasts 158.493 us 158.493 us",
+        "gap opens after 396.232 us 396.232 us",
+        "energy left in vibration 94.2 mJ 94.2 mJ",
         "277.363 us two fronts cross in the right rod, 600 mm from its left end",
     ):
         assert line in lines
@@ -588,7 +735,9 @@ def test_box_defaults_to_a_directory_of_its_own(no_figures, tmp_path, monkeypatc
 
 @pytest.mark.parametrize("ratio", ["0", "1.5", "-0.4", "x"])
 def test_box_refuses_a_ratio_that_is_none(no_figures, tmp_path, refuses, ratio):
-    refuses(["box", "--ratio", ratio, "-o", str(tmp_path / "new")], "rodimpact: --ratio: ")
+    refuses(
+        ["box", "--ratio", ratio, "-o", str(tmp_path / "new")], "rodimpact: --ratio: "
+    )
     assert not (tmp_path / "new").exists()
 
 

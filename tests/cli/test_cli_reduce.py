@@ -9,21 +9,34 @@ import pytest
 import rodimpact as ri
 from rodimpact.cli import main
 
-BARS = '''
+BARS = (
+    """
 schema = 1
 [materials.titanium]
 youngs_modulus = "104.563 GPa"
 density = 4416
 poisson_ratio = 0.33
-''' + '''
+"""
+    + """
 [[bodies]]
 kind = "rod"
 length = "762 mm"
 diameter = "9.47 mm"
 material = "titanium"
-''' * 2
+"""
+    * 2
+)
 RECORD = str(Path("validation/records/lanl_titanium_bars.csv").absolute())
-BRIDGE = ["--bridge", "quarter", "--gauge-factor", "2.061", "--excitation", "8", "--gain", "200"]
+BRIDGE = [
+    "--bridge",
+    "quarter",
+    "--gauge-factor",
+    "2.061",
+    "--excitation",
+    "8",
+    "--gain",
+    "200",
+]
 GAUGES = ["--gauge", "incident=0:381mm", "--gauge", "transmitted=1:381mm"]
 SPECIMEN = ["--length", "3.204mm", "--diameter", "6.34mm"]
 ALL = [*GAUGES, *SPECIMEN, *BRIDGE, "--compression", "positive"]
@@ -44,11 +57,16 @@ def test_it_says_what_the_function_says(capsys):
     told = json.loads(capsys.readouterr().out)
     case = ri.read_case("bars.toml")
     bridge = ri.Bridge("quarter", gauge_factor=2.061, excitation=8.0, gain=200.0)
-    gauges = [ri.BarGauge(bridge.strain(signal), 0.381)
-              for signal in ri.read_signals(RECORD).values()]
-    found = ri.reduce(*gauges, case.system.bodies,
-                      ri.Specimen(3.204e-3, diameter=6.34e-3, incompressible=True),
-                      compression="positive")
+    gauges = [
+        ri.BarGauge(bridge.strain(signal), 0.381)
+        for signal in ri.read_signals(RECORD).values()
+    ]
+    found = ri.reduce(
+        *gauges,
+        case.system.bodies,
+        ri.Specimen(3.204e-3, diameter=6.34e-3, incompressible=True),
+        compression="positive",
+    )
     assert np.array_equal(told["true_stress"], found.true_stress)
     assert np.array_equal(told["time"], found.times)
     assert reduced(*ALL) == 0
@@ -56,46 +74,74 @@ def test_it_says_what_the_function_says(capsys):
 
 
 def test_it_writes_a_table_and_a_figure(refuses):
-    assert reduced(*ALL, "--csv", "shot.csv", "--save", "shot.svg", "--align-within", "1us") == 0
+    assert (
+        reduced(
+            *ALL, "--csv", "shot.csv", "--save", "shot.svg", "--align-within", "1us"
+        )
+        == 0
+    )
     assert "stress" in ri.read_signals("shot.csv")
     assert Path("shot.svg").read_text().startswith("<?xml")
     refuses(["reduce", "bars.toml", RECORD, *ALL, "--csv", "shot.csv"], "--force")
 
 
-@pytest.mark.parametrize(("options", "said"), [
-    ([*GAUGES, *BRIDGE, "--area", "-1"], "are required: --length"),
-    ([*GAUGES, *SPECIMEN, *BRIDGE, "--area", "1 mm^2"], "--area: give either"),
-    ([*GAUGES[:2], *SPECIMEN, *BRIDGE], "neighbouring rods"),
-    ([*GAUGES, *SPECIMEN], "--bridge: is missing; the channel 'incident' is in V"),
-    ([*GAUGES, *SPECIMEN, *BRIDGE], 'compression="positive"'),
-    ([*GAUGES, *SPECIMEN, "--gain", "2"], "--gain: needs --bridge"),
-    ([*ALL, "--align-within", "-1us"], "--align-within: must be"),
-    (["--gauge", "incdent=0:0.4", *ALL[2:]], "no channel 'incdent'; perhaps 'incident'"),
-])
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ([*GAUGES, *BRIDGE, "--area", "-1"], "are required: --length"),
+        ([*GAUGES, *SPECIMEN, *BRIDGE, "--area", "1 mm^2"], "--area: give either"),
+        ([*GAUGES[:2], *SPECIMEN, *BRIDGE], "neighbouring rods"),
+        ([*GAUGES, *SPECIMEN], "--bridge: is missing; the channel 'incident' is in V"),
+        ([*GAUGES, *SPECIMEN, *BRIDGE], 'compression="positive"'),
+        ([*GAUGES, *SPECIMEN, "--gain", "2"], "--gain: needs --bridge"),
+        ([*ALL, "--align-within", "-1us"], "--align-within: must be"),
+        (
+            ["--gauge", "incdent=0:0.4", *ALL[2:]],
+            "no channel 'incdent'; perhaps 'incident'",
+        ),
+    ],
+)
 def test_mistakes_are_named_by_option(options, said, refuses):
     refuses(["reduce", "bars.toml", RECORD, *options], said)
 
 
 def test_a_planned_shot_is_reduced_with_its_own_case(capsys):
     ideal = BARS.replace("poisson_ratio = 0.33\n", "")  # bars that do not disperse
-    Path("plan.toml").write_text(ideal + '''
+    Path("plan.toml").write_text(
+        ideal
+        + """
 [[contacts]]
 law = "yielding"
 stiffness = 4e8
 yield_force = 5e3
 hardening = 1e7
-''')
+"""
+    )
     case = ri.read_case("plan.toml")
-    striker = ri.Rod(0.1, diameter=9.47e-3, material=case.system.bodies[0].segments[0].material,
-                     velocity=15.0)
-    row = ri.System([striker, *case.system.bodies], contacts=[ri.Rigid(), *case.system.contacts])
+    striker = ri.Rod(
+        0.1,
+        diameter=9.47e-3,
+        material=case.system.bodies[0].segments[0].material,
+        velocity=15.0,
+    )
+    row = ri.System(
+        [striker, *case.system.bodies], contacts=[ri.Rigid(), *case.system.contacts]
+    )
     run = ri.solve(row, until=4e-4)
-    taken = {name: run.gauge(body, 0.381).signal(2e-7).extended(before=3e-5)
-             for name, body in (("incident", 1), ("transmitted", 2))}
+    taken = {
+        name: run.gauge(body, 0.381).signal(2e-7).extended(before=3e-5)
+        for name, body in (("incident", 1), ("transmitted", 2))
+    }
     times = taken["incident"].times
-    ri.write_signals("plan.csv", {name: signal.resampled(times=times[times <= 4e-4])
-                                  for name, signal in taken.items()})
+    ri.write_signals(
+        "plan.csv",
+        {
+            name: signal.resampled(times=times[times <= 4e-4])
+            for name, signal in taken.items()
+        },
+    )
     assert main(["reduce", "plan.toml", "plan.csv", *GAUGES, *SPECIMEN, "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert max(told["output_force"]) == pytest.approx(
-        float(np.max(run.contacts[1].force(np.asarray(told["time"])))), rel=0.01)
+        float(np.max(run.contacts[1].force(np.asarray(told["time"])))), rel=0.01
+    )

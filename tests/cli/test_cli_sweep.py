@@ -54,7 +54,11 @@ def refused(refuses):
 
 
 def lines_of(text, start):
-    return [" ".join(line.split()) for line in text.splitlines() if line.lstrip().startswith(start)]
+    return [
+        " ".join(line.split())
+        for line in text.splitlines()
+        if line.lstrip().startswith(start)
+    ]
 
 
 # What is printed ----------------------------------------------------------------------------------
@@ -80,7 +84,9 @@ def test_the_table_tells_what_varied_and_what_came_out(case, capsys):
 
 
 def test_energies_of_round_off_are_none(case, swept):
-    out = swept("--vary", "bodies.0.length=1 m:2 m:2", "--vary", "bodies.0.velocity=1.7:1.9:3")
+    out = swept(
+        "--vary", "bodies.0.length=1 m:2 m:2", "--vary", "bodies.0.velocity=1.7:1.9:3"
+    )
     swapped = lines_of(out, "1 m")  # rods of one length swap their velocities
     assert len(swapped) == 3
     assert all(line.endswith(" 1 0 J") for line in swapped)
@@ -90,7 +96,9 @@ def test_the_first_grid_is_the_first_axis(case, swept):
     out = swept("--vary", LENGTHS, "--vary", "contacts.0.gap=0,1 um")
     assert "collisions 10 in a grid of 5 x 2" in lines_of(out, "collisions")
     assert [line.split()[:4] for line in lines_of(out, "50 mm")] == [
-        ["50", "mm", "0", "m"], ["50", "mm", "1", "um"]]
+        ["50", "mm", "0", "m"],
+        ["50", "mm", "1", "um"],
+    ]
 
 
 def test_a_large_family_is_shown_in_part_with_the_way_to_all(case, swept):
@@ -119,19 +127,38 @@ def test_a_long_row_shows_its_ends(case, swept):
     rod = '[[bodies]]\nkind="rod"\nlength=0.1\narea=1e-4\nmaterial="steel"\n'
     case.write_text("schema = 1\n" + rod + "velocity = 1\n" + 9 * rod)
     head = swept("--vary", "bodies.0.velocity=1,2").split("\n\n")[2].splitlines()[0]
-    assert [i for i in range(10) if f"velocity {i} after" in head] == [0, 1, 2, 3, 6, 7, 8, 9]
+    assert [i for i in range(10) if f"velocity {i} after" in head] == [
+        0,
+        1,
+        2,
+        3,
+        6,
+        7,
+        8,
+        9,
+    ]
 
 
 def test_csv_and_json_have_the_same_columns_in_full_precision(case, swept):
     argv = ["--vary", LENGTHS, "--vary", "bodies.0.velocity=-1,1"]
     data = json.loads(swept(*argv, "--json"))
-    assert (data["schema_version"], data["method"], data["shape"]) == (1, "fronts", [5, 2])
+    assert (data["schema_version"], data["method"], data["shape"]) == (
+        1,
+        "fronts",
+        [5, 2],
+    )
     assert data["varied"][0] == {
-        "path": "bodies.0.length", "unit": "m", "values": np.linspace(0.05, 1, 5).tolist()}
+        "path": "bodies.0.length",
+        "unit": "m",
+        "values": np.linspace(0.05, 1, 5).tolist(),
+    }
     assert data["varied"][1]["values"] == [-1, 1]
     columns = data["columns"]
-    result = ri.sweep(ri.read_case(case, {"bodies.0.length": "50 mm:1 m:5",
-                                          "bodies.0.velocity": "-1,1"}).system)
+    result = ri.sweep(
+        ri.read_case(
+            case, {"bodies.0.length": "50 mm:1 m:5", "bodies.0.velocity": "-1,1"}
+        ).system
+    )
     assert columns["restitution"][::2] == [None] * 5
     assert columns["restitution"][1::2] == result.restitution[:, 1].tolist()
     assert columns["vibration"] == result.vibration.ravel().tolist()
@@ -142,7 +169,9 @@ def test_csv_and_json_have_the_same_columns_in_full_precision(case, swept):
     rows = list(csv.DictReader(io.StringIO(swept(*argv, "--csv"))))
     assert list(rows[0]) == list(columns)
     for name in ("bodies.0.length", "restitution", "vibration"):
-        assert [float(row[name]) if row[name] else None for row in rows] == columns[name]
+        assert [float(row[name]) if row[name] else None for row in rows] == columns[
+            name
+        ]
 
 
 def test_the_example_of_the_manual_runs(monkeypatch, tmp_path, case):
@@ -159,10 +188,24 @@ def test_the_example_of_the_manual_runs(monkeypatch, tmp_path, case):
 
 
 def test_what_no_figure_can_show_is_refused_before_the_sweep(case, no_sweep, refused):
-    three = ["--vary", LENGTHS, "--vary", "bodies.0.velocity=1,2", "--vary", "contacts.0.gap=0,1"]
-    refused("--plot: a figure has one or two axes, and 3 numbers vary", *three, "--plot", "a.png")
+    three = [
+        "--vary",
+        LENGTHS,
+        "--vary",
+        "bodies.0.velocity=1,2",
+        "--vary",
+        "contacts.0.gap=0,1",
+    ]
+    refused(
+        "--plot: a figure has one or two axes, and 3 numbers vary",
+        *three,
+        "--plot",
+        "a.png",
+    )
     refused("and 0 numbers vary", "--vary", "contacts.0.gap=1", "--plot", "a.png")
-    case.write_text(CASE + "[ends.left]\nkind = 'force'\nvalue = 1\n[solve]\nuntil = 1e-4\n")
+    case.write_text(
+        CASE + "[ends.left]\nkind = 'force'\nvalue = 1\n[solve]\nuntil = 1e-4\n"
+    )
     one = ["--vary", LENGTHS, "--plot", "a.png"]
     refused("such a row has no e; name another --quantity", *one)
     rod = CASE.rpartition("[[bodies]]")[2]
@@ -176,13 +219,23 @@ def test_rows_of_several_contacts_are_drawn_by_another_quantity(case, refused):
     for quantity in ("velocity_after.4", "duration.3"):
         assert sweep(*argv, f"{quantity}.png", "--quantity", quantity) == 0
         assert Path(f"{quantity}.png").read_bytes().startswith(b"\x89PNG")
-    refused("--quantity: there is no 'velocity_after.5'; use one of velocity_after.0, ",
-            *argv, "b.png", "--quantity", "velocity_after.5")
+    refused(
+        "--quantity: there is no 'velocity_after.5'; use one of velocity_after.0, ",
+        *argv,
+        "b.png",
+        "--quantity",
+        "velocity_after.5",
+    )
     assert not Path("b.png").exists()
 
 
-def test_where_no_collision_has_e_the_table_is_there_and_the_figure_is_not(case, capsys):
-    assert sweep("--vary", "bodies.0.velocity=-1,-2", "--plot", "a.png", "--save", "a.npz") == 1
+def test_where_no_collision_has_e_the_table_is_there_and_the_figure_is_not(
+    case, capsys
+):
+    assert (
+        sweep("--vary", "bodies.0.velocity=-1,-2", "--plot", "a.png", "--save", "a.npz")
+        == 1
+    )
     out, err = capsys.readouterr()
     assert "2 collisions have no e." in out
     assert err.startswith("rodimpact: --plot: ")
@@ -212,31 +265,68 @@ def test_collisions_that_stop_early_are_recorded_and_end_with_3(case, swept):
 
 def test_a_refused_collision_ends_the_sweep_with_its_place(case, refused):
     short = "bodies.0.length=1e-30,0.4"  # for the clock of the other rod
-    err = refused("member [0] (bodies.0.length = 1e-30)", "--vary", short, "--on-error", "raise")
+    err = refused(
+        "member [0] (bodies.0.length = 1e-30)", "--vary", short, "--on-error", "raise"
+    )
     assert "--on-error record" in err
 
 
 def test_all_mistakes_are_reported_at_once(case, no_sweep, refused):
     Path("a.npz").write_text("precious")
     case.write_text(CASE.replace('"1 m"', "-1") + "[solve]\nuntil = 1\n")
-    argv = ["--vary", "bodies.0.lenth=1,2", "--vary", "bodies.0.area=1:2", "--vary", "x",
-            "--vary", "=1,2", "--vary", "contacts.0.gap=0,1", "--vary", "contacts.0.gap=0:1:3",
-            "--workers", "0", "--max-events", "many", "--save", "a.npz", "--plot", "a.gif"]
+    argv = [
+        "--vary",
+        "bodies.0.lenth=1,2",
+        "--vary",
+        "bodies.0.area=1:2",
+        "--vary",
+        "x",
+        "--vary",
+        "=1,2",
+        "--vary",
+        "contacts.0.gap=0,1",
+        "--vary",
+        "contacts.0.gap=0:1:3",
+        "--workers",
+        "0",
+        "--max-events",
+        "many",
+        "--save",
+        "a.npz",
+        "--plot",
+        "a.gif",
+    ]
     err = refused("is varied twice", *argv)
     *lines, hint = err.splitlines()
     assert "rodimpact help case" in hint
     assert sorted(line.split(": ")[1] for line in lines) == [
-        "--max-events", "--plot", "--save", "--vary", "--vary", "--workers", "bodies.0.area",
-        "bodies.0.lenth", "bodies.1.length", "contacts.0.gap"]
+        "--max-events",
+        "--plot",
+        "--save",
+        "--vary",
+        "--vary",
+        "--workers",
+        "bodies.0.area",
+        "bodies.0.lenth",
+        "bodies.1.length",
+        "contacts.0.gap",
+    ]
     assert "must be PATH=GRID, such as bodies.0.length=0.05:1:200, got 'x'" in err
     assert "perhaps 'bodies.0.length' is meant" in err
 
 
-@pytest.mark.parametrize("given", ["0", "-1", "1.5", "many", "\u00b2", "9" * 30, "9" * 5000])
+@pytest.mark.parametrize(
+    "given", ["0", "-1", "1.5", "many", "\u00b2", "9" * 30, "9" * 5000]
+)
 @pytest.mark.parametrize("option", ["--workers", "--max-events"])
 def test_whole_numbers(case, no_sweep, refused, option, given):
-    refused(f"rodimpact: {option}: must be a positive whole number", "--vary", LENGTHS, option,
-            given)
+    refused(
+        f"rodimpact: {option}: must be a positive whole number",
+        "--vary",
+        LENGTHS,
+        option,
+        given,
+    )
 
 
 def test_something_must_vary(case, no_sweep, refused):
@@ -248,14 +338,24 @@ def test_a_sweep_keeps_no_states(case, no_sweep, refused):
     refused("rodimpact: solve.snapshots: a sweep keeps no states", "--vary", LENGTHS)
 
 
-@pytest.mark.parametrize(("solve", "argv", "path", "said"), [
-    ("", ["--dt", "1 us", "--method", "fronts"], "--dt", "leave it out"),
-    ("cells = 20", ["--method", "fronts"], "solve.cells", 'is for method "finite-difference"'),
-    ("dt = 1e-6\nmethod = 'fronts'", [], "solve.dt", "leave it out"),
-    ("", ["--until", "soon"], "--until", "cannot read 'soon' as time"),
-])
+@pytest.mark.parametrize(
+    ("solve", "argv", "path", "said"),
+    [
+        ("", ["--dt", "1 us", "--method", "fronts"], "--dt", "leave it out"),
+        (
+            "cells = 20",
+            ["--method", "fronts"],
+            "solve.cells",
+            'is for method "finite-difference"',
+        ),
+        ("dt = 1e-6\nmethod = 'fronts'", [], "solve.dt", "leave it out"),
+        ("", ["--until", "soon"], "--until", "cannot read 'soon' as time"),
+    ],
+)
 @pytest.mark.usefixtures("no_sweep")
-def test_options_are_checked_as_for_a_single_run(case, refuses, refused, solve, argv, path, said):
+def test_options_are_checked_as_for_a_single_run(
+    case, refuses, refused, solve, argv, path, said
+):
     case.write_text(CASE + f"[solve]\n{solve}\n")
     swept = refused(f"rodimpact: {path}: ", "--vary", LENGTHS, *argv)
     assert refuses(["run", "case.toml", *argv], said) == swept
@@ -271,11 +371,32 @@ def test_the_options_reach_the_sweep(case, monkeypatch):
     monkeypatch.setattr(command, "sweep", spy)
     case.write_text(CASE + "[solve]\nmethod = 'fronts'\nmax_events = 7\n")
     assert sweep("--vary", LENGTHS) == 0
-    expected = {"shape": (5,), "method": "fronts", "max_events": 7, "on_error": "record",
-                "checkpoint": None, "progress": None, "also": [], "workers": None}
+    expected = {
+        "shape": (5,),
+        "method": "fronts",
+        "max_events": 7,
+        "on_error": "record",
+        "checkpoint": None,
+        "progress": None,
+        "also": [],
+        "workers": None,
+    }
     assert given == expected
-    assert sweep("--vary", LENGTHS, "--workers", "2", "--max-events", "8", "--on-error", "raise",
-                 "--checkpoint", "d") == 0
+    assert (
+        sweep(
+            "--vary",
+            LENGTHS,
+            "--workers",
+            "2",
+            "--max-events",
+            "8",
+            "--on-error",
+            "raise",
+            "--checkpoint",
+            "d",
+        )
+        == 0
+    )
     changed = {"workers": 2, "max_events": 8, "on_error": "raise", "checkpoint": "d"}
     assert given == expected | changed
 
@@ -283,8 +404,13 @@ def test_the_options_reach_the_sweep(case, monkeypatch):
 def test_a_checkpoint_keeps_the_sweep(case, refused, swept):
     first = swept("--vary", LENGTHS, "--checkpoint", "kept")
     assert swept("--vary", LENGTHS, "--checkpoint", "kept") == first
-    err = refused("rodimpact: kept: holds another sweep", "--vary", "bodies.0.length=50 mm:1 m:6",
-                  "--checkpoint", "kept")
+    err = refused(
+        "rodimpact: kept: holds another sweep",
+        "--vary",
+        "bodies.0.length=50 mm:1 m:6",
+        "--checkpoint",
+        "kept",
+    )
     assert err.count("\n") == 1
 
 

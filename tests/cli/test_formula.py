@@ -16,8 +16,10 @@ def test_the_formula_of_the_box(case, told):
 
 
 def test_many_conditions_are_told_by_an_option(case, told):
-    first, *others = (with_area(area).replace("0.4", length)
-                      for area, length in [("1e-4", "0.4"), ("2e-4", "1.0"), ("1e-4", "0.7")])
+    first, *others = (
+        with_area(area).replace("0.4", length)
+        for area, length in [("1e-4", "0.4"), ("2e-4", "1.0"), ("1e-4", "0.7")]
+    )
     case.write_text(HEAD + first + "velocity = 1.0\n" + "".join(others))
     short = told("formula", str(case))
     assert "more; --conditions shows all" in short
@@ -30,4 +32,5 @@ def test_mistakes_are_told_in_one_line(case, refuses, monkeypatch):
     refuses(["formula", str(case), "--symbols", "lenght"], "perhaps 'length' is meant")
     monkeypatch.setitem(sys.modules, "sympy", None)
     assert refuses(["formula", str(case)]) == (
-        "rodimpact: sympy is not installed; pip install 'rodimpact[sympy]' adds it\n")
+        "rodimpact: sympy is not installed; pip install 'rodimpact[sympy]' adds it\n"
+    )

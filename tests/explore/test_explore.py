@@ -41,7 +41,10 @@ def test_a_preset_survives_the_way_to_the_page_and_back(key):
 
 def test_presets_show_what_their_remarks_say():
     found = {key: ri.solve(PRESETS[key].system).outcome for key in PRESETS}
-    e = [found[key].restitution for key in ("identical", "wall", "unequal", "equal-transits")]
+    e = [
+        found[key].restitution
+        for key in ("identical", "wall", "unequal", "equal-transits")
+    ]
     assert e == pytest.approx([1.0, 1.0, 0.4, 1.0], abs=1e-14)
     assert found["chain"].velocities_after == pytest.approx((0, 0, 0, 0, 1), abs=1e-14)
     assert found["hopkinson"].velocities_after[0] == pytest.approx(0, abs=1e-13)
@@ -68,12 +71,22 @@ def test_round_rods_reach_the_page_by_their_areas(love):
 # The page of a case
 
 
-@pytest.mark.parametrize(("system", "solve", "solved"), [
-    (PAIR, {}, True), (COMPLIANT, {}, True),
-    (PAIR, {"method": "finite-difference"}, False),
-    (ri.System([LEFT, RIGHT], contacts=[ri.Law(lambda overlap, rate: 1e9 * overlap)]), {}, False),
-    (PAIR, {"max_events": 3}, False),
-])
+@pytest.mark.parametrize(
+    ("system", "solve", "solved"),
+    [
+        (PAIR, {}, True),
+        (COMPLIANT, {}, True),
+        (PAIR, {"method": "finite-difference"}, False),
+        (
+            ri.System(
+                [LEFT, RIGHT], contacts=[ri.Law(lambda overlap, rate: 1e9 * overlap)]
+            ),
+            {},
+            False,
+        ),
+        (PAIR, {"max_events": 3}, False),
+    ],
+)
 def test_python_solves_what_the_page_cannot(system, solve, solved):
     page = ri.explore(ri.Case(system, solve))
     assert (page.solution is None) == solved
@@ -82,13 +95,19 @@ def test_python_solves_what_the_page_cannot(system, solve, solved):
         assert page.solution.outcome.velocities_after == known.velocities_after
 
 
-@pytest.mark.parametrize(("case", "words"), [
-    (3, "case: must be a System or a Case, got 3"),
-    (ri.System([ri.RigidMass(1.0), ri.Wall()], contacts=[ri.Spring(1e6)]), "at least one rod"),
-    (ri.System([LEFT.replace(length=[0.1, 0.2]), RIGHT]), "a family of shape"),
-    (ri.Case(PAIR, {"max_events": 1}), "solve: there is nothing to draw"),
-    (ri.System([LEFT, RIGHT], gaps=[1e9]), "Give until="),
-])
+@pytest.mark.parametrize(
+    ("case", "words"),
+    [
+        (3, "case: must be a System or a Case, got 3"),
+        (
+            ri.System([ri.RigidMass(1.0), ri.Wall()], contacts=[ri.Spring(1e6)]),
+            "at least one rod",
+        ),
+        (ri.System([LEFT.replace(length=[0.1, 0.2]), RIGHT]), "a family of shape"),
+        (ri.Case(PAIR, {"max_events": 1}), "solve: there is nothing to draw"),
+        (ri.System([LEFT, RIGHT], gaps=[1e9]), "Give until="),
+    ],
+)
 def test_what_has_no_page_is_told(case, words):
     with pytest.raises(ri.InvalidModel, match=words):
         ri.explore(case)
@@ -98,7 +117,9 @@ def test_a_notebook_shows_the_page_in_a_frame():
     page = ri.explore(PAIR)
     shown_there = page._repr_html_()
     assert shown_there.startswith('<iframe srcdoc="')
-    assert shown_there.count("<") == shown_there.count(">") == 2  # all of the page is escaped
+    assert (
+        shown_there.count("<") == shown_there.count(">") == 2
+    )  # all of the page is escaped
     assert html.unescape(shown_there.split('"')[1]) == page.html
 
 
@@ -110,8 +131,12 @@ def test_a_page_is_saved_as_it_is_and_replaces_no_file(tmp_path):
         page.save(tmp_path / "page.html")
 
 
-STEPPED = ri.Rod(velocity=1.0, segments=[
-    ri.Segment(L, A, STEEL) for L, A in ((0.41421356, 1e-4), (0.73205081, 3e-4))])
+STEPPED = ri.Rod(
+    velocity=1.0,
+    segments=[
+        ri.Segment(L, A, STEEL) for L, A in ((0.41421356, 1e-4), (0.73205081, 3e-4))
+    ],
+)
 
 
 def test_fronts_that_multiply_are_not_for_the_page():
@@ -130,7 +155,9 @@ def test_a_long_run_is_shown_until_there_are_too_many_regions(monkeypatch):
 def test_too_many_regions_from_the_start_are_shown_in_cells(monkeypatch):
     monkeypatch.setattr("rodimpact.explorer.fronts.MOST_REGIONS", 50)
     jumps = np.linspace(0.0, 0.4, 65)[1:-1]
-    left = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=ri.Steps(np.arange(64.0) % 2, jumps))
+    left = ri.Rod(
+        0.4, area=1e-4, material=STEEL, velocity=ri.Steps(np.arange(64.0) % 2, jumps)
+    )
     solution, picture = shown(ri.System([left, RIGHT]))
     assert solution.method == "fronts"
     assert not picture["exact"]
@@ -144,10 +171,14 @@ def test_cells_of_grids_hold_the_mean_state():
     solution = ri.solve(COMPLIANT)
     found, before = grids(solution), 0
     assert found["body"] == [0, 1]
-    for g, (body, across) in enumerate(zip(found["body"], found["across"], strict=True)):
+    for g, (body, across) in enumerate(
+        zip(found["body"], found["across"], strict=True)
+    ):
         part = slice(*found["start"][g : g + 2])
-        x, t, u = (np.array(found[name][part]).reshape(-1, across + 1)
-                   for name in ("x", "t", "displacement"))
+        x, t, u = (
+            np.array(found[name][part]).reshape(-1, across + 1)
+            for name in ("x", "t", "displacement")
+        )
         assert u == pytest.approx(solution.displacement(body, x, t), abs=1e-12)
         assert (x[0, 0], x[0, -1], t[0, 0]) == (0.0, (0.4, 1.0)[g], 0.0)
         assert t[-1, 0] == pytest.approx(solution.t_end, rel=1e-12)
@@ -156,7 +187,9 @@ def test_cells_of_grids_hold_the_mean_state():
         before += rows * across
         for i, j in ((3, 0), (20, across // 2), (rows - 1, across - 1)):
             xs = np.linspace(x[0, j], x[0, j + 1], 41)[:, None]
-            mean = solution.velocity(body, xs, np.linspace(t[i, 0], t[i + 1, 0], 41)).mean()
+            mean = solution.velocity(
+                body, xs, np.linspace(t[i, 0], t[i + 1, 0], 41)
+            ).mean()
             assert velocity[i * across + j] == pytest.approx(mean, abs=0.03)
 
 
@@ -167,14 +200,23 @@ def test_numbers_are_those_of_the_solution():
     solution, found = shown(PAIR)
     assert found["restitution"]["value"] == solution.outcome.restitution
     assert found["restitution"]["text"] == "0.4"
-    assert found["restitution"]["closed_form"]["restitution"] == pytest.approx(0.4, abs=1e-15)
-    assert ["velocity of rod 2 after", "0.4 m/s"] in [list(row) for row in found["results"]]
+    assert found["restitution"]["closed_form"]["restitution"] == pytest.approx(
+        0.4, abs=1e-15
+    )
+    assert ["velocity of rod 2 after", "0.4 m/s"] in [
+        list(row) for row in found["results"]
+    ]
     force = found["contacts"][0]["force"]
-    assert max(force["y"]) == pytest.approx(solution.outcome.contacts[0].peak_force, rel=1e-8)
+    assert max(force["y"]) == pytest.approx(
+        solution.outcome.contacts[0].peak_force, rel=1e-8
+    )
     gauge = next(plot for plot in found["plots"] if plot["key"] == "gauge")["series"][0]
     middle = (gauge["t"][2] + gauge["t"][3]) / 2  # between its first two jumps
-    assert gauge["y"][2] == gauge["y"][3] == pytest.approx(
-        1e6 * solution.strain(1, 0.5, middle).item(), rel=1e-8)
+    assert (
+        gauge["y"][2]
+        == gauge["y"][3]
+        == pytest.approx(1e6 * solution.strain(1, 0.5, middle).item(), rel=1e-8)
+    )
 
 
 # Comparison
@@ -182,9 +224,13 @@ def test_numbers_are_those_of_the_solution():
 
 def test_the_curve_of_e_is_that_of_saint_venant():
     ratios = np.linspace(0.1, 3.0, 30)
-    cases = [tables_of(ri.Case(ri.System([LEFT.replace(length=r), RIGHT])))["case"] for r in ratios]
+    cases = [
+        tables_of(ri.Case(ri.System([LEFT.replace(length=r), RIGHT])))["case"]
+        for r in ratios
+    ]
     assert [e_of(case, LIBRARY) for case in cases] == pytest.approx(
-        np.minimum(ratios, 1 / ratios), abs=1e-11)
+        np.minimum(ratios, 1 / ratios), abs=1e-11
+    )
 
 
 def test_a_curve_needs_two_uniform_rods():
@@ -198,6 +244,10 @@ def test_numbers_have_their_error_beside_them_where_it_is_above_half_of_the_last
     fine = scene(case, ri.solve(PAIR, method="characteristics"))
     for page, told in ((coarse, True), (fine, False)):
         results = dict(page["results"])
-        texts = [page["restitution"]["text"], results["impulse"], results["peak force"],
-                 results["velocity of rod 2 after"]]
+        texts = [
+            page["restitution"]["text"],
+            results["impulse"],
+            results["peak force"],
+            results["velocity of rod 2 after"],
+        ]
         assert ["±" in text for text in texts] == [told] * 4

@@ -73,13 +73,17 @@ def test_the_page_asks_nobody_for_anything(case, tmp_path):
         assert not {"src", "srcset", "action", "data"} & set(attributes), tag
         assert attributes.get("href", "data:") in ("data:", "data:,"), tag
     policy = next(
-        a["content"] for _, a in page.elements if a.get("http-equiv") == "Content-Security-Policy"
+        a["content"]
+        for _, a in page.elements
+        if a.get("http-equiv") == "Content-Security-Policy"
     )
     assert "default-src 'none'" in policy
     assert "unsafe" not in policy
     assert "connect-src" not in policy
     for name in ("script", "style"):
-        digest = base64.b64encode(hashlib.sha256(page.texts[name].encode()).digest()).decode()
+        digest = base64.b64encode(
+            hashlib.sha256(page.texts[name].encode()).digest()
+        ).decode()
         assert f"'sha256-{digest}'" in policy
 
 
@@ -94,7 +98,9 @@ def test_all_of_the_script_is_inside(case, tmp_path):
     for name in SCRIPTS:
         assert lean(read(name)) in script
     assert page.texts["script"] == lean(read(LOADER))
-    files = {path.name for path in (Path(page_files.__file__).parent / "page").glob("*.js")}
+    files = {
+        path.name for path in (Path(page_files.__file__).parent / "page").glob("*.js")
+    }
     assert files | {"kernels.js"} == {*SCRIPTS, LOADER}
 
 
@@ -102,8 +108,10 @@ def test_the_page_shows_what_run_would_print(tmp_path, monkeypatch, capsys):
     """What the page cannot solve is solved as the case asks."""
     monkeypatch.chdir(tmp_path)
     lossy = ri.materials.steel.damped(loss_factor=0.05, frequency=1e4)
-    rods = [ri.Rod(0.137, area=1e-4, material=lossy, velocity=1.0),
-            ri.Rod(1.0, area=ri.Samples([1e-4, 3e-4]), material=lossy)]
+    rods = [
+        ri.Rod(0.137, area=1e-4, material=lossy, velocity=1.0),
+        ri.Rod(1.0, area=ri.Samples([1e-4, 3e-4]), material=lossy),
+    ]
     system = ri.System(rods)
     path = tmp_path / "lossy.toml"
     path.write_text(ri.write_case(ri.Case(system, {"cells": 30})))
@@ -130,5 +138,7 @@ def test_explore_opens_a_temporary_page(case, tmp_path, monkeypatch, capsys):
         assert main(["explore", *arguments]) == 0
     paths = [Path(line) for line in capsys.readouterr().out.split()]
     assert opened == [path.as_uri() for path in paths[:2]]
-    titles = [re.search("<title>(.*)</title>", path.read_text("utf-8"))[1] for path in paths]
+    titles = [
+        re.search("<title>(.*)</title>", path.read_text("utf-8"))[1] for path in paths
+    ]
     assert titles == ["Elastic rods collide", *["two &lt;b&gt; rods"] * 2]

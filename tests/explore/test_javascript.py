@@ -49,11 +49,17 @@ def flipped(a, b):
 
 
 def shifts(a, k):
-    return [a >> k, a * 2.0 ** -k, (a % 8) << k]
+    return [a >> k, a * 2.0**-k, (a % 8) << k]
 
 
 def of_numbers(x):
-    return [math.frexp(x)[0], math.frexp(x)[1], math.sqrt(abs(x)), math.isfinite(x), x**2]
+    return [
+        math.frexp(x)[0],
+        math.frexp(x)[1],
+        math.sqrt(abs(x)),
+        math.isfinite(x),
+        x**2,
+    ]
 
 
 def loops(items):
@@ -79,8 +85,15 @@ def loops(items):
         if k == items[0]:
             break
     named = {f"{k}": k, "last": last}
-    ends = [items[-1], items[1:3], sorted(items), any(x > 6 for x in items),
-            sum(x for x in items), max([0, *items]), 4 in items]
+    ends = [
+        items[-1],
+        items[1:3],
+        sorted(items),
+        any(x > 6 for x in items),
+        sum(x for x in items),
+        max([0, *items]),
+        4 in items,
+    ]
     return [named, total, found, a, b, *ends]
 
 
@@ -88,9 +101,18 @@ def texts(x, n):
     inner = {"x": x}
     table = {"name": "rod", "more": [1, 2], **inner}
     return [
-        f"{x:.9g}", f"{x:.{n}g}", f"body {n} of {table['name']}", ", ".join(["a", "b"]),
-        table.get("none", 3), "x" in table, n in (1, 2), [key for key, _ in table.items()],
-        "rod"[:1].upper(), isinstance(table, dict), isinstance([], list), isinstance(x, float),
+        f"{x:.9g}",
+        f"{x:.{n}g}",
+        f"body {n} of {table['name']}",
+        ", ".join(["a", "b"]),
+        table.get("none", 3),
+        "x" in table,
+        n in (1, 2),
+        [key for key, _ in table.items()],
+        "rod"[:1].upper(),
+        isinstance(table, dict),
+        isinstance([], list),
+        isinstance(x, float),
     ]
 
 
@@ -99,39 +121,61 @@ def shifted(a, k):
 
 
 LARGE = (2**52 - 1, 2**52 - 7, -(2**51) - 3, 2**50 + 1)
-WHOLE = [(a, b) for a in (-7, -6, -1, 0, 1, 6, 7, *LARGE) for b in (-4, -3, 1, 3, 7, 1 << 20)]
+WHOLE = [
+    (a, b) for a in (-7, -6, -1, 0, 1, 6, 7, *LARGE) for b in (-4, -3, 1, 3, 7, 1 << 20)
+]
 SIZES = (1.0, 0.1, -2.5, 1e-320, 12345.678, 1e22, -1e-7, 100.0, 1e5)
 
 
 @needs_node
-@pytest.mark.parametrize(("function", "given"), [
-    (arithmetic, [(a, b) for a, b in WHOLE if abs(a * b) < 2**53]),
-    (rounding, [(x,) for x in (-2.5, -1.5, -0.4, 0.5, 1.5, 2.5, 2.0**52 + 1, -7.9)]),
-    (flipped, [(5, 1), (-5, 3), (2**31 - 1, 1)]),
-    (shifts, [(a, k) for a in (*LARGE, -9, 0, 5) for k in (0, 1, 3, 40)]),
-    (of_numbers, [(x,) for x in SIZES]),
-    (loops, [([3, 1, 4, -1, 5, 9, 2, 6],), ([0, 8],)]),
-    (texts, [(x, n) for x in SIZES for n in (1, 2, 6)]),
-])
+@pytest.mark.parametrize(
+    ("function", "given"),
+    [
+        (arithmetic, [(a, b) for a, b in WHOLE if abs(a * b) < 2**53]),
+        (
+            rounding,
+            [(x,) for x in (-2.5, -1.5, -0.4, 0.5, 1.5, 2.5, 2.0**52 + 1, -7.9)],
+        ),
+        (flipped, [(5, 1), (-5, 3), (2**31 - 1, 1)]),
+        (shifts, [(a, k) for a in (*LARGE, -9, 0, 5) for k in (0, 1, 3, 40)]),
+        (of_numbers, [(x,) for x in SIZES]),
+        (loops, [([3, 1, 4, -1, 5, 9, 2, 6],), ([0, 8],)]),
+        (texts, [(x, n) for x in SIZES for n in (1, 2, 6)]),
+    ],
+)
 def test_javascript_computes_what_python_computes(function, given):
     text = javascript([function])
-    answer = f"const answer = (all) => all.map((given) => {function.__name__}(...given));"
+    answer = (
+        f"const answer = (all) => all.map((given) => {function.__name__}(...given));"
+    )
     script = f"{read('python.js')}\n{text}\n{answer}"
     expected = [json.loads(json.dumps(function(*arguments))) for arguments in given]
     assert run(script, given) == expected
 
 
 @needs_node
-@pytest.mark.parametrize(("function", "given"), [
-    (flipped, (2**31, 1)), (flipped, (1, 2**40)), (shifted, (2**40, 20)), (shifted, (1, -1)),
-    (rounding, (2.0**53,)), (rounding, (math.inf,)),
-])
+@pytest.mark.parametrize(
+    ("function", "given"),
+    [
+        (flipped, (2**31, 1)),
+        (flipped, (1, 2**40)),
+        (shifted, (2**40, 20)),
+        (shifted, (1, -1)),
+        (rounding, (2.0**53,)),
+        (rounding, (math.inf,)),
+    ],
+)
 def test_what_javascript_cannot_hold_is_refused_as_it_runs(function, given):
     """Not an infinity: JSON has none."""
-    script = f"{read('python.js')}\n{javascript([function])}\nconst answer = (given) => {{\n"
+    script = (
+        f"{read('python.js')}\n{javascript([function])}\nconst answer = (given) => {{\n"
+    )
     script += f"try {{ return {function.__name__}(...given.map(Number)); }}"
     script += " catch (error) { return error.name; } };"
-    assert run(script, [repr(x) if math.isfinite(x) else "Infinity" for x in given]) == "RangeError"
+    assert (
+        run(script, [repr(x) if math.isfinite(x) else "Infinity" for x in given])
+        == "RangeError"
+    )
 
 
 def unknown_name():
@@ -159,11 +203,17 @@ def of_an_array(a):
     return a.shape[0]
 
 
-@pytest.mark.parametrize(("function", "line", "what"), [
-    (unknown_name, 1, "the name json"), (large_constant, 1, "9007199254740993"),
-    (with_statement, 1, "With"), (of_an_array, 1, "the attribute shape"),
-    (unknown_call, 1, "calling json.dumps"), (unknown_method, 1, "index"),
-])
+@pytest.mark.parametrize(
+    ("function", "line", "what"),
+    [
+        (unknown_name, 1, "the name json"),
+        (large_constant, 1, "9007199254740993"),
+        (with_statement, 1, "With"),
+        (of_an_array, 1, "the attribute shape"),
+        (unknown_call, 1, "calling json.dumps"),
+        (unknown_method, 1, "index"),
+    ],
+)
 def test_what_is_not_translated_is_named_with_its_line(function, line, what):
     with pytest.raises(Untranslatable) as error:
         javascript([function])
@@ -175,18 +225,24 @@ def test_what_is_not_translated_is_named_with_its_line(function, line, what):
 # Kernels on records
 
 KERNEL = march.follow
+
+
 def recorded(system, until):
     """The records of a system on the clock of the page, as objects."""
     records = driver.Members(Row(system), layout.Asked(until, 1e-8, 400, True)).start()
     for name in ("log", "turn"):
         records[name] = np.concatenate([records[name]] * 4)
-    return {name: x.tolist() if name == "matrix" else compiling.as_objects(x)
-            for name, x in records.items()}
+    return {
+        name: x.tolist() if name == "matrix" else compiling.as_objects(x)
+        for name, x in records.items()
+    }
 
 
 def tables(objects):
     """Objects, or lists of numbers, as JSON has them."""
-    return [one if isinstance(one, list) else dataclasses.asdict(one) for one in objects]
+    return [
+        one if isinstance(one, list) else dataclasses.asdict(one) for one in objects
+    ]
 
 
 @needs_node
@@ -197,14 +253,19 @@ def test_the_kernel_of_characteristics_does_the_same_on_the_same_records(monkeyp
     script = f"""{read("python.js")}\n{javascript([KERNEL], CONSTANTS)}
     const answer = (all) => all.map((given) => (
       {{ why: follow(...given), given: given.slice(0, -1) }}));"""
-    rows = [recorded(random_network(seed, driven=driven), 0.7 if driven else None)
-            for seed in range(16) for driven in [seed % 2 > 0]]
+    rows = [
+        recorded(random_network(seed, driven=driven), 0.7 if driven else None)
+        for seed in range(16)
+        for driven in [seed % 2 > 0]
+    ]
     pages = run(script, [[*map(tables, given.values())] for given in rows])
     assert {page["why"] for page in pages} == {Stop.FULL, Stop.DONE, Stop.CAP}
     for seed, (given, page) in enumerate(zip(rows, pages, strict=True)):
         arguments = [*given.values()]
         assert page["why"] == KERNEL(*arguments)
-        for record, theirs, objects in zip(given, page["given"], arguments, strict=False):
+        for record, theirs, objects in zip(
+            given, page["given"], arguments, strict=False
+        ):
             for i, (one, other) in enumerate(zip(theirs, tables(objects), strict=True)):
                 for key, value in other.items():
                     assert one[key] == value, (seed, record, i, key)
@@ -222,7 +283,11 @@ def rows(seeds):
         case = tomllib.loads(ri.write_case(system))
         for body in case["bodies"]:
             for piece in body.get("segments", [body]):
-                if seed % 2 == 0 and "length" in piece and not isinstance(body["velocity"], dict):
+                if (
+                    seed % 2 == 0
+                    and "length" in piece
+                    and not isinstance(body["velocity"], dict)
+                ):
                     piece["length"] *= float(rng.uniform(1.0, 1.1))
         found.append({**case, "solve": {}})
     return found
@@ -278,7 +343,9 @@ def plain(found):
         return found.replace("\u2212", "-").replace("\u00a0", " ").replace("µ", "u")
     if isinstance(found, dict):
         return {key: plain(value) for key, value in found.items()}
-    return [plain(value) for value in found] if isinstance(found, list | tuple) else found
+    return (
+        [plain(value) for value in found] if isinstance(found, list | tuple) else found
+    )
 
 
 def assert_alike(page, python, path=""):
@@ -289,7 +356,9 @@ def assert_alike(page, python, path=""):
             assert_alike(page[key], value, f"{path}.{key}")
     elif isinstance(python, list) and python and isinstance(python[0], float):
         scale = max(map(abs, python))
-        np.testing.assert_allclose(page, python, rtol=1e-7, atol=1e-8 * scale, err_msg=path)
+        np.testing.assert_allclose(
+            page, python, rtol=1e-7, atol=1e-8 * scale, err_msg=path
+        )
     elif isinstance(python, list):
         assert len(page) == len(python), path
         for i, (one, other) in enumerate(zip(page, python, strict=True)):
@@ -302,25 +371,37 @@ def assert_alike(page, python, path=""):
 
 STEEL = ri.materials.steel
 LEFT = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0)
-STEPPED = ri.Rod(segments=[ri.Segment(0.1, 1e-4, STEEL), ri.Segment(0.2, 2e-4, STEEL)],
-                 velocity=ri.Steps([1.0, 0.5], [0.1]), strain=1e-5)
+STEPPED = ri.Rod(
+    segments=[ri.Segment(0.1, 1e-4, STEEL), ri.Segment(0.2, 2e-4, STEEL)],
+    velocity=ri.Steps([1.0, 0.5], [0.1]),
+    strain=1e-5,
+)
 SYSTEMS = {
     **{preset.key: (preset.case.system, {}) for preset in presets()},
     "stepped": (ri.System([STEPPED, LEFT.replace(velocity=0.0)]), {}),
     "moving wall": (ri.System([LEFT, ri.Wall(velocity=-0.5)], [1e-5]), {}),
-    "bonded": (ri.System([LEFT, LEFT.replace(velocity=0.0)], contacts=[ri.Bonded()]),
-               {"until": 1e-3}),
-    "pushed": (ri.System([LEFT, LEFT], ends=(
-        ri.Pushed(ri.Steps([1e3, 0.0], [1e-4])), ri.Absorbing())), {"until": 1e-3}),
+    "bonded": (
+        ri.System([LEFT, LEFT.replace(velocity=0.0)], contacts=[ri.Bonded()]),
+        {"until": 1e-3},
+    ),
+    "pushed": (
+        ri.System(
+            [LEFT, LEFT], ends=(ri.Pushed(ri.Steps([1e3, 0.0], [1e-4])), ri.Absorbing())
+        ),
+        {"until": 1e-3},
+    ),
     "apart": (ri.System([LEFT.replace(velocity=-1.0), LEFT]), {}),
 }
-DESIGNS = {key: tables_of(with_gauges(ri.Case(*given))) for key, given in SYSTEMS.items()}
+DESIGNS = {
+    key: tables_of(with_gauges(ri.Case(*given))) for key, given in SYSTEMS.items()
+}
 
 
 def answers(function, designs):
     """What a function of the page makes of designs, in a page that solves by itself."""
-    script = "\n".join(map(read, (
-        "numbers.js", "python.js", "kernels.js", "controls.js", "solver.js")))
+    script = "\n".join(
+        map(read, ("numbers.js", "python.js", "kernels.js", "controls.js", "solver.js"))
+    )
     script += f"""
     const setTimeout = () => 0;  // curves are solved at rest, of the design on the page
     let start;
@@ -337,12 +418,18 @@ def answers(function, designs):
 def test_what_the_page_cannot_solve_is_told():
     jumps = np.linspace(0.0, 0.4, 3201)[1:-1]
     crowded = LEFT.replace(velocity=ri.Steps(np.arange(3200.0) % 2, jumps))
-    designs = [tables_of(ri.Case(system)) for system in (
-        ri.System([LEFT, LEFT], contacts=[ri.Joint(1e10)]), ri.System([crowded, LEFT]))]
+    designs = [
+        tables_of(ri.Case(system))
+        for system in (
+            ri.System([LEFT, LEFT], contacts=[ri.Joint(1e10)]),
+            ri.System([crowded, LEFT]),
+        )
+    ]
     designs.append({"case": {"bodies": [{"kind": "rod", "length": "x"}]}})
     told = [page["problems"][0]["message"] for page in answers("sceneOf", designs)]
-    for words, message in zip(("law \"joint\"; Python can", "too many fronts", ""), told,
-                              strict=True):
+    for words, message in zip(
+        ('law "joint"; Python can', "too many fronts", ""), told, strict=True
+    ):
         assert words in message
 
 
@@ -352,11 +439,14 @@ def test_the_page_shows_what_python_finds_with_the_same_functions():
     pages = answers("sceneOf", [*DESIGNS.values()])
     for (key, sent), answer in zip(DESIGNS.items(), pages, strict=True):
         page = answer["data"]
-        here = json.loads(json.dumps(
-            scene_of(sent["case"], sent["gauges"], LIBRARY), allow_nan=False))
+        here = json.loads(
+            json.dumps(scene_of(sent["case"], sent["gauges"], LIBRARY), allow_nan=False)
+        )
         e = here["restitution"]
         if e["closed_form"]:
-            assert e["value"] == pytest.approx(e["closed_form"]["restitution"], abs=1e-12)
+            assert e["value"] == pytest.approx(
+                e["closed_form"]["restitution"], abs=1e-12
+            )
         assert_alike(plain(page), plain(here), key)
 
 

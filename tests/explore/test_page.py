@@ -13,9 +13,12 @@ import rodimpact as ri
 from rodimpact.explorer.presets import presets
 
 sync_api = pytest.importorskip(
-    "playwright.sync_api", reason="playwright is not installed: pip install playwright")
+    "playwright.sync_api", reason="playwright is not installed: pip install playwright"
+)
 BROWSER = os.environ.get("CHROMIUM") or next(
-    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))),
+    None,
+)
 PRESETS = {preset.key: preset.case for preset in presets()}
 LENGTH = "bodies.0.length"
 CONTROLS = "button, input, select, canvas"
@@ -45,6 +48,7 @@ def url(tmp_path_factory):
 @pytest.fixture
 def solved(tmp_path):
     """Writes the page of a system; its address."""
+
     def write(system, **solve):
         ri.explore(ri.Case(system, solve)).save(tmp_path / "page.html")
         return (tmp_path / "page.html").as_uri()
@@ -64,7 +68,9 @@ def visit(browser, url):
         page.on("console", lambda message: wrong.append(message.text))
         page.on("pageerror", lambda error: wrong.append(str(error)))
         own = ("data:", "blob:", "file:")
-        page.on("request", lambda r: None if r.url.startswith(own) else wrong.append(r.url))
+        page.on(
+            "request", lambda r: None if r.url.startswith(own) else wrong.append(r.url)
+        )
         page.wrong = wrong
         opened.append(context)
         page.goto(address)
@@ -186,7 +192,9 @@ def test_a_mistake_is_told_beside_its_field_in_its_unit_and_mended(visit):
     page = visit()
     field(page, LENGTH).fill("-5")
     problem = page.locator(f'[id="problem:{LENGTH}"]')
-    sync_api.expect(problem).to_have_text("must be a finite positive number, got \u22125 mm")
+    sync_api.expect(problem).to_have_text(
+        "must be a finite positive number, got \u22125 mm"
+    )
     assert field(page, LENGTH).get_attribute("aria-invalid") == "true"
     for told in (".restitution", "#facts", "#reason"):  # numbers of another collision
         assert not page.locator(told).is_visible()
@@ -207,7 +215,9 @@ def test_a_view_can_be_shared(visit):
     page.locator("#question").fill("How long & why?")
     page.locator("#time").fill("700")
     wait_for_e(page, "0.3")
-    page.wait_for_url(re.compile(r"bodies\.0\.length=0\.3&.*view\.quantity=stress&view\.time=0\.7"))
+    page.wait_for_url(
+        re.compile(r"bodies\.0\.length=0\.3&.*view\.quantity=stress&view\.time=0\.7")
+    )
     address, seen = page.url, (picture(page), picture(page, "#rods"))
     again = visit(address)
     wait_for_e(again, "0.3")
@@ -250,7 +260,9 @@ def test_pointing_reads_the_value_of_the_solution(visit):
         t = float(read[1]) * (1e-6 if read[2] else 1)
         x = float(read[4]) * (1e-3 if read[5] else 1)
         v = float(read[6]) * (1e-3 if read[7] else 1)
-        assert v == pytest.approx(solution.velocity(int(read[3]) - 1, x, t).item(), abs=1e-9)
+        assert v == pytest.approx(
+            solution.velocity(int(read[3]) - 1, x, t).item(), abs=1e-9
+        )
         found += 1
     assert found >= 3
 
@@ -299,7 +311,9 @@ def test_files_can_be_taken_away(visit, tmp_path):
     download.value.save_as(tmp_path / "picture.svg")
     text = (tmp_path / "picture.svg").read_text(encoding="utf-8")
     assert text.startswith("<svg xmlns=")
-    (tmp_path / "holder.html").write_text('<html data-frames="1"><img src="picture.svg"></html>')
+    (tmp_path / "holder.html").write_text(
+        '<html data-frames="1"><img src="picture.svg"></html>'
+    )
     holder = visit((tmp_path / "holder.html").as_uri())
     assert holder.evaluate("document.images[0].decode().then(() => true)")
 
@@ -329,24 +343,32 @@ def test_every_control_has_a_name_and_takes_the_focus(visit):
     seen = set()
     for _ in range(40):
         page.keyboard.press("Tab")
-        seen.add(page.evaluate("document.activeElement.id || document.activeElement.name"))
+        seen.add(
+            page.evaluate("document.activeElement.id || document.activeElement.name")
+        )
     assert {"preset", "theme", "quantity", "diagram", "play", "time", LENGTH} <= seen
 
 
 HERTZ = ri.System(PRESETS["unequal"].system.bodies, contacts=[ri.Hertz(1e10)])
 
 
-def test_a_spring_keeps_the_faces_apart_and_the_film_begins_before_contact(visit, solved):
+def test_a_spring_keeps_the_faces_apart_and_the_film_begins_before_contact(
+    visit, solved
+):
     page = visit(solved(HERTZ))
     for share in range(0, 1001, 100):
         ends = rods_at(page, share)
         assert ends[0][1] < ends[1][0]
     page.locator("#time").fill("0")
     assert page.evaluate("now()") < 0
-    assert page.evaluate("shown.scene.centres.every(({ t }) => t[0] === shown.scene.begin)")
+    assert page.evaluate(
+        "shown.scene.centres.every(({ t }) => t[0] === shown.scene.begin)"
+    )
     sync_api.expect(page.locator("#sentence")).to_contain_text("Rod 1 comes with 1")
-    assert page.evaluate("shown.scene.grids.map((g) => g.rows * g.across).reduce((a, b) => a + b)"
-                         " === shown.scene.cells")
+    assert page.evaluate(
+        "shown.scene.grids.map((g) => g.rows * g.across).reduce((a, b) => a + b)"
+        " === shown.scene.cells"
+    )
 
 
 def test_a_sentence_follows_the_events(visit):
@@ -354,25 +376,45 @@ def test_a_sentence_follows_the_events(visit):
     sentence = page.locator("#sentence")
     assert sentence.get_attribute("aria-live") == "polite"
     page.locator("#time").fill("0")
-    for words in ("Rod 1 and rod 2 meet", "left end of rod 1 and turns back",
-                  "the force between rod 1 and rod 2 ends; touching, not pressing"):
+    for words in (
+        "Rod 1 and rod 2 meet",
+        "left end of rod 1 and turns back",
+        "the force between rod 1 and rod 2 ends; touching, not pressing",
+    ):
         page.click("#event-after")
         sync_api.expect(sentence).to_contain_text(words)
     T = 0.4 / ri.materials.steel.wave_speed
     assert page.evaluate("now()") == pytest.approx(2 * T, rel=1e-6)
     page.click("#event-before")
     sync_api.expect(sentence).to_contain_text("turns back")
-    spot = page.evaluate("({ x: shown.frame.x, y: shown.frame.up(shown.scene.events[1].t) })")
+    spot = page.evaluate(
+        "({ x: shown.frame.x, y: shown.frame.up(shown.scene.events[1].t) })"
+    )
     page.locator("#diagram").click(position=spot)
     sync_api.expect(sentence).to_contain_text("meet")
     page.click("summary")
     page.locator("#events button").last.click()
     sync_api.expect(sentence).to_contain_text("rod 2 has 0.4 m/s on average")
-    sync_api.expect(page.locator("#reason")).to_contain_text("touch without force until they part")
+    sync_api.expect(page.locator("#reason")).to_contain_text(
+        "touch without force until they part"
+    )
 
 
-TELLING = ("#restitution", "#theory", "#plot-curve", "#remark", "#facts", "#plots", "#notes",
-           "#reason", "#sentence", "#all-events", "#readout", "#time", "#other")
+TELLING = (
+    "#restitution",
+    "#theory",
+    "#plot-curve",
+    "#remark",
+    "#facts",
+    "#plots",
+    "#notes",
+    "#reason",
+    "#sentence",
+    "#all-events",
+    "#readout",
+    "#time",
+    "#other",
+)
 
 
 def test_a_guess_comes_before_e(visit):
@@ -381,7 +423,9 @@ def test_a_guess_comes_before_e(visit):
     page.click("#guess-first")
     assert [where for where in TELLING if page.locator(where).is_visible()] == []
     asked = page.locator("#asked")
-    sync_api.expect(asked).to_contain_text("rod 2 rests. How fast do they part, as a share of")
+    sync_api.expect(asked).to_contain_text(
+        "rod 2 rests. How fast do they part, as a share of"
+    )
     assert asked.inner_text().count("?") == 1
     page.wait_for_timeout(60)
     hidden = picture(page)
@@ -411,18 +455,25 @@ def test_a_guess_comes_before_e(visit):
 
 
 @pytest.mark.parametrize(("width", "height"), [(1024, 768), (390, 844)])
-def test_e_and_its_curve_are_seen_beside_the_picture_while_any_slider_moves(visit, width, height):
+def test_e_and_its_curve_are_seen_beside_the_picture_while_any_slider_moves(
+    visit, width, height
+):
     page = visit(viewport={"width": width, "height": height})
     sliders = page.locator("#controls input[type=range]")
     for k in range(sliders.count()):
         sliders.nth(k).scroll_into_view_if_needed()
-        boxes = [page.locator(w).bounding_box() for w in (".restitution", "#curve", "#diagram")]
+        boxes = [
+            page.locator(w).bounding_box()
+            for w in (".restitution", "#curve", "#diagram")
+        ]
         slid = sliders.nth(k).bounding_box()
         for box in (*boxes, slid):
             assert box["y"] >= 0
             assert box["y"] + box["height"] <= height + 1
-        there = page.evaluate("([x, y]) => document.elementFromPoint(x, y).id",
-                              [slid["x"] + slid["width"] / 2, slid["y"] + slid["height"] / 2])
+        there = page.evaluate(
+            "([x, y]) => document.elementFromPoint(x, y).id",
+            [slid["x"] + slid["width"] / 2, slid["y"] + slid["height"] / 2],
+        )
         assert there.startswith("slider:"), k  # nothing covers it
     e, curve, diagram = boxes
     assert curve["y"] >= e["y"]
@@ -433,8 +484,15 @@ def test_rods_and_masses_are_numbered_from_the_left_and_walls_are_not(visit, sol
     rod = PRESETS["unequal"].system.bodies[1]
     page = visit(solved(ri.System([ri.Wall(), rod, ri.RigidMass(1.0, velocity=-1.0)])))
     assert page.locator("#controls legend").all_inner_texts()[:5] == [
-        "The wall", "Contact wall-1", "Rod 1", "Contact 1-2", "Mass 2"]
-    assert field(page, "bodies.1.length").count() == 1  # a path counts from 0, walls too
+        "The wall",
+        "Contact wall-1",
+        "Rod 1",
+        "Contact 1-2",
+        "Mass 2",
+    ]
+    assert (
+        field(page, "bodies.1.length").count() == 1
+    )  # a path counts from 0, walls too
     sync_api.expect(page.locator("#results")).to_contain_text("velocity of mass 2")
     sync_api.expect(page.locator("#plot-force")).to_contain_text("contact wall-1")
     page.locator("#time").fill("0")
@@ -442,7 +500,9 @@ def test_rods_and_masses_are_numbered_from_the_left_and_walls_are_not(visit, sol
     sentence.to_contain_text("The wall rests, rod 1 rests, mass 2 comes")
 
 
-def test_the_picture_is_displaced_and_its_dashed_lines_have_the_slopes_of_the_velocities(visit):
+def test_the_picture_is_displaced_and_its_dashed_lines_have_the_slopes_of_the_velocities(
+    visit,
+):
     page = visit()
     assert page.is_checked("#displaced")
     page.locator("#time").fill("500")
@@ -450,12 +510,17 @@ def test_the_picture_is_displaced_and_its_dashed_lines_have_the_slopes_of_the_ve
     slopes = page.evaluate("""() => shown.scene.centres.map(({ t, y }) => [[0, 1], [-2, -1]]
         .map(([i, j]) => (y.at(j) - y.at(i)) / (t.at(j) - t.at(i)))
         .map((slope) => slope / shown.scene.row.magnification))""")
-    assert slopes == [pytest.approx([1.0, 0.0], abs=1e-6), pytest.approx([0.0, 0.4], abs=1e-6)]
+    assert slopes == [
+        pytest.approx([1.0, 0.0], abs=1e-6),
+        pytest.approx([0.0, 0.4], abs=1e-6),
+    ]
     T = 1 / ri.materials.steel.wave_speed
     marks = page.evaluate("shown.scene.marks.map(({ t, text }) => [t, text])")
     assert marks == [[pytest.approx(0.8 * T), "2l₁/c"], [pytest.approx(2 * T), "2l₂/c"]]
-    above, below = page.evaluate("""() => [shown.frame, shown.strip.frame].map((frame) =>
+    above, below = (
+        page.evaluate("""() => [shown.frame, shown.strip.frame].map((frame) =>
         frame.across(valueAt(shown.scene.contacts[0].faces[1], now())))""")
+    )
     ends = page.evaluate("[shown.strip.frame.across(shown.strip.ends.get(1)[0])]")
     assert [above, below] == [pytest.approx(ends[0])] * 2  # rods and diagram line up
     assert page.evaluate("""() => {
@@ -470,7 +535,9 @@ def test_a_print_is_one_page_on_white_without_controls(visit, width, key):
     page = visit(viewport={"width": width, "height": 800}, color_scheme="dark")
     page.select_option("#preset", key)
     page.wait_for_function("() => !shown.asked && !shown.due")
-    pages = re.findall(rb"/Type\s*/Page\b", page.pdf(format="A4", print_background=True))
+    pages = re.findall(
+        rb"/Type\s*/Page\b", page.pdf(format="A4", print_background=True)
+    )
     assert len(pages) == 1
     theme = sync_api.expect(page.locator("html"))
     theme.to_have_attribute("data-theme", "dark")
@@ -527,7 +594,9 @@ def test_two_collisions_are_shown_at_the_same_time_in_the_same_colours(visit):
     assert reach[0]["velocity"] == 10
     page.locator("#time").fill("0")
     assert page.evaluate("now() === Math.min(shown.scene.begin, shown.other.begin)")
-    boxes = [page.locator(canvas).bounding_box() for canvas in ("#diagram", "#other-diagram")]
+    boxes = [
+        page.locator(canvas).bounding_box() for canvas in ("#diagram", "#other-diagram")
+    ]
     page.wait_for_function("byId('diagram').width === byId('diagram').clientWidth")
     assert boxes[0]["x"] + boxes[0]["width"] <= boxes[1]["x"]
     page.click("#compare")
@@ -545,13 +614,21 @@ def test_bodies_come_go_and_change_places(visit):
     page.select_option("#add-kind", "mass")
     page.click("text=Add >> nth=0")
     assert bodies_of(page) == ["rod", "rod", "mass", "wall"]
-    sync_api.expect(page.locator("#results")).to_contain_text("velocity of mass 3 after")
+    sync_api.expect(page.locator("#results")).to_contain_text(
+        "velocity of mass 3 after"
+    )
     page.click("[aria-label='Remove rod 1']")
     assert bodies_of(page) == ["rod", "mass", "wall"]
-    assert page.evaluate("[design.gauges[0].body, design.case.contacts.length]") == [0, 2]
+    assert page.evaluate("[design.gauges[0].body, design.case.contacts.length]") == [
+        0,
+        2,
+    ]
     page.click("[aria-label='Move mass 2 to the left']")
     page.click("[aria-label='+ step of rod 2']")
-    assert page.evaluate("design.case.bodies[1].segments.map((s) => s.area)") == [1e-4, 2e-4]
+    assert page.evaluate("design.case.bodies[1].segments.map((s) => s.area)") == [
+        1e-4,
+        2e-4,
+    ]
     page.click("text=− step")  # noqa: RUF001
     assert page.evaluate("design.case.bodies[1].length") == 1.0
     for _ in range(3):
@@ -580,7 +657,9 @@ def test_ends_gauges_and_rods_are_dragged_in_the_picture(visit):
     across = "shown.strip.frame.across(shown.strip.ends.get({})[{}])"
     scale = page.evaluate("shown.strip.frame.across(1) - shown.strip.frame.across(0)")
     drag(page, f"[{across.format(1, 1)}, shown.strip.middle]", 0.2 * scale)
-    assert float(field(page, "bodies.1.length").input_value()) == pytest.approx(1200, abs=2)
+    assert float(field(page, "bodies.1.length").input_value()) == pytest.approx(
+        1200, abs=2
+    )
     wait_for_e(page, f"{400 / float(field(page, 'bodies.1.length').input_value()):.6g}")
     drag(page, "shown.strip.gauges[0]", 60)
     assert float(field(page, "gauges.0.fraction").input_value()) > 60
@@ -591,7 +670,9 @@ def test_ends_gauges_and_rods_are_dragged_in_the_picture(visit):
 
 
 def test_names_never_become_markup(visit, solved):
-    alloy = ri.Material("</script><b onclick=1>&amp;</b>", youngs_modulus=200e9, density=7850.0)
+    alloy = ri.Material(
+        "</script><b onclick=1>&amp;</b>", youngs_modulus=200e9, density=7850.0
+    )
     rod = ri.Rod(1.0, area=1e-4, material=alloy, velocity=1.0)
     page = visit(solved(ri.System([rod, ri.Wall()])))
     assert alloy.name in page.locator('[id="bodies.0.material"]').inner_text()
@@ -606,10 +687,12 @@ def test_what_python_has_solved_is_shown_and_the_sliders_work_for_what_the_page_
     outcome = ri.solve(yielding).outcome
     wait_for_e(page, f"{outcome.restitution:.5g}")
     remark = sync_api.expect(page.locator("#remark"))
-    remark.to_contain_text("the page cannot solve the contact law \"yielding\"")
+    remark.to_contain_text('the page cannot solve the contact law "yielding"')
     field(page, LENGTH).fill("300")
     message = sync_api.expect(page.locator("#message"))
-    message.to_contain_text("this page cannot solve the contact law \"yielding\"; Python can")
+    message.to_contain_text(
+        'this page cannot solve the contact law "yielding"; Python can'
+    )
     page.click("#undo")
     remark.to_contain_text("Python solved this collision")
     wait_for_e(page, f"{outcome.restitution:.5g}")
@@ -621,9 +704,11 @@ def test_what_python_has_solved_is_shown_and_the_sliders_work_for_what_the_page_
 def test_an_address_that_cannot_be_solved_is_told(visit, url):
     context = visit().context
     for address, words in (
-        ("#case.schema=1&case.gravity=9.81&case.bodies.0.kind=rod"
-         "&case.bodies.0.length=1&case.bodies.0.area=1e-4&case.bodies.0.material=steel",
-         "this page cannot solve gravity; Python can"),
+        (
+            "#case.schema=1&case.gravity=9.81&case.bodies.0.kind=rod"
+            "&case.bodies.0.length=1&case.bodies.0.area=1e-4&case.bodies.0.material=steel",
+            "this page cannot solve gravity; Python can",
+        ),
         ("#case.bodies=7", "The design cannot be read"),
         ("#case.schema=1&case.bodies.0.kind=rod", "must be a finite positive number"),
     ):
@@ -647,7 +732,8 @@ def test_compliant_contacts_and_masses_are_solved_while_a_slider_moves(visit, so
     assert (curve["ratios"][0], curve["ratios"][-1]) == (-2, 4)
     here = np.interp(curve["here"], curve["ratios"], curve["values"])
     assert [curve["values"][0], here, curve["values"][-1]] == pytest.approx(
-        [1.0, outcome.restitution, 0.7], abs=0.02)
+        [1.0, outcome.restitution, 0.7], abs=0.02
+    )
     assert page.locator("#plot-roundness").is_visible()
     page.select_option('[id="contacts.0.law"]', "rigid")
     wait_for_e(page, "0.7")
@@ -660,16 +746,21 @@ def test_a_slider_rounds_the_ends(visit):
     page = visit()
     found = []
     for kappa in (-2, 1, 3):
-        draft = page.evaluate("""(kappa) => {
+        draft = page.evaluate(
+            """(kappa) => {
           byId("ends").value = kappa;
           byId("ends").dispatchEvent(new Event("input"));
           const { value, text } = sceneOf(design, true).data.restitution;
           return { value, text };
-        }""", kappa)
+        }""",
+            kappa,
+        )
         stiffness = float(field(page, "contacts.0.stiffness").input_value()) * 1e9
         left, right = PRESETS["unequal"].system.bodies
         law, scale = ri.Hertz(stiffness), right.transit_time**0.5 * 1.0 / (2e11 * 1e-4)
-        assert stiffness * scale == pytest.approx(10**kappa, rel=0.01)  # k (V T)^(1/2) L/(E A)
+        assert stiffness * scale == pytest.approx(
+            10**kappa, rel=0.01
+        )  # k (V T)^(1/2) L/(E A)
         e = ri.solve(ri.System([left, right], contacts=[law])).outcome.restitution
         wait_for_e(page, f"{e:.5g}")
         error = float(draft["text"].partition("±")[2].replace("\u2212", "-") or 5e-6)
@@ -690,7 +781,11 @@ def test_a_map_of_compliant_contacts_is_made_of_solutions(visit, solved):
     page.select_option("#map-y", label=label)
     sync_api.expect(page.locator("#map-reading")).to_contain_text("% solved")
     page.wait_for_function("() => chart.values.length > 5", timeout=120_000)
-    length, stiffness, e = page.evaluate("[chart.xs[30], chart.ys[5], chart.values[5][30]]")
+    length, stiffness, e = page.evaluate(
+        "[chart.xs[30], chart.ys[5], chart.values[5][30]]"
+    )
     left = HERTZ.bodies[0].replace(length=length / 1000)
-    row = HERTZ.replace(bodies=[left, HERTZ.bodies[1]], contacts=[ri.Hertz(stiffness * 1e9)])
+    row = HERTZ.replace(
+        bodies=[left, HERTZ.bodies[1]], contacts=[ri.Hertz(stiffness * 1e9)]
+    )
     assert e == pytest.approx(ri.solve(row).outcome.restitution, abs=1e-6)

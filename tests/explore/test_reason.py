@@ -12,26 +12,87 @@ import rodimpact as ri
 ALUMINIUM = ri.materials.aluminium
 RETURNS = "wave returns after"
 ENDS = "and the force ends, since a contact cannot pull"
-STEPPED = ri.Rod(velocity=1.0, segments=[ri.Segment(0.2, area, STEEL) for area in (1e-4, 3e-4)])
+STEPPED = ri.Rod(
+    velocity=1.0, segments=[ri.Segment(0.2, area, STEEL) for area in (1e-4, 3e-4)]
+)
 SYSTEMS = {
-    "short hits long": ([rod(0.4, 1.0), rod(1.0)], {}, {}, [
-        f"Rod 1's {RETURNS}", ENDS, "touch without force until they part", " = l₁/l₂; "]),
-    "equal": ([rod(1.0, 1.0), rod(1.0)], {}, {}, [f"Each rod's {RETURNS}", "; 0 % of the energy"]),
-    "wall": ([rod(1.0, 1.0), ri.Wall()], {}, {}, [
-        f"Rod 1's {RETURNS}", "since a wall cannot pull", "the mean velocity to -1 m/s"]),
-    "thick hits thin": ([rod(0.5, 1.0, 3e-4), rod(1.0)], {}, {}, [  # in the end both are back
-        f"Rod 1's {RETURNS}", "lowers the force to 0.5 times its value", "contact goes on",
-        f"Rod 2's {RETURNS}", ENDS]),
+    "short hits long": (
+        [rod(0.4, 1.0), rod(1.0)],
+        {},
+        {},
+        [
+            f"Rod 1's {RETURNS}",
+            ENDS,
+            "touch without force until they part",
+            " = l₁/l₂; ",
+        ],
+    ),
+    "equal": (
+        [rod(1.0, 1.0), rod(1.0)],
+        {},
+        {},
+        [f"Each rod's {RETURNS}", "; 0 % of the energy"],
+    ),
+    "wall": (
+        [rod(1.0, 1.0), ri.Wall()],
+        {},
+        {},
+        [
+            f"Rod 1's {RETURNS}",
+            "since a wall cannot pull",
+            "the mean velocity to -1 m/s",
+        ],
+    ),
+    "thick hits thin": (
+        [rod(0.5, 1.0, 3e-4), rod(1.0)],
+        {},
+        {},
+        [  # in the end both are back
+            f"Rod 1's {RETURNS}",
+            "lowers the force to 0.5 times its value",
+            "contact goes on",
+            f"Rod 2's {RETURNS}",
+            ENDS,
+        ],
+    ),
     "stepped": ([STEPPED, rod(1.0)], {}, {}, ["a wave arrives and lowers the force"]),
-    "chain": ([rod(0.2, 1.0), rod(0.2), rod(0.2)], {}, {}, [
-        "first contact to press is that of rod 1 and rod 2", "between rod 2 and rod 3, ends",
-        "velocities after the collision"]),
-    "hertz": ([rod(0.4, 1.0), rod(1.0)], {"contacts": [ri.Hertz(1e10)]}, {}, [
-        "transit times of rod 1; no single wave ends it"]),
-    "mass": ([ri.RigidMass(0.5, velocity=1.0), rod(1.0)], {}, {}, ["2 transit times of rod 2."]),
-    "cut short": ([rod(0.4, 1.0), rod(1.0)], {}, {"until": 1e-4}, [
-        "press to the end of the run", "before the collision was final; leave out until="]),
-    "apart": ([rod(0.4, -1.0), rod(1.0)], {}, {}, ["No contact that can open presses."]),
+    "chain": (
+        [rod(0.2, 1.0), rod(0.2), rod(0.2)],
+        {},
+        {},
+        [
+            "first contact to press is that of rod 1 and rod 2",
+            "between rod 2 and rod 3, ends",
+            "velocities after the collision",
+        ],
+    ),
+    "hertz": (
+        [rod(0.4, 1.0), rod(1.0)],
+        {"contacts": [ri.Hertz(1e10)]},
+        {},
+        ["transit times of rod 1; no single wave ends it"],
+    ),
+    "mass": (
+        [ri.RigidMass(0.5, velocity=1.0), rod(1.0)],
+        {},
+        {},
+        ["2 transit times of rod 2."],
+    ),
+    "cut short": (
+        [rod(0.4, 1.0), rod(1.0)],
+        {},
+        {"until": 1e-4},
+        [
+            "press to the end of the run",
+            "before the collision was final; leave out until=",
+        ],
+    ),
+    "apart": (
+        [rod(0.4, -1.0), rod(1.0)],
+        {},
+        {},
+        ["No contact that can open presses."],
+    ),
 }
 
 
@@ -47,7 +108,11 @@ CLAIMS = {
     "materials": ([rod(0.4, 1.0), rod(1.0, material=ALUMINIUM)], {}, False),
     "stepped": ([STEPPED, rod(1.0)], {}, False),
     "compliant": ([rod(0.4, 1.0), rod(1.0)], {"contacts": [ri.Spring(1e11)]}, False),
-    "vibrating": ([rod(0.4).replace(velocity=ri.Steps([2.0, 0.0], [0.2])), rod(1.0)], {}, False),
+    "vibrating": (
+        [rod(0.4).replace(velocity=ri.Steps([2.0, 0.0], [0.2])), rod(1.0)],
+        {},
+        False,
+    ),
 }
 
 
@@ -62,27 +127,38 @@ def test_e_is_a_ratio_of_lengths_only_where_that_holds(name):
 @pytest.mark.parametrize("seed", range(8))
 def test_numbers_of_the_reason_are_those_of_the_solution(seed):
     rng = np.random.default_rng(seed)
-    system = ri.System([rod(rng.uniform(0.1, 1.0), rng.uniform(0.5, 2.0), rng.uniform(1e-4, 2e-4)),
-                        rod(rng.uniform(0.1, 1.0), area=rng.uniform(1e-4, 2e-4))])
+    system = ri.System(
+        [
+            rod(rng.uniform(0.1, 1.0), rng.uniform(0.5, 2.0), rng.uniform(1e-4, 2e-4)),
+            rod(rng.uniform(0.1, 1.0), area=rng.uniform(1e-4, 2e-4)),
+        ]
+    )
     solution, scene = shown(system)
     said, outcome = scene["reason"][1], solution.outcome
     number = r"(-?[\d.e-]+)"
     first, second, e, share = re.search(
-        rf"velocities to {number} m/s and {number} m/s, so e = {number}\S*; {number} %", said
+        rf"velocities to {number} m/s and {number} m/s, so e = {number}\S*; {number} %",
+        said,
     ).groups()
-    assert [float(first), float(second)] == pytest.approx(outcome.velocities_after, abs=1e-3)
+    assert [float(first), float(second)] == pytest.approx(
+        outcome.velocities_after, abs=1e-3
+    )
     assert float(e) == pytest.approx(outcome.restitution, rel=5e-6)
     vibration = sum(outcome.vibration_after)
     assert float(share) == pytest.approx(
-        100 * vibration / (vibration + outcome.kinetic_after), rel=0.01)
+        100 * vibration / (vibration + outcome.kinetic_after), rel=0.01
+    )
 
 
 def test_the_weak_tail_of_a_stiff_contact_is_told_from_its_impulse():
     """Nearly flat ends press weakly until they open; the impulse came with the first wave."""
     bodies = [rod(0.4, 2.0), rod(1.0)]
-    said, rounder = (shown(ri.System(bodies, contacts=[ri.Hertz(k)]))[1]["reason"][0]
-                     for k in (3e12, 3e9))
+    said, rounder = (
+        shown(ri.System(bodies, contacts=[ri.Hertz(k)]))[1]["reason"][0]
+        for k in (3e12, 3e9)
+    )
     first = 1e6 * 2 * bodies[0].transit_time
-    assert float(re.search(r"99 % of the impulse came in the first ([\d.]+) µs", said)[1]) == (
-        pytest.approx(first, rel=0.02))
+    assert float(
+        re.search(r"99 % of the impulse came in the first ([\d.]+) µs", said)[1]
+    ) == (pytest.approx(first, rel=0.02))
     assert "came in" not in rounder

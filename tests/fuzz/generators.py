@@ -50,9 +50,19 @@ def patience(seconds=PATIENCE):
 # Text ---------------------------------------------------------------------------------------------
 
 FOLDER = Path(__file__).parents[2] / "validation" / "cases"
-CASES = [(FOLDER / f"{name}.toml").read_text("utf-8") for name in (
-    "unequal-rods", "dropped-bar", "clamped-bar", "hopkinson-specimen", "rounded-rod-on-wall",
-    "newtons-cradle", "stepped-rods")] + ["""schema = 1
+CASES = [
+    (FOLDER / f"{name}.toml").read_text("utf-8")
+    for name in (
+        "unequal-rods",
+        "dropped-bar",
+        "clamped-bar",
+        "hopkinson-specimen",
+        "rounded-rod-on-wall",
+        "newtons-cradle",
+        "stepped-rods",
+    )
+] + [
+    """schema = 1
 gravity = "-9.81 m/s^2"
 bodies = [
   {kind = "wall", velocity = "1 cm/s"}, {kind = "mass", mass = "100 g", velocity = -1},
@@ -63,12 +73,41 @@ contacts = [{restitution = 0.5, gap = 1e-4},
 materials.lossy = {youngs_modulus = 2e11, density = 7850, loss_factor = 0.01, loss_frequency = 1e3}
 ends.right = {kind = "force", value = {values = [0, 100, 0], at = [1e-5, "50 us"]}}
 solve = {until = 1e-4, cells = 8, snapshots = 5}
-"""]
+"""
+]
 NUMBERS = [
-    "0", "-0.0", "1", "-1", "2", "0.1", "1e-4", "1e-30", "1e-160", "1e-308", "5e-324", "1e-400",
-    "1e30", "1e150", "1e300", "1e308", "1e309", "nan", "inf", "-inf", "1_000", "0x10", "10" * 20,
-    "9" * 400, "9" * 6000, "0.1" + "0" * 2000, "1e" + "9" * 30, "1979-05-27", "07:32:00", "true",
-    "9223372036854775807", "9223372036854775808",
+    "0",
+    "-0.0",
+    "1",
+    "-1",
+    "2",
+    "0.1",
+    "1e-4",
+    "1e-30",
+    "1e-160",
+    "1e-308",
+    "5e-324",
+    "1e-400",
+    "1e30",
+    "1e150",
+    "1e300",
+    "1e308",
+    "1e309",
+    "nan",
+    "inf",
+    "-inf",
+    "1_000",
+    "0x10",
+    "10" * 20,
+    "9" * 400,
+    "9" * 6000,
+    "0.1" + "0" * 2000,
+    "1e" + "9" * 30,
+    "1979-05-27",
+    "07:32:00",
+    "true",
+    "9223372036854775807",
+    "9223372036854775808",
 ]
 WORDS = [
     '"steel"', '"chees"', '"rod"', '"mass"', '"wall"', '"inf"', '"nan"', '"1 mm"', '"1 furlong"',
@@ -110,13 +149,17 @@ def spoilt_text(rng, text):
     tokens = TOKEN.findall(text)
     for _ in range(rng.geometric(0.5)):
         i, j = rng.integers(len(tokens), size=2).tolist()
-        numbers = [k for k, token in enumerate(tokens) if token.strip("-.")[:1].isdigit()]
+        numbers = [
+            k for k, token in enumerate(tokens) if token.strip("-.")[:1].isdigit()
+        ]
         words = [k for k, token in enumerate(tokens) if token[:1].isalpha()]
         kind = rng.integers(20)
         if kind < 12 and numbers:
             place = one_of(rng, numbers)
             odd = rng.random() < 0.2
-            tokens[place] = one_of(rng, WORDS) if odd else random_number(rng, tokens[place])
+            tokens[place] = (
+                one_of(rng, WORDS) if odd else random_number(rng, tokens[place])
+            )
         elif kind < 15 and words:
             tokens[one_of(rng, words)] = tokens[one_of(rng, words)]
         elif kind == 15:
@@ -145,14 +188,22 @@ def spoilt_bytes(rng, text):
 
 STEEL = ri.materials.steel
 RODS = [
-    ri.Rod(0.2, area=1e-4, material=STEEL, velocity=1.0), ri.Rod(0.3, area=2e-4, material=STEEL),
+    ri.Rod(0.2, area=1e-4, material=STEEL, velocity=1.0),
+    ri.Rod(0.3, area=2e-4, material=STEEL),
 ]
 PAIR = ri.System(RODS)
-FAMILY = ri.System([ri.Rod([0.1, 0.2], area=1e-4, material=STEEL, velocity=1.0), ri.Wall()])
+FAMILY = ri.System(
+    [ri.Rod([0.1, 0.2], area=1e-4, material=STEEL, velocity=1.0), ri.Wall()]
+)
 VOLTS = ri.Signal(np.hanning(50), dt=1e-6, unit="V")
 BAR = ri.waves.Bar(5000.0, 0.3, 0.01)
 SOLVED = cache(lambda: ri.solve(PAIR))
-FLAGS = {"force", "dimensionless", "across", "allow_energy_release"}  # whatever has a truth
+FLAGS = {
+    "force",
+    "dimensionless",
+    "across",
+    "allow_energy_release",
+}  # whatever has a truth
 
 
 class Hostile:
@@ -168,22 +219,105 @@ def objects(rng):
     family = ri.Rod(np.array([0.1, 0.2]), area=1e-4, material=STEEL, velocity=1.0)
     x = float(rng.choice([-1, 1, 1, 1]) * 10 ** rng.uniform(-6, 6))
     return [
-        x, x, x, 1.0, 0.5, 0.0, -0.0, 1e-160, 5e-324, 1e308, -1e308, math.nan, math.inf, -math.inf,
-        0, 1, 2, 3, -1, 10**18, 10**400, -(10**30), True, False, None, 1j, "1", "1 m", "", "steel",
-        "auto", "fronts", "characteristics", "finite-difference", "length", "m\x00", b"1",
-        bytearray(b"1"), fractions.Fraction(1, 3), decimal.Decimal("0.1"),
-        decimal.Decimal("sNaN"), np.float32(0.1), np.longdouble(0.1), np.float64(x), np.int8(3),
-        np.uint64(2**63), np.bool_(True), np.datetime64("2000-01-01"), datetime.date(2000, 1, 1),
-        np.array(0.3), np.array([]), np.array([0.1, 0.2]), np.array([[0.1], [x]]), np.ones((2, 0)),
-        np.array([0.1, math.nan]), np.array(["1", "2"]), np.array([1, None], dtype=object),
-        np.ma.masked_array([1.0, 2.0], [True, False]), np.array([1j]), np.ones(3, dtype=bool),
-        np.ones((1,) * 33), [0.1, 0.2], [1, [2, 3]], [], [None], (1, 2), {}, {"a": 1}, {1, 2},
-        range(3), iter([1.0]), (i for i in (1, 2)), print, float, ri.Rod, object(), Hostile(),
-        STEEL, rod, family, ri.Wall(), ri.RigidMass(1.0, velocity=-1.0), ri.Rigid(),
-        ri.Spring(1e7), ri.Bonded(), ri.Hertz(1e9), ri.Free(), ri.Fixed(), ri.Absorbing(),
-        ri.Pushed(10.0), ri.Steps([1.0, 0.0], [0.1]), ri.Samples([1.0, 2.0]),
-        ri.Segment(0.1, 1e-4, STEEL), [ri.Segment(0.1, 1e-4, STEEL)], [rod, ri.Wall()],
-        ri.System([rod, ri.Wall()]), ri.System([family, rod]), ri.Options(), VOLTS,
+        x,
+        x,
+        x,
+        1.0,
+        0.5,
+        0.0,
+        -0.0,
+        1e-160,
+        5e-324,
+        1e308,
+        -1e308,
+        math.nan,
+        math.inf,
+        -math.inf,
+        0,
+        1,
+        2,
+        3,
+        -1,
+        10**18,
+        10**400,
+        -(10**30),
+        True,
+        False,
+        None,
+        1j,
+        "1",
+        "1 m",
+        "",
+        "steel",
+        "auto",
+        "fronts",
+        "characteristics",
+        "finite-difference",
+        "length",
+        "m\x00",
+        b"1",
+        bytearray(b"1"),
+        fractions.Fraction(1, 3),
+        decimal.Decimal("0.1"),
+        decimal.Decimal("sNaN"),
+        np.float32(0.1),
+        np.longdouble(0.1),
+        np.float64(x),
+        np.int8(3),
+        np.uint64(2**63),
+        np.bool_(True),
+        np.datetime64("2000-01-01"),
+        datetime.date(2000, 1, 1),
+        np.array(0.3),
+        np.array([]),
+        np.array([0.1, 0.2]),
+        np.array([[0.1], [x]]),
+        np.ones((2, 0)),
+        np.array([0.1, math.nan]),
+        np.array(["1", "2"]),
+        np.array([1, None], dtype=object),
+        np.ma.masked_array([1.0, 2.0], [True, False]),
+        np.array([1j]),
+        np.ones(3, dtype=bool),
+        np.ones((1,) * 33),
+        [0.1, 0.2],
+        [1, [2, 3]],
+        [],
+        [None],
+        (1, 2),
+        {},
+        {"a": 1},
+        {1, 2},
+        range(3),
+        iter([1.0]),
+        (i for i in (1, 2)),
+        print,
+        float,
+        ri.Rod,
+        object(),
+        Hostile(),
+        STEEL,
+        rod,
+        family,
+        ri.Wall(),
+        ri.RigidMass(1.0, velocity=-1.0),
+        ri.Rigid(),
+        ri.Spring(1e7),
+        ri.Bonded(),
+        ri.Hertz(1e9),
+        ri.Free(),
+        ri.Fixed(),
+        ri.Absorbing(),
+        ri.Pushed(10.0),
+        ri.Steps([1.0, 0.0], [0.1]),
+        ri.Samples([1.0, 2.0]),
+        ri.Segment(0.1, 1e-4, STEEL),
+        [ri.Segment(0.1, 1e-4, STEEL)],
+        [rod, ri.Wall()],
+        ri.System([rod, ri.Wall()]),
+        ri.System([family, rod]),
+        ri.Options(),
+        VOLTS,
     ]
 
 
@@ -191,22 +325,67 @@ def likely(rng, name):
     """What goes well with a parameter of this name; a number where nothing is known."""
     time, signal = [1e-5, np.array([0.0, 1e-5])], [VOLTS, -VOLTS]
     choices = {
-        "area": [1e-4, ri.Samples([1e-4, 2e-4])], "material": [STEEL], "left": RODS, "right": RODS,
-        "bodies": [RODS, [*RODS, ri.Wall()]], "contacts": [[ri.Rigid()]], "gaps": [[0.0]],
-        "system": [PAIR, ri.System([RODS[0], ri.RigidMass(1.0)], [0.0], [ri.Spring(1e7)])],
-        "contact": [ri.Rigid(), ri.Spring(1e8)], "case": [PAIR], "family": [FAMILY],
-        "until": [1e-4], "method": ["auto"], "max_events": [1000], "dt": [1e-6], "rtol": [1e-2],
-        "cells": [8], "snapshots": [3], "body": [0, 1], "index": [0], "n": [3], "limit": [100],
-        "segments": [3], "frames": [2], "starts": [2], "most_cells": [5], "t": time, "step": time,
-        "start": time, "end": [4e-5], "delay": time, "before": time, "times": [[1e-5, 2e-5]],
-        "gauges": [[(0, 0.1)]], "values": [[1.0, 0.0]], "at": [[0.1]], "side": ["left", "right"],
-        "text": ["1 mm", "2 s"], "dimension": ["length", "time"], "unit": ["V", ""],
-        "units": ["V"], "path": ["file.npz", "file.csv"], "name": ["x"], "kind": ["quarter"],
-        "wrt": [["bodies.0.length"]], "of": ["restitution"], "y": [("bodies.0.length", 0.1, 0.3)],
-        "vary": [["bodies.0.length"], {"bodies.0.length": (0.1, 0.3)}], "bar": [BAR],
-        "solution": [SOLVED()], "result": [ri.sweep(FAMILY)], "record": [SOLVED().gauge(0, 0.1)],
-        "other": signal, "volts": signal, "measured": signal, "predicted": signal,
-        "signal": signal, "signals": [{"a": VOLTS, "b": VOLTS}],
+        "area": [1e-4, ri.Samples([1e-4, 2e-4])],
+        "material": [STEEL],
+        "left": RODS,
+        "right": RODS,
+        "bodies": [RODS, [*RODS, ri.Wall()]],
+        "contacts": [[ri.Rigid()]],
+        "gaps": [[0.0]],
+        "system": [
+            PAIR,
+            ri.System([RODS[0], ri.RigidMass(1.0)], [0.0], [ri.Spring(1e7)]),
+        ],
+        "contact": [ri.Rigid(), ri.Spring(1e8)],
+        "case": [PAIR],
+        "family": [FAMILY],
+        "until": [1e-4],
+        "method": ["auto"],
+        "max_events": [1000],
+        "dt": [1e-6],
+        "rtol": [1e-2],
+        "cells": [8],
+        "snapshots": [3],
+        "body": [0, 1],
+        "index": [0],
+        "n": [3],
+        "limit": [100],
+        "segments": [3],
+        "frames": [2],
+        "starts": [2],
+        "most_cells": [5],
+        "t": time,
+        "step": time,
+        "start": time,
+        "end": [4e-5],
+        "delay": time,
+        "before": time,
+        "times": [[1e-5, 2e-5]],
+        "gauges": [[(0, 0.1)]],
+        "values": [[1.0, 0.0]],
+        "at": [[0.1]],
+        "side": ["left", "right"],
+        "text": ["1 mm", "2 s"],
+        "dimension": ["length", "time"],
+        "unit": ["V", ""],
+        "units": ["V"],
+        "path": ["file.npz", "file.csv"],
+        "name": ["x"],
+        "kind": ["quarter"],
+        "wrt": [["bodies.0.length"]],
+        "of": ["restitution"],
+        "y": [("bodies.0.length", 0.1, 0.3)],
+        "vary": [["bodies.0.length"], {"bodies.0.length": (0.1, 0.3)}],
+        "bar": [BAR],
+        "solution": [SOLVED()],
+        "result": [ri.sweep(FAMILY)],
+        "record": [SOLVED().gauge(0, 0.1)],
+        "other": signal,
+        "volts": signal,
+        "measured": signal,
+        "predicted": signal,
+        "signal": signal,
+        "signals": [{"a": VOLTS, "b": VOLTS}],
     }
     choices |= {flag: [False, True] for flag in FLAGS}
     return one_of(rng, choices.get(name, [0.1, 0.3, 2.0, np.array([0.1, 0.2])]))
@@ -221,7 +400,9 @@ def is_sentence(error):
     while frames[-1].tb_next:
         frames.append(frames[-1].tb_next)
     last = frames[-1]
-    if isinstance(error, OSError | FloatingPointError) or "unexpected keyword" in str(error):
+    if isinstance(error, OSError | FloatingPointError) or "unexpected keyword" in str(
+        error
+    ):
         return True
     path, line = last.tb_frame.f_code.co_filename, last.tb_lineno
     if not path.startswith(ROOT):
@@ -234,8 +415,15 @@ def called(function, *arguments, **named):
     with patience():
         try:
             return function(*arguments, **named)
-        except (ValueError, TypeError, OSError, MemoryError, LookupError, AttributeError,
-                FloatingPointError) as error:
+        except (
+            ValueError,
+            TypeError,
+            OSError,
+            MemoryError,
+            LookupError,
+            AttributeError,
+            FloatingPointError,
+        ) as error:
             if not is_sentence(error):
                 raise
             text = str(error)

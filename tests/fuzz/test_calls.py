@@ -29,7 +29,8 @@ import rodimpact as ri
 EXAMPLES = 100 * TIMES  # of each seed
 LEFT_OUT = {
     "warm",  # it compiles for minutes, and takes nothing that could be wrong
-    "restored", "run",  # they take what files hold, which is spoilt elsewhere, or what was checked
+    "restored",
+    "run",  # they take what files hold, which is spoilt elsewhere, or what was checked
 }
 
 
@@ -39,8 +40,11 @@ def public():
         thing = getattr(ri, name)
         yield name, thing
         if inspect.ismodule(thing):
-            own = [k for k, v in vars(thing).items()
-                   if k[0] != "_" and getattr(v, "__module__", "") == thing.__name__]
+            own = [
+                k
+                for k, v in vars(thing).items()
+                if k[0] != "_" and getattr(v, "__module__", "") == thing.__name__
+            ]
             for part in getattr(thing, "__all__", own):
                 yield f"{name}.{part}", getattr(thing, part)
 
@@ -48,8 +52,12 @@ def public():
 def is_called(thing):
     """Whether users call it: results have attributes in place of parameters."""
     if inspect.isclass(thing):
-        return "Parameters\n" in (thing.__doc__ or "") and not issubclass(thing, BaseException)
-    return inspect.isfunction(thing) and re.search(r"(Parameters|Examples)\n", thing.__doc__ or "")
+        return "Parameters\n" in (thing.__doc__ or "") and not issubclass(
+            thing, BaseException
+        )
+    return inspect.isfunction(thing) and re.search(
+        r"(Parameters|Examples)\n", thing.__doc__ or ""
+    )
 
 
 def methods(thing):
@@ -70,7 +78,11 @@ class Names:
         self.classes = {thing for thing in names.values() if inspect.isclass(thing)}
         self.kinds = {}
         steps = ri.solve(ri.System(RODS, contacts=[ri.Spring(1e8)]), until=1e-4)
-        for solution in (SOLVED(), steps, ri.solve(PAIR, 1e-4, "finite-difference", cells=8)):
+        for solution in (
+            SOLVED(),
+            steps,
+            ri.solve(PAIR, 1e-4, "finite-difference", cells=8),
+        ):
             self.add(solution)
             self.add(solution.contacts[0])
         for thing in objects(np.random.default_rng(0)):
@@ -83,8 +95,12 @@ class Names:
 
     def one(self, rng):
         """A name and what it is."""
-        return one_of(rng, self.functions if rng.random() < 0.6 else
-                      one_of(rng, [*self.kinds.values()]))
+        return one_of(
+            rng,
+            self.functions
+            if rng.random() < 0.6
+            else one_of(rng, [*self.kinds.values()]),
+        )
 
 
 def arguments_for(rng, function):
@@ -128,26 +144,55 @@ REFUSED = [
     (lambda: ri.plot.energy(SOLVED(), ax=STEEL), "ax: must be an Axes"),
     (lambda: ri.plot.animation(SOLVED(), fps=99), "fps: must be 1 to 50"),
     (lambda: SOLVED().gauge(0, [0.1, 0.2]), "x: must be a single number"),
-    (lambda: SOLVED().displacement(0, [0, 0.1], [0, 0, 0]), "x: shape (2,) does not broadcast"),
+    (
+        lambda: SOLVED().displacement(0, [0, 0.1], [0, 0, 0]),
+        "x: shape (2,) does not broadcast",
+    ),
     (lambda: ri.gauges_to_csv("x.csv", [(0, 0.1)]), "gauges: must be records by name"),
     (lambda: PAIR[0], "array is 0-dimensional, but 1 were indexed"),
     (lambda: ri.solve(PAIR, progress=3), "progress: must be a function, got 3"),
     (lambda: ri.sweep(FAMILY).explain([0, 1]), "index: must pick one member"),
-    (lambda: ri.sweep(FAMILY, on_error=[]), 'on_error: must be "raise" or "record", got []'),
-    (lambda: ri.rigid.contact_mass([1, 2], [1, 2, 3]), "m1 has shape (2,), m2 has shape (3,)"),
-    (lambda: ri.Segment(1.0, 1e-4, STEEL).area_between(0.1), "edges: must be two places or more"),
+    (
+        lambda: ri.sweep(FAMILY, on_error=[]),
+        'on_error: must be "raise" or "record", got []',
+    ),
+    (
+        lambda: ri.rigid.contact_mass([1, 2], [1, 2, 3]),
+        "m1 has shape (2,), m2 has shape (3,)",
+    ),
+    (
+        lambda: ri.Segment(1.0, 1e-4, STEEL).area_between(0.1),
+        "edges: must be two places or more",
+    ),
     (lambda: ri.units.parse("1 m", 3), "unknown dimension 3"),
-    (lambda: ri.System.from_dict({}), "data: must be what system.to_dict() gives, got {}"),
-    (lambda: RODS[0].in_steps(10**30), "n: must be a whole number from 1 to 100000, got 1000"),
-    (lambda: ri.regions_of(SOLVED(), limit=np.nan), "limit: must be 1 or more, got nan"),
-    (lambda: ri.gradient(PAIR, wrt=["bodies.0.length"])[2.0], "no derivative by 2.0; use one of"),
-    (lambda: ri.materials.aluminum, "no material is called 'aluminum'; perhaps 'aluminium' is"),
+    (
+        lambda: ri.System.from_dict({}),
+        "data: must be what system.to_dict() gives, got {}",
+    ),
+    (
+        lambda: RODS[0].in_steps(10**30),
+        "n: must be a whole number from 1 to 100000, got 1000",
+    ),
+    (
+        lambda: ri.regions_of(SOLVED(), limit=np.nan),
+        "limit: must be 1 or more, got nan",
+    ),
+    (
+        lambda: ri.gradient(PAIR, wrt=["bodies.0.length"])[2.0],
+        "no derivative by 2.0; use one of",
+    ),
+    (
+        lambda: ri.materials.aluminum,
+        "no material is called 'aluminum'; perhaps 'aluminium' is",
+    ),
 ]
 
 
 @pytest.mark.parametrize(("call", "sentence"), REFUSED)
 def test_what_was_found_is_refused(monkeypatch, tmp_path, call, sentence):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises((ValueError, LookupError, AttributeError), match=re.escape(sentence)):
+    with pytest.raises(
+        (ValueError, LookupError, AttributeError), match=re.escape(sentence)
+    ):
         call()
     assert not list(tmp_path.iterdir())

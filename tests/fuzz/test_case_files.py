@@ -5,14 +5,28 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-from fuzz.generators import CASES, SEEDS, TIMES, one_of, patience, spoilt_bytes, spoilt_text
+from fuzz.generators import (
+    CASES,
+    SEEDS,
+    TIMES,
+    one_of,
+    patience,
+    spoilt_bytes,
+    spoilt_text,
+)
 
 import rodimpact as ri
 from rodimpact.cli import main
 
 EXAMPLES = 60 * TIMES  # of each seed
 BALANCE = 1e-6  # relative
-SHORT = ["--json", "--max-events", "3000", "--until", "0.2 ms"]  # who asks for hours gets them
+SHORT = [
+    "--json",
+    "--max-events",
+    "3000",
+    "--until",
+    "0.2 ms",
+]  # who asks for hours gets them
 
 
 def ran(capsys, monkeypatch, folder, data):
@@ -37,19 +51,25 @@ def check(status, out, errors, files):
         assert all("this run takes some" in line for line in errors.splitlines())
         assert files <= {"x.npz"}
         found = json.loads(out, parse_constant=pytest.fail)
-        residuals = [found["outcome"][f"{of}_residual"] for of in ("momentum", "energy")]
+        residuals = [
+            found["outcome"][f"{of}_residual"] for of in ("momentum", "energy")
+        ]
         assert all(abs(residual) < BALANCE for residual in residuals)
     else:
         assert status in (1, 2)
         assert not out
         assert not files
         assert len(errors) < 20_000
-        assert errors.isprintable() or all(line.isprintable() for line in errors.splitlines())
+        assert errors.isprintable() or all(
+            line.isprintable() for line in errors.splitlines()
+        )
         assert all(line.startswith("rodimpact: ") for line in errors.splitlines())
 
 
 # what other tests left behind may be collected here, and tell that it was not closed
-@pytest.mark.filterwarnings("default", "ignore::ResourceWarning", "ignore::DeprecationWarning")
+@pytest.mark.filterwarnings(
+    "default", "ignore::ResourceWarning", "ignore::DeprecationWarning"
+)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_spoilt_case_is_refused_or_balances(capsys, monkeypatch, tmp_path, seed):
     rng = np.random.default_rng(seed)
@@ -58,7 +78,10 @@ def test_a_spoilt_case_is_refused_or_balances(capsys, monkeypatch, tmp_path, see
         data = spoilt_bytes(rng, spoilt_text(rng, one_of(rng, CASES)))
         status, *rest = ran(capsys, monkeypatch, tmp_path, data)
         check(status, *rest)
-        for spoilt in (data, *(spoilt_text(rng, one_of(rng, CASES)).encode() for _ in range(4))):
+        for spoilt in (
+            data,
+            *(spoilt_text(rng, one_of(rng, CASES)).encode() for _ in range(4)),
+        ):
             with suppress(UnicodeDecodeError, ri.InvalidModel):
                 case = ri.parse_case(spoilt.decode())
                 assert ri.parse_case(ri.write_case(case)) == case

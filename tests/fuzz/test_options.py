@@ -15,24 +15,80 @@ SLOW = ("animate", "box", "export", "explore")
 QUICK = sorted({*COMMANDS} - {*LONG, *SLOW})
 ALWAYS = ("-o", "--no-browser", "--symbols")  # all symbols of a long row take minutes
 VALUES = [
-    *NUMBERS, *(word.strip("\"'") for word in WORDS if "\x00" not in word), "1 ms",
-    "0.1 ms", "10 us", "x.npz", "x.png", "x.html", "x.csv", "x.gif", ".", "/dev/null",
-    "/dev/full", "case.toml",
-    "no/such/folder/x.png", "x" * 300 + ".npz", "a=0:0.1", "a=1:1 mm", "a,b=0:0.1", "=:", "a=9:9",
-    "bodies.0.length=0.1:1:3", "bodies.0.velocity=1,2,3", "contacts.0.gap=1e-6:1e-3:3:log",
-    "bodies.0.length=0:1:1000000000", "bodies.9.length=1,2", "=", "fronts", "record", "raise",
-    "velocity", "stress", "2", "3", "65536", "-", "--",
+    *NUMBERS,
+    *(word.strip("\"'") for word in WORDS if "\x00" not in word),
+    "1 ms",
+    "0.1 ms",
+    "10 us",
+    "x.npz",
+    "x.png",
+    "x.html",
+    "x.csv",
+    "x.gif",
+    ".",
+    "/dev/null",
+    "/dev/full",
+    "case.toml",
+    "no/such/folder/x.png",
+    "x" * 300 + ".npz",
+    "a=0:0.1",
+    "a=1:1 mm",
+    "a,b=0:0.1",
+    "=:",
+    "a=9:9",
+    "bodies.0.length=0.1:1:3",
+    "bodies.0.velocity=1,2,3",
+    "contacts.0.gap=1e-6:1e-3:3:log",
+    "bodies.0.length=0:1:1000000000",
+    "bodies.9.length=1,2",
+    "=",
+    "fronts",
+    "record",
+    "raise",
+    "velocity",
+    "stress",
+    "2",
+    "3",
+    "65536",
+    "-",
+    "--",
 ]
 RECORD = "time [us],a [V]\n" + "".join(f"{i},{min(i % 50, 9)}\n" for i in range(100))
 LIKELY = {
-    "--start": "0", "--stop": "40 us", "--carried": "0.1", "--radius": "5 mm", "--bridge": "half",
-    "--gauge-factor": "2", "--excitation": "5 V", "--scale": "1", "--shift": "1 us",
-    "--until": "0.1 ms", "--max-events": "500", "--dt": "1 us", "--frames": "2", "--save": "x.npz",
-    "--plot": "x.png", "-o": "x.html", "--gauges": "g.csv", "--gauge": "a=0:0.1", "--m1": "1",
-    "--vary": "bodies.0.velocity=1,2,3", "--workers": "1", "--checkpoint": "checkpoint",
-    "--length": "5 mm", "--diameter": "5 mm", "--csv": "reduced.csv", "--decimal": ".",
-    "--m2": "2", "--v1": "1", "--v2": "0", "--restitution": "0.5", "--method": "fronts",
-    "--symbols": "bodies.0.length", "record": "record.csv", "topic": "case",
+    "--start": "0",
+    "--stop": "40 us",
+    "--carried": "0.1",
+    "--radius": "5 mm",
+    "--bridge": "half",
+    "--gauge-factor": "2",
+    "--excitation": "5 V",
+    "--scale": "1",
+    "--shift": "1 us",
+    "--until": "0.1 ms",
+    "--max-events": "500",
+    "--dt": "1 us",
+    "--frames": "2",
+    "--save": "x.npz",
+    "--plot": "x.png",
+    "-o": "x.html",
+    "--gauges": "g.csv",
+    "--gauge": "a=0:0.1",
+    "--m1": "1",
+    "--vary": "bodies.0.velocity=1,2,3",
+    "--workers": "1",
+    "--checkpoint": "checkpoint",
+    "--length": "5 mm",
+    "--diameter": "5 mm",
+    "--csv": "reduced.csv",
+    "--decimal": ".",
+    "--m2": "2",
+    "--v1": "1",
+    "--v2": "0",
+    "--restitution": "0.5",
+    "--method": "fronts",
+    "--symbols": "bodies.0.length",
+    "record": "record.csv",
+    "topic": "case",
 }
 
 
@@ -49,7 +105,9 @@ def command_line(rng):
         elif rng.random() < 0.4 or option.required or name in ALWAYS:
             words.append(name)
             if option.nargs != 0:
-                likely = [LIKELY[name]] if name in LIKELY else [*(option.choices or VALUES)]
+                likely = (
+                    [LIKELY[name]] if name in LIKELY else [*(option.choices or VALUES)]
+                )
                 words.append(one_of(rng, likely if rng.random() < good else VALUES))
     if rng.random() < 0.05:
         words.insert(rng.integers(len(words) + 1), one_of(rng, VALUES))

@@ -10,8 +10,8 @@ import rodimpact as ri
 
 EXAMPLES = 60 * TIMES  # of each seed
 TABLES = [
-    "shot 12\ntime_s,incident_V,transmitted_V\n" + "".join(
-        f"{i}e-7,{i * i % 7 - 3},{i % 5}.5\n" for i in range(12)),
+    "shot 12\ntime_s,incident_V,transmitted_V\n"
+    + "".join(f"{i}e-7,{i * i % 7 - 3},{i % 5}.5\n" for i in range(12)),
     "t (ms);bar (mV)\r\n" + "".join(f"0,00{i};-{i},5\r\n" for i in range(9)),
     "Time\tA\n(us)\t(mV)\n\n" + "".join(f"{i}.0\t{i}.25\n" for i in range(9)),
 ]
@@ -25,7 +25,9 @@ def test_spoilt_tables_are_read_or_refused(tmp_path, seed):
         (tmp_path / "shot.txt").write_bytes(spoilt_bytes(rng, one_of(rng, TABLES)))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ri.ClippedSignal)
-            result = called(ri.read_signals, tmp_path / "shot.txt", **one_of(rng, OPTIONS))
+            result = called(
+                ri.read_signals, tmp_path / "shot.txt", **one_of(rng, OPTIONS)
+            )
         kinds.append(type(result))
         if isinstance(result, dict):
             assert all(isinstance(signal, ri.Signal) for signal in result.values())

@@ -51,17 +51,42 @@ def test_what_one_function_calls_becomes_part_of_it_and_what_several_call_does_n
 # Sources ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("module", "files"), [
-    (pieces, ["pieces/march", "pieces/nodes", "pieces/series", "pieces/records", "pieces/laws"]),
-    (fronts, ["fronts/members", "fronts/events", "fronts/records", "tick_rule", "compiling"]),
-])
-def test_a_change_of_any_file_of_a_kernel_changes_its_digest(module, files, monkeypatch):
+@pytest.mark.parametrize(
+    ("module", "files"),
+    [
+        (
+            pieces,
+            [
+                "pieces/march",
+                "pieces/nodes",
+                "pieces/series",
+                "pieces/records",
+                "pieces/laws",
+            ],
+        ),
+        (
+            fronts,
+            [
+                "fronts/members",
+                "fronts/events",
+                "fronts/records",
+                "tick_rule",
+                "compiling",
+            ],
+        ),
+    ],
+)
+def test_a_change_of_any_file_of_a_kernel_changes_its_digest(
+    module, files, monkeypatch
+):
     """Those from which it imports constants alone, too."""
     read, digests = Path.read_bytes, {compiling.digest_of(module)}
     for file in files:
         with monkeypatch.context() as patch:
             path = FOLDER / f"{file}.py"
-            patch.setattr(Path, "read_bytes", lambda p, path=path: read(p) + b"#" * (p == path))
+            patch.setattr(
+                Path, "read_bytes", lambda p, path=path: read(p) + b"#" * (p == path)
+            )
             digests.add(compiling.digest_of(module))
     assert len(digests) == 1 + len(files)
 
@@ -71,7 +96,10 @@ def test_a_change_of_any_file_of_a_kernel_changes_its_digest(module, files, monk
 
 @pytest.mark.parametrize("record", [NODE, PIECE], ids=["plain", "with arrays"])
 def test_records_become_objects_and_objects_records(record):
-    filled = np.frombuffer(np.random.default_rng(1).bytes(3 * record.itemsize), np.uint8) % 64
+    filled = (
+        np.frombuffer(np.random.default_rng(1).bytes(3 * record.itemsize), np.uint8)
+        % 64
+    )
     records = filled.view(record)
     made = compiling.as_records(compiling.as_objects(records), record)
     assert all((made[name] == records[name]).all() for name in record.names)
@@ -120,13 +148,17 @@ def test_machine_code_is_found_again_unless_a_source_changed(cache, monkeypatch)
     (file,) = compiling.Compiled(recognise).files()
     assert file.is_relative_to(cache)
     assert answers(compiling.Compiled(recognise)) == 1
-    monkeypatch.setattr(compiling, "digest_of", lambda module: "a constant of another file changed")
+    monkeypatch.setattr(
+        compiling, "digest_of", lambda module: "a constant of another file changed"
+    )
     assert answers(compiling.Compiled(recognise)) == 0
     assert answers(compiling.Compiled(recognise)) == 1
     assert answers(compiling.Compiled(recognise)) == 1
 
 
-def test_without_a_place_for_machine_code_it_is_made_in_each_process(cache, monkeypatch):
+def test_without_a_place_for_machine_code_it_is_made_in_each_process(
+    cache, monkeypatch
+):
     from numba import njit
 
     def nowhere(*given, cache=False, **more):
@@ -162,7 +194,9 @@ def test_files_half_written_are_told_of_and_made_anew(cache, kind, share):
         assert answers(compiling.Compiled(recognise)) == 0
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert answers(compiling.Compiled(recognise)) == 0  # as if nothing had been kept
+        assert (
+            answers(compiling.Compiled(recognise)) == 0
+        )  # as if nothing had been kept
         assert answers(compiling.Compiled(recognise)) == 1
 
 

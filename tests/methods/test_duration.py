@@ -6,7 +6,9 @@ from rodimpact.methods import duration
 from rodimpact.methods.duration import Forecast, how_long
 
 
-def test_a_long_run_is_announced_before_five_seconds_and_anew_when_it_gets_far_longer(monkeypatch):
+def test_a_long_run_is_announced_before_five_seconds_and_anew_when_it_gets_far_longer(
+    monkeypatch,
+):
     now, said = [100.0], []
     monkeypatch.setattr(duration.time, "monotonic", lambda: now[0])
     forecast = Forecast(said.append, "a larger rtol")
@@ -33,7 +35,13 @@ def test_nobody_who_listens_is_no_fault():
 
 @pytest.mark.parametrize(
     ("seconds", "said"),
-    [(0.2, "0 s"), (59.4, "59 s"), (59.6, "1 min 0 s"), (3725, "1 h 2 min"), (1e6, "277 h 46 min")],
+    [
+        (0.2, "0 s"),
+        (59.4, "59 s"),
+        (59.6, "1 min 0 s"),
+        (3725, "1 h 2 min"),
+        (1e6, "277 h 46 min"),
+    ],
 )
 def test_times_left(seconds, said):
     assert how_long(seconds) == said

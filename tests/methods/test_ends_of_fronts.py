@@ -1,6 +1,5 @@
 """Absorbing and driven ends, carried by the fronts themselves."""
 
-
 import numpy as np
 import pytest
 from exhaustive import few_of
@@ -23,7 +22,9 @@ def commensurate(seed):
     rods = []
     for _ in range(rng.integers(1, 4)):
         length = float(rng.integers(2, 9)) / 4
-        state = [ri.Steps(rng.uniform(-1, 1, 2).tolist(), [length / 2]) for _ in range(2)]
+        state = [
+            ri.Steps(rng.uniform(-1, 1, 2).tolist(), [length / 2]) for _ in range(2)
+        ]
         area = float(rng.uniform(0.3, 3))
         rods.append(unit_rod(length, area, velocity=state[0], strain=state[1]))
     ends = [random_end(rng, body, 1.0, True) for body in (rods[0], rods[-1])]
@@ -49,7 +50,9 @@ def test_fields_are_those_of_the_other_method(seed):
     assert ours.velocities_before == pytest.approx(theirs.velocities_before, abs=1e-9)
     assert ours.vibration_after == pytest.approx(theirs.vibration_after, abs=1e-9)
     for name in ("radiated", "drive_work", "kinetic_after", "driven"):
-        assert getattr(ours, name) == pytest.approx(getattr(theirs, name), abs=1e-9), name
+        assert getattr(ours, name) == pytest.approx(getattr(theirs, name), abs=1e-9), (
+            name
+        )
 
 
 @pytest.mark.parametrize("mirrored", [False, True])
@@ -60,12 +63,19 @@ def test_an_incoming_wave_is_that_of_a_long_rod(method, mirrored):
     fast = ri.Material("fast", youngs_modulus=4.0, density=1.0)
     places = [L - c * t for t in reversed(at)]
     wave = ri.Steps(strains[::-1], places)
-    long = ri.Rod(L, area=1.0, material=fast, strain=wave,
-                  velocity=ri.Steps([0.2 - c * e for e in wave.values], places))
+    long = ri.Rod(
+        L,
+        area=1.0,
+        material=fast,
+        strain=wave,
+        velocity=ri.Steps([0.2 - c * e for e in wave.values], places),
+    )
     bar = ri.Rod(1.5, area=1.0, material=fast, velocity=0.2)
     other = ri.Rod(2.0, area=0.7, material=fast)
     whole = ri.System([long, bar, other], [0.0, 0.1], [ri.Bonded(), ri.Rigid()])
-    cut = ri.System([bar, other], [0.1], ends=(ri.Incoming(ri.Steps(strains, at)), ri.Free()))
+    cut = ri.System(
+        [bar, other], [0.1], ends=(ri.Incoming(ri.Steps(strains, at)), ri.Free())
+    )
     bodies = (1, 2), (0, 1)
     if mirrored:
         whole, cut, bodies = whole.mirrored(), cut.mirrored(), ((1, 0), (1, 0))
@@ -74,9 +84,13 @@ def test_an_incoming_wave_is_that_of_a_long_rod(method, mirrored):
     for theirs, ours in zip(*bodies, strict=True):
         v = expected.velocity(theirs, 0.7, t)
         assert np.abs(found.velocity(ours, 0.7, t) - v).max() < 1e-14
-    assert found.outcome.contacts[0].impulse == pytest.approx(expected.outcome.contacts[0].impulse)
+    assert found.outcome.contacts[0].impulse == pytest.approx(
+        expected.outcome.contacts[0].impulse
+    )
     assert np.abs(found.energy(t).residual).max() < 1e-13
-    brought = 4.0 * (0.25 * 0.01 + 0.75 * 0.09 + 0.5 * 0.0025) * c  # E A c times strain squared
+    brought = (
+        4.0 * (0.25 * 0.01 + 0.75 * 0.09 + 0.5 * 0.0025) * c
+    )  # E A c times strain squared
     still = cut.replace(bodies=[body.replace(velocity=0.0) for body in cut.bodies])
     early = ri.solve(still, 1.5, method)  # nothing has come back yet
     assert early.energy(1.5).radiated == pytest.approx(-brought, rel=1e-13)
@@ -90,10 +104,17 @@ def test_an_incoming_wave_is_that_of_a_long_rod(method, mirrored):
 
 @pytest.mark.parametrize("seed", few_of(range(30), range(6)))
 def test_the_peak_force_of_a_bond_is_the_largest_of_its_force(seed):
-    solution = ri.solve(with_ends(seed), horizon(with_ends(seed), 4.0), "fronts", max_events=CAP)
-    for contact, tally in zip(solution.contacts, solution.outcome.contacts, strict=True):
+    solution = ri.solve(
+        with_ends(seed), horizon(with_ends(seed), 4.0), "fronts", max_events=CAP
+    )
+    for contact, tally in zip(
+        solution.contacts, solution.outcome.contacts, strict=True
+    ):
         ticks, force = contact.push.ticks, contact.push.values
-        long = np.diff(ticks, append=solution.fields.end) > solution.fields.clock.longest >> 40
+        long = (
+            np.diff(ticks, append=solution.fields.end)
+            > solution.fields.clock.longest >> 40
+        )
         largest = force[long].max(initial=0.0)
         assert tally.peak_force == pytest.approx(largest, rel=1e-9, abs=1e-9)
 
@@ -108,10 +129,14 @@ def test_an_end_stays_within_its_bound(seed, right, endless):
     pieces = [s for b in system.bodies for s in b.segments]
     length = sum(float(s.length) for s in pieces)
     rng = np.random.default_rng(seed)
-    v, strain = (ri.Steps((size * rng.uniform(-1, 1, 2)).tolist(), [length * part])
-                 for size, part in ((1.0, 0.3), (1e-4, 0.7)))
+    v, strain = (
+        ri.Steps((size * rng.uniform(-1, 1, 2)).tolist(), [length * part])
+        for size, part in ((1.0, 0.3), (1e-4, 0.7))
+    )
     body = ri.Rod(segments=pieces, velocity=v, strain=strain)
-    other = ri.Rod(0.1, area=1e-4, material=pieces[0].material, velocity=-9.0 if right else 9.0)
+    other = ri.Rod(
+        0.1, area=1e-4, material=pieces[0].material, velocity=-9.0 if right else 9.0
+    )
     row, ends = [body, other], (ri.Absorbing() if endless else ri.Free(), ri.Free())
     if right:
         row, ends = row[::-1], ends[::-1]

@@ -35,7 +35,9 @@ def test_on_fractions_it_is_decided_without_a_root():
     assert separation_time(Fraction(0), -math.inf, Fraction(1), square, 0) == math.inf
 
 
-@pytest.mark.parametrize(("opening", "least", "open_still"), [
-    (0.0, -1.0, True), (1.0, -1.0, True), (-1.0, -2.0, False), (1.0, 0.0, False)])
+@pytest.mark.parametrize(
+    ("opening", "least", "open_still"),
+    [(0.0, -1.0, True), (1.0, -1.0, True), (-1.0, -2.0, False), (1.0, 0.0, False)],
+)
 def test_velocities_alone_may_tell(opening, least, open_still):
     assert undecided(opening, least, TOL) == open_still

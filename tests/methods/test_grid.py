@@ -26,7 +26,9 @@ def material(E=1.0, rho=1.0, **options):
 
 def bar(Z, c, T, velocity=0.0, **options):
     """A rod of unit area by impedance, wave speed and transit time."""
-    return ri.Rod(T * c, area=1.0, material=material(Z * c, Z / c), velocity=velocity, **options)
+    return ri.Rod(
+        T * c, area=1.0, material=material(Z * c, Z / c), velocity=velocity, **options
+    )
 
 
 def piece(Z, c, T):
@@ -51,24 +53,40 @@ ROOT = 2**0.5
 ROWS = {
     "unequal impedances": ri.System([bar(1, 1, 0.7, 1.0), bar(0.5, 1.3, 1.1 / 1.3)]),
     "a gap": ri.System([bar(1, 1, 0.7, 1.0), bar(0.5, 1.3, 1.1 / 1.3)], gaps=[0.0317]),
-    "a stepped rod": ri.System([
-        ri.Rod(segments=[piece(1, 1, 0.5), piece(3, 1.2, 0.37)], velocity=1.0), bar(2, 0.9, ROOT)]),
-    "a wall": ri.System([
-        ri.Rod(segments=[piece(1, 1, 0.5), piece(3, 1.2, 0.37)], velocity=1.0), ri.Wall()],
-        gaps=[0.2]),
-    "three rods": ri.System([bar(1, 1, 0.5, 1.0), bar(2, 1.3, 0.8), bar(0.7, 0.9, 0.6)],
-                            gaps=[0.0, 0.02]),
+    "a stepped rod": ri.System(
+        [
+            ri.Rod(segments=[piece(1, 1, 0.5), piece(3, 1.2, 0.37)], velocity=1.0),
+            bar(2, 0.9, ROOT),
+        ]
+    ),
+    "a wall": ri.System(
+        [
+            ri.Rod(segments=[piece(1, 1, 0.5), piece(3, 1.2, 0.37)], velocity=1.0),
+            ri.Wall(),
+        ],
+        gaps=[0.2],
+    ),
+    "three rods": ri.System(
+        [bar(1, 1, 0.5, 1.0), bar(2, 1.3, 0.8), bar(0.7, 0.9, 0.6)], gaps=[0.0, 0.02]
+    ),
     "four rods": ri.System(
         [bar(1, 1, 0.5, 1.0), bar(1.5, 1, 0.7), bar(2, 1, 0.3), bar(0.8, 1, 0.45)],
-        gaps=[0.01, 0.0, 0.03]),
-    "a bond": ri.System([bar(1, 1, 0.5, 1.0), bar(1.5, 1, 0.7), bar(2, 1.1, 0.3)],
-                        contacts=[ri.Rigid(), ri.Bonded()]),
-    "contact again": ri.System([
-        ri.Rod(segments=[piece(1, 1, 0.2), piece(8, 1, 0.9)], velocity=1.0),
-        ri.Rod(segments=[piece(0.5, 1.2, 0.33), piece(5, 1, 0.7)])]),
-    "strained before": ri.System([
-        bar(1, 1, 0.7, 1.0, strain=ri.Steps([0.0, -0.3], [0.31])), bar(0.5, 1.3, 1.1)],
-        gaps=[0.05]),
+        gaps=[0.01, 0.0, 0.03],
+    ),
+    "a bond": ri.System(
+        [bar(1, 1, 0.5, 1.0), bar(1.5, 1, 0.7), bar(2, 1.1, 0.3)],
+        contacts=[ri.Rigid(), ri.Bonded()],
+    ),
+    "contact again": ri.System(
+        [
+            ri.Rod(segments=[piece(1, 1, 0.2), piece(8, 1, 0.9)], velocity=1.0),
+            ri.Rod(segments=[piece(0.5, 1.2, 0.33), piece(5, 1, 0.7)]),
+        ]
+    ),
+    "strained before": ri.System(
+        [bar(1, 1, 0.7, 1.0, strain=ri.Steps([0.0, -0.3], [0.31])), bar(0.5, 1.3, 1.1)],
+        gaps=[0.05],
+    ),
 }
 
 
@@ -82,26 +100,38 @@ def test_rows_of_rods_meet_the_exact_method_without_chatter(name):
     for n in (70, 110):
         s = ri.solve(system, until, METHOD, cells=n, snapshots=5)
         assert [c.episodes for c in s.outcome.contacts] == [
-            c.episodes for c in exact.outcome.contacts]
+            c.episodes for c in exact.outcome.contacts
+        ]
         for k, (a, b) in enumerate(zip(exact.contacts, s.contacts, strict=True)):
             assert len(b.episodes) == len(a.episodes)
             if isinstance(a.law, ri.Rigid):
                 force, gap = b.push.values, gaps_of(s, k)
                 assert gap.min() >= 0
-                shut = (force[:-1] > 0) & (force[1:] > 0)  # it shuts in the middle of a step
+                shut = (force[:-1] > 0) & (
+                    force[1:] > 0
+                )  # it shuts in the middle of a step
                 assert np.all(gap[2:][shut] == 0)
-        errors.append(np.abs(np.subtract(s.outcome.velocities_after,
-                                         exact.outcome.velocities_after)).max())
-        impulses.append(max(abs(b.impulse - a.impulse) for a, b in zip(
-            exact.outcome.contacts, s.outcome.contacts, strict=True)))
+        errors.append(
+            np.abs(
+                np.subtract(s.outcome.velocities_after, exact.outcome.velocities_after)
+            ).max()
+        )
+        impulses.append(
+            max(
+                abs(b.impulse - a.impulse)
+                for a, b in zip(exact.outcome.contacts, s.outcome.contacts, strict=True)
+            )
+        )
     assert errors[-1] <= 2e-2
     assert impulses[-1] <= 2e-2
 
 
 def test_viscous_ends_that_touch_at_the_start_are_no_part_of_a_step_late():
     """The first rod has given half of its momentum once its wave has come to its far end."""
-    pair = [ri.Rod(L, area=1.0, material=material(viscosity=1e-3), velocity=v)
-            for L, v in ((0.4, 1.0), (1.0, 0.0))]
+    pair = [
+        ri.Rod(L, area=1.0, material=material(viscosity=1e-3), velocity=v)
+        for L, v in ((0.4, 1.0), (1.0, 0.0))
+    ]
     s = solved(pair, 2.0, 100)
     edges, force = s.run.signals.edges * s.run.clock.tick, s.contacts[0].push.values
     passed = np.concatenate(([0.0], np.cumsum(force * np.diff(edges))))
@@ -128,7 +158,10 @@ def test_fields_at_jumps_are_of_order_one_half():
 def test_an_opening_is_where_the_gap_begins(left, right):
     """Damped rods part slowly: the gap is 0 there, and open from then on."""
     lossy = material(viscosity=0.01)
-    pair = [ri.Rod(x, area=1.0, material=lossy, velocity=v) for x, v in ((left, 1.0), (right, 0.0))]
+    pair = [
+        ri.Rod(x, area=1.0, material=lossy, velocity=v)
+        for x, v in ((left, 1.0), (right, 0.0))
+    ]
     s = solved(pair, None, 200)
     contact, h = s.contacts[0], s.fields.clock.tick * STEP_TICKS
     (episode,) = contact.episodes
@@ -144,32 +177,76 @@ RAMP = ri.Samples([0.0, 0.5, -0.3, 0.2, 0.0], step=0.5)
 WAVE = ri.Samples((0.3 * np.cos(np.linspace(0, 3, 65))).tolist())
 COMPLIANT = {
     "spring": ([unit_rod(0.4, velocity=1.0), unit_rod(1.0, 2.0)], [ri.Spring(3.0)], {}),
-    "Hertz": ([unit_rod(0.4, velocity=1.0), unit_rod(1.0, 2.0)], [ri.Hertz(5.0)],
-              {"gaps": [0.05]}),
-    "Hunt-Crossley": ([unit_rod(0.4, velocity=1.0), unit_rod(1.0, 2.0)],
-                      [ri.HuntCrossley(5.0, 0.3)], {}),
-    "masses": ([ri.RigidMass(0.5, velocity=1.0), unit_rod(), ri.RigidMass(0.7)],
-               [ri.Hertz(5.0), ri.Spring(4.0)], {"gaps": [0.1, 0.05]}),
+    "Hertz": (
+        [unit_rod(0.4, velocity=1.0), unit_rod(1.0, 2.0)],
+        [ri.Hertz(5.0)],
+        {"gaps": [0.05]},
+    ),
+    "Hunt-Crossley": (
+        [unit_rod(0.4, velocity=1.0), unit_rod(1.0, 2.0)],
+        [ri.HuntCrossley(5.0, 0.3)],
+        {},
+    ),
+    "masses": (
+        [ri.RigidMass(0.5, velocity=1.0), unit_rod(), ri.RigidMass(0.7)],
+        [ri.Hertz(5.0), ri.Spring(4.0)],
+        {"gaps": [0.1, 0.05]},
+    ),
     "bonded masses": (
-        [ri.RigidMass(0.5, velocity=1.0), ri.RigidMass(0.2), unit_rod(), ri.RigidMass(0.3),
-         unit_rod(0.7, 0.5)], [ri.Spring(4.0), ri.Bonded(), ri.Bonded(), ri.Bonded()], {}),
-    "a wall": ([ri.Wall(), unit_rod(velocity=-0.5), ri.RigidMass(0.4), ri.Wall()],
-               [ri.Spring(9.0), ri.Bonded(), ri.Hertz(30.0)], {"gaps": [0.1, 0.0, 0.1]}),
-    "a force": ([unit_rod(), unit_rod(0.7, 0.5)], [ri.Spring(5.0)],
-                {"gaps": [0.02], "ends": (ri.Pushed(RAMP), ri.Absorbing())}),
-    "a velocity": ([unit_rod(), unit_rod(0.7, 0.5)], [ri.Hertz(5.0)],
-                   {"gaps": [0.02], "ends": (ri.Moved(RAMP), ri.Fixed())}),
+        [
+            ri.RigidMass(0.5, velocity=1.0),
+            ri.RigidMass(0.2),
+            unit_rod(),
+            ri.RigidMass(0.3),
+            unit_rod(0.7, 0.5),
+        ],
+        [ri.Spring(4.0), ri.Bonded(), ri.Bonded(), ri.Bonded()],
+        {},
+    ),
+    "a wall": (
+        [ri.Wall(), unit_rod(velocity=-0.5), ri.RigidMass(0.4), ri.Wall()],
+        [ri.Spring(9.0), ri.Bonded(), ri.Hertz(30.0)],
+        {"gaps": [0.1, 0.0, 0.1]},
+    ),
+    "a force": (
+        [unit_rod(), unit_rod(0.7, 0.5)],
+        [ri.Spring(5.0)],
+        {"gaps": [0.02], "ends": (ri.Pushed(RAMP), ri.Absorbing())},
+    ),
+    "a velocity": (
+        [unit_rod(), unit_rod(0.7, 0.5)],
+        [ri.Hertz(5.0)],
+        {"gaps": [0.02], "ends": (ri.Moved(RAMP), ri.Fixed())},
+    ),
     "bonds between driven ends": (
-        [unit_rod(velocity=WAVE), ri.RigidMass(0.5, velocity=WAVE.values[-1]), unit_rod(0.6, 2.0)],
+        [
+            unit_rod(velocity=WAVE),
+            ri.RigidMass(0.5, velocity=WAVE.values[-1]),
+            unit_rod(0.6, 2.0),
+        ],
         [ri.Bonded(), ri.Spring(4.0)],
-        {"gravity": 0.3, "ends": (ri.Moved(0.3), ri.Pushed(np.sin, duration=3.0))}),
-    "a power": ([unit_rod(0.4, velocity=1.0), unit_rod(1.0, 2.0)], [ri.PowerLaw(5.0, 2.0)], {}),
-    "yielding": ([unit_rod(0.4, velocity=1.0), unit_rod(1.0, 2.0)],
-                 [ri.Yielding(5.0, 0.2, 0.5)], {}),
-    "an incoming wave": ([unit_rod(0.4), unit_rod(1.0, 2.0, velocity=0.3)],
-                         [ri.Hertz(5.0)], {"ends": (ri.Incoming(RAMP), ri.Free())}),
-    "an absorbing end": ([ri.RigidMass(0.5, velocity=0.6), unit_rod(velocity=WAVE)],
-                         [ri.Spring(4.0)], {"ends": (ri.Free(), ri.Absorbing())}),
+        {"gravity": 0.3, "ends": (ri.Moved(0.3), ri.Pushed(np.sin, duration=3.0))},
+    ),
+    "a power": (
+        [unit_rod(0.4, velocity=1.0), unit_rod(1.0, 2.0)],
+        [ri.PowerLaw(5.0, 2.0)],
+        {},
+    ),
+    "yielding": (
+        [unit_rod(0.4, velocity=1.0), unit_rod(1.0, 2.0)],
+        [ri.Yielding(5.0, 0.2, 0.5)],
+        {},
+    ),
+    "an incoming wave": (
+        [unit_rod(0.4), unit_rod(1.0, 2.0, velocity=0.3)],
+        [ri.Hertz(5.0)],
+        {"ends": (ri.Incoming(RAMP), ri.Free())},
+    ),
+    "an absorbing end": (
+        [ri.RigidMass(0.5, velocity=0.6), unit_rod(velocity=WAVE)],
+        [ri.Spring(4.0)],
+        {"ends": (ri.Free(), ri.Absorbing())},
+    ),
 }
 
 
@@ -196,8 +273,11 @@ def test_rows_meet_characteristics(name):
         assert abs(s.outcome.energy_residual) <= 1e-12
         assert abs(s.outcome.momentum_residual) <= 1e-12
     # velocities jump as bodies meet at walls
-    worst, least = {"a wall": (6e-3, 0.3), "masses": (2e-4, 1.85), "bonded masses": (2e-4, 1.85)
-                    }.get(name, (2e-4, 1.1))
+    worst, least = {
+        "a wall": (6e-3, 0.3),
+        "masses": (2e-4, 1.85),
+        "bonded masses": (2e-4, 1.85),
+    }.get(name, (2e-4, 1.1))
     assert errors[-1] <= worst
     assert order(errors) >= least
 
@@ -212,9 +292,14 @@ def test_a_mode_with_lateral_inertia_swings_slower(wave):
     w = k / math.sqrt(1 + nu * nu * k * k * polar / area)
     errors = []
     for n in (40, 80):
-        rod = ri.Rod(1.0, area=area, material=material(poisson_ratio=nu), polar_moment=polar,
-                     lateral_inertia="rayleigh-love",
-                     velocity=lambda x: math.cos(k * x))
+        rod = ri.Rod(
+            1.0,
+            area=area,
+            material=material(poisson_ratio=nu),
+            polar_moment=polar,
+            lateral_inertia="rayleigh-love",
+            velocity=lambda x: math.cos(k * x),
+        )
         s = solved([rod], 4.0, n)
         t = s.fields.motion.when[:-1] * s.fields.clock.tick * STEP_TICKS
         errors.append(np.abs(s.velocity(0, 0.0, t) - np.cos(w * t)).max())
@@ -248,9 +333,13 @@ def test_cells_and_steps():
 
 def test_an_unstable_step_is_refused():
     row = [unit_rod(velocity=1.0), unit_rod(0.37)]
-    said = r"would be unstable in bodies\.0, where 10 cells allow 0\.1 s, got 0\.15; take"
+    said = (
+        r"would be unstable in bodies\.0, where 10 cells allow 0\.1 s, got 0\.15; take"
+    )
     assert refused(said, solved, row, 2.0, 10, dt=0.15) == ["dt"]
-    said = r"must be 0\.37 s or less for a cell in bodies\.1, which waves cross in 0\.37 s"
+    said = (
+        r"must be 0\.37 s or less for a cell in bodies\.1, which waves cross in 0\.37 s"
+    )
     assert refused(said, solved, row, 2.0, dt=0.5) == ["dt"]
     said = "must be 3 or more for a cell in bodies.1, which waves cross in"
     assert refused(said, solved, row, 2.0, 2) == ["cells"]
@@ -258,7 +347,9 @@ def test_an_unstable_step_is_refused():
 
 def test_an_overlong_or_too_fine_run_is_refused():
     row = [unit_rod(velocity=1.0), unit_rod()]
-    assert refused(r"asks for 2000000 cells, of 1048576", solved, row, 2.0, 10**6) == ["cells"]
+    assert refused(r"asks for 2000000 cells, of 1048576", solved, row, 2.0, 10**6) == [
+        "cells"
+    ]
     assert refused(r"asks for .* cells, of", solved, row, 2.0, dt=1e-7) == ["dt"]
     said = r"a run of \S+ steps .* needs .* GB .*, more than .* GB; stop earlier, keep fewer"
     with warnings.catch_warnings():
@@ -280,7 +371,9 @@ def test_any_end(until, size):
     assert ("none was taken" in s.status) == (steps == 0 and until > 0)
     if steps:
         assert s.fields.end * s.fields.clock.tick == pytest.approx(until, rel=1e-14)
-    assert float(s.velocity(0, 0.5, until)) == pytest.approx(1.0 if until < 0.5 else 0.36, abs=0.1)
+    assert float(s.velocity(0, 0.5, until)) == pytest.approx(
+        1.0 if until < 0.5 else 0.36, abs=0.1
+    )
     assert np.abs(s.energy(np.array([0.0, until])).residual).max() <= 1e-14
     if steps == 0:
         assert s.outcome.velocities_after == s.outcome.velocities_before
@@ -289,18 +382,32 @@ def test_any_end(until, size):
         assert s.displacement(1, 0.0, until) == pytest.approx(0.0, abs=1e-300)
 
 
-@pytest.mark.parametrize(("velocity", "peak", "stated", "late"), [
-    (1e-3, math.inf, " Stated relative error: velocity 0.001, duration 0.02.", ""),
-    (2e-3, 0.03, " Stated relative error: velocity 0.002, peak force 0.03, duration 0.02.",
-     " Not converged to 0.001. Take a larger rtol, or give more cells."),
-    (math.inf, math.inf, " Stated relative error: duration 0.02.",
-     " Not converged to 0.001. Take a larger rtol, or give more cells."),
-])
+@pytest.mark.parametrize(
+    ("velocity", "peak", "stated", "late"),
+    [
+        (1e-3, math.inf, " Stated relative error: velocity 0.001, duration 0.02.", ""),
+        (
+            2e-3,
+            0.03,
+            " Stated relative error: velocity 0.002, peak force 0.03, duration 0.02.",
+            " Not converged to 0.001. Take a larger rtol, or give more cells.",
+        ),
+        (
+            math.inf,
+            math.inf,
+            " Stated relative error: duration 0.02.",
+            " Not converged to 0.001. Take a larger rtol, or give more cells.",
+        ),
+    ],
+)
 def test_every_known_error_is_stated_and_rough_ones_are_not_waited_for(
     velocity, peak, stated, late
 ):
-    run = SimpleNamespace(rtol=1e-3, row=SimpleNamespace(by_law={0: 1}), estimates={
-        "velocity": velocity, "peak force": peak, "duration": 0.02})
+    run = SimpleNamespace(
+        rtol=1e-3,
+        row=SimpleNamespace(by_law={0: 1}),
+        estimates={"velocity": velocity, "peak force": peak, "duration": 0.02},
+    )
     assert _accuracy(run) == stated + late
 
 
@@ -312,23 +419,32 @@ def test_rtol_tells_how_still_the_outcome_stands(monkeypatch):
     assert s.outcome.restitution == pytest.approx(e, abs=2e-2)
     monkeypatch.setattr(finite_difference, "FINEST", 40)
     s = solved(row, rtol=1e-9)
-    stated, late = s.status.split(" Stated relative error: ")[1].split(". Not converged to ")
-    assert stated == ", ".join(f"{name} {error:.1g}" for name, error in s.accuracy.items())
+    stated, late = s.status.split(" Stated relative error: ")[1].split(
+        ". Not converged to "
+    )
+    assert stated == ", ".join(
+        f"{name} {error:.1g}" for name, error in s.accuracy.items()
+    )
     assert late.startswith("1e-09. Take a larger rtol, or give more cells.")
 
 
 @pytest.mark.parametrize(
     ("rods", "until"),
-    [([(1.326, 2.49, 1.0), (0.393, 2.86, -0.29)], 5.6),
-     ([(0.581, 2.72, 1.0), (1.231, 2.44, 0.21)], 5.6),
-     ([(1.325, 2.58, ri.Steps([1.0, 1.45], [0.736])), (1.08, 1.47, 0.03)], 3.6),
-     ([(0.9, 1.0, 1.0), (0.7, 2.0, 0.2), (1.1, 0.6, 0.0)], 4.0),
-     ([(0.5, 0.786, 0.674), (0.1875, 1.176, -0.255)], None),
-     ([(0.125, 0.883, 0.740), (0.4375, 0.456, 0.577)], None)],
+    [
+        ([(1.326, 2.49, 1.0), (0.393, 2.86, -0.29)], 5.6),
+        ([(0.581, 2.72, 1.0), (1.231, 2.44, 0.21)], 5.6),
+        ([(1.325, 2.58, ri.Steps([1.0, 1.45], [0.736])), (1.08, 1.47, 0.03)], 3.6),
+        ([(0.9, 1.0, 1.0), (0.7, 2.0, 0.2), (1.1, 0.6, 0.0)], 4.0),
+        ([(0.5, 0.786, 0.674), (0.1875, 1.176, -0.255)], None),
+        ([(0.125, 0.883, 0.740), (0.4375, 0.456, 0.577)], None),
+    ],
 )
 def test_stated_errors_bound_those_of_the_outcome(rods, until):
     system = ri.System([unit_rod(L, A, velocity=v) for L, A, v in rods])
-    s, exact = ri.solve(system, until, METHOD, snapshots=2), ri.solve(system, until).outcome
+    s, exact = (
+        ri.solve(system, until, METHOD, snapshots=2),
+        ri.solve(system, until).outcome,
+    )
     assert "Not converged" not in s.status
 
     def apart(found, known, scale):
@@ -336,9 +452,14 @@ def test_stated_errors_bound_those_of_the_outcome(rods, until):
 
     after = s.outcome.velocities_after, exact.velocities_after
     assert apart(*after, s.fields.clock.scale) <= s.accuracy["velocity"]
-    for name, stated in (("impulse", "impulse"), ("peak_force", "peak force"),
-                         ("duration", "duration")):
-        found, known = ([getattr(c, name) for c in o.contacts] for o in (s.outcome, exact))
+    for name, stated in (
+        ("impulse", "impulse"),
+        ("peak_force", "peak force"),
+        ("duration", "duration"),
+    ):
+        found, known = (
+            [getattr(c, name) for c in o.contacts] for o in (s.outcome, exact)
+        )
         assert apart(found, known, max(known)) <= s.accuracy[stated], name
 
 
@@ -359,7 +480,9 @@ def test_snapshots_by_number_and_by_time():
     few = solved(row, 3.0, 40, contacts=contacts, snapshots=10)
     assert 4 <= len(few.fields.motion.when) <= 12
     assert few.outcome.impulse == full.outcome.impulse
-    assert few.outcome.velocities_after == pytest.approx(full.outcome.velocities_after, abs=1e-14)
+    assert few.outcome.velocities_after == pytest.approx(
+        full.outcome.velocities_after, abs=1e-14
+    )
     times = np.array([0.31, 1.234567, 2.9])
     chosen = solved(row, 3.0, 40, contacts=contacts, snapshots=times)
     assert len(chosen.fields.motion.when) <= 2 * 3 + 2
@@ -381,10 +504,16 @@ def test_fields_at_chosen_times_are_of_order_two(moment):
             t = np.rint(t * n / 0.999) * 0.999 / n
         else:
             t = (np.rint(t * n / 0.999) + 0.5) * 0.999 / n
-        exact = {"velocity": np.cos(math.pi * x) * np.cos(math.pi * t),
-                 "strain": -np.sin(math.pi * x) * np.sin(math.pi * t)}
-        s = solved([unit_rod(velocity=lambda x: np.cos(math.pi * x))], 60 * 0.999 / 20, n,
-                   snapshots=t)
+        exact = {
+            "velocity": np.cos(math.pi * x) * np.cos(math.pi * t),
+            "strain": -np.sin(math.pi * x) * np.sin(math.pi * t),
+        }
+        s = solved(
+            [unit_rod(velocity=lambda x: np.cos(math.pi * x))],
+            60 * 0.999 / 20,
+            n,
+            snapshots=t,
+        )
         for name, value in exact.items():
             errors[name].append(np.abs(getattr(s, name)(0, x, t) - value).max())
     for found in errors.values():
@@ -398,7 +527,9 @@ def test_fields_at_chosen_times_are_of_order_two(moment):
 def test_long_runs_are_announced_before_they_begin(monkeypatch):
     monkeypatch.setattr(finite_difference, "cost", lambda mesh, plain: 0.1)
     row = [unit_rod(velocity=1.0), unit_rod()]
-    with pytest.warns(LongRun, match=r"takes some 10 s, .* \(101 steps, 20 cells\); .*fewer cells"):
+    with pytest.warns(
+        LongRun, match=r"takes some 10 s, .* \(101 steps, 20 cells\); .*fewer cells"
+    ):
         solved(row, 10.0, 10)
 
 
@@ -439,12 +570,19 @@ def test_one_cell():
     assert not np.any(held.velocity(0, 0.5, np.linspace(0, 2, 9)))
 
 
-@pytest.mark.parametrize("options", [{"viscosity": 1e7}, {"polar_moment": 1e7},
-                                     {"viscosity": 1e-300}])
+@pytest.mark.parametrize(
+    "options", [{"viscosity": 1e7}, {"polar_moment": 1e7}, {"viscosity": 1e-300}]
+)
 def test_much_and_little_of_it_keep_their_balances(options):
     polar = options.pop("polar_moment", None)
-    rod = ri.Rod(1.0, area=1.0, material=material(poisson_ratio=0.3, **options),
-                 polar_moment=polar, lateral_inertia=polar and "rayleigh-love", velocity=1.0)
+    rod = ri.Rod(
+        1.0,
+        area=1.0,
+        material=material(poisson_ratio=0.3, **options),
+        polar_moment=polar,
+        lateral_inertia=polar and "rayleigh-love",
+        velocity=1.0,
+    )
     outcome = solved([rod, unit_rod(2.0)], 81 * 0.04995, 40).outcome
     assert abs(outcome.momentum_residual) <= 1e-8
     assert abs(outcome.energy_residual) <= 1e-8
@@ -480,10 +618,15 @@ def test_a_peak_that_grows_with_the_mesh_is_named(monkeypatch):
     """Flat ends of viscous rods meet with a force that has no largest value."""
     monkeypatch.setattr(finite_difference, "FIRST", 16)
     lossy = ri.materials.steel.damped(0.02, 1e3)
-    rods = [ri.Rod(x, area=1e-4, material=lossy, velocity=v) for x, v in ((0.4, 1.0), (1.0, 0.0))]
+    rods = [
+        ri.Rod(x, area=1e-4, material=lossy, velocity=v)
+        for x, v in ((0.4, 1.0), (1.0, 0.0))
+    ]
     s = ri.solve(ri.System(rods), rtol=0.05)
     assert s.accuracy["peak force"] == math.inf
-    assert "The peak force is that of this mesh: flat ends meet, and a finer" in s.status
+    assert (
+        "The peak force is that of this mesh: flat ends meet, and a finer" in s.status
+    )
     soft = ri.System(rods, contacts=[ri.Spring(1e6)])
     assert "The peak force is that" not in ri.solve(soft, rtol=0.05).status
 
@@ -494,7 +637,9 @@ def test_a_peak_that_overshoots_is_named(cells):
     said = "The peak force is that of this mesh: waves overshoot beside jumps"
     named = 0
     for area in (0.5, 1.0, 2.0):
-        stepped = ri.Rod(segments=[piece(1, 1, 0.15 * ROOT), piece(2.5, 1, 0.3)], velocity=1.0)
+        stepped = ri.Rod(
+            segments=[piece(1, 1, 0.15 * ROOT), piece(2.5, 1, 0.3)], velocity=1.0
+        )
         row = ri.System([stepped, unit_rod(0.7, area), ri.Wall()])
         exact = ri.solve(row, 3.0, "fronts")
         s = ri.solve(row, 3.0, METHOD, cells=cells)
@@ -507,7 +652,9 @@ def test_a_peak_that_overshoots_is_named(cells):
     assert named
 
 
-@pytest.mark.parametrize(("closing", "episodes"), [(2.0**-39, 0), (2.0**-39 + 2.0**-52, 1)])
+@pytest.mark.parametrize(
+    ("closing", "episodes"), [(2.0**-39, 0), (2.0**-39 + 2.0**-52, 1)]
+)
 def test_grazing_is_up_to_the_tolerance(closing, episodes):
     """Half of what touching ends close by is the velocity that the contact takes away."""
     row = [unit_rod(velocity=closing), unit_rod(), unit_rod(velocity=1.0)]

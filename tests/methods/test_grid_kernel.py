@@ -24,8 +24,11 @@ def bits(run, states=True):
     """Every number of the state, and what was entered."""
     grid = run.grid._asdict()
     del grid["run"]
-    entered = {name: x for name, x in run.track._asdict().items()
-               if states or name not in PER_STATE}
+    entered = {
+        name: x
+        for name, x in run.track._asdict().items()
+        if states or name not in PER_STATE
+    }
     return {name: x.tobytes() for name, x in (grid | entered).items()}
 
 
@@ -51,7 +54,10 @@ def test_a_run_in_pieces_is_the_whole_run(driven):
         system = random_row(seed, driven=driven)
         whole, pieces = grid_run(system, 100), grid_run(system, 100)
         whole.advance(100)
-        for end in (*np.random.default_rng(seed).choice(np.arange(1, 100), 5).cumsum(), 100):
+        for end in (
+            *np.random.default_rng(seed).choice(np.arange(1, 100), 5).cumsum(),
+            100,
+        ):
             if end < 100:
                 pieces.advance(int(end))
         pieces.advance(100)
@@ -81,18 +87,30 @@ def test_elimination_against_dense_matrices(seed, nodes, held_left, held_right):
     found = right.copy()
     elimination.substitute(*multipliers, found)
     assert found == pytest.approx(np.linalg.solve(matrix, right), rel=1e-10, abs=1e-12)
-    assert found[before + nodes :] == pytest.approx(right[b + 1 :] / diagonal[b + 1 :], rel=1e-15)
+    assert found[before + nodes :] == pytest.approx(
+        right[b + 1 :] / diagonal[b + 1 :], rel=1e-15
+    )
 
 
 def test_newton_solves_a_chain_of_stiff_links_in_few_sweeps(monkeypatch):
     """Link after link, forces would spread by one body a sweep, and settle after hundreds."""
     links = np.zeros(12, LINK)
-    for name, value in {"law": Law.SPRING, "stiffness": 1e4, "exponent": 1.0, "own": 1.0,
-                        "shared": 0.49, "free": 0.1, "place": 1e-3, "last": 11}.items():
+    for name, value in {
+        "law": Law.SPRING,
+        "stiffness": 1e4,
+        "exponent": 1.0,
+        "own": 1.0,
+        "shared": 0.49,
+        "free": 0.1,
+        "place": 1e-3,
+        "last": 11,
+    }.items():
         links[name] = value
     links["shared"][0] = 0.0
     link, sweeps, relax = compiling.as_objects(links), [], contacts.relax
-    monkeypatch.setattr(contacts, "relax", lambda *given: sweeps.append(1) or relax(*given))
+    monkeypatch.setattr(
+        contacts, "relax", lambda *given: sweeps.append(1) or relax(*given)
+    )
     assert contacts.balance(link, 0, 11, 1.0)
     mobility = np.eye(12) - 0.49 * (np.eye(12, k=1) + np.eye(12, k=-1))
     force = np.linalg.solve(mobility + 2e-4 * np.eye(12), np.full(12, 0.1))  # F = k w/2
@@ -106,7 +124,9 @@ def test_newton_solves_a_chain_of_stiff_links_in_few_sweeps(monkeypatch):
 def dense_run(mesh, step, v, force, radial, steps, push):
     """Leapfrog of one piece with matrices: velocity, force and radial strain after the steps."""
     n, (M, damping, K) = len(v), matrices(mesh)
-    k, b, J = (x[1:n] for x in (mesh.stiffness, mesh.cells.coupling, mesh.cells.swelling))
+    k, b, J = (
+        x[1:n] for x in (mesh.stiffness, mesh.cells.coupling, mesh.cells.swelling)
+    )
     free = np.append(mesh.held == 0, J > 0)
     x = np.concatenate(([0.0], np.cumsum((force - b * radial) / k), radial))
     rate, outer = np.append(v, np.zeros(n - 1)), np.zeros(2 * n - 1)
@@ -123,14 +143,24 @@ def dense_run(mesh, step, v, force, radial, steps, push):
 @pytest.mark.parametrize("seed", range(8))
 def test_steps_against_dense_matrices(seed, ends):
     rng = np.random.default_rng(seed)
-    segments = [thicken(rng, ri.Segment(L, A, ri.Material("m", youngs_modulus=E, density=1.0)))
-                for L, A, E in ((0.5, 1.0, 1.0), (0.4, 3.0, 2.0), (0.6, 0.7, 1.0))]
+    segments = [
+        thicken(rng, ri.Segment(L, A, ri.Material("m", youngs_modulus=E, density=1.0)))
+        for L, A, E in ((0.5, 1.0, 1.0), (0.4, 3.0, 2.0), (0.6, 0.7, 1.0))
+    ]
     if seed == 0:
-        segments = [ri.Segment(0.5, 1.0, ri.Material("m", youngs_modulus=1.0, density=1.0))]
-    rod = ri.Rod(segments=segments, velocity=ri.Samples([1.0, -1.0, 0.5]),
-                 strain=ri.Samples([0.1, 0.0, -0.2]))
-    kinds = {"free": (ri.Free(), ri.Free()), "fixed": (ri.Fixed(), ri.Free()),
-             "pushed": (ri.Pushed(0.3), ri.Pushed(-0.2))}
+        segments = [
+            ri.Segment(0.5, 1.0, ri.Material("m", youngs_modulus=1.0, density=1.0))
+        ]
+    rod = ri.Rod(
+        segments=segments,
+        velocity=ri.Samples([1.0, -1.0, 0.5]),
+        strain=ri.Samples([0.1, 0.0, -0.2]),
+    )
+    kinds = {
+        "free": (ri.Free(), ri.Free()),
+        "fixed": (ri.Fixed(), ri.Free()),
+        "pushed": (ri.Pushed(0.3), ri.Pushed(-0.2)),
+    }
     row, push = [rod], (0.3, -0.2) if ends == "pushed" else (0.0, 0.0)
     if ends == "pushed" and seed % 2:
         row = [rod, ri.RigidMass(0.8, velocity=0.4)]
@@ -142,7 +172,8 @@ def test_steps_against_dense_matrices(seed, ends):
     if run.mesh.swells:
         radial = run.step * run.track.radial
     v, F, q = dense_run(
-        run.mesh, run.step, velocity[0], force[0, 1:n], radial[0, 1:n], 40, push)
+        run.mesh, run.step, velocity[0], force[0, 1:n], radial[0, 1:n], 40, push
+    )
     assert velocity[-1] == pytest.approx(v, abs=1e-12)
     assert force[-1, 1:n] == pytest.approx(F, abs=1e-12)
     assert radial[-1, 1:n] == pytest.approx(q, abs=1e-12)
@@ -154,7 +185,11 @@ def test_steps_against_dense_matrices(seed, ends):
 def energy_of_bodies(run):
     """[state] kinetic and strain energy, J: what leapfrog keeps."""
     mesh, states, h = run.mesh, run.track, run.step
-    v = states.velocity + run.row.frame + run.row.system.gravity * h * states.when[:, None]
+    v = (
+        states.velocity
+        + run.row.frame
+        + run.row.system.gravity * h * states.when[:, None]
+    )
     change = np.diff(v, axis=1)
     inside = mesh.stiffness[1:-1] > 0
     k, lateral = mesh.stiffness[1:-1][inside], mesh.lateral[1:-1][inside]
@@ -181,7 +216,9 @@ def energy_of_contacts(run):
     for i, law in enumerate(run.row.system.contacts):
         if not isinstance(law, ri.Rigid | ri.Bonded):
             _, gap = run.contact(i)
-            total += law.stored(-gap if isinstance(law, ri.Joint) else np.maximum(-gap, 0.0))
+            total += law.stored(
+                -gap if isinstance(law, ri.Joint) else np.maximum(-gap, 0.0)
+            )
     return total[run.track.when]
 
 
@@ -191,18 +228,26 @@ def test_energies_at_every_state_are_those_that_leapfrog_keeps(seed, driven):
     ledger = solution_of(run, 1.5).energy(run.track.when * run.step)
     scale = ledger.total.max() + np.abs(ledger.drive_work).max()
     close = {"rtol": 0, "atol": 1e-11 * scale}
-    np.testing.assert_allclose(ledger.kinetic + ledger.vibration, energy_of_bodies(run), **close)
+    np.testing.assert_allclose(
+        ledger.kinetic + ledger.vibration, energy_of_bodies(run), **close
+    )
     np.testing.assert_allclose(ledger.contact, energy_of_contacts(run), **close)
 
 
 @pytest.mark.parametrize(
-    "pair", [(unit_rod(velocity=0.5), unit_rod(velocity=-0.5)),
-             (ri.RigidMass(1.0, velocity=0.5), ri.RigidMass(1.0, velocity=-0.5))],
+    "pair",
+    [
+        (unit_rod(velocity=0.5), unit_rod(velocity=-0.5)),
+        (ri.RigidMass(1.0, velocity=0.5), ri.RigidMass(1.0, velocity=-0.5)),
+    ],
     ids=["rods", "masses"],
 )
 def test_what_stops_no_more_than_the_tolerance_is_no_force(pair):
     """A contact without rebound takes half of the closing velocity, 1, as it shuts at the kick."""
-    laws = [ri.Rigid() if isinstance(pair[0], ri.Rod) else ri.Rigid(restitution=0.0), ri.Rigid()]
+    laws = [
+        ri.Rigid() if isinstance(pair[0], ri.Rod) else ri.Rigid(restitution=0.0),
+        ri.Rigid(),
+    ]
     system = ri.System([*pair, unit_rod()], [STEP / 2, 10.0], laws)
     for slack, pressed in ((1.0, 0), (1.0 - 2**-50, 1)):
         run = grid_run(system, 1)
@@ -215,7 +260,9 @@ def test_what_stops_no_more_than_the_tolerance_is_no_force(pair):
 @pytest.mark.parametrize("share", [0.4, 0.9, 1.5])
 def test_a_gap_closes_at_its_time_but_not_before_the_first_kick(share):
     """The kicks are in the middle of steps; from then on the force of equal bars is Z v/2."""
-    run = grid_run(ri.System([unit_rod(velocity=1.0), unit_rod(1.3)], [share * STEP]), 20)
+    run = grid_run(
+        ri.System([unit_rod(velocity=1.0), unit_rod(1.3)], [share * STEP]), 20
+    )
     run.advance(20)
     pressed = run.track.signal["force"].sum() / 0.5  # steps
     assert pressed == pytest.approx(20 - max(share, 0.5), abs=0.01)
@@ -231,7 +278,9 @@ def test_a_mass_squeezed_between_walls_stops_the_run(law):
     node = int(run.grid.link["left"][0]) + 1
     run.grid.link["own"][1] -= run.grid.by_first[node + 1] / 2
     run.grid.by_first[node + 1] = 0.0
-    assert refused(r"two walls squeeze .* at 0\.\d+ s; give", run.advance, 50) == ["contacts"]
+    assert refused(r"two walls squeeze .* at 0\.\d+ s; give", run.advance, 50) == [
+        "contacts"
+    ]
 
 
 # The proof ----------------------------------------------------------------------------------------
@@ -241,12 +290,17 @@ def test_a_mass_squeezed_between_walls_stops_the_run(law):
 def test_an_end_is_where_the_proof_says_and_stays_within_its_bound(seed):
     """Far from all else: its centre of mass, or its wall, and the sum of strains beyond."""
     rng = np.random.default_rng(seed)
-    pieces = [ri.Segment(L, A, ri.Material("m", youngs_modulus=1.0, density=1.0))
-              for L, A in ((0.5, 1.0), (0.7, 3.0), (0.3, 0.4))]
+    pieces = [
+        ri.Segment(L, A, ri.Material("m", youngs_modulus=1.0, density=1.0))
+        for L, A in ((0.5, 1.0), (0.7, 3.0), (0.3, 0.4))
+    ]
     if seed % 3 == 0:
         pieces = [thicken(rng, piece) for piece in pieces]
-    rod = ri.Rod(segments=pieces, velocity=ri.Samples(rng.uniform(-1, 1, 5).tolist()),
-                 strain=ri.Samples([0.0, *rng.uniform(-0.3, 0.3, 3), 0.0]))
+    rod = ri.Rod(
+        segments=pieces,
+        velocity=ri.Samples(rng.uniform(-1, 1, 5).tolist()),
+        strain=ri.Samples([0.0, *rng.uniform(-0.3, 0.3, 3), 0.0]),
+    )
     end = (ri.Free(), ri.Fixed(), ri.Absorbing())[seed % 2 + (seed > 9)]
     other = ri.RigidMass(2.0, velocity=float(rod.velocity.values[0]))
     row, laws, gaps = [rod, unit_rod()], [ri.Rigid()], [90.0]
@@ -259,14 +313,18 @@ def test_an_end_is_where_the_proof_says_and_stays_within_its_bound(seed):
         left, right = next(iter(run.mesh.touching.values()))
         node, right_end, x = (right, False, 0.0) if mirrored else (left, True, 1.5)
         solution = solution_of(run_row(turned, 400 * STEP))
-        body = turned.bodies.index(rod) if not mirrored else len(row) - 1 - row.index(rod)
+        body = (
+            turned.bodies.index(rod) if not mirrored else len(row) - 1 - row.index(rod)
+        )
         run.advance(0)
         V, d, bound = side_of(run, node, right_end, present(run))
         for end_ in (1, 7, 50, 51, 400):
             run.advance(end_)
             now, then, limit = side_of(run, node, right_end, present(run))
             t = end_ * STEP
-            moved = float(solution.displacement(body, x, t) - solution.displacement(body, x, 0.0))
+            moved = float(
+                solution.displacement(body, x, t) - solution.displacement(body, x, 0.0)
+            )
             expected = (V + run.row.frame) * t + then - d
             assert moved == pytest.approx(expected, abs=1e-9 * STEP)
             assert now == pytest.approx(V, abs=1e-12)

@@ -41,7 +41,9 @@ def test_an_indentation_ends_where_its_parabola_does(roots):
 @pytest.mark.parametrize("end", [20.04, 20.28, 20.8])
 def test_a_dashpot_lets_go_inside_a_step_while_there_is_an_indentation(end):
     mean = means(Polynomial([end, -1.0]), np.minimum(EVEN, end))
-    assert spans(mean, np.full(41, -0.1)) == pytest.approx(np.array([[0.0, end]]), rel=1e-9)
+    assert spans(mean, np.full(41, -0.1)) == pytest.approx(
+        np.array([[0.0, end]]), rel=1e-9
+    )
 
 
 def test_when_a_force_begins():
@@ -52,11 +54,17 @@ def test_when_a_force_begins():
     assert spans([1e-7, 1, 1], [0.0] * 4)[0, 0] == 1.0
 
 
-@pytest.mark.parametrize(("force", "end"), [
-    ([0, 4, 4, 4, 4 * 0.3, 0], 4.3),
-    ([*np.exp(-np.arange(8) / 20), 0, 0], 8.0),  # changes evenly before the jump
-    ([*np.maximum(3.3 - np.arange(8) - 0.5, 0), 0], 3.3),  # means of a line that falls to 0
-])
+@pytest.mark.parametrize(
+    ("force", "end"),
+    [
+        ([0, 4, 4, 4, 4 * 0.3, 0], 4.3),
+        ([*np.exp(-np.arange(8) / 20), 0, 0], 8.0),  # changes evenly before the jump
+        (
+            [*np.maximum(3.3 - np.arange(8) - 0.5, 0), 0],
+            3.3,
+        ),  # means of a line that falls to 0
+    ],
+)
 def test_a_rigid_contact_lets_go(force, end):
     assert spans(force, [0.0] * (len(force) + 1))[0, 1] == pytest.approx(end)
 
@@ -67,10 +75,20 @@ def test_a_force_that_goes_on_has_no_end():
     assert spans([0, 0], [0.0] * 3).shape == (0, 2)
 
 
-@pytest.mark.parametrize(("force", "share"), [
-    ([3], 1.0), ([4, 1], 0.25), ([4, 5], 1.0), ([4, 4, 1], 0.25), ([4, 4, 4, 1], 0.25),
-    ([1, 4, 1], 0.25), ([1, 4, 5], 1.0), ([4, 3.6, 1.6], 0.5), ([1.0, 0.9, 0.81, 0.729], 1.0),
-    ([4, 3.6, 3.2, 2.1], 0.75),
-])
+@pytest.mark.parametrize(
+    ("force", "share"),
+    [
+        ([3], 1.0),
+        ([4, 1], 0.25),
+        ([4, 5], 1.0),
+        ([4, 4, 1], 0.25),
+        ([4, 4, 4, 1], 0.25),
+        ([1, 4, 1], 0.25),
+        ([1, 4, 5], 1.0),
+        ([4, 3.6, 1.6], 0.5),
+        ([1.0, 0.9, 0.81, 0.729], 1.0),
+        ([4, 3.6, 3.2, 2.1], 0.75),
+    ],
+)
 def test_the_share_of_the_last_step_that_a_jump_leaves(force, share):
     assert share_of_jump(np.array(force, float)) == pytest.approx(share)

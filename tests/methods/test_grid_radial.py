@@ -17,7 +17,9 @@ UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0, poisson_ratio=0.3)
 
 
 def segment(length, radius=0.05, material=UNIT, theory=THEORY):
-    return ri.Segment(length, None, material, diameter=2 * radius, lateral_inertia=theory)
+    return ri.Segment(
+        length, None, material, diameter=2 * radius, lateral_inertia=theory
+    )
 
 
 def rod(*pieces, **options):
@@ -25,14 +27,18 @@ def rod(*pieces, **options):
 
 
 def solved(bodies, until=1.0, contacts=None, **mesh):
-    return ri.solve(ri.System(bodies, contacts=contacts), until, METHOD, **mesh or {"dt": 0.008})
+    return ri.solve(
+        ri.System(bodies, contacts=contacts), until, METHOD, **mesh or {"dt": 0.008}
+    )
 
 
 def fastest(mesh):
     """Largest angular frequency of a mesh, from its whole matrices."""
     M, _, K = matrices(mesh)
     kept = np.append(np.ones(len(mesh.mass), bool), mesh.cells.swelling[1:-1] > 0)
-    return math.sqrt(eigh(K[np.ix_(kept, kept)], M[np.ix_(kept, kept)], eigvals_only=True)[-1])
+    return math.sqrt(
+        eigh(K[np.ix_(kept, kept)], M[np.ix_(kept, kept)], eigvals_only=True)[-1]
+    )
 
 
 @pytest.mark.parametrize("count", [3, 10, 40, 100])
@@ -47,9 +53,17 @@ def test_the_stable_step_is_that_of_the_fastest_motion(count):
 
 
 def test_the_stable_step_holds_where_sections_and_theories_differ():
-    cone = ri.Segment(0.5, ri.Samples([0.02, 0.004]), UNIT, polar_moment="circular",
-                      lateral_inertia=THEORY)
-    pieces, counts = [segment(0.5), cone, segment(0.3, 0.1), segment(0.2, theory=None)], [20, 9, 5]
+    cone = ri.Segment(
+        0.5,
+        ri.Samples([0.02, 0.004]),
+        UNIT,
+        polar_moment="circular",
+        lateral_inertia=THEORY,
+    )
+    pieces, counts = (
+        [segment(0.5), cone, segment(0.3, 0.1), segment(0.2, theory=None)],
+        [20, 9, 5],
+    )
     mesh = Mesh(Row(ri.System([rod(*pieces)])), [*counts, 4])
     step = min(stable_step(s, N) for s, N in zip(pieces, [*counts, 4], strict=True))
     assert 0.9 < step * fastest(mesh) / 2 <= 1 + 1e-12
@@ -68,7 +82,9 @@ def test_a_held_rod_strained_evenly_stays_at_rest():
     assert np.abs(s.velocity(0, x, t)).max() <= 1e-15
     assert s.strain(0, x, t) == pytest.approx(1e-3, abs=1e-15)
     assert s.energy(t).strain == pytest.approx(math.pi * 0.05**2 * 1e-6 / 2, rel=1e-12)
-    assert follow(Row(held), 1.0, 10**9, cells=40).largest_strain == pytest.approx(1e-3, rel=1e-12)
+    assert follow(Row(held), 1.0, 10**9, cells=40).largest_strain == pytest.approx(
+        1e-3, rel=1e-12
+    )
 
 
 def test_a_collision_of_thin_rods_is_proved_to_be_over_and_ends_like_that_of_ideal_ones():
@@ -83,13 +99,22 @@ def test_a_collision_of_thin_rods_is_proved_to_be_over_and_ends_like_that_of_ide
 LOSSY = UNIT.replace(viscosity=1e-3)
 
 
-@pytest.mark.parametrize(("pieces", "omega", "share"), [
-    ([segment(1.0, 0.1, LOSSY)], math.pi * float(ri.waves.mindlin_herrmann(0.05, 0.3)[0]), 1.0),
-    ([segment(0.2, 0.1, LOSSY, None)], math.pi / 0.2, 1.0),
-    # half of the material damps: the strain energy of the lowest mode is even
-    ([segment(0.5, 0.1, stuff, None) for stuff in (UNIT, LOSSY)], math.pi, 0.5),
-])
+@pytest.mark.parametrize(
+    ("pieces", "omega", "share"),
+    [
+        (
+            [segment(1.0, 0.1, LOSSY)],
+            math.pi * float(ri.waves.mindlin_herrmann(0.05, 0.3)[0]),
+            1.0,
+        ),
+        ([segment(0.2, 0.1, LOSSY, None)], math.pi / 0.2, 1.0),
+        # half of the material damps: the strain energy of the lowest mode is even
+        ([segment(0.5, 0.1, stuff, None) for stuff in (UNIT, LOSSY)], math.pi, 0.5),
+    ],
+)
 def test_the_lasting_mode(pieces, omega, share):
     found, rate = lasting_mode(pieces)
     assert found == pytest.approx(omega, rel=3e-4)
-    assert rate == pytest.approx(share * ri.theory.kelvin_voigt_decay(1.0, 1e-3, omega), rel=1e-2)
+    assert rate == pytest.approx(
+        share * ri.theory.kelvin_voigt_decay(1.0, 1e-3, omega), rel=1e-2
+    )

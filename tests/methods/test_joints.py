@@ -31,7 +31,9 @@ def test_a_chain_of_masses_swings_as_its_matrix_says(method):
     k, c, M = (3.0, 5.0), 0.3, np.array([0.4, 0.7])
     row = ri.System(
         [ri.Wall(), ri.RigidMass(M[0]), ri.RigidMass(M[1], velocity=1.0), unit_rod()],
-        [0.0, 0.0, 100.0], [ri.Joint(k[0], stretch=0.2), ri.Joint(k[1], c), ri.Rigid()])
+        [0.0, 0.0, 100.0],
+        [ri.Joint(k[0], stretch=0.2), ri.Joint(k[1], c), ri.Rigid()],
+    )
     s = solved(row, 6.0, method)
     K = np.array([[k[0] + k[1], -k[1]], [-k[1], k[1]]])
     C = c * np.array([[1.0, -1.0], [-1.0, 1.0]])
@@ -43,7 +45,9 @@ def test_a_chain_of_masses_swings_as_its_matrix_says(method):
     assert s.contacts[1].gap(t) == pytest.approx(exact[:, 1] - exact[:, 0], abs=1e-3)
     assert s.velocity(2, 0.0, t) == pytest.approx(exact[:, 3], abs=3e-3)
     ledger = s.energy(t)
-    assert np.abs(ledger.residual).max() < (1e-10 if method == "characteristics" else 1e-13)
+    assert np.abs(ledger.residual).max() < (
+        1e-10 if method == "characteristics" else 1e-13
+    )
     assert ledger.contact[0] == pytest.approx(k[0] * 0.2**2 / 2, rel=1e-14)
     assert np.diff(ledger.dissipated).min() >= 0
 
@@ -52,8 +56,10 @@ def test_a_chain_of_masses_swings_as_its_matrix_says(method):
 def test_what_hangs_together_meets_as_one(method):
     """A rod strikes a mass that is joined to a rod; both go on with one velocity."""
     joint = ri.Joint(2.0, 0.1)
-    row = ri.System([unit_rod(velocity=1.0), ri.RigidMass(0.5), quick_rod()],
-                    contacts=[ri.Rigid(), joint])
+    row = ri.System(
+        [unit_rod(velocity=1.0), ri.RigidMass(0.5), quick_rod()],
+        contacts=[ri.Rigid(), joint],
+    )
     s = solved(row, None, method)
     assert s.final
     assert s.outcome.unilateral == (0,)
@@ -69,11 +75,16 @@ def test_what_hangs_together_meets_as_one(method):
 
 
 @both
-@pytest.mark.parametrize("joint", [ri.Joint(0.0, 0.5), ri.Joint(0.5)], ids=["dashpot", "spring"])
+@pytest.mark.parametrize(
+    "joint", [ri.Joint(0.0, 0.5), ri.Joint(0.5)], ids=["dashpot", "spring"]
+)
 def test_the_proof_counts_on_how_far_a_joint_gives_way(method, joint):
     """What leaves slowly may still be caught by the swing of what hangs on the other side."""
-    row = ri.System([unit_rod(velocity=0.99), unit_rod(velocity=1.0), quick_rod(velocity=-0.9)],
-                    [0.3, 0.0], [ri.Rigid(), joint])
+    row = ri.System(
+        [unit_rod(velocity=0.99), unit_rod(velocity=1.0), quick_rod(velocity=-0.9)],
+        [0.3, 0.0],
+        [ri.Rigid(), joint],
+    )
     s = solved(row, None, method)
     assert s.final
     assert s.outcome.contacts[0].episodes >= 1
@@ -95,7 +106,11 @@ def sides_of(system, steps):
 
 
 HANGING = {
-    "free": [ri.RigidMass(0.5, velocity=-1.0), quick_rod(velocity=0.2), unit_rod(velocity=0.4)],
+    "free": [
+        ri.RigidMass(0.5, velocity=-1.0),
+        quick_rod(velocity=0.2),
+        unit_rod(velocity=0.4),
+    ],
     "wall": [ri.Wall(), quick_rod(velocity=0.2), unit_rod(velocity=0.4)],
 }
 
@@ -110,7 +125,9 @@ def test_an_end_beyond_joints_is_where_the_proof_says_and_stays_within_its_bound
         "soft": [ri.Joint(0.02, stretch=0.3), ri.Joint(0.05, 0.01)],
         "dashpot": [ri.Joint(0.0, 0.05), ri.Joint(0.0, 0.3)],
     }[law]
-    system = ri.System([*HANGING[start], unit_rod()], [0.0, 0.0, 90.0], [*joints, ri.Rigid()])
+    system = ri.System(
+        [*HANGING[start], unit_rod()], [0.0, 0.0, 90.0], [*joints, ri.Rigid()]
+    )
     steps = [0, 64, 320, 640, 1280]
     s = ri.solve(system, 20.0, "finite-difference", dt=1 / 64)
     (V, d, bound), *later = sides_of(system, steps)
@@ -127,8 +144,12 @@ def test_an_end_beyond_joints_is_where_the_proof_says_and_stays_within_its_bound
 @both
 def test_a_compressed_joint_lets_go(method):
     """All is at rest, and yet something will meet."""
-    row = ri.System([unit_rod(), unit_rod(), unit_rod()], [0.0, 0.02],
-                    [ri.Joint(2.0, stretch=-0.1), ri.Rigid()], ends=(ri.Fixed(), ri.Free()))
+    row = ri.System(
+        [unit_rod(), unit_rod(), unit_rod()],
+        [0.0, 0.02],
+        [ri.Joint(2.0, stretch=-0.1), ri.Rigid()],
+        ends=(ri.Fixed(), ri.Free()),
+    )
     s = solved(row, None, method, max_events=20_000)
     assert s.outcome.contacts[1].episodes >= 1
     assert s.outcome.velocities_after[2] > 0
@@ -140,7 +161,9 @@ def test_prestress_rests(method):
     tension = 0.02
     row = ri.System(
         [unit_rod(strain=tension), quick_rod(strain=tension / (6.0 * 0.7))],
-        contacts=[ri.Joint(5.0, 0.4, stretch=tension / 5.0)], ends=(ri.Fixed(), ri.Fixed()))
+        contacts=[ri.Joint(5.0, 0.4, stretch=tension / 5.0)],
+        ends=(ri.Fixed(), ri.Fixed()),
+    )
     s = solved(row, 3.0, method)
     t = np.linspace(0, 3, 50)
     assert s.contacts[0].force(t) == pytest.approx(np.full(50, -tension), abs=1e-14)
@@ -149,22 +172,30 @@ def test_prestress_rests(method):
 
 
 def test_a_state_goes_on_with_its_stretch():
-    row = ri.System([unit_rod(velocity=1.0), quick_rod()], contacts=[ri.Joint(3.0, 0.4)])
+    row = ri.System(
+        [unit_rod(velocity=1.0), quick_rod()], contacts=[ri.Joint(3.0, 0.4)]
+    )
     whole = solved(row, 4.0, "characteristics")
     rest = solved(whole.system_at(1.5), 2.5, "characteristics")
     assert rest.system.gaps == (0.0,)
     assert rest.system.contacts[0].stretch == float(whole.contacts[0].gap(1.5)) != 0
     t = np.linspace(0, 2.5, 40)
     # jumps of the state are straight lines over two samples
-    assert rest.contacts[0].gap(t) == pytest.approx(whole.contacts[0].gap(1.5 + t), abs=2e-6)
-    between = [s.position(1, 0.0, s.t_end) - s.position(0, 1.0, s.t_end) for s in (whole, rest)]
+    assert rest.contacts[0].gap(t) == pytest.approx(
+        whole.contacts[0].gap(1.5 + t), abs=2e-6
+    )
+    between = [
+        s.position(1, 0.0, s.t_end) - s.position(0, 1.0, s.t_end) for s in (whole, rest)
+    ]
     assert between == pytest.approx([whole.contacts[0].gap(4.0)] * 2, abs=2e-6)
 
 
 def test_a_stiff_joint_is_a_bond():
     def e(law):
-        row = ri.System([unit_rod(velocity=1.0), unit_rod(0.5), quick_rod()],
-                        contacts=[ri.Rigid(), law])
+        row = ri.System(
+            [unit_rod(velocity=1.0), unit_rod(0.5), quick_rod()],
+            contacts=[ri.Rigid(), law],
+        )
         return ri.solve(row, method="characteristics").outcome.restitution
 
     bonded, *joined = (e(law) for law in (ri.Bonded(), ri.Joint(1e3), ri.Joint(1e5)))
@@ -175,15 +206,31 @@ def test_a_stiff_joint_is_a_bond():
 PAIR = [unit_rod(), unit_rod()]
 
 
-@pytest.mark.parametrize(("make", "wanted"), [
-    (lambda: ri.Joint(0.0), {"stiffness": "=must be positive where the damping is 0, got 0.0"}),
-    (lambda: ri.Joint([1.0, 0.0], [0.0, 0.0]), {"stiffness[1]": ""}),
-    (lambda: ri.Joint(-1.0, math.nan, math.inf), {"stiffness": "", "damping": "", "stretch": ""}),
-    (lambda: ri.System(PAIR, [1e-3], [ri.Joint(1.0)]),
-     {"gaps.0": "must be 0 where bodies are joined, got 0.001; a Joint takes"}),
-    (ri.System(PAIR, contacts=[ri.Joint(1.0, 0.1)]).reversed, {"contacts.0.damping": ""}),
-    (lambda: ri.solve(ri.System(PAIR, contacts=[ri.Joint(1e30)]), 1.0),
-     {"contacts.0.stiffness": "use Bonded()"}),
-])
+@pytest.mark.parametrize(
+    ("make", "wanted"),
+    [
+        (
+            lambda: ri.Joint(0.0),
+            {"stiffness": "=must be positive where the damping is 0, got 0.0"},
+        ),
+        (lambda: ri.Joint([1.0, 0.0], [0.0, 0.0]), {"stiffness[1]": ""}),
+        (
+            lambda: ri.Joint(-1.0, math.nan, math.inf),
+            {"stiffness": "", "damping": "", "stretch": ""},
+        ),
+        (
+            lambda: ri.System(PAIR, [1e-3], [ri.Joint(1.0)]),
+            {"gaps.0": "must be 0 where bodies are joined, got 0.001; a Joint takes"},
+        ),
+        (
+            ri.System(PAIR, contacts=[ri.Joint(1.0, 0.1)]).reversed,
+            {"contacts.0.damping": ""},
+        ),
+        (
+            lambda: ri.solve(ri.System(PAIR, contacts=[ri.Joint(1e30)]), 1.0),
+            {"contacts.0.stiffness": "use Bonded()"},
+        ),
+    ],
+)
 def test_mistakes_of_joints(make, wanted):
     assert_told(make, wanted)

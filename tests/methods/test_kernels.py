@@ -32,7 +32,9 @@ def ticks_of(durations, bits=49):
     return [span.ticks for span in spans], whole
 
 
-@pytest.mark.parametrize("ratio", ["1/1", "1/3", "2/7", "1048575/1048576", "1/1048576", "355/1130"])
+@pytest.mark.parametrize(
+    "ratio", ["1/1", "1/3", "2/7", "1048575/1048576", "1/1048576", "355/1130"]
+)
 def test_ratios_are_recognised(ratio):
     x = Fraction(ratio)
     assert Fraction(*recognise(float(x))) == x
@@ -64,7 +66,13 @@ def test_rounding_is_at_most_half_a_tick_where_ratios_are_unknown():
 
 def test_three_rods_whose_waves_meet_exactly():
     steel, aluminium = ri.materials.steel, ri.materials.aluminium
-    row = [(0.1, steel), (0.25, steel), (1 / 3, steel), (0.3, aluminium), (0.1, aluminium)]
+    row = [
+        (0.1, steel),
+        (0.25, steel),
+        (1 / 3, steel),
+        (0.3, aluminium),
+        (0.1, aluminium),
+    ]
     clock = tracked(ri.System([ri.Rod(L, area=1e-4, material=m) for L, m in row])).clock
     ticks = clock.ticks[1:-1]
     assert ticks[1] * 4 == ticks[2] * 3
@@ -73,8 +81,18 @@ def test_three_rods_whose_waves_meet_exactly():
     assert clock.transit_error < 1e-14
 
 
-@pytest.mark.parametrize("compiling", [False, pytest.param(True, marks=pytest.mark.skipif(
-    not kernels.enabled(), reason="compiling is disabled"))])
+@pytest.mark.parametrize(
+    "compiling",
+    [
+        False,
+        pytest.param(
+            True,
+            marks=pytest.mark.skipif(
+                not kernels.enabled(), reason="compiling is disabled"
+            ),
+        ),
+    ],
+)
 def test_a_log_that_is_full_grows_and_the_run_goes_on(monkeypatch, compiling):
     system = random_system(3)
     roomy = bits_of(system, horizon(system, 8), compiling)
@@ -87,8 +105,11 @@ def test_a_variable_with_which_numba_does_not_start_is_named():
     """A long job goes on in plain Python."""
     code = "import rodimpact as ri; print(ri.warm())"
     done = subprocess.run(
-        [sys.executable, "-c", code], env={**os.environ, "NUMBA_NUM_THREADS": "0"},
-        capture_output=True, text=True, check=True,
+        [sys.executable, "-c", code],
+        env={**os.environ, "NUMBA_NUM_THREADS": "0"},
+        capture_output=True,
+        text=True,
+        check=True,
     )
     assert done.stdout == "0.0\n"
     assert "NoCompiler: nothing can be compiled: numba does not start: " in done.stderr
@@ -113,7 +134,10 @@ def fresh(monkeypatch):
 def kept_on_disk(monkeypatch, kept):
     """Let machine code of these kernels be on disk, and of no others."""
     monkeypatch.setattr(
-        kernels, "compiled", lambda kernel: SimpleNamespace(files=lambda: kernel in kept))
+        kernels,
+        "compiled",
+        lambda kernel: SimpleNamespace(files=lambda: kernel in kept),
+    )
 
 
 def spent_before_compiling(kernel, job=0.125):
@@ -169,12 +193,16 @@ def test_where_compiling_is_disabled_nothing_is(fresh):
 def test_without_numba_a_long_job_is_plain_and_the_user_is_told_once(fresh):
     fresh.setattr(kernels, "_fault", lambda: "numba is not installed")
     assert not kernels.worth_compiling(0.5, FOLLOW)
-    with pytest.warns(ri.NoCompiler, match="numba is not installed; long runs go in plain Python"):
+    with pytest.warns(
+        ri.NoCompiler, match="numba is not installed; long runs go in plain Python"
+    ):
         assert not kernels.worth_compiling(60.0, FOLLOW)
     assert not kernels.worth_compiling(60.0, FOLLOW)
     with kernels.forced(True):
         assert not kernels.worth_compiling(60.0, FOLLOW)
-    with pytest.warns(ri.NoCompiler, match="nothing can be compiled: numba is not installed"):
+    with pytest.warns(
+        ri.NoCompiler, match="nothing can be compiled: numba is not installed"
+    ):
         assert ri.warm() == 0.0
 
 
@@ -183,8 +211,13 @@ def asked_about():
     root, found = Path(ri.__file__).parents[1], set()
     for path in root.glob("rodimpact/**/*.py"):
         for node in ast.walk(ast.parse(path.read_text("utf-8"))):
-            if isinstance(node, ast.Call) and ast.unparse(node.func) == "kernels.worth_compiling":
-                asking = import_module(".".join(path.relative_to(root).with_suffix("").parts))
+            if (
+                isinstance(node, ast.Call)
+                and ast.unparse(node.func) == "kernels.worth_compiling"
+            ):
+                asking = import_module(
+                    ".".join(path.relative_to(root).with_suffix("").parts)
+                )
                 found.add(eval(ast.unparse(node.args[1]), vars(asking)))
     return found
 
@@ -193,8 +226,11 @@ def asked_about():
 def test_everything_that_may_run_compiled_is_warmed(monkeypatch):
     """`warm` meets every kernel that `worth_compiling` is asked about anywhere."""
     met = set()
-    monkeypatch.setattr(kernels, "worth_compiling",
-                        lambda seconds, kernel, ahead=0.0: bool(met.add(kernel)))
+    monkeypatch.setattr(
+        kernels,
+        "worth_compiling",
+        lambda seconds, kernel, ahead=0.0: bool(met.add(kernel)),
+    )
     monkeypatch.setattr(kernels, "why_not", lambda: "")
     ri.warm()
     assert {FOLLOW, PIECES} <= asked_about() <= met
@@ -246,13 +282,26 @@ os.waitpid(child, 0)
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
-@pytest.mark.parametrize("script", [
-    pytest.param(FORKS, id="compiling", marks=[pytest.mark.exhaustive, pytest.mark.skipif(
-        not kernels.enabled(), reason="compiling is disabled")]),
-    pytest.param(LOGS, id="logging"),
-])
+@pytest.mark.parametrize(
+    "script",
+    [
+        pytest.param(
+            FORKS,
+            id="compiling",
+            marks=[
+                pytest.mark.exhaustive,
+                pytest.mark.skipif(
+                    not kernels.enabled(), reason="compiling is disabled"
+                ),
+            ],
+        ),
+        pytest.param(LOGS, id="logging"),
+    ],
+)
 def test_a_child_forked_while_a_thread_compiles_ends(script, tmp_path):
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
     command = [sys.executable, "-W", "ignore", "-c", script]
-    done = subprocess.run(command, env=environment, timeout=240, capture_output=True, text=True)
+    done = subprocess.run(
+        command, env=environment, timeout=240, capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stderr

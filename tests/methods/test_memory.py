@@ -23,10 +23,12 @@ PAIR = ri.System([rod(velocity=1.0), rod()], contacts=[HERTZ])
 ROWS = {
     "pair": PAIR,
     "between walls": ri.System(
-        [ri.Wall(), rod(velocity=1.0), ri.Wall()], contacts=[HERTZ, HERTZ]),
+        [ri.Wall(), rod(velocity=1.0), ri.Wall()], contacts=[HERTZ, HERTZ]
+    ),
     "row": ri.System([rod(velocity=1.0), *[rod()] * 4], contacts=[HERTZ] * 4),
     "chain of masses": ri.System(
-        [rod(velocity=1.0), *[ri.RigidMass(0.1)] * 6, rod()], contacts=[HERTZ] * 7),
+        [rod(velocity=1.0), *[ri.RigidMass(0.1)] * 6, rod()], contacts=[HERTZ] * 7
+    ),
 }
 
 
@@ -42,17 +44,23 @@ def peak_of(system, **options):
         tracemalloc.stop()
 
 
-@pytest.mark.skipif(not kernels.enabled(), reason="plain Python takes long for so many steps")
+@pytest.mark.skipif(
+    not kernels.enabled(), reason="plain Python takes long for so many steps"
+)
 @pytest.mark.parametrize("name", few_of(ROWS, {"pair", "row"}))
 def test_the_estimate_bounds_what_is_taken(monkeypatch, name):
-    pytest.importorskip("numba")  # plain Python, which short jobs run, has lists beside arrays
+    pytest.importorskip(
+        "numba"
+    )  # plain Python, which short jobs run, has lists beside arrays
     asked, options = [], {"method": "finite-difference", "cells": 40, "until": 0.06}
     monkeypatch.setattr(memory, "MOST_BYTES", np.inf)
     monkeypatch.setattr(memory, "SHARE", np.inf)
     with kernels.forced(True):
         peak_of(PAIR, **options | {"until": 1e-3})  # with what is made once
-    monkeypatch.setattr("rodimpact.methods.grid.run.ask",
-                        lambda numbers, *rest: asked.append(8 * numbers))
+    monkeypatch.setattr(
+        "rodimpact.methods.grid.run.ask",
+        lambda numbers, *rest: asked.append(8 * numbers),
+    )
     with kernels.forced(True):
         peak = peak_of(ROWS[name], **options)
     assert peak <= max(asked) + 1e6
@@ -60,11 +68,14 @@ def test_the_estimate_bounds_what_is_taken(monkeypatch, name):
 
 
 @pytest.mark.parametrize(
-    ("until", "snapshots"), [(1.0, 10**15), (1.0, np.linspace(0, 1, 500_000))])
+    ("until", "snapshots"), [(1.0, 10**15), (1.0, np.linspace(0, 1, 500_000))]
+)
 def test_what_is_too_much_is_refused_with_figure_and_remedy(until, snapshots):
     tracemalloc.start()
     try:
-        with pytest.raises(memory.TooLong, match=r"snapshots: .*needs .* GB of memory, .* GB; "):
+        with pytest.raises(
+            memory.TooLong, match=r"snapshots: .*needs .* GB of memory, .* GB; "
+        ):
             ri.solve(PAIR, until, "finite-difference", cells=100, snapshots=snapshots)
         assert tracemalloc.get_traced_memory()[1] < 1e8
     finally:
@@ -80,18 +91,27 @@ def test_an_end_beyond_the_clock_is_refused_with_figure_and_remedy(until):
 def test_a_small_machine_allows_a_quarter_of_its_memory(monkeypatch):
     monkeypatch.setattr(memory, "installed", lambda: 4e6)
     memory.ask(125_000, "until", "this", "do less")
-    with pytest.raises(memory.TooLong, match=r"until: this needs .* GB.* 0\.001 GB; do less"):
+    with pytest.raises(
+        memory.TooLong, match=r"until: this needs .* GB.* 0\.001 GB; do less"
+    ):
         memory.ask(125_001, "until", "this", "do less")
 
 
-@pytest.mark.parametrize("run", [
-    lambda system: ri.solve(system, max_events=10**15),
-    lambda system: ri.sweep(system, max_events=10**15),
-])
+@pytest.mark.parametrize(
+    "run",
+    [
+        lambda system: ri.solve(system, max_events=10**15),
+        lambda system: ri.sweep(system, max_events=10**15),
+    ],
+)
 def test_fronts_that_multiply_for_ever_are_refused(monkeypatch, run):
-    monkeypatch.setattr(memory, "MOST_BYTES", 8.0 * driver.LIST_NUMBERS * driver.ROOM * 8)
+    monkeypatch.setattr(
+        memory, "MOST_BYTES", 8.0 * driver.LIST_NUMBERS * driver.ROOM * 8
+    )
     walls = [ri.Wall(), rod(velocity=1.0), rod(0.3781), rod(0.271), ri.Wall()]
-    with pytest.raises(memory.TooLong, match=r"max_events: .* needs .* GB .*; lower the cap"):
+    with pytest.raises(
+        memory.TooLong, match=r"max_events: .* needs .* GB .*; lower the cap"
+    ):
         run(ri.System(walls))
 
 
@@ -104,7 +124,9 @@ def test_many_steps_on_the_grid_keep_every_velocity_of_a_mass():
 
 
 def test_threads_that_take_more_than_their_share_go_one_after_the_other(monkeypatch):
-    monkeypatch.setattr(memory, "installed", lambda: 4 * 8 * 400.0)  # numbers: 400, of 4 threads
+    monkeypatch.setattr(
+        memory, "installed", lambda: 4 * 8 * 400.0
+    )  # numbers: 400, of 4 threads
     together, at_work, most = threading.Barrier(4, timeout=20), [], []
 
     def work(number):
@@ -127,7 +149,9 @@ def test_threads_that_take_more_than_their_share_go_one_after_the_other(monkeypa
 def test_a_sweep_takes_no_more_memory_with_more_threads(monkeypatch):
     """Members are as without threads, though each is larger than a thread's share."""
     even = ri.Samples([1.0, 1.0])
-    family = ri.System([rod(np.linspace(0.3, 0.5, 20), velocity=even), rod()], contacts=[HERTZ])
+    family = ri.System(
+        [rod(np.linspace(0.3, 0.5, 20), velocity=even), rod()], contacts=[HERTZ]
+    )
     alone = ri.sweep(family, "finite-difference", cells=200, workers=1)
     share, solution, turns = memory.share, sweeping.Solution, []
     monkeypatch.setattr(memory, "share", lambda threads: share(10**9 * threads))

@@ -22,12 +22,23 @@ def mesh_of(row, counts, contacts=None, gaps=None, **options):
     [({"viscosity": 1e9}, None, "material.viscosity"), ({}, 1e9, "lateral_inertia")],
 )
 def test_cells_that_hardly_move_are_refused(options, polar, field):
-    stuff = ri.Material("m", youngs_modulus=1.0, density=1.0, poisson_ratio=0.3, **options)
-    pieces = [ri.Segment(1.0, 1.0, UNIT), ri.Segment(1.0, 1.0, stuff, polar_moment=polar,
-                                                       lateral_inertia=polar and "rayleigh-love")]
+    stuff = ri.Material(
+        "m", youngs_modulus=1.0, density=1.0, poisson_ratio=0.3, **options
+    )
+    pieces = [
+        ri.Segment(1.0, 1.0, UNIT),
+        ri.Segment(
+            1.0,
+            1.0,
+            stuff,
+            polar_moment=polar,
+            lateral_inertia=polar and "rayleigh-love",
+        ),
+    ]
     row = [unit_rod(), ri.Rod(segments=pieces)]
     assert refused("round-off hides the motion", mesh_of, row, [3, 3, 30]) == [
-        f"bodies.1.segments.1.{field}"]
+        f"bodies.1.segments.1.{field}"
+    ]
     mesh_of([ri.Rod(segments=pieces)], [3, 1])
 
 
@@ -39,7 +50,9 @@ def test_the_mesh_that_wastes_least():
     assert 100 <= counts[0] < 200
     assert courant.max() == pytest.approx(0.999, rel=1e-12)
     assert courant.min() >= 0.997
-    counts, _ = _mesh_size(Row(ri.System([unit_rod(), unit_rod(0.02)])), None, None, None)
+    counts, _ = _mesh_size(
+        Row(ri.System([unit_rod(), unit_rod(0.02)])), None, None, None
+    )
     assert min(counts) >= 8
 
 
@@ -47,4 +60,6 @@ def test_the_scale_of_velocities_is_that_of_the_mirror_image():
     """Each end's force counts once, over the least impedance."""
     ends = ri.Pushed(3.0), ri.Pushed(ri.Steps([1.0, -2.0], [1.0]))
     row = ri.System([unit_rod(area=0.5, velocity=0.25), unit_rod()], ends=ends)
-    assert Row(row).scale == Row(row.mirrored()).scale == pytest.approx(0.25 + 3.0 / 0.5)
+    assert (
+        Row(row).scale == Row(row.mirrored()).scale == pytest.approx(0.25 + 3.0 / 0.5)
+    )

@@ -17,8 +17,10 @@ LAWS = {
     "spring": (lambda d, _: 1e8 * d, ri.Spring(1e8)),
     "hertz": (lambda d, _: 1e10 * d**1.5, ri.Hertz(1e10)),
     "dashpot": (lambda d, rate: 1e8 * d + 500.0 * rate, ri.SpringDashpot(1e8, 500.0)),
-    "hunt-crossley": (lambda d, rate: 1e10 * d**1.5 * (1 + 0.3 * rate),
-                      ri.HuntCrossley(1e10, damping=0.3)),
+    "hunt-crossley": (
+        lambda d, rate: 1e10 * d**1.5 * (1 + 0.3 * rate),
+        ri.HuntCrossley(1e10, damping=0.3),
+    ),
 }
 
 
@@ -42,7 +44,9 @@ def test_a_law_of_ones_own_is_that_of_the_package(name):
     for own, same in zip(rows(ri.Law(function)), rows(law), strict=True):
         a, b = (ri.solve(row, 1e-3) for row in (own, same))
         assert a.method == "characteristics"
-        assert a.outcome.velocities_after == pytest.approx(b.outcome.velocities_after, abs=1e-10)
+        assert a.outcome.velocities_after == pytest.approx(
+            b.outcome.velocities_after, abs=1e-10
+        )
         for one, other in zip(a.outcome.contacts, b.outcome.contacts, strict=True):
             assert one.impulse == pytest.approx(other.impulse, rel=1e-10)
             assert one.peak_force == pytest.approx(other.peak_force, rel=1e-9)
@@ -50,7 +54,9 @@ def test_a_law_of_ones_own_is_that_of_the_package(name):
 
 
 def test_energy_that_is_stored_is_the_integral_of_the_force():
-    assert ri.Law(power).stored([0.0, 1e-4]) == pytest.approx(ri.Hertz(1e10).stored([0.0, 1e-4]))
+    assert ri.Law(power).stored([0.0, 1e-4]) == pytest.approx(
+        ri.Hertz(1e10).stored([0.0, 1e-4])
+    )
 
 
 def test_a_contact_does_not_pull_where_the_force_is_negative():
@@ -62,10 +68,13 @@ def test_a_contact_does_not_pull_where_the_force_is_negative():
 
 def test_members_of_a_family_are_single_runs():
     row = rows(ri.Law(power))[0]
-    family = row.replace(bodies=[row.bodies[0].replace(velocity=np.array([1.0, 3.0])), BAR])
+    family = row.replace(
+        bodies=[row.bodies[0].replace(velocity=np.array([1.0, 3.0])), BAR]
+    )
     result = ri.sweep(family)
     assert result.restitution.tolist() == [
-        ri.solve(family[i]).outcome.restitution for i in range(2)]
+        ri.solve(family[i]).outcome.restitution for i in range(2)
+    ]
 
 
 @pytest.fixture
@@ -74,15 +83,22 @@ def own():
     if kernels.why_not():
         pytest.skip("there is no compiler")
     numba = pytest.importorskip("numba")
-    return (3, numba.njit(power)), (5, numba.njit(lambda d, rate: 2e8 * d + 100.0 * rate))
+    return (3, numba.njit(power)), (
+        5,
+        numba.njit(lambda d, rate: 2e8 * d + 100.0 * rate),
+    )
 
 
 def test_compiled_and_plain_kernels_call_the_function_of_a_link(own):
     links = np.zeros(2, LINK)
     links["law"], links["function"] = laws.Law.OWN, [3, 5]
     links["mobility"], links["near"], links["near_rate"] = 1e-3, 1e-9, 1e-6
-    fast, plain = (make(laws.force, own) for make in (compiling.compiled, compiling.interpreted))
-    for link, object_, (_, function) in zip(links, compiling.as_objects(links), own, strict=True):
+    fast, plain = (
+        make(laws.force, own) for make in (compiling.compiled, compiling.interpreted)
+    )
+    for link, object_, (_, function) in zip(
+        links, compiling.as_objects(links), own, strict=True
+    ):
         for d, closing in ((1e-5, 1.0), (2e-4, -0.3)):
             F, *slopes = fast(link, d, closing)
             assert (F, *slopes) == plain(object_, d, closing)
@@ -91,18 +107,25 @@ def test_compiled_and_plain_kernels_call_the_function_of_a_link(own):
 
 @pytest.mark.exhaustive
 def test_what_numba_has_compiled_runs_compiled(own):
-    mass, given = ri.RigidMass(0.1, velocity=1.0), [ri.Law(function) for _, function in own]
+    mass, given = (
+        ri.RigidMass(0.1, velocity=1.0),
+        [ri.Law(function) for _, function in own],
+    )
     row = ri.System([mass, BAR, ri.RigidMass(0.2)], contacts=given)
     plain = ri.solve(row, 1e-3).outcome
     with kernels.forced(True):
         assert ri.solve(row, 1e-3).outcome.velocities_after == plain.velocities_after
 
 
-@pytest.mark.parametrize(("force", "said"), [
-    (3, "must be a function"), (lambda d: d, "fails at d = 0 m"),
-    (lambda d, rate: 1.0, "must be 0 at d = 0 m"),
-    (lambda d, rate: d / 0.0 if d else 0.0, "ZeroDivisionError"),
-])
+@pytest.mark.parametrize(
+    ("force", "said"),
+    [
+        (3, "must be a function"),
+        (lambda d: d, "fails at d = 0 m"),
+        (lambda d, rate: 1.0, "must be 0 at d = 0 m"),
+        (lambda d, rate: d / 0.0 if d else 0.0, "ZeroDivisionError"),
+    ],
+)
 def test_what_is_no_law(force, said):
     with pytest.raises(ri.InvalidModel, match=said):
         ri.Law(force)
@@ -111,7 +134,9 @@ def test_what_is_no_law(force, said):
 def test_only_characteristics_have_it_and_no_file_keeps_it(tmp_path):
     row = rows(ri.Law(power))[0]
     for method in ("fronts", "finite-difference"):
-        with pytest.raises(ri.InvalidModel, match=r"contacts\.0\.law: .* Python function"):
+        with pytest.raises(
+            ri.InvalidModel, match=r"contacts\.0\.law: .* Python function"
+        ):
             ri.solve(row, method=method)
     with pytest.raises(ri.InvalidModel, match="cannot be kept in a file"):
         ri.solve(row).save(tmp_path / "run.npz")

@@ -10,7 +10,16 @@ from numpy.polynomial import chebyshev, legendre
 from rodimpact.methods import compiling
 from rodimpact.methods.laws import Law, Status
 from rodimpact.methods.pieces import laws, lines, nodes, series, waves
-from rodimpact.methods.pieces.records import HARD, LINE, LINK, NODE, NONE, PIECE, RUN, SMOOTH
+from rodimpact.methods.pieces.records import (
+    HARD,
+    LINE,
+    LINK,
+    NODE,
+    NONE,
+    PIECE,
+    RUN,
+    SMOOTH,
+)
 from rodimpact.methods.pieces.series import POINTS, N
 from rodimpact.methods.signals import Pieces
 
@@ -41,7 +50,8 @@ def test_integrals_are_exact_to_the_degree_of_radau(degree):
 def test_the_tail_is_that_of_the_last_two_coefficients():
     c = drawn(5)
     assert series.tail(chebyshev.chebval(X, c).tolist()) == pytest.approx(
-        abs(c[-2]) + abs(c[-1]), abs=1e-12)
+        abs(c[-2]) + abs(c[-1]), abs=1e-12
+    )
 
 
 @pytest.mark.parametrize("y", [-0.9, 0.1, 1.0])
@@ -49,7 +59,9 @@ def test_a_part_of_a_piece_is_the_same_polynomial(y):
     c = drawn(6)
     f = chebyshev.chebval(X, c).tolist()
     series.restrict(f, y, [0.0] * POINTS)
-    assert f == pytest.approx(chebyshev.chebval((y + 1) * (X + 1) / 2 - 1, c), abs=1e-13)
+    assert f == pytest.approx(
+        chebyshev.chebval((y + 1) * (X + 1) / 2 - 1, c), abs=1e-13
+    )
 
 
 @pytest.mark.parametrize("root", [-0.999, -0.2, 0.6180339887498949, 1.0])
@@ -77,15 +89,19 @@ def test_elimination_with_bands(n, band):
     A, b = rng.normal(size=(n, n)) * near, rng.normal(size=n)
     G = np.column_stack((A, b)).tolist()
     series.eliminate(G, n, band)
-    assert [row[n] for row in G] == pytest.approx(np.linalg.solve(A, b), rel=1e-9, abs=1e-9)
+    assert [row[n] for row in G] == pytest.approx(
+        np.linalg.solve(A, b), rel=1e-9, abs=1e-9
+    )
 
 
 def test_what_stands_for_dense_breaks_is_the_nearest_parabola():
     found = np.exp(X).tolist()
     series.flatten(found)
     nodes, weights = legendre.leggauss(20)
-    exact = [(2 * k + 1) / 2 * weights @ (np.exp(nodes) * legendre.Legendre.basis(k)(nodes))
-             for k in range(3)]
+    exact = [
+        (2 * k + 1) / 2 * weights @ (np.exp(nodes) * legendre.Legendre.basis(k)(nodes))
+        for k in range(3)
+    ]
     assert found == pytest.approx(legendre.legval(X, exact), abs=1e-9)
     assert max(abs(np.exp(X) - found)) > 1e-3  # of degree 2 alone
 
@@ -96,8 +112,16 @@ def test_what_stands_for_dense_breaks_is_the_nearest_parabola():
 def stock(*pieces, delay=0, room=4, **run):
     """Run, lines and log with one line that holds these pieces: (start, stop, order, series)."""
     run = one(RUN, tolerance=1e-8, shortest=1000, **run)
-    line = [one(LINE, delay=delay, first=0, head=0, tail=len(pieces) - 1,
-                hard=sum(order <= HARD for _, _, order, _ in pieces[1:]))]
+    line = [
+        one(
+            LINE,
+            delay=delay,
+            first=0,
+            head=0,
+            tail=len(pieces) - 1,
+            hard=sum(order <= HARD for _, _, order, _ in pieces[1:]),
+        )
+    ]
     log = compiling.as_objects(np.zeros(len(pieces) + room, PIECE))
     for i, (start, stop, order, c) in enumerate(pieces):
         it = log[i]
@@ -109,8 +133,11 @@ def stock(*pieces, delay=0, room=4, **run):
     return run, line, log
 
 
-PIECES = [(-1000, -400, SMOOTH, [1.0, 0.5, 0.25]), (-400, 100, 0, [3.0]),
-          (100, 1000, 1, [0.2, -1.0, 0.3, 0.1])]
+PIECES = [
+    (-1000, -400, SMOOTH, [1.0, 0.5, 0.25]),
+    (-400, 100, 0, [3.0]),
+    (100, 1000, 1, [0.2, -1.0, 0.3, 0.1]),
+]
 
 
 def arriving(t, delay, before=False):
@@ -120,7 +147,9 @@ def arriving(t, delay, before=False):
     return chebyshev.chebval(2 * (t - delay - start) / (stop - start) - 1, c)
 
 
-@pytest.mark.parametrize(("tick", "ticks"), [(0, 300), (0, 600), (350, 700), (1100, 900)])
+@pytest.mark.parametrize(
+    ("tick", "ticks"), [(0, 300), (0, 600), (350, 700), (1100, 900)]
+)
 def test_what_left_arrives_a_delay_later(tick, ticks):
     _, line, log = stock(*PIECES, delay=1000)
     f = [0.0] * POINTS
@@ -148,13 +177,17 @@ def test_breaks_of_a_line_in_their_order():
     assert (line[0].head, line[0].hard) == (2, 0)
 
 
-@pytest.mark.parametrize(("tick", "ticks"), [(0, 2000), (500, 300), (550, 700), (1400, 64)])
+@pytest.mark.parametrize(
+    ("tick", "ticks"), [(0, 2000), (500, 300), (550, 700), (1400, 64)]
+)
 def test_dense_breaks_keep_their_momentum_and_gain_no_energy(tick, ticks):
     _, line, log = stock(*PIECES, delay=1000)
     f = [0.0] * POINTS
     lines.move_on(line, log, 0, tick)
     lines.project(line, log, 0, tick, ticks, f)
-    edges = sorted({tick, tick + ticks, *(e for e in (600, 1100) if tick < e < tick + ticks)})
+    edges = sorted(
+        {tick, tick + ticks, *(e for e in (600, 1100) if tick < e < tick + ticks)}
+    )
     nodes, weights = legendre.leggauss(12)
     t = np.concatenate([a + (b - a) * (nodes + 1) / 2 for a, b in pairwise(edges)])
     w = np.concatenate([(b - a) / 2 * weights for a, b in pairwise(edges)])
@@ -163,32 +196,45 @@ def test_dense_breaks_keep_their_momentum_and_gain_no_energy(tick, ticks):
     energy = ticks / 2 * series.integral([v * v for v in f])
     assert kept == pytest.approx(w @ came, rel=1e-12)
     assert energy <= w @ came**2 * (1 + 1e-12)
-    moment = ticks / 2 * series.integral([v * y for v, y in zip(f, series.X, strict=True)])
+    moment = (
+        ticks / 2 * series.integral([v * y for v, y in zip(f, series.X, strict=True)])
+    )
     assert moment == pytest.approx(w @ (came * (2 * (t - tick) / ticks - 1)), rel=1e-11)
 
 
 def test_what_is_constant_stays_one_piece():
     run, line, log = stock((0, 100, SMOOTH, [2.0]))
-    assert lines.append(run, line, log, 0, 100, 50, [2.0] * POINTS, [0.0] * POINTS) == NONE
+    assert (
+        lines.append(run, line, log, 0, 100, 50, [2.0] * POINTS, [0.0] * POINTS) == NONE
+    )
     assert (run.pieces, log[0].stop) == (1, 150)
     assert lines.append(run, line, log, 0, 150, 50, [3.0] * POINTS, [0.0] * POINTS) == 1
     assert (run.pieces, log[1].degree, log[0].after, line[0].tail) == (2, 0, 1, 1)
 
 
-@pytest.mark.parametrize(("jump", "slope", "bend", "order", "sent"), [
-    (1e-3, 0.0, 0.0, 0, 0),
-    (1e-3, 0.0, 0.0, SMOOTH, SMOOTH),  # theory says that nothing jumps
-    (1e-13, 1e-2, 0.0, 0, 1),  # a jump of round-off
-    (0.0, 1e-2, 0.0, 1, 1),
-    (0.0, 0.0, 1e-2, 1, 1),
-    (0.0, 1e-9, 0.0, 1, SMOOTH),  # below tolerance
-    (0.0, 0.0, 0.0, 0, SMOOTH),
-])
-def test_a_break_is_hard_where_what_jumps_is_above_tolerance(jump, slope, bend, order, sent):
+@pytest.mark.parametrize(
+    ("jump", "slope", "bend", "order", "sent"),
+    [
+        (1e-3, 0.0, 0.0, 0, 0),
+        (1e-3, 0.0, 0.0, SMOOTH, SMOOTH),  # theory says that nothing jumps
+        (1e-13, 1e-2, 0.0, 0, 1),  # a jump of round-off
+        (0.0, 1e-2, 0.0, 1, 1),
+        (0.0, 0.0, 1e-2, 1, 1),
+        (0.0, 1e-9, 0.0, 1, SMOOTH),  # below tolerance
+        (0.0, 0.0, 0.0, 0, SMOOTH),
+    ],
+)
+def test_a_break_is_hard_where_what_jumps_is_above_tolerance(
+    jump, slope, bend, order, sent
+):
     """Slope and bend over the shortest transit, 1000 ticks; pieces of 1000 and 500."""
-    run, line, log = stock((0, 1000, SMOOTH, chebyshev.poly2cheb([0.5, 0.3, 0.1]).tolist()))
+    run, line, log = stock(
+        (0, 1000, SMOOTH, chebyshev.poly2cheb([0.5, 0.3, 0.1]).tolist())
+    )
     u = (X + 1) / 4  # transits since the break
-    f = 0.9 + jump + (2 * 0.5 + slope) * u + (4 * 0.1 + bend) * u**2  # y = 1 + 2 u before
+    f = (
+        0.9 + jump + (2 * 0.5 + slope) * u + (4 * 0.1 + bend) * u**2
+    )  # y = 1 + 2 u before
     at = one(NODE, now=1000, leaving=f.tolist())
     lines.send(run, line, log, 0, at, 500, order)
     assert (log[1].order, line[0].hard) == (sent, int(sent <= HARD))
@@ -207,13 +253,24 @@ def test_what_a_free_end_sends_back_first_may_jump(sent, order):
 
 
 def test_a_wave_with_a_jump_and_a_kink_becomes_pieces_either_way():
-    signal = Pieces.lines([0, 300, 700], np.array([1.0, 3.0, 2.0]), np.array([1.0, 2.0, 4.0]), 1000)
+    signal = Pieces.lines(
+        [0, 300, 700], np.array([1.0, 3.0, 2.0]), np.array([1.0, 2.0, 4.0]), 1000
+    )
     made, missed = waves.in_pieces(signal, 0, 1000, 1e-9)
     assert missed == 0
     back = waves.backwards(made)
-    assert (made["start"].tolist(), made["order"].tolist()) == ([0, 300, 700], [SMOOTH, 0, 1])
-    assert (back["start"].tolist(), back["order"].tolist()) == ([-1000, -700, -300], [SMOOTH, 1, 0])
-    assert (made["stop"].tolist(), back["stop"].tolist()) == ([300, 700, 1000], [-700, -300, 0])
+    assert (made["start"].tolist(), made["order"].tolist()) == (
+        [0, 300, 700],
+        [SMOOTH, 0, 1],
+    )
+    assert (back["start"].tolist(), back["order"].tolist()) == (
+        [-1000, -700, -300],
+        [SMOOTH, 1, 0],
+    )
+    assert (made["stop"].tolist(), back["stop"].tolist()) == (
+        [300, 700, 1000],
+        [-700, -300, 0],
+    )
     for fit, ends in ((made, [1, 1, 3, 2, 2, 4]), (back, [4, 2, 2, 3, 1, 1])):
         found = [chebyshev.chebval(y, c) for c in fit["coefficient"] for y in (-1, 1)]
         assert found == pytest.approx(ends, abs=1e-12)
@@ -226,16 +283,28 @@ LAWS = {
     "bond": {"law": Law.BOND, "status": Status.BOND},
     "spring": {"law": Law.SPRING, "stiffness": 7.0},
     "dashpot": {"law": Law.SPRING, "stiffness": 7.0, "damping": 0.6},
-    "joint": {"law": Law.JOINT, "stiffness": 7.0, "damping": 0.6, "status": Status.BOND},
+    "joint": {
+        "law": Law.JOINT,
+        "stiffness": 7.0,
+        "damping": 0.6,
+        "status": Status.BOND,
+    },
     "Hertz": {"law": Law.POWER, "stiffness": 7.0, "exponent": 1.5},
     "power": {"law": Law.POWER, "stiffness": 7.0, "exponent": 2.3},
-    "Hunt-Crossley": {"law": Law.POWER, "stiffness": 7.0, "exponent": 1.5, "damping": 0.6},
+    "Hunt-Crossley": {
+        "law": Law.POWER,
+        "stiffness": 7.0,
+        "exponent": 1.5,
+        "damping": 0.6,
+    },
 }
 
 
 @pytest.mark.parametrize("name", LAWS)
 def test_a_force_satisfies_its_law_and_has_these_derivatives(name):
-    it = one(LINK, **{"mobility": 0.8, "exponent": 1.0, "status": Status.PRESS, **LAWS[name]})
+    it = one(
+        LINK, **{"mobility": 0.8, "exponent": 1.0, "status": Status.PRESS, **LAWS[name]}
+    )
     d, closing, small = 0.3, 1.7, 1e-6
     F, by_d, by_closing = laws.force(it, d, closing)
     rate = closing - it.mobility * F
@@ -246,32 +315,58 @@ def test_a_force_satisfies_its_law_and_has_these_derivatives(name):
     else:
         assert pytest.approx(F) == 7.0 * d + it.damping * rate
     around = [laws.force(it, d + i * small, closing)[0] for i in (-1, 1)]
-    assert by_d == pytest.approx((around[1] - around[0]) / (2 * small), rel=1e-7, abs=1e-9)
+    assert by_d == pytest.approx(
+        (around[1] - around[0]) / (2 * small), rel=1e-7, abs=1e-9
+    )
     around = [laws.force(it, d, closing + i * small)[0] for i in (-1, 1)]
-    assert by_closing == pytest.approx((around[1] - around[0]) / (2 * small), rel=1e-7, abs=1e-9)
+    assert by_closing == pytest.approx(
+        (around[1] - around[0]) / (2 * small), rel=1e-7, abs=1e-9
+    )
 
 
-@pytest.mark.parametrize(("law", "status", "d", "closing", "to"), [
-    (Law.SPRING, Status.OPEN, 1e-3, 1.0, Status.PRESS),
-    (Law.SPRING, Status.PRESS, -1e-3, 1.0, Status.OPEN),
-    (Law.RIGID, Status.PRESS, 0.0, -1.0, Status.OPEN),
-    (Law.YIELD, Status.PRESS, 0.25, 1.0, Status.PLASTIC),
-    (Law.YIELD, Status.PLASTIC, 0.5, -1.0, Status.PRESS),
-    (Law.YIELD, Status.PLASTIC, 1.0, 5.0, Status.PLASTIC),  # at a knot of its table
-    (Law.POWER, Status.PRESS, 0.5, -9.0, Status.GRAZE),
-    (Law.POWER, Status.GRAZE, 0.5, 9.0, Status.PRESS),
-    (Law.POWER, Status.GRAZE, -0.5, -9.0, Status.OPEN),
-])
+@pytest.mark.parametrize(
+    ("law", "status", "d", "closing", "to"),
+    [
+        (Law.SPRING, Status.OPEN, 1e-3, 1.0, Status.PRESS),
+        (Law.SPRING, Status.PRESS, -1e-3, 1.0, Status.OPEN),
+        (Law.RIGID, Status.PRESS, 0.0, -1.0, Status.OPEN),
+        (Law.YIELD, Status.PRESS, 0.25, 1.0, Status.PLASTIC),
+        (Law.YIELD, Status.PLASTIC, 0.5, -1.0, Status.PRESS),
+        (Law.YIELD, Status.PLASTIC, 1.0, 5.0, Status.PLASTIC),  # at a knot of its table
+        (Law.POWER, Status.PRESS, 0.5, -9.0, Status.GRAZE),
+        (Law.POWER, Status.GRAZE, 0.5, 9.0, Status.PRESS),
+        (Law.POWER, Status.GRAZE, -0.5, -9.0, Status.OPEN),
+    ],
+)
 def test_what_ends_a_status(law, status, d, closing, to):
-    it = one(LINK, law=law, status=status, stiffness=10.0, exponent=1.0, strength=2.0,
-             mobility=0.1, damping=0.5 if law == Law.POWER else 0.0)
+    it = one(
+        LINK,
+        law=law,
+        status=status,
+        stiffness=10.0,
+        exponent=1.0,
+        strength=2.0,
+        mobility=0.1,
+        damping=0.5 if law == Law.POWER else 0.0,
+    )
     it.knots[0] = 9.0
-    F = laws.force(it, d, closing)[0] if status in (Status.PRESS, Status.PLASTIC) else 0.0
-    ended = [after for g, after in (laws.guard(it, i, d, closing, F, 1.0, 1.0)
-                                    for i in range(laws.guards(it))) if g < 0]
+    F = (
+        laws.force(it, d, closing)[0]
+        if status in (Status.PRESS, Status.PLASTIC)
+        else 0.0
+    )
+    ended = [
+        after
+        for g, after in (
+            laws.guard(it, i, d, closing, F, 1.0, 1.0) for i in range(laws.guards(it))
+        )
+        if g < 0
+    ]
     assert ended == [to]
-    assert all(math.isfinite(laws.guard(it, i, d, closing, F, 1.0, 1.0)[0])
-               for i in range(laws.guards(it)))
+    assert all(
+        math.isfinite(laws.guard(it, i, d, closing, F, 1.0, 1.0)[0])
+        for i in range(laws.guards(it))
+    )
 
 
 @pytest.mark.parametrize(("law", "side"), [(Law.PUSH_LEFT, 0), (Law.PUSH_RIGHT, 1)])
@@ -281,6 +376,8 @@ def test_a_force_that_pushes_an_end_is_as_rough_as_the_velocity_it_makes(law, si
     it = one(LINK, law=law, ease=0.03)
     at = one(NODE, links=1)
     at.incoming[side] = forces
-    assert nodes.roughness([it], [], at) == pytest.approx(2 * 0.03 * series.tail(forces))
+    assert nodes.roughness([it], [], at) == pytest.approx(
+        2 * 0.03 * series.tail(forces)
+    )
     it.law = Law.RIGID
     assert nodes.roughness([it], [], at) == series.tail(forces)

@@ -42,16 +42,24 @@ def leaving(kind, far, profile, t, Z):
     behind = gravity_of(far) * (kind is ri.Moved)
     sent = {ri.Moved: 2.0, ri.Pushed: 2 / Z, ri.Incoming: -2.0}[kind]
     echo = ECHO[far] * {ri.Moved: -1, ri.Pushed: 1, ri.Incoming: 0}[kind]
-    return sum(sent * echo**n * (value(profile, t - 2 * n) - behind * np.maximum(t - 2 * n, 0))
-               for n in range(3))
+    return sum(
+        sent * echo**n * (value(profile, t - 2 * n) - behind * np.maximum(t - 2 * n, 0))
+        for n in range(3)
+    )
 
 
 def sine(periods):
     return lambda t: 0.3 + np.sin(2 * math.pi * periods * t + 0.4)
 
 
-PROFILES = {"number": 0.7, "steps": STEPS, "samples": SAMPLES, "slow": sine(0.05),
-            "even": sine(1.0), "quick": sine(10.0)}
+PROFILES = {
+    "number": 0.7,
+    "steps": STEPS,
+    "samples": SAMPLES,
+    "slow": sine(0.05),
+    "even": sine(1.0),
+    "quick": sine(10.0),
+}
 
 
 CASES = list(product(PROFILES, [ri.Moved, ri.Pushed, ri.Incoming], [ri.Free, ri.Fixed]))
@@ -65,8 +73,11 @@ def test_a_driven_rod_moves_as_dalembert_says(case):
     name, kind, far = case
     profile, Z = PROFILES[name], 2.0
     end = kind(profile, duration=UNTIL) if callable(profile) else kind(profile)
-    s = ri.solve(ri.System([unit_rod(1.0, Z)], gravity=gravity_of(far), ends=[end, far()]),
-                 UNTIL, "characteristics")
+    s = ri.solve(
+        ri.System([unit_rod(1.0, Z)], gravity=gravity_of(far), ends=[end, far()]),
+        UNTIL,
+        "characteristics",
+    )
     rng = np.random.default_rng(1)
     x, t = rng.uniform(0, 1, 200), rng.uniform(0, UNTIL, 200)
     away = leaving(kind, far, profile, t - x, Z)
@@ -76,7 +87,9 @@ def test_a_driven_rod_moves_as_dalembert_says(case):
     assert stated <= 1e-7
     v = (away + back) / 2 + gravity_of(far) * t
     assert s.velocity(0, x, t) == pytest.approx(v, abs=(stated + 1e-12) * size)
-    assert s.strain(0, x, t) == pytest.approx((back - away) / 2, abs=(stated + 1e-12) * size)
+    assert s.strain(0, x, t) == pytest.approx(
+        (back - away) / 2, abs=(stated + 1e-12) * size
+    )
     assert abs(s.outcome.momentum_residual) <= 1e-9 * size
     assert abs(s.energy(UNTIL).residual) <= 1e-8 * size**2
 
@@ -85,8 +98,14 @@ def test_a_driven_rod_moves_as_dalembert_says(case):
 def test_a_driven_rod_presses_a_spring(name):
     """What arrives, u = 2 f, drives d' = u - F/Z - F/Z of two endless bars: F is u low-passed."""
     profile, k, Z = PROFILES[name], 5.0, 2.0
-    end = ri.Incoming(profile, duration=UNTIL) if callable(profile) else ri.Incoming(profile)
-    system = ri.System([unit_rod(1.0, Z)] * 2, contacts=[ri.Joint(k)], ends=[end, ri.Absorbing()])
+    end = (
+        ri.Incoming(profile, duration=UNTIL)
+        if callable(profile)
+        else ri.Incoming(profile)
+    )
+    system = ri.System(
+        [unit_rod(1.0, Z)] * 2, contacts=[ri.Joint(k)], ends=[end, ri.Absorbing()]
+    )
     s = ri.solve(system, UNTIL)
     n = 400_000
     t = np.linspace(0, UNTIL - 1, n + 1)

@@ -17,20 +17,27 @@ from rodimpact.methods.row import Row
 
 def stepped(rng, velocity, n=3):
     lengths, areas = rng.integers(2, 9, n) / 8, rng.uniform(0.3, 3, n)
-    segments = [ri.Segment(float(L), float(A), unit_rod().segments[0].material)
-                for L, A in zip(lengths, areas, strict=True)]
+    segments = [
+        ri.Segment(float(L), float(A), unit_rod().segments[0].material)
+        for L, A in zip(lengths, areas, strict=True)
+    ]
     total = float(lengths.sum())
     at = [float(x) * total for x in (0.3, 0.6)]
     swing = ri.Steps((velocity + rng.uniform(-1, 1, 3)).tolist(), at)
-    return ri.Rod(segments=segments, velocity=swing, strain=ri.Steps(
-        (0.3 * rng.uniform(-1, 1, 3)).tolist(), at))
+    return ri.Rod(
+        segments=segments,
+        velocity=swing,
+        strain=ri.Steps((0.3 * rng.uniform(-1, 1, 3)).tolist(), at),
+    )
 
 
 def surveyed(system):
     """The parts of a row at t = 0."""
     r = Members(Row(system), Asked(8.0, 1e-8, 10**6, keep=True)).start()
     link, mass, line, log, part = (
-        compiling.as_objects(r[name]) for name in ("link", "mass", "line", "log", "part"))
+        compiling.as_objects(r[name])
+        for name in ("link", "mass", "line", "log", "part")
+    )
     finality.survey(link, mass, line, log, part, float(r["run"][0]["tick"]), 0)
     return part
 
@@ -42,15 +49,24 @@ def test_a_group_swings_within_its_bounds(seed):
     rod = stepped(rng, 0.2)
     row, contacts = [rod], []
     if seed % 2:
-        row.append(ri.RigidMass(float(rng.uniform(0.1, 2)), velocity=float(rng.uniform(-1, 1))))
-        contacts.append(ri.Joint(float(rng.uniform(0.5, 5)), stretch=float(rng.uniform(-0.1, 0.1))))
+        row.append(
+            ri.RigidMass(float(rng.uniform(0.1, 2)), velocity=float(rng.uniform(-1, 1)))
+        )
+        contacts.append(
+            ri.Joint(float(rng.uniform(0.5, 5)), stretch=float(rng.uniform(-0.1, 0.1)))
+        )
     system = ri.System(row, contacts=contacts)
     head = surveyed(system)[0]
     s = ri.solve(system, 8.0, "characteristics")
     t = np.linspace(0, 8, 801)
-    ends = {"left": (0, 0.0), "right": (len(row) - 1, rod.length if len(row) == 1 else 0.0)}
+    ends = {
+        "left": (0, 0.0),
+        "right": (len(row) - 1, rod.length if len(row) == 1 else 0.0),
+    }
     for side, (body, x) in ends.items():
-        moved = s.displacement(body, x, t) - s.displacement(body, x, 0.0) - head.mean * t
+        moved = (
+            s.displacement(body, x, t) - s.displacement(body, x, 0.0) - head.mean * t
+        )
         off = moved + head.deviation[side == "right"] - s.run.clock.frame * t
         reach = np.sqrt(2 * head.bound * head.slack[side == "right"])
         assert np.abs(off).max() <= reach * (1 + 1e-9)
@@ -62,13 +78,17 @@ def test_a_group_swings_within_its_bounds(seed):
 def test_what_is_said_to_be_over_is_over(seed, law):
     """The proof names a time; a run three times as long meets no contact after it."""
     rng = np.random.default_rng(seed)
-    system = ri.System([stepped(rng, 1.0, 1), ri.RigidMass(0.5), stepped(rng, -0.3, 1)], [0.1, 0.1],
-                       [law, ri.Spring(50.0)])
+    system = ri.System(
+        [stepped(rng, 1.0, 1), ri.RigidMass(0.5), stepped(rng, -0.3, 1)],
+        [0.1, 0.1],
+        [law, ri.Spring(50.0)],
+    )
     s = ri.solve(system)
     assert s.final
     longer = ri.solve(system, 3 * s.t_end)
     assert [c.episodes for c in longer.contacts] == [
-        tuple(pytest.approx(tuple(e), abs=1e-6) for e in c.episodes) for c in s.contacts]
+        tuple(pytest.approx(tuple(e), abs=1e-6) for e in c.episodes) for c in s.contacts
+    ]
     assert longer.t_final == pytest.approx(s.t_final, rel=1e-6)
     assert s.t_final <= s.t_proved <= s.t_end
 
@@ -81,15 +101,27 @@ def test_the_energy_about_the_mean_is_that_of_the_ledger():
     assert part[0].bound == pytest.approx(float(book.vibration), rel=1e-12)
 
 
-@pytest.mark.parametrize(("gap", "opening", "over"), [
-    (2.01, 1e-3, True), (1.99, 1e-3, False), (9.0, -1e-3, False), (-2.01, 1e-3, False),
-])
+@pytest.mark.parametrize(
+    ("gap", "opening", "over"),
+    [
+        (2.01, 1e-3, True),
+        (1.99, 1e-3, False),
+        (9.0, -1e-3, False),
+        (-2.01, 1e-3, False),
+    ],
+)
 def test_a_gap_must_be_wider_than_both_bounds(gap, opening, over):
     """Each side deviates by up to 1: sqrt(2 E slack) with E = 2, slack = 1/4."""
-    run, link, *part = (compiling.as_objects(np.zeros(1, kind))[0]
-                        for kind in (RUN, LINK, PART, PART))
+    run, link, *part = (
+        compiling.as_objects(np.zeros(1, kind))[0] for kind in (RUN, LINK, PART, PART)
+    )
     run.scale, run.tolerance, run.tick = 1.0, 1e-12, 1e-9
-    link.law, link.status, link.left_group, link.right_group = Law.SPRING, Status.OPEN, 0, 1
+    link.law, link.status, link.left_group, link.right_group = (
+        Law.SPRING,
+        Status.OPEN,
+        0,
+        1,
+    )
     link.overlap = -gap
     for it in part:
         it.bound, it.slack = 2.0, [0.25, 0.25]

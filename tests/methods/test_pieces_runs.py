@@ -18,7 +18,9 @@ def everything(solution):
     """Numbers that a run comes to, and its waves at some places."""
     t = np.linspace(0, solution.t_end, 9)
     rods = [i for i, b in enumerate(solution.system.bodies) if isinstance(b, ri.Rod)]
-    waves = [solution.velocity(i, 0.3 * solution.system.bodies[i].length, t) for i in rods]
+    waves = [
+        solution.velocity(i, 0.3 * solution.system.bodies[i].length, t) for i in rods
+    ]
     forces = [c.force(t) for c in solution.contacts]
     tallies = [(c.impulse, c.peak_force, c.duration) for c in solution.contacts]
     return np.concatenate([*waves, *forces, *map(np.array, tallies)])
@@ -39,14 +41,22 @@ def test_a_run_that_finds_too_little_room_goes_on_with_more(monkeypatch, seed):
 
 def family():
     return ri.System(
-        [unit_rod(np.array([0.4, 0.7, 1.0, 0.9]), velocity=1.0), ri.RigidMass(0.5), unit_rod(1.3)],
-        [0.0, 0.01], [ri.Hertz(np.array([[10.0], [1e5]])), ri.HuntCrossley(20.0, 0.2)])
+        [
+            unit_rod(np.array([0.4, 0.7, 1.0, 0.9]), velocity=1.0),
+            ri.RigidMass(0.5),
+            unit_rod(1.3),
+        ],
+        [0.0, 0.01],
+        [ri.Hertz(np.array([[10.0], [1e5]])), ri.HuntCrossley(20.0, 0.2)],
+    )
 
 
 def totals(result):
     names = ("impulse", "peak_force", "duration", "episodes")
-    return [*(v.tolist() for v in result.velocities_after),
-            *(getattr(c, name).tolist() for c in result.contacts for name in names)]
+    return [
+        *(v.tolist() for v in result.velocities_after),
+        *(getattr(c, name).tolist() for c in result.contacts for name in names),
+    ]
 
 
 @pytest.mark.skipif(bool(kernels.why_not()), reason="there is no compiler")
@@ -62,19 +72,28 @@ def test_members_are_single_solves_in_any_chunks(monkeypatch):
     for index in ((0, 0), (1, 2)):
         with kernels.forced(False):
             single = ri.solve(system[index]).outcome
-        assert tuple(v[index] for v in whole.velocities_after) == single.velocities_after
+        assert (
+            tuple(v[index] for v in whole.velocities_after) == single.velocities_after
+        )
         for many, one in zip(whole.contacts, single.contacts, strict=True):
-            assert (many.impulse[index], many.peak_force[index], many.duration[index]) == (
-                one.impulse, one.peak_force, one.duration)
+            assert (
+                many.impulse[index],
+                many.peak_force[index],
+                many.duration[index],
+            ) == (one.impulse, one.peak_force, one.duration)
 
 
 @pytest.mark.skipif(bool(kernels.why_not()), reason="there is no compiler")
 def test_plain_python_runs_the_same_bits():
     found = []
     for fast in (False, True):
-        systems = [random_network(seed, bodies=4, driven=seed % 2 == 1) for seed in range(6)]
+        systems = [
+            random_network(seed, bodies=4, driven=seed % 2 == 1) for seed in range(6)
+        ]
         with kernels.forced(fast):
-            found.append([everything(ri.solve(s, 2.0, METHOD)).tolist() for s in systems])
+            found.append(
+                [everything(ri.solve(s, 2.0, METHOD)).tolist() for s in systems]
+            )
     assert repr(found[0]) == repr(found[1])
 
 
@@ -104,12 +123,17 @@ def test_waves_that_are_smoothed_keep_their_momentum():
     """What the two contacts of a rod give it is its change of momentum."""
     rng = np.random.default_rng(22)
     lengths, areas = rng.uniform(0.11, 1.3, 4), rng.uniform(0.3, 2.0, 4)
-    bodies = [unit_rod(length, area, velocity=v)
-              for length, area, v in zip(lengths, areas, (1.0, 0.2, -0.1, -0.7), strict=True)]
+    bodies = [
+        unit_rod(length, area, velocity=v)
+        for length, area, v in zip(lengths, areas, (1.0, 0.2, -0.1, -0.7), strict=True)
+    ]
     found = ri.solve(ri.System(bodies, ends=(ri.Fixed(), ri.Fixed())), 10.0, METHOD)
     assert "Such waves are smoothed" in found.status
     impulses = [contact.impulse for contact in found.contacts]
-    changes = np.subtract(found.outcome.velocities_after, found.outcome.velocities_before)
+    changes = np.subtract(
+        found.outcome.velocities_after, found.outcome.velocities_before
+    )
     for i in (1, 2):
         assert impulses[i - 1] - impulses[i] == pytest.approx(
-            bodies[i].mass * changes[i], abs=1e-8)
+            bodies[i].mass * changes[i], abs=1e-8
+        )

@@ -13,16 +13,23 @@ def pair(law):
     return ri.System([unit_rod(0.4, velocity=1.0), unit_rod(1.0)], contacts=[law])
 
 
-@pytest.mark.parametrize("law", few_of(
-    [kind(10.0**n) for n in (2, 4, 6, 8, 10) for kind in (ri.Spring, ri.Hertz)],
-    [ri.Spring(1e4), ri.Spring(1e10), ri.Hertz(1e10)]))
+@pytest.mark.parametrize(
+    "law",
+    few_of(
+        [kind(10.0**n) for n in (2, 4, 6, 8, 10) for kind in (ri.Spring, ri.Hertz)],
+        [ri.Spring(1e4), ri.Spring(1e10), ri.Hertz(1e10)],
+    ),
+)
 def test_stiff_contacts_of_rods_tend_to_rigid_ones(law):
     """A spring is slower by about Z/k, a Hertz contact by about (Z/(k sqrt(V)))^(2/3)."""
-    slow = (0.5 / law.stiffness) if law.exponent == 1 else (0.5 / law.stiffness) ** (2 / 3)
+    slow = (
+        (0.5 / law.stiffness) if law.exponent == 1 else (0.5 / law.stiffness) ** (2 / 3)
+    )
     found, rigid = ri.solve(pair(law)), ri.solve(pair(ri.Rigid()))
     assert found.final
     assert found.outcome.velocities_after == pytest.approx(
-        rigid.outcome.velocities_after, abs=20 * slow + 1e-9)
+        rigid.outcome.velocities_after, abs=20 * slow + 1e-9
+    )
     assert found.outcome.peak_force == pytest.approx(0.5, abs=20 * slow + 1e-9)
     assert abs(found.outcome.energy_residual) <= 1e-9
     assert found.events <= 2000
@@ -50,9 +57,18 @@ def test_a_mass_between_two_stiff_contacts(law, k):
 @pytest.mark.parametrize("k", [0.05, 3.0, 300.0])
 def test_a_dashpot_between_endless_bars_lets_go_on_time(k, damping):
     """v = 1 for half a second, then -1: F = k d + c d' ends where k d = -c v, at a known time."""
-    rods = [unit_rod(1.0, 2.0, velocity=ri.Steps([-1.0, 1.0], [0.5])), unit_rod(1.0, 2.0)]
-    s = ri.solve(ri.System(rods, contacts=[ri.SpringDashpot(k, damping)],
-                           ends=[ri.Absorbing(), ri.Absorbing()]), 4.0)
+    rods = [
+        unit_rod(1.0, 2.0, velocity=ri.Steps([-1.0, 1.0], [0.5])),
+        unit_rod(1.0, 2.0),
+    ]
+    s = ri.solve(
+        ri.System(
+            rods,
+            contacts=[ri.SpringDashpot(k, damping)],
+            ends=[ri.Absorbing(), ri.Absorbing()],
+        ),
+        4.0,
+    )
     share = 1 / (1 + damping)  # F = (k d + c v) share, d' = v - F
     rate = k * share
     grown = share * -math.expm1(-rate / 2) / rate  # d when the wave turns
@@ -62,7 +78,9 @@ def test_a_dashpot_between_endless_bars_lets_go_on_time(k, damping):
     contact = s.contacts[0]
     found = contact.episodes[0]
     assert (found.start, found.force_end) == pytest.approx((0.0, end), abs=1e-8)
-    assert contact.duration == pytest.approx(end, abs=s.accuracy["duration"] * end + 1e-12)
+    assert contact.duration == pytest.approx(
+        end, abs=s.accuracy["duration"] * end + 1e-12
+    )
     left = grown if end == 0.5 else damping / k
     moved = 0.5 - (end - 0.5)  # integral of v, of which d is what is left of F
     assert contact.impulse == pytest.approx(moved - left, abs=1e-8)

@@ -34,11 +34,13 @@ class Signal:
         return self.values[max(0, bisect_right(self.times, t) - 1)]
 
     def after(self, t):
-        return self.times[bisect_right(self.times, t):][:1]
+        return self.times[bisect_right(self.times, t) :][:1]
 
     def integral(self, start, stop):
         inside = [t for t in self.times if start < t < stop]
-        return sum((t1 - t0) * self.at(t0) for t0, t1 in pairwise([start, *inside, stop]))
+        return sum(
+            (t1 - t0) * self.at(t0) for t0, t1 in pairwise([start, *inside, stop])
+        )
 
 
 class Piece:
@@ -46,7 +48,10 @@ class Piece:
 
     def __init__(self, segment):
         c = Fraction(segment.wave_speed)
-        assert c * c * Fraction(segment.material.density) == segment.material.youngs_modulus
+        assert (
+            c * c * Fraction(segment.material.density)
+            == segment.material.youngs_modulus
+        )
         self.c, self.T = c, Fraction(segment.length) / c
         self.Z = Fraction(segment.material.density) * Fraction(segment.area) * c
         self.a, self.b = Signal(), Signal()
@@ -68,7 +73,8 @@ class InitialState:
 
     def __init__(self, rod):
         self.profiles = [
-            p if isinstance(p, ri.Steps) else ri.Steps([p], []) for p in (rod.velocity, rod.strain)
+            p if isinstance(p, ri.Steps) else ri.Steps([p], [])
+            for p in (rod.velocity, rod.strain)
         ]
         self.cuts = {Fraction(x) for p in self.profiles for x in p.at}
 
@@ -135,10 +141,17 @@ class Reference:
         for _ in range(cap):
             for k in range(len(self.joints)):
                 self.solve(k)
-            arrivals = [t + p.T for p in self.pieces for s in (p.a, p.b)
-                        for t in s.after(self.t - p.T)]
-            closings = [self.t - gap / rate for gap, rate in zip(self.gap, self.rate, strict=True)
-                        if gap > 0 > rate]
+            arrivals = [
+                t + p.T
+                for p in self.pieces
+                for s in (p.a, p.b)
+                for t in s.after(self.t - p.T)
+            ]
+            closings = [
+                self.t - gap / rate
+                for gap, rate in zip(self.gap, self.rate, strict=True)
+                if gap > 0 > rate
+            ]
             t = min([until, *arrivals, *closings])
             for k, F in enumerate(self.force):
                 self.gap[k] += self.rate[k] * (t - self.t)
@@ -157,8 +170,11 @@ class Reference:
 
     def mean_velocity(self, first, last):
         pieces = self.pieces[first:last]
-        momentum = sum(p.Z * s.integral(self.t - p.T, self.t) / 2
-                       for p in pieces for s in (p.a, p.b))
+        momentum = sum(
+            p.Z * s.integral(self.t - p.T, self.t) / 2
+            for p in pieces
+            for s in (p.a, p.b)
+        )
         return momentum / sum(p.Z * p.T for p in pieces)
 
 
@@ -180,7 +196,10 @@ def random_row(seed):
         if jumps is None:
             return ri.Rod(segments=segments, velocity=pick.randint(-3, 3))
         at = sorted(pick.sample(range(1, total), jumps))
-        profiles = [ri.Steps([pick.randint(-n, n) for _ in range(jumps + 1)], at) for n in (3, 2)]
+        profiles = [
+            ri.Steps([pick.randint(-n, n) for _ in range(jumps + 1)], at)
+            for n in (3, 2)
+        ]
         return ri.Rod(segments=segments, velocity=profiles[0], strain=profiles[1])
 
     row = [rod() for _ in range(pick.choice([1, 2, 2, 3, 4, 5]))]
@@ -189,8 +208,12 @@ def random_row(seed):
     if pick.random() < 0.4 or len(row) == 1:
         row.append(ri.Wall(pick.choice([0, 0, 1, -1])))
     laws = [ri.Bonded() if pick.random() < 0.12 else ri.Rigid() for _ in row[1:]]
-    gaps = [pick.randint(1, 12) / pick.choice([1, 4, 64])
-            if isinstance(law, ri.Rigid) and pick.random() < 0.5 else 0 for law in laws]
+    gaps = [
+        pick.randint(1, 12) / pick.choice([1, 4, 64])
+        if isinstance(law, ri.Rigid) and pick.random() < 0.5
+        else 0
+        for law in laws
+    ]
     return ri.System(row, gaps, laws), pick
 
 
@@ -207,10 +230,16 @@ def test_agrees_with_brute_force(seed):
         assert float(max(reference.presses, default=0)) <= proof.t_final * (1 + EXACT)
     for contact, k in zip(solution.contacts, reference.contacts, strict=True):
         assert contact.impulse == pytest.approx(float(reference.impulse[k]), **near)
-        assert float(contact.gap(float(until))) == pytest.approx(float(reference.gap[k]), **near)
+        assert float(contact.gap(float(until))) == pytest.approx(
+            float(reference.gap[k]), **near
+        )
         if isinstance(contact.law, ri.Rigid):
-            assert contact.duration == pytest.approx(float(reference.pressed[k]), **near)
-    for body, (first, rod) in enumerate(zip(reference.first, system.bodies, strict=True)):
+            assert contact.duration == pytest.approx(
+                float(reference.pressed[k]), **near
+            )
+    for body, (first, rod) in enumerate(
+        zip(reference.first, system.bodies, strict=True)
+    ):
         if isinstance(rod, ri.Wall):
             continue
         mean = float(solution.mean_velocity(body, float(until)))
@@ -221,7 +250,9 @@ def test_agrees_with_brute_force(seed):
             for _ in range(8):
                 part, t = pick.random(), pick.random() * float(until)
                 x = left + part * segment.length
-                found = [float(f(body, x, t)) for f in (solution.velocity, solution.strain)]
+                found = [
+                    float(f(body, x, t)) for f in (solution.velocity, solution.strain)
+                ]
                 expected = reference.state(first + i, Fraction(part), Fraction(t))
                 assert found == pytest.approx([float(y) for y in expected], **near)
             left += segment.length
@@ -233,4 +264,6 @@ def test_the_rows_are_not_easy():
     assert sum(n > 1 for n in episodes) > 0.2 * len(episodes)  # re-contact
     assert sum(s.final for s in rows) > 0.4 * len(rows)
     assert any(isinstance(c.law, ri.Bonded) for s in rows for c in s.contacts)
-    assert any(e.force_end < e.opening for s in rows for c in s.contacts for e in c.episodes)
+    assert any(
+        e.force_end < e.opening for s in rows for c in s.contacts for e in c.episodes
+    )

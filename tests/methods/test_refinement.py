@@ -28,7 +28,8 @@ def search(values, goal, last=64, order=1.0):
         return Run(factor)
 
     found, estimates = refined(
-        level, lambda r: {"impulse": np.array([values(r.factor)])}, order, goal, last)
+        level, lambda r: {"impulse": np.array([values(r.factor)])}, order, goal, last
+    )
     return found, estimates, run
 
 
@@ -53,7 +54,9 @@ def test_what_powers_of_two_do_not_see_is_seen():
 
 @pytest.mark.parametrize("order", [0.5, 1, 2])
 def test_the_estimate_bounds_the_error_of_a_method_of_that_order(order):
-    found, estimates, _ = search(lambda factor: 1 + 0.01 / factor**order, 1e-3, 1024, order)
+    found, estimates, _ = search(
+        lambda factor: 1 + 0.01 / factor**order, 1e-3, 1024, order
+    )
     error = 0.01 / found.factor**order
     assert estimates["impulse"] <= 1e-3
     assert DOUBT * error == pytest.approx(estimates["impulse"], rel=0.02)
@@ -61,11 +64,17 @@ def test_the_estimate_bounds_the_error_of_a_method_of_that_order(order):
 
 def test_a_duration_is_known_to_a_part_of_a_step_at_best_and_not_waited_for():
     def measures(run):
-        return {"impulse": np.ones(1), "duration": np.array([0.0, 2.0 + run.factor % 2])}
+        return {
+            "impulse": np.ones(1),
+            "duration": np.array([0.0, 2.0 + run.factor % 2]),
+        }
 
     found, estimates = refined(Run, measures, 1.0, 0.01, 64)
     assert found.factor == 4
-    assert estimates == {"impulse": 0.0, "duration": pytest.approx(DOUBT * 5 / 3 * 3.0 / 2)}
+    assert estimates == {
+        "impulse": 0.0,
+        "duration": pytest.approx(DOUBT * 5 / 3 * 3.0 / 2),
+    }
     _, estimates = refined(Run, lambda _: {**measures(found)}, 1.0, 0.01, 64)
     assert estimates == {"impulse": 0.0, "duration": pytest.approx(PART / 4 / 2)}
 

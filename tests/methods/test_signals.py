@@ -9,8 +9,12 @@ from scipy.integrate import quad
 
 from rodimpact.methods.signals import Pieces
 
-steps = st.lists(st.tuples(st.integers(0, 60), st.integers(-5, 5)), min_size=1, max_size=8,
-                 unique_by=lambda pair: pair[0]).map(sorted)
+steps = st.lists(
+    st.tuples(st.integers(0, 60), st.integers(-5, 5)),
+    min_size=1,
+    max_size=8,
+    unique_by=lambda pair: pair[0],
+).map(sorted)
 
 
 def signal(pairs):
@@ -52,9 +56,15 @@ def random_pieces(seed, size=9, count=6, start=LATE):
     rng = np.random.default_rng(seed)
     ticks = start + np.concatenate(([0], np.cumsum(rng.integers(3, 1 << 30, count))))
     coefficients = rng.normal(size=(count, size)) / (1 + np.arange(size)) ** 2
-    known = [Chebyshev(c, domain=[a, b]) for c, a, b in zip(
-        coefficients, (ticks[:-1] - start).astype(float), (ticks[1:] - start).astype(float),
-        strict=True)]
+    known = [
+        Chebyshev(c, domain=[a, b])
+        for c, a, b in zip(
+            coefficients,
+            (ticks[:-1] - start).astype(float),
+            (ticks[1:] - start).astype(float),
+            strict=True,
+        )
+    ]
     return Pieces(ticks[:-1], coefficients, ticks[-1]), known
 
 
@@ -66,9 +76,13 @@ def exactly(known, t):
 
 def integrated(function, known, start, stop, *more):
     """By SciPy, from break to break."""
-    breaks = sorted({start, stop, *(p.domain[0] for p in known), known[-1].domain[1], *more})
+    breaks = sorted(
+        {start, stop, *(p.domain[0] for p in known), known[-1].domain[1], *more}
+    )
     inside = [t for t in breaks if start <= t <= stop]
-    return sum(quad(function, a, b, epsabs=0, epsrel=1e-12)[0] for a, b in pairwise(inside))
+    return sum(
+        quad(function, a, b, epsabs=0, epsrel=1e-12)[0] for a, b in pairwise(inside)
+    )
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -94,11 +108,19 @@ def test_integrals_of_polynomials(seed):
     span = high - low
     by_scipy = integrated(lambda t: exactly(known, t), known, low, high)
     assert f.integral([start, stop], [stop, start]) / span == pytest.approx(
-        np.array([1, -1]) * by_scipy / span, abs=1e-12)
-    both = integrated(lambda t: exactly(known, t) * exactly(others, t), known, low, high, *breaks)
+        np.array([1, -1]) * by_scipy / span, abs=1e-12
+    )
+    both = integrated(
+        lambda t: exactly(known, t) * exactly(others, t), known, low, high, *breaks
+    )
     assert (f * g).integral(start, stop) / span == pytest.approx(both / span, abs=1e-12)
-    turned = integrated(lambda t: exactly(known, t) * exactly(others, low + high - t), known, low,
-                        high, *(low + high - t for t in breaks))
+    turned = integrated(
+        lambda t: exactly(known, t) * exactly(others, low + high - t),
+        known,
+        low,
+        high,
+        *(low + high - t for t in breaks),
+    )
     found = (f * g.turned(start + stop)).integral(start, stop)
     assert found / span == pytest.approx(turned / span, abs=1e-12)
 
@@ -121,7 +143,9 @@ def test_signals_that_are_made_of_others(size):
 def test_straight_lines_between_marks_follow_a_signal():
     f, _ = random_pieces(5)
     ticks = np.random.default_rng(5).integers(f.ticks[0], f.end, 2000)
-    lines = np.interp((ticks - LATE).astype(float), (f.marks - LATE).astype(float), f.at(f.marks))
+    lines = np.interp(
+        (ticks - LATE).astype(float), (f.marks - LATE).astype(float), f.at(f.marks)
+    )
     swing = np.ptp(f.at(f.marks))
     assert np.abs(lines - f.at(ticks)).max() < 1e-4 * swing
     assert len(f.marks) < 1000 * len(f.ticks)

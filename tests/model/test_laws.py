@@ -16,10 +16,16 @@ from rodimpact.model.system import restored
 
 STEEL = ri.materials.steel
 LAWS = [
-    ri.Rigid(), ri.Rigid(restitution=0.5), ri.Bonded(), ri.Spring(stiffness=1e6),
-    ri.Joint(stiffness=1e6, damping=20.0, stretch=-1e-6), ri.Joint(0.0, 20.0),
-    ri.SpringDashpot(stiffness=1e6, damping=20.0), ri.Hertz(stiffness=1e9),
-    ri.HuntCrossley(stiffness=1e9, damping=0.1), ri.PowerLaw(stiffness=1e9, exponent=2.0),
+    ri.Rigid(),
+    ri.Rigid(restitution=0.5),
+    ri.Bonded(),
+    ri.Spring(stiffness=1e6),
+    ri.Joint(stiffness=1e6, damping=20.0, stretch=-1e-6),
+    ri.Joint(0.0, 20.0),
+    ri.SpringDashpot(stiffness=1e6, damping=20.0),
+    ri.Hertz(stiffness=1e9),
+    ri.HuntCrossley(stiffness=1e9, damping=0.1),
+    ri.PowerLaw(stiffness=1e9, exponent=2.0),
     ri.Yielding(stiffness=1e9, yield_force=1e3, hardening=1e7),
     ri.Tabulated([1e-4, 1e-3, 1.2e-3], [1e3, 1.2e3, 6e3], unloading=5e7),
 ]
@@ -35,8 +41,16 @@ def test_a_law_survives_its_description(law):
 
 def test_names():
     assert list(CONTACT_LAWS) == [
-        "rigid", "bonded", "joint", "spring", "spring-dashpot", "hertz", "hunt-crossley",
-        "power", "yielding", "tabulated",
+        "rigid",
+        "bonded",
+        "joint",
+        "spring",
+        "spring-dashpot",
+        "hertz",
+        "hunt-crossley",
+        "power",
+        "yielding",
+        "tabulated",
     ]
     assert len(set(LAWS)) == len(LAWS)
 
@@ -49,53 +63,119 @@ DENSE = ri.Material("m", youngs_modulus=1e149, density=1e149, poisson_ratio=0)
 
 def stiff(law, value):
     """A law of this stiffness, whose other numbers are 1."""
-    return law(stiffness=value, **{name: 1.0 for name in law.fields if name != "stiffness"})
+    return law(
+        stiffness=value, **{name: 1.0 for name in law.fields if name != "stiffness"}
+    )
 
 
-@pytest.mark.parametrize(("make", "wanted"), [
-    *((lambda law=law, value=value: stiff(law, value), {"stiffness": "must be a"})
-      for law in (ri.Spring, ri.SpringDashpot, ri.Hertz, ri.HuntCrossley, ri.PowerLaw, ri.Yielding)
-      for value in (0.0, -1.0, NAN, INF, True, "1 N/m", None)),
-    *((lambda law=law, k=k, c=c: law(k, c), wanted) for law in (ri.SpringDashpot, ri.HuntCrossley)
-      for k, c, wanted in ((1.0, -1.0, {"damping": ""}),
-                           (0.0, NAN, {"stiffness": "", "damping": ""}))),
-    *((lambda value=value: ri.Rigid(value), {"restitution": ""})
-      for value in (-0.01, 1.01, NAN, "half", True)),
-    (lambda: ri.PowerLaw(1e9, [1.0, 0.5]), {"exponent[1]": "=must lie in [1, inf), got 0.5"}),
-    (lambda: ri.PowerLaw(0.0, INF), {"stiffness": "", "exponent": ""}),
-    (lambda: ri.Yielding(1e9, 1e3, [0.0, 1e9]),
-     {"hardening[1]": "=must be less than the stiffness 1000000000.0, got 1000000000.0"}),
-    (lambda: ri.Yielding(1e9, -1.0, -1.0), {"yield_force": "", "hardening": ""}),
-    (lambda: ri.Tabulated([], [1.0]), {"compression": ""}),
-    (lambda: ri.Tabulated(1e-4, 1e3), {"compression": "", "force": ""}),
-    (lambda: ri.Tabulated([1.0] * 40, [1.0]), {"compression": ""}),
-    (lambda: ri.Tabulated([1.0, 2.0], [1.0]), {"compression": "as many as forces, got 2 for 1"}),
-    (lambda: ri.Tabulated([], []), {"compression": "1 to 16 numbers"}),
-    (lambda: ri.Tabulated([1.0, -1.0], [1.0, 2.0]), {"compression.1": ""}),
-    (lambda: ri.Tabulated([1.0, 1.0], [2.0, 1.0]), {
-        "compression.1": "=must lie above 1.0, got 1.0",
-        "force.1": "=must lie above 2.0, got 1.0"}),
-    (lambda: ri.Tabulated([1.0, 2.0], [1.0, 3.0], unloading=1.9),
-     {"unloading": "=must be at least that of the steepest line, 2.0, got 1.9"}),
-    *((lambda radii=radii: ri.Hertz.from_radii(*radii), wanted) for radii, wanted in (
-        ((0.0, 1.0, STEEL, STEEL),
-         {"left_radius": "positive number of metres or infinite, got 0.0"}),
-        ((INF, INF, STEEL, STEEL), {"right_radius": "two flat faces"}),
-        (([1.0, INF], INF, STEEL, STEEL), {"right_radius[1]": "two flat faces"}),
-        ((1.0, 1.0, None, None), {"right_material": "one of the faces must be elastic"}),
-        ((1.0, 1.0, "steel", None), {"left_material": "must be a Material with a poisson_ratio"}),
-        ((1.0, 1.0, STEEL, OAK), {"right_material": "with a poisson_ratio"}),
-        ((1e150, 1e150, DENSE, None),
-         {"stiffness": "must be 0 or of a magnitude from 1e-150 to 1e+150"}),
-        ((-1.0, "x", OAK, 3), dict.fromkeys(
-            ("left_radius", "left_material", "right_radius", "right_material"), "")))),
-])
+@pytest.mark.parametrize(
+    ("make", "wanted"),
+    [
+        *(
+            (lambda law=law, value=value: stiff(law, value), {"stiffness": "must be a"})
+            for law in (
+                ri.Spring,
+                ri.SpringDashpot,
+                ri.Hertz,
+                ri.HuntCrossley,
+                ri.PowerLaw,
+                ri.Yielding,
+            )
+            for value in (0.0, -1.0, NAN, INF, True, "1 N/m", None)
+        ),
+        *(
+            (lambda law=law, k=k, c=c: law(k, c), wanted)
+            for law in (ri.SpringDashpot, ri.HuntCrossley)
+            for k, c, wanted in (
+                (1.0, -1.0, {"damping": ""}),
+                (0.0, NAN, {"stiffness": "", "damping": ""}),
+            )
+        ),
+        *(
+            (lambda value=value: ri.Rigid(value), {"restitution": ""})
+            for value in (-0.01, 1.01, NAN, "half", True)
+        ),
+        (
+            lambda: ri.PowerLaw(1e9, [1.0, 0.5]),
+            {"exponent[1]": "=must lie in [1, inf), got 0.5"},
+        ),
+        (lambda: ri.PowerLaw(0.0, INF), {"stiffness": "", "exponent": ""}),
+        (
+            lambda: ri.Yielding(1e9, 1e3, [0.0, 1e9]),
+            {
+                "hardening[1]": "=must be less than the stiffness 1000000000.0, got 1000000000.0"
+            },
+        ),
+        (lambda: ri.Yielding(1e9, -1.0, -1.0), {"yield_force": "", "hardening": ""}),
+        (lambda: ri.Tabulated([], [1.0]), {"compression": ""}),
+        (lambda: ri.Tabulated(1e-4, 1e3), {"compression": "", "force": ""}),
+        (lambda: ri.Tabulated([1.0] * 40, [1.0]), {"compression": ""}),
+        (
+            lambda: ri.Tabulated([1.0, 2.0], [1.0]),
+            {"compression": "as many as forces, got 2 for 1"},
+        ),
+        (lambda: ri.Tabulated([], []), {"compression": "1 to 16 numbers"}),
+        (lambda: ri.Tabulated([1.0, -1.0], [1.0, 2.0]), {"compression.1": ""}),
+        (
+            lambda: ri.Tabulated([1.0, 1.0], [2.0, 1.0]),
+            {
+                "compression.1": "=must lie above 1.0, got 1.0",
+                "force.1": "=must lie above 2.0, got 1.0",
+            },
+        ),
+        (
+            lambda: ri.Tabulated([1.0, 2.0], [1.0, 3.0], unloading=1.9),
+            {"unloading": "=must be at least that of the steepest line, 2.0, got 1.9"},
+        ),
+        *(
+            (lambda radii=radii: ri.Hertz.from_radii(*radii), wanted)
+            for radii, wanted in (
+                (
+                    (0.0, 1.0, STEEL, STEEL),
+                    {"left_radius": "positive number of metres or infinite, got 0.0"},
+                ),
+                ((INF, INF, STEEL, STEEL), {"right_radius": "two flat faces"}),
+                (
+                    ([1.0, INF], INF, STEEL, STEEL),
+                    {"right_radius[1]": "two flat faces"},
+                ),
+                (
+                    (1.0, 1.0, None, None),
+                    {"right_material": "one of the faces must be elastic"},
+                ),
+                (
+                    (1.0, 1.0, "steel", None),
+                    {"left_material": "must be a Material with a poisson_ratio"},
+                ),
+                ((1.0, 1.0, STEEL, OAK), {"right_material": "with a poisson_ratio"}),
+                (
+                    (1e150, 1e150, DENSE, None),
+                    {"stiffness": "must be 0 or of a magnitude from 1e-150 to 1e+150"},
+                ),
+                (
+                    (-1.0, "x", OAK, 3),
+                    dict.fromkeys(
+                        (
+                            "left_radius",
+                            "left_material",
+                            "right_radius",
+                            "right_material",
+                        ),
+                        "",
+                    ),
+                ),
+            )
+        ),
+    ],
+)
 def test_mistakes_of_laws(make, wanted):
     assert_told(make, wanted)
 
 
 def test_what_may_be_left_out_or_be_0():
-    assert ri.SpringDashpot(1.0, 0.0).damping == ri.HuntCrossley(1.0, 0.0).damping == 0.0
+    assert (
+        ri.SpringDashpot(1.0, 0.0).damping == ri.HuntCrossley(1.0, 0.0).damping == 0.0
+    )
     assert ri.Yielding(1e9, 1e3).hardening == 0.0
     law = ri.Tabulated([1e-4, 3e-4], [1e3, 5e3])
     assert law.stiffness == max(law.slopes) == pytest.approx(2e7)
@@ -122,7 +202,9 @@ def test_a_rigid_face_does_not_yield():
 
 def test_radii_make_a_family():
     law = ri.Hertz.from_radii(np.array([0.01, math.inf]), 0.02, STEEL, STEEL)
-    alone = [ri.Hertz.from_radii(r, 0.02, STEEL, STEEL).stiffness for r in (0.01, math.inf)]
+    alone = [
+        ri.Hertz.from_radii(r, 0.02, STEEL, STEEL).stiffness for r in (0.01, math.inf)
+    ]
     assert law.stiffness.tolist() == pytest.approx(alone, rel=1e-15)
     material = ri.Material(
         "m", youngs_modulus=[1e9, 2e9], density=1000, poisson_ratio=[[0.1], [0.2]]
@@ -144,8 +226,11 @@ def test_the_mean_force_of_a_power_is_accurate_where_indentations_are_near(expon
                 r, s = math.sqrt(x0), math.sqrt(x1)
                 powers = sum(r ** (4 - n) * s**n for n in range(5))
                 expected = 6 * powers / (5 * (r + s))
-                slope = 3 * (3 * s**3 + 6 * r * s * s + 4 * s * r * r + 2 * r**3) / (
-                    5 * (r + s) ** 2)
+                slope = (
+                    3
+                    * (3 * s**3 + 6 * r * s * s + 4 * s * r * r + 2 * r**3)
+                    / (5 * (r + s) ** 2)
+                )
             F, dF = ck.mean_power(3.0, exponent, x0, x1)
             assert pytest.approx(expected, rel=2e-15) == F
             assert dF == pytest.approx(slope, rel=1e-9)
@@ -157,7 +242,9 @@ def test_its_mean_force_is_the_difference_quotient_of_its_energy(exponent):
     at.law, at.stiffness, at.exponent = Law.POWER, 5.0, exponent
     for x0, x1 in rng.uniform(-1, 2, (200, 2)).tolist():
         F, dF = ck.mean_force(at, x0, x1)
-        held, holds = (5.0 * max(x, 0.0) ** (exponent + 1) / (exponent + 1) for x in (x0, x1))
+        held, holds = (
+            5.0 * max(x, 0.0) ** (exponent + 1) / (exponent + 1) for x in (x0, x1)
+        )
         assert F * (x1 - x0) == pytest.approx(holds - held, rel=1e-12, abs=1e-13)
         up, down = (ck.mean_force(at, x0, x1 + s)[0] for s in (1e-6, -1e-6))
         assert dF == pytest.approx((up - down) / 2e-6, rel=1e-4, abs=1e-3)
@@ -167,12 +254,25 @@ def test_what_yields_meets_its_mean_force_on_any_table():
     at = compiling.blank(1, LINK)[0]
     for seed in range(200):
         rng = np.random.default_rng(seed)
-        k, strength, count = 10 ** rng.uniform(-3, 8), 10 ** rng.uniform(-4, 2), rng.integers(6)
-        at.law, at.stiffness, at.strength, at.own = Law.YIELD, k, strength, 10 ** rng.uniform(-4, 4)
+        k, strength, count = (
+            10 ** rng.uniform(-3, 8),
+            10 ** rng.uniform(-4, 2),
+            rng.integers(6),
+        )
+        at.law, at.stiffness, at.strength, at.own = (
+            Law.YIELD,
+            k,
+            strength,
+            10 ** rng.uniform(-4, 4),
+        )
         at.knots = [*(strength + np.cumsum(10 ** rng.uniform(-3, 2, count))), UNREACHED]
         at.damping, *at.shares = rng.uniform(0, 1, count + 1)
         x0 = strength / k * min(1.0, rng.uniform(-3, 2))
-        c = rng.choice([1, -1]) * 10 ** rng.uniform(-8, 1) * rng.choice([1.0, strength / k])
+        c = (
+            rng.choice([1, -1])
+            * 10 ** rng.uniform(-8, 1)
+            * rng.choice([1.0, strength / k])
+        )
         at.gap, at.place = -x0, x0 + c * rng.random()
         F, x, _ = ck.solve_link(at, c)
         size = abs(x) + abs(x0) + abs(c)
@@ -188,19 +288,27 @@ def test_a_table_that_has_yielded_goes_on_where_it_was():
     law = ri.Tabulated([1.0, 2.0, 3.0], [1.0, 1.5, 3.5], unloading=4.0)
     assert law.hardened(0.0) == law
     later = law.hardened(1.25)  # at a compression of 1.5
-    np.testing.assert_allclose(later.compression, [1.25 / 4, 1.25 / 4 + 0.5, 1.25 / 4 + 1.5])
+    np.testing.assert_allclose(
+        later.compression, [1.25 / 4, 1.25 / 4 + 0.5, 1.25 / 4 + 1.5]
+    )
     assert later.force == (1.25, 1.5, 3.5)
     assert later.hardened(1.0) == later
     beyond = law.hardened(5.5)
     np.testing.assert_allclose(beyond.slopes, [4.0, 2.0])
 
 
-@pytest.mark.parametrize("law", [
-    ri.Yielding(1e8, [1e3, 1.5e3], 1e7),
-    ri.Tabulated([1e-5, [1e-4, 2e-4]], [1e3, 2e3], unloading=2e8),
-])
+@pytest.mark.parametrize(
+    "law",
+    [
+        ri.Yielding(1e8, [1e3, 1.5e3], 1e7),
+        ri.Tabulated([1e-5, [1e-4, 2e-4]], [1e3, 2e3], unloading=2e8),
+    ],
+)
 def test_a_case_file_and_a_family_name_what_yields(law):
-    rods = [ri.Rod(L, area=1e-4, material=STEEL, velocity=v) for L, v in ((1.0, 1.0), (2.0, 0.0))]
+    rods = [
+        ri.Rod(L, area=1e-4, material=STEEL, velocity=v)
+        for L, v in ((1.0, 1.0), (2.0, 0.0))
+    ]
     family = ri.System(rods, contacts=[law])
     swept = ri.sweep(family, also=["set"])
     for i in range(2):
@@ -214,7 +322,9 @@ def test_a_case_file_and_a_family_name_what_yields(law):
 
 def test_points_of_a_table_may_have_units_in_a_case_file():
     law = ri.Tabulated([1e-5, 1e-4], [1e3, 2e3])
-    row = ri.System([ri.RigidMass(1.0, velocity=1.0), ri.RigidMass(2.0)], contacts=[law])
+    row = ri.System(
+        [ri.RigidMass(1.0, velocity=1.0), ri.RigidMass(2.0)], contacts=[law]
+    )
     text = ri.write_case(row).replace("[1e-05, 0.0001]", '["10 um", "0.1 mm"]')
     assert "10 um" in text
     assert ri.parse_case(text).system == row

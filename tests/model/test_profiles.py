@@ -10,7 +10,13 @@ from hypothesis import strategies as st
 from mistakes import assert_told
 
 import rodimpact as ri
-from rodimpact.model.profiles import ALONG_ROD, IN_TIME, averages, extremes, profile_from
+from rodimpact.model.profiles import (
+    ALONG_ROD,
+    IN_TIME,
+    averages,
+    extremes,
+    profile_from,
+)
 
 STEEL = ri.materials.steel
 
@@ -22,17 +28,25 @@ def rod(**changes):
 # Samples
 
 
-@pytest.mark.parametrize("profile", [
-    ri.Samples([1, 2, 3]), ri.Samples([0.0, 1.0], step=1e-6), ri.Samples([0.0, 1.0], [1e-6, 2e-6]),
-    ri.Steps([1.0, 2.0], [0.5]), 3.0,
-])
+@pytest.mark.parametrize(
+    "profile",
+    [
+        ri.Samples([1, 2, 3]),
+        ri.Samples([0.0, 1.0], step=1e-6),
+        ri.Samples([0.0, 1.0], [1e-6, 2e-6]),
+        ri.Steps([1.0, 2.0], [0.5]),
+        3.0,
+    ],
+)
 def test_a_profile_survives_its_description(profile):
     described = profile if isinstance(profile, float) else profile.to_dict()
     assert profile_from(described) == profile
 
 
 def test_samples_are_one_thing_and_no_family():
-    row = ri.System([rod(velocity=ri.Samples([0.0, 1.0, 2.0]), strain=np.zeros(5)), ri.Wall()])
+    row = ri.System(
+        [rod(velocity=ri.Samples([0.0, 1.0, 2.0]), strain=np.zeros(5)), ri.Wall()]
+    )
     assert row.shape == (5,)
     assert list(row.parameters) == ["bodies.0.strain"]
     assert row[2].bodies[0].velocity.values is row.bodies[0].velocity.values
@@ -49,10 +63,15 @@ def test_the_step_between_samples_may_be_a_family():
 # Along a rod
 
 
-@pytest.mark.parametrize("function", [
-    np.sin, math.sin, lambda x: [math.sin(v) for v in x] if np.ndim(x) else math.sin(x),
-    lambda x: np.array([math.sin(v) for v in x]),  # of arrays only
-])
+@pytest.mark.parametrize(
+    "function",
+    [
+        np.sin,
+        math.sin,
+        lambda x: [math.sin(v) for v in x] if np.ndim(x) else math.sin(x),
+        lambda x: np.array([math.sin(v) for v in x]),  # of arrays only
+    ],
+)
 def test_functions_of_arrays_and_of_numbers_are_sampled_alike(function):
     samples = rod(velocity=function).velocity
     assert isinstance(samples, ri.Samples)
@@ -80,43 +99,93 @@ def test_a_function_of_time_is_sampled(drive):
 # Mistakes
 
 NO_SAMPLES = [
-    1.0, [], [1.0], [[1.0, 2.0], [3.0, 4.0]], "12", None, ["a", "b"], [True, False], {}, [1, [2]],
+    1.0,
+    [],
+    [1.0],
+    [[1.0, 2.0], [3.0, 4.0]],
+    "12",
+    None,
+    ["a", "b"],
+    [True, False],
+    {},
+    [1, [2]],
 ]
 NO_PROFILES = [
     (lambda x: math.nan, "returns finite numbers, got nan at 0.0"),
-    (lambda x: math.inf if x > 1.999 else 0.0, "returns finite numbers, got inf at 2.0"),
+    (
+        lambda x: math.inf if x > 1.999 else 0.0,
+        "returns finite numbers, got inf at 2.0",
+    ),
     (lambda x: None, "returns numbers: must be a number of m/s, got [None, None"),
     (lambda x: [1.0, 2.0], "returns numbers, got"),
     (lambda x: 1 / 0, "cannot be evaluated: ZeroDivisionError: division by zero"),
 ]
 
 
-@pytest.mark.parametrize(("make", "wanted"), [
-    *((lambda values=values: ri.Samples(values), {"values": ""}) for values in NO_SAMPLES),
-    (lambda: ri.Samples([1.0, math.nan, math.inf], step=0.0), {
-        "values[1]": "=must be a finite number, got nan", "step": "positive number of seconds"}),
-    *((lambda function=function: rod(velocity=function, area=1.0), {"velocity": said})
-      for function, said in NO_PROFILES),
-    (lambda: rod(length=[1.0, 2.0], velocity=np.sin),
-     {"velocity": "differ in length; give Samples"}),
-    (lambda: rod(length=-1.0, velocity=np.sin, strain=ri.Samples([0, 1], step=1.0)),
-     {"length": "", "strain.step": "from end to end; leave it out"}),
-    (lambda: rod(velocity=ri.Steps([1, 2], [3.0]), strain="x"),
-     {"velocity.at.0": "", "strain": ""}),
-    *((lambda drive=drive, given=given: drive(**given), {path: said})
-      for drive in (ri.Pushed, ri.Moved) for given, path, said in (
-        ({"value": math.sin}, "duration", "is missing; give the seconds"),
-        ({"value": math.sin, "duration": [1.0, 2.0]}, "duration", "single number"),
-        ({"value": 1.0, "duration": 1.0}, "duration", "belongs to a function"),
-        ({"value": ri.Samples([0, 1])}, "value.step", "is missing"),
-        ({"value": lambda t: 1 / t, "duration": 1.0}, "value", "ZeroDivisionError"))),
-])
+@pytest.mark.parametrize(
+    ("make", "wanted"),
+    [
+        *(
+            (lambda values=values: ri.Samples(values), {"values": ""})
+            for values in NO_SAMPLES
+        ),
+        (
+            lambda: ri.Samples([1.0, math.nan, math.inf], step=0.0),
+            {
+                "values[1]": "=must be a finite number, got nan",
+                "step": "positive number of seconds",
+            },
+        ),
+        *(
+            (
+                lambda function=function: rod(velocity=function, area=1.0),
+                {"velocity": said},
+            )
+            for function, said in NO_PROFILES
+        ),
+        (
+            lambda: rod(length=[1.0, 2.0], velocity=np.sin),
+            {"velocity": "differ in length; give Samples"},
+        ),
+        (
+            lambda: rod(
+                length=-1.0, velocity=np.sin, strain=ri.Samples([0, 1], step=1.0)
+            ),
+            {"length": "", "strain.step": "from end to end; leave it out"},
+        ),
+        (
+            lambda: rod(velocity=ri.Steps([1, 2], [3.0]), strain="x"),
+            {"velocity.at.0": "", "strain": ""},
+        ),
+        *(
+            (lambda drive=drive, given=given: drive(**given), {path: said})
+            for drive in (ri.Pushed, ri.Moved)
+            for given, path, said in (
+                ({"value": math.sin}, "duration", "is missing; give the seconds"),
+                (
+                    {"value": math.sin, "duration": [1.0, 2.0]},
+                    "duration",
+                    "single number",
+                ),
+                ({"value": 1.0, "duration": 1.0}, "duration", "belongs to a function"),
+                ({"value": ri.Samples([0, 1])}, "value.step", "is missing"),
+                (
+                    {"value": lambda t: 1 / t, "duration": 1.0},
+                    "value",
+                    "ZeroDivisionError",
+                ),
+            )
+        ),
+    ],
+)
 def test_mistakes_of_profiles(make, wanted):
     assert_told(make, wanted)
 
 
 def test_a_function_bears_other_sizes_than_the_length_in_a_family():
-    assert rod(area=[1.0, 2.0], velocity=np.sin).velocity == rod(velocity=np.sin).velocity
+    assert (
+        rod(area=[1.0, 2.0], velocity=np.sin).velocity == rod(velocity=np.sin).velocity
+    )
 
 
 # Turned round
@@ -142,8 +211,10 @@ def integral(profile, start, end, length):
     """By the trapezoidal rule on a grid that has every knot on it."""
     if isinstance(profile, ri.Steps):
         cuts = [start, *(x for x in profile.at if start < x < end), end]
-        return sum((b - a) * profile.values[sum(x <= a for x in profile.at)]
-                   for a, b in pairwise(cuts))
+        return sum(
+            (b - a) * profile.values[sum(x <= a for x in profile.at)]
+            for a, b in pairwise(cuts)
+        )
     n = len(profile.values) - 1
     width = length / n if profile.step is None else profile.step
     knots = width * np.arange(n + 1)
@@ -153,12 +224,18 @@ def integral(profile, start, end, length):
 
 NUMBERS = st.floats(-10, 10)
 PLACES = st.lists(st.integers(0, 1000), min_size=2, max_size=8, unique=True).map(
-    lambda ticks: np.array(sorted(ticks)) / 500)  # some beyond the last of the samples in time
+    lambda ticks: np.array(sorted(ticks)) / 500
+)  # some beyond the last of the samples in time
 PROFILED = st.one_of(
     st.lists(NUMBERS, min_size=2, max_size=9).map(ri.Samples),
-    st.lists(NUMBERS, min_size=2, max_size=9).map(lambda values: ri.Samples(values, step=0.17)),
-    st.tuples(st.lists(NUMBERS, min_size=3, max_size=3), st.floats(0.1, 0.9), st.floats(1.0, 1.9))
-    .map(lambda drawn: ri.Steps(drawn[0], drawn[1:])),
+    st.lists(NUMBERS, min_size=2, max_size=9).map(
+        lambda values: ri.Samples(values, step=0.17)
+    ),
+    st.tuples(
+        st.lists(NUMBERS, min_size=3, max_size=3),
+        st.floats(0.1, 0.9),
+        st.floats(1.0, 1.9),
+    ).map(lambda drawn: ri.Steps(drawn[0], drawn[1:])),
 )
 
 

@@ -19,36 +19,70 @@ from rodimpact.model.quantities import _spelt, floats
 
 STEEL = ri.materials.steel
 UNITS = {  # factor to the unit of the SI, and that one as all libraries read it
-    "mm": (1e-3, "m"), "cm^2": (1e-4, "m**(2)"), "cm^4": (1e-8, "m**(4)"), "GPa": (1e9, "Pa"),
-    "g/cm^3": (1e3, "kg/m**(3)"), "mPa s": (1e-3, "Pa*s"), "kHz": (1e3, "Hz"), "%": (1e-2, ""),
-    "km/s": (1e3, "m/s"), "g": (1e-3, "kg"), "cm/s^2": (1e-2, "m/s**(2)"), "ms": (1e-3, "s"),
-    "kN": (1e3, "N"), "kN/mm": (1e6, "N/m"), "N s/mm": (1e3, "N*s/m"), "mV": (1e-3, "V"),
-    "GN/m^1.5": (1e9, "N/m**(1.5)"), "s/mm": (1e3, "s/m"), "g/s": (1e-3, "kg/s"),
-    "N ms": (1e-3, "N*s"), "1/mm": (1e3, "1/m"), "rad/ms": (1e3, "rad/s"),
-    "rad/mm": (1e3, "rad/m"), "kN/N": (1e3, ""),
+    "mm": (1e-3, "m"),
+    "cm^2": (1e-4, "m**(2)"),
+    "cm^4": (1e-8, "m**(4)"),
+    "GPa": (1e9, "Pa"),
+    "g/cm^3": (1e3, "kg/m**(3)"),
+    "mPa s": (1e-3, "Pa*s"),
+    "kHz": (1e3, "Hz"),
+    "%": (1e-2, ""),
+    "km/s": (1e3, "m/s"),
+    "g": (1e-3, "kg"),
+    "cm/s^2": (1e-2, "m/s**(2)"),
+    "ms": (1e-3, "s"),
+    "kN": (1e3, "N"),
+    "kN/mm": (1e6, "N/m"),
+    "N s/mm": (1e3, "N*s/m"),
+    "mV": (1e-3, "V"),
+    "GN/m^1.5": (1e9, "N/m**(1.5)"),
+    "s/mm": (1e3, "s/m"),
+    "g/s": (1e-3, "kg/s"),
+    "N ms": (1e-3, "N*s"),
+    "1/mm": (1e3, "1/m"),
+    "rad/ms": (1e3, "rad/s"),
+    "rad/mm": (1e3, "rad/m"),
+    "kN/N": (1e3, ""),
 }
 OTHER = {field: unit for unit, (_, field) in reversed(UNITS.items())}
 """A unit other than that of the SI, for each of the fields."""
 EXAMPLES = [
-    STEEL, ri.Segment(0.4, 1e-4, STEEL, polar_moment=1e-9, lateral_inertia="rayleigh-love"),
-    ri.RigidMass(1.0), ri.Wall(),
-    ri.Rod(0.4, area=1e-4, material=STEEL), ri.System([ri.Rod(0.4, area=1e-4, material=STEEL)]),
-    ri.Rigid(0.5), ri.Joint(1.0), ri.Spring(1.0), ri.SpringDashpot(1.0, 0.0), ri.Hertz(1.0),
-    ri.HuntCrossley(1.0, 0.0), ri.PowerLaw(1.0, 1.5), ri.Yielding(1e9, 1.0),
-    ri.Tabulated([1.0], [1.0]), ri.Pushed(1.0),
-    ri.Moved(1.0), ri.Incoming(0.0), ri.Samples([0.0, 1.0], step=1.0),
+    STEEL,
+    ri.Segment(0.4, 1e-4, STEEL, polar_moment=1e-9, lateral_inertia="rayleigh-love"),
+    ri.RigidMass(1.0),
+    ri.Wall(),
+    ri.Rod(0.4, area=1e-4, material=STEEL),
+    ri.System([ri.Rod(0.4, area=1e-4, material=STEEL)]),
+    ri.Rigid(0.5),
+    ri.Joint(1.0),
+    ri.Spring(1.0),
+    ri.SpringDashpot(1.0, 0.0),
+    ri.Hertz(1.0),
+    ri.HuntCrossley(1.0, 0.0),
+    ri.PowerLaw(1.0, 1.5),
+    ri.Yielding(1e9, 1.0),
+    ri.Tabulated([1.0], [1.0]),
+    ri.Pushed(1.0),
+    ri.Moved(1.0),
+    ri.Incoming(0.0),
+    ri.Samples([0.0, 1.0], step=1.0),
     ri.Steps([1.0], []),
 ]
 SINGLE = [
-    ri.waves.Bar(5e3, 0.3, 1.0), ri.Bridge("half", gauge_factor=2.0, excitation=1.0,
-                                           poisson_ratio=0.3),
+    ri.waves.Bar(5e3, 0.3, 1.0),
+    ri.Bridge("half", gauge_factor=2.0, excitation=1.0, poisson_ratio=0.3),
     ri.BarGauge(ri.Signal([0.0, 1.0], dt=1.0), 0.5),
     ri.Specimen(5e-3, area=1e-4, youngs_modulus=1e11),
-    ri.Measured(ri.Signal([0.0, 1.0], dt=1.0), (1, 0.5), radius=1.0), ri.Options(),
+    ri.Measured(ri.Signal([0.0, 1.0], dt=1.0), (1, 0.5), radius=1.0),
+    ri.Options(),
 ]
 """Of these no number can be an array."""
-APART = {"gaps": "a list", "diameter": "becomes an area", "exponent": "is at least 1",
-         **dict.fromkeys(("values", "at", "compression", "force"), "a list")}
+APART = {
+    "gaps": "a list",
+    "diameter": "becomes an area",
+    "exponent": "is at least 1",
+    **dict.fromkeys(("values", "at", "compression", "force"), "a list"),
+}
 """Fields that are tried by hand, in `FIELDS`."""
 
 
@@ -58,9 +92,15 @@ def declared(examples):
         for name, field in type(example).fields.items():
             if name not in APART and field.unit != "N/m^p":
                 unit = OTHER[_spelt(field.unit)]
-                yield f"{type(example).__name__}.{name}", (
-                    lambda q, made=example, name=name: getattr(made.replace(**{name: q}), name),
-                    unit)
+                yield (
+                    f"{type(example).__name__}.{name}",
+                    (
+                        lambda q, made=example, name=name: getattr(
+                            made.replace(**{name: q}), name
+                        ),
+                        unit,
+                    ),
+                )
 
 
 PULSE = ri.Signal([0.0, 1.0, 1.0], dt=1.0, unit="V")
@@ -73,31 +113,67 @@ FIELDS = {
     "force": (lambda q: ri.Tabulated([1.0], [q]).force[0], "kN"),
     "rod": (lambda q: ri.Rod(q, area=1e-4, material=STEEL).length, "mm"),
     "stepped rod": (
-        lambda q: ri.Rod(q, area=ri.Steps([1, 2], [1e-9]), material=STEEL).length, "mm"),
-    "loss factor": (lambda q: STEEL.damped(q, STEEL.youngs_modulus / 2 / math.pi).viscosity, "%"),
-    "frequency": (lambda q: STEEL.youngs_modulus / 2 / math.pi / STEEL.damped(1, q).viscosity,
-                  "kHz"),
+        lambda q: ri.Rod(q, area=ri.Steps([1, 2], [1e-9]), material=STEEL).length,
+        "mm",
+    ),
+    "loss factor": (
+        lambda q: STEEL.damped(q, STEEL.youngs_modulus / 2 / math.pi).viscosity,
+        "%",
+    ),
+    "frequency": (
+        lambda q: STEEL.youngs_modulus / 2 / math.pi / STEEL.damped(1, q).viscosity,
+        "kHz",
+    ),
     "radius": (
-        lambda q: (ri.Hertz.from_radii(q, math.inf, STEEL, STEEL).stiffness
-                   / ri.Hertz.from_radii(1.0, math.inf, STEEL, STEEL).stiffness) ** 2, "mm"),
-    "gap": (lambda q: ri.System([ri.Rod(1.0, area=1.0, material=STEEL), ri.Wall()], [q]).gaps[0],
-            "mm"),
-    "a force's duration": (lambda q: ri.Pushed(lambda t: t, duration=q).value.values[-1], "ms"),
-    "a function's force": (lambda q: ri.Pushed(lambda t: q, duration=1.0).value.values[-1], "kN"),
+        lambda q: (
+            (
+                ri.Hertz.from_radii(q, math.inf, STEEL, STEEL).stiffness
+                / ri.Hertz.from_radii(1.0, math.inf, STEEL, STEEL).stiffness
+            )
+            ** 2
+        ),
+        "mm",
+    ),
+    "gap": (
+        lambda q: ri.System(
+            [ri.Rod(1.0, area=1.0, material=STEEL), ri.Wall()], [q]
+        ).gaps[0],
+        "mm",
+    ),
+    "a force's duration": (
+        lambda q: ri.Pushed(lambda t: t, duration=q).value.values[-1],
+        "ms",
+    ),
+    "a function's force": (
+        lambda q: ri.Pushed(lambda t: q, duration=1.0).value.values[-1],
+        "kN",
+    ),
     "samples": (lambda q: ri.Samples([0.0, q]).values[1], "%"),
     "steps": (lambda q: ri.Steps([0.0, q], at=[1.0]).values[1], "%"),
     "places": (lambda q: ri.Steps([0.0, 1.0], at=[q]).at[0], "%"),
     "rigid.contact_mass": (lambda q: ri.rigid.contact_mass(q, math.inf), "g"),
     "rigid.collide": (
-        lambda q: -ri.rigid.collide(1.0, q, 1.0, 0.0, 1.0).relative_velocity_before, "km/s"),
+        lambda q: -ri.rigid.collide(1.0, q, 1.0, 0.0, 1.0).relative_velocity_before,
+        "km/s",
+    ),
     "rigid restitution": (
-        lambda q: ri.rigid.collide(1.0, 1.0, 1.0, 0.0, q).relative_velocity_after, "%"),
-    "rigid.stack_drop": (lambda q: ri.rigid.stack_drop([1.0], [1.0], q).top_height, "mm"),
-    "theory impedance": (lambda q: ri.theory.rod_on_wall(q, 1.0, 1.0).peak_force, "g/s"),
+        lambda q: ri.rigid.collide(1.0, 1.0, 1.0, 0.0, q).relative_velocity_after,
+        "%",
+    ),
+    "rigid.stack_drop": (
+        lambda q: ri.rigid.stack_drop([1.0], [1.0], q).top_height,
+        "mm",
+    ),
+    "theory impedance": (
+        lambda q: ri.theory.rod_on_wall(q, 1.0, 1.0).peak_force,
+        "g/s",
+    ),
     "theory time": (lambda q: ri.theory.rod_on_wall(1.0, q, 1.0).duration / 2, "ms"),
     "theory taper": (lambda q: ri.theory.horn_frequency(1.0, 0.0, q), "1/mm"),
     "theory frequency": (
-        lambda q: 1 / ri.theory.kelvin_voigt_decay(1e30, 1.0, q), "rad/ms"),
+        lambda q: 1 / ri.theory.kelvin_voigt_decay(1e30, 1.0, q),
+        "rad/ms",
+    ),
     "signal": (lambda q: ri.Signal([0.0, q], dt=1.0, unit="V").values[1], "mV"),
     "signal's times": (lambda q: ri.Signal([0.0, 1.0], [0.0, q]).times[1], "ms"),
     "signal's step": (lambda q: ri.Signal([0.0, 1.0], dt=q).times[1], "ms"),
@@ -106,20 +182,37 @@ FIELDS = {
     "signal at": (lambda q: PULSE.at(q), "ms"),
     "signal's offset": (lambda q: PULSE.as_measured(offset=q).values[0], "mV"),
     "measured gauge": (lambda q: ri.Measured(PULSE, gauge=(1, q)).gauge[1], "mm"),
-    "measured level": (lambda q: ri.Measured(PULSE, gauge=(1, 0.5), level=q).size, "mV"),
+    "measured level": (
+        lambda q: ri.Measured(PULSE, gauge=(1, 0.5), level=q).size,
+        "mV",
+    ),
     "measured shift": (
-        lambda q: ri.Measured(PULSE, gauge=(1, 0.5), shift=q).limits["shift"][1], "ms"),
-    "measured gain": (lambda q: ri.Measured(PULSE, gauge=(1, 0.5), gain=q).limits["gain"][1], "%"),
-    "measured blur": (lambda q: ri.Measured(PULSE, gauge=(1, 0.5), blur=q).limits["blur"][1], "ms"),
+        lambda q: ri.Measured(PULSE, gauge=(1, 0.5), shift=q).limits["shift"][1],
+        "ms",
+    ),
+    "measured gain": (
+        lambda q: ri.Measured(PULSE, gauge=(1, 0.5), gain=q).limits["gain"][1],
+        "%",
+    ),
+    "measured blur": (
+        lambda q: ri.Measured(PULSE, gauge=(1, 0.5), blur=q).limits["blur"][1],
+        "ms",
+    ),
     "bounds of a fit": (lambda q: ends_of("bodies.0.length", (q, 1.0), "m")[0], "mm"),
     "phase velocity": (lambda q: SINGLE[0].phase_velocity(q), "kHz"),
     "place in a solution": (lambda q: FLOWN.position(0, q, 0.0), "mm"),
     "time in a solution": (lambda q: FLOWN.displacement(0, 0.0, q), "ms"),
     "gauge of a solution": (lambda q: FLOWN.gauge(0, q).x, "mm"),
     "gauges of a sweep": (
-        lambda q: ri.sweep(FLYING, until=5e-3, gauges=[(0, q)], times=[0.0]).gauges[0][1], "mm"),
+        lambda q: ri.sweep(FLYING, until=5e-3, gauges=[(0, q)], times=[0.0]).gauges[0][
+            1
+        ],
+        "mm",
+    ),
     "times of a sweep": (
-        lambda q: ri.sweep(FLYING, until=5e-3, gauges=[(0, 0.0)], times=[q]).times[0], "ms"),
+        lambda q: ri.sweep(FLYING, until=5e-3, gauges=[(0, 0.0)], times=[q]).times[0],
+        "ms",
+    ),
     "theory wave number": (lambda q: ri.theory.horn_frequency(1.0, q, 0.0), "rad/mm"),
 }
 MODEL = dict(declared(EXAMPLES))
@@ -185,11 +278,15 @@ class Labelled:
 
 def pint_quantity(number, unit):
     pint = pytest.importorskip("pint")
-    return pint.application_registry.get().Quantity(number, unit.replace("%", "percent"))
+    return pint.application_registry.get().Quantity(
+        number, unit.replace("%", "percent")
+    )
 
 
 def astropy_quantity(number, unit):
-    return number * pytest.importorskip("astropy.units").Unit(unit.replace("^1.5", "^(1.5)"))
+    return number * pytest.importorskip("astropy.units").Unit(
+        unit.replace("^1.5", "^(1.5)")
+    )
 
 
 QUANTITIES = [Quantity, OtherQuantity, pint_quantity, astropy_quantity]
@@ -211,36 +308,52 @@ def test_every_number_of_the_model_takes_an_array_with_a_unit(quantity):
     given = np.array([3.0, 2.0])
     found = {name: make(quantity(given, unit)) for name, (make, unit) in MODEL.items()}
     wanted = {name: given * UNITS[unit][0] for name, (_, unit) in MODEL.items()}
-    assert found == {name: pytest.approx(values, rel=1e-14) for name, values in wanted.items()}
+    assert found == {
+        name: pytest.approx(values, rel=1e-14) for name, values in wanted.items()
+    }
 
 
 def test_every_class_that_declares_numbers_is_tried():
     def kinds(of):
         return {of}.union(*map(kinds, of.__subclasses__()))
 
-    declare = {kind for kind in kinds(Frozen) if kind.fields and kind.__name__[0] != "_"
-               and kind.__module__.startswith("rodimpact.")}
+    declare = {
+        kind
+        for kind in kinds(Frozen)
+        if kind.fields
+        and kind.__name__[0] != "_"
+        and kind.__module__.startswith("rodimpact.")
+    }
     assert declare == {type(example) for example in (*EXAMPLES, *SINGLE)}
 
 
 def test_a_stiffness_of_any_power_must_be_bare():
-    with pytest.raises(ri.InvalidModel, match=r"unit that converts to N/m\^p, got <3.0 kN/mm>"):
+    with pytest.raises(
+        ri.InvalidModel, match=r"unit that converts to N/m\^p, got <3.0 kN/mm>"
+    ):
         ri.PowerLaw(Quantity(3.0, "kN/mm"), 1.5)
 
 
 @pytest.mark.parametrize("quantity", QUANTITIES)
 def test_every_field_refuses_a_quantity_of_something_else(quantity):
     wrong = {unit: quantity(4.0, "mm" if unit == "g" else "g") for unit in UNITS}
-    taken = [name for name, (make, unit) in ALL.items()
-             if not refused(make, wrong[unit], r"got .*\b4\b")]
+    taken = [
+        name
+        for name, (make, unit) in ALL.items()
+        if not refused(make, wrong[unit], r"got .*\b4\b")
+    ]
     assert taken == []
 
 
 def test_a_refusal_names_field_value_and_unit():
-    assert problems(lambda: ri.Rod(
-        Quantity(4, "g"), area=1e-4, material=STEEL, strain=Quantity(0.1, "mm"))) == {
+    assert problems(
+        lambda: ri.Rod(
+            Quantity(4, "g"), area=1e-4, material=STEEL, strain=Quantity(0.1, "mm")
+        )
+    ) == {
         "length": "must be in a unit that converts to m, got <4 g>",
-        "strain": "must have no unit, got <0.1 mm>"}
+        "strain": "must have no unit, got <0.1 mm>",
+    }
 
 
 def test_what_has_a_unit_and_does_not_convert_is_refused():
@@ -250,7 +363,9 @@ def test_what_has_a_unit_and_does_not_convert_is_refused():
         def __float__(self):
             return 2.0
 
-    with pytest.raises(ri.InvalidModel, match="length: must be in a unit that converts to m"):
+    with pytest.raises(
+        ri.InvalidModel, match="length: must be in a unit that converts to m"
+    ):
         ri.Rod(Mute(), area=1e-4, material=STEEL)
     with pytest.raises(ValueError, match="m1: must be in a unit that converts to kg"):
         ri.rigid.contact_mass(Mute(), 1.0)
@@ -258,13 +373,17 @@ def test_what_has_a_unit_and_does_not_convert_is_refused():
 
 @pytest.mark.parametrize("quantity", QUANTITIES)
 def test_families_convert_as_arrays_and_as_lists(quantity):
-    for given in (quantity(np.array([400.0, 1000.0]), "mm"),
-                  [quantity(400.0, "mm"), 1.0],
-                  ([quantity(400.0, "mm")], [1])):
+    for given in (
+        quantity(np.array([400.0, 1000.0]), "mm"),
+        [quantity(400.0, "mm"), 1.0],
+        ([quantity(400.0, "mm")], [1]),
+    ):
         found = ri.Rod(given, area=1e-4, material=STEEL).length
         assert isinstance(found, np.ndarray)
         assert found.ravel() == pytest.approx([0.4, 1.0], rel=1e-15)
-    with pytest.raises(ri.InvalidModel, match=r"length\[1\]: must be a finite positive number"):
+    with pytest.raises(
+        ri.InvalidModel, match=r"length\[1\]: must be a finite positive number"
+    ):
         ri.Rod(quantity(np.array([1.0, -2.0]), "mm"), area=1e-4, material=STEEL)
 
 
@@ -274,24 +393,46 @@ def test_steps_of_a_quantity_are_refused_as_a_whole():
 
 
 def test_solve_takes_times_with_a_unit():
-    system = ri.System([ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0), ri.Wall()])
+    system = ri.System(
+        [ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0), ri.Wall()]
+    )
     assert ri.solve(system, until=Quantity(0.25, "ms")).t_end == 0.25e-3
     stepped = {"method": "finite-difference", "until": 1e-4}
-    assert (ri.solve(system, dt=Quantity(0.001, "ms"), **stepped).outcome.velocities_after
-            == ri.solve(system, dt=1e-6, **stepped).outcome.velocities_after)
-    grid = ri.solve(system, snapshots=Quantity(np.array([0.0, 0.05]), "ms"), cells=10, **stepped)
+    assert (
+        ri.solve(system, dt=Quantity(0.001, "ms"), **stepped).outcome.velocities_after
+        == ri.solve(system, dt=1e-6, **stepped).outcome.velocities_after
+    )
+    grid = ri.solve(
+        system, snapshots=Quantity(np.array([0.0, 0.05]), "ms"), cells=10, **stepped
+    )
     same = ri.solve(system, snapshots=[0.0, 5e-5], cells=10, **stepped)
     assert grid.velocity(0, 0.1, 5e-5) == same.velocity(0, 0.1, 5e-5)
-    with pytest.raises(ri.InvalidModel, match="until: must be in a unit that converts to s"):
+    with pytest.raises(
+        ri.InvalidModel, match="until: must be in a unit that converts to s"
+    ):
         ri.solve(system, until=Quantity(1.0, "mm"))
 
 
-@pytest.mark.parametrize("value", [
-    1.0, 2, 2**70, np.float32(0.5), np.int8(3), np.longdouble(2), Fraction(1, 4), [1.0, 2],
-    [1.0, [2, 3.0][0]], ((1,), [Fraction(1, 2)]), range(3), np.arange(3.0),
-    np.arange(3, dtype="u8"), np.array([Fraction(1, 2), 3], dtype=object),
-    array.array("d", [1.0, 2.0]),
-])
+@pytest.mark.parametrize(
+    "value",
+    [
+        1.0,
+        2,
+        2**70,
+        np.float32(0.5),
+        np.int8(3),
+        np.longdouble(2),
+        Fraction(1, 4),
+        [1.0, 2],
+        [1.0, [2, 3.0][0]],
+        ((1,), [Fraction(1, 2)]),
+        range(3),
+        np.arange(3.0),
+        np.arange(3, dtype="u8"),
+        np.array([Fraction(1, 2), 3], dtype=object),
+        array.array("d", [1.0, 2.0]),
+    ],
+)
 def test_numbers_of_any_type_become_new_floats(value):
     found = floats(value, "m")
     assert (found.dtype, type(found)) == (np.float64, np.ndarray)
@@ -322,7 +463,10 @@ NO_NUMBERS = {
     "a dictionary": ({"a": 1.0}, "got {'a'"),
     "a broken array": (Broken(), "got <"),
     "a mask among numbers": ([np.ma.masked, 1.0], "its mask would be lost"),
-    "an integer beyond a float": (10**400, "got 10000.*; it is too large for a floating-point"),
+    "an integer beyond a float": (
+        10**400,
+        "got 10000.*; it is too large for a floating-point",
+    ),
     "a fraction beyond a float": (Fraction(10**400, 3), "it is too large"),
     "lists of unequal lengths": ([[1.0], [1.0, 2.0]], "lists must be of equal lengths"),
     "lists of 3000 levels": (DEEP, r"got \[\[\[\["),
@@ -335,9 +479,12 @@ TAKERS = {
 }
 
 
-@pytest.mark.parametrize("take", [pytest.param(take, id=name) for name, take in TAKERS.items()])
 @pytest.mark.parametrize(
-    ("value", "message"), [pytest.param(*given, id=name) for name, given in NO_NUMBERS.items()]
+    "take", [pytest.param(take, id=name) for name, take in TAKERS.items()]
+)
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [pytest.param(*given, id=name) for name, given in NO_NUMBERS.items()],
 )
 def test_what_is_no_number_is_refused_wherever_it_is_given(take, value, message):
     with pytest.raises(ValueError, match=message) as error:
@@ -357,7 +504,9 @@ def test_no_library_of_units_or_labels_is_imported():
         "import sys, rodimpact as ri; ri.Rod([1, 2], area=1, material=ri.materials.steel);"
         "print({'pint', 'astropy', 'unyt', 'xarray', 'pandas'} & set(sys.modules))"
     )
-    ran = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    ran = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
     assert ran.stdout.strip() == "set()"
 
 
@@ -381,8 +530,14 @@ def masked():
 
 
 LABELLED = [
-    (labelled, "dimensions are not matched by name here; convert all arrays together by"),
-    (data_array, "dimensions are not matched by name here; convert all arrays together by"),
+    (
+        labelled,
+        "dimensions are not matched by name here; convert all arrays together by",
+    ),
+    (
+        data_array,
+        "dimensions are not matched by name here; convert all arrays together by",
+    ),
     (series, r"its index is not matched; give .to_numpy()"),
     (masked, r"its mask would be lost; give .compressed() or .filled(...)"),
 ]
@@ -391,15 +546,22 @@ LABELLED = [
 @pytest.mark.parametrize(("labels", "remedy"), LABELLED)
 def test_every_field_refuses_what_is_found_by_name(labels, remedy):
     given = labels()
-    taken = [name for name, (make, _) in ALL.items()
-             if not refused(make, given, re.escape(remedy))]
+    taken = [
+        name
+        for name, (make, _) in ALL.items()
+        if not refused(make, given, re.escape(remedy))
+    ]
     assert taken == []
 
 
 def test_labels_are_refused_in_lists_and_lists_of_steps_too():
-    with pytest.raises(ri.InvalidModel, match="length: must be bare numbers, got a Lab"):
+    with pytest.raises(
+        ri.InvalidModel, match="length: must be bare numbers, got a Lab"
+    ):
         ri.Rod([labelled(), labelled()], area=1e-4, material=STEEL)
-    with pytest.raises(ri.InvalidModel, match="values: must be bare numbers, got a Labelled"):
+    with pytest.raises(
+        ri.InvalidModel, match="values: must be bare numbers, got a Labelled"
+    ):
         ri.Steps(labelled(), at=[0.1])
 
 
@@ -407,32 +569,57 @@ def test_labels_are_refused_in_lists_and_lists_of_steps_too():
 
 THREE, FOUR = np.ones(3), np.ones(4)
 SHAPES = {
-    "length and area": (lambda: ri.Rod(THREE, area=FOUR, material=STEEL), ["length", "area"]),
+    "length and area": (
+        lambda: ri.Rod(THREE, area=FOUR, material=STEEL),
+        ["length", "area"],
+    ),
     "length and material": (
-        lambda: ri.Segment(THREE, 1.0, ri.Material("a", youngs_modulus=1.0, density=FOUR)),
-        ["length", "material.density"]),
+        lambda: ri.Segment(
+            THREE, 1.0, ri.Material("a", youngs_modulus=1.0, density=FOUR)
+        ),
+        ["length", "material.density"],
+    ),
     "material": (
         lambda: ri.Material("a", youngs_modulus=THREE, density=FOUR),
-        ["youngs_modulus", "density"]),
+        ["youngs_modulus", "density"],
+    ),
     "mass": (lambda: ri.RigidMass(THREE, velocity=FOUR), ["mass", "velocity"]),
     "radii": (
-        lambda: ri.Hertz.from_radii(THREE, FOUR, STEEL, STEEL), ["left_radius", "right_radius"]),
-    "steps": (lambda: ri.Steps([1.0, 2.0, THREE], at=[1.0, 1.0 + FOUR]), ["values.2", "at.1"]),
-    "places": (lambda: ri.Steps([1.0, 2.0, 3.0], at=[THREE, 2 * FOUR]), ["at.0", "at.1"]),
+        lambda: ri.Hertz.from_radii(THREE, FOUR, STEEL, STEEL),
+        ["left_radius", "right_radius"],
+    ),
+    "steps": (
+        lambda: ri.Steps([1.0, 2.0, THREE], at=[1.0, 1.0 + FOUR]),
+        ["values.2", "at.1"],
+    ),
+    "places": (
+        lambda: ri.Steps([1.0, 2.0, 3.0], at=[THREE, 2 * FOUR]),
+        ["at.0", "at.1"],
+    ),
     "places along a rod": (
-        lambda: ri.Rod(THREE, area=1.0, material=STEEL, velocity=ri.Steps([1.0, 0.0], [FOUR / 2])),
-        ["length", "velocity.at.0"]),
+        lambda: ri.Rod(
+            THREE, area=1.0, material=STEEL, velocity=ri.Steps([1.0, 0.0], [FOUR / 2])
+        ),
+        ["length", "velocity.at.0"],
+    ),
     "system": (
         lambda: ri.System(
-            [ri.Rod(THREE, area=1.0, material=STEEL, velocity=1.0), ri.RigidMass(FOUR)]),
-        ["bodies.0.length", "bodies.1.mass"]),
+            [ri.Rod(THREE, area=1.0, material=STEEL, velocity=1.0), ri.RigidMass(FOUR)]
+        ),
+        ["bodies.0.length", "bodies.1.mass"],
+    ),
     "gap": (
         lambda: ri.System([ri.Rod(THREE, area=1.0, material=STEEL), ri.Wall()], [FOUR]),
-        ["bodies.0.length", "contacts.0.gap"]),
+        ["bodies.0.length", "contacts.0.gap"],
+    ),
 }
 
 
-@pytest.mark.parametrize(("make", "fields"), [pytest.param(*v, id=k) for k, v in SHAPES.items()])
+@pytest.mark.parametrize(
+    ("make", "fields"), [pytest.param(*v, id=k) for k, v in SHAPES.items()]
+)
 def test_arrays_that_do_not_broadcast_are_named_with_their_shapes(make, fields):
-    assert problems(make) == {fields[0]: f"arrays do not broadcast: {fields[0]} has shape (3,), "
-                                         f"{fields[1]} has shape (4,)"}
+    assert problems(make) == {
+        fields[0]: f"arrays do not broadcast: {fields[0]} has shape (3,), "
+        f"{fields[1]} has shape (4,)"
+    }

@@ -22,14 +22,26 @@ from rodimpact.plot.style import LOOKS, ON_LIGHT
 ROWS = {
     "unequal": (ri.System([rod(0.4, 1.0), rod()]), {}),
     "chain": (ri.System([rod(0.3, 1.0), *[rod(0.3)] * 4]), {}),
-    "walls": (ri.System([ri.Wall(1.0), rod(0.3), rod(0.2, area=3e-4), ri.Wall()],
-                        gaps=[1e-5, 2e-5, 2e-5]), {"until": 3e-4}),
+    "walls": (
+        ri.System(
+            [ri.Wall(1.0), rod(0.3), rod(0.2, area=3e-4), ri.Wall()],
+            gaps=[1e-5, 2e-5, 2e-5],
+        ),
+        {"until": 3e-4},
+    ),
     "single": (ri.System([rod(0.5, 1.0)]), {"until": 2e-4}),
-    "masses": (ri.System([ri.RigidMass(0.1, velocity=2.0), rod(0.4), ri.RigidMass(0.2), rod(0.2)],
-                         contacts=[ri.Hertz(1e10), ri.Bonded(), ri.Rigid()],
-                         ends=(ri.Free(), ri.Absorbing())), {"until": 3e-4}),
-    "driven": (ri.System([rod(0.4)], ends=(ri.Moved(1.0), ri.Fixed())),
-               {"until": 2e-4, "method": "characteristics"}),
+    "masses": (
+        ri.System(
+            [ri.RigidMass(0.1, velocity=2.0), rod(0.4), ri.RigidMass(0.2), rod(0.2)],
+            contacts=[ri.Hertz(1e10), ri.Bonded(), ri.Rigid()],
+            ends=(ri.Free(), ri.Absorbing()),
+        ),
+        {"until": 3e-4},
+    ),
+    "driven": (
+        ri.System([rod(0.4)], ends=(ri.Moved(1.0), ri.Fixed())),
+        {"until": 2e-4, "method": "characteristics"},
+    ),
 }
 
 
@@ -89,7 +101,9 @@ def test_rods_are_where_they_are_in_the_colour_of_their_state(solved, field):
 def test_displacements_are_magnified_and_the_factor_is_told(solved):
     solution = solved["unequal"]
     film = plot.animation(solution, frames=3, magnification=1000.0)
-    assert "displacements \N{MULTIPLICATION SIGN} 1000" in film.figure.axes[0].get_xlabel()
+    assert (
+        "displacements \N{MULTIPLICATION SIGN} 1000" in film.figure.axes[0].get_xlabel()
+    )
     texts = [t.get_text() for ax in film.figure.axes for t in ax.texts]
     assert any("thick: compressed" in text for text in texts)
     row, picture = row_of(film), film.frame(2)
@@ -111,8 +125,9 @@ def test_the_future_is_hidden_and_the_past_is_that_of_the_end(film):
         top = int(film.figure.bbox.height - box.y1) + 2
         assert np.all(picture[top : line - 3, left:right] == 255)
         bottom = int(film.figure.bbox.height - box.y0) - 3
-        assert np.array_equal(picture[line + 4 : bottom, left:right],
-                              last[line + 4 : bottom, left:right])
+        assert np.array_equal(
+            picture[line + 4 : bottom, left:right], last[line + 4 : bottom, left:right]
+        )
         assert np.ptp(picture[line + 4 : bottom, left:right]) > 200
 
 
@@ -129,16 +144,35 @@ def test_it_begins_with_the_approach_and_says_what_happens(solved):
     picture, t = film.frame(0).astype(float), before[0]
     right = 0.4 + 2000 * t
     expected = colours(film, "velocity")
-    assert picture[pixel(film, row, right - 0.02, 0.1)] == pytest.approx(expected(1.0), abs=3)
+    assert picture[pixel(film, row, right - 0.02, 0.1)] == pytest.approx(
+        expected(1.0), abs=3
+    )
     assert tuple(picture[pixel(film, row, (right + 0.4) / 2, 0.1)]) == (255, 255, 255)
     told = []
-    for number in (0, len(before), int(np.searchsorted(film.times, 2e-4)), len(film) - 1):
+    for number in (
+        0,
+        len(before),
+        int(np.searchsorted(film.times, 2e-4)),
+        len(film) - 1,
+    ):
         film.frame(number)
-        told += [t.get_text() for ax in film.figure.axes for t in ax.texts
-                 if "contact" in t.get_text() or "force" in t.get_text() or "gap" in t.get_text()]
-    assert told == ["before contact", "0 s:\nforce begins", "158 µs:\nforce ends",
-                    "396 µs:\ngap opens"]
-    assert film.figure.get_suptitle().startswith("2 rods, closing speed 1 m/s, restitution e = 0.4")
+        told += [
+            t.get_text()
+            for ax in film.figure.axes
+            for t in ax.texts
+            if "contact" in t.get_text()
+            or "force" in t.get_text()
+            or "gap" in t.get_text()
+        ]
+    assert told == [
+        "before contact",
+        "0 s:\nforce begins",
+        "158 µs:\nforce ends",
+        "396 µs:\ngap opens",
+    ]
+    assert film.figure.get_suptitle().startswith(
+        "2 rods, closing speed 1 m/s, restitution e = 0.4"
+    )
 
 
 @pytest.mark.parametrize("name", few_of(ROWS, {"masses"}))
@@ -152,7 +186,9 @@ def test_every_row_moves(solved, name):
     paper = np.round(np.array(to_rgb(film.colours.paper)) * 255)
     assert np.array_equal(frames[0][0, 0], paper)
     assert film.colours == LOOKS["dark" if name in ("walls", "masses") else "light"]
-    forces = [ax for ax in film.figure.axes if ax.get_xlabel().startswith("contact force")]
+    forces = [
+        ax for ax in film.figure.axes if ax.get_xlabel().startswith("contact force")
+    ]
     assert len(forces) == (name not in ("single", "driven"))
 
 
@@ -189,8 +225,9 @@ def test_a_gif_shows_every_frame_in_its_time_again_and_again(film, tmp_path):
 
 
 def test_a_notebook_plays_it(film):
-    data, words = re.fullmatch(r'<img src="data:image/gif;base64,(.*?)" alt="(.*?)".*>',
-                               film._repr_html_()).groups()
+    data, words = re.fullmatch(
+        r'<img src="data:image/gif;base64,(.*?)" alt="(.*?)".*>', film._repr_html_()
+    ).groups()
     with Image.open(io.BytesIO(base64.b64decode(data))) as shown:
         assert shown.n_frames == 7
     assert words.startswith("2 rods, closing speed 1 m/s")
@@ -215,9 +252,13 @@ def stand_in(folder, monkeypatch, program):
 
 
 def test_an_mp4_is_made_by_ffmpeg_from_the_frames(film, tmp_path, monkeypatch):
-    stand_in(tmp_path, monkeypatch, """
+    stand_in(
+        tmp_path,
+        monkeypatch,
+        """
 data = sys.stdin.buffer.read()
-open(sys.argv[-1], "wb").write(" ".join(sys.argv[1:]).encode() + b"|" + data)""")
+open(sys.argv[-1], "wb").write(" ".join(sys.argv[1:]).encode() + b"|" + data)""",
+    )
     film.save(tmp_path / "film.mp4")
     options, _, data = (tmp_path / "film.mp4").read_bytes().partition(b"|")
     height, width, _ = film.frame(0).shape
@@ -239,8 +280,26 @@ def test_the_command_makes_the_film(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("PATH", str(tmp_path))
     (tmp_path / "case.toml").write_text(UNEQUAL_RODS)
-    assert main(["animate", "case.toml", "-o", "film.gif", "--frames", "4", "--fps", "20",
-                 "--field", "stress", "--dark", "--until", "0.2 ms"]) == 0
+    assert (
+        main(
+            [
+                "animate",
+                "case.toml",
+                "-o",
+                "film.gif",
+                "--frames",
+                "4",
+                "--fps",
+                "20",
+                "--field",
+                "stress",
+                "--dark",
+                "--until",
+                "0.2 ms",
+            ]
+        )
+        == 0
+    )
     out, err = capsys.readouterr()
     assert out == "34 frames from 0 s to 200 us, 1.7 s to watch: film.gif\n"
     assert err == ""
@@ -250,5 +309,7 @@ def test_the_command_makes_the_film(tmp_path, monkeypatch, capsys):
         dark = np.round(np.array(to_rgb(LOOKS["dark"].paper)) * 255)
         assert np.array_equal(np.asarray(shown.convert("RGB"))[0, 0], dark)
     assert main(["animate", "case.toml", "-o", "film.mp4"]) == 1
-    assert "ffmpeg, which makes MP4 files, is not on the path; install it, or write a .gif" in (
-        capsys.readouterr().err)
+    assert (
+        "ffmpeg, which makes MP4 files, is not on the path; install it, or write a .gif"
+        in (capsys.readouterr().err)
+    )

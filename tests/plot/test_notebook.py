@@ -21,18 +21,34 @@ def picture(html):
 
 
 def table(html):
-    return re.search(r'<pre style="white-space: pre;[^>]*>(.*)</pre>$', html, re.DOTALL)[1]
+    return re.search(
+        r'<pre style="white-space: pre;[^>]*>(.*)</pre>$', html, re.DOTALL
+    )[1]
 
 
 LENGTHS = np.linspace(0.2, 1.0, 5)
 FAMILIES = {
-    "curve": (ri.System([rod(LENGTHS, 1.0), rod()]), "restitution over bodies.0.length"),
-    "map": (ri.System([rod(LENGTHS[:, None], 1.0), rod(area=np.array([1e-4, 2e-4]))]),
-            "restitution over bodies.0.length, bodies.1.area"),
-    "chain": (ri.System([rod(LENGTHS, 1.0), rod(), rod()]),
-              "velocity_after.2 over bodies.0.length"),
-    "three axes": (ri.System([rod(LENGTHS[:, None, None], LENGTHS[:2, None]),
-                              rod(area=np.array([1e-4, 2e-4]))]), None),
+    "curve": (
+        ri.System([rod(LENGTHS, 1.0), rod()]),
+        "restitution over bodies.0.length",
+    ),
+    "map": (
+        ri.System([rod(LENGTHS[:, None], 1.0), rod(area=np.array([1e-4, 2e-4]))]),
+        "restitution over bodies.0.length, bodies.1.area",
+    ),
+    "chain": (
+        ri.System([rod(LENGTHS, 1.0), rod(), rod()]),
+        "velocity_after.2 over bodies.0.length",
+    ),
+    "three axes": (
+        ri.System(
+            [
+                rod(LENGTHS[:, None, None], LENGTHS[:2, None]),
+                rod(area=np.array([1e-4, 2e-4])),
+            ]
+        ),
+        None,
+    ),
     "one": (ri.System([rod(0.4, 1.0), rod()]), None),
 }
 
@@ -70,7 +86,9 @@ def test_who_does_without_the_public_names_sees_the_table():
         "solution = solve(System([Rod(0.4, area=1e-4, material=steel, velocity=1.0), Wall()]))\n"
         "print(solution._repr_html_()[:5])"
     )
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    run = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
     assert run.stdout == "<pre \n"
 
 

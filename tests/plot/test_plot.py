@@ -27,24 +27,51 @@ ROWS = {
     "unequal": (ri.System([rod(0.4, 1.0), rod()]), None),
     "wall": (ri.System([rod(0.5, 1.0), ri.Wall()]), None),
     "impedances": (ri.System([rod(0.25, 1.0, area=3e-4), rod()]), None),
-    "stepped": (ri.System([rod(0.4, 2.0), ri.Rod(segments=[
-        ri.Segment(0.3, 1e-4, STEEL), ri.Segment(0.4, 3e-4, STEEL)])]), None),
+    "stepped": (
+        ri.System(
+            [
+                rod(0.4, 2.0),
+                ri.Rod(
+                    segments=[
+                        ri.Segment(0.3, 1e-4, STEEL),
+                        ri.Segment(0.4, 3e-4, STEEL),
+                    ]
+                ),
+            ]
+        ),
+        None,
+    ),
     "cradle": (ri.System([rod(velocity=1.0), *[rod()] * 4]), None),
-    "bouncing": (ri.System([ri.Wall(), rod(0.3, 10.0), ri.Wall()], gaps=[1e-3, 2e-3]), 8e-4),
+    "bouncing": (
+        ri.System([ri.Wall(), rod(0.3, 10.0), ri.Wall()], gaps=[1e-3, 2e-3]),
+        8e-4,
+    ),
     "released": (ri.System([rod(0.5, strain=-1e-4), rod()], gaps=[1e-6]), 1e-3),
     "receding": (ri.System([rod(0.5, -1.0), rod(1.0, 0.5)]), None),
     "single": (ri.System([rod(0.5, 1.0)]), 4e-4),
     "tiny": (ri.System([rod(0.4, 1e-9), rod()]), None),
     "drifting": (ri.System([rod(0.4, 101.0), rod(1.0, 100.0)]), None),
     "closing gap": (ri.System([rod(0.4, 1.0), rod(0.6)], gaps=[5e-5]), None),
-    "moving wall": (ri.System([ri.Wall(2.0), rod(0.4), rod(0.6, -1.0)], gaps=[5e-5, 2e-5]), 1e-3),
-    "bonded": (ri.System([rod(0.4, 1.0), rod(0.3, area=2e-4), rod(0.6)],
-                         contacts=[ri.Rigid(), ri.Bonded()]), None),
+    "moving wall": (
+        ri.System([ri.Wall(2.0), rod(0.4), rod(0.6, -1.0)], gaps=[5e-5, 2e-5]),
+        1e-3,
+    ),
+    "bonded": (
+        ri.System(
+            [rod(0.4, 1.0), rod(0.3, area=2e-4), rod(0.6)],
+            contacts=[ri.Rigid(), ri.Bonded()],
+        ),
+        None,
+    ),
     "at rest": (ri.System([rod(), rod()]), 1e-3),
 }
 every_row = pytest.mark.parametrize("name", ROWS)
-some_rows = pytest.mark.parametrize("name", few_of(
-    ROWS, {"unequal", "impedances", "bonded", "drifting", "moving wall", "bouncing"}))
+some_rows = pytest.mark.parametrize(
+    "name",
+    few_of(
+        ROWS, {"unequal", "impedances", "bonded", "drifting", "moving wall", "bouncing"}
+    ),
+)
 
 
 @pytest.fixture(scope="module")
@@ -69,9 +96,13 @@ def area(points):
 def test_regions_tile_each_rod_between_its_ends(solved, name):
     picture = plot.spacetime(solved[name], axes())
     paths = picture.ends.get_segments()
-    strips = [np.concatenate((left, right[::-1]))
-              for left, right in zip(paths[::2], paths[1::2], strict=True)]
-    assert sum(map(area, corners(picture))) == pytest.approx(sum(map(area, strips)), rel=1e-9)
+    strips = [
+        np.concatenate((left, right[::-1]))
+        for left, right in zip(paths[::2], paths[1::2], strict=True)
+    ]
+    assert sum(map(area, corners(picture))) == pytest.approx(
+        sum(map(area, strips)), rel=1e-9
+    )
 
 
 @some_rows
@@ -80,17 +111,22 @@ def test_rods_never_overlap_and_gaps_are_drawn_to_the_same_scale(solved, name):
     picture = plot.spacetime(solution, axes(), coordinates="lab", magnification=50.0)
     scale = {"µs": 1e6, "ms": 1e3}[picture.ax.get_ylabel()[-3:-1]]
     paths = picture.ends.get_segments()
-    rods = [i for i, body in enumerate(solution.system.bodies) if isinstance(body, ri.Rod)]
+    rods = [
+        i for i, body in enumerate(solution.system.bodies) if isinstance(body, ri.Rod)
+    ]
     times = np.linspace(0, solution.t_end, 50)
     for right, left, k in zip(paths[1:-1:2], paths[2::2], rods, strict=False):
-        drawn = (np.interp(times, left[:, 1] / scale, left[:, 0])
-                 - np.interp(times, right[:, 1] / scale, right[:, 0]))
+        drawn = np.interp(times, left[:, 1] / scale, left[:, 0]) - np.interp(
+            times, right[:, 1] / scale, right[:, 0]
+        )
         assert drawn == pytest.approx(50.0 * solution.contacts[k].gap(times), abs=1e-9)
 
 
 @pytest.mark.parametrize("name", few_of(ROWS, {"unequal", "drifting", "moving wall"}))
 @pytest.mark.parametrize("field", ["velocity", "stress", "strain"])
-def test_colour_limits_are_symmetric_about_rest_and_hold_all_values(solved, name, field):
+def test_colour_limits_are_symmetric_about_rest_and_hold_all_values(
+    solved, name, field
+):
     picture = plot.spacetime(solved[name], axes(), field)
     rest = 100.0 if name == "drifting" and field == "velocity" else 0.0
     norm, values = picture.regions.norm, picture.regions.get_array()
@@ -104,15 +140,21 @@ def test_colour_of_each_region_is_the_field_in_its_middle(solved):
     regions = ri.regions_of(solution)
     for field, scale in (("velocity", 1.0), ("stress", 1e-6), ("strain", 1e6)):
         values = plot.spacetime(solution, axes(), field).regions.get_array()
-        for i, (begin, end) in enumerate(zip(regions.start, regions.start[1:], strict=False)):
+        for i, (begin, end) in enumerate(
+            zip(regions.start, regions.start[1:], strict=False)
+        ):
             x, t = regions.x[begin:end].mean(), regions.t[begin:end].mean()
             expected = getattr(solution, field)(int(regions.body[i]), x, t) * scale
             assert values[i] == pytest.approx(float(expected), abs=1e-9)
 
 
 def test_a_crowd_has_lines_at_its_strongest_fronts_alone():
-    head = ri.Rod(segments=[ri.Segment(0.1 + 0.03 * (7 * i % 5), 1e-4 * (1 + 3 * i % 4), STEEL)
-                            for i in range(5)])
+    head = ri.Rod(
+        segments=[
+            ri.Segment(0.1 + 0.03 * (7 * i % 5), 1e-4 * (1 + 3 * i % 4), STEEL)
+            for i in range(5)
+        ]
+    )
     solution = ri.solve(ri.System([rod(0.4, 1.0), head]))
     picture = plot.spacetime(solution, axes())
     lines = fronts(picture)
@@ -120,7 +162,9 @@ def test_a_crowd_has_lines_at_its_strongest_fronts_alone():
     assert 10 < len(drawn) < picture.regions.get_array().size / 3
     ends = picture.ax.transData.transform(np.concatenate(drawn)).reshape(-1, 2, 2)
     length = np.hypot(*np.diff(ends, axis=1)[:, 0].T).sum() * 72 / picture.ax.figure.dpi
-    area = np.prod(picture.ax.get_window_extent().size) * (72 / picture.ax.figure.dpi) ** 2
+    area = (
+        np.prod(picture.ax.get_window_extent().size) * (72 / picture.ax.figure.dpi) ** 2
+    )
     assert length <= area / 12  # no nearer than 12 points, in the mean
     # the first front into the struck rod is 0.5 m/s strong, most others are faint
     first = min(drawn, key=lambda line: np.hypot(*(line.mean(axis=0) - [0.4, 0.0])))
@@ -133,18 +177,25 @@ def test_a_crowd_has_lines_at_its_strongest_fronts_alone():
     speeds = stages.bars.get_array()
     momentum = sum(v * box.width for v, box in zip(speeds, boxes, strict=True))
     assert momentum == pytest.approx(
-        sum(float(p.velocity @ np.diff(p.edges)) for p in profiles), rel=1e-3)
+        sum(float(p.velocity @ np.diff(p.edges)) for p in profiles), rel=1e-3
+    )
 
 
 def test_contact_presses_then_touches_then_opens(solved):
     picture = plot.spacetime(solved["unequal"], axes())
-    (pressing,), (touching,) = picture.pressing.get_segments(), picture.touching.get_segments()
+    (pressing,), (touching,) = (
+        picture.pressing.get_segments(),
+        picture.touching.get_segments(),
+    )
     transit = 0.4 / C * 1e6
     assert pressing[[0, -1], 1] == pytest.approx([0, 2 * transit])
     assert touching[[0, -1], 1] == pytest.approx([2 * transit, 5 * transit])
     assert picture.pressing.get_linewidth()[0] > picture.touching.get_linewidth()[0]
     assert [text.get_text() for text in picture.ax.get_legend().get_texts()] == [
-        "pressing", "touching", "apart"]
+        "pressing",
+        "touching",
+        "apart",
+    ]
     (apart,) = picture.apart.get_segments()
     assert apart[:, 0] == pytest.approx([0.4, 0.4])
     assert apart[[0, -1], 1] == pytest.approx([5 * transit, 7 * transit])
@@ -158,14 +209,20 @@ def test_axes_carry_units_and_the_magnification(solved):
     assert label.endswith("displacements \N{MULTIPLICATION SIGN} 2000")
     assert picture.colour_bar.ax.get_ylabel() == "stress, tension positive (MPa)"
     assert plot.spacetime(solved["cradle"], axes()).ax.get_ylabel() == "time t (ms)"
-    assert plot.spacetime(solved["unequal"], axes(), "strain").colour_bar.ax.get_ylabel() == (
-        "strain (10⁻⁶)")
-    assert plot.spacetime(solved["tiny"], axes()).colour_bar.ax.get_ylabel() == "velocity (nm/s)"
+    assert plot.spacetime(
+        solved["unequal"], axes(), "strain"
+    ).colour_bar.ax.get_ylabel() == ("strain (10⁻⁶)")
+    assert (
+        plot.spacetime(solved["tiny"], axes()).colour_bar.ax.get_ylabel()
+        == "velocity (nm/s)"
+    )
 
 
 def test_a_drifting_row_is_drawn_in_a_moving_frame(solved):
-    still, drifting = (plot.spacetime(solved[n], axes(), coordinates="lab")
-                       for n in ("unequal", "drifting"))
+    still, drifting = (
+        plot.spacetime(solved[n], axes(), coordinates="lab")
+        for n in ("unequal", "drifting")
+    )
     assert "frame moving at 100 m/s" in drifting.ax.get_xlabel()
     assert "frame" not in still.ax.get_xlabel()
     for a, b in zip(corners(still), corners(drifting), strict=True):
@@ -177,7 +234,8 @@ def test_walls_are_hatched_and_move_as_they_do(solved):
     assert wall.get_hatch()
     assert wall.get_xy()[:2, 0] == pytest.approx([0.5, 0.5])
     (wall,) = plot.spacetime(
-        solved["moving wall"], axes(), coordinates="lab", magnification=1.0).walls
+        solved["moving wall"], axes(), coordinates="lab", magnification=1.0
+    ).walls
     assert wall.get_xy()[:2, 0] == pytest.approx([0.0, 2.0 * 1e-3])
 
 
@@ -186,20 +244,27 @@ def test_dimensionless_diagram_has_the_textbook_numbers(solved):
     values = picture.regions.get_array()
     assert values.min() == pytest.approx(-0.5, abs=1e-12)
     assert values.max() == pytest.approx(0.5, abs=1e-12)
-    assert sorted({round(y, 9) for path in corners(picture) for _, y in path}) == pytest.approx(
-        [0, 1, 2, 2.5, 3.5, 4.5, 5, 6, 7])
+    assert sorted(
+        {round(y, 9) for path in corners(picture) for _, y in path}
+    ) == pytest.approx([0, 1, 2, 2.5, 3.5, 4.5, 5, 6, 7])
     assert picture.pressing.get_segments()[0][0] == pytest.approx([1, 0])
     assert "c/ℓ₁" in picture.ax.get_ylabel()
     assert "x/ℓ₁" in picture.ax.get_xlabel()
     for field in ("velocity", "strain"):
-        values = plot.spacetime(solved["unequal"], axes(), field, True).regions.get_array()
+        values = plot.spacetime(
+            solved["unequal"], axes(), field, True
+        ).regions.get_array()
         assert values.max() == pytest.approx({"velocity": 1.0, "strain": 0.5}[field])
 
 
-@pytest.mark.parametrize(("name", "limits", "values"), [
-    ("unequal", (0.0, 1.0), {"0", "0.5", "1"}), ("wall", (-1.0, 1.0), {"1", "0", MINUS + "1"}),
-    ("drifting", (100, 101), {"101", "100.5", "100"}),
-])
+@pytest.mark.parametrize(
+    ("name", "limits", "values"),
+    [
+        ("unequal", (0.0, 1.0), {"0", "0.5", "1"}),
+        ("wall", (-1.0, 1.0), {"1", "0", MINUS + "1"}),
+        ("drifting", (100, 101), {"101", "100.5", "100"}),
+    ],
+)
 def test_the_colour_bar_shows_the_colours_in_use_and_labels_are_its_values(
     solved, name, limits, values
 ):
@@ -215,14 +280,22 @@ REFUSED = [
     (plot.spacetime, {"start": 2e-4, "stop": 1e-4}, "stop: must be later"),
     (plot.spacetime, {"stop": 1.0}, "t: must lie in the solution"),
     (plot.spacetime, {"coordinates": "rod"}, "'lab', 'body'"),
-    (plot.spacetime, {"coordinates": "body", "magnification": 2.0}, "magnification: nothing moves"),
+    (
+        plot.spacetime,
+        {"coordinates": "body", "magnification": 2.0},
+        "magnification: nothing moves",
+    ),
     (plot.snapshots, {"times": []}, "at least one time"),
     (plot.snapshots, {"times": [1.0]}, "must lie in the solution"),
     (plot.snapshots, {"gauges": [(1, 0.0)]}, "must be records by name"),
     (plot.contact, {"contact": 1}, "from 0 to 0, got 1"),
     (plot.contact, {"ax": axes()}, "ax: needs a pair of Axes"),
     (plot.contact, {"ax": [axes()]}, "ax: needs a pair of Axes"),
-    (plot.animation, {"field": "energy"}, "field: must be one of 'velocity', 'stress', 'strain'"),
+    (
+        plot.animation,
+        {"field": "energy"},
+        "field: must be one of 'velocity', 'stress', 'strain'",
+    ),
     (plot.animation, {"frames": 1}, "frames: must be a whole number from 2 to 10000"),
     (plot.animation, {"frames": 2.5}, "frames"),
     (plot.animation, {"fps": 51}, "fps: must be 1 to 50"),
@@ -257,10 +330,14 @@ def test_the_axes_show_lengths_names_and_round_trips(solved):
     times = ticks(ax.yaxis)
     assert times["2 ℓ₁/c"] == pytest.approx(0.8e6 / C)
     assert times["2 ℓ₂/c"] == pytest.approx(2e6 / C)
-    assert min(np.diff(sorted(times.values()))) > 20  # numbers that would touch a name are left out
+    assert (
+        min(np.diff(sorted(times.values()))) > 20
+    )  # numbers that would touch a name are left out
     assert "100" in times
     assert "2 ℓ₁/c" in ticks(plot.spacetime(solved["unequal"], across=True).ax.xaxis)
-    assert not any("c" in name for name in ticks(plot.spacetime(solved["closing gap"]).ax.yaxis))
+    assert not any(
+        "c" in name for name in ticks(plot.spacetime(solved["closing gap"]).ax.yaxis)
+    )
 
 
 def test_round_trips_of_two_materials_have_two_speeds():
@@ -272,9 +349,16 @@ def test_round_trips_of_two_materials_have_two_speeds():
 
 def test_fronts_are_named_by_what_they_add_to_the_stress(solved):
     picture = plot.spacetime(solved["wall"], field="stress")
-    words = {t.get_text(): t.get_position() for t in picture.ax.texts if t.get_text().isalpha()}
+    words = {
+        t.get_text(): t.get_position()
+        for t in picture.ax.texts
+        if t.get_text().isalpha()
+    }
     transit = 0.5 / C * 1e6
-    assert set(words) == {"compression", "tension"}  # the first front, and its reflection
+    assert set(words) == {
+        "compression",
+        "tension",
+    }  # the first front, and its reflection
     assert words["compression"] == pytest.approx((0.25, 0.5 * transit))
     assert words["tension"] == pytest.approx((0.25, 1.5 * transit))
 
@@ -283,14 +367,20 @@ def test_centres_of_mass_are_dashed_and_move_as_they_do(solved):
     solution = solved["stepped"]
     assert plot.spacetime(solution).centres == []
     picture = plot.spacetime(solution, coordinates="lab", magnification=100.0)
-    assert "centre of mass" in [t.get_text() for t in picture.ax.get_legend().get_texts()]
+    assert "centre of mass" in [
+        t.get_text() for t in picture.ax.get_legend().get_texts()
+    ]
     for body, line in enumerate(picture.centres):
         place, time = line.get_data()
         speed = np.diff(place) / np.diff(time * 1e-6)
         middle = (time[1:] + time[:-1]) / 2e6
-        assert speed == pytest.approx(100 * solution.mean_velocity(body, middle), abs=1.0)
+        assert speed == pytest.approx(
+            100 * solution.mean_velocity(body, middle), abs=1.0
+        )
     assert picture.centres[0].get_xdata()[0] == pytest.approx(0.2)
-    assert picture.centres[1].get_xdata()[0] == pytest.approx(0.4 + (0.3 * 0.15 + 1.2 * 0.5) / 1.5)
+    assert picture.centres[1].get_xdata()[0] == pytest.approx(
+        0.4 + (0.3 * 0.15 + 1.2 * 0.5) / 1.5
+    )
 
 
 # Snapshots --------------------------------------------------------------------------------------
@@ -298,7 +388,9 @@ def test_centres_of_mass_are_dashed_and_move_as_they_do(solved):
 
 def test_instructive_moments(solved):
     assert moments(solved["identical"]) * C == pytest.approx([0, 0.5, 1, 1.5, 2, 4])
-    assert moments(solved["unequal"]) * C / 0.4 == pytest.approx([0, 0.5, 1, 2, 2.5, 4.5, 5, 7])
+    assert moments(solved["unequal"]) * C / 0.4 == pytest.approx(
+        [0, 0.5, 1, 2, 2.5, 4.5, 5, 7]
+    )
 
 
 @every_row
@@ -313,16 +405,30 @@ def test_moments_are_few_and_inside_the_solution(solved, name):
 def test_pieces_bear_their_velocity_in_parts_of_the_closing_speed(solved):
     picture = plot.snapshots(solved["identical"], times=[0.0, 0.5 / C, 3 / C])
     assert [t.get_text() for t in picture.labels] == [
-        "v", "0", "v", "v/2", "v/2", "0", "0", "v"]
+        "v",
+        "0",
+        "v",
+        "v/2",
+        "v/2",
+        "0",
+        "0",
+        "v",
+    ]
     assert "v = 1 m/s" in picture.ax.get_xlabel()
     assert [t.get_text() for t in picture.ax.get_yticklabels()] == [
-        "0 µs\n0 ℓ₁/c", "99.06 µs\n0.5 ℓ₁/c", "594.3 µs\n3 ℓ₁/c"]
+        "0 µs\n0 ℓ₁/c",
+        "99.06 µs\n0.5 ℓ₁/c",
+        "594.3 µs\n3 ℓ₁/c",
+    ]
     boxes = [path.get_extents() for path in picture.bars.get_paths()]
     free, pressed = boxes[2], boxes[3]  # compressed pieces are shorter and thicker
     assert pressed.width < free.width
     assert pressed.height > free.height
     assert boxes[0].width == pytest.approx(1.0)
-    assert [line.get_marker() for line in picture.fronts] == ["<", ">"]  # the way they run
+    assert [line.get_marker() for line in picture.fronts] == [
+        "<",
+        ">",
+    ]  # the way they run
     picture = plot.snapshots(solved["receding"], times=[0.0])
     assert [t.get_text() for t in picture.labels] == [MINUS + "1", "0.5"]
     assert "\nvelocities (m/s)\n" in picture.ax.get_xlabel()
@@ -337,11 +443,15 @@ def test_force_and_gap_are_exact_steps_and_lines(solved):
     data = drawn.forces[0].get_data()
     transit = 0.25 / C * 1e6
     first = STEEL.density * C * 1e-4 * 0.75
-    assert data.edges[:5] == pytest.approx([0, 2 * transit, 4 * transit, 6 * transit, 8 * transit])
+    assert data.edges[:5] == pytest.approx(
+        [0, 2 * transit, 4 * transit, 6 * transit, 8 * transit]
+    )
     assert data.values[:4] * 1e3 == pytest.approx(first / 2.0 ** np.arange(4))
     assert data.edges[-1] == pytest.approx(solution.t_end * 1e6)
     times, gap = drawn.gaps[0].get_data()
-    assert gap[-1] * 1e-6 == pytest.approx(float(solution.contacts[0].gap(solution.t_end)))
+    assert gap[-1] * 1e-6 == pytest.approx(
+        float(solution.contacts[0].gap(solution.t_end))
+    )
     assert times[-1] * 1e-6 == pytest.approx(solution.t_end)
     assert drawn.force_ax.get_ylabel() == "contact force (kN)"
     assert drawn.gap_ax.get_ylabel() == "gap (µm)"
@@ -358,9 +468,15 @@ def test_energy_bands_add_up_to_what_there_was(solved, name):
     assert motion[end] / initial == pytest.approx(0.4, rel=1e-6)
     assert drawn.work is None
     assert [t.get_text() for t in drawn.labels] == [
-        "moving as a whole", "vibration", "strain"]
+        "moving as a whole",
+        "vibration",
+        "strain",
+    ]
     assert drawn.ax.get_ylabel() == (
-        "energy (mJ)" if name == "unequal" else "energy in a frame moving at 100 m/s (mJ)")
+        "energy (mJ)"
+        if name == "unequal"
+        else "energy in a frame moving at 100 m/s (mJ)"
+    )
 
 
 def test_gauge_record_is_in_microstrain_and_microseconds(solved):
@@ -387,15 +503,21 @@ def test_restitution_notes_the_residual():
 
 
 def test_a_driven_end_is_marked_in_space_and_time():
-    solution = ri.solve(ri.System([rod()], ends=(ri.Pushed(1e3), ri.Absorbing())), until=5e-4)
+    solution = ri.solve(
+        ri.System([rod()], ends=(ri.Pushed(1e3), ri.Absorbing())), until=5e-4
+    )
     ax = axes()
     plot.spacetime(solution, ax)
-    assert [line.get_marker() for line in ax.get_lines()] == [">"]  # it is pushed to the right
+    assert [line.get_marker() for line in ax.get_lines()] == [
+        ">"
+    ]  # it is pushed to the right
 
 
 @pytest.mark.parametrize("body", [rod(0.4, 1.0), ri.RigidMass(0.3, velocity=1.0)])
 def test_a_solution_without_duration_has_a_snapshot_but_no_history(body):
-    solution = ri.solve(ri.System([body, rod()], ends=(ri.Free(), ri.Fixed())), until=0.0)
+    solution = ri.solve(
+        ri.System([body, rod()], ends=(ri.Free(), ri.Fixed())), until=0.0
+    )
     picture = plot.snapshots(solution)
     assert picture.times.tolist() == [0.0]
     if isinstance(body, ri.Rod):
@@ -419,7 +541,9 @@ def test_overview_of_any_row_renders(solved, name):
     assert any(label.startswith("stress") for label in labels)
     assert any(label.startswith("energy") for label in labels)
     labels |= {ax.get_title("left") for ax in figure.axes}  # of many contacts
-    assert any(label.startswith("contact force") for label in labels) == (name != "single")
+    assert any(label.startswith("contact force") for label in labels) == (
+        name != "single"
+    )
     render(plot.snapshots(solved[name]).ax.figure)
 
 
@@ -437,10 +561,19 @@ def test_words_of_a_page_of_any_width_stay_apart_and_inside(solved, width):
     words = [figure._suptitle]
     for axis in (axis for ax in figure.axes for axis in (ax.xaxis, ax.yaxis)):
         low, high = axis.get_view_interval()
-        words += [axis.label, *(
-            tick.label1 for tick in (*axis.get_major_ticks(), *axis.get_minor_ticks())
-            if low <= tick.get_loc() <= high)]
-    boxes = [text.get_window_extent() for text in words if text.get_visible() and text.get_text()]
+        words += [
+            axis.label,
+            *(
+                tick.label1
+                for tick in (*axis.get_major_ticks(), *axis.get_minor_ticks())
+                if low <= tick.get_loc() <= high
+            ),
+        ]
+    boxes = [
+        text.get_window_extent()
+        for text in words
+        if text.get_visible() and text.get_text()
+    ]
     assert len(boxes) > 30
     for i, box in enumerate(boxes):
         assert -2 < box.x0 < box.x1 < figure.bbox.width + 2
@@ -454,8 +587,11 @@ def test_overview_names_the_result_and_what_is_missing(solved, monkeypatch):
     assert figure.get_supxlabel() == ""
     assert figure.get_suptitle() == (
         "2 rods, closing speed 1 m/s, restitution e = 0.4, impulse 314 mN s, "
-        "force duration 158 µs")
-    assert solved["bouncing"].status in plot.overview(solved["bouncing"]).get_supxlabel()
+        "force duration 158 µs"
+    )
+    assert (
+        solved["bouncing"].status in plot.overview(solved["bouncing"]).get_supxlabel()
+    )
     monkeypatch.setattr("rodimpact.plot.polygons.REGIONS", 30)
     assert "the first 396 µs" in plot.overview(solved["impedances"]).get_supxlabel()
 
@@ -463,18 +599,25 @@ def test_overview_names_the_result_and_what_is_missing(solved, monkeypatch):
 def test_overview_of_many_contacts_draws_each_on_a_line_of_its_own(solved):
     figure = plot.overview(solved["cradle"])
     assert figure.get_suptitle().endswith("velocities after 0, 0, 0, 0, 1 m/s")
-    ax = next(ax for ax in figure.axes
-              if ax.get_title(loc="left").startswith("contact force, largest 1.98 kN"))
+    ax = next(
+        ax
+        for ax in figure.axes
+        if ax.get_title(loc="left").startswith("contact force, largest 1.98 kN")
+    )
     assert [t.get_text() for t in ax.get_yticklabels()] == [
-        f"contact {i}-{i + 1}" for i in range(1, 5)]
-    for i, (steps, contact) in enumerate(zip(ax.patches, solved["cradle"].contacts, strict=True)):
+        f"contact {i}-{i + 1}" for i in range(1, 5)
+    ]
+    for i, (steps, contact) in enumerate(
+        zip(ax.patches, solved["cradle"].contacts, strict=True)
+    ):
         values, edges, baseline = steps.get_data()
         assert baseline == i
         pressing = np.flatnonzero(values > i)
         assert values.max() == pytest.approx(i + 0.85)
         (episode,) = contact.episodes
         assert edges[[pressing[0], pressing[-1] + 1]] == pytest.approx(
-            [1e3 * episode.start, 1e3 * episode.force_end])
+            [1e3 * episode.start, 1e3 * episode.force_end]
+        )
 
 
 def test_gauges_are_marked_where_they_are(solved):
@@ -482,12 +625,14 @@ def test_gauges_are_marked_where_they_are(solved):
     gauges = {"struck": solution.gauge(0, 0.1), "far": solution.gauge(1, 0.25)}
     lines = plot.spacetime(solution, gauges=gauges).gauges
     assert [set(line.get_xdata().round(9)) for line in lines] == [{0.1}, {0.65}]
-    picture = plot.snapshots(solution, times=[0.0, solution.t_end], magnification=1.0,
-                             gauges=gauges)
+    picture = plot.snapshots(
+        solution, times=[0.0, solution.t_end], magnification=1.0, gauges=gauges
+    )
     assert {"struck", "far"} <= {text.get_text() for text in picture.ax.texts}
     (line,) = (line for line in picture.ax.lines if line.get_label() == "far")
     assert line.get_xdata() == pytest.approx(
-        [0.65, float(solution.position(1, 0.25, solution.t_end))])
+        [0.65, float(solution.position(1, 0.25, solution.t_end))]
+    )
 
 
 def test_a_vector_file_has_paths_and_text_under_a_title(solved, tmp_path):
@@ -502,7 +647,8 @@ def test_a_vector_file_has_paths_and_text_under_a_title(solved, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("suffix", "magic"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("SVG", b"<?xml")])
+    ("suffix", "magic"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("SVG", b"<?xml")]
+)
 def test_suffix_names_the_format(solved, tmp_path, suffix, magic):
     files = []
     for name in ("a", "b"):
@@ -516,9 +662,12 @@ def test_suffix_names_the_format(solved, tmp_path, suffix, magic):
 def test_save_refuses_unknown_suffixes_and_existing_files(solved, tmp_path):
     figure = plot.energy(solved["unequal"]).ax.figure
     film = plot.animation(solved["unequal"], frames=2)
-    for drawn, name, suffixes in ((figure, "a.gif", ".png, .svg, .pdf"),
-                                  (figure, "a", ".png, .svg, .pdf"), (film, "a.png", ".gif, .mp4"),
-                                  (film, "a", ".gif, .mp4")):
+    for drawn, name, suffixes in (
+        (figure, "a.gif", ".png, .svg, .pdf"),
+        (figure, "a", ".png, .svg, .pdf"),
+        (film, "a.png", ".gif, .mp4"),
+        (film, "a", ".gif, .mp4"),
+    ):
         with pytest.raises(ValueError, match=suffixes):
             plot.save(drawn, tmp_path / name)
     target = tmp_path / "picture.png"
@@ -537,7 +686,9 @@ def test_colours_grow_lighter_all_the_way():
 
 def test_a_given_axes_is_used_and_settings_are_left_alone(solved):
     before = settings()
-    with mpl.rc_context({"text.color": "red", "font.size": 30.0, "figure.facecolor": "black"}):
+    with mpl.rc_context(
+        {"text.color": "red", "font.size": 30.0, "figure.facecolor": "black"}
+    ):
         ax = axes()
         picture = plot.spacetime(solved["unequal"], ax)
         fresh = plot.spacetime(solved["unequal"]).ax.figure
@@ -570,8 +721,11 @@ assert "matplotlib.pyplot" not in sys.modules
 
 
 def test_rows_of_masses_have_contacts_and_energy_to_draw():
-    row = ri.System([ri.RigidMass(1.0, velocity=1.0), ri.RigidMass(2.0)],
-                    gaps=[1e-3], contacts=[ri.Hertz(1e8)])
+    row = ri.System(
+        [ri.RigidMass(1.0, velocity=1.0), ri.RigidMass(2.0)],
+        gaps=[1e-3],
+        contacts=[ri.Hertz(1e8)],
+    )
     solution = ri.solve(row)
     plot.contact(solution)
     assert plot.energy(solution)

@@ -20,7 +20,10 @@ def striker():
 
 def test_pulses_over_time_below_the_silhouette_of_the_striker(striker):
     picture = plot.design(striker)
-    for line, signal in ((picture.wanted, striker.wanted), (picture.reached, striker.reached)):
+    for line, signal in (
+        (picture.wanted, striker.wanted),
+        (picture.reached, striker.reached),
+    ):
         assert line.get_xdata() == pytest.approx(1e6 * signal.times)
         assert line.get_ydata() == pytest.approx(1e-3 * signal.values)
     radii, edges, _ = picture.outline.get_data()
@@ -38,8 +41,9 @@ def test_a_given_axes_takes_the_pulses_alone(striker):
 
 
 def test_the_place_of_a_wanted_restitution_lies_on_the_curve_of_the_family():
-    family = ri.System([ri.Rod(np.linspace(0.1, 0.9, 5), area=1e-4, material=STEEL, velocity=1.0),
-                        BAR])
+    family = ri.System(
+        [ri.Rod(np.linspace(0.1, 0.9, 5), area=1e-4, material=STEEL, velocity=1.0), BAR]
+    )
     picture = plot.design(ri.design.restitution(0.45, family))
     assert picture.reached.get_xdata() == pytest.approx([0.45])
     assert picture.reached.get_ydata() == pytest.approx([0.45])

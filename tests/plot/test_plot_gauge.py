@@ -15,8 +15,10 @@ def draw(record, **kwargs):
 
 def spans(picture):
     """By name: when a window begins and ends, in µs, and on which side of 0 it lies."""
-    return {name: (w.get_x(), w.get_x() + w.get_width(), np.sign(w.get_height()))
-            for name, w in picture.windows.items()}
+    return {
+        name: (w.get_x(), w.get_x() + w.get_width(), np.sign(w.get_height()))
+        for name, w in picture.windows.items()
+    }
 
 
 @pytest.mark.parametrize("strain", [1e-4, -3e-4])
@@ -40,7 +42,12 @@ def test_incident_and_reflected_pulse_of_a_struck_bar():
     assert windows["incident"] == pytest.approx((0.4e6 / C, 0.8e6 / C, -1))
     assert windows["reflected"] == pytest.approx((1.6e6 / C, 2.0e6 / C, 1))
     assert legend(picture) == [
-        "strain", "wave running right", "wave running left", "incident", "reflected"]
+        "strain",
+        "wave running right",
+        "wave running left",
+        "incident",
+        "reflected",
+    ]
 
 
 def test_transmitted_pulse_beyond_a_specimen():
@@ -50,14 +57,18 @@ def test_transmitted_pulse_beyond_a_specimen():
     windows = spans(picture)
     assert windows["incident"] == pytest.approx((0.5e6 / C, 0.9e6 / C, -1))
     assert windows["reflected"] == pytest.approx((1.5e6 / C, 1.9e6 / C, 1))
-    assert windows["transmitted"] == pytest.approx((1.32e6 / C, 1.72e6 / C, -1), rel=2e-3)
+    assert windows["transmitted"] == pytest.approx(
+        (1.32e6 / C, 1.72e6 / C, -1), rel=2e-3
+    )
     drawn = picture.transmitted.get_data().values
     assert drawn.min() == pytest.approx(1e6 * solution.gauge(3, 0.3).strain.min())
     assert "transmitted strain" in legend(picture)
 
 
 def test_on_a_time_step_the_windows_are_the_same():
-    bars = ri.System([rod(0.2, 10.0), rod(), rod()], contacts=[ri.Rigid(), ri.Spring(4e8)])
+    bars = ri.System(
+        [rod(0.2, 10.0), rod(), rod()], contacts=[ri.Rigid(), ri.Spring(4e8)]
+    )
     solution = ri.solve(bars, 4.5e-4, "characteristics")
     windows = spans(draw(solution.gauge(1, 0.5), transmitted=solution.gauge(2, 0.5)))
     assert windows["incident"] == pytest.approx((0.5e6 / C, 0.9e6 / C, -1), abs=0.3)
@@ -65,10 +76,15 @@ def test_on_a_time_step_the_windows_are_the_same():
     assert windows["transmitted"][:2] == pytest.approx((1.5e6 / C, 1.9e6 / C), abs=1.0)
 
 
-@pytest.mark.parametrize("system", [
-    ri.System([rod(strain=ri.Steps([1e-4, 0.0], at=[0.5])), rod()]),  # the bar vibrates
-    ri.System([rod(velocity=-1.0), rod()]),                           # nothing collides
-])
+@pytest.mark.parametrize(
+    "system",
+    [
+        ri.System(
+            [rod(strain=ri.Steps([1e-4, 0.0], at=[0.5])), rod()]
+        ),  # the bar vibrates
+        ri.System([rod(velocity=-1.0), rod()]),  # nothing collides
+    ],
+)
 def test_where_there_is_no_pulse_nothing_is_shaded(system):
     picture = draw(ri.solve(system, 3e-4).gauge(0, 0.3))
     assert picture.windows == {}

@@ -15,34 +15,71 @@ from rodimpact.plot.moments import moments
 PULSE = ri.Steps([2e3, 0.0], at=[1e-4])
 RAMP = ri.Samples([1.0, 0.5], step=3e-4)
 ROWS = {
-    "hertz": (ri.System(
-        [rod(0.2, 5.0), rod(0.6), ri.RigidMass(0.05), rod(0.4)],
-        contacts=[ri.Hertz(5e9), ri.Spring(1e8), ri.Bonded()],
-        ends=(ri.Free(), ri.Absorbing())), 5e-4),
+    "hertz": (
+        ri.System(
+            [rod(0.2, 5.0), rod(0.6), ri.RigidMass(0.05), rod(0.4)],
+            contacts=[ri.Hertz(5e9), ri.Spring(1e8), ri.Bonded()],
+            ends=(ri.Free(), ri.Absorbing()),
+        ),
+        5e-4,
+    ),
     "falling": (ri.System([ri.Wall(), rod()], gaps=[1e-5], gravity=-9.81), 4e-3),
-    "hopkinson": (ri.System(
-        [rod(0.3, 10.0), rod(), rod(0.8)], contacts=[ri.Rigid(), ri.Spring(2e8)],
-        ends=(ri.Free(), ri.Absorbing())), 7e-4),
-    "mass": (ri.System([ri.RigidMass(0.3, velocity=2.0), rod(0.5)],
-                       ends=(ri.Free(), ri.Fixed())), 1e-3),
-    "pushed": (ri.System(
-        [rod(0.5), ri.RigidMass(0.2), rod(0.3)], gaps=[0.0, 1e-6],
-        contacts=[ri.Bonded(), ri.HuntCrossley(1e10, 0.2)],
-        ends=(ri.Pushed(PULSE), ri.Fixed())), 1e-3),
+    "hopkinson": (
+        ri.System(
+            [rod(0.3, 10.0), rod(), rod(0.8)],
+            contacts=[ri.Rigid(), ri.Spring(2e8)],
+            ends=(ri.Free(), ri.Absorbing()),
+        ),
+        7e-4,
+    ),
+    "mass": (
+        ri.System(
+            [ri.RigidMass(0.3, velocity=2.0), rod(0.5)], ends=(ri.Free(), ri.Fixed())
+        ),
+        1e-3,
+    ),
+    "pushed": (
+        ri.System(
+            [rod(0.5), ri.RigidMass(0.2), rod(0.3)],
+            gaps=[0.0, 1e-6],
+            contacts=[ri.Bonded(), ri.HuntCrossley(1e10, 0.2)],
+            ends=(ri.Pushed(PULSE), ri.Fixed()),
+        ),
+        1e-3,
+    ),
     "driven": (ri.System([rod(0.5)], ends=(ri.Moved(RAMP), ri.Absorbing())), 3e-4),
-    "stepped": (ri.System([ri.RigidMass(1.0, velocity=1.0), ri.Rod(segments=[
-        ri.Segment(0.3, 1e-4, STEEL), ri.Segment(0.2, 3e-4, ri.materials.aluminium)])]), 4e-4),
-    "masses": (ri.System(
-        [rod(0.4, 1.0), ri.RigidMass(0.2), ri.RigidMass(0.1)], gaps=[0.0, 1e-5],
-        contacts=[ri.Rigid(), ri.Rigid(0.5)]), 3e-4),
+    "stepped": (
+        ri.System(
+            [
+                ri.RigidMass(1.0, velocity=1.0),
+                ri.Rod(
+                    segments=[
+                        ri.Segment(0.3, 1e-4, STEEL),
+                        ri.Segment(0.2, 3e-4, ri.materials.aluminium),
+                    ]
+                ),
+            ]
+        ),
+        4e-4,
+    ),
+    "masses": (
+        ri.System(
+            [rod(0.4, 1.0), ri.RigidMass(0.2), ri.RigidMass(0.1)],
+            gaps=[0.0, 1e-5],
+            contacts=[ri.Rigid(), ri.Rigid(0.5)],
+        ),
+        3e-4,
+    ),
 }
 USUAL = [("hertz", "velocity"), ("pushed", "stress"), ("stepped", "strain")]
 
 
 @pytest.fixture(scope="module")
 def solved():
-    return {name: ri.solve(system, until, "characteristics")
-            for name, (system, until) in ROWS.items()}
+    return {
+        name: ri.solve(system, until, "characteristics")
+        for name, (system, until) in ROWS.items()
+    }
 
 
 def cells(picture):
@@ -50,21 +87,35 @@ def cells(picture):
     assert isinstance(picture.regions, QuadMesh)
     corners = np.asarray(picture.regions.get_coordinates())
     return np.ma.asarray(picture.regions.get_array()).reshape(
-        corners.shape[0] - 1, corners.shape[1] - 1), corners
+        corners.shape[0] - 1, corners.shape[1] - 1
+    ), corners
 
 
 # Space-time diagram -----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("name", "field"), [
-    case if case in USUAL else pytest.param(*case, marks=pytest.mark.exhaustive)
-    for case in itertools.product(ROWS, ["velocity", "stress", "strain"])])
+@pytest.mark.parametrize(
+    ("name", "field"),
+    [
+        case if case in USUAL else pytest.param(*case, marks=pytest.mark.exhaustive)
+        for case in itertools.product(ROWS, ["velocity", "stress", "strain"])
+    ],
+)
 def test_cells_hold_the_mean_of_the_field_over_their_time(solved, name, field):
     solution = solved[name]
-    picture = plot.spacetime(solution, axes(), field, coordinates="lab", magnification=1.0)
+    picture = plot.spacetime(
+        solution, axes(), field, coordinates="lab", magnification=1.0
+    )
     (values, _), scale = cells(picture), picture.colour_bar.ax.get_ylabel()
-    factor = {"(m/s)": 1, "(mm/s)": 1e3, "(MPa)": 1e-6, "(kPa)": 1e-3, "(10⁻⁶)": 1e6,
-              "(10⁻³)": 1e3, "(10⁻⁹)": 1e9}[scale[scale.rindex("("):]]
+    factor = {
+        "(m/s)": 1,
+        "(mm/s)": 1e3,
+        "(MPa)": 1e-6,
+        "(kPa)": 1e-3,
+        "(10⁻⁶)": 1e6,
+        "(10⁻³)": 1e3,
+        "(10⁻⁹)": 1e9,
+    }[scale[scale.rindex("(") :]]
     edges = np.linspace(0, solution.t_end, values.shape[0] + 1)
     rods = [i for i, b in enumerate(solution.system.bodies) if isinstance(b, ri.Rod)]
     between = np.flatnonzero(np.ma.getmaskarray(values)[0])
@@ -74,20 +125,30 @@ def test_cells_hold_the_mean_of_the_field_over_their_time(solved, name, field):
     for body, start, stop in zip(rods, starts, stops, strict=True):
         length = float(solution.system.bodies[body].length)
         if name == "stepped":  # pieces as long as they can be without crossing the step
-            x = np.concatenate((0.3 * (np.arange(180) + 0.5) / 180,
-                                0.3 + 0.2 * (np.arange(120) + 0.5) / 120))
+            x = np.concatenate(
+                (
+                    0.3 * (np.arange(180) + 0.5) / 180,
+                    0.3 + 0.2 * (np.arange(120) + 0.5) / 120,
+                )
+            )
         else:
             x = length * (np.arange(stop - start) + 0.5) / (stop - start)
         assert x.size == stop - start
         for row in (0, 57, values.shape[0] - 1):
-            t = edges[row] + (np.arange(400) + 0.5) / 400 * (edges[row + 1] - edges[row])
+            t = edges[row] + (np.arange(400) + 0.5) / 400 * (
+                edges[row + 1] - edges[row]
+            )
             where, when = np.broadcast_arrays(x[:, None], t)
             mean = getattr(solution, field)(body, where, when).mean(axis=1) * factor
-            assert np.asarray(values[row, start:stop]) == pytest.approx(mean, abs=0.005 * largest)
+            assert np.asarray(values[row, start:stop]) == pytest.approx(
+                mean, abs=0.005 * largest
+            )
 
 
 def test_masses_are_strips_of_the_width_that_the_label_names(solved):
-    picture = plot.spacetime(solved["hertz"], axes(), coordinates="lab", magnification=1.0)
+    picture = plot.spacetime(
+        solved["hertz"], axes(), coordinates="lab", magnification=1.0
+    )
     (strip,) = picture.masses
     label = picture.ax.get_xlabel()
     assert label == "place x (m), masses drawn 0.05 m wide, true to scale"
@@ -97,7 +158,9 @@ def test_masses_are_strips_of_the_width_that_the_label_names(solved):
     t = left[:, 1] * 1e-6
     assert left[:, 0] == pytest.approx(solved["hertz"].position(2, 0.0, t), abs=1e-9)
     ends = picture.ends.get_segments()
-    assert ends[4][:, 0] == pytest.approx(right[::-1, 0])  # the rod bonded to its right side
+    assert ends[4][:, 0] == pytest.approx(
+        right[::-1, 0]
+    )  # the rod bonded to its right side
     assert plot.spacetime(solved["hopkinson"], axes()).masses == []
 
 
@@ -114,8 +177,11 @@ def test_borders_are_told_in_the_legend(solved):
 
 def test_a_fixed_end_is_hatched_like_a_wall_by_every_method():
     for method in ("fronts", "characteristics"):
-        solution = ri.solve(ri.System([rod(0.4, 1.0), rod()], ends=(ri.Free(), ri.Fixed())), 1e-3,
-                            method=method)
+        solution = ri.solve(
+            ri.System([rod(0.4, 1.0), rod()], ends=(ri.Free(), ri.Fixed())),
+            1e-3,
+            method=method,
+        )
         (wall,) = plot.spacetime(solution, axes()).walls
         assert wall.get_hatch()
         assert wall.get_xy()[:2, 0] == pytest.approx([1.4, 1.4])
@@ -132,10 +198,15 @@ def test_an_absorbing_end_is_dashed_and_no_other(solved):
 def test_contacts_press_as_long_as_their_episodes(solved):
     solution = solved["hertz"]
     picture = plot.spacetime(solution, axes())
-    pressing = sum(np.ptp(path[:, 1]) for path in picture.pressing.get_segments()) * 1e-6
+    pressing = (
+        sum(np.ptp(path[:, 1]) for path in picture.pressing.get_segments()) * 1e-6
+    )
     expected = sum(
-        min(e.force_end if e.force_end == e.force_end else np.inf, solution.t_end) - e.start
-        for c in solution.contacts for e in c.episodes)
+        min(e.force_end if e.force_end == e.force_end else np.inf, solution.t_end)
+        - e.start
+        for c in solution.contacts
+        for e in c.episodes
+    )
     assert pressing == pytest.approx(expected, rel=1e-6)
 
 
@@ -193,8 +264,9 @@ def test_overlap_is_named_where_there_is_some(solved):
 
 
 def test_a_joint_is_stretched_and_drawn_between_its_faces():
-    row = ri.System([rod(0.4, 1.0), rod(0.3), rod(0.5)],
-                    contacts=[ri.Rigid(), ri.Joint(1e8, 1e3)])
+    row = ri.System(
+        [rod(0.4, 1.0), rod(0.3), rod(0.5)], contacts=[ri.Rigid(), ri.Joint(1e8, 1e3)]
+    )
     s = ri.solve(row, 0.4e-3)
     assert plot.contact(s, contact=1).gap_ax.get_ylabel().startswith("stretch (")
     label = plot.contact(s, contact=[0, 1]).gap_ax.get_ylabel()
@@ -212,7 +284,9 @@ def test_a_joint_is_stretched_and_drawn_between_its_faces():
     pressing = np.concatenate(picture.pressing.get_segments())
     assert pressing[:, 0].max() < (x[:n] + wide / 2).min()
     line = next(p for p in plot.spacetime(s).ax.patches if p.get_label() == "joint")
-    assert np.ptp(line.get_xy()[:, 0]) == pytest.approx(0.0, abs=1e-12)  # seen by its edge alone
+    assert np.ptp(line.get_xy()[:, 0]) == pytest.approx(
+        0.0, abs=1e-12
+    )  # seen by its edge alone
     assert line.get_linewidth() > 0.5
     zigzags = [each for each in plot.snapshots(s).ax.lines if len(each.get_xdata()) > 9]
     widths = [np.ptp(each.get_xdata()) for each in zigzags]
@@ -236,7 +310,9 @@ def test_bands_reach_the_initial_energy_and_the_works(solved, name):
     assert (drawn.work is not None) == (name in ("falling", "pushed", "driven"))
     tops = top_of(drawn.bands[-1])
     if drawn.work is None:
-        assert list(tops.values()) == pytest.approx([max(tops.values())] * len(tops), rel=1e-6)
+        assert list(tops.values()) == pytest.approx(
+            [max(tops.values())] * len(tops), rel=1e-6
+        )
         return
     supplied = dict(zip(*drawn.work.get_data(), strict=True))
     largest = max(supplied.values())

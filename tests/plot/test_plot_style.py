@@ -16,8 +16,11 @@ from rodimpact import plot
 from rodimpact.plot.style import LOOKS
 
 SOLUTION = ri.solve(ri.System([rod(0.4, 1.0), rod(1.0)]))
-STEPWISE = ri.solve(ri.System([ri.RigidMass(0.1, velocity=1.0), rod(0.4), ri.Wall()],
-                              gaps=[0.0, 1e-5]), 2e-4, "characteristics")
+STEPWISE = ri.solve(
+    ri.System([ri.RigidMass(0.1, velocity=1.0), rod(0.4), ri.Wall()], gaps=[0.0, 1e-5]),
+    2e-4,
+    "characteristics",
+)
 PICTURES = {
     "spacetime": lambda: plot.spacetime(SOLUTION, field="displacement", across=True).ax,
     "cells": lambda: plot.spacetime(STEPWISE, field="energy", across=True).ax,
@@ -31,7 +34,10 @@ every_picture = pytest.mark.parametrize("name", PICTURES)
 
 
 def luminance(colour):
-    parts = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in to_rgb(colour)]
+    parts = [
+        c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4
+        for c in to_rgb(colour)
+    ]
     return float(np.dot(parts, [0.2126, 0.7152, 0.0722]))
 
 
@@ -55,8 +61,11 @@ def test_words_of_dark_figures_are_light_and_paper_is_dark(name):
         figure = PICTURES[name]().figure
     assert luminance(figure.get_facecolor()) < 0.01
     assert luminance(figure.axes[0].get_facecolor()) < 0.01
-    labels = [label for ax in figure.axes
-              for label in (ax.xaxis.label, ax.yaxis.label, *ax.get_xticklabels())]
+    labels = [
+        label
+        for ax in figure.axes
+        for label in (ax.xaxis.label, ax.yaxis.label, *ax.get_xticklabels())
+    ]
     assert labels
     assert all(luminance(label.get_color()) > 0.7 for label in labels)
     for legend in (ax.get_legend() for ax in figure.axes):
@@ -66,7 +75,9 @@ def test_words_of_dark_figures_are_light_and_paper_is_dark(name):
 
 def test_light_is_usual_and_comes_back():
     def look():
-        return next(name for name, colours in LOOKS.items() if colours == plot.style.colours())
+        return next(
+            name for name, colours in LOOKS.items() if colours == plot.style.colours()
+        )
 
     before = dict(mpl.rcParams.copy())
     assert look() == "light"
@@ -91,7 +102,9 @@ def test_a_look_is_that_of_one_thread():
     assert seen == [LOOKS["light"]]
 
 
-@pytest.mark.parametrize("name", few_of(PICTURES, {"spacetime", "cells", "snapshots", "energy"}))
+@pytest.mark.parametrize(
+    "name", few_of(PICTURES, {"spacetime", "cells", "snapshots", "energy"})
+)
 def test_a_column_is_as_wide_as_asked_and_labels_stay_inside(name):
     with plot.look(width=85):
         figure = PICTURES[name]().figure
@@ -105,10 +118,14 @@ def test_a_column_is_as_wide_as_asked_and_labels_stay_inside(name):
     assert box.y1 < figure.get_figheight() + 0.02
 
 
-@pytest.mark.parametrize(("wrong", "named"), [
-    ({"name": "grey"}, "'light', 'dark'"), ({"width": 20}, "50 to 1000 mm"),
-    ({"width": float("nan")}, "finite number of mm"),
-])
+@pytest.mark.parametrize(
+    ("wrong", "named"),
+    [
+        ({"name": "grey"}, "'light', 'dark'"),
+        ({"width": 20}, "50 to 1000 mm"),
+        ({"width": float("nan")}, "finite number of mm"),
+    ],
+)
 def test_wrong_looks_are_refused(wrong, named):
     with pytest.raises(ValueError, match=named), plot.look(**wrong):
         pass

@@ -25,14 +25,29 @@ SYSTEMS = {
     "few": ri.System([rod(np.linspace(0.25, 2.5, 10), 1.0, area=3e-4), rod()]),
     "areas": ri.System([rod(0.5, 1.0, area=np.linspace(2e-5, 3e-4, 57)), rod()]),
     "map": ri.System([rod(column(LENGTHS), 1.0), rod(area=AREAS)]),
-    "speeds": ri.System([rod(column(np.linspace(0.5, 1.5, 9)), np.linspace(-1, 2, 7)), rod()]),
+    "speeds": ri.System(
+        [rod(column(np.linspace(0.5, 1.5, 9)), np.linspace(-1, 2, 7)), rod()]
+    ),
     "wall": ri.System([rod(np.linspace(0.1, 1, 10), 1.0), ri.Wall()]),
-    "left wall": ri.System([ri.Wall(0.5), rod(column(np.linspace(0.1, 1, 4)),
-                                              np.linspace(-2, 1, 9))]),
-    "gaps": ri.System([rod(0.2, 1.0), rod(0.3), rod(0.2)], gaps=[np.linspace(0, 2e-4, 9), 1e-5]),
-    "heads": ri.System([rod(1.0, 1.0, area=1.0, material=UNIT), ri.Rod(segments=[
-        ri.Segment(column(np.linspace(1.1, 2.9, 7)), np.linspace(1.1, 2.6, 6), UNIT),
-        ri.Segment(20.0, 10.0, UNIT)])]),
+    "left wall": ri.System(
+        [ri.Wall(0.5), rod(column(np.linspace(0.1, 1, 4)), np.linspace(-2, 1, 9))]
+    ),
+    "gaps": ri.System(
+        [rod(0.2, 1.0), rod(0.3), rod(0.2)], gaps=[np.linspace(0, 2e-4, 9), 1e-5]
+    ),
+    "heads": ri.System(
+        [
+            rod(1.0, 1.0, area=1.0, material=UNIT),
+            ri.Rod(
+                segments=[
+                    ri.Segment(
+                        column(np.linspace(1.1, 2.9, 7)), np.linspace(1.1, 2.6, 6), UNIT
+                    ),
+                    ri.Segment(20.0, 10.0, UNIT),
+                ]
+            ),
+        ]
+    ),
     "strains": ri.System([rod(0.5, 1.0), rod(strain=np.linspace(-1e-4, 1e-4, 5))]),
     "receding": ri.System([rod(np.linspace(0.5, 1, 4), -1.0), rod()]),
 }
@@ -95,8 +110,15 @@ def test_the_closed_form_lies_under_it_and_is_smooth_between_few_points(swept):
 
 @pytest.mark.parametrize("name", ["lengths", "areas", "few", "wall"])
 def test_theory_and_results_agree(swept, name):
-    for quantity in ("restitution", "impulse.0", "peak_force.0", "duration.0", "vibration",
-                     "velocity_after.0", "velocity_after.1"):
+    for quantity in (
+        "restitution",
+        "impulse.0",
+        "peak_force.0",
+        "duration.0",
+        "vibration",
+        "velocity_after.0",
+        "velocity_after.1",
+    ):
         picture = plot.sweep(swept[name], axes(), quantity)
         x, y = finite(*picture.values.get_data())
         law_x, law_y = finite(*picture.theory.get_data())
@@ -107,8 +129,12 @@ def test_theory_and_results_agree(swept, name):
 
 
 def test_no_theory_where_none_is_known(swept):
-    for name, quantity in (("strains", "restitution"), ("gaps", "velocity_after.2"),
-                           ("lengths", "final"), ("lengths", "episodes.0")):
+    for name, quantity in (
+        ("strains", "restitution"),
+        ("gaps", "velocity_after.2"),
+        ("lengths", "final"),
+        ("lengths", "episodes.0"),
+    ):
         picture = plot.sweep(swept[name], axes(), quantity)
         assert picture.theory is None
         assert legend(picture) == []
@@ -125,15 +151,27 @@ def test_a_curve_is_broken_where_it_jumps_and_only_there(swept):
     assert picture.theory.get_xdata()[gap] == pytest.approx(100.0, abs=1.0)
     assert picture.ax.get_xlabel() == "area of rod 1 (mm²)"
     assert picture.ax.get_ylabel() == "force duration (µs)"
-    for quantity in ("restitution", "velocity_after.0", "impulse.0"):  # a corner is no jump
-        assert np.isfinite(plot.sweep(swept["areas"], axes(), quantity).values.get_ydata()).all()
+    for quantity in (
+        "restitution",
+        "velocity_after.0",
+        "impulse.0",
+    ):  # a corner is no jump
+        assert np.isfinite(
+            plot.sweep(swept["areas"], axes(), quantity).values.get_ydata()
+        ).all()
 
 
-@pytest.mark.parametrize("values", [
-    1.5 ** np.arange(20), np.abs(np.arange(20) - 9.5) ** 3, np.sqrt(np.arange(20)),
-    np.maximum(np.arange(20) - 9.0, 0), 1 + 1e-16 * (np.arange(20) % 7 == 3) * np.arange(20),
-    np.maximum(np.arange(20) - 9.0, 0.01 * (np.arange(20) > 4)),
-])
+@pytest.mark.parametrize(
+    "values",
+    [
+        1.5 ** np.arange(20),
+        np.abs(np.arange(20) - 9.5) ** 3,
+        np.sqrt(np.arange(20)),
+        np.maximum(np.arange(20) - 9.0, 0),
+        1 + 1e-16 * (np.arange(20) % 7 == 3) * np.arange(20),
+        np.maximum(np.arange(20) - 9.0, 0.01 * (np.arange(20) > 4)),
+    ],
+)
 def test_steepness_round_off_and_trifles_are_no_jumps(values):
     assert np.isfinite(plot.sweep(showing(values), axes()).values.get_ydata()).all()
 
@@ -150,10 +188,17 @@ def test_collisions_without_a_value_leave_a_gap():
 def test_words_instead_of_codes(swept):
     picture = plot.sweep(swept["lengths"], axes(), "status")
     assert [t.get_text() for t in picture.ax.get_yticklabels()] == [
-        "final", "max_events", "clock", "refused", "until"]
+        "final",
+        "max_events",
+        "clock",
+        "refused",
+        "until",
+    ]
     picture = plot.sweep(swept["map"], axes(), "final")
     assert [t.get_text() for t in picture.colour_bar.ax.get_yticklabels()] == [
-        "not proved", "proved"]
+        "not proved",
+        "proved",
+    ]
 
 
 def test_values_in_any_order_are_drawn_in_increasing_order():
@@ -172,7 +217,8 @@ def test_what_varies_along_with_it_is_named():
     result = ri.sweep(ri.System([rod(1.0, 1.0), *[rod(lengths)] * 4]))
     picture = plot.sweep(result, axes(), "velocity_after.4")
     assert picture.ax.get_xlabel() == (
-        "length of rod 2 (m)\nwith length of rod 3 and 2 more")
+        "length of rod 2 (m)\nwith length of rod 3 and 2 more"
+    )
     assert picture.ax.get_ylabel() == "velocity of rod 5 after (m/s)"
 
 
@@ -181,7 +227,9 @@ def test_what_varies_along_with_it_is_named():
 
 def test_a_map_has_a_cell_for_each_collision(swept):
     picture = plot.sweep(swept["map"], axes())
-    assert np.asarray(picture.cells.get_array()) == pytest.approx(swept["map"].restitution.T)
+    assert np.asarray(picture.cells.get_array()) == pytest.approx(
+        swept["map"].restitution.T
+    )
     corners = np.asarray(picture.cells.get_coordinates())
     x, y = corners[0, :, 0], corners[:, 0, 1]
     middle = np.sqrt(LENGTHS[:-1] * LENGTHS[1:])
@@ -207,27 +255,42 @@ def test_lines_of_equal_times_and_impedances(swept):
 
 
 def test_lines_that_do_not_cross_the_map_are_not_drawn(swept):
-    thicker = ri.sweep(ri.System([rod(column([0.2, 0.5, 0.8]), 1.0), rod(area=[2e-4, 3e-4])]))
+    thicker = ri.sweep(
+        ri.System([rod(column([0.2, 0.5, 0.8]), 1.0), rod(area=[2e-4, 3e-4])])
+    )
     assert plot.sweep(thicker, axes()).theory == []
     assert plot.sweep(swept["left wall"], axes()).theory == []
     assert plot.sweep(swept["heads"], axes()).theory == []
     alike = np.linspace(0.1, 2, 20)
     almost = alike * (1 + 3e-16 * (np.arange(20) % 3 - 1))
-    twins = ri.sweep(ri.System([rod(column(alike), 1.0), rod(column(almost), area=[2e-4, 3e-4])]))
+    twins = ri.sweep(
+        ri.System([rod(column(alike), 1.0), rod(column(almost), area=[2e-4, 3e-4])])
+    )
     assert plot.sweep(twins, axes()).theory == []
     (times,) = plot.sweep(swept["speeds"], axes()).theory
-    assert times.get_paths()[0].vertices[:, 1].min() == pytest.approx(0.5)  # none collide below
+    assert times.get_paths()[0].vertices[:, 1].min() == pytest.approx(
+        0.5
+    )  # none collide below
 
 
 def test_contour_lines_follow_the_law():
     lengths = np.linspace(0.05, 0.95, 40)
-    result = ri.sweep(ri.System([rod(column(lengths), 1.0), rod(np.linspace(1, 2, 30))]))
+    result = ri.sweep(
+        ri.System([rod(column(lengths), 1.0), rod(np.linspace(1, 2, 30))])
+    )
     picture = plot.sweep(result, axes())
     assert levels_of(picture) == pytest.approx([0.2, 0.4, 0.6, 0.8])
-    for level, path in zip(picture.contours.levels, picture.contours.get_paths(), strict=True):
+    for level, path in zip(
+        picture.contours.levels, picture.contours.get_paths(), strict=True
+    ):
         x, y = path.vertices.T
         assert x / y == pytest.approx(np.full(x.shape, level), abs=1e-3)
-    assert sorted({text.get_text() for text in picture.labels}) == ["0.2", "0.4", "0.6", "0.8"]
+    assert sorted({text.get_text() for text in picture.labels}) == [
+        "0.2",
+        "0.4",
+        "0.6",
+        "0.8",
+    ]
 
 
 def test_contour_lines_end_at_a_jump():
@@ -236,7 +299,9 @@ def test_contour_lines_end_at_a_jump():
     picture = plot.sweep(result, axes(), "duration.0")
     assert picture.colour_bar.ax.get_ylabel() == "force duration (ms)"
     assert levels_of(picture)
-    for level, path in zip(picture.contours.levels, picture.contours.get_paths(), strict=True):
+    for level, path in zip(
+        picture.contours.levels, picture.contours.get_paths(), strict=True
+    ):
         x, y = path.vertices.T
         assert np.all(y > 100)
         assert x == pytest.approx(np.full(x.shape, level * 1e-3 * C / 2), rel=0.02)
@@ -245,7 +310,9 @@ def test_contour_lines_end_at_a_jump():
 def test_no_contour_follows_a_plateau():
     x, y = column(np.linspace(0, 1, 40)), np.linspace(0, 1, 40)
     noise = 1e-12 * np.random.default_rng(1).uniform(-1, 1, (40, 40))
-    values = np.minimum(x + y, 1) + np.maximum(x + y - 1.5, 0) * 2 + noise  # 1 over a wide band
+    values = (
+        np.minimum(x + y, 1) + np.maximum(x + y - 1.5, 0) * 2 + noise
+    )  # 1 over a wide band
     levels = levels_of(plot.sweep(showing(values), axes()))
     assert 1.0 not in levels
     assert {0.5, 1.5} <= set(levels)
@@ -298,16 +365,25 @@ def test_every_quantity_of_every_family_is_drawn(swept, name):
 WALLED = ri.System([rod(), rod(), ri.Wall()])
 MASSES = ri.System(
     [rod(), *[ri.RigidMass(1.0)] * 3, rod()],
-    contacts=[ri.SpringDashpot(1e8, 1e3), ri.HuntCrossley(1e9, 0.1), ri.Rigid(0.5), ri.Rigid()],
-    ends=(ri.Pushed(1e3), ri.Moved(1.0)))
+    contacts=[
+        ri.SpringDashpot(1e8, 1e3),
+        ri.HuntCrossley(1e9, 0.1),
+        ri.Rigid(0.5),
+        ri.Rigid(),
+    ],
+    ends=(ri.Pushed(1e3), ri.Moved(1.0)),
+)
 WORDS = {
     (labels.parameter, WALLED): [
         ("bodies.0.length", 2.0, "length of rod 1 (m)"),
         ("bodies.0.area", 1e-3, "area of rod 1 (mm²)"),
         ("bodies.1.segments.2.area", 1e-4, "area of segment 3 of rod 2 (mm²)"),
         ("bodies.0.polar_moment", 1e-9, "polar moment of rod 1 (m⁴)"),
-        ("bodies.1.segments.0.material.youngs_modulus", 2e11,
-         "Young's modulus of segment 1 of rod 2 (GPa)"),
+        (
+            "bodies.1.segments.0.material.youngs_modulus",
+            2e11,
+            "Young's modulus of segment 1 of rod 2 (GPa)",
+        ),
         ("bodies.2.velocity", 0.5, "velocity of wall (mm/s)"),
         ("bodies.0.strain", 2e-4, "strain of rod 1 (10⁻⁶)"),
         ("bodies.0.velocity.values.1", 3.0, "velocity of piece 2 of rod 1 (m/s)"),
@@ -326,7 +402,11 @@ WORDS = {
         ("ends.left.value.values.1", 2e3, "piece 2 of force on the left end (kN)"),
         ("ends.left.value.at.0", 1e-4, "time of jump 1 of force on the left end (µs)"),
         ("ends.right.value", 2.0, "velocity of the right end (m/s)"),
-        ("ends.right.value.step", 1e-6, "time between samples of velocity of the right end (µs)"),
+        (
+            "ends.right.value.step",
+            1e-6,
+            "time between samples of velocity of the right end (µs)",
+        ),
     ],
     (labels.outcome, WALLED): [
         ("restitution", 1.0, "coefficient of restitution e"),
@@ -340,8 +420,10 @@ WORDS = {
 }
 
 
-@pytest.mark.parametrize(("words", "system", "name", "largest", "label"), [
-    (*what, *case) for what, cases in WORDS.items() for case in cases])
+@pytest.mark.parametrize(
+    ("words", "system", "name", "largest", "label"),
+    [(*what, *case) for what, cases in WORDS.items() for case in cases],
+)
 def test_numbers_and_results_in_words(words, system, name, largest, label):
     assert scale_of(words(system, name), largest).label == label
 
@@ -349,12 +431,21 @@ def test_numbers_and_results_in_words(words, system, name, largest, label):
 # Errors, manners --------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("quantity", "message"), [
-    ("restituton", "perhaps 'restitution' is meant"),
-    ("episodes", r"perhaps 'episodes\.\d' is meant"),
-    ("impulse.7", r"no result is called 'impulse\.7'; perhaps 'impulse\.1' is meant"),
-    ("heat", r"no result is called 'heat'; use one of restitution, velocity_after\.0, "),
-])
+@pytest.mark.parametrize(
+    ("quantity", "message"),
+    [
+        ("restituton", "perhaps 'restitution' is meant"),
+        ("episodes", r"perhaps 'episodes\.\d' is meant"),
+        (
+            "impulse.7",
+            r"no result is called 'impulse\.7'; perhaps 'impulse\.1' is meant",
+        ),
+        (
+            "heat",
+            r"no result is called 'heat'; use one of restitution, velocity_after\.0, ",
+        ),
+    ],
+)
 def test_an_unknown_quantity_is_named_with_what_there_is(swept, quantity, message):
     with pytest.raises(ValueError, match=message):
         plot.sweep(swept["gaps"], axes(), quantity)
@@ -362,16 +453,25 @@ def test_an_unknown_quantity_is_named_with_what_there_is(swept, quantity, messag
 
 def test_a_quantity_without_values_is_refused(swept):
     for name in ("gaps", "receding"):
-        with pytest.raises(ValueError, match=r"no value anywhere .* result.explain\(index\)"):
+        with pytest.raises(
+            ValueError, match=r"no value anywhere .* result.explain\(index\)"
+        ):
             plot.sweep(swept[name], axes())
 
 
 def test_families_without_axis_or_with_three_are_refused():
-    for system in (ri.System([rod(0.4, 1.0), rod()]), ri.System([rod([0.4], 1.0), rod()])):
+    for system in (
+        ri.System([rod(0.4, 1.0), rod()]),
+        ri.System([rod([0.4], 1.0), rod()]),
+    ):
         with pytest.raises(ValueError, match=r"one axis and a map two; give an array"):
             plot.sweep(ri.sweep(system), axes())
-    cube = ri.System([rod(np.array([0.3, 0.4])[:, None, None], column([1.0, 2.0])),
-                      rod(area=[1e-4, 2e-4])])
+    cube = ri.System(
+        [
+            rod(np.array([0.3, 0.4])[:, None, None], column([1.0, 2.0])),
+            rod(area=[1e-4, 2e-4]),
+        ]
+    )
     with pytest.raises(ValueError, match=r"shape \(2, 2, 2\).*system\[0\]"):
         plot.sweep(ri.sweep(cube), axes())
     assert plot.sweep(ri.sweep(cube[0]), axes()).cells.get_array().shape == (2, 2)

@@ -25,25 +25,29 @@ def read(tmp_path):
     return signals
 
 
-@pytest.mark.parametrize("text", [
-    "time_s,bar_V\n0,0.001\n1e-6,-0.0025\n2e-6,0.25\n3e-6,1\n",
-    "time [us],bar [mV]\n0,1\n1,-2.5\n2,250\n3,1000\n",
-    "t (ms);bar (mV)\r\n0;1\r\n0,001;-2,5\r\n0,002;250\r\n0,003;1000\r\n",
-    "t/us\tbar/mV\n0\t1,0\n1\t-2,5\n2\t250\n3\t1000",
-    "# shot 12, 3 May\n# time(us)  bar(V)\n\n0 .001\n1 -.0025\n2 .25\n 3  1.\n",
-    "Sample rate, 1 MHz\nTime,bar\n(us),(mV)\n\n0.0,1.0\n1.0,-2.5\n2.0,250.0\n3.0,1000.0\n",
-    '"Time, us","bar, mV"\n"0","1"\n"1","-2.5"\n"2","250"\n"3","1e3"\n',
-    "TIME in us;bar in V;\n0,0;0,001;\n1,0;-0,0025;\n2,0;0,25;\n3,0;1,0;\n",
-    "time_ns,bar_V\n0,0.001\n1000,-0.0025\n2000,0.25\n3000,1\n\n\n",
-    "Zeit [µs] ; bar [mV]\n0;1\n1;-2,5\n2;250\n3;1000\n",
-    "bar [mV]\tTime (us)\n1\t0\n-2.5\t1\n250\t2\n1000\t3\n",
-    "x-axis,bar,,\nsecond,Volt,,\n0,.001,,\n1e-6,-.0025,,\n2e-6,.25,,\n3e-6,1,,\n,,,\n",
-    "Separator\tTab\n***End_of_Header***\t\t\ntime (sec)\tbar (Volts)\tComment\n0\t0.001\t\n"
-    "1e-6\t-0.0025\t\n2e-6\t0.25\t\n3e-6\t1\t\n",
-    'time [us],bar [mV]\n"0","1,0"\n"1","-2,5"\n"2","250"\n"3","1e3"\n',
-    '"time [us]","bar [V]"\n0,"0,001"\n1,"-,25e-2"\n2,"0,25"\n3,1\n',
-    "  time [us]   bar [mV]\n    0.0    1.0\n    1.0   -2.5\n    2.0  250.0\n    3.0 1000.0\n",
-], ids=range(16))
+@pytest.mark.parametrize(
+    "text",
+    [
+        "time_s,bar_V\n0,0.001\n1e-6,-0.0025\n2e-6,0.25\n3e-6,1\n",
+        "time [us],bar [mV]\n0,1\n1,-2.5\n2,250\n3,1000\n",
+        "t (ms);bar (mV)\r\n0;1\r\n0,001;-2,5\r\n0,002;250\r\n0,003;1000\r\n",
+        "t/us\tbar/mV\n0\t1,0\n1\t-2,5\n2\t250\n3\t1000",
+        "# shot 12, 3 May\n# time(us)  bar(V)\n\n0 .001\n1 -.0025\n2 .25\n 3  1.\n",
+        "Sample rate, 1 MHz\nTime,bar\n(us),(mV)\n\n0.0,1.0\n1.0,-2.5\n2.0,250.0\n3.0,1000.0\n",
+        '"Time, us","bar, mV"\n"0","1"\n"1","-2.5"\n"2","250"\n"3","1e3"\n',
+        "TIME in us;bar in V;\n0,0;0,001;\n1,0;-0,0025;\n2,0;0,25;\n3,0;1,0;\n",
+        "time_ns,bar_V\n0,0.001\n1000,-0.0025\n2000,0.25\n3000,1\n\n\n",
+        "Zeit [µs] ; bar [mV]\n0;1\n1;-2,5\n2;250\n3;1000\n",
+        "bar [mV]\tTime (us)\n1\t0\n-2.5\t1\n250\t2\n1000\t3\n",
+        "x-axis,bar,,\nsecond,Volt,,\n0,.001,,\n1e-6,-.0025,,\n2e-6,.25,,\n3e-6,1,,\n,,,\n",
+        "Separator\tTab\n***End_of_Header***\t\t\ntime (sec)\tbar (Volts)\tComment\n0\t0.001\t\n"
+        "1e-6\t-0.0025\t\n2e-6\t0.25\t\n3e-6\t1\t\n",
+        'time [us],bar [mV]\n"0","1,0"\n"1","-2,5"\n"2","250"\n"3","1e3"\n',
+        '"time [us]","bar [V]"\n0,"0,001"\n1,"-,25e-2"\n2,"0,25"\n3,1\n',
+        "  time [us]   bar [mV]\n    0.0    1.0\n    1.0   -2.5\n    2.0  250.0\n    3.0 1000.0\n",
+    ],
+    ids=range(16),
+)
 def test_one_record_in_many_clothes(read, text):
     for encoding in ("utf-8", "utf-8-sig", "latin-1", "utf-16"):
         (bar,) = read(text, encoding).values()
@@ -58,82 +62,208 @@ def test_units_and_rates_that_the_file_does_not_say(read):
     assert signals == {"2": ri.Signal(BAR, T, unit="V", name="2")}
     assert list(read(bare, rate=1e6)) == ["1", "2"]
     assert read(bare, rate=1e6, units={"2": "mV"})["2"].unit == "V"
-    heads = read("clock,a,b\n0,1,2\n1,3,4\n", time="clock", time_unit="ms", units={"b": "kN"})
+    heads = read(
+        "clock,a,b\n0,1,2\n1,3,4\n", time="clock", time_unit="ms", units={"b": "kN"}
+    )
     assert heads["b"] == ri.Signal([2000.0, 4000.0], [0.0, 1e-3], unit="N", name="b")
     assert heads["a"].unit == ""
     single = read("bar_microstrain\n100\n-200\n", rate=1e6)["bar"]
     assert single == ri.Signal([1e-4, -2e-4], dt=1e-6, name="bar")
     one = read("bar one [mV]\n1\n2\n", rate=1.0)["bar one"]
     assert (one.values.tolist(), one.unit) == ([0.001, 0.002], "V")
-    assert read("time_s;a\n0;\N{MINUS SIGN}1\n1;2\n")["a"].values.tolist() == [-1.0, 2.0]
+    assert read("time_s;a\n0;\N{MINUS SIGN}1\n1;2\n")["a"].values.tolist() == [
+        -1.0,
+        2.0,
+    ]
     many = "time_s;a\n0;1,001\n1;1,002\n"
     assert read(many, decimal=",")["a"].values.tolist() == [1.001, 1.002]
-    assert read(many.replace("1;1,002", "1;0,002"))["a"].values.tolist() == [1.001, 0.002]
+    assert read(many.replace("1;1,002", "1;0,002"))["a"].values.tolist() == [
+        1.001,
+        0.002,
+    ]
     assert read("1,5\n2,5\n", rate=1.0, decimal=",")["1"].values.tolist() == [1.5, 2.5]
     assert list(read("1,5\n2,5\n", rate=1.0, decimal=".")) == ["1", "2"]
     quoted = read('time_s,a\n0,1\n1,2\n2,"2,5"\n')
     assert quoted["a"].values.tolist() == [1.0, 2.0, 2.5]
-    assert read('0,1\n1,"2,5"\n', time_unit="s", decimal=",")["2"].values.tolist() == [1.0, 2.5]
+    assert read('0,1\n1,"2,5"\n', time_unit="s", decimal=",")["2"].values.tolist() == [
+        1.0,
+        2.5,
+    ]
     assert list(read("a,b\n1,5\n2,5\n", rate=1.0)) == ["a", "b"]
 
 
-@pytest.mark.parametrize(("text", "options", "said"), [
-    ("time,a\n0,1\n1,2\n", {}, "column 'time': has no unit of time; give time_unit=, one of 's'"),
-    ("time [min],a\n0,1\n1,2\n", {}, "column 'time': unknown unit 'min'"),
-    ("time [V],a\n0,1\n1,2\n", {}, "column 'time': has no unit of time; give time_unit="),
-    ("time_s,a [furlong]\n0,1\n1,2\n", {}, "column 'a': unknown unit 'furlong'"),
-    ("a,b\n0,1\n1,2\n", {}, "must have one column called 'time' and another one, has 'a', 'b';"),
-    ("a,b\n0,1\n1,2\n", {"time": "c"}, "must have one column called 'c' and another one, has"),
-    ("time_s,a\n0,1\n1,2\n", {"rate": 1.0}, "has a column of times, 'time'; leave rate out"),
-    ("1\n2\n3\n", {}, "has '1'; give the head of one as time=, or give rate=, the sampling"),
-    ("time_s,a\n0,1\n", {}, "has one line of numbers; a signal needs two"),
-    ("time_s,a,a\n0,1,2\n1,2,3\n", {}, "has two columns called 'a'; rename one"),
-    ("time_s,time_us,a\n0,0,1\n1,1,2\n", {}, "has two columns called 'time'"),
-    ("1,5\n2,5\n", {"rate": 1.0}, "line 1: '1,5' may be two numbers or a decimal comma"),
-    ("time_s,a\n0,1\n1,2\n2,x\n3,4\n", {}, "line 4, column 'a': must be a finite number, got 'x'"),
-    ("time_s,a\n0,1\n1,2\n2,\n3,4\n", {}, "line 4, column 'a': must be a finite number, got ''"),
-    ("time_s,a\n0,1\n1,2\n2,nan\n3,4\n", {}, "line 4, column 'a': must be a finite number"),
-    ("time_s,a\n0,1\n1,2\n2,3\n3,4,5\n", {}, "line 5: has 3 columns, the lines above have 2"),
-    ("time_s,a\n0,1\n1,2\n1,3\n", {}, "line 4, column 'time': 1 s comes after 1 s; times must"),
-    ("time_s,a\n" + "".join(f"{i + 5 * (i > 30)},1\n" for i in range(60)), {},
-     "line 33, column 'time': 36 s comes after 30 s; samples are missing"),
-    ("no numbers here\n", {}, "has no table of numbers"),
-    ("", {}, "has no table of numbers"),
-    (b"PK\x03\x04\0\0\0", {}, "is not text (it contains the character NUL)"),
-    ("time_s\ta\n0\t1\n1\t2\n".encode("utf-32"), {}, "is not text (it contains the character NUL)"),
-    ("time_s;a\n0;1,001\n1;1,002\n", {}, "such as '1,001': "),
-    ("time_s;a\n0;1.001\n1;1.002\n", {}, 'give decimal="." if a decimal sign, otherwise'),
-    ("time_s;a\n" + "0;1,234.5\n" * 4, {}, "line 3 has '1,234.5'; below the heads"),
-    ("time_s;a\n" + "0;1'234\n" * 4, {}, """line 3 has "1'234"; below the heads write only"""),
-    ("time,a\n" + "2026-05-03 10:11:12,1\n" * 4, {}, "line 3 has '2026-05-03 10:11:12'; bel"),
-    ("time_s,a,b\n" + "0,1,ok\n" * 4, {}, "line 3 has 'ok'; below the heads write only numbers"),
-    ("time_s,a\n" + "0,0x1\n" * 4, {}, "line 3 has '0x1'; below the heads"),
-    ("time_s|a\n" + "0|1\n" * 4, {}, "no table of numbers: line 3 has '0|1'; below"),
-    ("time_s,a, left\n0.5,1\n1,2\n", {}, "has the 3 heads ['time_s', 'a', 'left'] for 2 columns"),
-    ("time_s,a\n0,#N/A\n1,2\n2,3\n", {}, "begins with a line that mixes ['0', '#N/A'] and numbers"),
-    ("0,0;-0,\n0,1;1,5\n0,2;2,5\n", {}, "begins with a line that mixes ['0,0', '-0'] and"),
-    ("time_s\n0\n1\n", {"rate": 1.0}, "has a column of times, 'time'; leave rate out"),
-    ("time_s,a [mv]\n0,1\n1,2\n", {}, "column 'a': unknown unit 'mv'; perhaps 'mV' is meant"),
-    ('time_s,a\n0,1\n1,2\n2,"2,5"\n', {"decimal": "."}, "line 3 has 2 numbers, but not all lines"),
-    ('time_s,a\n0,"1,001"\n1,"1,002"\n', {}, "such as '1,001': "),
-    ("time_s,a\n0,1\n1,2,3\n2,3\n3,4,5\nend\n", {}, "line 4 has 2 numbers, but not all"),
-    ("time_s,a\n0,1\nx\n0,1\nx\n", {}, "has no table of numbers: line 3 has 'x'"),
-    ("time_s;a\n0;1,5\n1;2,5\n2;3,5\n3;1.5\n", {}, "line 5, column 'a': must be a finite"),
-    ("note\n" * 30_000 + "0,1\n" * 10, {}, "has no table of numbers"),
-], ids=range(41))
+@pytest.mark.parametrize(
+    ("text", "options", "said"),
+    [
+        (
+            "time,a\n0,1\n1,2\n",
+            {},
+            "column 'time': has no unit of time; give time_unit=, one of 's'",
+        ),
+        ("time [min],a\n0,1\n1,2\n", {}, "column 'time': unknown unit 'min'"),
+        (
+            "time [V],a\n0,1\n1,2\n",
+            {},
+            "column 'time': has no unit of time; give time_unit=",
+        ),
+        ("time_s,a [furlong]\n0,1\n1,2\n", {}, "column 'a': unknown unit 'furlong'"),
+        (
+            "a,b\n0,1\n1,2\n",
+            {},
+            "must have one column called 'time' and another one, has 'a', 'b';",
+        ),
+        (
+            "a,b\n0,1\n1,2\n",
+            {"time": "c"},
+            "must have one column called 'c' and another one, has",
+        ),
+        (
+            "time_s,a\n0,1\n1,2\n",
+            {"rate": 1.0},
+            "has a column of times, 'time'; leave rate out",
+        ),
+        (
+            "1\n2\n3\n",
+            {},
+            "has '1'; give the head of one as time=, or give rate=, the sampling",
+        ),
+        ("time_s,a\n0,1\n", {}, "has one line of numbers; a signal needs two"),
+        ("time_s,a,a\n0,1,2\n1,2,3\n", {}, "has two columns called 'a'; rename one"),
+        ("time_s,time_us,a\n0,0,1\n1,1,2\n", {}, "has two columns called 'time'"),
+        (
+            "1,5\n2,5\n",
+            {"rate": 1.0},
+            "line 1: '1,5' may be two numbers or a decimal comma",
+        ),
+        (
+            "time_s,a\n0,1\n1,2\n2,x\n3,4\n",
+            {},
+            "line 4, column 'a': must be a finite number, got 'x'",
+        ),
+        (
+            "time_s,a\n0,1\n1,2\n2,\n3,4\n",
+            {},
+            "line 4, column 'a': must be a finite number, got ''",
+        ),
+        (
+            "time_s,a\n0,1\n1,2\n2,nan\n3,4\n",
+            {},
+            "line 4, column 'a': must be a finite number",
+        ),
+        (
+            "time_s,a\n0,1\n1,2\n2,3\n3,4,5\n",
+            {},
+            "line 5: has 3 columns, the lines above have 2",
+        ),
+        (
+            "time_s,a\n0,1\n1,2\n1,3\n",
+            {},
+            "line 4, column 'time': 1 s comes after 1 s; times must",
+        ),
+        (
+            "time_s,a\n" + "".join(f"{i + 5 * (i > 30)},1\n" for i in range(60)),
+            {},
+            "line 33, column 'time': 36 s comes after 30 s; samples are missing",
+        ),
+        ("no numbers here\n", {}, "has no table of numbers"),
+        ("", {}, "has no table of numbers"),
+        (b"PK\x03\x04\0\0\0", {}, "is not text (it contains the character NUL)"),
+        (
+            "time_s\ta\n0\t1\n1\t2\n".encode("utf-32"),
+            {},
+            "is not text (it contains the character NUL)",
+        ),
+        ("time_s;a\n0;1,001\n1;1,002\n", {}, "such as '1,001': "),
+        (
+            "time_s;a\n0;1.001\n1;1.002\n",
+            {},
+            'give decimal="." if a decimal sign, otherwise',
+        ),
+        ("time_s;a\n" + "0;1,234.5\n" * 4, {}, "line 3 has '1,234.5'; below the heads"),
+        (
+            "time_s;a\n" + "0;1'234\n" * 4,
+            {},
+            """line 3 has "1'234"; below the heads write only""",
+        ),
+        (
+            "time,a\n" + "2026-05-03 10:11:12,1\n" * 4,
+            {},
+            "line 3 has '2026-05-03 10:11:12'; bel",
+        ),
+        (
+            "time_s,a,b\n" + "0,1,ok\n" * 4,
+            {},
+            "line 3 has 'ok'; below the heads write only numbers",
+        ),
+        ("time_s,a\n" + "0,0x1\n" * 4, {}, "line 3 has '0x1'; below the heads"),
+        (
+            "time_s|a\n" + "0|1\n" * 4,
+            {},
+            "no table of numbers: line 3 has '0|1'; below",
+        ),
+        (
+            "time_s,a, left\n0.5,1\n1,2\n",
+            {},
+            "has the 3 heads ['time_s', 'a', 'left'] for 2 columns",
+        ),
+        (
+            "time_s,a\n0,#N/A\n1,2\n2,3\n",
+            {},
+            "begins with a line that mixes ['0', '#N/A'] and numbers",
+        ),
+        (
+            "0,0;-0,\n0,1;1,5\n0,2;2,5\n",
+            {},
+            "begins with a line that mixes ['0,0', '-0'] and",
+        ),
+        (
+            "time_s\n0\n1\n",
+            {"rate": 1.0},
+            "has a column of times, 'time'; leave rate out",
+        ),
+        (
+            "time_s,a [mv]\n0,1\n1,2\n",
+            {},
+            "column 'a': unknown unit 'mv'; perhaps 'mV' is meant",
+        ),
+        (
+            'time_s,a\n0,1\n1,2\n2,"2,5"\n',
+            {"decimal": "."},
+            "line 3 has 2 numbers, but not all lines",
+        ),
+        ('time_s,a\n0,"1,001"\n1,"1,002"\n', {}, "such as '1,001': "),
+        (
+            "time_s,a\n0,1\n1,2,3\n2,3\n3,4,5\nend\n",
+            {},
+            "line 4 has 2 numbers, but not all",
+        ),
+        ("time_s,a\n0,1\nx\n0,1\nx\n", {}, "has no table of numbers: line 3 has 'x'"),
+        (
+            "time_s;a\n0;1,5\n1;2,5\n2;3,5\n3;1.5\n",
+            {},
+            "line 5, column 'a': must be a finite",
+        ),
+        ("note\n" * 30_000 + "0,1\n" * 10, {}, "has no table of numbers"),
+    ],
+    ids=range(41),
+)
 def test_what_is_no_record_is_refused_with_the_place(read, text, options, said):
     with pytest.raises(FileFormatError, match=f"shot.txt: .*{re.escape(said)}"):
         read(text, **options)
 
 
-@pytest.mark.parametrize(("options", "said"), [
-    ({"rate": 1.0, "time": "a"}, "rate: give either rate or a column of times"),
-    ({"rate": -1.0}, "rate: must be .*, got -1.0"), ({"decimal": ";"}, "decimal: must be one of"),
-    ({"units": {"c": "V"}}, "units: there is no channel 'c'; use one of a"),
-    ({"units": 3}, "unknown unit 3"),
-    ({"units": {"a": 3}}, "unknown unit 3"),
-    ({"progress": 3}, "progress: must be a function, got 3"),
-])
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"rate": 1.0, "time": "a"}, "rate: give either rate or a column of times"),
+        ({"rate": -1.0}, "rate: must be .*, got -1.0"),
+        ({"decimal": ";"}, "decimal: must be one of"),
+        ({"units": {"c": "V"}}, "units: there is no channel 'c'; use one of a"),
+        ({"units": 3}, "unknown unit 3"),
+        ({"units": {"a": 3}}, "unknown unit 3"),
+        ({"progress": 3}, "progress: must be a function, got 3"),
+    ],
+)
 def test_wrong_options(read, options, said):
     with pytest.raises(ValueError, match=said):
         read("a\n1\n2\n", **({"rate": 1.0} | options))
@@ -144,9 +274,13 @@ def test_a_channel_at_the_limit_of_its_recorder_is_announced(read):
     wave = 3 * np.sin(t / 40) + 0.1 * np.sin(t * t)
 
     def table(values):
-        return "time_us,a_V\n" + "".join(f"{i},{v!r}\n" for i, v in zip(t, values, strict=True))
+        return "time_us,a_V\n" + "".join(
+            f"{i},{v!r}\n" for i, v in zip(t, values, strict=True)
+        )
 
-    with pytest.warns(ri.ClippedSignal, match="column 'a' stays at 2 for [0-9]+ samples from line"):
+    with pytest.warns(
+        ri.ClippedSignal, match="column 'a' stays at 2 for [0-9]+ samples from line"
+    ):
         clipped = read(table(np.minimum(wave, 2.0).tolist()))["a"]
     assert clipped.values.max() == 2.0
     with warnings.catch_warnings():
@@ -180,8 +314,11 @@ def test_a_large_table_takes_four_times_its_size(read, tmp_path, monkeypatch):
     monkeypatch.setattr("rodimpact.methods.duration.QUIET", 0.0)
     monkeypatch.setattr("rodimpact.methods.duration.NEWS", 0.0)
     told = []
-    signals, peak = peak_of(lambda: ri.read_signals(
-        tmp_path / "shot.csv", progress=lambda *news: told.append(news)))
+    signals, peak = peak_of(
+        lambda: ri.read_signals(
+            tmp_path / "shot.csv", progress=lambda *news: told.append(news)
+        )
+    )
     assert peak < 4 * len(text)
     assert signals["a"].values.tolist() == x[0]
     assert signals["b"].values.tolist() == x[1]
@@ -190,9 +327,15 @@ def test_a_large_table_takes_four_times_its_size(read, tmp_path, monkeypatch):
     assert len(told) > 5
 
 
-def test_a_table_that_takes_half_the_memory_is_refused_before_it_is_read(read, monkeypatch):
-    monkeypatch.setattr(memory, "installed", lambda: 8.0 * len("time_s,a\n0,1\n1,2\n") - 1)
-    with pytest.raises(MemoryError, match=r"shot\.txt: takes up to .* GB of memory, more"):
+def test_a_table_that_takes_half_the_memory_is_refused_before_it_is_read(
+    read, monkeypatch
+):
+    monkeypatch.setattr(
+        memory, "installed", lambda: 8.0 * len("time_s,a\n0,1\n1,2\n") - 1
+    )
+    with pytest.raises(
+        MemoryError, match=r"shot\.txt: takes up to .* GB of memory, more"
+    ):
         read("time_s,a\n0,1\n1,2\n")
 
 
@@ -203,47 +346,92 @@ def test_a_head_of_many_lines_leaves_no_trace(read, monkeypatch):
     monkeypatch.setattr("rodimpact.records.reading.BLOCK", 50)
     assert read(text)["a"].values.tolist() == [i * i % 7 for i in range(300)]
     line = text.split("\n").index("299,4,,") + 1
-    with pytest.raises(FileFormatError, match=f"line {line}, column 'time': 298 s comes after"):
+    with pytest.raises(
+        FileFormatError, match=f"line {line}, column 'time': 298 s comes after"
+    ):
         read(text.replace("\n299,4", "\n298,4"))
 
 
 def test_a_table_that_takes_long_is_announced(read, monkeypatch):
     monkeypatch.setattr("rodimpact.methods.duration.LONG", 0.0)
     monkeypatch.setattr("rodimpact.methods.duration.SOON", 0.0)
-    with pytest.warns(ri.LongRun, match="a table of .* MB.*fewer samples or channels takes less"):
+    with pytest.warns(
+        ri.LongRun, match="a table of .* MB.*fewer samples or channels takes less"
+    ):
         read("time_s,a\n" + "".join(f"{i},{i}\n" for i in range(300_000)))
 
 
-LVM = "\n".join([
-    "LabVIEW Measurement\t", "Writer_Version\t2", "Separator\tTab", "Decimal_Separator\t{sign}",
-    "X_Columns\t{columns}", "Time_Pref\tAbsolute", "Date\t2020/01/02", "Time\t12:30:10.5",
-    "***End_of_Header***\t", "\t", "Channels\t2\t", "Samples\t4\t4\t",
-    "Y_Unit_Label\tmV\tVolts\t", "X_Dimension\tTime\tTime\t", "X0\t1.0E-3\t1.0E-3\t",
-    "Delta_X\t1.0E-6\t1.0E-6\t", "***End_of_Header***\t\t",
-    "X_Value\tincident\ttransmitted\tComment", ""])
-TIMES, INCIDENT, TRANSMITTED = [1e-3, 1.001e-3, 1.002e-3], [0.5, 1.5, 2.5], [0.0, 1.0, 4.0]
-ROWS = [f"{t:.6f}\t{a:.6f}\t{b:.6f}"
-        for t, a, b in zip(TIMES, INCIDENT, TRANSMITTED, strict=True)]
-MSO = "\n".join([
-    "Model,MSO4034", "", "Waveform Type,ANALOG", "Horizontal Units,s", "Sample Interval,1e-06",
-    "Record Length,4", "Probe Attenuation,1,1", "Vertical Units,mV,V", ",", "Label,,",
-    "TIME,incident,transmitted", *(row.replace("\t", ",") for row in ROWS), ""])
+LVM = "\n".join(
+    [
+        "LabVIEW Measurement\t",
+        "Writer_Version\t2",
+        "Separator\tTab",
+        "Decimal_Separator\t{sign}",
+        "X_Columns\t{columns}",
+        "Time_Pref\tAbsolute",
+        "Date\t2020/01/02",
+        "Time\t12:30:10.5",
+        "***End_of_Header***\t",
+        "\t",
+        "Channels\t2\t",
+        "Samples\t4\t4\t",
+        "Y_Unit_Label\tmV\tVolts\t",
+        "X_Dimension\tTime\tTime\t",
+        "X0\t1.0E-3\t1.0E-3\t",
+        "Delta_X\t1.0E-6\t1.0E-6\t",
+        "***End_of_Header***\t\t",
+        "X_Value\tincident\ttransmitted\tComment",
+        "",
+    ]
+)
+TIMES, INCIDENT, TRANSMITTED = (
+    [1e-3, 1.001e-3, 1.002e-3],
+    [0.5, 1.5, 2.5],
+    [0.0, 1.0, 4.0],
+)
+ROWS = [
+    f"{t:.6f}\t{a:.6f}\t{b:.6f}"
+    for t, a, b in zip(TIMES, INCIDENT, TRANSMITTED, strict=True)
+]
+MSO = "\n".join(
+    [
+        "Model,MSO4034",
+        "",
+        "Waveform Type,ANALOG",
+        "Horizontal Units,s",
+        "Sample Interval,1e-06",
+        "Record Length,4",
+        "Probe Attenuation,1,1",
+        "Vertical Units,mV,V",
+        ",",
+        "Label,,",
+        "TIME,incident,transmitted",
+        *(row.replace("\t", ",") for row in ROWS),
+        "",
+    ]
+)
 
 
-@pytest.mark.parametrize("text", [
-    LVM.format(columns="One", sign=".") + "\n".join(ROWS),
-    LVM.format(columns="One", sign=",") + "\n".join(ROWS).replace(".", ","),
-    LVM.format(columns="No", sign=".") + "\n".join(row[row.find("\t"):] for row in ROWS),
-    LVM.format(columns="No", sign=",")
-    + "\n".join(row[row.find("\t"):] for row in ROWS).replace(".", ","),
-    MSO,
-])
+@pytest.mark.parametrize(
+    "text",
+    [
+        LVM.format(columns="One", sign=".") + "\n".join(ROWS),
+        LVM.format(columns="One", sign=",") + "\n".join(ROWS).replace(".", ","),
+        LVM.format(columns="No", sign=".")
+        + "\n".join(row[row.find("\t") :] for row in ROWS),
+        LVM.format(columns="No", sign=",")
+        + "\n".join(row[row.find("\t") :] for row in ROWS).replace(".", ","),
+        MSO,
+    ],
+)
 def test_files_of_labview_and_tektronix_say_units_and_times(tmp_path, text):
     path = tmp_path / "shot"
     path.write_text(text)
     read = ri.read_signals(path)
     assert list(read) == ["incident", "transmitted"]
-    np.testing.assert_allclose(read["incident"].values, 1e-3 * np.array(INCIDENT), rtol=1e-12)
+    np.testing.assert_allclose(
+        read["incident"].values, 1e-3 * np.array(INCIDENT), rtol=1e-12
+    )
     np.testing.assert_allclose(read["transmitted"].values, TRANSMITTED, rtol=1e-12)
     for signal in read.values():
         np.testing.assert_allclose(signal.times, TIMES, rtol=1e-9)
@@ -251,9 +439,19 @@ def test_files_of_labview_and_tektronix_say_units_and_times(tmp_path, text):
 
 
 def test_entries_of_a_scope_may_stand_beside_its_table(tmp_path):
-    entries = ["Record Length,4,", "Sample Interval,1e-6,", "Source,CH2,", "Vertical Units,V,",
-               "Horizontal Units,s,", ",,", ",,", ",,"]
-    rows = [f"{entry},{1e-6 * i:015.9f},{i * i:9.4f}," for i, entry in enumerate(entries)]
+    entries = [
+        "Record Length,4,",
+        "Sample Interval,1e-6,",
+        "Source,CH2,",
+        "Vertical Units,V,",
+        "Horizontal Units,s,",
+        ",,",
+        ",,",
+        ",,",
+    ]
+    rows = [
+        f"{entry},{1e-6 * i:015.9f},{i * i:9.4f}," for i, entry in enumerate(entries)
+    ]
     path = tmp_path / "shot.csv"
     path.write_text("\n".join(rows))
     (signal,) = ri.read_signals(path).values()
@@ -262,10 +460,16 @@ def test_entries_of_a_scope_may_stand_beside_its_table(tmp_path):
     np.testing.assert_allclose(signal.values, np.arange(8) ** 2)
 
 
-@pytest.mark.parametrize(("text", "said"), [
-    (LVM.format(columns="Multi", sign="."), "a column of times for each channel"),
-    (LVM.format(columns="No", sign=".").replace("Delta_X", "Delta"), "no numbers X0 and Delta_X"),
-])
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (LVM.format(columns="Multi", sign="."), "a column of times for each channel"),
+        (
+            LVM.format(columns="No", sign=".").replace("Delta_X", "Delta"),
+            "no numbers X0 and Delta_X",
+        ),
+    ],
+)
 def test_files_of_labview_without_times_are_refused(tmp_path, text, said):
     path = tmp_path / "shot.lvm"
     path.write_text(text + "\n".join(ROWS))

@@ -8,8 +8,9 @@ from mistakes import problems
 
 import rodimpact as ri
 
-TITANIUM = ri.Material("titanium", youngs_modulus=4416 * 4865.9**2, density=4416,
-                       poisson_ratio=0.33)
+TITANIUM = ri.Material(
+    "titanium", youngs_modulus=4416 * 4865.9**2, density=4416, poisson_ratio=0.33
+)
 BAR = ri.Rod(0.762, diameter=9.47e-3, material=TITANIUM)
 SPEED, PULL = TITANIUM.wave_speed, TITANIUM.youngs_modulus * BAR.segments[0].area
 SPECIMEN = ri.Specimen(3.204e-3, diameter=6.34e-3)
@@ -30,17 +31,25 @@ class Shot:
         duration = 2 * striker / SPEED
         ramps = np.minimum(self.times / rise, (duration + rise - self.times) / rise)
         self.incident = self.carried(speed / 2 / SPEED * np.clip(ramps, 0, 1), 0.762)
-        self.strain, force, largest = np.zeros(len(self.times)), np.zeros(len(self.times)), 0.0
+        self.strain, force, largest = (
+            np.zeros(len(self.times)),
+            np.zeros(len(self.times)),
+            0.0,
+        )
         for i in range(len(self.times) - 1):
             here = self.strain[i]
             for part in range(STEPS):
                 largest = max(largest, here)
-                stress = flow(largest) - 1e11 * (largest - here)  # unloads along a straight line
+                stress = flow(largest) - 1e11 * (
+                    largest - here
+                )  # unloads along a straight line
                 now = max(stress, 0.0) * SPECIMEN.section
                 force[i] = now if part == 0 else force[i]
                 along = (part + 0.5) / STEPS
                 coming = (1 - along) * self.incident[i] + along * self.incident[i + 1]
-                here += 2 * SPEED * (coming - now / PULL) / SPECIMEN.length * FINE / STEPS
+                here += (
+                    2 * SPEED * (coming - now / PULL) / SPECIMEN.length * FINE / STEPS
+                )
             self.strain[i + 1] = here
         self.stress = force / SPECIMEN.section
         self.transmitted = force / PULL
@@ -53,13 +62,20 @@ class Shot:
     def gauge(self, distance, output=False, noise=0.0, sign=-1.0, dt=2e-7, seed=0):
         """What a gauge records; noise over the largest strain of the incident or output wave."""
         if output:
-            strain, top = self.carried(self.transmitted, distance), self.transmitted.max()
+            strain, top = (
+                self.carried(self.transmitted, distance),
+                self.transmitted.max(),
+            )
         else:
-            strain = self.carried(self.incident, -distance) + self.carried(self.reflected, distance)
+            strain = self.carried(self.incident, -distance) + self.carried(
+                self.reflected, distance
+            )
             top = self.incident.max()
         times = np.arange(-6e-5, 5.6e-4, dt)
         rng = np.random.default_rng(seed)
-        noisy = np.interp(times, self.times, strain) + noise * top * rng.standard_normal(len(times))
+        noisy = np.interp(
+            times, self.times, strain
+        ) + noise * top * rng.standard_normal(len(times))
         return ri.BarGauge(ri.Signal(sign * noisy, times), distance)
 
     def compared(self, found):
@@ -81,8 +97,10 @@ def long_shot():
 
 
 def reduced(shot, *, places=(0.381,), sign=-1.0, noise=0.0, seed=0, **options):
-    gauges = [shot.gauge(place, noise=noise, sign=sign, seed=seed + 10 * k)
-              for k, place in enumerate(places)]
+    gauges = [
+        shot.gauge(place, noise=noise, sign=sign, seed=seed + 10 * k)
+        for k, place in enumerate(places)
+    ]
     output = shot.gauge(0.381, output=True, noise=noise, sign=sign, seed=seed + 5)
     return ri.reduce(gauges, output, BAR, SPECIMEN, **options)
 
@@ -97,12 +115,15 @@ def test_a_known_specimen_is_found_through_bars_that_disperse(shot, sign):
     assert np.mean(np.abs(found.stress - stress) <= found.stress_band) > 0.95
     done = np.trapezoid(np.append(shot.stress, 0), np.append(shot.strain, 0))
     assert found.energy[-1] == pytest.approx(
-        done * SPECIMEN.section * SPECIMEN.length, rel=5e-3)
+        done * SPECIMEN.section * SPECIMEN.length, rel=5e-3
+    )
 
 
 def test_without_dispersion_the_same_shot_is_off(shot):
     plain = ri.Rod(0.762, area=BAR.segments[0].area, material=TITANIUM)
-    found = ri.reduce(shot.gauge(0.381), shot.gauge(0.381, output=True), plain, SPECIMEN)
+    found = ri.reduce(
+        shot.gauge(0.381), shot.gauge(0.381, output=True), plain, SPECIMEN
+    )
     _, stress, plastic = shot.compared(found)
     assert np.abs(found.stress[plastic] / stress[plastic] - 1).max() > 0.02
     assert "without dispersion" in str(found)
@@ -113,11 +134,19 @@ def test_bands_cover_the_truth_at_a_noise_of_1_percent(shot):
     for seed in range(12):
         found = reduced(shot, noise=0.01, seed=100 * seed)
         strain, stress, plastic = shot.compared(found)
-        covered.append([np.mean(np.abs(found.stress - stress) <= found.stress_band),
-                        np.mean(np.abs(found.strain - strain) <= found.strain_band)])
+        covered.append(
+            [
+                np.mean(np.abs(found.stress - stress) <= found.stress_band),
+                np.mean(np.abs(found.strain - strain) <= found.strain_band),
+            ]
+        )
         error = found.stress[plastic] / stress[plastic] - 1
-        worst.append([np.sqrt(np.mean(error**2)),
-                      np.abs(found.strain - strain)[plastic].max() / strain.max()])
+        worst.append(
+            [
+                np.sqrt(np.mean(error**2)),
+                np.abs(found.strain - strain)[plastic].max() / strain.max(),
+            ]
+        )
         assert np.median(found.stress_band[plastic] / stress[plastic]) < 0.02
     assert np.mean(covered, axis=0) == pytest.approx([0.95, 0.95], abs=0.049)
     assert np.median(worst, axis=0) == pytest.approx([0.0, 0.0], abs=0.01)
@@ -142,21 +171,34 @@ def test_one_gauge_must_lie_where_the_incident_wave_is_over_as_the_reflected_one
     Times, distances and wave speeds are binary fractions, so that equal times are equal.
     """
     dt, c = 2.0**-20, 4096.0
-    bar = ri.Rod(2.0, area=1e-4, material=ri.Material("m", youngs_modulus=8e3 * c**2, density=8e3))
+    bar = ri.Rod(
+        2.0,
+        area=1e-4,
+        material=ri.Material("m", youngs_modulus=8e3 * c**2, density=8e3),
+    )
     n = np.arange(1024)
     pulse = ri.Signal(2.0**-10 * np.clip(np.minimum(n - 64, 256 - n) / 32, 0, 1), dt=dt)
     start, width, rise, _ = pulse.pulse()
     assert start - rise + (width + 1.5 * rise) == start + width + rise / 2
-    apart = (width + 1.5 * rise) * c / 2  # from the face: half of the way there and back
+    apart = (
+        (width + 1.5 * rise) * c / 2
+    )  # from the face: half of the way there and back
 
     def reduced_at(distance):
         output = ri.BarGauge(pulse.shifted(300 * dt).extended(before=300 * dt), 0.5)
-        return ri.reduce(ri.BarGauge(pulse, distance), output, bar, ri.Specimen(5e-3, area=1e-4),
-                         compression="positive")
+        return ri.reduce(
+            ri.BarGauge(pulse, distance),
+            output,
+            bar,
+            ri.Specimen(5e-3, area=1e-4),
+            compression="positive",
+        )
 
     with pytest.raises(ValueError, match="second gauge"):
         reduced_at(apart * (1 - 1e-6))
-    assert reduced_at(apart).stress.max() == pytest.approx(8e3 * c**2 * 2.0**-10, rel=1e-6)
+    assert reduced_at(apart).stress.max() == pytest.approx(
+        8e3 * c**2 * 2.0**-10, rel=1e-6
+    )
 
 
 def test_one_dimensional_bars_by_the_solver():
@@ -165,54 +207,82 @@ def test_one_dimensional_bars_by_the_solver():
     light = ri.Material("light", youngs_modulus=7e10, density=2800)
     striker, bar, other = (
         ri.Rod(0.2, area=1e-4, material=steel, velocity=12.0),
-        ri.Rod(1.2, area=1e-4, material=steel), ri.Rod(1.1, area=1.5e-4, material=light))
+        ri.Rod(1.2, area=1e-4, material=steel),
+        ri.Rod(1.1, area=1.5e-4, material=light),
+    )
     law = ri.Yielding(stiffness=4e8, yield_force=15e3, hardening=2e7)
-    run = ri.solve(ri.System([striker, bar, other], contacts=[ri.Rigid(), law]), until=7e-4)
-    taken = [ri.BarGauge(run.gauge(body, x).signal(1e-7).extended(before=5e-5), d)
-             for body, x, d in ((1, 0.6, 0.6), (2, 0.5, 0.5))]
+    run = ri.solve(
+        ri.System([striker, bar, other], contacts=[ri.Rigid(), law]), until=7e-4
+    )
+    taken = [
+        ri.BarGauge(run.gauge(body, x).signal(1e-7).extended(before=5e-5), d)
+        for body, x, d in ((1, 0.6, 0.6), (2, 0.5, 0.5))
+    ]
     found = ri.reduce(*taken, (bar, other), ri.Specimen(5e-3, area=5e-5))
     force = run.contacts[1].force(found.times)
     for read in (found.output_force, found.input_force):
         off = np.sort(np.abs(read - force)) / force.max()
         assert off[-1] < 5e-3  # at a jump, between two samples
         assert off[-10] < 1e-3
-    shrunk = (run.displacement(1, 1.2, found.times) - run.displacement(2, 0.0, found.times)) / 5e-3
+    shrunk = (
+        run.displacement(1, 1.2, found.times) - run.displacement(2, 0.0, found.times)
+    ) / 5e-3
     loading = found.loading
     assert np.abs(found.strain - shrunk)[loading].max() < 2e-3 * shrunk.max()
 
 
 def test_two_gauges_see_the_wave_that_comes_back_in_the_output_bar():
     steel = ri.Material("steel", youngs_modulus=2e11, density=8000)
-    striker, bar, short = (ri.Rod(length, area=1e-4, material=steel, velocity=speed)
-                           for length, speed in ((0.3, 12.0), (1.5, 0.0), (0.4, 0.0)))
+    striker, bar, short = (
+        ri.Rod(length, area=1e-4, material=steel, velocity=speed)
+        for length, speed in ((0.3, 12.0), (1.5, 0.0), (0.4, 0.0))
+    )
     law = ri.Spring(stiffness=4e8)
-    run = ri.solve(ri.System([striker, bar, short], contacts=[ri.Rigid(), law]), until=7e-4)
+    run = ri.solve(
+        ri.System([striker, bar, short], contacts=[ri.Rigid(), law]), until=7e-4
+    )
 
     def gauge(body, x, distance):
-        return ri.BarGauge(run.gauge(body, x).signal(1e-7).extended(before=5e-5), distance)
+        return ri.BarGauge(
+            run.gauge(body, x).signal(1e-7).extended(before=5e-5), distance
+        )
 
-    found = ri.reduce(gauge(1, 0.8, 0.7), [gauge(2, x, x) for x in (0.1, 0.25)], (bar, short),
-                      ri.Specimen(5e-3, area=5e-5))
+    found = ri.reduce(
+        gauge(1, 0.8, 0.7),
+        [gauge(2, x, x) for x in (0.1, 0.25)],
+        (bar, short),
+        ri.Specimen(5e-3, area=5e-5),
+    )
     pressed = run.contacts[1].force(found.times) > 0
-    rate = (run.velocity(1, 1.5, found.times) - run.velocity(2, 0.0, found.times)) / 5e-3
+    rate = (
+        run.velocity(1, 1.5, found.times) - run.velocity(2, 0.0, found.times)
+    ) / 5e-3
     assert found.times[-1] > found.times[0] + 2 * 0.4 / steel.wave_speed + 2e-5
-    assert np.median(np.abs(found.strain_rate - rate)[pressed]) < 5e-3 * np.abs(rate).max()
+    assert (
+        np.median(np.abs(found.strain_rate - rate)[pressed]) < 5e-3 * np.abs(rate).max()
+    )
 
 
 def test_volts_bending_and_a_gain_are_strain(shot):
     strain = shot.gauge(0.381, noise=0.001)
-    volts = strain.signal.replace(values=strain.signal.values / BRIDGE.strain_per_volt, unit="V")
+    volts = strain.signal.replace(
+        values=strain.signal.values / BRIDGE.strain_per_volt, unit="V"
+    )
     bent = 2e-4 * np.sin(np.arange(len(volts)) / 50) / BRIDGE.strain_per_volt
-    both = ri.BarGauge(volts.replace(values=volts.values + bent), 0.381,
-                       opposite=volts.replace(values=volts.values - bent),
-                       gain=BRIDGE.strain_per_volt)
+    both = ri.BarGauge(
+        volts.replace(values=volts.values + bent),
+        0.381,
+        opposite=volts.replace(values=volts.values - bent),
+        gain=BRIDGE.strain_per_volt,
+    )
     assert both.strain.values == pytest.approx(strain.signal.values, abs=1e-15)
     assert np.abs(both.bending.values).max() == pytest.approx(2e-4, rel=1e-3)
     assert strain.bending is None
     output = shot.gauge(0.381, output=True)
     offset = both.replace(signal=both.signal + 0.01)  # of the amplifier
     assert ri.reduce(offset, output, BAR, SPECIMEN).strain == pytest.approx(
-        ri.reduce(strain, output, BAR, SPECIMEN).strain, abs=1e-12)
+        ri.reduce(strain, output, BAR, SPECIMEN).strain, abs=1e-12
+    )
 
 
 def test_shifts_are_found_within_their_bounds(shot):
@@ -224,25 +294,37 @@ def test_shifts_are_found_within_their_bounds(shot):
     assert plain.shifts == (0.0, 0.0)
     assert aligned.shifts[1] - aligned.shifts[0] == pytest.approx(0.7e-6, abs=0.15e-6)
     _, _, plastic = shot.compared(aligned)
-    rough, fine = (np.nanstd(each.equilibrium[plastic[: len(each.times)]])
-                   for each in (plain, aligned))
+    rough, fine = (
+        np.nanstd(each.equilibrium[plastic[: len(each.times)]])
+        for each in (plain, aligned)
+    )
     assert fine < rough
     stiff = SPECIMEN.replace(youngs_modulus=1e11)
     held = ri.reduce(first, late, BAR, stiff, align_within=0.5e-6)
     assert all(abs(shift) <= 0.5e-6 for shift in held.shifts)
     early = int(np.searchsorted(plain.strain, 0.005))
-    assert plain.one_sample[early] > plain.one_sample[plastic[: len(plain.times)]].max() / 2
+    assert (
+        plain.one_sample[early]
+        > plain.one_sample[plastic[: len(plain.times)]].max() / 2
+    )
 
 
 def test_what_is_told_of_it_is_consistent(shot, tmp_path):
     found = reduced(shot)
-    assert found.three_wave_stress == pytest.approx((found.stress + found.two_wave_stress) / 2)
+    assert found.three_wave_stress == pytest.approx(
+        (found.stress + found.two_wave_stress) / 2
+    )
     assert found.input_velocity - found.output_velocity == pytest.approx(
-        found.strain_rate * SPECIMEN.length)
+        found.strain_rate * SPECIMEN.length
+    )
     with pytest.raises(ri.InvalidModel, match="incompressible"):
         _ = found.true_stress
-    kept = ri.reduce(shot.gauge(0.381), shot.gauge(0.381, output=True), BAR,
-                     SPECIMEN.replace(incompressible=True))
+    kept = ri.reduce(
+        shot.gauge(0.381),
+        shot.gauge(0.381, output=True),
+        BAR,
+        SPECIMEN.replace(incompressible=True),
+    )
     assert kept.true_stress == pytest.approx(kept.stress * np.exp(-kept.true_strain))
     found.to_csv(tmp_path / "shot.csv")
     again = ri.read_signals(tmp_path / "shot.csv")
@@ -256,7 +338,10 @@ def test_what_is_told_of_it_is_consistent(shot, tmp_path):
 
 
 def test_several_shots_have_a_mean_and_a_scatter():
-    shots = [reduced(Shot(speed=speed), noise=0.01, seed=int(speed)) for speed in (19.0, 20.0)]
+    shots = [
+        reduced(Shot(speed=speed), noise=0.01, seed=int(speed))
+        for speed in (19.0, 20.0)
+    ]
     mean = ri.mean_of_shots(shots)
     assert mean.shots == 2
     assert mean.strain[-1] == min(each.strain.max() for each in shots)
@@ -267,26 +352,62 @@ def test_several_shots_have_a_mean_and_a_scatter():
         ri.mean_of_shots(shots[:1])
 
 
-@pytest.mark.parametrize(("change", "path", "says"), [
-    ({"compression": "up"}, "compression", "negative"),
-    ({"compression": "positive"}, "input_gauges", 'compression="negative"'),
-    ({"align_within": -1.0}, "align_within", "non-negative"),
-    ({"input_gauges": lambda first: first.signal}, "input_gauges", "must be a BarGauge"),
-    ({"input_gauges": lambda first: [first, first]}, "input_gauges", "different distances"),
-    ({"input_gauges": lambda first: [first] * 3}, "input_gauges", "one gauge, or two"),
-    ({"input_gauges": lambda first: first.replace(signal=first.signal.window(7.5e-5, 4e-4))},
-     "input_gauges", "the record begins|cuts the pulse off"),
-    ({"input_gauges": lambda first: first.replace(signal=first.signal * 0)}, "input_gauges",
-     "begin with a compression"),
-    ({"input_gauges": lambda first: first.replace(distance=3.0)}, "input_gauges", "3 m from"),
-    ({"bars": "steel"}, "bars", "a uniform Rod"),
-    ({"specimen": 3e-3}, "specimen", "must be a Specimen"),
-])
+@pytest.mark.parametrize(
+    ("change", "path", "says"),
+    [
+        ({"compression": "up"}, "compression", "negative"),
+        ({"compression": "positive"}, "input_gauges", 'compression="negative"'),
+        ({"align_within": -1.0}, "align_within", "non-negative"),
+        (
+            {"input_gauges": lambda first: first.signal},
+            "input_gauges",
+            "must be a BarGauge",
+        ),
+        (
+            {"input_gauges": lambda first: [first, first]},
+            "input_gauges",
+            "different distances",
+        ),
+        (
+            {"input_gauges": lambda first: [first] * 3},
+            "input_gauges",
+            "one gauge, or two",
+        ),
+        (
+            {
+                "input_gauges": lambda first: first.replace(
+                    signal=first.signal.window(7.5e-5, 4e-4)
+                )
+            },
+            "input_gauges",
+            "the record begins|cuts the pulse off",
+        ),
+        (
+            {"input_gauges": lambda first: first.replace(signal=first.signal * 0)},
+            "input_gauges",
+            "begin with a compression",
+        ),
+        (
+            {"input_gauges": lambda first: first.replace(distance=3.0)},
+            "input_gauges",
+            "3 m from",
+        ),
+        ({"bars": "steel"}, "bars", "a uniform Rod"),
+        ({"specimen": 3e-3}, "specimen", "must be a Specimen"),
+    ],
+)
 def test_mistakes_are_named(shot, change, path, says):
     first = shot.gauge(0.381)
-    given = {"input_gauges": first, "output_gauges": shot.gauge(0.381, output=True), "bars": BAR,
-             "specimen": SPECIMEN}
-    changed = {name: value(first) if callable(value) else value for name, value in change.items()}
+    given = {
+        "input_gauges": first,
+        "output_gauges": shot.gauge(0.381, output=True),
+        "bars": BAR,
+        "specimen": SPECIMEN,
+    }
+    changed = {
+        name: value(first) if callable(value) else value
+        for name, value in change.items()
+    }
     with pytest.raises(ri.InvalidModel, match=says) as caught:
         ri.reduce(**given | changed)
     assert path in dict(caught.value.problems)
@@ -294,24 +415,38 @@ def test_mistakes_are_named(shot, change, path, says):
 
 def test_all_mistakes_of_a_gauge_or_a_specimen_are_named_at_once():
     volts = ri.Signal([0.0, 1.0], [0.0, 1.0], unit="V")
-    assert {*problems(lambda: ri.BarGauge(volts, distance=-1.0))} == {"signal", "distance"}
-    assert {*problems(lambda: ri.Specimen(-1.0, area=1.0, diameter=1.0))} == {"length", "area"}
+    assert {*problems(lambda: ri.BarGauge(volts, distance=-1.0))} == {
+        "signal",
+        "distance",
+    }
+    assert {*problems(lambda: ri.Specimen(-1.0, area=1.0, diameter=1.0))} == {
+        "length",
+        "area",
+    }
 
 
 def together(speed=9.0, gains=(1.0, 1.0), noise=0.0, true=SPEED):
     """A shot with the bars together: gauges of bars whose wave speed is `true`."""
-    bar = ri.Rod(0.762, diameter=9.47e-3, material=TITANIUM.replace(
-        youngs_modulus=TITANIUM.density * true**2))
+    bar = ri.Rod(
+        0.762,
+        diameter=9.47e-3,
+        material=TITANIUM.replace(youngs_modulus=TITANIUM.density * true**2),
+    )
     times = np.arange(-1e-4, 7e-4, 1e-7)
     ramps = np.minimum(times / 6e-6, (2 * 0.127 / true + 6e-6 - times) / 6e-6)
     struck = ri.Signal(speed / 2 / true * np.clip(ramps, 0, 1), times)
     rng, gauges = np.random.default_rng(3), []
-    for paths, gain in ((((0.381, 1),), gains[0]), (((1.143, 1), (1.905, -1)), gains[1])):
+    for paths, gain in (
+        (((0.381, 1),), gains[0]),
+        (((1.143, 1), (1.905, -1)), gains[1]),
+    ):
         strain = 0.0
         for path, sign in paths:
             moved = struck.propagated(path, bar)
             strain = strain + sign * np.interp(times, moved.times, moved.values)
-        strain = -strain / gain + noise * struck.values.max() * rng.standard_normal(len(times))
+        strain = -strain / gain + noise * struck.values.max() * rng.standard_normal(
+            len(times)
+        )
         gauges.append(ri.BarGauge(ri.Signal(strain, times), 0.381))
     return gauges, bar
 
@@ -335,9 +470,14 @@ def test_bars_are_calibrated_by_a_shot_without_a_specimen():
 
 def test_bars_of_unlike_impedance_are_calibrated():
     metal = ri.Material("metal", youngs_modulus=2e11, density=8000)
-    striker, bar, other = (ri.Rod(length, area=area, material=metal, velocity=speed)
-                           for length, area, speed in ((0.3, 1e-4, 10.0), (1.5, 1e-4, 0.0),
-                                                       (1.5, 8e-5, 0.0)))
+    striker, bar, other = (
+        ri.Rod(length, area=area, material=metal, velocity=speed)
+        for length, area, speed in (
+            (0.3, 1e-4, 10.0),
+            (1.5, 1e-4, 0.0),
+            (1.5, 8e-5, 0.0),
+        )
+    )
     run = ri.solve(ri.System([striker, bar, other]), until=1.5e-3)
     gauges = [ri.BarGauge(run.gauge(body, 0.75).signal(1e-6), 0.75) for body in (1, 2)]
     found = ri.calibrate(*gauges, (bar, other), striker_speed=10.0)
@@ -350,26 +490,45 @@ def test_a_calibration_stands_for_the_bars(shot):
     gauges, _ = together(gains=(1.05, 0.93), noise=0.003)
     found = ri.calibrate(*gauges, BAR, striker_speed=9.0)
     first, second = shot.gauge(0.381), shot.gauge(0.381, output=True)
-    off = [gauge.replace(signal=gauge.signal / gain)
-           for gauge, gain in ((first, 1.05), (second, 0.93))]
-    right, plain = ri.reduce(first, second, BAR, SPECIMEN), ri.reduce(*off, found, SPECIMEN)
+    off = [
+        gauge.replace(signal=gauge.signal / gain)
+        for gauge, gain in ((first, 1.05), (second, 0.93))
+    ]
+    right, plain = (
+        ri.reduce(first, second, BAR, SPECIMEN),
+        ri.reduce(*off, found, SPECIMEN),
+    )
     stress = np.interp(plain.times, right.times, right.stress)
     _, _, plastic = shot.compared(plain)
     assert plain.stress[plastic] == pytest.approx(stress[plastic], rel=0.012)
     wide = ri.reduce(*off, replace(found, gain_errors=(0.02, 0.02)), SPECIMEN)
-    assert np.all(wide.stress_band[plastic] > plain.stress_band[plastic] + 0.01 * stress[plastic])
+    assert np.all(
+        wide.stress_band[plastic] > plain.stress_band[plastic] + 0.01 * stress[plastic]
+    )
 
 
-@pytest.mark.parametrize(("change", "says"), [
-    ({"input_gauges": [1, 2]}, "a BarGauge"), ({"striker_speed": -1.0}, "positive"),
-    ({"bars": ri.Rod(0.9, diameter=9.47e-3, material=TITANIUM)}, "wave speed"),
-    ({"compression": "up"}, "negative"), ({"output_gauges": 3.6e-4}, "the pulse returns"),
-])
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"input_gauges": [1, 2]}, "a BarGauge"),
+        ({"striker_speed": -1.0}, "positive"),
+        ({"bars": ri.Rod(0.9, diameter=9.47e-3, material=TITANIUM)}, "wave speed"),
+        ({"compression": "up"}, "negative"),
+        ({"output_gauges": 3.6e-4}, "the pulse returns"),
+    ],
+)
 def test_mistakes_of_a_calibration_are_named(change, says):
     first, second = together()[0]
-    given = {"input_gauges": first, "output_gauges": second, "bars": BAR, "striker_speed": None}
+    given = {
+        "input_gauges": first,
+        "output_gauges": second,
+        "bars": BAR,
+        "striker_speed": None,
+    }
     if end := change.get("output_gauges"):
-        change = {"output_gauges": second.replace(signal=second.signal.window(-1e-4, end))}
+        change = {
+            "output_gauges": second.replace(signal=second.signal.window(-1e-4, end))
+        }
     with pytest.raises(ri.InvalidModel, match=says):
         ri.calibrate(**given | change)
 
@@ -377,8 +536,10 @@ def test_mistakes_of_a_calibration_are_named(change, says):
 def test_a_measured_shot_is_reduced():
     """Copper between titanium bars, whose flow stress at 20 % and some 6e3/s is 400 to 500 MPa."""
     record = ri.read_signals("validation/records/lanl_titanium_bars.csv")
-    gauges = [ri.BarGauge(BRIDGE.strain(record[name]), 0.381)
-              for name in ("incident", "transmitted")]
+    gauges = [
+        ri.BarGauge(BRIDGE.strain(record[name]), 0.381)
+        for name in ("incident", "transmitted")
+    ]
     found = ri.reduce(*gauges, BAR, SPECIMEN, compression="positive")
     at = int(np.searchsorted(found.strain, 0.2))
     assert 4e8 < found.stress[at] < 5e8

@@ -22,11 +22,14 @@ def tone(frequency, dt=1e-7, count=8001):
     """A burst of one frequency, smooth at its ends."""
     t = dt * np.arange(count)
     middle = t[-1] / 2
-    return ri.Signal(np.cos(2 * np.pi * frequency * t) * np.exp(-(((t - middle) / 5e-5) ** 2)), t)
+    return ri.Signal(
+        np.cos(2 * np.pi * frequency * t) * np.exp(-(((t - middle) / 5e-5) ** 2)), t
+    )
 
 
 def phase_and_gain(after, before, frequency):
     """Of a burst, as a complex number."""
+
     def amplitude(s):
         return np.sum(s.values * np.exp(-2j * np.pi * frequency * s.times)) * s.dt
 
@@ -101,17 +104,22 @@ def test_misfit_finds_what_was_done():
     assert bounded.at_limit == ("shift", "scale")
     assert free.at_limit == ()
     fixed = record.misfit(record * 0.9, shift=0.0, scale=1.0)
-    assert fixed.rms == pytest.approx(0.1 * np.sqrt(np.mean(record.values**2)) / 2, rel=1e-9)
+    assert fixed.rms == pytest.approx(
+        0.1 * np.sqrt(np.mean(record.values**2)) / 2, rel=1e-9
+    )
     assert fixed[1:] == (0.0, 1.0, ())
     strain = model.replace(unit="")
     assert record.misfit(strain).rms == free.rms
 
 
-@pytest.mark.parametrize(("kind", "transfer"), [
-    ("gaussian", lambda r: 2 ** (-(r**2) / 2)),
-    ("first-order", lambda r: 1 / (1 + 1j * r)),
-    ("second-order", lambda r: 1 / (1 - r * r + 1j * math.sqrt(2) * r)),
-])
+@pytest.mark.parametrize(
+    ("kind", "transfer"),
+    [
+        ("gaussian", lambda r: 2 ** (-(r**2) / 2)),
+        ("first-order", lambda r: 1 / (1 + 1j * r)),
+        ("second-order", lambda r: 1 / (1 - r * r + 1j * math.sqrt(2) * r)),
+    ],
+)
 def test_low_pass(kind, transfer):
     burst = tone(50e3)
     for f in (20e3, 50e3, 200e3):
@@ -126,17 +134,24 @@ def test_answers_of_amplifiers_to_a_ramp():
     t, tau = 1e-6 * np.arange(50), 1 / (2 * math.pi * 30e3)
     ramp = ri.Signal(t, t)
     want = t - tau * -np.expm1(-t / tau)
-    np.testing.assert_allclose(ramp.low_pass(30e3, "first-order").values, want, atol=1e-18)
+    np.testing.assert_allclose(
+        ramp.low_pass(30e3, "first-order").values, want, atol=1e-18
+    )
 
 
 def test_what_a_gauge_and_its_amplifier_do():
     pulse = trapezoid()
     averaged = pulse.as_measured(gauge_length=0.01, wave_speed=5000.0)  # over 2 us
     t = averaged.times
-    np.testing.assert_allclose(averaged.values[(t > 21e-6) & (t < 23e-6)],
-                               pulse.values[(t > 21e-6) & (t < 23e-6)], atol=1e-12)
+    np.testing.assert_allclose(
+        averaged.values[(t > 21e-6) & (t < 23e-6)],
+        pulse.values[(t > 21e-6) & (t < 23e-6)],
+        atol=1e-12,
+    )
     at_corner = np.argmin(np.abs(t - 20e-6))
-    assert averaged.values[at_corner] == pytest.approx(0.5e6 * 1e-6**2 / 2 / 2e-6, rel=1e-9)
+    assert averaged.values[at_corner] == pytest.approx(
+        0.5e6 * 1e-6**2 / 2 / 2e-6, rel=1e-9
+    )
     short = pulse.as_measured(gauge_length=1e-30, wave_speed=5000.0)
     assert short.values == pytest.approx(pulse.values, abs=1e-6)
     seen = pulse.as_measured(bandwidth=100e3, order=2, scale=3.0, offset=0.5)
@@ -160,10 +175,13 @@ def test_a_propagated_pulse_varies_smoothly_with_the_bar():
     """Though the number of frequencies below the cut-off changes from one bar to the next."""
     pulse = trapezoid(rise=1e-6).extended(1e-4, 1e-4)
     speeds = np.linspace(5000.0, 5040.0, 41)
-    moved = np.array([
-        pulse.propagated(0.5, ri.waves.Bar(c, 0.29, 5e-3)).values for c in speeds
-    ])
-    assert np.abs(np.diff(moved, 2, axis=0)).max() < 0.1 * np.abs(np.diff(moved, axis=0)).max()
+    moved = np.array(
+        [pulse.propagated(0.5, ri.waves.Bar(c, 0.29, 5e-3)).values for c in speeds]
+    )
+    assert (
+        np.abs(np.diff(moved, 2, axis=0)).max()
+        < 0.1 * np.abs(np.diff(moved, axis=0)).max()
+    )
 
 
 def test_there_and_back_again():
@@ -172,7 +190,9 @@ def test_there_and_back_again():
     np.testing.assert_allclose(back.at(pulse.times), pulse.values, atol=1e-5)
     assert pulse.propagated(0.5, BAR).start == pytest.approx(1e-4, rel=1e-12)
     stiff = ri.waves.Bar(wave_speed=5000.0, poisson_ratio=0.0, radius=5e-3)
-    np.testing.assert_allclose(pulse.propagated(0.5, stiff).values, pulse.values, atol=1e-5)
+    np.testing.assert_allclose(
+        pulse.propagated(0.5, stiff).values, pulse.values, atol=1e-5
+    )
 
 
 def test_a_rod_is_a_bar_if_it_is_round():
@@ -194,7 +214,9 @@ def test_extended():
 def test_to_a_table_and_back(tmp_path):
     signal = trapezoid(unit="V", name="incident bar")
     signal.to_csv(tmp_path / "a.csv")
-    assert (tmp_path / "a.csv").read_text().splitlines()[0] == "time [s],incident bar [V]"
+    assert (tmp_path / "a.csv").read_text().splitlines()[
+        0
+    ] == "time [s],incident bar [V]"
     assert ri.read_signals(tmp_path / "a.csv") == {"incident bar": signal}
     with pytest.raises(FileExistsError):
         signal.to_csv(tmp_path / "a.csv")
@@ -209,9 +231,16 @@ def test_to_xarray_and_back():
     assert data.attrs == {"long_name": "incident", "units": "V"}
     assert data["time"].attrs == {"long_name": "time", "units": "s"}
     assert ri.Signal.from_xarray(data) == signal
-    strain = xarray.DataArray([0.0, 500.0], {"t": ("t", [0.0, 2.0], {"units": "us"})}, "t", "bar",
-                              {"units": "microstrain"})
-    assert ri.Signal.from_xarray(strain) == ri.Signal([0.0, 5e-4], [0.0, 2e-6], name="bar")
+    strain = xarray.DataArray(
+        [0.0, 500.0],
+        {"t": ("t", [0.0, 2.0], {"units": "us"})},
+        "t",
+        "bar",
+        {"units": "microstrain"},
+    )
+    assert ri.Signal.from_xarray(strain) == ri.Signal(
+        [0.0, 5e-4], [0.0, 2e-6], name="bar"
+    )
     bare = xarray.DataArray([0.0, 500.0], {"t": [0.0, 2.0]}, "t")
     with pytest.raises(ValueError, match="unknown unit None"):
         ri.Signal.from_xarray(bare)
@@ -219,26 +248,43 @@ def test_to_xarray_and_back():
         ri.Signal.from_xarray(3)
 
 
-@pytest.mark.parametrize(("kind", "nu", "factor"), [
-    ("quarter", None, 4.0), ("half", None, 2.0), ("half", 0.25, 3.2), ("full", 0.25, 1.6),
-])
+@pytest.mark.parametrize(
+    ("kind", "nu", "factor"),
+    [
+        ("quarter", None, 4.0),
+        ("half", None, 2.0),
+        ("half", 0.25, 3.2),
+        ("full", 0.25, 1.6),
+    ],
+)
 def test_bridges(kind, nu, factor):
-    bridge = ri.Bridge(kind, gauge_factor=2.0, excitation=10.0, gain=50.0, poisson_ratio=nu)
+    bridge = ri.Bridge(
+        kind, gauge_factor=2.0, excitation=10.0, gain=50.0, poisson_ratio=nu
+    )
     volts = trapezoid(unit="V", name="a")
     strain = bridge.strain(volts)
     assert strain.pulse().plateau == pytest.approx(factor * 2.0 / 1000.0, rel=1e-12)
     assert (strain.unit, strain.name) == ("", "a")
-    with pytest.raises(ValueError, match="volts: must be a signal in V, got 'a' in pure numbers"):
+    with pytest.raises(
+        ValueError, match="volts: must be a signal in V, got 'a' in pure numbers"
+    ):
         bridge.strain(strain)
 
 
-@pytest.mark.parametrize(("changes", "said"), [
-    ({"kind": "third"}, "kind: must be one of 'quarter', 'half', 'full', got 'third'"),
-    ({"kind": "full"}, "poisson_ratio: is missing"),
-    ({"poisson_ratio": 0.3}, "poisson_ratio: is for gauges across"),
-    ({"gain": 0}, "gain: must not be 0"), ({"excitation": -1.0}, "excitation: must be a finite"),
-    ({"gauge_factor": [2.0, 2.1]}, "gauge_factor: must be a single number"),
-])
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        (
+            {"kind": "third"},
+            "kind: must be one of 'quarter', 'half', 'full', got 'third'",
+        ),
+        ({"kind": "full"}, "poisson_ratio: is missing"),
+        ({"poisson_ratio": 0.3}, "poisson_ratio: is for gauges across"),
+        ({"gain": 0}, "gain: must not be 0"),
+        ({"excitation": -1.0}, "excitation: must be a finite"),
+        ({"gauge_factor": [2.0, 2.1]}, "gauge_factor: must be a single number"),
+    ],
+)
 def test_wrong_bridges(changes, said):
     given = {"kind": "quarter", "gauge_factor": 2.0, "excitation": 10.0} | changes
     with pytest.raises(ri.InvalidModel, match=said):
@@ -249,51 +295,104 @@ PULSE, LINE = trapezoid(), ri.Signal([0.0, 2.0, 2.0], [0.0, 1.0, 4.0])
 ROD = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
 
 
-@pytest.mark.parametrize(("call", "said"), [
-    (lambda: ri.Signal([1.0, 2.0]), "times: give either the times, or dt"),
-    (lambda: ri.Signal([1.0, 2.0], [0.0, 1.0], dt=1.0), "times: give either the times, or dt"),
-    (lambda: ri.Signal([1.0], dt=1.0), "values: must be a list of two or more numbers"),
-    (lambda: ri.Signal([1.0, math.nan], dt=1.0), r"values\[1\]: must be a finite number, got nan"),
-    (lambda: ri.Signal([1.0, 2.0, 3.0], [0.0, 1.0]), "times: must be as many as values, got 2"),
-    (lambda: ri.Signal([1.0, 2.0, 3.0], [0.0, 2.0, 1.0]), r"times\[1\]: must increase, got 1.0"),
-    (lambda: ri.Signal([1.0, 2.0], dt=0.0), "dt: must be a finite positive .*, got 0.0"),
-    (lambda: ri.Signal([1.0, 2.0], dt=1.0, unit="mV"), "unit: must be an SI unit, got 'mV'; "
-     "give the values in V, multiplied by 0.001"),
-    (lambda: ri.Signal([1.0, 2.0], dt=1.0, unit=3), "unit: must be a word, got 3"),
-    (lambda: ri.Signal("12", dt=1.0), "values: must be a number"),
-    (lambda: LINE.at(4.1), "t: must be from 0.0 to 4.0 s, as the signal is, got 4.1"),
-    (lambda: LINE.dt, "are not at equal steps .sample 1 is at 1.0 s.; use resampled"),
-    (lambda: LINE.window(1.5, 3.0), "fewer than two .* 3.0 s; the signal runs from 0.0"),
-    (lambda: LINE.resampled(), "give either dt or times"),
-    (lambda: LINE.resampled(5.0), "makes 1.8 samples"),
-    (lambda: LINE.resampled(times=[1.0, 5.0]), r"t\[1\]: must be .*, got 5.0"),
-    (lambda: PULSE + PULSE.shifted(1e-6), "have different times; use .resampled"),
-    (lambda: PULSE + PULSE.replace(unit="V"),
-     "is in pure numbers and signal in V; they cannot be add"),
-    (lambda: PULSE * PULSE, "number: must"), (lambda: PULSE / 0, "number: must not be 0"),
-    (lambda: PULSE + "1", "number: must be a number"),
-    (lambda: (PULSE * 0).pulse(), "is 0 everywhere"),
-    (lambda: PULSE.window(30e-6, 2e-4).pulse(), "cuts the pulse off"),
-    (lambda: PULSE.window(0.0, 60e-6).pulse(), "cuts the pulse off"),
-    (lambda: PULSE.replace(unit="V").misfit(PULSE, scale=1.0),
-     "is in V and signal in pure numbers"),
-    (lambda: PULSE.misfit(3), "other: must be a Signal"),
-    (lambda: PULSE.misfit(PULSE, shift=(2.0, 1.0)), "shift: must be a number, or .low, high"),
-    (lambda: (PULSE * 0).misfit(PULSE), "0 everywhere"),
-    (lambda: PULSE.low_pass(6e6), "must be below half of the sampling rate, 10 MHz"),
-    (lambda: PULSE.low_pass(1e-6), "dt: 1e-07 makes the filtered record longer"),
-    (lambda: PULSE.low_pass(5e-324), "dt: 1e-07 makes the filtered record longer"),
-    (lambda: PULSE.low_pass(1e4, "boxcar"), "kind: must be one of 'gaussian'"),
-    (lambda: PULSE.as_measured(gauge_length=0.01), "wave_speed: must be a number"),
-    (lambda: PULSE.as_measured(gauge_length=-0.01), "gauge_length: must be .*, got -0.01"),
-    (lambda: PULSE.as_measured(bandwidth=1e5, order=3), "order: must be 1 or 2, got 3"),
-    (lambda: PULSE.propagated(0.2, ROD), "bar.section: is not said to be round"),
-    (lambda: PULSE.propagated(0.2, BAR, radius=1.0), "radius: belongs to a rod"),
-    (lambda: PULSE.propagated(0.2, 5000.0), "bar: must be a Bar, such as waves.Bar"),
-    (lambda: PULSE.propagated(1e9, BAR), "dt: .* makes the filtered record longer"),
-    (lambda: LINE.propagated(1.0, BAR), "not at equal steps"),
-    (lambda: PULSE.extended(-1.0), "before: must be 0 or more"),
-])
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: ri.Signal([1.0, 2.0]), "times: give either the times, or dt"),
+        (
+            lambda: ri.Signal([1.0, 2.0], [0.0, 1.0], dt=1.0),
+            "times: give either the times, or dt",
+        ),
+        (
+            lambda: ri.Signal([1.0], dt=1.0),
+            "values: must be a list of two or more numbers",
+        ),
+        (
+            lambda: ri.Signal([1.0, math.nan], dt=1.0),
+            r"values\[1\]: must be a finite number, got nan",
+        ),
+        (
+            lambda: ri.Signal([1.0, 2.0, 3.0], [0.0, 1.0]),
+            "times: must be as many as values, got 2",
+        ),
+        (
+            lambda: ri.Signal([1.0, 2.0, 3.0], [0.0, 2.0, 1.0]),
+            r"times\[1\]: must increase, got 1.0",
+        ),
+        (
+            lambda: ri.Signal([1.0, 2.0], dt=0.0),
+            "dt: must be a finite positive .*, got 0.0",
+        ),
+        (
+            lambda: ri.Signal([1.0, 2.0], dt=1.0, unit="mV"),
+            "unit: must be an SI unit, got 'mV'; "
+            "give the values in V, multiplied by 0.001",
+        ),
+        (lambda: ri.Signal([1.0, 2.0], dt=1.0, unit=3), "unit: must be a word, got 3"),
+        (lambda: ri.Signal("12", dt=1.0), "values: must be a number"),
+        (
+            lambda: LINE.at(4.1),
+            "t: must be from 0.0 to 4.0 s, as the signal is, got 4.1",
+        ),
+        (
+            lambda: LINE.dt,
+            "are not at equal steps .sample 1 is at 1.0 s.; use resampled",
+        ),
+        (
+            lambda: LINE.window(1.5, 3.0),
+            "fewer than two .* 3.0 s; the signal runs from 0.0",
+        ),
+        (lambda: LINE.resampled(), "give either dt or times"),
+        (lambda: LINE.resampled(5.0), "makes 1.8 samples"),
+        (lambda: LINE.resampled(times=[1.0, 5.0]), r"t\[1\]: must be .*, got 5.0"),
+        (lambda: PULSE + PULSE.shifted(1e-6), "have different times; use .resampled"),
+        (
+            lambda: PULSE + PULSE.replace(unit="V"),
+            "is in pure numbers and signal in V; they cannot be add",
+        ),
+        (lambda: PULSE * PULSE, "number: must"),
+        (lambda: PULSE / 0, "number: must not be 0"),
+        (lambda: PULSE + "1", "number: must be a number"),
+        (lambda: (PULSE * 0).pulse(), "is 0 everywhere"),
+        (lambda: PULSE.window(30e-6, 2e-4).pulse(), "cuts the pulse off"),
+        (lambda: PULSE.window(0.0, 60e-6).pulse(), "cuts the pulse off"),
+        (
+            lambda: PULSE.replace(unit="V").misfit(PULSE, scale=1.0),
+            "is in V and signal in pure numbers",
+        ),
+        (lambda: PULSE.misfit(3), "other: must be a Signal"),
+        (
+            lambda: PULSE.misfit(PULSE, shift=(2.0, 1.0)),
+            "shift: must be a number, or .low, high",
+        ),
+        (lambda: (PULSE * 0).misfit(PULSE), "0 everywhere"),
+        (
+            lambda: PULSE.low_pass(6e6),
+            "must be below half of the sampling rate, 10 MHz",
+        ),
+        (lambda: PULSE.low_pass(1e-6), "dt: 1e-07 makes the filtered record longer"),
+        (lambda: PULSE.low_pass(5e-324), "dt: 1e-07 makes the filtered record longer"),
+        (lambda: PULSE.low_pass(1e4, "boxcar"), "kind: must be one of 'gaussian'"),
+        (lambda: PULSE.as_measured(gauge_length=0.01), "wave_speed: must be a number"),
+        (
+            lambda: PULSE.as_measured(gauge_length=-0.01),
+            "gauge_length: must be .*, got -0.01",
+        ),
+        (
+            lambda: PULSE.as_measured(bandwidth=1e5, order=3),
+            "order: must be 1 or 2, got 3",
+        ),
+        (lambda: PULSE.propagated(0.2, ROD), "bar.section: is not said to be round"),
+        (lambda: PULSE.propagated(0.2, BAR, radius=1.0), "radius: belongs to a rod"),
+        (
+            lambda: PULSE.propagated(0.2, 5000.0),
+            "bar: must be a Bar, such as waves.Bar",
+        ),
+        (lambda: PULSE.propagated(1e9, BAR), "dt: .* makes the filtered record longer"),
+        (lambda: LINE.propagated(1.0, BAR), "not at equal steps"),
+        (lambda: PULSE.extended(-1.0), "before: must be 0 or more"),
+    ],
+)
 def test_mistakes_are_refused(call, said):
     with pytest.raises(ValueError, match=said):
         call()
@@ -304,9 +403,12 @@ def test_mistakes_are_refused(call, said):
 RNG = np.random.default_rng(5)
 T = np.cumsum(RNG.uniform(0.99e-7, 1.01e-7, 500)) - 2e-5
 NAMES = ["bar 1 (mV)", "Länge/2", "入力棒", "2", "b_V", "in a.b:c-d", "x" * 60]
-SIGNALS = {name: ri.Signal(RNG.normal(size=500) * 10.0**k, T, unit=unit, name=name)
-           for k, (name, unit) in enumerate(zip(NAMES, ["V", "", "N", "Pa", "m/s^2", "m", ""],
-                                                strict=True))}
+SIGNALS = {
+    name: ri.Signal(RNG.normal(size=500) * 10.0**k, T, unit=unit, name=name)
+    for k, (name, unit) in enumerate(
+        zip(NAMES, ["V", "", "N", "Pa", "m/s^2", "m", ""], strict=True)
+    )
+}
 
 
 def test_a_table_is_read_as_it_was_written(tmp_path):
@@ -327,16 +429,26 @@ def test_a_dataset_is_read_as_it_was_made():
         ri.signals_from_xarray(3)
 
 
-@pytest.mark.parametrize(("signals", "said"), [
-    ({}, "signals: must be signals by name"), ([SIGNALS["2"]], "signals: must be signals by name"),
-    ({"a": 1.0}, "signals.a: must be a Signal"),
-    ({"a": SIGNALS["2"], "b": SIGNALS["2"].shifted(1.0)}, "'b' and 'a' have different times"),
-    ({"a,b": SIGNALS["2"]}, "signals: a column is named by"),
-    ({"Time 2": SIGNALS["2"]}, "signals: a column is named by"),
-    ({"a_": SIGNALS["2"]}, "signals: a column is named by"),
-    ({"a  b": SIGNALS["2"]}, "signals: a column is named by"),
-    ({"a": SIGNALS["2"].replace(unit="m,s")}, "unit: a unit in a table has no brackets"),
-])
+@pytest.mark.parametrize(
+    ("signals", "said"),
+    [
+        ({}, "signals: must be signals by name"),
+        ([SIGNALS["2"]], "signals: must be signals by name"),
+        ({"a": 1.0}, "signals.a: must be a Signal"),
+        (
+            {"a": SIGNALS["2"], "b": SIGNALS["2"].shifted(1.0)},
+            "'b' and 'a' have different times",
+        ),
+        ({"a,b": SIGNALS["2"]}, "signals: a column is named by"),
+        ({"Time 2": SIGNALS["2"]}, "signals: a column is named by"),
+        ({"a_": SIGNALS["2"]}, "signals: a column is named by"),
+        ({"a  b": SIGNALS["2"]}, "signals: a column is named by"),
+        (
+            {"a": SIGNALS["2"].replace(unit="m,s")},
+            "unit: a unit in a table has no brackets",
+        ),
+    ],
+)
 def test_what_makes_no_table_is_refused(tmp_path, signals, said):
     with pytest.raises(ri.InvalidModel, match=said):
         ri.write_signals(tmp_path / "a.csv", signals)

@@ -1,6 +1,5 @@
 """Energy and momentum of runs: where it comes from and where it goes."""
 
-
 import numpy as np
 import pytest
 from networks import unit_rod
@@ -16,14 +15,26 @@ def solved(row, until=4.0, **options):
 
 
 @pytest.mark.parametrize("gravity", [0.0, -0.7])
-@pytest.mark.parametrize(("method", "cells", "near", "tick"), [
-    ("characteristics", None, 1e-13, 1e-13), ("finite-difference", 32, 1e-12, 1e-7)])
-def test_a_mass_bonded_to_a_wall_belongs_to_the_wall(method, cells, near, tick, gravity):
+@pytest.mark.parametrize(
+    ("method", "cells", "near", "tick"),
+    [("characteristics", None, 1e-13, 1e-13), ("finite-difference", 32, 1e-12, 1e-7)],
+)
+def test_a_mass_bonded_to_a_wall_belongs_to_the_wall(
+    method, cells, near, tick, gravity
+):
     laws, t = [ri.Bonded(), ri.Rigid()], np.linspace(0, 4, 65)
-    plain = ri.solve(ri.System([ri.Wall(0.1), unit_rod(velocity=-1.0)], [0.2], gravity=gravity),
-                     4.0, method, cells=cells)
-    left = ri.System([ri.Wall(0.1), ri.RigidMass(3.0, velocity=0.1), unit_rod(velocity=-1.0)],
-                     [0.0, 0.2], laws, gravity=gravity)
+    plain = ri.solve(
+        ri.System([ri.Wall(0.1), unit_rod(velocity=-1.0)], [0.2], gravity=gravity),
+        4.0,
+        method,
+        cells=cells,
+    )
+    left = ri.System(
+        [ri.Wall(0.1), ri.RigidMass(3.0, velocity=0.1), unit_rod(velocity=-1.0)],
+        [0.0, 0.2],
+        laws,
+        gravity=gravity,
+    )
     for system, mass, rod, sign in ((left, 1, 2, 1.0), (left.mirrored(), 1, 0, -1.0)):
         s = ri.solve(system, 4.0, method, cells=cells)
         assert np.abs(s.energy(t).residual).max() <= near
@@ -32,16 +43,23 @@ def test_a_mass_bonded_to_a_wall_belongs_to_the_wall(method, cells, near, tick, 
         expected = sign * plain.outcome.velocities_after[1]
         assert s.outcome.velocities_after[rod] == pytest.approx(expected, abs=near)
         assert s.outcome.velocities_after[mass] == sign * 0.1
-        assert s.velocity(mass, 0.0, t) == pytest.approx(np.full(65, sign * 0.1), abs=near)
+        assert s.velocity(mass, 0.0, t) == pytest.approx(
+            np.full(65, sign * 0.1), abs=near
+        )
         assert s.displacement(mass, 0.0, t) == pytest.approx(sign * 0.1 * t, abs=tick)
 
 
 def test_a_blow_on_a_mass_bonded_to_a_wall_is_one_on_the_wall():
-    row = ri.System([ri.Wall(), ri.RigidMass(3.0), ri.RigidMass(2.0, velocity=-1.0)], [0.0, 0.1],
-                    [ri.Bonded(), ri.Rigid(restitution=0.5)])
+    row = ri.System(
+        [ri.Wall(), ri.RigidMass(3.0), ri.RigidMass(2.0, velocity=-1.0)],
+        [0.0, 0.1],
+        [ri.Bonded(), ri.Rigid(restitution=0.5)],
+    )
     for system in (row, row.mirrored()):
         outcome = ri.solve(system, 1.0).outcome
-        assert [c.impulse for c in outcome.contacts] == pytest.approx([3.0, 3.0], rel=1e-12)
+        assert [c.impulse for c in outcome.contacts] == pytest.approx(
+            [3.0, 3.0], rel=1e-12
+        )
         assert abs(outcome.momentum_residual) <= 1e-14
 
 

@@ -18,8 +18,10 @@ bodies = [
 
 @pytest.fixture(scope="module")
 def bars():
-    rods = [ri.Rod(L, area=1e-4, material=STEEL, velocity=v)
-            for L, v in ((0.2, 10.0), (1.0, 0.0), (1.0, 0.0))]
+    rods = [
+        ri.Rod(L, area=1e-4, material=STEEL, velocity=v)
+        for L, v in ((0.2, 10.0), (1.0, 0.0), (1.0, 0.0))
+    ]
     return ri.solve(ri.System(rods))
 
 
@@ -46,32 +48,73 @@ def test_bars_in_three_columns(tmp_path, bars):
     assert (passing < 0).sum() * 1e-7 == pytest.approx(0.4 / c, abs=2e-7)
 
 
-@pytest.mark.parametrize("interval", [
-    0.0, -1.0, float("nan"), float("inf"), 1e-30, 5e-324, "1 us", [1e-6, 2e-6], [1e-6],
-], ids=repr)
+@pytest.mark.parametrize(
+    "interval",
+    [
+        0.0,
+        -1.0,
+        float("nan"),
+        float("inf"),
+        1e-30,
+        5e-324,
+        "1 us",
+        [1e-6, 2e-6],
+        [1e-6],
+    ],
+    ids=repr,
+)
 def test_an_interval_must_be_positive(tmp_path, bars, interval):
     with pytest.raises(ri.InvalidModel, match="interval"):
-        ri.gauges_to_csv(tmp_path / "x.csv", {"a": bars.gauge(0, 0.1)}, interval=interval)
+        ri.gauges_to_csv(
+            tmp_path / "x.csv", {"a": bars.gauge(0, 0.1)}, interval=interval
+        )
     with pytest.raises(ri.InvalidModel, match="gauges"):
         ri.gauges_to_csv(tmp_path / "x.csv", {})
     assert not (tmp_path / "x.csv").exists()
 
 
 def test_a_record_of_no_time_is_one_row(tmp_path):
-    bars = [ri.Rod(L, area=1e-4, material=STEEL, velocity=v) for L, v in ((0.2, 10.0), (1.0, 0.0))]
+    bars = [
+        ri.Rod(L, area=1e-4, material=STEEL, velocity=v)
+        for L, v in ((0.2, 10.0), (1.0, 0.0))
+    ]
     record = ri.solve(ri.System(bars), until=0).gauge(0, 0.1)
     for interval in (None, 1e-6):
-        ri.gauges_to_csv(tmp_path / "x.csv", {"a": record}, interval=interval, force=True)
+        ri.gauges_to_csv(
+            tmp_path / "x.csv", {"a": record}, interval=interval, force=True
+        )
         assert (tmp_path / "x.csv").read_text() == "time [s],a [1]\n0.0,0.0\n"
 
 
-@pytest.mark.parametrize("name", [
-    "", "a,b", "a\nb", "a\r", "=1+1", "+1", "-1", "@x", "\tx", "a=b", 'a"b', "a;b", " a", "time",
-    "\udcff", "a\0", 5, None,
-], ids=repr)
+@pytest.mark.parametrize(
+    "name",
+    [
+        "",
+        "a,b",
+        "a\nb",
+        "a\r",
+        "=1+1",
+        "+1",
+        "-1",
+        "@x",
+        "\tx",
+        "a=b",
+        'a"b',
+        "a;b",
+        " a",
+        "time",
+        "\udcff",
+        "a\0",
+        5,
+        None,
+    ],
+    ids=repr,
+)
 def test_names_that_break_a_table_are_refused(tmp_path, bars, name):
     with pytest.raises(ri.InvalidModel, match="gauges: a column is named by letters"):
-        ri.gauges_to_csv(tmp_path / "x.csv", {"good": bars.gauge(0, 0.1), name: bars.gauge(0, 0.1)})
+        ri.gauges_to_csv(
+            tmp_path / "x.csv", {"good": bars.gauge(0, 0.1), name: bars.gauge(0, 0.1)}
+        )
     assert not (tmp_path / "x.csv").exists()
 
 
@@ -84,35 +127,58 @@ def test_names_of_many_languages_are_columns(tmp_path, bars):
 
 def test_a_gauge_answers_inside_its_record_only(bars):
     record = bars.gauge(1, 0.5)
-    assert record.strain_at([0.0, record.end]).tolist() == [record.strain[0], record.strain[-1]]
+    assert record.strain_at([0.0, record.end]).tolist() == [
+        record.strain[0],
+        record.strain[-1],
+    ]
     for t in (-1e-9, np.nan, record.end * 1.01, np.inf, -np.inf):
-        with pytest.raises(ValueError, match=rf"t\[1\]: must be from 0 to .* s, got {t}"):
+        with pytest.raises(
+            ValueError, match=rf"t\[1\]: must be from 0 to .* s, got {t}"
+        ):
             record.strain_at([0.0, t])
     for x in (-5.0, np.nan, 1.01):
-        with pytest.raises(ValueError, match=f"x: must lie in body 1, 0 to 1 m, got {x}"):
+        with pytest.raises(
+            ValueError, match=f"x: must lie in body 1, 0 to 1 m, got {x}"
+        ):
             bars.gauge(1, x)
 
 
 def test_on_the_command_line(tmp_path, capsys):
     (tmp_path / "case.toml").write_text(CASE)
     table = tmp_path / "bars.csv"
-    call = ["run", str(tmp_path / "case.toml"), "--gauges", str(table), "--gauge", "left=0:0.1"]
+    call = [
+        "run",
+        str(tmp_path / "case.toml"),
+        "--gauges",
+        str(table),
+        "--gauge",
+        "left=0:0.1",
+    ]
     assert main([*call, "--gauge", "right=1:50 cm"]) == 0
     assert list(read(table)) == ["time", "left", "right"]
     assert main(call) == 2
     assert "exists already" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(("options", "said"), [
-    (["--gauge", "a=0:0.1"], "goes with --gauge"),
-    (["--gauges", "x.csv"], "goes with --gauge"),
-    (["--gauges", "x.csv", "--gauge", "0:0.1"], "must be NAME=BODY:X"),
-    (["--gauges", "x.csv", "--gauge", "a=2:0.1"], "body 2 is no rod; the rods are 0, 1"),
-    (["--gauges", "x.csv", "--gauge", "a=9:0.1"], "body 9 is no rod"),
-    (["--gauges", "x.csv", "--gauge", "a=0:1"], "must lie in body 0"),
-    (["--gauges", "x.csv", "--gauge", "a=0:1 kg"], "--gauge a"),
-    (["--gauges", "x.csv", "--gauge", "a,b=0:0.1"], "--gauge: a column is named by letters"),
-])
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--gauge", "a=0:0.1"], "goes with --gauge"),
+        (["--gauges", "x.csv"], "goes with --gauge"),
+        (["--gauges", "x.csv", "--gauge", "0:0.1"], "must be NAME=BODY:X"),
+        (
+            ["--gauges", "x.csv", "--gauge", "a=2:0.1"],
+            "body 2 is no rod; the rods are 0, 1",
+        ),
+        (["--gauges", "x.csv", "--gauge", "a=9:0.1"], "body 9 is no rod"),
+        (["--gauges", "x.csv", "--gauge", "a=0:1"], "must lie in body 0"),
+        (["--gauges", "x.csv", "--gauge", "a=0:1 kg"], "--gauge a"),
+        (
+            ["--gauges", "x.csv", "--gauge", "a,b=0:0.1"],
+            "--gauge: a column is named by letters",
+        ),
+    ],
+)
 def test_mistakes_on_the_command_line(tmp_path, capsys, monkeypatch, options, said):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "case.toml").write_text(CASE)
@@ -123,24 +189,38 @@ def test_mistakes_on_the_command_line(tmp_path, capsys, monkeypatch, options, sa
 
 def struck(law=None, **options):
     rods = [ri.Rod(0.2, area=1e-4, material=STEEL, velocity=v) for v in (1.0, 0.0)]
-    return ri.solve(ri.System(rods, contacts=[law or ri.Rigid()]), **options).gauge(1, 0.1)
+    return ri.solve(ri.System(rods, contacts=[law or ri.Rigid()]), **options).gauge(
+        1, 0.1
+    )
 
 
-@pytest.mark.parametrize("options", [
-    {"until": 2e-4}, {"until": 4e-5, "method": "finite-difference", "cells": 16, "snapshots": 9},
-    {"law": ri.Spring(1e8), "until": 2e-4},
-], ids=["fronts", "grid", "characteristics"])
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"until": 2e-4},
+        {"until": 4e-5, "method": "finite-difference", "cells": 16, "snapshots": 9},
+        {"law": ri.Spring(1e8), "until": 2e-4},
+    ],
+    ids=["fronts", "grid", "characteristics"],
+)
 def test_a_signal_is_the_mean_under_a_spline(options):
     """Against the mean over very short pieces of the record."""
     record, step = struck(**options), 2.7e-6
     signal = record.signal(step)
     pieces = np.arange(-1.5, 1.5, 1e-4) + 5e-5
-    weights = np.where(abs(pieces) < 0.5, 0.75 - pieces**2, (1.5 - abs(pieces)) ** 2 / 2) * 1e-4
+    weights = (
+        np.where(abs(pieces) < 0.5, 0.75 - pieces**2, (1.5 - abs(pieces)) ** 2 / 2)
+        * 1e-4
+    )
     for t, value in zip(signal.times[2:-2], signal.values[2:-2], strict=True):
-        assert record.strain_at(t + step * pieces) @ weights == pytest.approx(value, abs=2e-8)
+        assert record.strain_at(t + step * pieces) @ weights == pytest.approx(
+            value, abs=2e-8
+        )
     assert np.ptp(signal.values) > 8e-5
     assert len(record.signal()) == 10_001
-    with pytest.raises(ri.InvalidModel, match="interval: must not be longer than the record"):
+    with pytest.raises(
+        ri.InvalidModel, match="interval: must not be longer than the record"
+    ):
         record.signal(1.0)
 
 
@@ -153,13 +233,20 @@ def test_a_grid_runs_straight_between_its_states():
     assert record.strain_at(middles) == pytest.approx(wanted, abs=1e-18)
 
 
-@pytest.mark.parametrize(("method", "dt"), [
-    ("fronts", None), ("characteristics", None), ("finite-difference", 5e-7),
-])
+@pytest.mark.parametrize(
+    ("method", "dt"),
+    [
+        ("fronts", None),
+        ("characteristics", None),
+        ("finite-difference", 5e-7),
+    ],
+)
 def test_signals_vary_smoothly_with_the_length_of_a_striker(method, dt):
     def values(length):
-        rods = [ri.Rod(L, area=1e-4, material=STEEL, velocity=v)
-                for L, v in ((length, 10.0), (0.5, 0.0))]
+        rods = [
+            ri.Rod(L, area=1e-4, material=STEEL, velocity=v)
+            for L, v in ((length, 10.0), (0.5, 0.0))
+        ]
         solution = ri.solve(ri.System(rods), until=1e-4, method=method, dt=dt)
         return solution.gauge(1, 0.2).signal(1e-7).values
 
@@ -168,4 +255,6 @@ def test_signals_vary_smoothly_with_the_length_of_a_striker(method, dt):
     assert len({record.tobytes() for record in records}) == 25
     off = np.array([np.sqrt(np.mean((record - wanted) ** 2)) for record in records])
     at = lengths - 0.1271
-    assert np.abs(off - np.polyval(np.polyfit(at, off, 2), at)).max() < 0.01 * np.ptp(off)
+    assert np.abs(off - np.polyval(np.polyfit(at, off, 2), at)).max() < 0.01 * np.ptp(
+        off
+    )

@@ -10,20 +10,38 @@ import rodimpact as ri
 from rodimpact.methods.grid.mesh import STEP_TICKS
 
 METHOD = "finite-difference"
-THICK = ri.Material("thick", youngs_modulus=2.0, density=0.5, viscosity=0.02, poisson_ratio=0.3)
-CONE = ri.Segment(0.5, ri.Samples([1.0, 0.5]), THICK, polar_moment="circular",
-                  lateral_inertia="rayleigh-love")
+THICK = ri.Material(
+    "thick", youngs_modulus=2.0, density=0.5, viscosity=0.02, poisson_ratio=0.3
+)
+CONE = ri.Segment(
+    0.5,
+    ri.Samples([1.0, 0.5]),
+    THICK,
+    polar_moment="circular",
+    lateral_inertia="rayleigh-love",
+)
 ROW = ri.System(
     [
-        unit_rod(1.0, 2.0, velocity=0.5), ri.RigidMass(0.5, velocity=-0.25),
-        ri.Rod(segments=[CONE, ri.Segment(0.75, 0.5, UNIT)],
-               velocity=ri.Samples([0.0, -0.2, 0.3])),
-        ri.RigidMass(1.5, velocity=-1.0), ri.RigidMass(0.3), unit_rod(0.5, velocity=0.1),
+        unit_rod(1.0, 2.0, velocity=0.5),
+        ri.RigidMass(0.5, velocity=-0.25),
+        ri.Rod(
+            segments=[CONE, ri.Segment(0.75, 0.5, UNIT)],
+            velocity=ri.Samples([0.0, -0.2, 0.3]),
+        ),
+        ri.RigidMass(1.5, velocity=-1.0),
+        ri.RigidMass(0.3),
+        unit_rod(0.5, velocity=0.1),
     ],
     [0.1, 0.05, 0.0, 0.1, 0.0],
-    [ri.Hertz(20.0), ri.Rigid(), ri.HuntCrossley(10.0, 0.3), ri.Rigid(restitution=0.5),
-     ri.Bonded()],
-    gravity=-0.4, ends=(ri.Moved(ri.Samples([0.5, 1.0, -0.5], step=1.0)), ri.Pushed(0.2)),
+    [
+        ri.Hertz(20.0),
+        ri.Rigid(),
+        ri.HuntCrossley(10.0, 0.3),
+        ri.Rigid(restitution=0.5),
+        ri.Bonded(),
+    ],
+    gravity=-0.4,
+    ends=(ri.Moved(ri.Samples([0.5, 1.0, -0.5], step=1.0)), ri.Pushed(0.2)),
 )
 
 
@@ -50,7 +68,9 @@ def test_what_is_linear_is_met_exactly_inside():
     x = np.linspace(0.1, 1.9, 37)
     assert s.velocity(0, x, 0.0) == pytest.approx(x / 2, abs=1e-14)
     edge = s.velocity(0, [0.0, 2.0], 0.0)
-    assert edge == pytest.approx([0.0125, 0.9875], abs=1e-14)  # the mean over half a cell
+    assert edge == pytest.approx(
+        [0.0125, 0.9875], abs=1e-14
+    )  # the mean over half a cell
     x = np.linspace(0.15, 1.85, 35)
     h = s.fields.clock.tick * STEP_TICKS
     assert s.strain(0, x, 0.0) == pytest.approx(0.3 - 0.1 * x, abs=1e-14)
@@ -70,11 +90,17 @@ def test_fields_of_the_mirrored_row_are_those_of_the_row(row, share):
     for body in (0, 2, 5):
         length = ROW.bodies[body].length
         x = length * share / 32 * np.array([1.0, 3.0, 20.0])[:, None]
-        for name, sign in (("velocity", -1), ("displacement", -1), ("stress", 1), ("strain", 1)):
+        for name, sign in (
+            ("velocity", -1),
+            ("displacement", -1),
+            ("stress", 1),
+            ("strain", 1),
+        ):
             here, there = getattr(row, name), getattr(image, name)
             for place, opposite in ((x, length - x), (length - x, x)):
                 assert there(last - body, opposite, t) == pytest.approx(
-                    sign * here(body, place, t), rel=1e-8, abs=1e-8)
+                    sign * here(body, place, t), rel=1e-8, abs=1e-8
+                )
 
 
 # At the ends --------------------------------------------------------------------------------------
@@ -95,23 +121,40 @@ def test_a_damped_mode_between_held_ends_is_of_order_two(viscosity):
     decay = viscosity * w * w / 2
     s = np.roots([1.0, 2 * decay, w * w]).astype(complex)
     for n in (20, 40, 80):
-        rod = ri.Rod(1.0, area=2.0, velocity=mode, material=ri.Material(
-            "m", youngs_modulus=1.0, density=1.0, viscosity=viscosity))
-        found = ri.solve(ri.System([rod], ends=(ri.Fixed(), ri.Fixed())), 2.5, METHOD, cells=n)
+        rod = ri.Rod(
+            1.0,
+            area=2.0,
+            velocity=mode,
+            material=ri.Material(
+                "m", youngs_modulus=1.0, density=1.0, viscosity=viscosity
+            ),
+        )
+        found = ri.solve(
+            ri.System([rod], ends=(ri.Fixed(), ri.Fixed())), 2.5, METHOD, cells=n
+        )
         rate = (s[0] * np.exp(s[0] * t) - s[1] * np.exp(s[1] * t)) / (s[0] - s[1])
         u = (np.exp(s[0] * t) - np.exp(s[1] * t)) / (s[0] - s[1])
         strain, stress = (w * u).real, (w * (u + viscosity * rate)).real
-        errors.append([np.abs(found.stress(0, x, t) - sign * stress).max()
-                       for x, sign in ((0.0, 1), (1.0, -1))]
-                      + [np.abs(found.strain(0, 0.0, t) - strain).max(),
-                         np.abs(found.velocity(0, 0.5, t) - rate.real).max()])
+        errors.append(
+            [
+                np.abs(found.stress(0, x, t) - sign * stress).max()
+                for x, sign in ((0.0, 1), (1.0, -1))
+            ]
+            + [
+                np.abs(found.strain(0, 0.0, t) - strain).max(),
+                np.abs(found.velocity(0, 0.5, t) - rate.real).max(),
+            ]
+        )
     assert orders(errors)[-1].min() >= 1.7
     assert max(errors[-1]) <= 2e-3
 
 
 def test_a_damped_rod_shows_the_contact_force_at_its_end():
     lossy = ri.Material("m", youngs_modulus=1.0, density=1.0, viscosity=0.02)
-    row = [ri.Rod(L, area=A, material=lossy, velocity=v) for L, A, v in ((0.7, 1, 1), (1.1, 2, 0))]
+    row = [
+        ri.Rod(L, area=A, material=lossy, velocity=v)
+        for L, A, v in ((0.7, 1, 1), (1.1, 2, 0))
+    ]
     s = ri.solve(ri.System(row), 3.0, METHOD, cells=60)
     h, F = s.fields.clock.tick * STEP_TICKS, s.contacts[0].push.values
     between = np.arange(1, len(F)) * h
@@ -192,7 +235,9 @@ def test_energies_and_their_integrals(row):
     for i, time in enumerate(t):
         tick = int(row.fields.to_ticks(time))
         strain = row.fields.energy(0, tick, 0.0)[1]
-        assert strain == pytest.approx(np.mean(row.strain(0, x, time) ** 2) * 2 / 2, rel=1e-11)
+        assert strain == pytest.approx(
+            np.mean(row.strain(0, x, time) ** 2) * 2 / 2, rel=1e-11
+        )
         assert ledger.total[i] >= strain
     kinetic = row.fields.energy(5, 0, 0.0)[0]
     assert kinetic == pytest.approx(0.5 * 0.01 / 2, rel=0.05)
@@ -200,7 +245,14 @@ def test_energies_and_their_integrals(row):
 
 def test_broadcasting_and_sides(row):
     x, t = np.linspace(0, 1.25, 7)[:, None], np.linspace(0, 3, 5)
-    for name in ("velocity", "strain", "stress", "axial_force", "displacement", "position"):
+    for name in (
+        "velocity",
+        "strain",
+        "stress",
+        "axial_force",
+        "displacement",
+        "position",
+    ):
         found = getattr(row, name)(2, x, t)
         assert found.shape == (7, 5)
         for i in range(7):
@@ -212,14 +264,18 @@ def test_broadcasting_and_sides(row):
 
 
 def test_gauge_is_the_field_at_its_place():
-    s = ri.solve(ri.System(ROW.bodies[:3], ROW.gaps[:2], ROW.contacts[:2]), 1.5, METHOD, cells=64)
+    s = ri.solve(
+        ri.System(ROW.bodies[:3], ROW.gaps[:2], ROW.contacts[:2]), 1.5, METHOD, cells=64
+    )
     gauge = s.gauge(2, 0.625)
     inside = gauge.times <= s.t_end
     t = gauge.times[inside]
     assert gauge.strain[inside] == pytest.approx(s.strain(2, 0.625, t), abs=1e-13)
     assert gauge.velocity[inside] == pytest.approx(s.velocity(2, 0.625, t), abs=1e-13)
     assert gauge.strain - gauge.strain[0] == pytest.approx(
-        gauge.rightward + gauge.leftward - gauge.rightward[0] - gauge.leftward[0], abs=1e-13)
+        gauge.rightward + gauge.leftward - gauge.rightward[0] - gauge.leftward[0],
+        abs=1e-13,
+    )
 
 
 def test_means_between_times():
@@ -227,9 +283,17 @@ def test_means_between_times():
     s = ri.solve(ri.System([rod]), 2.0, METHOD, cells=80)
     x, t = np.array([0.0, 0.25, 0.7]), np.array([0.0, 0.33, 1.1, 2.0])
     velocity, strain = s.fields.averaged(0, x, t)
-    exact = np.diff(np.sin(math.pi * t) / math.pi) / np.diff(t) * np.cos(math.pi * x)[:, None]
+    exact = (
+        np.diff(np.sin(math.pi * t) / math.pi)
+        / np.diff(t)
+        * np.cos(math.pi * x)[:, None]
+    )
     assert velocity == pytest.approx(exact, abs=2e-3)
-    inside = -np.diff(-np.cos(math.pi * t) / math.pi) / np.diff(t) * np.sin(math.pi * x)[:, None]
+    inside = (
+        -np.diff(-np.cos(math.pi * t) / math.pi)
+        / np.diff(t)
+        * np.sin(math.pi * x)[:, None]
+    )
     assert strain[1:] == pytest.approx(inside[1:], abs=2e-3)
 
 
@@ -243,7 +307,14 @@ def test_a_state_can_be_continued(t):
         whole = ri.solve(system, 3.0, METHOD, cells=n)
         assert (float(whole.contacts[0].gap(t)) > 0) == (t == 0.5)
         rest = ri.solve(whole.system_at(t), 3.0 - t, METHOD, cells=n)
-        errors.append(max(abs(float(rest.mean_velocity(i, 3.0 - t))
-                              - float(whole.mean_velocity(i, 3.0))) for i in (0, 1)))
+        errors.append(
+            max(
+                abs(
+                    float(rest.mean_velocity(i, 3.0 - t))
+                    - float(whole.mean_velocity(i, 3.0))
+                )
+                for i in (0, 1)
+            )
+        )
     assert errors[-1] <= 2e-3
     assert errors[-1] <= errors[0]

@@ -12,7 +12,9 @@ from rodimpact.methods.fronts.method import hand_over, totals_of
 from rodimpact.results.outcome import effective_restitution
 from rodimpact.results.outcome import outcome_of as read
 
-UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)  # impedance = area, transit = length
+UNIT = ri.Material(
+    "unit", youngs_modulus=1.0, density=1.0
+)  # impedance = area, transit = length
 
 
 def rod(Z, T, velocity=0.0, **more):
@@ -21,7 +23,9 @@ def rod(Z, T, velocity=0.0, **more):
 
 def stepped(impedances, velocity=0.0):
     """A rod of pieces of transit time 1."""
-    return ri.Rod(segments=[ri.Segment(1.0, Z, UNIT) for Z in impedances], velocity=velocity)
+    return ri.Rod(
+        segments=[ri.Segment(1.0, Z, UNIT) for Z in impedances], velocity=velocity
+    )
 
 
 def outcome_of(*bodies, **more):
@@ -63,7 +67,8 @@ def test_a_rod_on_a_wall(wall, mirrored):
 
 
 @pytest.mark.parametrize(
-    ("impedances", "e"), [([1, 3], 1.0), ([3, 1], 1 / 2), ([1, 2], 23 / 27), ([2, 1], 7 / 9)]
+    ("impedances", "e"),
+    [([1, 3], 1.0), ([3, 1], 1 / 2), ([1, 2], 23 / 27), ([2, 1], 7 / 9)],
 )
 def test_mirror_images_of_stepped_rods(impedances, e):
     outcome = ri.collide(stepped(impedances[::-1], 1.0), stepped(impedances, -1.0))
@@ -76,13 +81,21 @@ def test_mirror_images_of_stepped_rods(impedances, e):
 def test_masses_of_bonded_rods_are_summed():
     rigid_contact, bonded = ri.Rigid(), ri.Bonded()
     outcome = outcome_of(
-        rod(1.0, 1.0, 1.0), rod(2.0, 1.0, 1.0), rod(3.0, 2.0), rod(1.0, 1.0), rod(0.5, 2.0),
+        rod(1.0, 1.0, 1.0),
+        rod(2.0, 1.0, 1.0),
+        rod(3.0, 2.0),
+        rod(1.0, 1.0),
+        rod(0.5, 2.0),
         contacts=[bonded, rigid_contact, bonded, bonded],
     )
     in_one_piece = ri.collide(
         stepped([1.0, 2.0], 1.0),
-        ri.Rod(segments=[ri.Segment(*piece, UNIT) for piece in ((2.0, 3.0), (1.0, 1.0),
-                                                                (2.0, 0.5))]),
+        ri.Rod(
+            segments=[
+                ri.Segment(*piece, UNIT)
+                for piece in ((2.0, 3.0), (1.0, 1.0), (2.0, 0.5))
+            ]
+        ),
     )
     body = outcome.as_rigid()
     assert body == pytest.approx(in_one_piece.as_rigid(), rel=1e-13)
@@ -108,7 +121,9 @@ def held(piece, left, right):
 @pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("walls", [(1.0, 0.0), (1.0, None), (None, -1.0)])
 @pytest.mark.parametrize("method", METHODS)
-def test_a_rod_between_walls_that_move_apart_has_its_own_velocity(method, walls, mirrored):
+def test_a_rod_between_walls_that_move_apart_has_its_own_velocity(
+    method, walls, mirrored
+):
     # The wave of the one that moves has been at the other and come back a quarter of the way.
     system, turn = held(rod(1.0, 1.0), *walls), -1 if mirrored else 1
     if walls[0] is None:
@@ -145,7 +160,9 @@ def test_a_rod_between_walls_of_one_velocity_has_theirs(method, walls):
     "impedances", [(1, 2, 4), (1, 3, 9), (1, 1.5, 3), (2, 3, 4), (1, 5, 1), (4, 1, 4)]
 )
 def test_a_bar_without_end_that_a_wall_pushes_stays_at_the_wall(impedances, mirrored):
-    system = ri.System([ri.Wall(1.0), stepped(impedances)], ends=(ri.Free(), ri.Absorbing()))
+    system = ri.System(
+        [ri.Wall(1.0), stepped(impedances)], ends=(ri.Free(), ri.Absorbing())
+    )
     if mirrored:
         system = system.mirrored()
     assert ri.solve(system).outcome.restitution == 0.0
@@ -157,7 +174,9 @@ def test_round_off_is_no_restitution_and_a_small_one_is():
     after = (np.zeros(6), parting)
     e = effective_restitution(True, 1, (np.ones(6), np.zeros(6)), after)
     assert e.tolist() == [0.0, 0.0, 0.0, 0.0, 5e-12, 0.4]
-    far = effective_restitution(True, 1, (1e4 + 0.125, 1e4), (1e4, math.nextafter(1e4, 2e4)))
+    far = effective_restitution(
+        True, 1, (1e4 + 0.125, 1e4), (1e4, math.nextafter(1e4, 2e4))
+    )
     assert float(far) == 0.0
     assert np.isnan(effective_restitution(False, 1, (1.0, 0.0), (0.0, -1e-14)))
 
@@ -186,14 +205,28 @@ def test_the_film_backwards_releases_vibration():
         # two rods of mass 1 and 2: |1 2| + |2 (-1)|, and 1 2^2/2 + 2 1^2/2
         ([rod(1, 1, 2.0), rod(1, 2, -1.0)], (ri.Free(), ri.Free()), None, 4.0, 3.0),
         # a wave of half a rod: m |3|/2 + m |-1|/2, and m 3^2/4 + m 1^2/4
-        ([rod(1, 1, ri.Steps([3.0, -1.0], [0.5]))], (ri.Free(), ri.Free()), 1.0, 2.0, 2.5),
+        (
+            [rod(1, 1, ri.Steps([3.0, -1.0], [0.5]))],
+            (ri.Free(), ri.Free()),
+            1.0,
+            2.0,
+            2.5,
+        ),
         # held at its left end: its own momentum, and the impulse Z v T of that end
         ([rod(1, 1, -2.0)], (ri.Fixed(), ri.Free()), 1.0, 4.0, 2.0),
         # an endless end hands in Z v T/4 and Z v^2 T/8; m v and m v^2/2 may go in and out there
-        ([rod(1, 1, ri.Steps([2.0, 0.0], [0.5]))], (ri.Absorbing(), ri.Free()), 1.0, 3.5, 3.5),
+        (
+            [rod(1, 1, ri.Steps([2.0, 0.0], [0.5]))],
+            (ri.Absorbing(), ri.Free()),
+            1.0,
+            3.5,
+            3.5,
+        ),
     ],
 )
-def test_what_is_missing_is_told_relative_to_what_took_part(bodies, ends, until, momentum, energy):
+def test_what_is_missing_is_told_relative_to_what_took_part(
+    bodies, ends, until, momentum, energy
+):
     run = tracked(ri.System(bodies, ends=ends), until)
     whole = totals_of(run)
     assert whole.momentum == pytest.approx((0.0, momentum), abs=1e-14)
@@ -206,5 +239,7 @@ def test_what_is_missing_is_told_relative_to_what_took_part(bodies, ends, until,
     told = read(hand_over(run, until), wrong)
     assert told.momentum_residual == pytest.approx(1e-3 / momentum, rel=1e-9)
     assert told.energy_residual == pytest.approx(1e-3 / energy, rel=1e-9)
-    assert re.search("does not close: .* of the momentum and .* of the energy", told.status)
+    assert re.search(
+        "does not close: .* of the momentum and .* of the energy", told.status
+    )
     assert told.status.startswith(read(hand_over(run, until), whole).status)

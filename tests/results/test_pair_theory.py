@@ -15,13 +15,16 @@ STEPPED = ri.Rod(segments=[ri.Segment(0.1, area, STEEL) for area in (1e-4, 2e-4)
 PAIR = ri.System([LEFT, RIGHT])
 
 
-@pytest.mark.parametrize(("system", "source"), [
-    (PAIR, "Saint-Venant 1867"),
-    (ri.System([LEFT, ri.Wall()]), "textbook, box 10.4"),
-    (ri.System([ri.Wall(1.0), RIGHT]), "textbook, box 10.4"),
-    (ri.System([MASS, RIGHT]), "Boussinesq"),
-    (ri.System([LEFT, ri.RigidMass(0.7)]), "Boussinesq"),
-])
+@pytest.mark.parametrize(
+    ("system", "source"),
+    [
+        (PAIR, "Saint-Venant 1867"),
+        (ri.System([LEFT, ri.Wall()]), "textbook, box 10.4"),
+        (ri.System([ri.Wall(1.0), RIGHT]), "textbook, box 10.4"),
+        (ri.System([MASS, RIGHT]), "Boussinesq"),
+        (ri.System([LEFT, ri.RigidMass(0.7)]), "Boussinesq"),
+    ],
+)
 def test_a_closed_form_is_that_of_the_collision(system, source):
     outcome, theory = ri.solve(system).outcome, pair_theory(system)
     assert theory.source == source
@@ -32,19 +35,22 @@ def test_a_closed_form_is_that_of_the_collision(system, source):
     assert after == pytest.approx(outcome.velocities_after, abs=1e-5)
 
 
-@pytest.mark.parametrize("system", [
-    ri.System([LEFT, RIGHT], contacts=[ri.Hertz(1e10)]),
-    ri.System([LEFT, RIGHT, RIGHT]),
-    ri.System([LEFT]),
-    ri.System([RIGHT, LEFT]),
-    ri.System([LEFT, RIGHT], gravity=1.0),
-    ri.System([LEFT, RIGHT], ends=(ri.Free(), ri.Absorbing())),
-    ri.System([rod(velocity=ri.Steps([1.0, 2.0], [0.5])), rod(area=[1e-4, 2e-4])]),
-    ri.System([rod(strain=ri.Steps([0.0, 1e-5], [0.5])), rod(area=[1e-4, 2e-4])]),
-    ri.System([LEFT, rod(material=DAMPED)]),
-    ri.System([LEFT, rod(area=ri.Samples([1e-4, 2e-4]))]),
-    ri.System([LEFT, STEPPED]),
-])
+@pytest.mark.parametrize(
+    "system",
+    [
+        ri.System([LEFT, RIGHT], contacts=[ri.Hertz(1e10)]),
+        ri.System([LEFT, RIGHT, RIGHT]),
+        ri.System([LEFT]),
+        ri.System([RIGHT, LEFT]),
+        ri.System([LEFT, RIGHT], gravity=1.0),
+        ri.System([LEFT, RIGHT], ends=(ri.Free(), ri.Absorbing())),
+        ri.System([rod(velocity=ri.Steps([1.0, 2.0], [0.5])), rod(area=[1e-4, 2e-4])]),
+        ri.System([rod(strain=ri.Steps([0.0, 1e-5], [0.5])), rod(area=[1e-4, 2e-4])]),
+        ri.System([LEFT, rod(material=DAMPED)]),
+        ri.System([LEFT, rod(area=ri.Samples([1e-4, 2e-4]))]),
+        ri.System([LEFT, STEPPED]),
+    ],
+)
 def test_there_is_none_where_none_holds(system):
     assert pair_theory(system) is None
 

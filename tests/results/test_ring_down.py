@@ -12,10 +12,12 @@ LOSSY = STEEL.damped(loss_factor=0.05, frequency=1e3)
 
 
 def pair(material, *, lengths=(0.4, 1.0), area=1e-4):
-    return ri.System([
-        ri.Rod(x, area=area, material=material, velocity=v)
-        for x, v in zip(lengths, (1.0, 0.0), strict=True)
-    ])
+    return ri.System(
+        [
+            ri.Rod(x, area=area, material=material, velocity=v)
+            for x, v in zip(lengths, (1.0, 0.0), strict=True)
+        ]
+    )
 
 
 def test_energy_falls_to_that_of_the_rigid_motion():
@@ -41,7 +43,9 @@ def test_without_damping_it_never_does():
 
 def test_masses_and_the_rod_that_lasts():
     mass = ri.RigidMass(0.1, velocity=-1.0)
-    row = ri.System([*pair(LOSSY).bodies, mass], gaps=[0.0, 1e-2], contacts=[ri.Rigid()] * 2)
+    row = ri.System(
+        [*pair(LOSSY).bodies, mass], gaps=[0.0, 1e-2], contacts=[ri.Rigid()] * 2
+    )
     solution = ri.solve(row, until=12e-3, method="finite-difference", cells=20)
     assert solution.final
     found = solution.ring_down()
@@ -50,7 +54,9 @@ def test_masses_and_the_rod_that_lasts():
 
 
 def test_what_has_no_ring_down_says_so():
-    with pytest.raises(ValueError, match=r"ring_down: the collision is not over\. Stopped at"):
+    with pytest.raises(
+        ValueError, match=r"ring_down: the collision is not over\. Stopped at"
+    ):
         ri.solve(pair(LOSSY), until=1e-5, cells=20).ring_down()
     driven = ri.System(pair(LOSSY).bodies, ends=(ri.Free(), ri.Pushed(1.0)))
     with pytest.raises(ValueError, match="ring_down"):
@@ -58,5 +64,7 @@ def test_what_has_no_ring_down_says_so():
 
 
 def test_too_few_states_are_no_record():
-    with pytest.raises(ValueError, match=r"ring_down: only .* states were kept .*snapshots"):
+    with pytest.raises(
+        ValueError, match=r"ring_down: only .* states were kept .*snapshots"
+    ):
         ri.solve(pair(LOSSY), until=8e-3, cells=40, snapshots=10).ring_down()

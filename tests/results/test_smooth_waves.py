@@ -17,7 +17,9 @@ from rodimpact.methods.run import Run, Signals, Waves
 from rodimpact.methods.signals import Pieces
 from rodimpact.results.solution import Solution
 
-ROD = ri.Rod(2.0, area=0.5, material=ri.Material("unit", youngs_modulus=2.0, density=2.0))
+ROD = ri.Rod(
+    2.0, area=0.5, material=ri.Material("unit", youngs_modulus=2.0, density=2.0)
+)
 T, TICKS = 2.0, (1 << 50) + 7  # transit in s and in ticks
 TICK, Z, C = T / TICKS, 1.0, 1.0
 MASS, SPEED = 1.5, 3.0
@@ -28,7 +30,9 @@ def pieces_of(function, marks):
     """A function of time, s, in pieces of degree 16 between marks, s."""
     ticks = [round(m / TICK) for m in marks]
     coefficients = [
-        chebinterpolate(lambda y, a=a, b=b: function((a + b + (b - a) * y) / 2 * TICK), 16)
+        chebinterpolate(
+            lambda y, a=a, b=b: function((a + b + (b - a) * y) / 2 * TICK), 16
+        )
         for a, b in pairwise(ticks)
     ]
     return Pieces(ticks[:-1], coefficients, ticks[-1])
@@ -37,16 +41,33 @@ def pieces_of(function, marks):
 def solved(system, a, b, end):
     """The solution of a rod from the waves that leave its ends."""
     clock = Clock(
-        system=system, spans=((1, 1),), wave_speed=[0.0, C, 0.0], scale=SPEED,
-        impedance=[0.0, Z, 0.0], length=[0.0, 2.0, 0.0], ticks=[0, TICKS, 0], tick=TICK,
-        frame=DRIFT, gravity=float(system.gravity),
+        system=system,
+        spans=((1, 1),),
+        wave_speed=[0.0, C, 0.0],
+        scale=SPEED,
+        impedance=[0.0, Z, 0.0],
+        length=[0.0, 2.0, 0.0],
+        ticks=[0, TICKS, 0],
+        tick=TICK,
+        frame=DRIFT,
+        gravity=float(system.gravity),
     )
     signals = Signals(Waves([None, None, a, b, None, None]), (), (None, None), None, {})
-    return Solution(Run(
-        method="characteristics", until=end, clock=clock, end=round(end / TICK), t_end=end,
-        t_final=np.nan, stopped_by="until", status="Ran to the end.", events=1,
-        contacts=(), make_signals=lambda: signals,
-    ))
+    return Solution(
+        Run(
+            method="characteristics",
+            until=end,
+            clock=clock,
+            end=round(end / TICK),
+            t_end=end,
+            t_final=np.nan,
+            stopped_by="until",
+            status="Ran to the end.",
+            events=1,
+            contacts=(),
+            make_signals=lambda: signals,
+        )
+    )
 
 
 @cache
@@ -60,7 +81,9 @@ def struck():
 def vibrating():
     """A rod with free ends in free fall: each wave turns back as the other one, with its jump."""
     a = pieces_of(shape, [-2.0, -1.1, 0.0, 0.6, 1.3, 2.1, 3.0, 4.0, 4.7, 5.3, 5.9])
-    b = pieces_of(lambda t: shape(t + T), [-2.0, -1.4, -0.7, 0.5, 2.0, 2.9, 3.3, 4.1, 5.0, 5.9])
+    b = pieces_of(
+        lambda t: shape(t + T), [-2.0, -1.4, -0.7, 0.5, 2.0, 2.9, 3.3, 4.1, 5.0, 5.9]
+    )
     return solved(ri.System([ROD], gravity=FALL), a, b, 5.5)
 
 
@@ -91,11 +114,21 @@ def integral(function, start, stop, breaks):
 
 
 def jumps_in_time(x):
-    return [n * 2 * T + j + s * x / C for n in (-1, 0, 1, 2) for j in (0.0, 1.3) for s in (-1, 1)]
+    return [
+        n * 2 * T + j + s * x / C
+        for n in (-1, 0, 1, 2)
+        for j in (0.0, 1.3)
+        for s in (-1, 1)
+    ]
 
 
 def jumps_along(t):
-    return [s * C * (n * 2 * T + j - t) for n in (-1, 0, 1, 2) for j in (0.0, 1.3) for s in (-1, 1)]
+    return [
+        s * C * (n * 2 * T + j - t)
+        for n in (-1, 0, 1, 2)
+        for j in (0.0, 1.3)
+        for s in (-1, 1)
+    ]
 
 
 def away(x, t):
@@ -115,10 +148,16 @@ def test_velocity_and_strain_are_sums_of_waves():
     for field, known in ((s.velocity, velocity), (s.strain, strain)):
         assert field(0, x, t)[far] == pytest.approx(known(x, t)[far], abs=1e-11)
         places, times = np.sort(x)[:40], np.sort(t)[:30]
-        one_by_one = np.array([[field(0, place, when) for when in times] for place in places])
+        one_by_one = np.array(
+            [[field(0, place, when) for when in times] for place in places]
+        )
         assert field(0, places[:, None], times) == pytest.approx(one_by_one, abs=1e-14)
-    assert s.velocity(0, 0.0, 1.3, "left") == pytest.approx(np.sin(6.5) + DRIFT + FALL * 1.3)
-    assert s.velocity(0, 0.0, 1.3) == pytest.approx(0.5 * -1.2**3 + DRIFT + FALL * 1.3)
+    assert s.velocity(0, 0.0, 1.3, "left") == pytest.approx(
+        np.sin(6.5) + DRIFT + FALL * 1.3
+    )
+    assert s.velocity(0, 0.0, 1.3) == pytest.approx(
+        0.5 * -(1.2**3) + DRIFT + FALL * 1.3
+    )
 
 
 @pytest.mark.parametrize(("x", "t"), [(0.0, 5.5), (0.4, 0.0), (1.1, 2.35), (2.0, 4.9)])
@@ -132,12 +171,17 @@ def test_momentum_and_energy_are_integrals_along_the_rod():
     s, t = vibrating(), 3.21
     mean = integral(lambda x: velocity(x, t), 0.0, 2.0, jumps_along(t)) / 2
     assert s.mean_velocity(0, t) == pytest.approx(mean, abs=1e-11)
-    assert s.mean_velocity(0, [0.0, t, 5.5]) - FALL * np.array([0, t, 5.5]) == pytest.approx(
-        s.mean_velocity(0, 0.0), abs=1e-11)
+    assert s.mean_velocity(0, [0.0, t, 5.5]) - FALL * np.array(
+        [0, t, 5.5]
+    ) == pytest.approx(s.mean_velocity(0, 0.0), abs=1e-11)
     book = s.energy(t)
-    kinetic = integral(lambda x: (velocity(x, t) - mean) ** 2 / 2, 0.0, 2.0, jumps_along(t))
+    kinetic = integral(
+        lambda x: (velocity(x, t) - mean) ** 2 / 2, 0.0, 2.0, jumps_along(t)
+    )
     strained = integral(lambda x: strain(x, t) ** 2 / 2, 0.0, 2.0, jumps_along(t))
-    assert (book.vibrational_kinetic, book.strain) == pytest.approx((kinetic, strained), abs=1e-11)
+    assert (book.vibrational_kinetic, book.strain) == pytest.approx(
+        (kinetic, strained), abs=1e-11
+    )
     assert s.energy(np.linspace(0, 5.5, 20)).residual == pytest.approx(0.0, abs=1e-11)
     assert s.outcome.energy_residual == pytest.approx(0.0, abs=1e-11)
 
@@ -157,7 +201,8 @@ def test_a_gauge_follows_the_strain():
     assert len(gauge.times) < 3000
     slopes = gauge.strain_rate[:-1] * np.diff(gauge.times)
     assert gauge.strain_after[:-1] + slopes == pytest.approx(
-        s.strain(0, x, gauge.times[1:], side="left"), abs=1e-6)
+        s.strain(0, x, gauge.times[1:], side="left"), abs=1e-6
+    )
 
 
 def test_a_system_at_a_time_holds_the_state():
@@ -169,8 +214,9 @@ def test_a_system_at_a_time_holds_the_state():
         values = profile.values
         assert values[smooth] == pytest.approx(known(places, t)[smooth], abs=1e-8)
         whole = integral(lambda x, known=known: known(x, t), 0.0, 2.0, jumps_along(t))
-        assert (values.sum() - (values[0] + values[-1]) / 2) * places[1] == pytest.approx(
-            whole, abs=1e-9)
+        assert (values.sum() - (values[0] + values[-1]) / 2) * places[
+            1
+        ] == pytest.approx(whole, abs=1e-9)
 
 
 def test_a_state_of_constant_pieces_is_exact():
@@ -192,19 +238,27 @@ def speed(t):
 def test_force_and_work_of_a_contact():
     contact, t = struck().contacts[0], np.linspace(0.0, 3.5, 50)
     assert contact.force(t) == pytest.approx(Z * speed(t), abs=1e-12)
-    assert contact.impulse_until(t) == pytest.approx(MASS * (SPEED - speed(t)), abs=1e-12)
+    assert contact.impulse_until(t) == pytest.approx(
+        MASS * (SPEED - speed(t)), abs=1e-12
+    )
     assert contact.work_until(t) == pytest.approx(0.0, abs=1e-12)
     times, force, gap = contact.breakpoints()
     dense = np.linspace(0.0, 3.5, 1000)
-    assert np.interp(dense, times, force) == pytest.approx(Z * speed(dense), abs=1e-4 * SPEED)
+    assert np.interp(dense, times, force) == pytest.approx(
+        Z * speed(dense), abs=1e-4 * SPEED
+    )
     assert (gap == 0).all()
 
 
 def test_motion_of_a_mass():
     s, t = struck(), np.linspace(0.0, 3.5, 50)
     assert s.velocity(0, 0.0, t) == pytest.approx(speed(t), abs=1e-12)
-    assert s.displacement(0, 0.0, t) == pytest.approx(MASS * (SPEED - speed(t)) / Z, abs=1e-12)
-    assert s.displacement(1, 0.0, t) == pytest.approx(MASS * (SPEED - speed(t)) / Z, abs=1e-12)
+    assert s.displacement(0, 0.0, t) == pytest.approx(
+        MASS * (SPEED - speed(t)) / Z, abs=1e-12
+    )
+    assert s.displacement(1, 0.0, t) == pytest.approx(
+        MASS * (SPEED - speed(t)) / Z, abs=1e-12
+    )
     book, start = s.energy(t), MASS * SPEED**2 / 2
     assert book.total == pytest.approx(start, abs=1e-11)
     assert book.residual == pytest.approx(0.0, abs=1e-11)

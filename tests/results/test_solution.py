@@ -27,7 +27,8 @@ def unequal():
 def mixed():
     stepped = ri.Rod(
         segments=[ri.Segment(0.3, 1e-4, steel), ri.Segment(0.5, 2e-4, aluminium)],
-        velocity=ri.Steps([0.2, -0.4], [0.3]), strain=ri.Steps([0.0, 1e-5, 0.0], [0.1, 0.6]),
+        velocity=ri.Steps([0.2, -0.4], [0.3]),
+        strain=ri.Steps([0.0, 1e-5, 0.0], [0.1, 0.6]),
     )
     row = [ri.Wall(0.05), rod(0.4, -1.0), stepped, rod(0.25, -2.0, area=3e-4)]
     return ri.solve(ri.System(row, [1e-5, 2e-5, 0.0]), until=1e-3)
@@ -48,7 +49,9 @@ def test_the_box(unequal):
     assert contact.force(2 * t1) == 0
     assert contact.gap(2 / C + 1e-6) == pytest.approx(1e-6)
     energy = 0.5 * outcome.masses[0]
-    assert sum(outcome.vibration_after) == pytest.approx((1 - 0.4**2) * energy / 1.4, rel=1e-13)
+    assert sum(outcome.vibration_after) == pytest.approx(
+        (1 - 0.4**2) * energy / 1.4, rel=1e-13
+    )
     assert unequal.final
     assert unequal.stopped_by == "final"
     assert unequal.t_final == contact.episodes[0].opening
@@ -61,7 +64,9 @@ def test_fields_of_the_box(unequal):
     assert unequal.velocity(0, [0.1, 0.3], t).tolist() == [1.0, 0.5]
     assert unequal.velocity(1, [0.1, 0.3], t).tolist() == [0.5, 0.0]
     assert unequal.stress(1, 0.1, t) == pytest.approx(-steel.density * C / 2)
-    assert unequal.axial_force(1, 0.1, t) == pytest.approx(-unequal.contacts[0].force(t))
+    assert unequal.axial_force(1, 0.1, t) == pytest.approx(
+        -unequal.contacts[0].force(t)
+    )
     front = unequal.velocity(1, 0.2, t, side="left"), unequal.velocity(1, 0.2, t)
     assert (float(front[0]), float(front[1])) == (0.0, 0.5)
     assert unequal.displacement(1, 0.0, t) == pytest.approx(0.5 * t)
@@ -94,14 +99,20 @@ def test_walls_have_a_velocity_but_no_inside(mixed):
         mixed.stress(0, 0.0, 0.0)
 
 
-@pytest.mark.parametrize(("call", "name"), [
-    (lambda s: s.velocity(1, 0.2, 1.0), "t:"),
-    (lambda s: s.velocity(1, 0.41, 0.0), "x:"),
-    (lambda s: s.strain(1, -0.1, 0.0), "x:"), (lambda s: s.velocity(4, 0.1, 0.0), "body:"),
-    (lambda s: s.gauge(0, 0.1), "wall"),
-    (lambda s: s.velocity(1, 0.1, 0.0, side="up"), "side:"), (lambda s: s.energy(2.0), "t:"),
-    (lambda s: s.contacts[0].force(2.0), "t:"), (lambda s: s.system_at(2.0), "t:"),
-])
+@pytest.mark.parametrize(
+    ("call", "name"),
+    [
+        (lambda s: s.velocity(1, 0.2, 1.0), "t:"),
+        (lambda s: s.velocity(1, 0.41, 0.0), "x:"),
+        (lambda s: s.strain(1, -0.1, 0.0), "x:"),
+        (lambda s: s.velocity(4, 0.1, 0.0), "body:"),
+        (lambda s: s.gauge(0, 0.1), "wall"),
+        (lambda s: s.velocity(1, 0.1, 0.0, side="up"), "side:"),
+        (lambda s: s.energy(2.0), "t:"),
+        (lambda s: s.contacts[0].force(2.0), "t:"),
+        (lambda s: s.system_at(2.0), "t:"),
+    ],
+)
 def test_questions_outside_the_solution_are_refused(mixed, call, name):
     with pytest.raises(ValueError, match=name):
         call(mixed)
@@ -120,9 +131,12 @@ def test_regions_tile_the_plane_and_agree_with_the_fields(mixed):
             inside = x.mean(), t.mean()
             assert mixed.velocity(body, *inside) == regions.velocity[i]
             assert mixed.strain(body, *inside) == regions.strain[i]
-            assert mixed.stress(body, *inside) == pytest.approx(regions.stress[i], rel=1e-14)
+            assert mixed.stress(body, *inside) == pytest.approx(
+                regions.stress[i], rel=1e-14
+            )
             assert mixed.displacement(body, x, t) == pytest.approx(
-                regions.displacement[corners], abs=1e-15)
+                regions.displacement[corners], abs=1e-15
+            )
         assert area == pytest.approx(length * (stop - start), rel=1e-12)
 
 
@@ -175,7 +189,9 @@ def test_public_names_are_listed_and_an_unknown_one_is_said():
 
 def test_importing_is_cheap():
     code = "import sys, rodimpact; rodimpact.__version__; print('numpy' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
     assert done.stdout.strip() == "False"
 
 
@@ -192,7 +208,9 @@ def test_limits_are_right_after_a_thousand_transits():
                 assert (contact.force(t, side="left") > 0) == 1 - after
     gauge = solution.gauge(1, 0.1)
     assert (solution.strain(1, 0.1, gauge.times) == gauge.strain).all()
-    assert (solution.strain(1, 0.1, gauge.times[1:], side="left") == gauge.strain[:-1]).all()
+    assert (
+        solution.strain(1, 0.1, gauge.times[1:], side="left") == gauge.strain[:-1]
+    ).all()
 
 
 def test_bodies_moving_apart_over_any_distance():
@@ -206,10 +224,17 @@ def test_places_and_times_that_do_not_fit_are_named(unequal):
         unequal.velocity(1, [0.1, 0.2], [0.0, 1e-5, 2e-5])
 
 
-@pytest.mark.parametrize("options", [
-    {}, {"method": "characteristics"}, {"method": "finite-difference", "cells": 20},
-])
-@pytest.mark.parametrize("copied", [lambda x: pickle.loads(pickle.dumps(x)), copy.deepcopy])
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"method": "characteristics"},
+        {"method": "finite-difference", "cells": 20},
+    ],
+)
+@pytest.mark.parametrize(
+    "copied", [lambda x: pickle.loads(pickle.dumps(x)), copy.deepcopy]
+)
 def test_a_solution_can_be_copied_and_sent(options, copied):
     solution = ri.solve(ri.System([rod(0.4, velocity=1.0), rod(1.0)]), **options)
     again = copied(solution)
@@ -225,9 +250,20 @@ def test_to_xarray_asks_every_field_and_labels_it(mixed):
     data = mixed.to_xarray(x, t)
     assert dict(data.sizes) == {"body": 4, "x": 4, "time": 3, "contact": 3, "part": 12}
     assert data["kind"].values.tolist() == ["wall", "rod", "rod", "rod"]
-    for name in ("velocity", "strain", "stress", "axial_force", "displacement", "position"):
+    for name in (
+        "velocity",
+        "strain",
+        "stress",
+        "axial_force",
+        "displacement",
+        "position",
+    ):
         fields = data[name].transpose("body", "time", "x")
-        inside = [1, 3, 4, 2] if name in ("velocity", "displacement", "position") else [0, 3, 4, 2]
+        inside = (
+            [1, 3, 4, 2]
+            if name in ("velocity", "displacement", "position")
+            else [0, 3, 4, 2]
+        )
         assert np.isfinite(fields).sum("x").values.tolist() == [[n] * 3 for n in inside]
         asked = getattr(mixed, name)(2, x, t[:, None])
         assert np.array_equal(fields.sel(body=2).values, asked)
@@ -235,14 +271,20 @@ def test_to_xarray_asks_every_field_and_labels_it(mixed):
     assert np.array_equal(data["mean_velocity"].sel(body=3), mixed.mean_velocity(3, t))
     assert np.array_equal(data["energy"].sel(part="strain"), mixed.energy(t).strain)
     assert data["force"].attrs["units"] == "N"
-    assert all({"long_name", "units"} <= set(one.attrs) for one in data.variables.values())
-    with pytest.raises(ValueError, match=r"x\[1\]: must lie in a body, from 0 to 0.8 m, got 0.9"):
+    assert all(
+        {"long_name", "units"} <= set(one.attrs) for one in data.variables.values()
+    )
+    with pytest.raises(
+        ValueError, match=r"x\[1\]: must lie in a body, from 0 to 0.8 m, got 0.9"
+    ):
         mixed.to_xarray([0.1, 0.9], t)
 
 
 def test_to_xarray_of_masses_and_of_a_single_body():
     pytest.importorskip("xarray")
-    struck = ri.System([ri.RigidMass(0.5, velocity=2.0), rod(0.4)], contacts=[ri.Hertz(1e9)])
+    struck = ri.System(
+        [ri.RigidMass(0.5, velocity=2.0), rod(0.4)], contacts=[ri.Hertz(1e9)]
+    )
     data = ri.solve(struck, until=1e-4).to_xarray(0.0, [0.0, 1e-4])
     assert data["velocity"].sel(body=0, x=0.0, time=0.0) == 2.0
     assert data["strain"].sel(body=0).isnull().all()
@@ -254,10 +296,14 @@ def test_to_xarray_of_masses_and_of_a_single_body():
 @pytest.mark.parametrize("ratio", [1.0, 0.3])
 def test_the_effect_of_rounded_transits_is_stated(short, ratio):
     """A short rod on a long one: the impulse has a closed form, and its error is that of a tick."""
-    system = ri.System([rod(short, 1.0), ri.Rod(1.0, area=1e-4 / ratio, material=steel)])
+    system = ri.System(
+        [rod(short, 1.0), ri.Rod(1.0, area=1e-4 / ratio, material=steel)]
+    )
     s = ri.solve(system)
     pieces = [body.segments[0] for body in system.bodies]
-    theory = ri.theory.saint_venant(*(x for p in pieces for x in (p.impedance, p.transit_time)))
+    theory = ri.theory.saint_venant(
+        *(x for p in pieces for x in (p.impedance, p.transit_time))
+    )
     assert s.transit_error > 2.0**-36
     for name, found, exact in (
         ("impulse", s.outcome.impulse, theory.impulse),
@@ -272,7 +318,10 @@ def test_the_effect_of_rounded_transits_is_stated(short, ratio):
 
 
 def test_intervals_without_regions_or_with_too_many_are_refused(unequal):
-    for name, wrong in (("limit", {"limit": 3}), ("stop", {"start": 1e-5, "stop": 1e-5})):
+    for name, wrong in (
+        ("limit", {"limit": 3}),
+        ("stop", {"start": 1e-5, "stop": 1e-5}),
+    ):
         with pytest.raises(ValueError, match=name):
             regions_of(unequal, **wrong)
 

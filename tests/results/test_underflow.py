@@ -12,8 +12,9 @@ def rod(length, velocity=0.0, **more):
     return ri.Rod(length, diameter=0.01, material=STEEL, velocity=velocity, **more)
 
 
-@pytest.mark.parametrize("left", [
-    rod(0.4, 1.0, lateral_inertia="mindlin-herrmann"), rod(0.4, 1e-150)])
+@pytest.mark.parametrize(
+    "left", [rod(0.4, 1.0, lateral_inertia="mindlin-herrmann"), rod(0.4, 1e-150)]
+)
 def test_underflow_is_silent(left):
     with np.errstate(all="raise"):
         solution = ri.solve(ri.System([left, rod(1.0)]), until=3e-4)

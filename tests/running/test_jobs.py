@@ -38,7 +38,9 @@ class Cluster(Executor):
         self.to_come -= math.prod(members.shape)
         future = Future()
         heapq.heappush(self.flying, (end, next(self.number), result, future))
-        while len(self.flying) == 2 * self._max_workers or (self.flying and not self.to_come):
+        while len(self.flying) == 2 * self._max_workers or (
+            self.flying and not self.to_come
+        ):
             self.now, _, news, done = heapq.heappop(self.flying)
             done.set_result(news)
         return future
@@ -52,14 +54,18 @@ def clock(monkeypatch):
     def run_chunk(system, options, readings):
         cost = np.broadcast_to(system.bodies[0].length, system.shape).ravel()
         clock.now += cost.sum()
-        columns = {name: np.zeros((len(cost), *beyond), kind)
-                   for name, (kind, beyond) in arrays_of(system, readings).items()}
+        columns = {
+            name: np.zeros((len(cost), *beyond), kind)
+            for name, (kind, beyond) in arrays_of(system, readings).items()
+        }
         columns["restitution"] += cost
         columns["status"][np.isin(cost, clock.bad)] = STATUS.index("max_events")
         return columns
 
     clock.bad = []
-    monkeypatch.setattr(sweeping, "time", SimpleNamespace(perf_counter=lambda: clock.now))
+    monkeypatch.setattr(
+        sweeping, "time", SimpleNamespace(perf_counter=lambda: clock.now)
+    )
     monkeypatch.setattr(sweeping, "run_chunk", run_chunk)
     return clock
 
@@ -75,16 +81,27 @@ def costs(order, members):
     rng = np.random.default_rng(3)
     dear = np.exp(rng.uniform(np.log(0.01), np.log(10), members))
     halves = np.where(np.arange(members) < members // 2, 0.01, 10.0)
-    return {"mixed": dear, "rising": np.sort(dear), "falling": np.sort(dear)[::-1],
-            "halves": halves}[order]
+    return {
+        "mixed": dear,
+        "rising": np.sort(dear),
+        "falling": np.sort(dear)[::-1],
+        "halves": halves,
+    }[order]
 
 
 @pytest.mark.parametrize(
-    "order", few_of(["mixed", "rising", "falling", "halves"], ["falling", "halves"]))
-@pytest.mark.parametrize(("workers", "members"), [
-    (16, 1500), pytest.param(64, 8_000, marks=pytest.mark.exhaustive),
-])
-def test_workers_are_busy_though_costs_differ_a_thousandfold(clock, order, workers, members):
+    "order", few_of(["mixed", "rising", "falling", "halves"], ["falling", "halves"])
+)
+@pytest.mark.parametrize(
+    ("workers", "members"),
+    [
+        (16, 1500),
+        pytest.param(64, 8_000, marks=pytest.mark.exhaustive),
+    ],
+)
+def test_workers_are_busy_though_costs_differ_a_thousandfold(
+    clock, order, workers, members
+):
     seconds = costs(order, members)
     cluster = Cluster(workers, members, clock)
     result = ri.sweep(family(seconds), "finite-difference", executor=cluster)
@@ -93,7 +110,9 @@ def test_workers_are_busy_though_costs_differ_a_thousandfold(clock, order, worke
     assert seconds.sum() / workers > 0.9 * max(cluster.free)
 
 
-def test_what_is_raised_is_the_first_member_in_c_order_whichever_ends_first(clock, monkeypatch):
+def test_what_is_raised_is_the_first_member_in_c_order_whichever_ends_first(
+    clock, monkeypatch
+):
     seconds, handed = np.full(200, 0.1), []
     seconds[[3, 5, 120]] = clock.bad = [9.0, 0.01, 0.02]
     monkeypatch.setattr(ri.SweepResult, "explain", lambda result, index: "stopped")
@@ -111,24 +130,39 @@ def test_what_is_raised_is_the_first_member_in_c_order_whichever_ends_first(cloc
             return job
 
     with pytest.raises(ri.SweepError) as caught:
-        ri.sweep(family(seconds), "finite-difference", executor=Late(), on_error="raise")
+        ri.sweep(
+            family(seconds), "finite-difference", executor=Late(), on_error="raise"
+        )
     assert caught.value.index == (3,)
     assert sum(handed) < 200  # what comes after it is not begun any more
 
 
-@pytest.mark.parametrize(("seconds", "longest"), [
-    (np.full(20_000, 1e-3), 1.0),
-    (np.append(1e-9, np.ones(99)), jobs.GROWTH),  # one cheap member tells little
-])
+@pytest.mark.parametrize(
+    ("seconds", "longest"),
+    [
+        (np.full(20_000, 1e-3), 1.0),
+        (np.append(1e-9, np.ones(99)), jobs.GROWTH),  # one cheap member tells little
+    ],
+)
 def test_jobs_take_about_a_second(clock, seconds, longest):
     cluster = Cluster(1, len(seconds), clock)
     ri.sweep(family(seconds), "finite-difference", executor=cluster)
     assert max(cluster.lasted) == pytest.approx(longest, rel=0.01)
 
 
-@pytest.mark.parametrize(("shape", "most", "unit"), [
-    ((10, 10), 0, 1), ((5,), 99, 3), ((3, 7), 99, 14), ((4, 5), 4, 4), ((100, 100), 8192, 5000),
-    ((101, 101), 8192, 5151), ((1000, 1000), 8192, 8000), ((2, 500_000), 8192, 8065)])
+@pytest.mark.parametrize(
+    ("shape", "most", "unit"),
+    [
+        ((10, 10), 0, 1),
+        ((5,), 99, 3),
+        ((3, 7), 99, 14),
+        ((4, 5), 4, 4),
+        ((100, 100), 8192, 5000),
+        ((101, 101), 8192, 5151),
+        ((1000, 1000), 8192, 8000),
+        ((2, 500_000), 8192, 8065),
+    ],
+)
 def test_chunks_are_whole_rows_of_the_family_and_an_even_number(shape, most, unit):
     assert sweeping._unit(SimpleNamespace(shape=shape), most) == unit
 
@@ -143,8 +177,13 @@ def test_jobs_fill_a_checkpoint_that_others_go_on_with(clock, monkeypatch, tmp_p
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        ri.sweep(family(seconds), "fronts", executor=Cluster(3, 500, clock), checkpoint=tmp_path,
-                 progress=interrupt)
+        ri.sweep(
+            family(seconds),
+            "fronts",
+            executor=Cluster(3, 500, clock),
+            checkpoint=tmp_path,
+            progress=interrupt,
+        )
     (part,) = tmp_path.iterdir()
     with np.load(part) as file:
         done = file["status"].size
@@ -153,7 +192,9 @@ def test_jobs_fill_a_checkpoint_that_others_go_on_with(clock, monkeypatch, tmp_p
     result = ri.sweep(family(seconds), "fronts", executor=cluster, checkpoint=tmp_path)
     assert result.restitution.tolist() == seconds.tolist()
     assert cluster.to_come == 0
-    again = ri.sweep(family(seconds), "fronts", executor=Cluster(1, 0, clock), checkpoint=tmp_path)
+    again = ri.sweep(
+        family(seconds), "fronts", executor=Cluster(1, 0, clock), checkpoint=tmp_path
+    )
     assert again.restitution.tolist() == seconds.tolist()
 
 
@@ -173,15 +214,24 @@ def test_an_interrupt_cancels_what_waits(clock):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        ri.sweep(family(np.ones(50)), "finite-difference", executor=Stuck(), progress=interrupt)
+        ri.sweep(
+            family(np.ones(50)),
+            "finite-difference",
+            executor=Stuck(),
+            progress=interrupt,
+        )
     assert len(handed) == 6
     assert all(job.cancelled() for job in handed)
 
 
-@pytest.mark.parametrize(("says", "workers"), [
-    ({"_max_workers": 5}, 5), ({}, jobs.UNKNOWN),
-    ({"_client": SimpleNamespace(ncores=lambda: {"a": 4, "b": 2})}, 6),
-    ({"_client": SimpleNamespace(ncores=dict)}, jobs.UNKNOWN),
-])
+@pytest.mark.parametrize(
+    ("says", "workers"),
+    [
+        ({"_max_workers": 5}, 5),
+        ({}, jobs.UNKNOWN),
+        ({"_client": SimpleNamespace(ncores=lambda: {"a": 4, "b": 2})}, 6),
+        ({"_client": SimpleNamespace(ncores=dict)}, jobs.UNKNOWN),
+    ],
+)
 def test_an_executor_is_asked_for_its_workers(says, workers):
     assert jobs.workers_of(SimpleNamespace(**says)) == workers

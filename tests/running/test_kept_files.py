@@ -19,8 +19,12 @@ def test_a_kept_solution_opens(method):
     solution, facts = ri.load(KEPT / f"{method}.npz"), FACTS[method]
     outcome, rod = solution.outcome, facts["rod"]
     assert (solution.method, solution.status) == (method, facts["status"])
-    assert outcome.velocities_after == pytest.approx(tuple(facts["velocities_after"]), **ALIKE)
-    assert [c.impulse for c in outcome.contacts] == pytest.approx(facts["impulses"], **ALIKE)
+    assert outcome.velocities_after == pytest.approx(
+        tuple(facts["velocities_after"]), **ALIKE
+    )
+    assert [c.impulse for c in outcome.contacts] == pytest.approx(
+        facts["impulses"], **ALIKE
+    )
     assert [len(c.episodes) for c in solution.contacts] == facts["episodes"]
     for name in ("velocity", "strain"):
         value = getattr(solution, name)(rod, 0.1, 2e-4)
@@ -35,7 +39,8 @@ def test_a_kept_solution_opens(method):
 def test_a_kept_family_opens():
     family, facts = ri.load(KEPT / "sweep.npz"), FACTS["sweep"]
     assert np.array(family.velocities_after) == pytest.approx(
-        np.array(facts["velocities_after"]), **ALIKE)
+        np.array(facts["velocities_after"]), **ALIKE
+    )
     assert family.strain == pytest.approx(np.array(facts["strain"]), **ALIKE)
     assert family.system.bodies[0].length.tolist() == [0.2, 0.4]
 
@@ -54,8 +59,16 @@ def test_a_field_that_comes_later_has_its_default():
 
 def test_an_older_version_says_that_it_cannot_read_a_newer_file(tmp_path, monkeypatch):
     solution = ri.solve(
-        ri.System([ri.Rod(0.2, area=1e-4, material=ri.materials.steel, velocity=1.0), ri.Wall()]),
-        method="finite-difference", cells=20, until=5e-5)
+        ri.System(
+            [
+                ri.Rod(0.2, area=1e-4, material=ri.materials.steel, velocity=1.0),
+                ri.Wall(),
+            ]
+        ),
+        method="finite-difference",
+        cells=20,
+        until=5e-5,
+    )
     solution.save(tmp_path / "run.npz")
     monkeypatch.setattr("rodimpact.storage.reading.SCHEMA", 5)
     with pytest.raises(ri.FileFormatError, match=r"of schema 6.*which reads schema 5"):

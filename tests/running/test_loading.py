@@ -106,7 +106,10 @@ def test_a_failure_leaves_everything_as_it_was(tmp_path, monkeypatch, step, erro
 # Saving and loading
 
 stepped = ri.Rod(
-    segments=[ri.Segment(0.2, 1e-4, STEEL), ri.Segment(0.1, 3e-4, ri.materials.aluminium)],
+    segments=[
+        ri.Segment(0.2, 1e-4, STEEL),
+        ri.Segment(0.1, 3e-4, ri.materials.aluminium),
+    ],
     velocity=ri.Steps([1.0, -0.5], [0.05]),
     strain=ri.Steps([0.0, 1e-5, -1e-5], [0.1, 0.25]),
 )
@@ -117,16 +120,24 @@ RUNS = {
     "no time": (ri.System([SHORT, LONG]), {"until": 0}),
     "capped": (ri.System([stepped, LONG, stepped]), {"max_events": 50}),
     **{
-        f"random {seed}": (s := with_ends(seed), {"until": horizon(s, 10), "max_events": 5000})
+        f"random {seed}": (
+            s := with_ends(seed),
+            {"until": horizon(s, 10), "max_events": 5000},
+        )
         for seed in range(6)
     },
     "characteristics: to the proof": (
-        ri.System([ri.RigidMass(0.3, velocity=1.0), SHORT]), {"rtol": 1e-3},
+        ri.System([ri.RigidMass(0.3, velocity=1.0), SHORT]),
+        {"rtol": 1e-3},
     ),
-    "characteristics: no time": (ri.System([ri.RigidMass(0.3, velocity=1.0), SHORT]), {"until": 0}),
+    "characteristics: no time": (
+        ri.System([ri.RigidMass(0.3, velocity=1.0), SHORT]),
+        {"until": 0},
+    ),
     **{
         f"characteristics: random {seed}": (
-            random_network(seed, driven=seed % 2 == 0), {"until": 2.5, "method": "characteristics"},
+            random_network(seed, driven=seed % 2 == 0),
+            {"until": 2.5, "method": "characteristics"},
         )
         for seed in range(12)
     },
@@ -137,7 +148,8 @@ RUNS = {
     ),
     **{
         f"grid: random {seed}": (
-            random_row(seed, driven=seed % 2 == 0), {"until": 1.5, **GRID, "cells": 8},
+            random_row(seed, driven=seed % 2 == 0),
+            {"until": 1.5, **GRID, "cells": 8},
         )
         for seed in (7, 8, 9, 11)
     },
@@ -147,17 +159,38 @@ RUNS = {
 def facts(s):
     """All that a solution knows, in a form in which equal means the same bits."""
     t = np.linspace(0, s.t_end, 23)
-    found = {name: getattr(s, name) for name in (
-        "method", "until", "stopped_by", "status", "t_end", "final", "events", "transit_error",
-        "outcome", "system", "accuracy",
-    )}
+    found = {
+        name: getattr(s, name)
+        for name in (
+            "method",
+            "until",
+            "stopped_by",
+            "status",
+            "t_end",
+            "final",
+            "events",
+            "transit_error",
+            "outcome",
+            "system",
+            "accuracy",
+        )
+    }
     assert {type(error) for error in s.accuracy.values()} <= {float}
     found["t_final"] = repr(s.t_final)
-    found["types"] = [type(getattr(s, name)) for name in ("until", "t_end", "t_final", "events")]
-    found["energy"] = [np.asarray(entry).tobytes() for entry in vars(s.energy(t)).values()]
+    found["types"] = [
+        type(getattr(s, name)) for name in ("until", "t_end", "t_final", "events")
+    ]
+    found["energy"] = [
+        np.asarray(entry).tobytes() for entry in vars(s.energy(t)).values()
+    ]
     found["contacts"] = [
-        (repr(c.episodes), repr((c.impulse, c.duration, c.peak_force)), c.force(t).tobytes(),
-         c.gap(t).tobytes(), [b.tobytes() for b in c.breakpoints()])
+        (
+            repr(c.episodes),
+            repr((c.impulse, c.duration, c.peak_force)),
+            c.force(t).tobytes(),
+            c.gap(t).tobytes(),
+            [b.tobytes() for b in c.breakpoints()],
+        )
         for c in s.contacts
     ]
     for i, body in enumerate(s.system.bodies):
@@ -170,7 +203,11 @@ def facts(s):
     return found
 
 
-USUAL = [name for name in RUNS if "random" not in name or name.endswith((" 0", " 1", " 7", " 8"))]
+USUAL = [
+    name
+    for name in RUNS
+    if "random" not in name or name.endswith((" 0", " 1", " 7", " 8"))
+]
 
 
 @pytest.mark.parametrize("name", few_of(RUNS, USUAL))
@@ -179,7 +216,9 @@ def test_loading_gives_the_saved_solution_bit_for_bit(tmp_path, name, monkeypatc
     solution = ri.solve(system, **options)
     solution.save(tmp_path / "run.npz")
     for solver in ("fronts.driver.solve_one", "pieces.driver.Members.go"):
-        monkeypatch.setattr(f"rodimpact.methods.{solver}", fail(AssertionError("solved again")))
+        monkeypatch.setattr(
+            f"rodimpact.methods.{solver}", fail(AssertionError("solved again"))
+        )
     loaded = load(tmp_path / "run.npz")
     assert facts(loaded) == facts(solution)
     assert repr(loaded.outcome) == repr(solution.outcome)
@@ -190,8 +229,10 @@ def test_loading_gives_the_saved_solution_bit_for_bit(tmp_path, name, monkeypatc
 @pytest.mark.parametrize("name", ["inf", "nan"])
 def test_a_name_that_reads_as_a_number_stays_a_name(tmp_path, name):
     material = ri.Material(name, youngs_modulus=1.0, density=1.0)
-    rods = [ri.Rod(length, area=1.0, material=material, velocity=v)
-            for length, v in (([0.4, 0.5], 1.0), (1.0, 0.0))]
+    rods = [
+        ri.Rod(length, area=1.0, material=material, velocity=v)
+        for length, v in (([0.4, 0.5], 1.0), (1.0, 0.0))
+    ]
     family = ri.System(rods)
     ri.solve(family[0]).save(tmp_path / "run.npz")
     ri.sweep(family).save(tmp_path / "family.npz")
@@ -211,11 +252,16 @@ def test_the_file_opens_with_numpy_and_json_alone(tmp_path):
     solution = ri.solve(ri.System([SHORT, ri.Wall()]))
     solution.save(tmp_path / "run.npz")
     with np.load(tmp_path / "run.npz", allow_pickle=False) as archive:
-        document = json.loads(str(archive["document"]), parse_constant=fail(ValueError("no JSON")))
+        document = json.loads(
+            str(archive["document"]), parse_constant=fail(ValueError("no JSON"))
+        )
         force = document["content"]["signals"]["contacts"][0]["force"]["coefficients"]
         column = archive[force["array"]][force["start"] :][: force["shape"][0]]
     assert np.array_equal(column, solution.contacts[0].push.values)
-    assert document["content"]["totals"]["masses"] == [solution.outcome.masses[0], "inf"]
+    assert document["content"]["totals"]["masses"] == [
+        solution.outcome.masses[0],
+        "inf",
+    ]
     assert document["rodimpact"] == ri.__version__
     assert document["content"]["clock"]["system"]["bodies"][0]["length"] == SHORT.length
 
@@ -239,7 +285,11 @@ def read(path):
 def edit(path, change=None, **other):
     """Rewrite a saved file with other entries; an array that is None goes."""
     document, arrays = read(path)
-    arrays = {"document": np.array(json.dumps({**document, **(change or {})})), **arrays, **other}
+    arrays = {
+        "document": np.array(json.dumps({**document, **(change or {})})),
+        **arrays,
+        **other,
+    }
     np.savez_compressed(path, **{k: v for k, v in arrays.items() if v is not None})
 
 
@@ -258,7 +308,8 @@ def test_missing_file_and_directory(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "content", [b"", b"time,force\n", pickle.dumps([1, 2]), b"\x93NUMPY\x01\x00"],
+    "content",
+    [b"", b"time,force\n", pickle.dumps([1, 2]), b"\x93NUMPY\x01\x00"],
     ids=["empty", "text", "pickle", "npy"],
 )
 def test_other_files(tmp_path, content):
@@ -295,7 +346,12 @@ def test_foreign_archives(tmp_path, arrays):
     refused(tmp_path / "a.npz", "not one that rodimpact saved")
 
 
-@pytest.mark.parametrize("change", [{"schema": SCHEMA + 1}, {"kind": "hologram"}, {"schema": None}])
+@pytest.mark.parametrize(
+    "change", [{"schema": SCHEMA + 1}, {"kind": "hologram"}, {"schema": None}]
+)
 def test_what_a_newer_version_saved(saved, change):
     edit(saved, {**change, "rodimpact": "9.8.7"})
-    refused(saved, rf"saved by rodimpact 9\.8\.7; this is rodimpact {ri.__version__}.*Load it with")
+    refused(
+        saved,
+        rf"saved by rodimpact 9\.8\.7; this is rodimpact {ri.__version__}.*Load it with",
+    )

@@ -21,14 +21,18 @@ STEEL = ri.materials.steel
 
 
 def pair(lengths, areas, velocity=1.0):
-    return ri.System([
-        ri.Rod(lengths, area=1e-4, material=STEEL, velocity=velocity),
-        ri.Rod(1.0, area=areas, material=STEEL),
-    ])
+    return ri.System(
+        [
+            ri.Rod(lengths, area=1e-4, material=STEEL, velocity=velocity),
+            ri.Rod(1.0, area=areas, material=STEEL),
+        ]
+    )
 
 
 def small_map(shape=(7, 5)):
-    return pair(np.linspace(0.1, 1.3, shape[0])[:, None], np.geomspace(2e-5, 8e-4, shape[1]))
+    return pair(
+        np.linspace(0.1, 1.3, shape[0])[:, None], np.geomspace(2e-5, 8e-4, shape[1])
+    )
 
 
 def same(a, b):
@@ -112,14 +116,22 @@ def varied(seed, driven):
     return ri.System.from_dict(described)
 
 
-@pytest.mark.parametrize("options", [
-    {}, {"until": 1e-3}, {"method": "finite-difference", "cells": 20, "until": 1e-3},
-])
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"until": 1e-3},
+        {"method": "finite-difference", "cells": 20, "until": 1e-3},
+    ],
+)
 def test_bonds_and_joints_have_totals(options):
     """Impulse and largest force of a contact that cannot open, as `solve` gives them."""
     law = ri.Joint(stiffness=1e9) if "cells" in options else ri.Bonded()
-    rods = [ri.Rod(np.array([0.3, 0.5]), area=1e-4, material=STEEL, velocity=1.0),
-            ri.Rod(1.0, area=1e-4, material=STEEL), ri.Rod(0.7, area=2e-4, material=STEEL)]
+    rods = [
+        ri.Rod(np.array([0.3, 0.5]), area=1e-4, material=STEEL, velocity=1.0),
+        ri.Rod(1.0, area=1e-4, material=STEEL),
+        ri.Rod(0.7, area=2e-4, material=STEEL),
+    ]
     result = ri.sweep(ri.System(rods, contacts=[ri.Rigid(), law]), **options)
     assert (result.contacts[1].peak_force > 0).all()
     assert_equal_to_one_at_a_time(result, **options)
@@ -127,19 +139,30 @@ def test_bonds_and_joints_have_totals(options):
 
 def even_network(seed):
     """Two members of a random row: masses, laws, ends, gravity; all at t = 0 and outside even."""
-    system, shares = random_network(seed, bodies=3, driven=seed % 2 == 1), np.array([1.0, 0.9])
+    system, shares = (
+        random_network(seed, bodies=3, driven=seed % 2 == 1),
+        np.array([1.0, 0.9]),
+    )
 
     def even(profile):
         return float(np.mean(getattr(profile, "values", profile)))
 
     bodies = [
         ri.Rod(
-            segments=[ri.Segment(s.length, s.area * shares, s.material) for s in body.segments],
-            velocity=even(body.velocity), strain=even(body.strain) * shares,
-        ) if isinstance(body, ri.Rod) else body for body in system.bodies
+            segments=[
+                ri.Segment(s.length, s.area * shares, s.material) for s in body.segments
+            ],
+            velocity=even(body.velocity),
+            strain=even(body.strain) * shares,
+        )
+        if isinstance(body, ri.Rod)
+        else body
+        for body in system.bodies
     ]
-    ends = [type(end)(even(end.value)) if isinstance(end, ri.Pushed | ri.Moved) else end
-            for end in system.ends]
+    ends = [
+        type(end)(even(end.value)) if isinstance(end, ri.Pushed | ri.Moved) else end
+        for end in system.ends
+    ]
     gaps = [gap * shares for gap in system.gaps]
     return ri.System(bodies, gaps, system.contacts, gravity=system.gravity, ends=ends)
 
@@ -174,11 +197,18 @@ def test_a_single_collision_is_a_family_too():
 
 
 def test_a_member_that_outgrows_the_work_space_runs_again(monkeypatch):
-    system = ri.System([
-        ri.Rod(0.1 * np.sqrt([2, 3, 5, 7]), area=1e-4, material=MATERIALS[0], velocity=1.0),
-        ri.Rod(0.13, area=3e-4, material=MATERIALS[1]),
-        ri.Rod(0.17, area=5e-4, material=MATERIALS[0], velocity=-1.0),
-    ])
+    system = ri.System(
+        [
+            ri.Rod(
+                0.1 * np.sqrt([2, 3, 5, 7]),
+                area=1e-4,
+                material=MATERIALS[0],
+                velocity=1.0,
+            ),
+            ri.Rod(0.13, area=3e-4, material=MATERIALS[1]),
+            ri.Rod(0.17, area=5e-4, material=MATERIALS[0], velocity=-1.0),
+        ]
+    )
     roomy = ri.sweep(system)
     monkeypatch.setattr("rodimpact.methods.fronts.driver.ROOM", 1)
     for compiling in (False, True):
@@ -261,21 +291,58 @@ def test_a_cap_before_the_time_asked_for_is_no_end():
 TIMES = np.linspace(0.0, 4e-4, 41)
 
 
-@pytest.mark.parametrize(("make", "options", "gauges"), [
-    (lambda: small_map((3, 2)), {"until": 3e-4}, [(0, 0.05), (1, 0.5), (1, 0.0), (0, 0.1)]),
-    (lambda: small_map((3, 2)), {}, [(1, 0.7)]),
-    (lambda: ri.System([
-        ri.Wall(), ri.Rod(segments=[ri.Segment(0.1, np.array([1e-4, 2e-4]), STEEL),
-                                    ri.Segment(0.2, 2e-4, STEEL)], velocity=-1.0,
-                          strain=ri.Steps([1e-5, 0.0], [0.15])),
-    ]), {"until": 4e-4}, [(1, 0.1), (1, 0.25)]),
-    (lambda: ri.System([ri.RigidMass(0.1, velocity=np.array([1.0, 2.0])),
-                        ri.Rod(0.5, area=1e-4, material=STEEL), ri.Wall()], gravity=9.81),
-     {"until": 3e-4}, [(1, 0.2)]),
-    (lambda: ri.System([ri.Rod(0.3, area=1e-4, material=STEEL, velocity=np.array([1.0, 2.0])),
-                        ri.Wall()]),
-     {"until": 3e-4, "method": "finite-difference", "cells": 20}, [(0, 0.1), (0, 0.3)]),
-])
+@pytest.mark.parametrize(
+    ("make", "options", "gauges"),
+    [
+        (
+            lambda: small_map((3, 2)),
+            {"until": 3e-4},
+            [(0, 0.05), (1, 0.5), (1, 0.0), (0, 0.1)],
+        ),
+        (lambda: small_map((3, 2)), {}, [(1, 0.7)]),
+        (
+            lambda: ri.System(
+                [
+                    ri.Wall(),
+                    ri.Rod(
+                        segments=[
+                            ri.Segment(0.1, np.array([1e-4, 2e-4]), STEEL),
+                            ri.Segment(0.2, 2e-4, STEEL),
+                        ],
+                        velocity=-1.0,
+                        strain=ri.Steps([1e-5, 0.0], [0.15]),
+                    ),
+                ]
+            ),
+            {"until": 4e-4},
+            [(1, 0.1), (1, 0.25)],
+        ),
+        (
+            lambda: ri.System(
+                [
+                    ri.RigidMass(0.1, velocity=np.array([1.0, 2.0])),
+                    ri.Rod(0.5, area=1e-4, material=STEEL),
+                    ri.Wall(),
+                ],
+                gravity=9.81,
+            ),
+            {"until": 3e-4},
+            [(1, 0.2)],
+        ),
+        (
+            lambda: ri.System(
+                [
+                    ri.Rod(
+                        0.3, area=1e-4, material=STEEL, velocity=np.array([1.0, 2.0])
+                    ),
+                    ri.Wall(),
+                ]
+            ),
+            {"until": 3e-4, "method": "finite-difference", "cells": 20},
+            [(0, 0.1), (0, 0.3)],
+        ),
+    ],
+)
 def test_gauges_equal_those_of_single_solutions(make, options, gauges):
     system = make()
     result = ri.sweep(system, gauges=gauges, times=TIMES, **options)
@@ -294,20 +361,27 @@ def test_gauges_equal_those_of_single_solutions(make, options, gauges):
 
 
 def test_a_refused_member_has_no_strain():
-    result = ri.sweep(pair(np.array([0.5, 1e-13]), 1e-4), gauges=[(1, 0.5)], times=TIMES)
+    result = ri.sweep(
+        pair(np.array([0.5, 1e-13]), 1e-4), gauges=[(1, 0.5)], times=TIMES
+    )
     assert np.isnan(result.strain).all(axis=(1, 2)).tolist() == [False, True]
 
 
-@pytest.mark.parametrize(("given", "path"), [
-    ({"times": TIMES}, "times"),
-    ({"gauges": [(1, 0.5)], "times": [-1.0]}, "times[0]"),
-    ({"gauges": [(2, 0.5)], "times": TIMES}, "gauges.0.body"),
-    ({"gauges": [(1, 0.5), (1.0, 0.5)], "times": TIMES}, "gauges.1.body"),
-    ({"gauges": [(0, 0.3)], "times": TIMES}, "gauges.0.x"),
-    ({"gauges": [(1, [0.1, 0.2])], "times": TIMES}, "gauges.0.x"),
-])
+@pytest.mark.parametrize(
+    ("given", "path"),
+    [
+        ({"times": TIMES}, "times"),
+        ({"gauges": [(1, 0.5)], "times": [-1.0]}, "times[0]"),
+        ({"gauges": [(2, 0.5)], "times": TIMES}, "gauges.0.body"),
+        ({"gauges": [(1, 0.5), (1.0, 0.5)], "times": TIMES}, "gauges.1.body"),
+        ({"gauges": [(0, 0.3)], "times": TIMES}, "gauges.0.x"),
+        ({"gauges": [(1, [0.1, 0.2])], "times": TIMES}, "gauges.0.x"),
+    ],
+)
 def test_gauges_are_checked(given, path):
-    assert list(problems(lambda: ri.sweep(pair(np.array([0.4, 0.2]), 1e-4), **given))) == [path]
+    assert list(
+        problems(lambda: ri.sweep(pair(np.array([0.4, 0.2]), 1e-4), **given))
+    ) == [path]
 
 
 def test_gauges_are_saved_and_have_dimensions(tmp_path):
@@ -324,7 +398,9 @@ def test_gauges_are_saved_and_have_dimensions(tmp_path):
     assert chosen.values.tolist() == result.strain[:, :, 0, 30].tolist()
     assert np.isfinite(chosen.values).all()
     assert (data["body"].values.tolist(), data["x"].values.tolist()) == ([1], [0.5])
-    assert all({"long_name", "units"} <= set(one.attrs) for one in data.variables.values())
+    assert all(
+        {"long_name", "units"} <= set(one.attrs) for one in data.variables.values()
+    )
 
 
 # Members without a result ------------------------------------------------------------------------
@@ -334,7 +410,9 @@ def with_one_bad(count=10_000):
     """A family in which one member has transit times too far apart for one clock."""
     lengths = np.full(count, 0.5)
     lengths[count // 3] = 1e-13
-    return pair(lengths.reshape(-1, 100), 1e-4), np.unravel_index(count // 3, (count // 100, 100))
+    return pair(lengths.reshape(-1, 100), 1e-4), np.unravel_index(
+        count // 3, (count // 100, 100)
+    )
 
 
 def test_one_bad_member_does_not_lose_the_others():
@@ -346,7 +424,13 @@ def test_one_bad_member_does_not_lose_the_others():
     assert not result.final[index]
     assert "too short beside the longest" in result.explain(index)
     np.testing.assert_allclose(result.restitution[~bad], 0.5, atol=1e-15)
-    for name in ("velocity_after.0", "impulse.0", "vibration", "peak_force.0", "duration.0"):
+    for name in (
+        "velocity_after.0",
+        "impulse.0",
+        "vibration",
+        "peak_force.0",
+        "duration.0",
+    ):
         assert np.isnan(result.columns[name][index])
 
 
@@ -373,12 +457,19 @@ def test_no_collision_is_no_error():
     assert "move apart" in result.explain(1)
 
 
-@pytest.mark.parametrize(("change", "path"), [
-    ({"method": "magic"}, "method"), ({"on_error": "ignore"}, "on_error"),
-    ({"workers": 0}, "workers"), ({"max_events": 1.5}, "max_events"),
-    *(({"executor": executor}, "executor")
-      for executor in (object(), "processes", 4, ProcessPoolExecutor)),
-])
+@pytest.mark.parametrize(
+    ("change", "path"),
+    [
+        ({"method": "magic"}, "method"),
+        ({"on_error": "ignore"}, "on_error"),
+        ({"workers": 0}, "workers"),
+        ({"max_events": 1.5}, "max_events"),
+        *(
+            ({"executor": executor}, "executor")
+            for executor in (object(), "processes", 4, ProcessPoolExecutor)
+        ),
+    ],
+)
 def test_arguments_are_checked(change, path):
     assert list(problems(lambda: ri.sweep(pair(0.4, 1e-4), **change))) == [path]
 
@@ -415,7 +506,10 @@ def test_a_dask_cluster_gives_the_same_bytes(small_chunks):
         warnings.simplefilter("ignore")
         with (
             distributed.LocalCluster(
-                n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
+                n_workers=2,
+                threads_per_worker=1,
+                processes=True,
+                dashboard_address=None,
             ) as cluster,
             distributed.Client(cluster) as client,
         ):
@@ -433,16 +527,27 @@ def test_progress_counts_collisions(small_chunks):
 def test_axes_and_parameters_have_the_names_of_a_case_file():
     system = ri.System(
         [
-            ri.Rod(np.linspace(0.1, 0.4, 4)[:, None, None], area=1e-4, material=STEEL, velocity=1),
-            ri.Rod(segments=[ri.Segment(0.2, np.array([1e-4, 2e-4]), STEEL),
-                             ri.Segment(0.2, 1e-4, STEEL)]),
+            ri.Rod(
+                np.linspace(0.1, 0.4, 4)[:, None, None],
+                area=1e-4,
+                material=STEEL,
+                velocity=1,
+            ),
+            ri.Rod(
+                segments=[
+                    ri.Segment(0.2, np.array([1e-4, 2e-4]), STEEL),
+                    ri.Segment(0.2, 1e-4, STEEL),
+                ]
+            ),
         ],
         gaps=[np.array([0.0, 1e-5, 2e-5])[:, None]],
     )
     result = ri.sweep(system)
     assert result.shape == (4, 3, 2)
     assert [axis.name for axis in result.axes] == [
-        "bodies.0.length", "contacts.0.gap", "bodies.1.segments.0.area",
+        "bodies.0.length",
+        "contacts.0.gap",
+        "bodies.1.segments.0.area",
     ]
     assert result.axes[2].values.tolist() == [1e-4, 2e-4]
     assert set(result.parameters) == {axis.name for axis in result.axes}
@@ -464,17 +569,27 @@ def test_to_xarray_and_pandas():
     pytest.importorskip("xarray")
     pytest.importorskip("pandas")
     result = ri.sweep(small_map((3, 2)))
-    assert repr(result) == "<SweepResult of shape (3, 2) over bodies.0.length, bodies.1.area>"
+    assert (
+        repr(result)
+        == "<SweepResult of shape (3, 2) over bodies.0.length, bodies.1.area>"
+    )
     frame = result.to_dataframe()
     assert frame["restitution"].tolist() == result.restitution.ravel().tolist()
     assert set(frame["status"]) == {"final"}
     data = result.to_xarray()
     chosen = data["restitution"].sel({"bodies.1.area": 2e-5}).values
     assert chosen.tolist() == result.restitution[:, 0].tolist()
-    assert data["status"].values.tolist() == result.status.tolist() == [["final"] * 2] * 3
-    assert data["velocity_after.1"].attrs == {"long_name": "velocity of rod 2 after",
-                                              "units": "m/s"}
-    assert data["bodies.0.length"].attrs == {"long_name": "length of rod 1", "units": "m"}
+    assert (
+        data["status"].values.tolist() == result.status.tolist() == [["final"] * 2] * 3
+    )
+    assert data["velocity_after.1"].attrs == {
+        "long_name": "velocity of rod 2 after",
+        "units": "m/s",
+    }
+    assert data["bodies.0.length"].attrs == {
+        "long_name": "length of rod 1",
+        "units": "m",
+    }
 
 
 def test_a_missing_package_is_named(monkeypatch):
@@ -489,7 +604,9 @@ def test_a_family_with_no_members_is_refused(tmp_path, checkpoint):
     """As a mask selects that is nowhere true."""
     family = small_map()
     for nobody in (family[np.zeros(family.shape, dtype=bool)], family[:0]):
-        with pytest.raises(ri.InvalidModel, match="system: has no members, its shape is"):
+        with pytest.raises(
+            ri.InvalidModel, match="system: has no members, its shape is"
+        ):
             ri.sweep(nobody, checkpoint=tmp_path / "kept" if checkpoint else None)
     assert not (tmp_path / "kept").exists()
 
@@ -499,17 +616,25 @@ def test_a_family_with_no_members_is_refused(tmp_path, checkpoint):
 
 def rows_to_read():
     """Rows that bond, bounce off walls, vibrate at the start, and are driven."""
+
     def rod(length, velocity=0.0, area=1e-4, **strain):
         return ri.Rod(length, area=area, material=STEEL, velocity=velocity, **strain)
 
     lengths = np.array([0.3, 0.77])
     jumps = ri.Steps([1.0, 0.0, 2.0], at=[0.1, 0.2])
     return [
-        ri.System([rod(lengths, 1.0), rod(1.0, area=3e-4), ri.Wall(velocity=-0.1)],
-                  contacts=[ri.Rigid(), ri.Bonded()], gaps=[1e-5, 0.0]),
-        ri.System([rod(lengths, jumps, strain=ri.Steps([1e-4, 0.0], at=[0.15])), rod(1.0)]),
-        ri.System([rod(lengths), rod(1.0)],
-                  ends=(ri.Pushed(ri.Steps([1e3, 0.0], at=[1e-4])), ri.Absorbing())),
+        ri.System(
+            [rod(lengths, 1.0), rod(1.0, area=3e-4), ri.Wall(velocity=-0.1)],
+            contacts=[ri.Rigid(), ri.Bonded()],
+            gaps=[1e-5, 0.0],
+        ),
+        ri.System(
+            [rod(lengths, jumps, strain=ri.Steps([1e-4, 0.0], at=[0.15])), rod(1.0)]
+        ),
+        ri.System(
+            [rod(lengths), rod(1.0)],
+            ends=(ri.Pushed(ri.Steps([1e3, 0.0], at=[1e-4])), ri.Absorbing()),
+        ),
     ]
 
 
@@ -525,19 +650,26 @@ def test_displacements_and_stresses_are_those_of_the_fields(row, until, compilin
     assert not result.dissipated.any()
     for i, body in enumerate(system.bodies):
         np.testing.assert_allclose(
-            result.displacements[i], alone.displacements[i], rtol=1e-5, atol=1e-9)
+            result.displacements[i], alone.displacements[i], rtol=1e-5, atol=1e-9
+        )
         if isinstance(body, ri.Wall):
             assert i not in result.largest_stresses
             continue
         np.testing.assert_allclose(
-            result.largest_stresses[i], alone.largest_stresses[i], rtol=1e-5, atol=1.0)
+            result.largest_stresses[i], alone.largest_stresses[i], rtol=1e-5, atol=1.0
+        )
         solution = ri.solve(system[1], until=until)
         x = np.linspace(0, float(system[1].bodies[i].length), 2001)
-        moved = solution.displacement(i, x, solution.t_end) - solution.displacement(i, x, 0.0)
+        moved = solution.displacement(i, x, solution.t_end) - solution.displacement(
+            i, x, 0.0
+        )
         assert result.displacements[i][1] == pytest.approx(
-            np.trapezoid(moved, x) / x[-1], rel=1e-4, abs=1e-9)
+            np.trapezoid(moved, x) / x[-1], rel=1e-4, abs=1e-9
+        )
         stress = solution.stress(i, x[::10, None], np.linspace(0, solution.t_end, 1001))
-        assert result.largest_stresses[i][1] == pytest.approx(np.abs(stress).max(), rel=1e-9)
+        assert result.largest_stresses[i][1] == pytest.approx(
+            np.abs(stress).max(), rel=1e-9
+        )
 
 
 def test_ground_that_yields_takes_the_yield_force_times_the_set():
@@ -548,7 +680,9 @@ def test_ground_that_yields_takes_the_yield_force_times_the_set():
     result = ri.sweep(system, until=8e-3, also=["dissipated", "set"])
     assert result.sets[0][0] == pytest.approx(0.0, abs=1e-12)
     assert result.sets[0][1] > 1e-4
-    np.testing.assert_allclose(result.dissipated, F * result.sets[0], rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(
+        result.dissipated, F * result.sets[0], rtol=1e-6, atol=1e-6
+    )
     with pytest.raises(ValueError, match="largest_stress: was not asked for"):
         _ = result.largest_stresses
 
@@ -565,9 +699,14 @@ def test_what_was_asked_for_is_in_tables_and_files(tmp_path):
     assert again.readings.also == ALSO
 
 
-@pytest.mark.parametrize(("given", "sentence"), [
-    ("set", "must be a list of"), (["weight"], "got 'weight'"), (["displacement"], "until"),
-])
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ("set", "must be a list of"),
+        (["weight"], "got 'weight'"),
+        (["displacement"], "until"),
+    ],
+)
 def test_what_is_asked_for_is_checked(given, sentence):
     with pytest.raises(ri.InvalidModel, match=f"also: .*{sentence}"):
         ri.sweep(small_map(), also=given)
@@ -585,7 +724,10 @@ def test_where_no_thread_can_start(monkeypatch, small_chunks):
 
 
 def test_several_contacts_have_columns_of_their_own():
-    rods = [ri.Rod(0.2, area=1e-4, material=STEEL, velocity=v) for v in ([1.0, 2.0], 0.0, 0.0)]
+    rods = [
+        ri.Rod(0.2, area=1e-4, material=STEEL, velocity=v)
+        for v in ([1.0, 2.0], 0.0, 0.0)
+    ]
     result = ri.sweep(ri.System(rods))
     np.testing.assert_allclose(result.velocities_after[2], [1.0, 2.0], rtol=1e-14)
     with pytest.raises(ValueError, match=r"result\.contacts"):
@@ -593,4 +735,6 @@ def test_several_contacts_have_columns_of_their_own():
     one = result.contacts[0]
     pair = ri.sweep(ri.System(rods[:2]))
     assert (pair.duration.tolist(), pair.peak_force.tolist()) == (
-        one.duration.tolist(), one.peak_force.tolist())
+        one.duration.tolist(),
+        one.peak_force.tolist(),
+    )

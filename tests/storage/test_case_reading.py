@@ -26,7 +26,8 @@ from rodimpact.storage.casefile import Case, parse_case, write_case
 
 
 def test_everything_at_once():
-    case = parse_case("""
+    case = parse_case(
+        """
         schema = 1
         [materials.steel]
         youngs_modulus = "210 GPa"
@@ -69,18 +70,27 @@ def test_everything_at_once():
         [output]
         plot = "a.png"
         save = "a.npz"
-    """, "name")
+    """,
+        "name",
+    )
     steel = ri.Material("steel", youngs_modulus=210e9, density=7800)
     rubber = ri.Material(
         "my rubber", youngs_modulus=5e6, density=1100, poisson_ratio=0.49, viscosity=2e3
     )
     left = ri.Rod(
-        0.4, diameter=0.02, material=steel, velocity=ri.Steps([1, 0], [0.1]),
+        0.4,
+        diameter=0.02,
+        material=steel,
+        velocity=ri.Steps([1, 0], [0.1]),
         strain=1e-4,
     )
     right = ri.Rod(
-        segments=[ri.Segment(0.1, 1e-4, rubber), ri.Segment(0.2, 2e-4, ri.materials.brass)],
-        velocity=-2, strain=ri.Steps([0, 1e-3], [0.15]),
+        segments=[
+            ri.Segment(0.1, 1e-4, rubber),
+            ri.Segment(0.2, 2e-4, ri.materials.brass),
+        ],
+        velocity=-2,
+        strain=ri.Steps([0, 1e-3], [0.15]),
     )
     assert case == Case(
         ri.System([ri.Wall(1e-3), left, right], gaps=[0, 50e-6]),
@@ -117,26 +127,54 @@ def test_masses_gravity_laws_ends_and_steps_of_time():
         dt = "0.1 us"
         method = "auto"
     """)
-    moving = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=ri.Samples([0, 1, 2]),
-                    strain=ri.Samples([1e-3, 0]))
+    moving = ri.Rod(
+        0.4,
+        area=1e-4,
+        material=STEEL,
+        velocity=ri.Samples([0, 1, 2]),
+        strain=ri.Samples([1e-3, 0]),
+    )
     assert case.system == ri.System(
-        [ri.RigidMass(0.5, velocity=2.0), ri.RigidMass(2), moving, ROD, ri.RigidMass(1000), ROD],
+        [
+            ri.RigidMass(0.5, velocity=2.0),
+            ri.RigidMass(2),
+            moving,
+            ROD,
+            ri.RigidMass(1000),
+            ROD,
+        ],
         gaps=[0, 1e-3, 0, 0, 0],
-        contacts=[ri.Rigid(0.8), ri.SpringDashpot(3e6, 4.0), ri.Hertz(12e9),
-                  ri.HuntCrossley(1e9, 0.2), ri.Spring(1e6)],
+        contacts=[
+            ri.Rigid(0.8),
+            ri.SpringDashpot(3e6, 4.0),
+            ri.Hertz(12e9),
+            ri.HuntCrossley(1e9, 0.2),
+            ri.Spring(1e6),
+        ],
         gravity=-9.81,
-        ends=(ri.Pushed(ri.Steps([1e3, 0], [1e-3])), ri.Moved(ri.Samples([0, 0.01], step=1e-5))),
+        ends=(
+            ri.Pushed(ri.Steps([1e3, 0], [1e-3])),
+            ri.Moved(ri.Samples([0, 0.01], step=1e-5)),
+        ),
     )
     assert case.solve == {"dt": 1e-7, "method": "auto"}
     assert parse_case(write_case(case)) == case
 
 
-@pytest.mark.parametrize(("written", "end"), [
-    ('"fixed"', ri.Fixed()), ('"absorbing"', ri.Absorbing()), ('"free"', ri.Free()),
-    ('"force"\nvalue = "-2 kN"', ri.Pushed(-2000)), ('"velocity"\nvalue = 3', ri.Moved(3)),
-    ('"incoming"\nvalue = {samples = [0, -1e-3], step = "2 us"}',
-     ri.Incoming(ri.Samples([0, -1e-3], step=2e-6))),
-])
+@pytest.mark.parametrize(
+    ("written", "end"),
+    [
+        ('"fixed"', ri.Fixed()),
+        ('"absorbing"', ri.Absorbing()),
+        ('"free"', ri.Free()),
+        ('"force"\nvalue = "-2 kN"', ri.Pushed(-2000)),
+        ('"velocity"\nvalue = 3', ri.Moved(3)),
+        (
+            '"incoming"\nvalue = {samples = [0, -1e-3], step = "2 us"}',
+            ri.Incoming(ri.Samples([0, -1e-3], step=2e-6)),
+        ),
+    ],
+)
 def test_ends(written, end):
     case = parse_case(HEAD + A_ROD + LEFT + written)
     assert case.system == ri.System([ROD], ends=(end, ri.Free()))
@@ -163,18 +201,31 @@ STEPPED = "[[bodies]]\nkind = 'rod'\n" + "".join(
 @pytest.mark.parametrize(
     ("bodies", "entries", "faces"),
     [
-        ((A_ROD, BRASS_ROD), ["left_radius = '2 cm'", "right_radius = 0.01"],
-         (0.02, 0.01, "steel", "brass")),
-        ((A_ROD, BRASS_ROD), ["left_radius = 0.02", "right_radius = 'inf'"],
-         (0.02, math.inf, "steel", "brass")),
-        ((A_ROD, BRASS_ROD), ["right_radius = 0.02"], (math.inf, 0.02, "steel", "brass")),
+        (
+            (A_ROD, BRASS_ROD),
+            ["left_radius = '2 cm'", "right_radius = 0.01"],
+            (0.02, 0.01, "steel", "brass"),
+        ),
+        (
+            (A_ROD, BRASS_ROD),
+            ["left_radius = 0.02", "right_radius = 'inf'"],
+            (0.02, math.inf, "steel", "brass"),
+        ),
+        (
+            (A_ROD, BRASS_ROD),
+            ["right_radius = 0.02"],
+            (math.inf, 0.02, "steel", "brass"),
+        ),
         # the segment at the contact
         ((STEPPED, A_ROD), ["left_radius = 0.02"], (0.02, math.inf, "copper", "steel")),
         ((A_ROD, STEPPED), ["left_radius = 0.02"], (0.02, math.inf, "steel", "glass")),
         # what is rigid does not yield, unless the file says of what it is made
         ((A_ROD, A_WALL), ["left_radius = 0.02"], (0.02, math.inf, "steel", None)),
-        ((A_ROD, A_WALL), ["left_radius = 0.02", "right_material = 'glass'"],
-         (0.02, math.inf, "steel", "glass")),
+        (
+            (A_ROD, A_WALL),
+            ["left_radius = 0.02", "right_material = 'glass'"],
+            (0.02, math.inf, "steel", "glass"),
+        ),
     ],
 )
 def test_hertz_contact_from_radii(bodies, entries, faces):
@@ -199,149 +250,433 @@ def test_a_case_is_frozen():
         ("schema = true\n" + A_ROD, "schema", "must be 1; begin the file"),
         ("schema = 2\nnews = 1\n", "schema", "is 2; this rodimpact reads 1"),
         (HEAD, "bodies", "is missing; describe each body in a [[bodies]] table"),
-        (HEAD + "bodies = 3", "bodies", "must be tables that each begin [[bodies]], got 3"),
-        (HEAD + "friction = 1\n" + A_ROD, "friction",
-         "unknown key; use one of schema, materials, gravity, bodies, contacts, ends, solve"),
-        (HEAD + "gravity = '9.81 m/s'\n" + A_ROD, "gravity", "'m/s' is a unit of velocity"),
-        (HEAD + "gravity = [1, 2]\n" + A_ROD, "gravity", 'vary={"gravity": "start:stop:count"}'),
+        (
+            HEAD + "bodies = 3",
+            "bodies",
+            "must be tables that each begin [[bodies]], got 3",
+        ),
+        (
+            HEAD + "friction = 1\n" + A_ROD,
+            "friction",
+            "unknown key; use one of schema, materials, gravity, bodies, contacts, ends, solve",
+        ),
+        (
+            HEAD + "gravity = '9.81 m/s'\n" + A_ROD,
+            "gravity",
+            "'m/s' is a unit of velocity",
+        ),
+        (
+            HEAD + "gravity = [1, 2]\n" + A_ROD,
+            "gravity",
+            'vary={"gravity": "start:stop:count"}',
+        ),
         (HEAD + A_ROD + "[solv]", "solv", "unknown key; perhaps 'solve' is meant"),
         # bodies
-        (HEAD + "[[bodies]]", "bodies.0.kind", "is missing; use one of rod, mass, wall"),
-        (HEAD + "[[bodies]]\nkind='Rood'", "bodies.0.kind", "unknown kind 'Rood'; perhaps 'rod'"),
-        (HEAD + A_ROD + "velocty = 1", "bodies.0.velocty", "unknown key; perhaps 'velocity'"),
-        (HEAD + A_ROD + "diameter = 1", "bodies.0.diameter", "either area or diameter, not both"),
-        *((HEAD + A_ROD.replace("area = 1e-4", f"diameter = {wrong}"), "bodies.0.diameter", said)
-          for wrong, said in [("0", "positive"), ("-1", "positive"), ("'1 kg'", "a unit of mass"),
-                              ("nan", "finite"), ("[1]", "cannot read")]),
-        *((HEAD + A_ROD.replace("0.4", wrong), "bodies.0.length",
-           "must be 0 or of a magnitude from 1e-150 to 1e+150")
-          for wrong in ("1e-320", "1e-308", "1e308", "'1e-300 m'")),
+        (
+            HEAD + "[[bodies]]",
+            "bodies.0.kind",
+            "is missing; use one of rod, mass, wall",
+        ),
+        (
+            HEAD + "[[bodies]]\nkind='Rood'",
+            "bodies.0.kind",
+            "unknown kind 'Rood'; perhaps 'rod'",
+        ),
+        (
+            HEAD + A_ROD + "velocty = 1",
+            "bodies.0.velocty",
+            "unknown key; perhaps 'velocity'",
+        ),
+        (
+            HEAD + A_ROD + "diameter = 1",
+            "bodies.0.diameter",
+            "either area or diameter, not both",
+        ),
+        *(
+            (
+                HEAD + A_ROD.replace("area = 1e-4", f"diameter = {wrong}"),
+                "bodies.0.diameter",
+                said,
+            )
+            for wrong, said in [
+                ("0", "positive"),
+                ("-1", "positive"),
+                ("'1 kg'", "a unit of mass"),
+                ("nan", "finite"),
+                ("[1]", "cannot read"),
+            ]
+        ),
+        *(
+            (
+                HEAD + A_ROD.replace("0.4", wrong),
+                "bodies.0.length",
+                "must be 0 or of a magnitude from 1e-150 to 1e+150",
+            )
+            for wrong in ("1e-320", "1e-308", "1e308", "'1e-300 m'")
+        ),
         (HEAD + A_ROD + "velocity = true", "bodies.0.velocity", "it is not a number"),
-        (HEAD + A_ROD + "velocity = [1, 2]", "bodies.0.velocity",
-         'vary={"bodies.0.velocity": "start:stop:count"} varies it'),
-        (HEAD + A_ROD + "strain = [1, 2]", "bodies.0.strain",
-         "A profile is written {values = [...], at = [...]} or {samples = [...]}; vary="),
-        (HEAD + "[[bodies]]\nkind='mass'\n" + A_ROD + LAW + "'hertz'\nstiffness=1",
-         "bodies.0.mass", "is missing; give a number in SI units or text with one of kg, g"),
-        (HEAD + A_MASS.replace("2", "-2") + A_ROD, "bodies.0.mass",
-         "must be a finite positive number of kilograms, got -2.0"),
+        (
+            HEAD + A_ROD + "velocity = [1, 2]",
+            "bodies.0.velocity",
+            'vary={"bodies.0.velocity": "start:stop:count"} varies it',
+        ),
+        (
+            HEAD + A_ROD + "strain = [1, 2]",
+            "bodies.0.strain",
+            "A profile is written {values = [...], at = [...]} or {samples = [...]}; vary=",
+        ),
+        (
+            HEAD + "[[bodies]]\nkind='mass'\n" + A_ROD + LAW + "'hertz'\nstiffness=1",
+            "bodies.0.mass",
+            "is missing; give a number in SI units or text with one of kg, g",
+        ),
+        (
+            HEAD + A_MASS.replace("2", "-2") + A_ROD,
+            "bodies.0.mass",
+            "must be a finite positive number of kilograms, got -2.0",
+        ),
         (HEAD + A_ROD + A_WALL + A_ROD, "bodies.1", "only at an end of the row"),
         (HEAD + A_WALL + A_WALL, "bodies", "a rod or a rigid mass"),
         # profiles
-        (HEAD + A_ROD + "velocity = {values=[1,2]}", "bodies.0.velocity.at", "is missing"),
-        (HEAD + A_ROD + "velocity = {values=1, at=[]}", "bodies.0.velocity.values", "a list"),
-        (HEAD + A_ROD + "velocity = {values=[1,2], at=['1 s']}", "bodies.0.velocity.at.0",
-         "'s' is a unit of time"),
-        (HEAD + A_ROD + "strain = {values=[1,[2]], at=[0.1]}", "bodies.0.strain.values.1",
-         "cannot read [2] as dimensionless: it is not a number"),
-        (HEAD + A_ROD + "velocity = {samples=[1]}", "bodies.0.velocity.samples",
-         "must be a list of at least two numbers, got [1.0]"),
-        (HEAD + A_ROD + "velocity = {samples=[1, 2], step=1}", "bodies.0.velocity.step",
-         "unknown key; use one of samples"),
+        (
+            HEAD + A_ROD + "velocity = {values=[1,2]}",
+            "bodies.0.velocity.at",
+            "is missing",
+        ),
+        (
+            HEAD + A_ROD + "velocity = {values=1, at=[]}",
+            "bodies.0.velocity.values",
+            "a list",
+        ),
+        (
+            HEAD + A_ROD + "velocity = {values=[1,2], at=['1 s']}",
+            "bodies.0.velocity.at.0",
+            "'s' is a unit of time",
+        ),
+        (
+            HEAD + A_ROD + "strain = {values=[1,[2]], at=[0.1]}",
+            "bodies.0.strain.values.1",
+            "cannot read [2] as dimensionless: it is not a number",
+        ),
+        (
+            HEAD + A_ROD + "velocity = {samples=[1]}",
+            "bodies.0.velocity.samples",
+            "must be a list of at least two numbers, got [1.0]",
+        ),
+        (
+            HEAD + A_ROD + "velocity = {samples=[1, 2], step=1}",
+            "bodies.0.velocity.step",
+            "unknown key; use one of samples",
+        ),
         # tapers and lateral inertia
-        (HEAD + with_area("{samples = [1, '2 cm']}"), "bodies.0.area.samples.1",
-         "'cm' is a unit of length"),
-        (HEAD + with_area("{values = [1, -2], at = [0.1]}"), "bodies.0.area.values.1",
-         "positive number of square metres, got -2.0"),
-        (HEAD + with_area("[1, 2]"), "bodies.0.area", "A profile is written {values = [...], at"),
-        (HEAD + with_area("{samples = [1, 2]}\npolar_moment = 1\n"
-                          "lateral_inertia = 'rayleigh-love'"),
-         "bodies.0.polar_moment", 'must be "circular" along a taper'),
-        (HEAD + A_ROD + "polar_moment = 'circle'", "bodies.0.polar_moment",
-         "unknown polar_moment 'circle'; perhaps 'circular' is meant"),
-        (HEAD + A_ROD + "polar_moment = 'circular'\nlateral_inertia = 'mindlin'",
-         "bodies.0.lateral_inertia",
-         "unknown lateral_inertia 'mindlin'; perhaps 'mindlin-herrmann' is meant"),
-        (HEAD + A_ROD + "polar_moment = '1 cm^3'", "bodies.0.polar_moment", "perhaps 'cm^4' is"),
-        (HEAD + "[[bodies]]\nkind='rod'\n[[bodies.segments]]\nlength=1\nmaterial='steel'\n"
-         "area={values=[1, 2], at=[0.5]}", "bodies.0.segments.0.area", "jumps inside a segment"),
+        (
+            HEAD + with_area("{samples = [1, '2 cm']}"),
+            "bodies.0.area.samples.1",
+            "'cm' is a unit of length",
+        ),
+        (
+            HEAD + with_area("{values = [1, -2], at = [0.1]}"),
+            "bodies.0.area.values.1",
+            "positive number of square metres, got -2.0",
+        ),
+        (
+            HEAD + with_area("[1, 2]"),
+            "bodies.0.area",
+            "A profile is written {values = [...], at",
+        ),
+        (
+            HEAD
+            + with_area(
+                "{samples = [1, 2]}\npolar_moment = 1\n"
+                "lateral_inertia = 'rayleigh-love'"
+            ),
+            "bodies.0.polar_moment",
+            'must be "circular" along a taper',
+        ),
+        (
+            HEAD + A_ROD + "polar_moment = 'circle'",
+            "bodies.0.polar_moment",
+            "unknown polar_moment 'circle'; perhaps 'circular' is meant",
+        ),
+        (
+            HEAD + A_ROD + "polar_moment = 'circular'\nlateral_inertia = 'mindlin'",
+            "bodies.0.lateral_inertia",
+            "unknown lateral_inertia 'mindlin'; perhaps 'mindlin-herrmann' is meant",
+        ),
+        (
+            HEAD + A_ROD + "polar_moment = '1 cm^3'",
+            "bodies.0.polar_moment",
+            "perhaps 'cm^4' is",
+        ),
+        (
+            HEAD
+            + "[[bodies]]\nkind='rod'\n[[bodies.segments]]\nlength=1\nmaterial='steel'\n"
+            "area={values=[1, 2], at=[0.5]}",
+            "bodies.0.segments.0.area",
+            "jumps inside a segment",
+        ),
         # segments
-        (HEAD + A_ROD + "segments = []", "bodies.0.segments", "either segments or length"),
-        (HEAD + "[[bodies]]\nkind='rod'\nsegments = []", "bodies.0.segments", "at least one"),
-        (HEAD + "[[bodies]]\nkind='rod'\n[[bodies.segments]]\nlength=1\narea=1\nmaterial='steel'\n"
-         "velocity=1", "bodies.0.segments.0.velocity", "unknown key"),
+        (
+            HEAD + A_ROD + "segments = []",
+            "bodies.0.segments",
+            "either segments or length",
+        ),
+        (
+            HEAD + "[[bodies]]\nkind='rod'\nsegments = []",
+            "bodies.0.segments",
+            "at least one",
+        ),
+        (
+            HEAD
+            + "[[bodies]]\nkind='rod'\n[[bodies.segments]]\nlength=1\narea=1\nmaterial='steel'\n"
+            "velocity=1",
+            "bodies.0.segments.0.velocity",
+            "unknown key",
+        ),
         # materials
-        (HEAD + A_ROD.replace("steel", "Steal"), "bodies.0.material",
-         "unknown material 'Steal'; perhaps 'steel' is meant"),
-        (HEAD + A_ROD.replace('"steel"', "3"), "bodies.0.material", "unknown material 3"),
-        (HEAD + A_ROD + "[materials.x]\nyoungs_modulus=1", "materials.x.density",
-         "is missing; give a number in SI units or text with one of kg/m^3, g/cm^3"),
-        (HEAD + A_ROD + "[materials.x]\nyoung_modulus=1\nyoungs_modulus=1\ndensity=1",
-         "materials.x.young_modulus", "perhaps 'youngs_modulus'"),
-        (HEAD + A_ROD + A_GUM + "loss_factor=1", "materials.x.loss_frequency",
-         "is missing; give a number in SI units or text with one of Hz, kHz, MHz"),
-        (HEAD + A_ROD + A_GUM + "loss_factor=1\nloss_frequency=1\nviscosity=0",
-         "materials.x.viscosity", "either viscosity or loss_factor and loss_frequency, not both"),
-        (HEAD + A_ROD + A_GUM + "loss_frequency=1", "materials.x.loss_factor",
-         "is missing; give a number"),
-        (HEAD + A_ROD + "[[materials]]\nx = 3", "materials", "must be a table, got [{'x': 3}]"),
+        (
+            HEAD + A_ROD.replace("steel", "Steal"),
+            "bodies.0.material",
+            "unknown material 'Steal'; perhaps 'steel' is meant",
+        ),
+        (
+            HEAD + A_ROD.replace('"steel"', "3"),
+            "bodies.0.material",
+            "unknown material 3",
+        ),
+        (
+            HEAD + A_ROD + "[materials.x]\nyoungs_modulus=1",
+            "materials.x.density",
+            "is missing; give a number in SI units or text with one of kg/m^3, g/cm^3",
+        ),
+        (
+            HEAD
+            + A_ROD
+            + "[materials.x]\nyoung_modulus=1\nyoungs_modulus=1\ndensity=1",
+            "materials.x.young_modulus",
+            "perhaps 'youngs_modulus'",
+        ),
+        (
+            HEAD + A_ROD + A_GUM + "loss_factor=1",
+            "materials.x.loss_frequency",
+            "is missing; give a number in SI units or text with one of Hz, kHz, MHz",
+        ),
+        (
+            HEAD + A_ROD + A_GUM + "loss_factor=1\nloss_frequency=1\nviscosity=0",
+            "materials.x.viscosity",
+            "either viscosity or loss_factor and loss_frequency, not both",
+        ),
+        (
+            HEAD + A_ROD + A_GUM + "loss_frequency=1",
+            "materials.x.loss_factor",
+            "is missing; give a number",
+        ),
+        (
+            HEAD + A_ROD + "[[materials]]\nx = 3",
+            "materials",
+            "must be a table, got [{'x': 3}]",
+        ),
         # contacts
-        (HEAD + A_ROD + A_WALL + "[[contacts]]\ngap = -1", "contacts.0.gap", "non-negative"),
-        (HEAD + A_ROD + A_WALL + "[[contacts]]\ngap = 1\nlaw = 'bonded'", "contacts.0.gap",
-         "must be 0 where bodies are joined"),
-        (HEAD + A_ROD + A_WALL + "[[contacts]]\nlaw = 'glued'", "contacts.0.law",
-         "unknown law 'glued'; use one of rigid, bonded, joint, spring, spring-dashpot, hertz"),
-        (HEAD + A_ROD + A_WALL + LAW + "'Hertzian'\nstiffness = 1", "contacts.0.law",
-         "perhaps 'hertz' is meant"),
-        (HEAD + A_MASS + A_MASS + A_ROD, "contacts.0", "no wave decides this contact: give Rigid("),
-        (HEAD + A_ROD + A_WALL + CONTACT + "restitution = 1", "contacts.0.restitution",
-         "the waves of a rod decide this contact: leave it out"),
-        (HEAD + A_MASS + A_MASS + A_ROD + CONTACT + "restitution = '120 %'\n" + CONTACT,
-         "contacts.0.restitution", "must lie in [0, 1], got 1.2"),
-        (HEAD + A_ROD + A_WALL + LAW + "'spring'", "contacts.0.stiffness",
-         "is missing; give a number in SI units or text with one of N/m, N/mm"),
-        (HEAD + A_ROD + A_WALL + LAW + "'spring'\nstiffness = 1\ndamping = 1",
-         "contacts.0.damping", "unknown key; use one of gap, law, stiffness"),
-        (HEAD + A_ROD + A_WALL + LAW + "'hunt-crossley'\nstiffness = 1", "contacts.0.damping",
-         "is missing; give a number in SI units or text with one of s/m"),
-        (HEAD + A_ROD + A_WALL + LAW + "'hertz'", "contacts.0.stiffness",
-         "give either the stiffness, or left_radius and right_radius"),
-        (HEAD + A_ROD + A_WALL + LAW + "'hertz'\nstiffness = 1\nleft_radius = 1",
-         "contacts.0.stiffness", "either the stiffness, or left_radius and right_radius"),
-        (HEAD + A_ROD + A_WALL + LAW + "'hertz'\nleft_radius = 'inf'", "contacts.0.right_radius",
-         "two flat faces make no Hertz contact"),
-        (HEAD + A_ROD.replace("steel", "oak") + A_WALL + LAW + "'hertz'\nleft_radius = 1",
-         "contacts.0.left_material", "must be a Material with a poisson_ratio"),
-        (HEAD + A_MASS + A_MASS + A_ROD + LAW + "'hertz'\nleft_radius = 1\n" + CONTACT,
-         "contacts.0.right_material", "one of the faces must be elastic"),
+        (
+            HEAD + A_ROD + A_WALL + "[[contacts]]\ngap = -1",
+            "contacts.0.gap",
+            "non-negative",
+        ),
+        (
+            HEAD + A_ROD + A_WALL + "[[contacts]]\ngap = 1\nlaw = 'bonded'",
+            "contacts.0.gap",
+            "must be 0 where bodies are joined",
+        ),
+        (
+            HEAD + A_ROD + A_WALL + "[[contacts]]\nlaw = 'glued'",
+            "contacts.0.law",
+            "unknown law 'glued'; use one of rigid, bonded, joint, spring, spring-dashpot, hertz",
+        ),
+        (
+            HEAD + A_ROD + A_WALL + LAW + "'Hertzian'\nstiffness = 1",
+            "contacts.0.law",
+            "perhaps 'hertz' is meant",
+        ),
+        (
+            HEAD + A_MASS + A_MASS + A_ROD,
+            "contacts.0",
+            "no wave decides this contact: give Rigid(",
+        ),
+        (
+            HEAD + A_ROD + A_WALL + CONTACT + "restitution = 1",
+            "contacts.0.restitution",
+            "the waves of a rod decide this contact: leave it out",
+        ),
+        (
+            HEAD
+            + A_MASS
+            + A_MASS
+            + A_ROD
+            + CONTACT
+            + "restitution = '120 %'\n"
+            + CONTACT,
+            "contacts.0.restitution",
+            "must lie in [0, 1], got 1.2",
+        ),
+        (
+            HEAD + A_ROD + A_WALL + LAW + "'spring'",
+            "contacts.0.stiffness",
+            "is missing; give a number in SI units or text with one of N/m, N/mm",
+        ),
+        (
+            HEAD + A_ROD + A_WALL + LAW + "'spring'\nstiffness = 1\ndamping = 1",
+            "contacts.0.damping",
+            "unknown key; use one of gap, law, stiffness",
+        ),
+        (
+            HEAD + A_ROD + A_WALL + LAW + "'hunt-crossley'\nstiffness = 1",
+            "contacts.0.damping",
+            "is missing; give a number in SI units or text with one of s/m",
+        ),
+        (
+            HEAD + A_ROD + A_WALL + LAW + "'hertz'",
+            "contacts.0.stiffness",
+            "give either the stiffness, or left_radius and right_radius",
+        ),
+        (
+            HEAD + A_ROD + A_WALL + LAW + "'hertz'\nstiffness = 1\nleft_radius = 1",
+            "contacts.0.stiffness",
+            "either the stiffness, or left_radius and right_radius",
+        ),
+        (
+            HEAD + A_ROD + A_WALL + LAW + "'hertz'\nleft_radius = 'inf'",
+            "contacts.0.right_radius",
+            "two flat faces make no Hertz contact",
+        ),
+        (
+            HEAD
+            + A_ROD.replace("steel", "oak")
+            + A_WALL
+            + LAW
+            + "'hertz'\nleft_radius = 1",
+            "contacts.0.left_material",
+            "must be a Material with a poisson_ratio",
+        ),
+        (
+            HEAD
+            + A_MASS
+            + A_MASS
+            + A_ROD
+            + LAW
+            + "'hertz'\nleft_radius = 1\n"
+            + CONTACT,
+            "contacts.0.right_material",
+            "one of the faces must be elastic",
+        ),
         # ends
         (HEAD + A_ROD + "ends = 3", "bodies.0.ends", "unknown key"),
-        (HEAD + A_ROD + "[ends]\nleft = 'fixed'", "ends.left", "must be a table, got 'fixed'"),
-        (HEAD + A_ROD + "[ends.top]\nkind = 'fixed'", "ends.top", "use one of left, right"),
-        (HEAD + A_ROD + "[ends.left]", "ends.left.kind",
-         "is missing; use one of free, fixed, absorbing, force, velocity, incoming"),
-        (HEAD + A_ROD + LEFT + "'clamped'\nvalue = 1", "ends.left.kind", "unknown kind 'clamped'"),
-        (HEAD + A_ROD + LEFT + "'force'", "ends.left.value", "or text with one of N, mN"),
-        (HEAD + A_ROD + LEFT + "'velocity'\nvalue = [1, 2]", "ends.left.value",
-         "is written {values = [...], at = [...]} or {samples = [...], step = ...}; vary="),
-        (HEAD + A_ROD + LEFT + "'force'\nvalue = {samples=[1, 2]}", "ends.left.value.step",
-         "is missing; give a number in SI units or text with one of s"),
-        (HEAD + A_WALL + A_ROD + LEFT + "'fixed'", "ends.left", "no place beyond a wall"),
-        (HEAD + A_ROD + A_WALL + "[[contacts]]\nLaw = 'rigid'", "contacts.0.Law", "perhaps 'law'"),
-        (HEAD + A_ROD + A_ROD + A_WALL + "[[contacts]]", "contacts", "pair, 2 in all, got"),
+        (
+            HEAD + A_ROD + "[ends]\nleft = 'fixed'",
+            "ends.left",
+            "must be a table, got 'fixed'",
+        ),
+        (
+            HEAD + A_ROD + "[ends.top]\nkind = 'fixed'",
+            "ends.top",
+            "use one of left, right",
+        ),
+        (
+            HEAD + A_ROD + "[ends.left]",
+            "ends.left.kind",
+            "is missing; use one of free, fixed, absorbing, force, velocity, incoming",
+        ),
+        (
+            HEAD + A_ROD + LEFT + "'clamped'\nvalue = 1",
+            "ends.left.kind",
+            "unknown kind 'clamped'",
+        ),
+        (
+            HEAD + A_ROD + LEFT + "'force'",
+            "ends.left.value",
+            "or text with one of N, mN",
+        ),
+        (
+            HEAD + A_ROD + LEFT + "'velocity'\nvalue = [1, 2]",
+            "ends.left.value",
+            "is written {values = [...], at = [...]} or {samples = [...], step = ...}; vary=",
+        ),
+        (
+            HEAD + A_ROD + LEFT + "'force'\nvalue = {samples=[1, 2]}",
+            "ends.left.value.step",
+            "is missing; give a number in SI units or text with one of s",
+        ),
+        (
+            HEAD + A_WALL + A_ROD + LEFT + "'fixed'",
+            "ends.left",
+            "no place beyond a wall",
+        ),
+        (
+            HEAD + A_ROD + A_WALL + "[[contacts]]\nLaw = 'rigid'",
+            "contacts.0.Law",
+            "perhaps 'law'",
+        ),
+        (
+            HEAD + A_ROD + A_ROD + A_WALL + "[[contacts]]",
+            "contacts",
+            "pair, 2 in all, got",
+        ),
         # what to do
-        (HEAD + A_ROD + "[solve]\nuntil = -1", "solve.until", "non-negative number of seconds"),
-        (HEAD + A_ROD + "[solve]\nmethod = 'front'", "solve.method", "one of 'auto', 'fronts'"),
+        (
+            HEAD + A_ROD + "[solve]\nuntil = -1",
+            "solve.until",
+            "non-negative number of seconds",
+        ),
+        (
+            HEAD + A_ROD + "[solve]\nmethod = 'front'",
+            "solve.method",
+            "one of 'auto', 'fronts'",
+        ),
         (HEAD + A_ROD + "[solve]\ndt = 1\nrtol = 1e-6", "solve.dt", "give one of them"),
-        (HEAD + A_ROD + "[solve]\nmax_event = 1", "solve.max_event", "perhaps 'max_events'"),
-        (HEAD + A_ROD + "[solve]\nsnapshots = '9'", "solve.snapshots", "or a list of times"),
-        (HEAD + A_ROD + "[output]\nplot = ''", "output.plot", "must be the name of a file"),
-        (HEAD + A_ROD + '[output]\nplot = "a\\u0000b"', "output.plot",
-         r"must be the name of a file, got 'a\x00b'"),
-        (HEAD + A_ROD + "[output]\nplots = 'a'", "output.plots", "perhaps 'plot' is meant"),
+        (
+            HEAD + A_ROD + "[solve]\nmax_event = 1",
+            "solve.max_event",
+            "perhaps 'max_events'",
+        ),
+        (
+            HEAD + A_ROD + "[solve]\nsnapshots = '9'",
+            "solve.snapshots",
+            "or a list of times",
+        ),
+        (
+            HEAD + A_ROD + "[output]\nplot = ''",
+            "output.plot",
+            "must be the name of a file",
+        ),
+        (
+            HEAD + A_ROD + '[output]\nplot = "a\\u0000b"',
+            "output.plot",
+            r"must be the name of a file, got 'a\x00b'",
+        ),
+        (
+            HEAD + A_ROD + "[output]\nplots = 'a'",
+            "output.plots",
+            "perhaps 'plot' is meant",
+        ),
     ],
 )
 def test_each_mistake_alone(text, path, said):
     found = problems(text)
     assert list(found) == [path]
     assert said in found[path]
-    profiles = ("bodies.0.area", "bodies.0.velocity", "bodies.0.strain", "ends.left.value")
+    profiles = (
+        "bodies.0.area",
+        "bodies.0.velocity",
+        "bodies.0.strain",
+        "ends.left.value",
+    )
     assert "{values" not in found[path] or path in profiles
 
 
 def test_what_a_rod_must_have():
     assert list(problems(HEAD + "[[bodies]]\nkind = 'rod'")) == [
-        "bodies.0.length", "bodies.0.material", "bodies.0.area",
+        "bodies.0.length",
+        "bodies.0.material",
+        "bodies.0.area",
     ]
 
 
@@ -368,14 +703,37 @@ def test_all_mistakes_at_once_each_with_its_path():
         output = {plot = 1}
     """)
     assert set(found) == {
-        "foo", "gravity", "materials.rubber.youngs_modulus", "materials.rubber.density",
-        "bodies.0.length", "bodies.0.area", "bodies.0.material", "bodies.0.velocity.values.1",
+        "foo",
+        "gravity",
+        "materials.rubber.youngs_modulus",
+        "materials.rubber.density",
+        "bodies.0.length",
+        "bodies.0.area",
+        "bodies.0.material",
+        "bodies.0.velocity.values.1",
         "bodies.0.strain.at",
-        "bodies.1.velocity", "bodies.1.size", "bodies.1", "bodies.2.segments.0.length",
-        "bodies.2.segments.0.area", "bodies.2.segments.1.length", "bodies.2.segments.1.area",
-        "bodies.3.kind", "bodies.4.mass", "contacts", "contacts.0.gap", "contacts.1.gap",
-        "contacts.1.law", "contacts.2.left_radius", "contacts.2.right_material",
-        "ends.left.value", "ends.right.value", "solve.until", "solve.method", "solve.max_events",
-        "solve.dt", "solve.rtol", "output.plot",
+        "bodies.1.velocity",
+        "bodies.1.size",
+        "bodies.1",
+        "bodies.2.segments.0.length",
+        "bodies.2.segments.0.area",
+        "bodies.2.segments.1.length",
+        "bodies.2.segments.1.area",
+        "bodies.3.kind",
+        "bodies.4.mass",
+        "contacts",
+        "contacts.0.gap",
+        "contacts.1.gap",
+        "contacts.1.law",
+        "contacts.2.left_radius",
+        "contacts.2.right_material",
+        "ends.left.value",
+        "ends.right.value",
+        "solve.until",
+        "solve.method",
+        "solve.max_events",
+        "solve.dt",
+        "solve.rtol",
+        "output.plot",
     }
     assert not any("None" in message or "nan" in message for message in found.values())

@@ -29,13 +29,18 @@ def whole(example):
 @pytest.mark.parametrize("table", sections(), ids=lambda table: table.title)
 def test_each_example_is_read_and_every_key_that_is_told_is_known(table):
     assert case_from(whole(tomllib.loads(table.example)))
-    wrong = [entry.key for entry in table.entries if f"{entry.key} =" not in table.example]
+    wrong = [
+        entry.key for entry in table.entries if f"{entry.key} =" not in table.example
+    ]
     lines = [f"{key} = []" for key in wrong if key != "law"]
     data = whole(tomllib.loads("\n".join([table.example, *lines, "nonsense = 0"])))
     with pytest.raises(ri.InvalidModel) as mistakes:
         case_from(data)
-    unknown = {path.split(".")[-1] for path, text in mistakes.value.problems
-               if text.startswith("unknown key")}
+    unknown = {
+        path.split(".")[-1]
+        for path, text in mistakes.value.problems
+        if text.startswith("unknown key")
+    }
     assert unknown == {"nonsense"}
 
 
@@ -60,6 +65,10 @@ def test_help_tells_every_table_and_every_unit(capsys):
     rows = capsys.readouterr().out.splitlines()[1:-2]
     assert [row.split("  ")[0] for row in rows] == list(UNITS)
     for dimension, row in zip(UNITS, rows, strict=True):
-        si, *others = row.removeprefix(dimension).strip().replace("  ", ", ").split(", ")
+        si, *others = (
+            row.removeprefix(dimension).strip().replace("  ", ", ").split(", ")
+        )
         assert parse(f"1 {si}" if si != "1" else "1", dimension) == 1
-        assert all(parse(f"1 {unit.strip()}", dimension) > 0 for unit in others if unit.strip())
+        assert all(
+            parse(f"1 {unit.strip()}", dimension) > 0 for unit in others if unit.strip()
+        )

@@ -18,16 +18,31 @@ def told(text, vary=None):
 @pytest.mark.parametrize(
     ("text", "first"),
     [
-        (HEAD + A_ROD + "".join(f"k{i} = 1\n" for i in range(2_000)),
-         "bodies.0.k0: unknown key; use one of kind, "),
-        (HEAD + A_ROD + "strain = {samples = [" + "'1 m'," * 2_000 + "]}",
-         "bodies.0.strain.samples.0: cannot read '1 m' as dimensionless"),
-        (HEAD + with_area("{values = [" + "-1," * 2_000 + "], at = ["
-                          + ", ".join(f"{1e-4 * (i + 1)}" for i in range(1_999)) + "]}"),
-         "bodies.0.area.values.0: must be a finite positive number"),
-        (HEAD + "".join(A_ROD.replace("steel", f"x{i}") for i in range(200))
-         + "".join(f"[materials.y{i}]\nyoungs_modulus = 1\n" for i in range(1_800)),
-         "materials.y0.density: is missing"),
+        (
+            HEAD + A_ROD + "".join(f"k{i} = 1\n" for i in range(2_000)),
+            "bodies.0.k0: unknown key; use one of kind, ",
+        ),
+        (
+            HEAD + A_ROD + "strain = {samples = [" + "'1 m'," * 2_000 + "]}",
+            "bodies.0.strain.samples.0: cannot read '1 m' as dimensionless",
+        ),
+        (
+            HEAD
+            + with_area(
+                "{values = ["
+                + "-1," * 2_000
+                + "], at = ["
+                + ", ".join(f"{1e-4 * (i + 1)}" for i in range(1_999))
+                + "]}"
+            ),
+            "bodies.0.area.values.0: must be a finite positive number",
+        ),
+        (
+            HEAD
+            + "".join(A_ROD.replace("steel", f"x{i}") for i in range(200))
+            + "".join(f"[materials.y{i}]\nyoungs_modulus = 1\n" for i in range(1_800)),
+            "materials.y0.density: is missing",
+        ),
     ],
 )
 def test_of_2000_mistakes_the_first_are_told_and_the_rest_counted(text, first):
@@ -40,22 +55,42 @@ def test_of_2000_mistakes_the_first_are_told_and_the_rest_counted(text, first):
     assert len(str(error)) < 4000
 
 
-@pytest.mark.parametrize("text", [
-    "schema" + DEEP + "\n" + A_ROD, HEAD + "gravity" + DEEP + "\n" + A_ROD,
-    HEAD + "bodies" + DEEP, HEAD + "materials" + DEEP + "\n" + A_ROD,
-    HEAD + A_ROD + "strain" + DEEP, HEAD + A_ROD + "polar_moment" + DEEP,
-    HEAD + A_ROD + "[[bodies]]\nkind" + DEEP, HEAD + A_ROD.replace("= 0.4", DEEP),
-    HEAD + A_ROD + "[ends.left]\nkind" + DEEP, HEAD + A_ROD + "[a" + DEEP.replace(" = 1", "]"),
-    *(HEAD + A_ROD + f"[solve]\n{key}{DEEP}"
-      for key in ("until", "method", "max_events", "dt", "rtol", "cells", "snapshots")),
-    HEAD + A_ROD + "[output]\nplot" + DEEP,
-])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "schema" + DEEP + "\n" + A_ROD,
+        HEAD + "gravity" + DEEP + "\n" + A_ROD,
+        HEAD + "bodies" + DEEP,
+        HEAD + "materials" + DEEP + "\n" + A_ROD,
+        HEAD + A_ROD + "strain" + DEEP,
+        HEAD + A_ROD + "polar_moment" + DEEP,
+        HEAD + A_ROD + "[[bodies]]\nkind" + DEEP,
+        HEAD + A_ROD.replace("= 0.4", DEEP),
+        HEAD + A_ROD + "[ends.left]\nkind" + DEEP,
+        HEAD + A_ROD + "[a" + DEEP.replace(" = 1", "]"),
+        *(
+            HEAD + A_ROD + f"[solve]\n{key}{DEEP}"
+            for key in (
+                "until",
+                "method",
+                "max_events",
+                "dt",
+                "rtol",
+                "cells",
+                "snapshots",
+            )
+        ),
+        HEAD + A_ROD + "[output]\nplot" + DEEP,
+    ],
+)
 def test_keys_1200_deep_are_told_shortly(text):
     for message in problems(text).values():
         assert len(message) < 300
 
 
-@pytest.mark.parametrize("key", ["until", "dt", "rtol", "max_events", "cells", "snapshots"])
+@pytest.mark.parametrize(
+    "key", ["until", "dt", "rtol", "max_events", "cells", "snapshots"]
+)
 @pytest.mark.parametrize("number", [10**400, 10**30 - 1])
 def test_integers_without_end_are_refused(key, number):
     if number < 10**31 and key in ("until", "dt", "rtol"):
@@ -68,13 +103,20 @@ def test_integers_without_end_are_refused(key, number):
 
 def test_keys_and_values_are_told_in_one_line_without_control_characters():
     error = told(HEAD + A_ROD + '"a\\u001b[31m\\n\\u202e" = 1\nkind2 = 2')
-    assert str(error).split("\n")[0].startswith(r"bodies.0.a\x1b[31m \u202e: unknown key")
+    assert (
+        str(error).split("\n")[0].startswith(r"bodies.0.a\x1b[31m \u202e: unknown key")
+    )
     assert len(str(told(HEAD + A_ROD + '"' + "x" * 10**6 + '" = 1'))) < 300
     name = "y" * 10**6
-    for text in (A_ROD.replace("steel", name), A_ROD + f'[[bodies]]\nkind = "{name}"',
-                 A_ROD + f'polar_moment = "{name}"', A_ROD + f'strain = "{name}"',
-                 A_ROD + f'[[contacts]]\nlaw = "{name}"', A_ROD + f'[solve]\nmethod = "{name}"',
-                 A_ROD + f'[materials.{name}]\nyoungs_modulus = 1\ndensity = -1'):
+    for text in (
+        A_ROD.replace("steel", name),
+        A_ROD + f'[[bodies]]\nkind = "{name}"',
+        A_ROD + f'polar_moment = "{name}"',
+        A_ROD + f'strain = "{name}"',
+        A_ROD + f'[[contacts]]\nlaw = "{name}"',
+        A_ROD + f'[solve]\nmethod = "{name}"',
+        A_ROD + f"[materials.{name}]\nyoungs_modulus = 1\ndensity = -1",
+    ):
         assert len(str(told(HEAD + text))) < 400
     assert len(str(told(HEAD + A_ROD, {name: "1,2"}))) < 400
     assert len(str(told(HEAD + A_ROD, {"bodies.0.length": name}))) < 400

@@ -61,17 +61,22 @@ def test_a_file_too_large_for_a_case_is_not_read(tmp_path):
 @pytest.mark.parametrize("given", [None, 1, [], {1: 2}, b"case.toml", object()])
 def test_what_is_no_case_at_all_is_refused(given):
     for refuse, name, kind in [
-        (read_case, "path", "the name of a file"), (parse_case, "case", "the text of a case file"),
+        (read_case, "path", "the name of a file"),
+        (parse_case, "case", "the text of a case file"),
         (write_case, "case", "a Case or a System"),
         (lambda it: write_case(Case(it)), "case", "a Case or a System"),
     ]:
         with pytest.raises(ri.InvalidModel, match=f"^{name}: must be {kind}, got "):
             refuse(given)
     if not isinstance(given, dict):
-        with pytest.raises(ri.InvalidModel, match="case: must be the tables of a case file, got "):
+        with pytest.raises(
+            ri.InvalidModel, match="case: must be the tables of a case file, got "
+        ):
             case_from(given)
     if given is not None:
-        with pytest.raises(ri.InvalidModel, match="vary: must name numbers by their paths"):
+        with pytest.raises(
+            ri.InvalidModel, match="vary: must name numbers by their paths"
+        ):
             parse_case(HEAD + A_ROD, vary=given)
 
 
@@ -97,8 +102,12 @@ def test_files_that_are_no_toml(tmp_path, content, said):
 
 
 def test_written_cases_read_back_equal():
-    case = Case(ri.System([ROD]), {"until": 1e-3, "method": "fronts", "max_events": 5},
-                {"plot": 'a "b" \\ \x7f\n€.png'}, gauges=(GaugePlace(0, 0.25), GaugePlace(0, 1.0)))
+    case = Case(
+        ri.System([ROD]),
+        {"until": 1e-3, "method": "fronts", "max_events": 5},
+        {"plot": 'a "b" \\ \x7f\n€.png'},
+        gauges=(GaugePlace(0, 0.25), GaugePlace(0, 1.0)),
+    )
     assert parse_case(write_case(case), "") == case
 
 
@@ -129,7 +138,9 @@ def test_a_family_is_no_case():
 def test_two_materials_of_one_name_cannot_be_written():
     other = ri.Material("steel", youngs_modulus=1e9, density=1000)
     system = ri.System([ROD, ri.Rod(1.0, area=1e-4, material=other)])
-    with pytest.raises(ri.InvalidModel, match=r"bodies\.1\.material: .*'steel'.*rename"):
+    with pytest.raises(
+        ri.InvalidModel, match=r"bodies\.1\.material: .*'steel'.*rename"
+    ):
         write_case(system)
 
 
@@ -157,36 +168,50 @@ def episode(k, name):
     return lambda s: getattr(s.contacts[k].episodes[0], name)
 
 
-@pytest.mark.parametrize(("name", "read", "said", "rel"), [
-    ("unequal-rods", lambda s: s.outcome.restitution, 0.4, 1e-12),
-    ("unequal-rods", episode(0, "force_end"), 0.1585e-3, 1e-3),
-    ("unequal-rods", episode(0, "opening"), 0.3962e-3, 1e-3),
-    ("rod-on-wall", episode(0, "start"), 0.5e-3, 1e-6),
-    ("rod-on-wall", contact(0, "duration"), 0.38545e-3, 1e-5),
-    ("rod-on-wall", contact(0, "peak_force"), 1270.8, 1e-4),
-    ("hopkinson-bar", contact(0, "duration"), 51.06e-6, 2e-4),
-    ("hopkinson-bar", lambda s: s.gauge(body=1, x=0.635).strain.min(), -1.0e-3, 1e-2),
-    ("hopkinson-specimen", contact(0, "peak_force"), 7737, 2e-4),
-    ("hopkinson-specimen", contact(1, "peak_force"), 0.733 * 7737, 1e-3),
-    ("rounded-rod-on-wall", lambda s: s.outcome.restitution, 0.9949, 5e-5),
-    ("rounded-rod-on-wall", contact(0, "duration"), 0.1916e-3, 1e-3),
-    ("newtons-cradle", lambda s: s.outcome.velocities_after[4], 1.0, 1e-13),
-    ("newtons-cradle", episode(3, "opening"), 99.1e-6, 1e-3),
-    ("stepped-rods", lambda s: s.outcome.restitution, 0.9434, 5e-5),
-    ("between-walls", lambda s: np.abs(s.mean_velocity(1, np.linspace(0, s.t_end, 99))).max(), 9,
-     1e-9),
-    ("clamped-bar", episode(0, "opening"), 2.0, 1e-15),
-    ("lossy-rods", lambda s: s.outcome.restitution, 0.4, 1e-4),
-    ("lossy-rods", lambda s: s.ring_down().frequency, 2524, 1e-3),
-    ("lossy-rods", lambda s: s.ring_down().modal_decay_time, 1.249e-3, 1e-3),
-    ("horn", lambda s: s.velocity(1, 0.0, 3e-6), 0.5, 2e-2),
-])
+@pytest.mark.parametrize(
+    ("name", "read", "said", "rel"),
+    [
+        ("unequal-rods", lambda s: s.outcome.restitution, 0.4, 1e-12),
+        ("unequal-rods", episode(0, "force_end"), 0.1585e-3, 1e-3),
+        ("unequal-rods", episode(0, "opening"), 0.3962e-3, 1e-3),
+        ("rod-on-wall", episode(0, "start"), 0.5e-3, 1e-6),
+        ("rod-on-wall", contact(0, "duration"), 0.38545e-3, 1e-5),
+        ("rod-on-wall", contact(0, "peak_force"), 1270.8, 1e-4),
+        ("hopkinson-bar", contact(0, "duration"), 51.06e-6, 2e-4),
+        (
+            "hopkinson-bar",
+            lambda s: s.gauge(body=1, x=0.635).strain.min(),
+            -1.0e-3,
+            1e-2,
+        ),
+        ("hopkinson-specimen", contact(0, "peak_force"), 7737, 2e-4),
+        ("hopkinson-specimen", contact(1, "peak_force"), 0.733 * 7737, 1e-3),
+        ("rounded-rod-on-wall", lambda s: s.outcome.restitution, 0.9949, 5e-5),
+        ("rounded-rod-on-wall", contact(0, "duration"), 0.1916e-3, 1e-3),
+        ("newtons-cradle", lambda s: s.outcome.velocities_after[4], 1.0, 1e-13),
+        ("newtons-cradle", episode(3, "opening"), 99.1e-6, 1e-3),
+        ("stepped-rods", lambda s: s.outcome.restitution, 0.9434, 5e-5),
+        (
+            "between-walls",
+            lambda s: np.abs(s.mean_velocity(1, np.linspace(0, s.t_end, 99))).max(),
+            9,
+            1e-9,
+        ),
+        ("clamped-bar", episode(0, "opening"), 2.0, 1e-15),
+        ("lossy-rods", lambda s: s.outcome.restitution, 0.4, 1e-4),
+        ("lossy-rods", lambda s: s.ring_down().frequency, 2524, 1e-3),
+        ("lossy-rods", lambda s: s.ring_down().modal_decay_time, 1.249e-3, 1e-3),
+        ("horn", lambda s: s.velocity(1, 0.0, 3e-6), 0.5, 2e-2),
+    ],
+)
 def test_the_worked_cases_say_what_comes_out(name, read, said, rel):
     assert read(solved(name)) == pytest.approx(said, rel=rel)
 
 
 def test_a_long_case_is_announced(monkeypatch):
     monkeypatch.setattr("rodimpact.methods.duration.LONG", 0.0)
-    with (pytest.warns(ri.LongRun, match=r"MB of TOML\); a shorter file takes less"),
-          pytest.raises(ri.InvalidModel)):
+    with (
+        pytest.warns(ri.LongRun, match=r"MB of TOML\); a shorter file takes less"),
+        pytest.raises(ri.InvalidModel),
+    ):
         ri.parse_case("a = 1")

@@ -22,10 +22,17 @@ GAUGED = {"until": 3e-4, "gauges": [(0, 0.05), (1, 0.5)], "times": [0.0, 1e-4, 2
 
 
 def family(count=30, area=1e-4):
-    return ri.System([
-        ri.Rod(np.linspace(0.1, 1, count)[:, None], area=area, material=STEEL, velocity=1.0),
-        ri.Rod(1.0, area=np.array([1e-4, 3e-4]), material=STEEL),
-    ])
+    return ri.System(
+        [
+            ri.Rod(
+                np.linspace(0.1, 1, count)[:, None],
+                area=area,
+                material=STEEL,
+                velocity=1.0,
+            ),
+            ri.Rod(1.0, area=np.array([1e-4, 3e-4]), material=STEEL),
+        ]
+    )
 
 
 @pytest.fixture(autouse=True)
@@ -52,8 +59,10 @@ def counted(monkeypatch):
     """The chunks that are run meanwhile."""
     runs, work = [], ri.sweep.__globals__["run_chunk"]
     with monkeypatch.context() as patch:
-        patch.setattr("rodimpact.running.sweeping.run_chunk",
-                      lambda *given: runs.append(given[0]) or work(*given))
+        patch.setattr(
+            "rodimpact.running.sweeping.run_chunk",
+            lambda *given: runs.append(given[0]) or work(*given),
+        )
         yield runs
 
 
@@ -68,6 +77,7 @@ def test_what_is_on_disk_equals_what_is_in_memory(tmp_path, monkeypatch):
 @pytest.mark.parametrize("options", [{}, GAUGED])
 def test_an_interrupted_sweep_goes_on(tmp_path, monkeypatch, options):
     """What was done is not done again, and the end is the same."""
+
     def interrupt(done, total):
         if done >= 20:
             raise KeyboardInterrupt
@@ -100,8 +110,14 @@ print("ready", flush=True)
 sys.stdin.readline()
 ri.sweep(family(MANY), checkpoint={str(path)!r}, progress=progress)
 """
-    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    process = subprocess.Popen([sys.executable, "-W", "ignore", "-c", code], text=True, **pipes)
+    pipes = {
+        "stdin": subprocess.PIPE,
+        "stdout": subprocess.PIPE,
+        "stderr": subprocess.PIPE,
+    }
+    process = subprocess.Popen(
+        [sys.executable, "-W", "ignore", "-c", code], text=True, **pipes
+    )
     assert process.stdout.readline() == "ready\n", process.stderr.read()
     return process
 
@@ -124,8 +140,11 @@ def test_a_killed_process_goes_on_to_the_same_bytes(tmp_path, seed):
     assert 0 < marks[0] < 30
     assert marks == sorted(marks)
     assert same(ri.sweep(family(MANY), checkpoint=kept), ri.sweep(family(MANY)))
-    assert all(path.match("members-*.npz") for path in kept.iterdir()
-               if not path.name.startswith(".rodimpact-"))  # of a process that was killed
+    assert all(
+        path.match("members-*.npz")
+        for path in kept.iterdir()
+        if not path.name.startswith(".rodimpact-")
+    )  # of a process that was killed
 
 
 def test_a_full_disk_is_an_error_that_loses_nothing(tmp_path, monkeypatch):
@@ -145,11 +164,16 @@ def test_a_full_disk_is_an_error_that_loses_nothing(tmp_path, monkeypatch):
     assert same(ri.sweep(family(), checkpoint=tmp_path), ri.sweep(family()))
 
 
-@pytest.mark.parametrize(("system", "change", "what"), [
-    (family(area=2e-4), {}, "system"), (family(31), {}, "system and shape"),
-    (family(), {"max_events": 7}, "max_events"), (family(), {"until": 1e-3}, "until"),
-    (family(), {"times": [0.0, 1e-4, 3e-4]}, "times"),
-])
+@pytest.mark.parametrize(
+    ("system", "change", "what"),
+    [
+        (family(area=2e-4), {}, "system"),
+        (family(31), {}, "system and shape"),
+        (family(), {"max_events": 7}, "max_events"),
+        (family(), {"until": 1e-3}, "until"),
+        (family(), {"times": [0.0, 1e-4, 3e-4]}, "times"),
+    ],
+)
 def test_another_sweep_is_refused(tmp_path, system, change, what):
     ri.sweep(family(), checkpoint=tmp_path, **GAUGED)
     with pytest.raises(ri.FileFormatError, match=f"another {what};"):
@@ -163,8 +187,18 @@ def test_a_foreign_directory_is_refused(tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["thesis.tex"]
 
 
-COLUMNS = ["restitution", "velocity_after.0", "velocity_after.1", "impulse.0", "peak_force.0",
-           "duration.0", "episodes.0", "vibration", "final", "status"]
+COLUMNS = [
+    "restitution",
+    "velocity_after.0",
+    "velocity_after.1",
+    "impulse.0",
+    "peak_force.0",
+    "duration.0",
+    "episodes.0",
+    "vibration",
+    "final",
+    "status",
+]
 
 
 def parts(path, monkeypatch):
@@ -178,16 +212,25 @@ def parts(path, monkeypatch):
     return result, files
 
 
-@pytest.mark.parametrize("damage", [
-    lambda data: b"", lambda data: data[:-1], lambda data: b"years of work",
-    lambda data: data[:-400] + bytes([data[-400] ^ 1]) + data[-399:],
-])
-def test_a_damaged_file_is_told_and_only_its_members_run_again(tmp_path, monkeypatch, damage):
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda data: b"",
+        lambda data: data[:-1],
+        lambda data: b"years of work",
+        lambda data: data[:-400] + bytes([data[-400] ^ 1]) + data[-399:],
+    ],
+)
+def test_a_damaged_file_is_told_and_only_its_members_run_again(
+    tmp_path, monkeypatch, damage
+):
     result, files = parts(tmp_path, monkeypatch)
     damaged = damage(files[4].read_bytes())
     files[4].write_bytes(damaged)
-    with counted(monkeypatch) as runs, pytest.warns(
-            ri.DamagedChunks, match=rf"{files[4].name}: is .*run again"):
+    with (
+        counted(monkeypatch) as runs,
+        pytest.warns(ri.DamagedChunks, match=rf"{files[4].name}: is .*run again"),
+    ):
         again = ri.sweep(family(), checkpoint=tmp_path)
     assert runs == [family()[8:10]]
     assert same(again, result)
@@ -202,14 +245,21 @@ def test_a_file_of_another_sweep_is_refused(tmp_path, monkeypatch):
     _, files = parts(tmp_path / "run", monkeypatch)
     ri.sweep(family(area=2e-4), checkpoint=tmp_path / "other")
     next((tmp_path / "other").iterdir()).replace(files[3])
-    with pytest.raises(ri.FileFormatError, match="holds another sweep, with another system;"):
+    with pytest.raises(
+        ri.FileFormatError, match="holds another sweep, with another system;"
+    ):
         ri.sweep(family(), checkpoint=tmp_path / "run")
 
 
-@pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="needs a user with limits")
+@pytest.mark.skipif(
+    os.name != "posix" or os.geteuid() == 0, reason="needs a user with limits"
+)
 def test_a_directory_that_cannot_be_written_is_told_at_once(tmp_path, monkeypatch):
     tmp_path.chmod(0o500)
-    with counted(monkeypatch) as runs, pytest.raises(PermissionError, match="may not write"):
+    with (
+        counted(monkeypatch) as runs,
+        pytest.raises(PermissionError, match="may not write"),
+    ):
         ri.sweep(family(), checkpoint=tmp_path)
     assert not runs
 
@@ -222,7 +272,9 @@ def test_two_processes_may_start_on_one_directory(tmp_path):
         process.stdin.flush()
     assert [process.communicate()[1] for process in children] == [""] * 2
     assert done_in(tmp_path / "run") == 30
-    assert same(ri.sweep(family(MANY), checkpoint=tmp_path / "run"), ri.sweep(family(MANY)))
+    assert same(
+        ri.sweep(family(MANY), checkpoint=tmp_path / "run"), ri.sweep(family(MANY))
+    )
 
 
 def test_a_file_is_no_directory(tmp_path):
@@ -233,8 +285,12 @@ def test_a_file_is_no_directory(tmp_path):
 
 def test_errors_are_raised_again_when_resumed(tmp_path):
     lengths = np.array([0.5, 1e-13, 0.7])
-    system = ri.System([ri.Rod(lengths, area=1e-4, material=STEEL, velocity=1.0),
-                        ri.Rod(1.0, area=1e-4, material=STEEL)])
+    system = ri.System(
+        [
+            ri.Rod(lengths, area=1e-4, material=STEEL, velocity=1.0),
+            ri.Rod(1.0, area=1e-4, material=STEEL),
+        ]
+    )
     ri.sweep(system, on_error="record", checkpoint=tmp_path)
     with pytest.raises(ri.SweepError, match=r"member \[1\]"):
         ri.sweep(system, on_error="raise", checkpoint=tmp_path)

@@ -30,13 +30,25 @@ def test_units_are_converted(array):
     assert length.tolist() == [0.4]
 
 
-@pytest.mark.parametrize(("given", "message"), [
-    (lambda array: [np.ones(2)], "arrays: must be xarray DataArrays, got array"),
-    (lambda array: [array([1.0], dims="x", attrs={"units": "furlong"})], "unknown unit 'furlong'"),
-    (lambda array: [array(["a"], dims="x")], "must be a number, got"),
-    (lambda array: [array([1.0, 2.0], {"x": [0, last]}, "x") for last in (1, 2)], "x"),
-    (lambda array: [array(values, dims="x") for values in ([1.0], [1.0, 2.0])], "x"),
-])
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (lambda array: [np.ones(2)], "arrays: must be xarray DataArrays, got array"),
+        (
+            lambda array: [array([1.0], dims="x", attrs={"units": "furlong"})],
+            "unknown unit 'furlong'",
+        ),
+        (lambda array: [array(["a"], dims="x")], "must be a number, got"),
+        (
+            lambda array: [array([1.0, 2.0], {"x": [0, last]}, "x") for last in (1, 2)],
+            "x",
+        ),
+        (
+            lambda array: [array(values, dims="x") for values in ([1.0], [1.0, 2.0])],
+            "x",
+        ),
+    ],
+)
 def test_what_cannot_be_matched_is_refused(array, given, message):
     with pytest.raises(ValueError, match=message):
         ri.by_dimension(*given(array))

@@ -23,9 +23,15 @@ def originals(tmp_path_factory):
     rods = family(15)[3, 1]
     results = {
         "fronts": ri.solve(rods),
-        "steps": ri.solve(random_network(1, driven=True), until=1.0, method="characteristics"),
-        "grid": ri.solve(random_network(2, driven=False), 0.5, "finite-difference", cells=6),
-        "sweep": ri.sweep(family(15), until=2e-4, gauges=[(1, 0.5)], times=[1e-4, 2e-4]),
+        "steps": ri.solve(
+            random_network(1, driven=True), until=1.0, method="characteristics"
+        ),
+        "grid": ri.solve(
+            random_network(2, driven=False), 0.5, "finite-difference", cells=6
+        ),
+        "sweep": ri.sweep(
+            family(15), until=2e-4, gauges=[(1, 0.5)], times=[1e-4, 2e-4]
+        ),
     }
     folder = tmp_path_factory.mktemp("saved")
     for name, result in results.items():
@@ -123,7 +129,9 @@ def test_a_damaged_file_is_refused_or_is_what_was_saved(tmp_path, originals, see
 def spoil_directory(rng, folder, other):
     """Damage a checkpoint in one place or a few."""
     for _ in range(rng.integers(1, 4)):
-        paths = sorted(path for path in folder.iterdir() if path.is_file()) or [folder / "new.npz"]
+        paths = sorted(path for path in folder.iterdir() if path.is_file()) or [
+            folder / "new.npz"
+        ]
         one, two = (paths[i] for i in rng.choice(len(paths), 2))
         kind = rng.integers(6)
         if kind == 0:
@@ -134,18 +142,26 @@ def spoil_directory(rng, folder, other):
         elif kind == 2:
             shutil.copy(other, one)
         elif kind == 3:
-            (folder / f".rodimpact-{rng.integers(1 << 60):016x}").write_bytes(rng.bytes(9))
+            (folder / f".rodimpact-{rng.integers(1 << 60):016x}").write_bytes(
+                rng.bytes(9)
+            )
         elif one.exists():
             one.write_bytes(spoil(rng, one.read_bytes() or b"x"))
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_a_damaged_checkpoint_is_refused_or_comes_to_the_same_end(tmp_path, monkeypatch, seed):
+def test_a_damaged_checkpoint_is_refused_or_comes_to_the_same_end(
+    tmp_path, monkeypatch, seed
+):
     monkeypatch.setattr("rodimpact.methods.fronts.families.MOST_MEMBERS", 4)
     monkeypatch.setattr("rodimpact.storage.writing.os.fsync", lambda file: None)
     for name in ("EVERY", "SHARE"):  # a file a chunk
         monkeypatch.setattr(f"rodimpact.storage.checkpoint.{name}", 0.0)
-    rng, whole, folder = np.random.default_rng(seed), tmp_path / "whole", tmp_path / "damaged"
+    rng, whole, folder = (
+        np.random.default_rng(seed),
+        tmp_path / "whole",
+        tmp_path / "damaged",
+    )
     result = ri.sweep(family(15), checkpoint=whole)
     ri.sweep(family(15), checkpoint=tmp_path / "other", max_events=1)
     other = next((tmp_path / "other").iterdir())

@@ -80,38 +80,129 @@ right = {kind = "velocity", value = {samples = [0, 1], step = 1e-3}}
 @pytest.mark.parametrize(
     ("text", "path", "grid", "values", "unit", "read"),
     [
-        *((RICH + contacts, *more) for contacts in ("", GAPS) for more in [
-            ("bodies.1.length", "30 cm,0.5", [0.3, 0.5], "m",
-             lambda s: s.bodies[1].segments[0].length),
-            ("bodies.1.velocity.values.0", "-1,7", [-1, 7], "m/s",
-             lambda s: s.bodies[1].velocity.values[0]),
-            ("bodies.1.velocity.at.0", "1 mm,0.3", [1e-3, 0.3], "m",
-             lambda s: s.bodies[1].velocity.at[0]),
-            ("bodies.1.strain", "0.1 %,0", [1e-3, 0], "", lambda s: s.bodies[1].strain),
-            ("bodies.0.velocity", "0,-2 mm/s", [0, -2e-3], "m/s", lambda s: s.bodies[0].velocity),
-            ("bodies.2.segments.0.area", "1 mm^2,2", [1e-6, 2], "m^2",
-             lambda s: s.bodies[2].segments[0].area),
-            ("contacts.0.gap", "0,2 um", [0, 2e-6], "m", lambda s: s.gaps[0]),
-            ("materials.a.b.density", "1 g/cm^3,2000", [1000, 2000], "kg/m^3",
-             lambda s: s.bodies[1].segments[0].material.density),
-            ("materials.a.b.viscosity", "0,1 kPa s", [0, 1000], "Pa s",
-             lambda s: s.bodies[1].segments[0].material.viscosity),
-        ]),
-        *((ALL_KINDS, *more) for more in [
-            ("gravity", "2,9.81 m/s^2", [2, 9.81], "m/s^2", lambda s: s.gravity),
-            ("bodies.0.mass", "1,500 g", [1, 0.5], "kg", lambda s: s.bodies[0].mass),
-            ("contacts.0.restitution", "10 %,1", [0.1, 1], "", lambda s: s.contacts[0].restitution),
-            ("contacts.1.stiffness", "1,2 kN/m^1.5", [1, 2000], "N/m^1.5",
-             lambda s: s.contacts[1].stiffness),
-            ("contacts.1.damping", "1,2 s/m", [1, 2], "s/m", lambda s: s.contacts[1].damping),
-            ("ends.left.value.values.0", "1,2 kN", [1, 2000], "N",
-             lambda s: s.ends[0].value.values[0]),
-            ("ends.left.value.at.0", "1,2 ms", [1, 2e-3], "s", lambda s: s.ends[0].value.at[0]),
-            ("ends.right.value.step", "1,2 ms", [1, 2e-3], "s", lambda s: s.ends[1].value.step),
-        ]),
+        *(
+            (RICH + contacts, *more)
+            for contacts in ("", GAPS)
+            for more in [
+                (
+                    "bodies.1.length",
+                    "30 cm,0.5",
+                    [0.3, 0.5],
+                    "m",
+                    lambda s: s.bodies[1].segments[0].length,
+                ),
+                (
+                    "bodies.1.velocity.values.0",
+                    "-1,7",
+                    [-1, 7],
+                    "m/s",
+                    lambda s: s.bodies[1].velocity.values[0],
+                ),
+                (
+                    "bodies.1.velocity.at.0",
+                    "1 mm,0.3",
+                    [1e-3, 0.3],
+                    "m",
+                    lambda s: s.bodies[1].velocity.at[0],
+                ),
+                (
+                    "bodies.1.strain",
+                    "0.1 %,0",
+                    [1e-3, 0],
+                    "",
+                    lambda s: s.bodies[1].strain,
+                ),
+                (
+                    "bodies.0.velocity",
+                    "0,-2 mm/s",
+                    [0, -2e-3],
+                    "m/s",
+                    lambda s: s.bodies[0].velocity,
+                ),
+                (
+                    "bodies.2.segments.0.area",
+                    "1 mm^2,2",
+                    [1e-6, 2],
+                    "m^2",
+                    lambda s: s.bodies[2].segments[0].area,
+                ),
+                ("contacts.0.gap", "0,2 um", [0, 2e-6], "m", lambda s: s.gaps[0]),
+                (
+                    "materials.a.b.density",
+                    "1 g/cm^3,2000",
+                    [1000, 2000],
+                    "kg/m^3",
+                    lambda s: s.bodies[1].segments[0].material.density,
+                ),
+                (
+                    "materials.a.b.viscosity",
+                    "0,1 kPa s",
+                    [0, 1000],
+                    "Pa s",
+                    lambda s: s.bodies[1].segments[0].material.viscosity,
+                ),
+            ]
+        ),
+        *(
+            (ALL_KINDS, *more)
+            for more in [
+                ("gravity", "2,9.81 m/s^2", [2, 9.81], "m/s^2", lambda s: s.gravity),
+                (
+                    "bodies.0.mass",
+                    "1,500 g",
+                    [1, 0.5],
+                    "kg",
+                    lambda s: s.bodies[0].mass,
+                ),
+                (
+                    "contacts.0.restitution",
+                    "10 %,1",
+                    [0.1, 1],
+                    "",
+                    lambda s: s.contacts[0].restitution,
+                ),
+                (
+                    "contacts.1.stiffness",
+                    "1,2 kN/m^1.5",
+                    [1, 2000],
+                    "N/m^1.5",
+                    lambda s: s.contacts[1].stiffness,
+                ),
+                (
+                    "contacts.1.damping",
+                    "1,2 s/m",
+                    [1, 2],
+                    "s/m",
+                    lambda s: s.contacts[1].damping,
+                ),
+                (
+                    "ends.left.value.values.0",
+                    "1,2 kN",
+                    [1, 2000],
+                    "N",
+                    lambda s: s.ends[0].value.values[0],
+                ),
+                (
+                    "ends.left.value.at.0",
+                    "1,2 ms",
+                    [1, 2e-3],
+                    "s",
+                    lambda s: s.ends[0].value.at[0],
+                ),
+                (
+                    "ends.right.value.step",
+                    "1,2 ms",
+                    [1, 2e-3],
+                    "s",
+                    lambda s: s.ends[1].value.step,
+                ),
+            ]
+        ),
     ],
 )
-def test_any_number_may_vary_given_in_the_file_or_not(text, path, grid, values, unit, read):
+def test_any_number_may_vary_given_in_the_file_or_not(
+    text, path, grid, values, unit, read
+):
     case = parse_case(text, vary={path: grid})
     [varied] = case.varied
     assert (varied.path, varied.values.tolist(), varied.unit) == (path, values, unit)
@@ -121,7 +212,11 @@ def test_any_number_may_vary_given_in_the_file_or_not(text, path, grid, values, 
         assert read(case.system[i]) == values[i]
         # and nothing else has changed
         described, plain = (json.dumps(s.to_dict()) for s in (case.system[i], alone))
-        changes = [(a, b) for a, b in zip(described.split(), plain.split(), strict=True) if a != b]
+        changes = [
+            (a, b)
+            for a, b in zip(described.split(), plain.split(), strict=True)
+            if a != b
+        ]
         assert len(changes) <= (2 if "materials" in path else 1)
         assert changes or values[i] == read(alone)
 
@@ -134,8 +229,10 @@ def test_parameters_of_a_family_have_the_paths_that_were_varied():
 
 @pytest.mark.parametrize(
     ("path", "grid"),
-    [("contacts.3.left_radius", "1 cm,0.02"),
-     ("materials.ball.youngs_modulus", "1 GPa,2e9")],
+    [
+        ("contacts.3.left_radius", "1 cm,0.02"),
+        ("materials.ball.youngs_modulus", "1 GPa,2e9"),
+    ],
 )
 def test_radii_and_materials_of_faces_vary_the_stiffness(path, grid):
     case = parse_case(ALL_KINDS, vary={path: grid})
@@ -151,9 +248,21 @@ def test_radii_and_materials_of_faces_vary_the_stiffness(path, grid):
 
 
 def test_numbers_may_be_left_to_the_grid():
-    text = HEAD + A_MASS.replace("mass = 2", "") + A_ROD + A_ROD + LAW + "'spring'\n" + CONTACT
+    text = (
+        HEAD
+        + A_MASS.replace("mass = 2", "")
+        + A_ROD
+        + A_ROD
+        + LAW
+        + "'spring'\n"
+        + CONTACT
+    )
     text += LEFT + "'force'"
-    grids = {"bodies.0.mass": "1,2", "contacts.0.stiffness": "1,2", "ends.left.value": "1,2"}
+    grids = {
+        "bodies.0.mass": "1,2",
+        "contacts.0.stiffness": "1,2",
+        "ends.left.value": "1,2",
+    }
     case = parse_case(text, vary=grids)
     assert case.system.shape == (2, 2, 2)
     assert list(problems(text, dict(list(grids.items())[:2]))) == ["ends.left.value"]
@@ -165,13 +274,19 @@ def test_numbers_may_be_left_to_the_grid():
 def test_a_diameter_varies_the_area():
     case = parse_case(RICH, vary={"bodies.1.diameter": "1 cm:2 cm:3"})
     areas = [s.bodies[1].segments[0].area for s in (case.system[i] for i in range(3))]
-    assert areas == pytest.approx([math.pi / 4 * d * d for d in (0.01, 0.015, 0.02)], rel=1e-15)
+    assert areas == pytest.approx(
+        [math.pi / 4 * d * d for d in (0.01, 0.015, 0.02)], rel=1e-15
+    )
     assert case.system[0] == parse_case(RICH).system
     assert case.varied[0].unit == "m"
 
 
 def test_the_first_to_vary_is_the_first_axis():
-    vary = {"contacts.1.gap": "0,1,2", "bodies.1.length": "1:4:4", "bodies.1.diameter": "0.01:1:2"}
+    vary = {
+        "contacts.1.gap": "0,1,2",
+        "bodies.1.length": "1:4:4",
+        "bodies.1.diameter": "0.01:1:2",
+    }
     case = parse_case(RICH, vary=vary)
     assert case.system.shape == (3, 4, 2)
     assert [v.path for v in case.varied] == list(vary)
@@ -210,7 +325,9 @@ def test_grids(grid, values):
 
 
 @given(
-    ends=st.tuples(*[st.floats(1e-3, 1e3)] * 2), count=st.integers(2, 300), log=st.booleans()
+    ends=st.tuples(*[st.floats(1e-3, 1e3)] * 2),
+    count=st.integers(2, 300),
+    log=st.booleans(),
 )
 def test_grids_hold_both_ends_exactly(ends, count, log):
     grid = f"{ends[0]!r}:{ends[1]!r}:{count}" + ":log" * log
@@ -229,46 +346,106 @@ UNTIL = RICH + "[solve]\nuntil = 1\n"
     ("text", "path", "grid", "where", "said"),
     [
         # what is no grid
-        *((HEAD + A_ROD, "bodies.0.length", grid, "bodies.0.length", said) for grid, said in [
-            ("", "cannot read '' as length"),
-            ("1:2", "must be start:stop:count, start:stop:count:log or a list such as "
-             "0.1,0.2,0.4, with 1 to 10000000 values; got '1:2'"),
-            *((text, "must be start:stop:count") for text in (
-                "1:2:3:lin", "1:2:0", "1:2:2.5", "1:2:\u00b2", "1:2:10000001", "1:2:" + "9" * 5000,
-                [1, 2])),
-            ("1:2:1", "cannot be at both ends"),
-            ("1:2 kg:3", "'kg' is a unit of mass"),
-            ("1,,2", "cannot read '' as length"),
-            ("0:1:3:log", "needs ends above 0 for equal ratios, got '0:1:3:log'"),
-            ("1:inf:3", "it is not a decimal number"),
-            ("-1e308:1e308:3", "are too far apart"),
-        ]),
+        *(
+            (HEAD + A_ROD, "bodies.0.length", grid, "bodies.0.length", said)
+            for grid, said in [
+                ("", "cannot read '' as length"),
+                (
+                    "1:2",
+                    "must be start:stop:count, start:stop:count:log or a list such as "
+                    "0.1,0.2,0.4, with 1 to 10000000 values; got '1:2'",
+                ),
+                *(
+                    (text, "must be start:stop:count")
+                    for text in (
+                        "1:2:3:lin",
+                        "1:2:0",
+                        "1:2:2.5",
+                        "1:2:\u00b2",
+                        "1:2:10000001",
+                        "1:2:" + "9" * 5000,
+                        [1, 2],
+                    )
+                ),
+                ("1:2:1", "cannot be at both ends"),
+                ("1:2 kg:3", "'kg' is a unit of mass"),
+                ("1,,2", "cannot read '' as length"),
+                ("0:1:3:log", "needs ends above 0 for equal ratios, got '0:1:3:log'"),
+                ("1:inf:3", "it is not a decimal number"),
+                ("-1e308:1e308:3", "are too far apart"),
+            ]
+        ),
         # numbers that the model refuses are named by their place
-        (RICH, "bodies.1.length", "1,0,2", "bodies.1.length[1]",
-         "positive number of metres, got 0.0"),
-        (RICH, "bodies.1.diameter", "1,2,-1", "bodies.1.diameter[2]",
-         "must be a finite positive number of metres, got -1.0"),
-        (RICH, "bodies.1.velocity.at.0", "0.1,0.4", "bodies.1.velocity.at.0[1]", "inside the rod"),
-        (RICH, "bodies.1.diameter", "1,1e90", "bodies.1.area[1]", "from 1e-150 to 1e+150"),
+        (
+            RICH,
+            "bodies.1.length",
+            "1,0,2",
+            "bodies.1.length[1]",
+            "positive number of metres, got 0.0",
+        ),
+        (
+            RICH,
+            "bodies.1.diameter",
+            "1,2,-1",
+            "bodies.1.diameter[2]",
+            "must be a finite positive number of metres, got -1.0",
+        ),
+        (
+            RICH,
+            "bodies.1.velocity.at.0",
+            "0.1,0.4",
+            "bodies.1.velocity.at.0[1]",
+            "inside the rod",
+        ),
+        (
+            RICH,
+            "bodies.1.diameter",
+            "1,1e90",
+            "bodies.1.area[1]",
+            "from 1e-150 to 1e+150",
+        ),
         # what cannot vary
-        *((UNTIL, path, "1,2", path, said) for path, said in [
-            ("bodies.1.lenght", "perhaps 'bodies.1.length' is meant"),
-            ("bodies.7.velocity", "perhaps 'bodies.2.velocity' is meant"),
-            ("bodies.2.length", "use one that begins with bodies.2.segments, bodies.2.velocity"),
-            ("bodies.1.velocity.values.2",
-             "use one of bodies.1.velocity.values.0, bodies.1.velocity.values.1"),
-            ("bodies.0.length", "use one of bodies.0.velocity"),
-            ("bodies.1.stiffness", "use one that begins with bodies.1.length, bodies.1.area"),
-            ("contacts.2.gap", "perhaps 'contacts.1.gap' is meant"),
-            ("materials.a.b.dens", "perhaps 'materials.a.b.density' is meant"),
-            ("schema", "is no number that can vary; use one that begins with "),
-            ("", "is no number that can vary"),
-            ("x", "use one that begins with materials, "), ("x", ", bodies, contacts"),
-        ]),
+        *(
+            (UNTIL, path, "1,2", path, said)
+            for path, said in [
+                ("bodies.1.lenght", "perhaps 'bodies.1.length' is meant"),
+                ("bodies.7.velocity", "perhaps 'bodies.2.velocity' is meant"),
+                (
+                    "bodies.2.length",
+                    "use one that begins with bodies.2.segments, bodies.2.velocity",
+                ),
+                (
+                    "bodies.1.velocity.values.2",
+                    "use one of bodies.1.velocity.values.0, bodies.1.velocity.values.1",
+                ),
+                ("bodies.0.length", "use one of bodies.0.velocity"),
+                (
+                    "bodies.1.stiffness",
+                    "use one that begins with bodies.1.length, bodies.1.area",
+                ),
+                ("contacts.2.gap", "perhaps 'contacts.1.gap' is meant"),
+                ("materials.a.b.dens", "perhaps 'materials.a.b.density' is meant"),
+                ("schema", "is no number that can vary; use one that begins with "),
+                ("", "is no number that can vary"),
+                ("x", "use one that begins with materials, "),
+                ("x", ", bodies, contacts"),
+            ]
+        ),
         # what changes nothing
-        (ALL_KINDS, "materials.ball.density", "1,2", "materials.ball.density", "changes nothing"),
-        (HEAD + LEAD + A_ROD, "materials.lead.density", "1,2", "materials.lead.density",
-         "changes nothing in this row"),
+        (
+            ALL_KINDS,
+            "materials.ball.density",
+            "1,2",
+            "materials.ball.density",
+            "changes nothing",
+        ),
+        (
+            HEAD + LEAD + A_ROD,
+            "materials.lead.density",
+            "1,2",
+            "materials.lead.density",
+            "changes nothing in this row",
+        ),
     ],
 )
 def test_mistakes_of_grids(text, path, grid, where, said):
@@ -292,9 +469,15 @@ def test_area_and_diameter_do_not_go_together(given, varied):
 
 @pytest.mark.parametrize("other", ["bodies.0.strain", "contacts.0.gap"])
 def test_too_many_collisions_are_refused_before_any_is_laid_out(other):
-    grids = {"bodies.0.length": "1:2:10000", "bodies.0.velocity": "1,2", other: "0:1:10000"}
+    grids = {
+        "bodies.0.length": "1:2:10000",
+        "bodies.0.velocity": "1,2",
+        other: "0:1:10000",
+    }
     (said,) = problems(HEAD + A_ROD + A_WALL, grids).values()
-    assert "makes a family of 200000000 members, more than 10000000; take one part" in said
+    assert (
+        "makes a family of 200000000 members, more than 10000000; take one part" in said
+    )
 
 
 def test_more_numbers_than_numpy_has_axes_for_are_refused():
@@ -309,20 +492,35 @@ def test_more_numbers_than_numpy_has_axes_for_are_refused():
 
 def test_all_mistakes_at_once_with_those_of_the_grids():
     found = problems(
-        HEAD + "[materials]\nx = 3\n" + A_ROD.replace("0.4", "-1") + "[[bodies]]\nkind = 'blob'\n"
+        HEAD
+        + "[materials]\nx = 3\n"
+        + A_ROD.replace("0.4", "-1")
+        + "[[bodies]]\nkind = 'blob'\n"
         + A_WALL,
-        {"bodies.0.length": "1:2", "bodies.0.area": "1 m,2 m^2", "bodies.0.colour": "1,2",
-         "bodies.1.length": "1,2", "materials.x.density": "1,2", "contacts.0.gap": "-1 m,1"},
+        {
+            "bodies.0.length": "1:2",
+            "bodies.0.area": "1 m,2 m^2",
+            "bodies.0.colour": "1,2",
+            "bodies.1.length": "1,2",
+            "materials.x.density": "1,2",
+            "contacts.0.gap": "-1 m,1",
+        },
     )
     # of a body of unknown kind, and of a material that is no table, nothing is said twice
     assert set(found) == {
-        "materials.x", "bodies.0.length", "bodies.0.area", "bodies.0.colour", "bodies.1.kind",
+        "materials.x",
+        "bodies.0.length",
+        "bodies.0.area",
+        "bodies.0.colour",
+        "bodies.1.kind",
         "contacts.0.gap[0,0,0,0,0,0]",
     }
 
 
 @given(
-    path=st.sampled_from(["bodies.0.length", "contacts.0.gap", "x", "bodies.0.velocity.at.0"]),
+    path=st.sampled_from(
+        ["bodies.0.length", "contacts.0.gap", "x", "bodies.0.velocity.at.0"]
+    ),
     grid=st.text(alphabet="0123456789.,:-+e kgm%log\n", max_size=12),
 )
 def test_no_grid_escapes_as_another_error(path, grid):
@@ -334,9 +532,13 @@ def test_no_grid_escapes_as_another_error(path, grid):
         assert case.system.shape == (len(case.varied[0].values),)
 
 
-@pytest.mark.parametrize(("path", "changed"), [
-    ("materials.steel.wave_speed", 2), ("bodies.1.material.wave_speed", 1),
-])
+@pytest.mark.parametrize(
+    ("path", "changed"),
+    [
+        ("materials.steel.wave_speed", 2),
+        ("bodies.1.material.wave_speed", 1),
+    ],
+)
 def test_materials_of_the_library_vary_by_name_and_by_body(path, changed):
     after = parse_case(HEAD + A_ROD + A_ROD, vary={path: "5000,6000"}).system[1]
     speeds = [body.segments[0].wave_speed for body in after.bodies]

@@ -40,8 +40,10 @@ def swollen(path):
 
 
 def long_document(path):
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive, \
-            archive.open("document.npy", "w", force_zip64=True) as file:
+    with (
+        zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive,
+        archive.open("document.npy", "w", force_zip64=True) as file,
+    ):
         np.lib.format.write_array_header_1_0(
             file, {"descr": f"<U{1 << 27}", "fortran_order": False, "shape": ()}
         )
@@ -49,8 +51,14 @@ def long_document(path):
             file.write(bytes(1 << 20))
 
 
-@pytest.mark.parametrize("bomb", [
-    swollen, long_document, lambda path: np.savez_compressed(path, x=np.zeros(1 << 22))])
+@pytest.mark.parametrize(
+    "bomb",
+    [
+        swollen,
+        long_document,
+        lambda path: np.savez_compressed(path, x=np.zeros(1 << 22)),
+    ],
+)
 def test_a_small_file_takes_little_memory(saved, bomb):
     """Over thirty megabytes of zeros, packed into less than one."""
     bomb(saved)
@@ -70,16 +78,23 @@ def test_a_load_that_takes_long_is_announced(saved, monkeypatch):
         ri.load(saved)
 
 
-def test_what_is_larger_than_half_the_memory_is_refused_with_the_figure(saved, monkeypatch):
+def test_what_is_larger_than_half_the_memory_is_refused_with_the_figure(
+    saved, monkeypatch
+):
     """A document of brackets alone takes 24 bytes a character."""
     document, arrays = contents(saved)
     arrays["f8"] = np.resize(arrays["f8"], 10**6)
     document["arrays"]["f8"] = described(arrays["f8"])
     put(saved, document, arrays)
-    sizes = 24 * len(json.dumps(document)), sum(array.nbytes for array in arrays.values())
+    sizes = (
+        24 * len(json.dumps(document)),
+        sum(array.nbytes for array in arrays.values()),
+    )
     for size in sizes:
         monkeypatch.setattr(memory, "installed", lambda size=size: 2.0 * size - 1)
-        with pytest.raises(MemoryError, match=r"run\.npz: takes up to .* GB of memory, more than"):
+        with pytest.raises(
+            MemoryError, match=r"run\.npz: takes up to .* GB of memory, more than"
+        ):
             ri.load(saved)
     monkeypatch.setattr(memory, "installed", lambda: 2.0 * max(sizes))
     ri.load(saved)
@@ -93,12 +108,15 @@ def test_a_sentence_does_not_repeat_the_file(saved):
     assert len(str(refused.value)) < 1000
 
 
-@pytest.mark.parametrize("change", [
-    lambda document, arrays: arrays.update(f8=arrays["f8"][::-1]),
-    lambda document, arrays: document.pop("arrays"),
-    lambda document, arrays: document["arrays"]["i8"].update(type="no type"),
-    lambda document, arrays: arrays.update(i8=arrays["i8"].astype(">i8")),
-])
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda document, arrays: arrays.update(f8=arrays["f8"][::-1]),
+        lambda document, arrays: document.pop("arrays"),
+        lambda document, arrays: document["arrays"]["i8"].update(type="no type"),
+        lambda document, arrays: arrays.update(i8=arrays["i8"].astype(">i8")),
+    ],
+)
 def test_a_document_that_says_something_else_is_refused(saved, change):
     document, arrays = contents(saved)
     change(document, arrays)
@@ -110,7 +128,9 @@ def test_a_document_that_says_something_else_is_refused(saved, change):
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
 @pytest.mark.parametrize("name", ["pipe", "sweep/members-00000000.npz"])
 def test_a_pipe_is_refused_and_not_waited_for(tmp_path, name):
-    family = ri.System([ri.Rod([0.4, 0.5], area=1e-4, material=STEEL, velocity=1.0), ri.Wall()])
+    family = ri.System(
+        [ri.Rod([0.4, 0.5], area=1e-4, material=STEEL, velocity=1.0), ri.Wall()]
+    )
     ri.sweep(family, checkpoint=tmp_path / "sweep")
     path = tmp_path / name
     path.unlink(missing_ok=True)
@@ -123,5 +143,7 @@ def test_a_pipe_is_refused_and_not_waited_for(tmp_path, name):
 
 
 def test_a_name_with_nul(tmp_path):
-    with pytest.raises(ri.InvalidModel, match=r"must be the name of a file, got .*a\\x00b"):
+    with pytest.raises(
+        ri.InvalidModel, match=r"must be the name of a file, got .*a\\x00b"
+    ):
         ri.load(tmp_path / "a\0b")

@@ -18,7 +18,7 @@ def unequal():
 def cells(text, start):
     """Cells of the first line that begins with `start`, after its name."""
     line = next(line for line in text.splitlines() if line.startswith(start))
-    return [cell for cell in line[len(start):].split("  ") if cell.strip()]
+    return [cell for cell in line[len(start) :].split("  ") if cell.strip()]
 
 
 def outcome_of(solution):
@@ -27,12 +27,29 @@ def outcome_of(solution):
 
 def test_table_says_who_does_what_with_units(unequal):
     text = str(unequal.outcome)
-    assert [c.strip() for c in cells(text, "rod 1 ")] == ["0.314 kg", "1 m/s", "0 m/s", "0 J"]
+    assert [c.strip() for c in cells(text, "rod 1 ")] == [
+        "0.314 kg",
+        "1 m/s",
+        "0 m/s",
+        "0 J",
+    ]
     assert [c.strip() for c in cells(text, "rod 2 ")] == [
-        "0.785 kg", "0 m/s", "0.4 m/s", "94.2 mJ"]
-    assert [c.strip() for c in cells(text, "1-2")] == ["314 mN s", "1.98116 kN", "158.493 us", "1"]
+        "0.785 kg",
+        "0 m/s",
+        "0.4 m/s",
+        "94.2 mJ",
+    ]
+    assert [c.strip() for c in cells(text, "1-2")] == [
+        "314 mN s",
+        "1.98116 kN",
+        "158.493 us",
+        "1",
+    ]
     assert cells(text, "coefficient of restitution e")[0].strip() == "0.4"
-    assert [c.strip() for c in cells(text, "moving as a whole")] == ["157 mJ", "62.8 mJ"]
+    assert [c.strip() for c in cells(text, "moving as a whole")] == [
+        "157 mJ",
+        "62.8 mJ",
+    ]
     assert text.endswith(unequal.status)
 
 
@@ -64,7 +81,11 @@ def test_small_but_real_numbers_are_not_taken_for_round_off():
 def test_differences_show_beside_a_large_common_velocity():
     text = str(ri.collide(rod(0.4, 10_000.001), rod(1.0, 10_000.0)))
     assert [c.strip() for c in cells(text, "rod 2 ")] == [
-        "0.785 kg", "10000 m/s", "10000.0004 m/s", "94.2 nJ"]
+        "0.785 kg",
+        "10000 m/s",
+        "10000.0004 m/s",
+        "94.2 nJ",
+    ]
 
 
 def test_undefined_restitution_is_a_dash_with_its_reason():
@@ -89,7 +110,8 @@ def test_a_run_that_is_not_over_says_so_once_and_calls_its_numbers_by_name():
 
 def test_walls_have_no_mass_and_bonds_no_episodes():
     system = ri.System(
-        [ri.Wall(), rod(0.4), rod(0.3, -1.0), ri.Wall(-0.5)], gaps=[0, 1e-5, 1e-4],
+        [ri.Wall(), rod(0.4), rod(0.3, -1.0), ri.Wall(-0.5)],
+        gaps=[0, 1e-5, 1e-4],
         contacts=[ri.Bonded(), ri.Rigid(), ri.Rigid()],
     )
     solution = ri.solve(system, until=1e-3)
@@ -105,7 +127,9 @@ def test_walls_have_no_mass_and_bonds_no_episodes():
 
 
 def test_solution_table_tells_when_contacts_press_and_open(unequal):
-    rows = [line.split() for line in str(unequal).splitlines() if line.startswith("1-2")]
+    rows = [
+        line.split() for line in str(unequal).splitlines() if line.startswith("1-2")
+    ]
     assert rows[1] == ["1-2", "0", "s", "158.493", "us", "396.232", "us"]
 
 
@@ -125,13 +149,18 @@ def test_json_is_complete_and_exact(unequal):
 
 
 def test_html_is_escaped(unequal):
-    assert tables.as_html("a < b & c") .endswith(">a &lt; b &amp; c</pre>")
+    assert tables.as_html("a < b & c").endswith(">a &lt; b &amp; c</pre>")
     assert '">body' in unequal.outcome._repr_html_()
 
 
-@pytest.mark.parametrize(("value", "scale", "text"), [
-    (math.inf, math.inf, "inf J"), (2.0, math.inf, "2 J"), (1e-20, 1.0, "0 J"),
-    (math.nan, math.inf, "-"),
-])
+@pytest.mark.parametrize(
+    ("value", "scale", "text"),
+    [
+        (math.inf, math.inf, "inf J"),
+        (2.0, math.inf, "2 J"),
+        (1e-20, 1.0, "0 J"),
+        (math.nan, math.inf, "-"),
+    ],
+)
 def test_an_energy_that_overflows_is_not_0(value, scale, text):
     assert tables.joules(value, scale) == text

@@ -17,6 +17,7 @@ from rodimpact.storage.writing import check_target, write_bytes, written
 @pytest.fixture(params=["links", "no links"])
 def file_system(request, monkeypatch):
     """With hard links, and without, as some have it."""
+
     def link(*_):
         raise OSError(errno.EPERM, "Operation not permitted")
 
@@ -85,8 +86,14 @@ with written("a") as file:
 def test_a_signal_leaves_no_file(tmp_path, name):
     if not hasattr(signal, name):
         pytest.skip(f"no {name} here")
-    with subprocess.Popen([sys.executable, "-c", WAITING], cwd=tmp_path, stdin=subprocess.PIPE,
-                          stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
+    with subprocess.Popen(
+        [sys.executable, "-c", WAITING],
+        cwd=tmp_path,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    ) as process:
         assert process.stdout.readline() == "ready\n"
         assert len(os.listdir(tmp_path)) == 1
         process.send_signal(getattr(signal, name))
@@ -115,7 +122,9 @@ def test_a_directory_where_one_may_not_write_is_told_before(tmp_path, monkeypatc
     else:  # an administrator may write anywhere
         monkeypatch.setattr(writing.os, "access", lambda path, mode: not mode & os.W_OK)
     try:
-        with pytest.raises(PermissionError, match=r"x\.npz': you may not write in the directory"):
+        with pytest.raises(
+            PermissionError, match=r"x\.npz': you may not write in the directory"
+        ):
             check_target(tmp_path / "x.npz")
     finally:
         tmp_path.chmod(0o700)
@@ -136,9 +145,14 @@ def test_a_link_that_points_nowhere_is_written_through(tmp_path):
 
 
 def test_a_document_that_no_reader_would_take_is_not_written(tmp_path, monkeypatch):
-    solution = ri.solve(ri.System([
-        ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0), ri.Wall(),
-    ]))
+    solution = ri.solve(
+        ri.System(
+            [
+                ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0),
+                ri.Wall(),
+            ]
+        )
+    )
     monkeypatch.setattr(writing, "MOST_DOCUMENT", 1000)
     with pytest.raises(OSError, match="too many numbers"):
         solution.save(tmp_path / "a.npz")

@@ -3,7 +3,15 @@
 
 const NEW = {
   rod: { kind: "rod", length: 0.5, area: 1e-4, material: "steel", velocity: 0 },
-  "stepped rod": { kind: "rod", segments: [1e-4, 3e-4].map((area) => ({ length: 0.25, area, material: "steel" })), velocity: 0 },
+  "stepped rod": {
+    kind: "rod",
+    segments: [1e-4, 3e-4].map((area) => ({
+      length: 0.25,
+      area,
+      material: "steel",
+    })),
+    velocity: 0,
+  },
   mass: { kind: "mass", mass: 1, velocity: 0 },
   wall: { kind: "wall", velocity: 0 },
 };
@@ -23,11 +31,16 @@ function rearrange(state, order) {
   state.case.contacts = order.slice(1).map((body, i) => {
     const old = known[same ? i : body - order[i] === 1 ? order[i] : -1];
     const waves = row[i].kind === "rod" || row[i + 1].kind === "rod";
-    return old && (waves || old.law !== "rigid") ? old : { gap: 0, ...(waves ? { law: "rigid" } : SPRING) };
+    return old && (waves || old.law !== "rigid")
+      ? old
+      : { gap: 0, ...(waves ? { law: "rigid" } : SPRING) };
   });
   state.case.bodies = row;
   state.gauges = listOf(state.gauges).flatMap((gauge) =>
-    (order.includes(gauge.body) ? [{ ...gauge, body: order.indexOf(gauge.body) }] : []));
+    order.includes(gauge.body)
+      ? [{ ...gauge, body: order.indexOf(gauge.body) }]
+      : [],
+  );
 }
 
 const orderOf = (state) => listOf(state.case.bodies).map((_, i) => i);
@@ -55,7 +68,10 @@ function addStep(body) {
     for (const key of ["length", "area", "material"]) delete body[key];
   }
   const last = body.segments.at(-1);
-  body.segments.push({ ...last, area: typeof last.area === "number" ? 2 * last.area : 1e-4 });
+  body.segments.push({
+    ...last,
+    area: typeof last.area === "number" ? 2 * last.area : 1e-4,
+  });
 }
 
 function removeStep(body) {
@@ -67,7 +83,11 @@ function removeStep(body) {
 
 /** A button that changes what the form describes; `changed` is told. */
 function toolButton(changed, text, name, change, possible = true) {
-  const button = make("button", { type: "button", "aria-label": name, title: name }, text);
+  const button = make(
+    "button",
+    { type: "button", "aria-label": name, title: name },
+    text,
+  );
   button.disabled = !possible;
   button.addEventListener("click", () => {
     change();
@@ -79,23 +99,64 @@ function toolButton(changed, text, name, change, possible = true) {
 function bodyTools(state, i, name, changed) {
   const { bodies } = state.case;
   const button = toolButton.bind(null, changed);
-  const steps = bodies[i].kind !== "rod" ? [] : [
-    button("+ step", `+ step of ${name}`, () => addStep(bodies[i])),
-    button("− step", `− step of ${name}`, () => removeStep(bodies[i]), listOf(bodies[i].segments).length > 1)];
-  return make("div", { class: "tools-body" }, ...steps,
+  const steps =
+    bodies[i].kind !== "rod"
+      ? []
+      : [
+          button("+ step", `+ step of ${name}`, () => addStep(bodies[i])),
+          button(
+            "− step",
+            `− step of ${name}`,
+            () => removeStep(bodies[i]),
+            listOf(bodies[i].segments).length > 1,
+          ),
+        ];
+  return make(
+    "div",
+    { class: "tools-body" },
+    ...steps,
     button("◀", `Move ${name} to the left`, () => swap(state, i, i - 1), i > 0),
-    button("▶", `Move ${name} to the right`, () => swap(state, i, i + 1), i + 1 < bodies.length),
-    button("✕", `Remove ${name}`, () => rearrange(state, orderOf(state).filter((k) => k !== i)), bodies.length > 1));
+    button(
+      "▶",
+      `Move ${name} to the right`,
+      () => swap(state, i, i + 1),
+      i + 1 < bodies.length,
+    ),
+    button(
+      "✕",
+      `Remove ${name}`,
+      () =>
+        rearrange(
+          state,
+          orderOf(state).filter((k) => k !== i),
+        ),
+      bodies.length > 1,
+    ),
+  );
 }
 
 function rowTools(state, changed) {
-  const kinds = make("select", { id: "add-kind", "aria-label": "Kind of the new body" });
+  const kinds = make("select", {
+    id: "add-kind",
+    "aria-label": "Kind of the new body",
+  });
   kinds.append(...Object.keys(NEW).map((kind) => new Option(kind, kind)));
-  const rods = orderOf(state).filter((i) => state.case.bodies[i].kind === "rod");
-  const addGauge = () => { state.gauges = [...listOf(state.gauges), { body: rods.at(-1), fraction: 0.5 }]; };
-  return make("div", { class: "tools-body" }, kinds,
+  const rods = orderOf(state).filter(
+    (i) => state.case.bodies[i].kind === "rod",
+  );
+  const addGauge = () => {
+    state.gauges = [
+      ...listOf(state.gauges),
+      { body: rods.at(-1), fraction: 0.5 },
+    ];
+  };
+  return make(
+    "div",
+    { class: "tools-body" },
+    kinds,
     toolButton(changed, "Add", "Add body", () => addBody(state, kinds.value)),
-    toolButton(changed, "Add gauge", "Add gauge", addGauge, rods.length > 0));
+    toolButton(changed, "Add gauge", "Add gauge", addGauge, rods.length > 0),
+  );
 }
 
 // Undo -------------------------------------------------------------------------------------------
@@ -105,7 +166,13 @@ class History {
     Object.assign(this, { states: [], now: null, last: -Infinity, button });
     button.addEventListener("click", () => restore(this.back()));
     addEventListener("keydown", (event) => {
-      if (!(event.ctrlKey || event.metaKey) || event.key !== "z" || event.target.isContentEditable || !this.states.length) return;
+      if (
+        !(event.ctrlKey || event.metaKey) ||
+        event.key !== "z" ||
+        event.target.isContentEditable ||
+        !this.states.length
+      )
+        return;
       event.preventDefault();
       restore(this.back());
     });
@@ -115,7 +182,12 @@ class History {
   keep(state, whole) {
     const text = JSON.stringify(state);
     const moment = performance.now();
-    if (this.now !== null && text !== this.now && (whole || moment - this.last > PAUSE)) this.states.push(this.now);
+    if (
+      this.now !== null &&
+      text !== this.now &&
+      (whole || moment - this.last > PAUSE)
+    )
+      this.states.push(this.now);
     this.states.splice(0, this.states.length - UNDONE);
     Object.assign(this, { now: text, last: whole ? -Infinity : moment });
     this.button.disabled = this.states.length === 0;
@@ -133,13 +205,29 @@ class History {
 function holdAt(x, y) {
   const { frame, ends, gauges } = shown.strip;
   const near = (place) => Math.abs(frame.across(place) - x) < CLOSE;
-  const gauge = gauges.findIndex(([gx, gy]) => Math.hypot(gx - x, gy - y) < 1.5 * CLOSE);
+  const gauge = gauges.findIndex(
+    ([gx, gy]) => Math.hypot(gx - x, gy - y) < 1.5 * CLOSE,
+  );
   if (gauge >= 0) return { gauge, body: shown.scene.gauges[gauge].body };
-  const inside = (reach) => [...ends.keys()].sort((a, b) => a - b).find((i) =>
-    x >= frame.across(ends.get(i)[0]) - reach && x <= frame.across(ends.get(i)[1]) + reach);
+  const inside = (reach) =>
+    [...ends.keys()]
+      .sort((a, b) => a - b)
+      .find(
+        (i) =>
+          x >= frame.across(ends.get(i)[0]) - reach &&
+          x <= frame.across(ends.get(i)[1]) + reach,
+      );
   const body = inside(0) ?? inside(CLOSE);
-  if (body === undefined || shown.scene.bodies[body].kind === "wall") return null;
-  const side = shown.scene.bodies[body].kind !== "rod" ? 0 : near(ends.get(body)[1]) ? 1 : near(ends.get(body)[0]) ? -1 : 0;
+  if (body === undefined || shown.scene.bodies[body].kind === "wall")
+    return null;
+  const side =
+    shown.scene.bodies[body].kind !== "rod"
+      ? 0
+      : near(ends.get(body)[1])
+        ? 1
+        : near(ends.get(body)[0])
+          ? -1
+          : 0;
   return { body, side };
 }
 
@@ -159,9 +247,15 @@ function connectDragging(changed) {
     if (!held) return;
     strip.setPointerCapture(event.pointerId);
     const segments = listOf(design.case.bodies[held.body].segments);
-    const piece = segments.length ? `.segments.${held.side < 0 ? 0 : segments.length - 1}` : "";
+    const piece = segments.length
+      ? `.segments.${held.side < 0 ? 0 : segments.length - 1}`
+      : "";
     const path = `bodies.${held.body}${piece}.length`;
-    Object.assign(held, { x: event.offsetX, path, from: byId(path) && byId(path).valueAsNumber });
+    Object.assign(held, {
+      x: event.offsetX,
+      path,
+      from: byId(path) && byId(path).valueAsNumber,
+    });
     shown.held = true;
   });
   strip.addEventListener("pointermove", (event) => {
@@ -169,19 +263,45 @@ function connectDragging(changed) {
     const { frame, ends } = shown.strip;
     if (!held) {
       const found = holdAt(event.offsetX, event.offsetY);
-      strip.style.cursor = !found ? "" : found.side || found.gauge >= 0 ? "ew-resize" : "grab";
+      strip.style.cursor = !found
+        ? ""
+        : found.side || found.gauge >= 0
+          ? "ew-resize"
+          : "grab";
       return;
     }
     const place = frame.placeAt(event.offsetX);
     if (held.gauge >= 0) {
       const [low, high] = ends.get(held.body);
-      enter(`gauges.${held.gauge}.fraction`, Math.round(100 * Math.max(0, Math.min(1, (place - low) / (high - low)))));
+      enter(
+        `gauges.${held.gauge}.fraction`,
+        Math.round(
+          100 * Math.max(0, Math.min(1, (place - low) / (high - low))),
+        ),
+      );
     } else if (held.side) {
-      enter(held.path, Math.max(1, Math.round(held.from + 1000 * held.side * (place - frame.placeAt(held.x)))));
-    } else if (held.scene !== shown.scene) { // not before the last change is seen
-      const next = held.body + Math.sign(place - (ends.get(held.body)[0] + ends.get(held.body)[1]) / 2);
-      const beyond = ends.has(next) && shown.scene.bodies[next].kind !== "wall"
-        && (place - (ends.get(next)[0] + ends.get(next)[1]) / 2) * (next - held.body) > 0;
+      enter(
+        held.path,
+        Math.max(
+          1,
+          Math.round(
+            held.from + 1000 * held.side * (place - frame.placeAt(held.x)),
+          ),
+        ),
+      );
+    } else if (held.scene !== shown.scene) {
+      // not before the last change is seen
+      const next =
+        held.body +
+        Math.sign(
+          place - (ends.get(held.body)[0] + ends.get(held.body)[1]) / 2,
+        );
+      const beyond =
+        ends.has(next) &&
+        shown.scene.bodies[next].kind !== "wall" &&
+        (place - (ends.get(next)[0] + ends.get(next)[1]) / 2) *
+          (next - held.body) >
+          0;
       if (!beyond) return;
       swap(design, held.body, next);
       held.body = next;

@@ -1,7 +1,8 @@
 "use strict";
 // Two collisions side by side: the one shown, and one that was kept, at the same time and in the same colours.
 
-const compared = () => shown.other ? [shown.scene, shown.other] : [shown.scene];
+const compared = () =>
+  shown.other ? [shown.scene, shown.other] : [shown.scene];
 
 /** First and last moment of the film of all that is shown. */
 function filmSpan() {
@@ -14,8 +15,12 @@ function filmSpan() {
 /** One scale of colours for both. */
 function shareReach() {
   for (const scene of compared()) {
-    scene.reach = Object.fromEntries(Object.keys(UNITS).map((name) =>
-      [name, Math.max(...compared().map(({ own }) => own[name]))]));
+    scene.reach = Object.fromEntries(
+      Object.keys(UNITS).map((name) => [
+        name,
+        Math.max(...compared().map(({ own }) => own[name])),
+      ]),
+    );
     for (const grid of scene.grids || []) grid.images = {};
   }
 }
@@ -39,8 +44,18 @@ function drawBeside(t, theme) {
   const { other } = shown;
   if (!other) return;
   const { left, right } = wholeView(other);
-  const look = { ...shown, view: { left, right, from: shown.view.from, to: shown.view.to } };
+  const look = {
+    ...shown,
+    view: { left, right, from: shown.view.from, to: shown.view.to },
+  };
   const moment = Math.max(other.begin, Math.min(other.end, t));
-  drawDiagram(new CanvasPen(byId("other-diagram")), other, look, moment, null, theme);
+  drawDiagram(
+    new CanvasPen(byId("other-diagram")),
+    other,
+    look,
+    moment,
+    null,
+    theme,
+  );
   drawRods(new CanvasPen(byId("other-rods")), other, look, moment, theme);
 }

@@ -7,7 +7,11 @@ const REAL = 1e5; // how much slower than the collision "real / 100,000" is
 function filmTime() {
   const { begin, end } = filmSpan();
   const pace = byId("pace").value;
-  return pace === "real" ? (end - begin) * REAL : pace === "step" ? 8 : Number(pace);
+  return pace === "real"
+    ? (end - begin) * REAL
+    : pace === "step"
+      ? 8
+      : Number(pace);
 }
 
 /** Say how much slower than the collision each pace is. */
@@ -15,7 +19,11 @@ function namePaces() {
   const { begin, end } = filmSpan();
   for (const option of byId("pace").options) {
     const seconds = Number(option.value);
-    if (seconds) write(option, `${seconds} s: real/${String(Number((seconds / (end - begin)).toPrecision(2))).replace(/\B(?=(\d{3})+$)/g, ",")}`);
+    if (seconds)
+      write(
+        option,
+        `${seconds} s: real/${String(Number((seconds / (end - begin)).toPrecision(2))).replace(/\B(?=(\d{3})+$)/g, ",")}`,
+      );
   }
 }
 
@@ -25,7 +33,10 @@ function shareOfTime(t) {
 }
 
 function setShare(share) {
-  Object.assign(shown, { share: Math.max(0, Math.min(1, share)), fresh: false });
+  Object.assign(shown, {
+    share: Math.max(0, Math.min(1, share)),
+    fresh: false,
+  });
   redraw();
   keepAddress();
 }
@@ -39,11 +50,17 @@ function play(on) {
   shown.fresh = false;
   let last = performance.now();
   const { scene } = shown;
-  const next = byId("pace").value === "step" ? scene.events[eventAt(scene, now()) + 1] : null;
+  const next =
+    byId("pace").value === "step"
+      ? scene.events[eventAt(scene, now()) + 1]
+      : null;
   const stop = next ? shareOfTime(next.t) : 1;
   const advance = (moment) => {
     if (!shown.playing || !shown.scene) return;
-    shown.share = Math.min(stop, shown.share + Math.max(0, moment - last) / 1000 / filmTime());
+    shown.share = Math.min(
+      stop,
+      shown.share + Math.max(0, moment - last) / 1000 / filmTime(),
+    );
     last = moment;
     draw();
     if (shown.share >= stop) play(false);
@@ -59,7 +76,13 @@ function connectFilm() {
     setShare(byId("time").valueAsNumber / 1000);
   });
   addEventListener("keydown", (event) => {
-    if (event.key !== " " || event.target.closest("button, input, select, textarea, summary, [contenteditable]")) return;
+    if (
+      event.key !== " " ||
+      event.target.closest(
+        "button, input, select, textarea, summary, [contenteditable]",
+      )
+    )
+      return;
     event.preventDefault();
     play(!shown.playing);
   });

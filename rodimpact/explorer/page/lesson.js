@@ -8,7 +8,10 @@ const capital = (text) => text[0].toUpperCase() + text.slice(1);
 
 /** All events of a scene in order: { t, text }. */
 function eventsOf(scene) {
-  const found = [{ t: scene.begin, text: beginning(scene) }, ...scene.contacts.flatMap((c) => contactEvents(scene, c))];
+  const found = [
+    { t: scene.begin, text: beginning(scene) },
+    ...scene.contacts.flatMap((c) => contactEvents(scene, c)),
+  ];
   const ends = scene.exact ? endEvents(scene) : [];
   if (found.length + ends.length <= MOST_EVENTS) found.push(...ends);
   found.push({ t: scene.end, text: ending(scene) });
@@ -23,8 +26,13 @@ function eventsOf(scene) {
 }
 
 function beginning(scene) {
-  const moves = scene.bodies.map(({ approach, name }) => (approach === null ? `${name} is in motion already`
-    : approach === 0 ? `${name} rests` : `${name} comes with ${quantity(approach, "m/s")}`));
+  const moves = scene.bodies.map(({ approach, name }) =>
+    approach === null
+      ? `${name} is in motion already`
+      : approach === 0
+        ? `${name} rests`
+        : `${name} comes with ${quantity(approach, "m/s")}`,
+  );
   return `${capital(moves.join(", "))}.`;
 }
 
@@ -42,15 +50,35 @@ function contactEvents(scene, contact) {
   const { index, spells, force } = contact;
   const pair = `${scene.bodies[index].name} and ${scene.bodies[index + 1].name}`;
   return spells.flatMap(({ from, to, state }, k) => {
-    const before = k ? spells[k - 1].state : state === "pressing" ? "touching" : state;
+    const before = k
+      ? spells[k - 1].state
+      : state === "pressing"
+        ? "touching"
+        : state;
     if (state === before) return [];
-    if (state !== "pressing") return [{ t: from, text: released(scene, pair, before, state) }];
+    if (state !== "pressing")
+      return [{ t: from, text: released(scene, pair, before, state) }];
     const first = quantity(valueAt(force, from + SAME * (to - from)), "N", 3);
     const begin = before === "open" ? "meet" : "begin to press";
-    if (scene.exact) return [{ t: from, text: `${capital(pair)} ${begin}, with ${first}: a wave of compression runs into ${pair.includes("wall") ? "the rod" : "each"}.` }];
-    const peak = force.y.reduce((best, y, i) => (force.t[i] >= from && force.t[i] <= to && y > force.y[best] ? i : best), 0);
-    return [{ t: from, text: `${capital(pair)} ${begin}, harder and harder.` },
-      { t: force.t[peak], text: `The force between ${pair} reaches its peak: ${quantity(force.y[peak], "N", 3)}.` }];
+    if (scene.exact)
+      return [
+        {
+          t: from,
+          text: `${capital(pair)} ${begin}, with ${first}: a wave of compression runs into ${pair.includes("wall") ? "the rod" : "each"}.`,
+        },
+      ];
+    const peak = force.y.reduce(
+      (best, y, i) =>
+        force.t[i] >= from && force.t[i] <= to && y > force.y[best] ? i : best,
+      0,
+    );
+    return [
+      { t: from, text: `${capital(pair)} ${begin}, harder and harder.` },
+      {
+        t: force.t[peak],
+        text: `The force between ${pair} reaches its peak: ${quantity(force.y[peak], "N", 3)}.`,
+      },
+    ];
   });
 }
 
@@ -64,51 +92,72 @@ function released(scene, pair, before, state) {
 /** Waves that arrive at the two ends of the row, where nothing holds back. */
 function endEvents(scene) {
   const { tiling, bodies, lengths } = scene;
-  const sides = [[0, 0], [bodies.length - 1, lengths.at(-1)]].filter(([body]) => bodies[body].kind === "rod");
+  const sides = [
+    [0, 0],
+    [bodies.length - 1, lengths.at(-1)],
+  ].filter(([body]) => bodies[body].kind === "rod");
   return sides.flatMap(([end, place]) => {
     const spans = [];
     tiling.body.forEach((body, i) => {
       if (body !== end) return;
       const at = [];
       for (let k = tiling.start[i]; k < tiling.start[i + 1]; k += 1) {
-        if (Math.abs(tiling.x[k] - place) < SAME * lengths[body]) at.push(tiling.t[k]);
+        if (Math.abs(tiling.x[k] - place) < SAME * lengths[body])
+          at.push(tiling.t[k]);
       }
-      if (at.length > 1) spans.push({ t: Math.min(...at), velocity: tiling.velocity[i] });
+      if (at.length > 1)
+        spans.push({ t: Math.min(...at), velocity: tiling.velocity[i] });
     });
     spans.sort((a, b) => a.t - b.t);
     const side = place === 0 ? "left" : "right";
-    return spans.slice(1).flatMap(({ t, velocity }, k) => (t < SAME * scene.end || velocity === spans[k].velocity ? [] : [{
-      t, text: `A wave reaches the ${side} end of ${scene.bodies[end].name} and turns back; the end ${velocity ? `now moves with ${quantity(velocity, "m/s", 3)}` : "stands still"}.`,
-    }]));
+    return spans.slice(1).flatMap(({ t, velocity }, k) =>
+      t < SAME * scene.end || velocity === spans[k].velocity
+        ? []
+        : [
+            {
+              t,
+              text: `A wave reaches the ${side} end of ${scene.bodies[end].name} and turns back; the end ${velocity ? `now moves with ${quantity(velocity, "m/s", 3)}` : "stands still"}.`,
+            },
+          ],
+    );
   });
 }
 
 /** Number of the last event that has happened. */
-const eventAt = (scene, t) => scene.events.findLastIndex((event) => event.t <= t + SAME * scene.end);
+const eventAt = (scene, t) =>
+  scene.events.findLastIndex((event) => event.t <= t + SAME * scene.end);
 
 /** Show the sentence of the moment; a screen reader hears it when it changes. */
 function showLesson(scene, t) {
   const { t: at, text } = scene.events[Math.max(0, eventAt(scene, t))];
-  if (write(byId("sentence"), `${quantity(at, "s")}: ${text}`)) markEvent(scene, t);
+  if (write(byId("sentence"), `${quantity(at, "s")}: ${text}`))
+    markEvent(scene, t);
 }
 
 function markEvent(scene, t) {
-  byId("events").querySelectorAll("button").forEach((button, k) =>
-    button.setAttribute("aria-current", String(k === eventAt(scene, t))));
+  byId("events")
+    .querySelectorAll("button")
+    .forEach((button, k) =>
+      button.setAttribute("aria-current", String(k === eventAt(scene, t))),
+    );
 }
 
 /** List all events, where the list is open. */
 function listEvents() {
   const { scene } = shown;
   if (!byId("all-events").open || !scene) return;
-  const texts = scene.events.map(({ t, text }) => `${quantity(t, "s")}: ${text}`);
+  const texts = scene.events.map(
+    ({ t, text }) => `${quantity(t, "s")}: ${text}`,
+  );
   if (byId("events").dataset.shown === texts.join()) return;
   byId("events").dataset.shown = texts.join();
-  byId("events").replaceChildren(...scene.events.map(({ t }, k) => {
-    const button = make("button", { type: "button" }, texts[k]);
-    button.addEventListener("click", () => goTo(t));
-    return make("li", {}, button);
-  }));
+  byId("events").replaceChildren(
+    ...scene.events.map(({ t }, k) => {
+      const button = make("button", { type: "button" }, texts[k]);
+      button.addEventListener("click", () => goTo(t));
+      return make("li", {}, button);
+    }),
+  );
   markEvent(scene, now());
 }
 
@@ -121,8 +170,13 @@ function goTo(t) {
 function step(by) {
   const { events } = shown.scene;
   const at = eventAt(shown.scene, now());
-  const here = Math.abs(events[Math.max(0, at)].t - now()) <= SAME * shown.scene.end;
-  goTo(events[Math.max(0, Math.min(events.length - 1, at + (by < 0 && !here ? 0 : by)))].t);
+  const here =
+    Math.abs(events[Math.max(0, at)].t - now()) <= SAME * shown.scene.end;
+  goTo(
+    events[
+      Math.max(0, Math.min(events.length - 1, at + (by < 0 && !here ? 0 : by)))
+    ].t,
+  );
 }
 
 // Guessing ---------------------------------------------------------------------------------------
@@ -146,7 +200,8 @@ function hideResult(on) {
 
 /** Let the question tell of the collision that is shown, and a verdict go with the e it judged. */
 function askOrJudge(scene) {
-  const question = "How fast do they part, as a share of the speed at which they meet? e =";
+  const question =
+    "How fast do they part, as a share of the speed at which they meet? e =";
   if (shown.guessing) write(byId("asked"), `${beginning(scene)} ${question}`);
   else if (shown.judged !== scene.restitution.text) write(byId("verdict"), "");
 }
@@ -159,7 +214,8 @@ function reveal() {
   hideResult(false);
   const off = Math.abs(guess - value);
   shown.judged = text;
-  byId("verdict").textContent = `You said ${guess}; e is ${minus(text)}: ${off < 0.005 ? "right!" : `off by ${plainNumber(off, 2)}.`}`;
+  byId("verdict").textContent =
+    `You said ${guess}; e is ${minus(text)}: ${off < 0.005 ? "right!" : `off by ${plainNumber(off, 2)}.`}`;
   play(true);
 }
 
@@ -167,7 +223,9 @@ function connectLesson() {
   byId("all-events").addEventListener("toggle", listEvents);
   byId("event-before").addEventListener("click", () => step(-1));
   byId("event-after").addEventListener("click", () => step(1));
-  byId("guess-first").addEventListener("click", () => hideResult(!shown.guessing));
+  byId("guess-first").addEventListener("click", () =>
+    hideResult(!shown.guessing),
+  );
   byId("guess").addEventListener("submit", (event) => {
     event.preventDefault();
     reveal();

@@ -3,8 +3,12 @@
 
 /** A text that is compressed. */
 function unpacked(letters) {
-  const bytes = Uint8Array.from(atob(letters), (letter) => letter.charCodeAt(0));
-  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).text();
+  const bytes = Uint8Array.from(atob(letters), (letter) =>
+    letter.charCodeAt(0),
+  );
+  return new Response(
+    new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate")),
+  ).text();
 }
 
 unpacked(document.getElementById("packed").textContent).then((text) => {

@@ -5,9 +5,24 @@ const byId = (id) => document.getElementById(id);
 const start = JSON.parse(byId("embedded").textContent);
 
 const shown = {
-  scene: null, other: null, view: null, share: 0.35, playing: false, mark: null, quantity: "velocity",
-  displaced: true, zoomed: false, held: false, fresh: true, guessing: false,
-  frame: null, strip: null, theme: null, due: false, asked: false, frames: 0,
+  scene: null,
+  other: null,
+  view: null,
+  share: 0.35,
+  playing: false,
+  mark: null,
+  quantity: "velocity",
+  displaced: true,
+  zoomed: false,
+  held: false,
+  fresh: true,
+  guessing: false,
+  frame: null,
+  strip: null,
+  theme: null,
+  due: false,
+  asked: false,
+  frames: 0,
 };
 let [design, arrived, past, controls, keeping] = []; // not there yet
 
@@ -22,9 +37,14 @@ function readTheme() {
     name: document.documentElement.dataset.theme,
     stops: STOPS[document.documentElement.dataset.theme],
   };
-  for (const name of ["paper", "ink", "faint", "line", "wrong"]) shown.theme[name] = colour(name);
-  for (const name of ["ink", "paper"]) shown.theme[`${name}s`] = shown.theme[name].match(/\w\w/g).map((pair) => parseInt(pair, 16));
-  byId("colours").style.background = `linear-gradient(to right, ${shown.theme.stops.map(css).join(",")})`;
+  for (const name of ["paper", "ink", "faint", "line", "wrong"])
+    shown.theme[name] = colour(name);
+  for (const name of ["ink", "paper"])
+    shown.theme[`${name}s`] = shown.theme[name]
+      .match(/\w\w/g)
+      .map((pair) => parseInt(pair, 16));
+  byId("colours").style.background =
+    `linear-gradient(to right, ${shown.theme.stops.map(css).join(",")})`;
 }
 
 function now() {
@@ -57,7 +77,14 @@ function askScene(draft = false) {
 function draw() {
   const { scene, theme } = shown;
   const t = Math.max(scene.begin, Math.min(scene.end, now()));
-  shown.frame = drawDiagram(new CanvasPen(byId("diagram")), scene, shown, t, shown.mark, theme);
+  shown.frame = drawDiagram(
+    new CanvasPen(byId("diagram")),
+    scene,
+    shown,
+    t,
+    shown.mark,
+    theme,
+  );
   shown.strip = drawRods(new CanvasPen(byId("rods")), scene, shown, t, theme);
   drawBeside(now(), theme);
   drawPlots(byId("plots"), scene, t, theme);
@@ -71,27 +98,44 @@ function draw() {
 }
 
 function showLegend() {
-  const [unit, reach] = [UNITS[shown.quantity], quantity(shown.scene.reach[shown.quantity], UNITS[shown.quantity], 3)];
+  const [unit, reach] = [
+    UNITS[shown.quantity],
+    quantity(shown.scene.reach[shown.quantity], UNITS[shown.quantity], 3),
+  ];
   byId("least").textContent = `−${reach}${unit === "Pa" ? ", compressed" : ""}`;
   byId("most").textContent = `+${reach}`;
 }
 
 /** A sentence as the page has it: with µ, and without what only Python can be asked for. */
-const plainly = (text) => text.replace(/ us\b/g, " µs").replace(/[.;] [^.;]*(max_events|until=)[^.]*\./g, ".");
+const plainly = (text) =>
+  text
+    .replace(/ us\b/g, " µs")
+    .replace(/[.;] [^.;]*(max_events|until=)[^.]*\./g, ".");
 
 function showNumbers(scene) {
   const { restitution: e } = scene;
   const [said, error] = minus(e.text).split(" ± ");
-  byId("restitution").replaceChildren(said, ...(error ? [make("small", {}, ` ± ${error}`)] : []));
+  byId("restitution").replaceChildren(
+    said,
+    ...(error ? [make("small", {}, ` ± ${error}`)] : []),
+  );
   document.querySelector(".restitution").hidden = e.value === null;
   byId("guess-first").hidden = e.value === null;
   if (e.value === null) hideResult(false);
   askOrJudge(scene);
   const { closed_form: known } = e;
-  const beside = known ? `Closed form (${known.source}): ${plainNumber(known.restitution, 6)}` : "";
+  const beside = known
+    ? `Closed form (${known.source}): ${plainNumber(known.restitution, 6)}`
+    : "";
   const apart = Math.abs(e.value - (known || {}).restitution);
-  const off = e.value === null || !known ? "" : apart < 1e-12 ? ", the same to 12 digits" : `; difference ${plainNumber(apart, 1)}`;
-  byId("theory").textContent = (e.why ? `${plainly(e.why)}. ` : "") + beside + off;
+  const off =
+    e.value === null || !known
+      ? ""
+      : apart < 1e-12
+        ? ", the same to 12 digits"
+        : `; difference ${plainNumber(apart, 1)}`;
+  byId("theory").textContent =
+    (e.why ? `${plainly(e.why)}. ` : "") + beside + off;
   fillTable(byId("results"), scene.results);
   write(byId("reason"), minus(plainly(scene.reason.join(" "))));
   const notes = scene.notes.map(plainly);
@@ -117,7 +161,10 @@ function show(scene) {
 // State ------------------------------------------------------------------------------------------
 
 function stateAddress() {
-  const view = { quantity: shown.quantity, time: Number(shown.share.toFixed(3)) };
+  const view = {
+    quantity: shown.quantity,
+    time: Number(shown.share.toFixed(3)),
+  };
   if (!shown.displaced) view.displaced = false;
   const question = byId("question").textContent.trim();
   if (question) view.question = question;
@@ -127,12 +174,17 @@ function stateAddress() {
 function keepAddress() {
   if (location.protocol === "about:") return; // a frame of a notebook has no address
   clearTimeout(keeping);
-  keeping = setTimeout(() => history.replaceState(null, "", `#${stateAddress()}`), 300);
+  keeping = setTimeout(
+    () => history.replaceState(null, "", `#${stateAddress()}`),
+    300,
+  );
 }
 
 function setQuantity(name) {
   shown.quantity = name in UNITS ? name : "velocity";
-  document.querySelector(`input[name="quantity"][value="${shown.quantity}"]`).checked = true;
+  document.querySelector(
+    `input[name="quantity"][value="${shown.quantity}"]`,
+  ).checked = true;
   if (shown.scene) showLegend();
   redraw();
 }
@@ -143,21 +195,29 @@ function readAddress() {
   try {
     tree = treeOf(location.hash.slice(1));
   } catch {
-    showProblems([{ path: "", message: "The address of this page cannot be read." }]);
+    showProblems([
+      { path: "", message: "The address of this page cannot be read." },
+    ]);
   }
   const view = tree.view || {};
   if (view.time >= 0 && view.time <= 1) shown.share = view.time;
   if (view.quantity) setQuantity(view.quantity);
   shown.displaced = byId("displaced").checked = view.displaced !== false;
-  byId("question").textContent = view.question === undefined ? "" : String(view.question);
-  return tree.case && typeof tree.case === "object" ? { case: tree.case, gauges: listOf(tree.gauges) } : null;
+  byId("question").textContent =
+    view.question === undefined ? "" : String(view.question);
+  return tree.case && typeof tree.case === "object"
+    ? { case: tree.case, gauges: listOf(tree.gauges) }
+    : null;
 }
 
 function showProblems(problems) {
   const others = controls ? controls.showProblems(problems) : problems;
   byId("message").hidden = others.length === 0;
-  byId("message").replaceChildren(...others.map(({ path, message }) =>
-    make("p", {}, path ? `${path}: ${message}` : message)));
+  byId("message").replaceChildren(
+    ...others.map(({ path, message }) =>
+      make("p", {}, path ? `${path}: ${message}` : message),
+    ),
+  );
 }
 
 function receive({ data, problems = [] }) {
@@ -192,18 +252,28 @@ function begin(next, then = null) {
 /** Name the collision, if it is one of those to begin with; say if Python has solved it. */
 function showPreset() {
   const text = JSON.stringify(design);
-  const same = start.presets.find((preset) => JSON.stringify(preset.design) === text);
+  const same = start.presets.find(
+    (preset) => JSON.stringify(preset.design) === text,
+  );
   byId("preset").value = same ? same.key : "";
-  const what = isStored(design) && (fronts.lacking(design.case)[1] || "so many waves");
-  byId("remark").textContent = what ? `Python solved this collision when the page was written, because the page cannot solve ${what}. `
-    + "The sliders work for rods and contacts that the page can solve." : same ? same.remark : "";
+  const what =
+    isStored(design) && (fronts.lacking(design.case)[1] || "so many waves");
+  byId("remark").textContent = what
+    ? `Python solved this collision when the page was written, because the page cannot solve ${what}. ` +
+      "The sliders work for rods and contacts that the page can solve."
+    : same
+      ? same.remark
+      : "";
 }
 
 function offerPresets() {
   byId("preset").append(new Option("your own", ""));
-  for (const { key, title } of start.presets) byId("preset").append(new Option(title, key));
+  for (const { key, title } of start.presets)
+    byId("preset").append(new Option(title, key));
   byId("preset").addEventListener("change", () => {
-    const chosen = start.presets.find(({ key }) => key === byId("preset").value);
+    const chosen = start.presets.find(
+      ({ key }) => key === byId("preset").value,
+    );
     if (chosen) begin(chosen.design);
   });
 }
@@ -211,7 +281,10 @@ function offerPresets() {
 // Files ------------------------------------------------------------------------------------------
 
 function download(name, kind, text) {
-  const link = make("a", { href: URL.createObjectURL(new Blob([text], { type: kind })), download: name });
+  const link = make("a", {
+    href: URL.createObjectURL(new Blob([text], { type: kind })),
+    download: name,
+  });
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
@@ -221,8 +294,16 @@ function saveSvg() {
   const { scene, theme } = shown;
   const frame = drawDiagram(pen, scene, shown, null, null, theme);
   const colours = `colours: ${shown.quantity}, blue ${byId("least").textContent}, yellow ${byId("most").textContent}`;
-  pen.text(frame.x, frame.bottom + 2.3 * theme.size, colours, { size: 0.8 * theme.size, colour: theme.faint, baseline: "top" });
-  download("rodimpact.svg", "image/svg+xml", pen.document(beginning(scene), theme.paper));
+  pen.text(frame.x, frame.bottom + 2.3 * theme.size, colours, {
+    size: 0.8 * theme.size,
+    colour: theme.faint,
+    baseline: "top",
+  });
+  download(
+    "rodimpact.svg",
+    "image/svg+xml",
+    pen.document(beginning(scene), theme.paper),
+  );
 }
 
 // Beginning --------------------------------------------------------------------------------------
@@ -237,9 +318,14 @@ function setTheme(name) {
 function connect() {
   const dark = matchMedia("(prefers-color-scheme: dark)");
   setTheme(dark.matches ? "dark" : "light");
-  dark.addEventListener("change", () => setTheme(dark.matches ? "dark" : "light"));
+  dark.addEventListener("change", () =>
+    setTheme(dark.matches ? "dark" : "light"),
+  );
   byId("theme").addEventListener("click", () =>
-    setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"));
+    setTheme(
+      document.documentElement.dataset.theme === "dark" ? "light" : "dark",
+    ),
+  );
   byId("displaced").addEventListener("change", () => {
     shown.displaced = byId("displaced").checked;
     zoomAll();
@@ -250,7 +336,9 @@ function connect() {
     keepAddress();
   });
   byId("save-svg").addEventListener("click", saveSvg);
-  byId("save-case").addEventListener("click", () => download("case.toml", "application/toml", tomlOf(design, start.materials)));
+  byId("save-case").addEventListener("click", () =>
+    download("case.toml", "application/toml", tomlOf(design, start.materials)),
+  );
   byId("question").addEventListener("input", keepAddress);
   connectDiagram();
   connectMap();
@@ -262,7 +350,11 @@ function connect() {
     redraw();
   }).observe(document.body);
   new ResizeObserver(([{ target }]) =>
-    document.documentElement.style.setProperty("--pinned", `${target.offsetHeight}px`)).observe(byId("outcome"));
+    document.documentElement.style.setProperty(
+      "--pinned",
+      `${target.offsetHeight}px`,
+    ),
+  ).observe(byId("outcome"));
   matchMedia("print").addEventListener("change", ({ matches }) => {
     if (matches) shown.screen = document.documentElement.dataset.theme;
     setTheme(matches ? "light" : shown.screen);

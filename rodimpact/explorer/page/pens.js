@@ -6,7 +6,8 @@ const FONT = 'system-ui, "DejaVu Sans", sans-serif';
 // sizes are kept: to ask for one after a text has changed makes the browser lay out the page again
 const sizes = new WeakMap();
 const sizeWatch = new ResizeObserver((entries) => {
-  for (const { target } of entries) sizes.set(target, [target.clientWidth, target.clientHeight]);
+  for (const { target } of entries)
+    sizes.set(target, [target.clientWidth, target.clientHeight]);
   redraw();
 });
 
@@ -22,8 +23,12 @@ class CanvasPen {
   constructor(canvas) {
     const ratio = window.devicePixelRatio || 1;
     [this.width, this.height] = sizeOf(canvas);
-    const [w, h] = [Math.round(this.width * ratio), Math.round(this.height * ratio)];
-    if (canvas.width !== w || canvas.height !== h) Object.assign(canvas, { width: w, height: h });
+    const [w, h] = [
+      Math.round(this.width * ratio),
+      Math.round(this.height * ratio),
+    ];
+    if (canvas.width !== w || canvas.height !== h)
+      Object.assign(canvas, { width: w, height: h });
     this.context = canvas.getContext("2d");
     this.context.setTransform(ratio, 0, 0, ratio, 0, 0);
     this.context.clearRect(0, 0, this.width, this.height);
@@ -41,13 +46,21 @@ class CanvasPen {
     this.context.fillStyle = fill;
     this.context.fill();
     if (!stroke) return;
-    Object.assign(this.context, { strokeStyle: stroke, lineWidth: width, lineJoin: "round" });
+    Object.assign(this.context, {
+      strokeStyle: stroke,
+      lineWidth: width,
+      lineJoin: "round",
+    });
     this.context.stroke();
   }
 
   line(points, stroke, width = 1, dash = []) {
     this.trace(points, false);
-    Object.assign(this.context, { strokeStyle: stroke, lineWidth: width, lineJoin: "round" });
+    Object.assign(this.context, {
+      strokeStyle: stroke,
+      lineWidth: width,
+      lineJoin: "round",
+    });
     this.context.setLineDash(dash);
     this.context.stroke();
     this.context.setLineDash([]);
@@ -60,9 +73,19 @@ class CanvasPen {
     this.context.fill();
   }
 
-  text(x, y, text, { size, colour, align = "left", baseline = "middle", turned = false }) {
+  text(
+    x,
+    y,
+    text,
+    { size, colour, align = "left", baseline = "middle", turned = false },
+  ) {
     const c = this.context;
-    Object.assign(c, { font: `${size}px ${FONT}`, fillStyle: colour, textAlign: align, textBaseline: baseline });
+    Object.assign(c, {
+      font: `${size}px ${FONT}`,
+      fillStyle: colour,
+      textAlign: align,
+      textBaseline: baseline,
+    });
     c.save();
     c.translate(x, y);
     if (turned) c.rotate(-Math.PI / 2);
@@ -99,29 +122,46 @@ class SvgPen {
   }
 
   path(points, closed) {
-    const steps = points.map(([x, y], i) => `${i ? "L" : "M"}${x.toFixed(2)} ${y.toFixed(2)}`);
+    const steps = points.map(
+      ([x, y], i) => `${i ? "L" : "M"}${x.toFixed(2)} ${y.toFixed(2)}`,
+    );
     return steps.join("") + (closed ? "Z" : "");
   }
 
   polygon(points, fill, stroke, width = 1) {
-    const edge = stroke ? ` stroke="${stroke}" stroke-width="${width}" stroke-linejoin="round"` : "";
-    this.parts.push(`<path d="${this.path(points, true)}" fill="${fill}"${edge}/>`);
+    const edge = stroke
+      ? ` stroke="${stroke}" stroke-width="${width}" stroke-linejoin="round"`
+      : "";
+    this.parts.push(
+      `<path d="${this.path(points, true)}" fill="${fill}"${edge}/>`,
+    );
   }
 
   line(points, stroke, width = 1, dash = []) {
     const dashes = dash.length ? ` stroke-dasharray="${dash.join(" ")}"` : "";
-    this.parts.push(`<path d="${this.path(points, false)}" fill="none" stroke="${stroke}" stroke-width="${width}"${dashes}/>`);
+    this.parts.push(
+      `<path d="${this.path(points, false)}" fill="none" stroke="${stroke}" stroke-width="${width}"${dashes}/>`,
+    );
   }
 
   disc(x, y, radius, fill) {
-    this.parts.push(`<circle cx="${x.toFixed(2)}" cy="${y.toFixed(2)}" r="${radius}" fill="${fill}"/>`);
+    this.parts.push(
+      `<circle cx="${x.toFixed(2)}" cy="${y.toFixed(2)}" r="${radius}" fill="${fill}"/>`,
+    );
   }
 
-  text(x, y, text, { size, colour, align = "left", baseline = "middle", turned = false }) {
+  text(
+    x,
+    y,
+    text,
+    { size, colour, align = "left", baseline = "middle", turned = false },
+  ) {
     const anchor = { left: "start", center: "middle", right: "end" }[align];
     const drop = { middle: 0.35, top: 0.8, bottom: -0.1 }[baseline] * size;
     const turn = turned ? " rotate(-90)" : "";
-    this.parts.push(`<text transform="translate(${x.toFixed(2)} ${y.toFixed(2)})${turn}" y="${drop.toFixed(2)}" font-size="${size}" text-anchor="${anchor}" fill="${colour}">${safe(text)}</text>`);
+    this.parts.push(
+      `<text transform="translate(${x.toFixed(2)} ${y.toFixed(2)})${turn}" y="${drop.toFixed(2)}" font-size="${size}" text-anchor="${anchor}" fill="${colour}">${safe(text)}</text>`,
+    );
   }
 
   seamless(draw) {
@@ -131,13 +171,17 @@ class SvgPen {
   }
 
   image(canvas, x, y, width, height) {
-    this.parts.push(`<image x="${x}" y="${y}" width="${width}" height="${height}" preserveAspectRatio="none" href="${canvas.toDataURL()}"/>`);
+    this.parts.push(
+      `<image x="${x}" y="${y}" width="${width}" height="${height}" preserveAspectRatio="none" href="${canvas.toDataURL()}"/>`,
+    );
   }
 
   inside(x, y, width, height, draw) {
     this.clips += 1;
     const name = `frame-${this.clips}`;
-    this.parts.push(`<clipPath id="${name}"><rect x="${x}" y="${y}" width="${width}" height="${height}"/></clipPath><g clip-path="url(#${name})">`);
+    this.parts.push(
+      `<clipPath id="${name}"><rect x="${x}" y="${y}" width="${width}" height="${height}"/></clipPath><g clip-path="url(#${name})">`,
+    );
     draw();
     this.parts.push("</g>");
   }
@@ -145,7 +189,9 @@ class SvgPen {
   /** The whole drawing. */
   document(title, paper) {
     const size = `width="${this.width}" height="${this.height}" viewBox="0 0 ${this.width} ${this.height}"`;
-    return `<svg xmlns="http://www.w3.org/2000/svg" ${size} font-family="sans-serif">`
-      + `<title>${safe(title)}</title><rect width="100%" height="100%" fill="${paper}"/>${this.parts.join("")}</svg>\n`;
+    return (
+      `<svg xmlns="http://www.w3.org/2000/svg" ${size} font-family="sans-serif">` +
+      `<title>${safe(title)}</title><rect width="100%" height="100%" fill="${paper}"/>${this.parts.join("")}</svg>\n`
+    );
   }
 }

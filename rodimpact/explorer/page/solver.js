@@ -4,12 +4,22 @@
 /** What is wrong with a design, or what of it this page cannot solve. */
 function problemsOf({ case: tables, gauges }) {
   const [path, what] = fronts.lacking(tables);
-  if (what) return [{ path, message: `this page cannot solve ${what}; Python can, with rodimpact explore CASE.toml` }];
-  return fronts.mistakes(tables, listOf(gauges), start.materials, start.rules).map(([where, message]) => ({ path: where, message }));
+  if (what)
+    return [
+      {
+        path,
+        message: `this page cannot solve ${what}; Python can, with rodimpact explore CASE.toml`,
+      },
+    ];
+  return fronts
+    .mistakes(tables, listOf(gauges), start.materials, start.rules)
+    .map(([where, message]) => ({ path: where, message }));
 }
 
 /** Whether Python has solved this design, which the page cannot solve. */
-const isStored = (asked) => start.scene !== null && JSON.stringify(asked) === JSON.stringify(start.design);
+const isStored = (asked) =>
+  start.scene !== null &&
+  JSON.stringify(asked) === JSON.stringify(start.design);
 
 const FEW = 20; // points of a curve of e; four times as many of fronts
 const QUIET = 150; // ms after which sliders rest
@@ -28,24 +38,63 @@ function eWith(copy, ...numbers) {
 function curvesOf({ case: tables }, { ratio, method, bodies }) {
   if (ratio === null) return {};
   const [left, right] = tables.bodies;
-  const [{ law = "rigid", stiffness, ...contact } = {}] = listOf(tables.contacts);
+  const [{ law = "rigid", stiffness, ...contact } = {}] = listOf(
+    tables.contacts,
+  );
   const curve = (count, placeOf, source, asked, path, numberAt) => {
     const ratios = Array.from({ length: count }, (_, k) => placeOf(k));
-    const solve = (copy = structuredClone(asked)) => ({ ratios, values: ratios.map((ratio) => eWith(copy, [path, numberAt(ratio)])) });
-    return { ratios: [], values: [], source: `solved at ${count} ${source}`, solve };
+    const solve = (copy = structuredClone(asked)) => ({
+      ratios,
+      values: ratios.map((ratio) => eWith(copy, [path, numberAt(ratio)])),
+    });
+    return {
+      ratios: [],
+      values: [],
+      source: `solved at ${count} ${source}`,
+      solve,
+    };
   };
   const found = {};
-  if (![left.velocity, left.strain].some((value) => typeof value === "object")) { // a profile is bound to its length
-    const [reach, count] = [2 ** Math.max(1, Math.ceil(Math.log2(1.1 * ratio))), method === "fronts" ? 4 * FEW : FEW];
-    found.curve = curve(count, (k) => reach * (k + 1) / count, "ratios", tables, ["bodies", 0, "length"], (r) => r * right.length);
+  if (
+    ![left.velocity, left.strain].some((value) => typeof value === "object")
+  ) {
+    // a profile is bound to its length
+    const [reach, count] = [
+      2 ** Math.max(1, Math.ceil(Math.log2(1.1 * ratio))),
+      method === "fronts" ? 4 * FEW : FEW,
+    ];
+    found.curve = curve(
+      count,
+      (k) => (reach * (k + 1)) / count,
+      "ratios",
+      tables,
+      ["bodies", 0, "length"],
+      (r) => r * right.length,
+    );
   }
   const closing = (left.velocity || 0) - (right.velocity || 0); // no number where there is a profile
   if (!/^(rigid|hertz)$/.test(law) || !(closing > 0)) return found;
-  const [{ impedance, transit_time: T }] = bodies.map(({ pieces }) => pieces[0]).sort((a, b) => b.transit_time - a.transit_time);
+  const [{ impedance, transit_time: T }] = bodies
+    .map(({ pieces }) => pieces[0])
+    .sort((a, b) => b.transit_time - a.transit_time);
   const unit = impedance / (T * Math.sqrt(closing * T)); // of the stiffness k: then kappa = k (V T)^(1/2) T/Z is 1
-  const rounded = { ...tables, solve: {}, contacts: [{ ...contact, law: "hertz", stiffness: unit }] };
-  found.roundness = { unit, here: stiffness === undefined ? null : Math.log10(stiffness / unit),
-    ...curve(FEW, (k) => 6 * k / (FEW - 1) - 2, "stiffnesses", rounded, ["contacts", 0, "stiffness"], (log) => unit * 10 ** log) };
+  const rounded = {
+    ...tables,
+    solve: {},
+    contacts: [{ ...contact, law: "hertz", stiffness: unit }],
+  };
+  found.roundness = {
+    unit,
+    here: stiffness === undefined ? null : Math.log10(stiffness / unit),
+    ...curve(
+      FEW,
+      (k) => (6 * k) / (FEW - 1) - 2,
+      "stiffnesses",
+      rounded,
+      ["contacts", 0, "stiffness"],
+      (log) => unit * 10 ** log,
+    ),
+  };
   return found;
 }
 
@@ -56,12 +105,14 @@ function solveAtRest(scene, asked, draft) {
     scene[key] = { ...curve, ...(quick ? curve.solve() : kept[key]) };
     return !quick;
   });
-  if (late.length || draft) resting = setTimeout(() => {
-    if (draft) receive(sceneOf(design));
-    clearTimeout(resting);
-    for (const [key, curve] of late) Object.assign(shown.scene[key], kept[key] = curve.solve());
-    redraw();
-  }, QUIET);
+  if (late.length || draft)
+    resting = setTimeout(() => {
+      if (draft) receive(sceneOf(design));
+      clearTimeout(resting);
+      for (const [key, curve] of late)
+        Object.assign(shown.scene[key], (kept[key] = curve.solve()));
+      redraw();
+    }, QUIET);
 }
 
 /** The scene of a design as `data`, or its `problems`; a draft of compliant contacts is quicker. */
@@ -70,11 +121,23 @@ function sceneOf(asked, draft = false) {
   try {
     const problems = problemsOf(asked);
     if (problems.length) return { problems };
-    const { problem, ...data } = fronts.scene_of(asked.case, listOf(asked.gauges), start.materials, ...(draft ? [DRAFT[asked.case.bodies.length > 3 ? 1 : 0]] : []));
-    if (!problem) solveAtRest(data, asked, draft && data.method === "characteristics");
-    return problem ? { problems: [{ path: problem[0], message: problem[1] }] } : { data };
+    const { problem, ...data } = fronts.scene_of(
+      asked.case,
+      listOf(asked.gauges),
+      start.materials,
+      ...(draft ? [DRAFT[asked.case.bodies.length > 3 ? 1 : 0]] : []),
+    );
+    if (!problem)
+      solveAtRest(data, asked, draft && data.method === "characteristics");
+    return problem
+      ? { problems: [{ path: problem[0], message: problem[1] }] }
+      : { data };
   } catch (error) {
-    return { problems: [{ path: "", message: `The design cannot be read: ${error.message}` }] };
+    return {
+      problems: [
+        { path: "", message: `The design cannot be read: ${error.message}` },
+      ],
+    };
   }
 }
 
@@ -87,7 +150,9 @@ async function* mapOf(design, [xPath, xs], [yPath, ys]) {
     for (const x of xs) {
       row.push(eWith(copy, [yPath, y], [xPath, x]));
       if (performance.now() - rested < AWAKE) continue;
-      await new Promise((resolve) => { setTimeout(resolve); });
+      await new Promise((resolve) => {
+        setTimeout(resolve);
+      });
       rested = performance.now();
     }
     yield row;
@@ -98,28 +163,38 @@ async function* mapOf(design, [xPath, xs], [yPath, ys]) {
 
 function tomlValue(value) {
   if (Array.isArray(value)) return `[${value.map(tomlValue).join(", ")}]`;
-  if (typeof value === "string") return JSON.stringify(value).replace(/\x7f/g, "\\u007f");
+  if (typeof value === "string")
+    return JSON.stringify(value).replace(/\x7f/g, "\\u007f");
   if (typeof value === "object") return `{${tomlLines(value).join(", ")}}`;
   return String(value);
 }
 
 const tomlKey = (key) => (/^[\w-]+$/.test(key) ? key : JSON.stringify(key));
-const tomlLines = (table) => Object.entries(table).filter(([, value]) => value !== null)
-  .map(([key, value]) => `${tomlKey(key)} = ${tomlValue(value)}`);
+const tomlLines = (table) =>
+  Object.entries(table)
+    .filter(([, value]) => value !== null)
+    .map(([key, value]) => `${tomlKey(key)} = ${tomlValue(value)}`);
 
 /** A design as the text of a case file; every material is spelt out. */
 function tomlOf(design, library) {
   const { bodies, contacts, materials, ends, solve, ...plain } = design.case;
   const lines = tomlLines(plain);
   const add = (head, table) => lines.push("", head, ...tomlLines(table));
-  const used = new Set(bodies.flatMap((body) => [body, ...listOf(body.segments)]).map(({ material }) => material));
-  for (const name of used) if (name) add(`[materials.${tomlKey(name)}]`, { ...library, ...materials }[name]);
+  const used = new Set(
+    bodies
+      .flatMap((body) => [body, ...listOf(body.segments)])
+      .map(({ material }) => material),
+  );
+  for (const name of used)
+    if (name)
+      add(`[materials.${tomlKey(name)}]`, { ...library, ...materials }[name]);
   for (const { segments, ...body } of bodies) {
     add("[[bodies]]", body);
     for (const segment of listOf(segments)) add("[[bodies.segments]]", segment);
   }
   for (const contact of listOf(contacts)) add("[[contacts]]", contact);
-  for (const [side, end] of Object.entries(ends || {})) add(`[ends.${side}]`, end);
+  for (const [side, end] of Object.entries(ends || {}))
+    add(`[ends.${side}]`, end);
   for (const gauge of listOf(design.gauges)) add("[[gauges]]", gauge);
   if (solve) add("[solve]", solve);
   return `${lines.join("\n")}\n`;

@@ -11,30 +11,68 @@ function drawRods(pen, scene, look, now, theme) {
   const [gauges, ends, outlines] = [[], endsAt(scene, now, look), new Map()];
   const strip = { frame, middle, half, gauges, ends, outlines };
   pen.inside(frame.x, 0, frame.width, pen.height, () => {
-    for (const { polygon, low, high } of slice(scene, now, placesOf(scene, displaced))) {
+    for (const { polygon, low, high } of slice(
+      scene,
+      now,
+      placesOf(scene, displaced),
+    )) {
       const body = scene.tiling.body[polygon];
-      const x = (scene.tiling.x[scene.tiling.start[polygon]] + scene.tiling.x[scene.tiling.start[polygon] + 1]) / 2;
-      const thick = half * widthAt(scene, body, x) * (1 - THICKER * shareOf(scene, "stress", polygon));
+      const x =
+        (scene.tiling.x[scene.tiling.start[polygon]] +
+          scene.tiling.x[scene.tiling.start[polygon] + 1]) /
+        2;
+      const thick =
+        half *
+        widthAt(scene, body, x) *
+        (1 - THICKER * shareOf(scene, "stress", polygon));
       const box = [low, high].map((place) => [frame.across(place), thick]);
       outlines.set(body, [...(outlines.get(body) || []), ...box]);
       if (scene.grids && now > 0) continue;
       const [[x0], [x1]] = box;
       const fill = css(colourOf(shareOf(scene, name, polygon), theme));
-      pen.polygon([[x0, middle - thick], [x1, middle - thick], [x1, middle + thick], [x0, middle + thick]], fill, fill, 0.5);
+      pen.polygon(
+        [
+          [x0, middle - thick],
+          [x1, middle - thick],
+          [x1, middle + thick],
+          [x0, middle + thick],
+        ],
+        fill,
+        fill,
+        0.5,
+      );
     }
     if (scene.grids && now > 0) drawSlices(pen, scene, strip, name, now, theme);
     scene.bodies.forEach((body, i) => {
       const [x0, x1] = ends.get(i).map(frame.across);
-      const fill = body.path ? (body.kind === "mass" ? theme.faint : theme.line) : "transparent";
-      const upper = outlines.get(i) || [[x0, half], [x1, half]];
-      pen.polygon([...upper.map(([x, h]) => [x, middle - h]), ...upper.map(([x, h]) => [x, middle + h]).reverse()],
-        fill, theme.ink, 1.2);
+      const fill = body.path
+        ? body.kind === "mass"
+          ? theme.faint
+          : theme.line
+        : "transparent";
+      const upper = outlines.get(i) || [
+        [x0, half],
+        [x1, half],
+      ];
+      pen.polygon(
+        [
+          ...upper.map(([x, h]) => [x, middle - h]),
+          ...upper.map(([x, h]) => [x, middle + h]).reverse(),
+        ],
+        fill,
+        theme.ink,
+        1.2,
+      );
     });
     nameBodies(pen, scene, frame, ends, 0.8 * theme.size, theme);
-    for (const contact of scene.contacts) drawContact(pen, strip, contact, now, theme);
+    for (const contact of scene.contacts)
+      drawContact(pen, strip, contact, now, theme);
     for (const { body, fraction } of scene.gauges) {
       const [low, high] = ends.get(body);
-      gauges.push([frame.across(low + fraction * (high - low)), middle - half * widthAt(scene, body, fraction * scene.lengths[body])]);
+      gauges.push([
+        frame.across(low + fraction * (high - low)),
+        middle - half * widthAt(scene, body, fraction * scene.lengths[body]),
+      ]);
     }
     for (const [x, y] of gauges) drawGauge(pen, x, y, theme);
   });
@@ -50,7 +88,9 @@ function chord({ tiling: { start, t: times } }, i, t, values) {
     const next = k + 1 < start[i + 1] ? k + 1 : start[i];
     const [a, b] = [times[k], times[next]];
     if ((a - t) * (b - t) > 0) continue;
-    const value = values[k] + (values[next] - values[k]) * (a === b ? 0 : (t - a) / (b - a));
+    const value =
+      values[k] +
+      (values[next] - values[k]) * (a === b ? 0 : (t - a) / (b - a));
     [low, high] = [Math.min(low, value), Math.max(high, value)];
   }
   return [low, high];
@@ -69,7 +109,11 @@ function slice(scene, t, places = scene.place) {
 /** Left and right end of every body at time t. */
 function endsAt(scene, t, { view, displaced }) {
   const ends = new Map();
-  for (const { polygon, low, high } of slice(scene, t, placesOf(scene, displaced))) {
+  for (const { polygon, low, high } of slice(
+    scene,
+    t,
+    placesOf(scene, displaced),
+  )) {
     const body = scene.tiling.body[polygon];
     const [least, most] = ends.get(body) || [low, high];
     ends.set(body, [Math.min(least, low), Math.max(most, high)]);
@@ -81,23 +125,56 @@ function endsAt(scene, t, { view, displaced }) {
 }
 
 /** Rods of cells, smooth from end to end. */
-function drawSlices(pen, scene, { frame, middle, half, ends, outlines }, name, now, theme) {
+function drawSlices(
+  pen,
+  scene,
+  { frame, middle, half, ends, outlines },
+  name,
+  now,
+  theme,
+) {
   for (const grid of scene.grids) {
     const [low, high] = ends.get(grid.body);
     const long = scene.lengths[grid.body];
-    const [x0, x1] = [grid.left, grid.right].map((x) => frame.across(low + (high - low) * x / long));
-    const row = Math.max(0, Math.min(grid.rows - 1, now / scene.end * grid.rows - 0.5));
+    const [x0, x1] = [grid.left, grid.right].map((x) =>
+      frame.across(low + ((high - low) * x) / long),
+    );
+    const row = Math.max(
+      0,
+      Math.min(grid.rows - 1, (now / scene.end) * grid.rows - 0.5),
+    );
     const thickest = half * (1 + THICKER);
-    pen.image(imageOf(scene, grid, name, theme, row), x0, middle - thickest, x1 - x0, 2 * thickest);
+    pen.image(
+      imageOf(scene, grid, name, theme, row),
+      x0,
+      middle - thickest,
+      x1 - x0,
+      2 * thickest,
+    );
   }
-  for (const [body, points] of outlines) { // hide what is outside of the outline
-    const smooth = points.filter((_, k) => k % 2 === 0).map(([x, h], k) => [(x + points[2 * k + 1][0]) / 2, h]);
-    const outline = [[points[0][0], smooth[0][1]], ...smooth, [points.at(-1)[0], smooth.at(-1)[1]]];
+  for (const [body, points] of outlines) {
+    // hide what is outside of the outline
+    const smooth = points
+      .filter((_, k) => k % 2 === 0)
+      .map(([x, h], k) => [(x + points[2 * k + 1][0]) / 2, h]);
+    const outline = [
+      [points[0][0], smooth[0][1]],
+      ...smooth,
+      [points.at(-1)[0], smooth.at(-1)[1]],
+    ];
     outlines.set(body, outline);
     for (const side of [-1, 1]) {
       const edge = middle + side * half * (1 + 2 * THICKER);
-      pen.polygon([...outline.map(([x, h]) => [x, middle + side * h]), [outline.at(-1)[0] + 1, edge], [outline[0][0] - 1, edge]],
-        theme.paper, theme.paper, 1);
+      pen.polygon(
+        [
+          ...outline.map(([x, h]) => [x, middle + side * h]),
+          [outline.at(-1)[0] + 1, edge],
+          [outline[0][0] - 1, edge],
+        ],
+        theme.paper,
+        theme.paper,
+        1,
+      );
     }
   }
 }
@@ -109,12 +186,18 @@ function nameBodies(pen, scene, frame, ends, y, theme) {
     const [x0, x1] = ends.get(i).map(frame.across);
     return [Math.max(x0, frame.x), Math.min(x1, frame.right)];
   });
-  const fit = scene.bodies.every(({ path, title }, i) => path || 0.6 * size * title.length < seen[i][1] - seen[i][0]);
+  const fit = scene.bodies.every(
+    ({ path, title }, i) =>
+      path || 0.6 * size * title.length < seen[i][1] - seen[i][0],
+  );
   scene.bodies.forEach(({ title }, i) => {
     const [from, to] = seen[i];
     const text = fit ? title : title.replace(/\D+/, "");
     const half = 0.3 * size * text.length;
-    const middle = Math.max(frame.x + half, Math.min(frame.right - half, (from + to) / 2));
+    const middle = Math.max(
+      frame.x + half,
+      Math.min(frame.right - half, (from + to) / 2),
+    );
     if (to < from || middle - half < reached) return;
     pen.text(middle, y, text, { size, colour: theme.faint, align: "center" });
     reached = middle + half;
@@ -123,7 +206,9 @@ function nameBodies(pen, scene, frame, ends, y, theme) {
 
 function endsOfSolid(scene, i, now, view, displaced) {
   const body = scene.bodies[i];
-  const face = displaced ? valueAt(pathOf(scene, i, 0, body.path), now) : scene.row.left[i];
+  const face = displaced
+    ? valueAt(pathOf(scene, i, 0, body.path), now)
+    : scene.row.left[i];
   if (body.kind === "mass") return [face, face + scene.lengths[i]];
   const deep = 0.06 * (view.right - view.left);
   return i ? [face, face + deep] : [face - deep, face];
@@ -136,15 +221,40 @@ function drawContact(pen, { frame, middle, half, ends }, contact, now, theme) {
   const [x0, x1] = [frame.across(left[1]), frame.across(right[0])];
   if (contact.room) {
     const reach = Math.min(x1, frame.across(left[1] + contact.room));
-    const turns = [0.1, 0.3, 0.5, 0.7, 0.9].map((share, k) => [x0 + share * (reach - x0), middle + (k % 2 ? 0.5 : -0.5) * half]);
+    const turns = [0.1, 0.3, 0.5, 0.7, 0.9].map((share, k) => [
+      x0 + share * (reach - x0),
+      middle + (k % 2 ? 0.5 : -0.5) * half,
+    ]);
     pen.line([[x0, middle], ...turns, [reach, middle]], theme.ink, 1.4);
   }
   if (stateAt(contact, now) !== "pressing") return;
-  const [x, y, w] = [(x0 + x1) / 2, middle + half * (1 + THICKER) + 0.45 * theme.size, 0.4 * theme.size];
-  for (const side of [-1, 1]) pen.polygon([[x + side, y], [x + side * 2.4 * w, y - w], [x + side * 2.4 * w, y + w]], theme.wrong, null);
+  const [x, y, w] = [
+    (x0 + x1) / 2,
+    middle + half * (1 + THICKER) + 0.45 * theme.size,
+    0.4 * theme.size,
+  ];
+  for (const side of [-1, 1])
+    pen.polygon(
+      [
+        [x + side, y],
+        [x + side * 2.4 * w, y - w],
+        [x + side * 2.4 * w, y + w],
+      ],
+      theme.wrong,
+      null,
+    );
 }
 
 function drawGauge(pen, x, top, theme) {
   const w = 0.4 * theme.size;
-  pen.polygon([[x, top + w], [x - w, top - 0.6 * w], [x + w, top - 0.6 * w]], theme.series[0], theme.paper, 1);
+  pen.polygon(
+    [
+      [x, top + w],
+      [x - w, top - 0.6 * w],
+      [x + w, top - 0.6 * w],
+    ],
+    theme.series[0],
+    theme.paper,
+    1,
+  );
 }

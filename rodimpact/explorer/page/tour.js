@@ -3,12 +3,36 @@
 
 // the collision of a step, and its moment in shares of the force duration; -1 is before it
 const TOUR = [
-  ["identical", -1, "Two identical rods. The left one comes at speed v, the right one is still. No force acts yet."],
-  ["identical", 0.25, "They touch, and sound waves of compression start to both sides. Between the two fronts all material is compressed and moves with v/2; no wave has reached the rest of the rods yet."],
-  ["identical", 0.5, "The fronts reach the far ends: both rods are compressed everywhere and move with v/2. From the free ends the waves come back as relief."],
-  ["identical", 1, "The waves meet at the contact, and the rods part. The left rod stands still, the right one has v, and no vibration is left: e = 1."],
-  ["wall", 1, "A rod on a rigid wall: the wave runs to the free end and back, and the rod leaves as fast as it came. Again e = 1. Both examples mislead: elastic rods rarely collide like that."],
-  ["unequal", 1, "Rods of different length: the short rod stops when its wave is back, but the long one keeps waves that run up and down. That energy is lost to its motion as a whole, so e = l₁/l₂ < 1, though nothing is lost in the material."],
+  [
+    "identical",
+    -1,
+    "Two identical rods. The left one comes at speed v, the right one is still. No force acts yet.",
+  ],
+  [
+    "identical",
+    0.25,
+    "They touch, and sound waves of compression start to both sides. Between the two fronts all material is compressed and moves with v/2; no wave has reached the rest of the rods yet.",
+  ],
+  [
+    "identical",
+    0.5,
+    "The fronts reach the far ends: both rods are compressed everywhere and move with v/2. From the free ends the waves come back as relief.",
+  ],
+  [
+    "identical",
+    1,
+    "The waves meet at the contact, and the rods part. The left rod stands still, the right one has v, and no vibration is left: e = 1.",
+  ],
+  [
+    "wall",
+    1,
+    "A rod on a rigid wall: the wave runs to the free end and back, and the rod leaves as fast as it came. Again e = 1. Both examples mislead: elastic rods rarely collide like that.",
+  ],
+  [
+    "unequal",
+    1,
+    "Rods of different length: the short rod stops when its wave is back, but the long one keeps waves that run up and down. That energy is lost to its motion as a whole, so e = l₁/l₂ < 1, though nothing is lost in the material.",
+  ],
 ];
 let tourStep = -1;
 
@@ -24,14 +48,24 @@ function showTour(k) {
   byId("tour-next").textContent = k === TOUR.length - 1 ? "End" : "Next";
   begin(start.presets.find((preset) => preset.key === key).design, () => {
     const { scene } = shown;
-    const pressing = scene.contacts[0].spells.find(({ state }) => state === "pressing");
-    goTo(moment < 0 ? scene.begin : pressing.from + moment * (pressing.to - pressing.from));
+    const pressing = scene.contacts[0].spells.find(
+      ({ state }) => state === "pressing",
+    );
+    goTo(
+      moment < 0
+        ? scene.begin
+        : pressing.from + moment * (pressing.to - pressing.from),
+    );
   });
 }
 
 function connectTour() {
-  byId("tour-open").addEventListener("click", () => showTour(tourStep < 0 ? 0 : -1));
+  byId("tour-open").addEventListener("click", () =>
+    showTour(tourStep < 0 ? 0 : -1),
+  );
   byId("tour-back").addEventListener("click", () => showTour(tourStep - 1));
-  byId("tour-next").addEventListener("click", () => showTour(tourStep + 1 < TOUR.length ? tourStep + 1 : -1));
+  byId("tour-next").addEventListener("click", () =>
+    showTour(tourStep + 1 < TOUR.length ? tourStep + 1 : -1),
+  );
   byId("tour-end").addEventListener("click", () => showTour(-1));
 }

@@ -59,7 +59,9 @@ def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
         return F, (last - F) / w
     third = (p - 1) * h
     fourth = third * (p - 2) * h
-    return F, first / x0 * p * (1 / 2 + third / 3 + fourth / 8 + fourth * (p - 3) * h / 30)
+    return F, first / x0 * p * (
+        1 / 2 + third / 3 + fourth / 8 + fourth * (p - 3) * h / 30
+    )
 
 
 def loaded(at: Any, x0: float, x1: float) -> tuple[float, float, int]:
@@ -130,7 +132,9 @@ def solve_link(at: Any, c: float) -> tuple[float, float, float]:
         ease = 1 + y * slope
         return (k * x0 + slope * c) / ease, x0 + (c - y * k * x0) / ease, slope
     x, yields = min(at.place, top), False
-    if at.law == Law.YIELD:  # the mean force bends both ways, its work only up: from the right
+    if (
+        at.law == Law.YIELD
+    ):  # the mean force bends both ways, its work only up: from the right
         most = at.strength / at.stiffness
         yields = most - top + y * mean_force(at, x0, most)[0] < 0
         x = top if yields else min(most, top)

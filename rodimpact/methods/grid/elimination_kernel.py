@@ -15,7 +15,9 @@ def factor(bound: Any, diagonal: Any, held: Any) -> tuple[list[float], ...]:
     """
     n = len(diagonal)
     m = (n - 1) // 2
-    into, inverse, back = ([0.0] * (n + 1) for _ in range(3))  # the last is beside both ends
+    into, inverse, back = (
+        [0.0] * (n + 1) for _ in range(3)
+    )  # the last is beside both ends
     for i in (*range(m), *range(n - 1, m, -1), m):
         inverse[i] = 1.0
         if held[i]:

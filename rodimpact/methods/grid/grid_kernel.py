@@ -103,7 +103,11 @@ def keep(grid: Any, track: Any) -> None:
     run, v, force, stiffness = grid.run[0], grid.velocity, grid.force, grid.stiffness
     strain, rate, coupling = grid.strain, grid.rate, grid.coupling
     kept, radial, n, total = track.force, track.radial, len(v), 0.0
-    nodes, cells, pieces = run.kept * n, run.kept * (n + 1) & FAR, run.kept * len(grid.piece)
+    nodes, cells, pieces = (
+        run.kept * n,
+        run.kept * (n + 1) & FAR,
+        run.kept * len(grid.piece),
+    )
     kept[cells] = kept[cells + n] = 0.0
     for i in range(n):  # numba compiles a loop in a tenth of the time of a copied slice
         track.velocity[nodes + i] = v[i]
@@ -209,7 +213,9 @@ def resolve(run: Any, v: Any, link: Any, first: int) -> bool:
         at.place = at.closing - at.gap
         at.limit = math.inf  # an impact waits until it happens
         if at.law != Law.IMPACT:
-            at.limit = max(at.before / 2 if at.shut == 1 else at.gap / 2 + at.before / 4, 0.0)
+            at.limit = max(
+                at.before / 2 if at.shut == 1 else at.gap / 2 + at.before / 4, 0.0
+            )
     struck = found = True
     while struck:
         found = contacts.balance(link, first, last, speed) and found

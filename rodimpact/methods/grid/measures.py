@@ -15,7 +15,9 @@ from ..signals import Floats
 LATEST = 2.0  # steps, by which a gap can close later than its contact first presses
 FAINT = 1e-6  # of the next mean force: what presses less is round-off
 SMOOTH = 0.3  # relative change of forces from step to step, beyond which they jump
-KINK = 4  # times less curvature of a parabola beside a jump or kink than of one across it
+KINK = (
+    4  # times less curvature of a parabola beside a jump or kink than of one across it
+)
 FLAT = 1e-9  # relative change of forces from step to step that is round-off
 
 
@@ -34,7 +36,9 @@ def largest_force(force: Floats) -> float:
     begin, largest, least = 1, F, abs(curve)  # the step begins one behind the first
     for second, third in ((after, later), (before, earlier)):
         a, b, c = _parabola(F, second, third)
-        if KINK * abs(c) < least and (abs(c) < abs(F - second) / 2 or abs(c) <= FLAT * F):
+        if KINK * abs(c) < least and (
+            abs(c) < abs(F - second) / 2 or abs(c) <= FLAT * F
+        ):
             value, slope, curve, begin, least = a, b, c, 0, KINK * abs(c)
             largest = max(a, a + b + c)
     if curve < 0 and begin < -slope / (2 * curve) < begin + 1:

@@ -20,7 +20,9 @@ from ..row import Array, Row
 
 STEP_TICKS = 1 << 36
 """Ticks of a time step: times between two states are looked up in these."""
-STIFFEST = 2.0**32  # times the inertia of a cell, beyond which round-off drowns its motion
+STIFFEST = (
+    2.0**32
+)  # times the inertia of a cell, beyond which round-off drowns its motion
 MODAL_CELLS, MODES = 200, 8  # of a rod whose lowest modes are asked for
 
 
@@ -99,7 +101,9 @@ class GridMotion(NamedTuple):
             return kinetic, strained
         q, p = self.radial[place] * step, self.radial_rate[place]
         slope, faster, q, p = np.diff(q)[nodes], np.diff(p)[nodes], q[inside], p[inside]
-        shear = self.shear[nodes] / 2  # a spring between two rods belongs to either by half
+        shear = (
+            self.shear[nodes] / 2
+        )  # a spring between two rods belongs to either by half
         shear[1:-1] *= 2
         swollen = (G - b * b / k) @ q**2 + shear @ slope**2
         less = 2 * (b * change) @ p + G @ p**2 + shear @ faster**2
@@ -155,16 +159,22 @@ class Mesh:
         self.touching: dict[int, tuple[int, int]] = {}
         self.bonds: dict[int, tuple[int, int]] = {}
         node, parts, outer = -1, list[Cells](), (0, len(row.links) - 1)
-        driven = [side for side, (kind, _) in enumerate(row.outside) if kind == "velocity"]
+        driven = [
+            side for side, (kind, _) in enumerate(row.outside) if kind == "velocity"
+        ]
         asked = {*row.contact_link, *(outer[side] for side in driven)}
         for i, ((before, _), (kind, s)) in enumerate(row.beside):
             apart = row.links[i].law >= Law.JOINT
-            for _ in range((i == 0) + apart):  # what lies outside begins the first piece
+            for _ in range(
+                (i == 0) + apart
+            ):  # what lies outside begins the first piece
                 node += 1
                 parts.append(NO_CELL)
             if apart:
                 self.touching[i] = node - 1, node
-            elif row.links[i].law == Law.BOND and i in asked:  # of a rod and something else
+            elif (
+                row.links[i].law == Law.BOND and i in asked
+            ):  # of a rod and something else
                 self.bonds[i] = node, node + (before != "segment")
             if kind == "mass":
                 self.node_of_mass.append(node)
@@ -175,11 +185,15 @@ class Mesh:
                 node += counts[s - 1]
                 self.last.append(node)
         self.starts, self.stops = _between(self.touching.values(), node)
-        open_links = [of for i, of in self.touching.items() if row.links[i].law != Law.JOINT]
+        open_links = [
+            of for i, of in self.touching.items() if row.links[i].law != Law.JOINT
+        ]
         self.groups = list(zip(*_between(open_links, node), strict=True))
         self.ends, self.end_cells = [0, node], [1, node]
         self.cells = Cells(*np.concatenate([*parts, NO_CELL], axis=1))
-        self.cell_mass, self.stiffness, self.viscous, self.lateral, *_, self.width = self.cells
+        self.cell_mass, self.stiffness, self.viscous, self.lateral, *_, self.width = (
+            self.cells
+        )
         self.mass = (self.cell_mass[:-1] + self.cell_mass[1:]) / 2
         self.shear = _in_series(self.cells.shear)
         self.mass[self.node_of_mass] += row.masses
@@ -193,7 +207,9 @@ class Mesh:
         self.implicit = bool(np.any(self.viscous) or np.any(self.lateral))
 
 
-def _between(cuts: Collection[tuple[int, int]], last: int) -> tuple[list[int], list[int]]:
+def _between(
+    cuts: Collection[tuple[int, int]], last: int
+) -> tuple[list[int], list[int]]:
     """First and last nodes of what lies between pairs of neighbouring nodes, up to the last one."""
     return [0, *(right for _, right in cuts)], [*(left for left, _ in cuts), last]
 
@@ -213,8 +229,17 @@ def _cells(segment: Any, count: int) -> Cells:
     elif segment.lateral_inertia is not None:
         lateral = rho * float(material.poisson_ratio) ** 2 * polar / dx
     viscous = float(material.viscosity) * area / dx
-    return Cells(rho * area * dx, stiffness, viscous, lateral, swelling, coupling, radial, shear,
-                 np.full(count, dx))
+    return Cells(
+        rho * area * dx,
+        stiffness,
+        viscous,
+        lateral,
+        swelling,
+        coupling,
+        radial,
+        shear,
+        np.full(count, dx),
+    )
 
 
 NO_CELL = Cells(*np.append(np.zeros(8), 1.0)[:, None])
@@ -260,15 +285,19 @@ def stable_step(segment: Any, count: int) -> float:
 
 def most_cells(segment: Any, count: int, step: float) -> int:
     """How many cells, `count` at most, a segment may have for a step in s to be stable."""
-    unstable = bisect_left(range(1, count + 1), True, key=lambda N: stable_step(segment, N) < step)
+    unstable = bisect_left(
+        range(1, count + 1), True, key=lambda N: stable_step(segment, N) < step
+    )
     return max(1, unstable)
 
 
 def _refuse_stiff(path: str, cells: Cells) -> None:
     """Raise InvalidModel where cells resist changes of length so much that nothing else counts."""
     impedance = np.sqrt(cells.stiffness) * np.sqrt(cells.cell_mass)
-    sizes = {"material.viscosity": cells.viscous / impedance,
-             "lateral_inertia": cells.lateral / cells.cell_mass}
+    sizes = {
+        "material.viscosity": cells.viscous / impedance,
+        "lateral_inertia": cells.lateral / cells.cell_mass,
+    }
     for name, size in sizes.items():
         if size.max() > STIFFEST:
             message = (
@@ -289,11 +318,17 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
     from scipy.linalg import block_diag, eigh
 
     transit = sum(float(s.transit_time) for s in segments)
-    counts = [max(4, round(MODAL_CELLS * float(s.transit_time) / transit)) for s in segments]
+    counts = [
+        max(4, round(MODAL_CELLS * float(s.transit_time) / transit)) for s in segments
+    ]
     parts = [_cells(s, N) for s, N in zip(segments, counts, strict=True)]
-    mass, stiffness, viscous, lateral, *_ = cells = Cells(*np.concatenate(parts, axis=1))
+    mass, stiffness, viscous, lateral, *_ = cells = Cells(
+        *np.concatenate(parts, axis=1)
+    )
     M = np.diag((np.append(mass, 0.0) + np.append(0.0, mass)) / 2) + _chain(lateral)
-    K = block_diag(_chain(stiffness), np.diag(cells.radial) + _chain(_in_series(cells.shear)))
+    K = block_diag(
+        _chain(stiffness), np.diag(cells.radial) + _chain(_in_series(cells.shear))
+    )
     n = len(M)
     K[:n, n:] = np.diff(np.eye(n), axis=0).T * cells.coupling
     K[n:, :n] = K[:n, n:].T

@@ -30,10 +30,14 @@ from .signals import hand_over
 RTOL = 1e-3
 COURANT = 0.999
 FIRST = 100  # fewest cells of the longest transit
-FEWEST = 8  # cells of a segment, where nothing else is asked for, and steps of a short run
+FEWEST = (
+    8  # cells of a segment, where nothing else is asked for, and steps of a short run
+)
 FINEST = 1 << 13  # most cells of the longest transit in the search for an accurate mesh
 MOST_CELLS = 1 << 20
-STABLE = 1 + 2.0**-30  # Courant number up to which a mesh is taken; beyond 1 by round-off only
+STABLE = (
+    1 + 2.0**-30
+)  # Courant number up to which a mesh is taken; beyond 1 by round-off only
 LESS = "a larger rtol, fewer cells or an earlier end (until)"
 
 
@@ -47,10 +51,16 @@ def solve(row: Row, until: float | None, max_events: int, **options: Any) -> Run
 
 
 def follow(
-    row: Row, until: float | None, max_events: int, *, cells: int | None = None,
-    dt: float | None = None, rtol: float | None = None,
+    row: Row,
+    until: float | None,
+    max_events: int,
+    *,
+    cells: int | None = None,
+    dt: float | None = None,
+    rtol: float | None = None,
     snapshots: int | tuple[float, ...] | None = None,
-    progress: Progress | None = None, announce: Callable[[str], None] | None = None,
+    progress: Progress | None = None,
+    announce: Callable[[str], None] | None = None,
 ) -> GridRun:
     """Run a single collision.
 
@@ -98,7 +108,9 @@ def follow(
 
     def level(factor: int) -> GridRun:
         mesh, h = Mesh(row, [factor * N for N in counts]), step / factor
-        last = max(1, max_events // len(row.links)) if until is None else round(until / h)
+        last = (
+            max(1, max_events // len(row.links)) if until is None else round(until / h)
+        )
         run = GridRun(mesh, h, snapshots, None if until is None else max(1, last))
         _go(run, last, until is not None, forecast)
         return run
@@ -106,7 +118,12 @@ def follow(
     if searching:
         goal = RTOL if rtol is None else rtol
         run, estimates = refinement.refined(
-            level, refinement.measures_of, refinement.order_of(row), goal, FINEST // max(counts))
+            level,
+            refinement.measures_of,
+            refinement.order_of(row),
+            goal,
+            FINEST // max(counts),
+        )
         run.rtol, run.estimates = goal, estimates
         estimates[PEAK_FORCE] += run.peak_error
     else:
@@ -126,7 +143,9 @@ def _mesh_size(
     if not given:
         least = max(FIRST, math.ceil(FEWEST * T[longest] / T[shortest]))
         if until:
-            least = max(least, math.ceil(min(FINEST / 4, FEWEST * float(T[longest]) / until)))
+            least = max(
+                least, math.ceil(min(FINEST / 4, FEWEST * float(T[longest]) / until))
+            )
         # of the numbers up to twice as many, the first for which all segments run nearest to 1
         numbers = float(least) + np.arange(min(least, 1 + MOST_CELLS // len(T)))
         steps = numbers[:, None] * (T / T[longest])
@@ -138,8 +157,11 @@ def _mesh_size(
         counts[longest] = cells
     name, path = given or row.paths[shortest + 1], row.paths[shortest + 1]
     if counts.min() < 1:
-        bound = (f"{T[shortest]:.6g} s or less" if cells is None else
-                 f"{math.ceil(T[longest] / T[shortest] / STABLE)} or more")
+        bound = (
+            f"{T[shortest]:.6g} s or less"
+            if cells is None
+            else f"{math.ceil(T[longest] / T[shortest] / STABLE)} or more"
+        )
         message = f"must be {bound} for a cell in {path}, which waves cross in {T[shortest]:.6g} s"
         raise InvalidModel([(name, message)])
     if counts.sum() > MOST_CELLS:
@@ -149,13 +171,18 @@ def _mesh_size(
         raise InvalidModel([(name, message)])
     whole = counts.astype(int).tolist()
     if cells is None:  # the most for which it is stable
-        whole = [most_cells(s, N, base / STABLE) for s, N in zip(row.segments, whole, strict=True)]
+        whole = [
+            most_cells(s, N, base / STABLE)
+            for s, N in zip(row.segments, whole, strict=True)
+        ]
     stable = list(map(stable_step, row.segments, whole))
     step = min(stable) * COURANT if dt is None else dt
     worst = int(np.argmin(stable))
     if step > STABLE * stable[worst]:
-        message = (f"would be unstable in {row.paths[worst + 1]}, where {whole[worst]:g} cells "
-                   f"allow {stable[worst]:.6g} s, got {dt!r}; take a smaller dt or fewer cells")
+        message = (
+            f"would be unstable in {row.paths[worst + 1]}, where {whole[worst]:g} cells "
+            f"allow {stable[worst]:.6g} s, got {dt!r}; take a smaller dt or fewer cells"
+        )
         raise InvalidModel([("dt", message)])
     return whole, step
 
@@ -166,8 +193,10 @@ def _go(run: GridRun, last: int, on: bool, forecast: Forecast) -> None:
     per_step = cost(run.mesh, plain=not kernels.enabled())
 
     def tell(taken: int) -> None:
-        forecast.expect(per_step * max(room - taken, 0),
-                        f"{room} steps, {sum(run.mesh.counts)} cells")
+        forecast.expect(
+            per_step * max(room - taken, 0),
+            f"{room} steps, {sum(run.mesh.counts)} cells",
+        )
         forecast.reached(taken, room)
 
     tell(0)

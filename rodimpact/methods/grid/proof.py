@@ -35,11 +35,17 @@ def finality_time(run: GridRun) -> float:
         gap = float(at["gap"]) * run.step
         if gap < 0:
             return math.inf
-        one, other = side_of(run, at["left"], True, now), side_of(run, at["right"], False, now)
+        one, other = (
+            side_of(run, at["left"], True, now),
+            side_of(run, at["right"], False, now),
+        )
         reach, opening = one.bound + other.bound, other.mean - one.mean
         least = opening if max(one.bound, other.bound) <= still else -math.inf
         apart = gap + one.deviation - other.deviation
-        wait = max(wait, finality_kernel.separation_time(opening, least, apart, reach * reach, tol))
+        wait = max(
+            wait,
+            finality_kernel.separation_time(opening, least, apart, reach * reach, tol),
+        )
     return wait
 
 
@@ -66,7 +72,9 @@ def side_of(
         mean = float(motion.velocity[0, far])
     for side, (kind, _) in enumerate(run.row.outside):
         if kind == "absorbing" and mesh.ends[side] == far:
-            Z, mean = (float(run.grid.end[name][side]) for name in ("impedance", "rest"))
+            Z, mean = (
+                float(run.grid.end[name][side]) for name in ("impedance", "rest")
+            )
     if a == b:
         return Side(mean, 0.0, 0.0)
     beyond = np.cumsum(m[:-1]) / m.sum()
@@ -90,5 +98,7 @@ def side_of(
     if loose > 0:
         yielding = 2 * (yielding + m.sum() * loose * loose)
     energy = max(energy, 0.0)
-    bound = math.sqrt(2 * energy * yielding) + h * math.sqrt(energy / (2 * mesh.mass[node]))
+    bound = math.sqrt(2 * energy * yielding) + h * math.sqrt(
+        energy / (2 * mesh.mass[node])
+    )
     return Side(mean, d, bound)

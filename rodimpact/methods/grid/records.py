@@ -14,40 +14,68 @@ import numpy as np
 from .. import walk
 
 NONE = -1
-FAR = (1 << 40) - 1  # n & FAR tells the compiler that n >= 0, so that its loops run in vectors
+FAR = (
+    1 << 40
+) - 1  # n & FAR tells the compiler that n >= 0, so that its loops run in vectors
 
-RUN = np.dtype([
-    ("step", "i8"), ("first", "i8"),  # steps taken, now and as the arrays of `Track` begin
-    ("kept", "i8"),  # states entered there
-    ("swells", "i8"),  # 1: cells have radial strains
-    ("implicit", "i8"),  # 1: there is damping or lateral inertia
-    ("tolerance", "f8"),  # velocity below which contacts graze and impacts rest
-], align=True)
-PIECE = np.dtype([("start", "i8"), ("place", "f8")], align=True)  # first node, its displacement
-LINK = np.dtype([  # a contact or joint, with its gap, and of YIELD the strength and hardening now
-    *walk.LINK.descr,
-    ("knot", "i8"),  # the next of the knots, from which on YIELD has another hardening
-    ("left", "i8"), ("right", "i8"),  # nodes
-    ("leftmost", "i8"), ("rightmost", "i8"),  # nodes that its force moves in the same step
-    ("last", "i8"),  # of those that feel each other, at the first of them; else NONE
-    ("own", "f8"),  # half the mobility of both sides together
-    ("shared", "f8"),  # half the mobility that it shares with the link before
-    ("force", "f8"), ("closing", "f8"),  # mean closing velocity of the last step
-    ("shut", "i8"),  # 1 while a rigid contact is closed
-    ("before", "f8"),  # closing velocity at the start of the step
-    ("free", "f8"),  # by how much it would close without forces
-    ("limit", "f8"),  # greatest closing of a pressing rigid contact or impact
-    ("place", "f8"),  # indentation at the end of the step
-    ("slope", "f8"),  # dF/dw, -1 where the closing w is fixed
-    ("kept", "f8"),  # force before a Newton step
-    ("upper", "f8"),  # for the elimination
-    ("early", "f8"),  # energy that a rigid contact has lost as it shut before the first kick
-], align=True)
-END = np.dtype([  # left or right
-    ("kind", "i8"), ("node", "i8"), ("impedance", "f8"),  # of an endless bar
-    ("rest", "f8"),  # the wave that comes from it beside the given one
-    ("given", "f8"),  # in this step
-], align=True)
+RUN = np.dtype(
+    [
+        ("step", "i8"),
+        ("first", "i8"),  # steps taken, now and as the arrays of `Track` begin
+        ("kept", "i8"),  # states entered there
+        ("swells", "i8"),  # 1: cells have radial strains
+        ("implicit", "i8"),  # 1: there is damping or lateral inertia
+        ("tolerance", "f8"),  # velocity below which contacts graze and impacts rest
+    ],
+    align=True,
+)
+PIECE = np.dtype(
+    [("start", "i8"), ("place", "f8")], align=True
+)  # first node, its displacement
+LINK = np.dtype(
+    [  # a contact or joint, with its gap, and of YIELD the strength and hardening now
+        *walk.LINK.descr,
+        (
+            "knot",
+            "i8",
+        ),  # the next of the knots, from which on YIELD has another hardening
+        ("left", "i8"),
+        ("right", "i8"),  # nodes
+        ("leftmost", "i8"),
+        ("rightmost", "i8"),  # nodes that its force moves in the same step
+        (
+            "last",
+            "i8",
+        ),  # of those that feel each other, at the first of them; else NONE
+        ("own", "f8"),  # half the mobility of both sides together
+        ("shared", "f8"),  # half the mobility that it shares with the link before
+        ("force", "f8"),
+        ("closing", "f8"),  # mean closing velocity of the last step
+        ("shut", "i8"),  # 1 while a rigid contact is closed
+        ("before", "f8"),  # closing velocity at the start of the step
+        ("free", "f8"),  # by how much it would close without forces
+        ("limit", "f8"),  # greatest closing of a pressing rigid contact or impact
+        ("place", "f8"),  # indentation at the end of the step
+        ("slope", "f8"),  # dF/dw, -1 where the closing w is fixed
+        ("kept", "f8"),  # force before a Newton step
+        ("upper", "f8"),  # for the elimination
+        (
+            "early",
+            "f8",
+        ),  # energy that a rigid contact has lost as it shut before the first kick
+    ],
+    align=True,
+)
+END = np.dtype(
+    [  # left or right
+        ("kind", "i8"),
+        ("node", "i8"),
+        ("impedance", "f8"),  # of an endless bar
+        ("rest", "f8"),  # the wave that comes from it beside the given one
+        ("given", "f8"),  # in this step
+    ],
+    align=True,
+)
 SIGNAL = np.dtype([("force", "f8"), ("gap", "f8"), ("closing", "f8")])
 
 
@@ -56,7 +84,9 @@ class Grid(NamedTuple):
 
     run: Any  # one RUN
     velocity: Any  # [node]
-    force: Any  # [cell] elastic tension in the middle of the last step; 0 between pieces
+    force: (
+        Any  # [cell] elastic tension in the middle of the last step; 0 between pieces
+    )
     into: Any  # [node] multipliers of the elimination, 0 where nothing is implicit
     inverse: Any  # [node] of its diagonal: 1/mass where nothing is implicit; 1 at a given velocity
     back: Any  # [node]

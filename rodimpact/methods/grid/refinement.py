@@ -22,15 +22,20 @@ An error that depends on where in a step something happens may be the same on al
 FEWEST = 4  # levels
 LOOK_BACK = 4  # coarser levels with which the finest is compared
 DOUBT = 3  # times what changes tell: where they cancel, errors are larger
-FAINT = 5 / 3  # times that for a duration: a faint force may be missed on all levels alike
+FAINT = (
+    5 / 3
+)  # times that for a duration: a faint force may be missed on all levels alike
 PART = 0.1  # of a step, to which times are known at best
 ROUGH = (PEAK_FORCE, DURATION)  # told, and not waited for: they hang on few steps
 GENTLE = laws.Spring | laws.Hertz | laws.HuntCrossley | laws.PowerLaw | laws.Plastic
 
 
 def refined(
-    level: Callable[[int], GridRun], measures: Callable[[GridRun], dict[str, Array]], order: float,
-    goal: float, last: int,
+    level: Callable[[int], GridRun],
+    measures: Callable[[GridRun], dict[str, Array]],
+    order: float,
+    goal: float,
+    last: int,
 ) -> tuple[GridRun, dict[str, float]]:
     """Divide the step until no measure is wrong by more than `goal`, or as far as it goes.
 
@@ -67,13 +72,17 @@ def refined(
         finest = finer
         levels.append((finest.step, measures(finest)))
         estimates = {name: error_of(levels, name, order) for name in levels[-1][1]}
-        late = any(error > goal for name, error in estimates.items() if name not in ROUGH)
+        late = any(
+            error > goal for name, error in estimates.items() if name not in ROUGH
+        )
         if finest.stopped_by == "max_events" or not late:
             break
     return finest, estimates
 
 
-def error_of(levels: Sequence[tuple[float, dict[str, Array]]], name: str, order: float) -> float:
+def error_of(
+    levels: Sequence[tuple[float, dict[str, Array]]], name: str, order: float
+) -> float:
     """Estimated error of a measure on the last level, relative to its largest value.
 
     With q(g) the result of a coarser step g, an error that falls with the power p of the step h is
@@ -85,14 +94,17 @@ def error_of(levels: Sequence[tuple[float, dict[str, Array]]], name: str, order:
     (h, values), coarser = levels[-1], levels[-1 - LOOK_BACK : -1]
     latest = float(np.abs(values[name]).max(initial=0.0))
     changes = [
-        float(np.abs(measured[name] - values[name]).max(initial=0.0)) / ((g / h) ** order - 1)
+        float(np.abs(measured[name] - values[name]).max(initial=0.0))
+        / ((g / h) ** order - 1)
         for g, measured in coarser
     ]
     error: float = DOUBT * max(changes)
     if not error < math.inf:  # nan where a measure overflows
         return math.inf
     if name == DURATION:
-        within = PART if order > 1 / 2 else 1.0  # of a step: where forces jump, all levels may ring
+        within = (
+            PART if order > 1 / 2 else 1.0
+        )  # of a step: where forces jump, all levels may ring
         error = max(FAINT * error, within * h if latest > 0 else 0.0)
     return error / latest if latest > 0 else error
 
@@ -106,11 +118,18 @@ def order_of(row: Row) -> float:
     system = row.system
     if all(float(segment.material.viscosity) > 0 for segment in row.segments):
         return 1.0
-    given = [getattr(x, name, 0.0) for x in (*system.bodies, *system.ends)
-             for name in ("velocity", "strain", "value")]
+    given = [
+        getattr(x, name, 0.0)
+        for x in (*system.bodies, *system.ends)
+        for name in ("velocity", "strain", "value")
+    ]
     gentle = all(isinstance(law, GENTLE) for law in system.contacts)
     held = any(isinstance(end, Fixed) for end in system.ends)
-    return 1.0 if gentle and not held and not any(isinstance(x, Steps) for x in given) else 0.5
+    return (
+        1.0
+        if gentle and not held and not any(isinstance(x, Steps) for x in given)
+        else 0.5
+    )
 
 
 def measures_of(run: GridRun) -> dict[str, Array]:
@@ -121,8 +140,11 @@ def measures_of(run: GridRun) -> dict[str, Array]:
     beside the largest so far.
     """
     mesh, row, m, v = run.mesh, run.row, run.mesh.mass, run.grid.velocity
-    free = [float(m[a : b + 1] @ v[a : b + 1] / m[a : b + 1].sum())
-            for a, b in mesh.groups if not mesh.held[a : b + 1].any()]
+    free = [
+        float(m[a : b + 1] @ v[a : b + 1] / m[a : b + 1].sum())
+        for a, b in mesh.groups
+        if not mesh.held[a : b + 1].any()
+    ]
     impulses, peaks, durations = [], [], []
     for k, link in row.by_law.items():
         force, _ = run.contact(k)
@@ -136,6 +158,10 @@ def measures_of(run: GridRun) -> dict[str, Array]:
             passed = np.cumsum(force * run.step)
             impulses += [*passed[-1:], np.abs(passed).max(initial=0.0)]
     return {
-        VELOCITY: np.array([*free, row.scale]),  # so that round-off of bodies at rest is none
-        IMPULSE: np.array(impulses), PEAK_FORCE: np.array(peaks), DURATION: np.array(durations),
+        VELOCITY: np.array(
+            [*free, row.scale]
+        ),  # so that round-off of bodies at rest is none
+        IMPULSE: np.array(impulses),
+        PEAK_FORCE: np.array(peaks),
+        DURATION: np.array(durations),
     }

@@ -18,7 +18,9 @@ from .measures import largest_force, pressings
 from .mesh import STEP_TICKS, GridMotion, Mesh
 from .records import PER_STATE, SIGNAL, Track
 
-GAP_RESOLUTION = 1.0  # of what bodies cover in a step: dispersed waves open smaller gaps
+GAP_RESOLUTION = (
+    1.0  # of what bodies cover in a step: dispersed waves open smaller gaps
+)
 RINGING = 8  # steps in which waves beside a jump swing about their mean
 ROUND = 0.25  # s between two looks at the clock
 STATES_BYTES = 64 << 20  # of kept states, where their number is not given
@@ -55,12 +57,18 @@ class GridRun:
     rtol = 0.0
 
     def __init__(
-        self, mesh: Mesh, step: float, snapshots: int | tuple[float, ...] | None = None,
+        self,
+        mesh: Mesh,
+        step: float,
+        snapshots: int | tuple[float, ...] | None = None,
         room: int | None = None,
     ) -> None:
         self.mesh, self.step, self.row = mesh, step, mesh.row
         self.clock, self.estimates = clock_on(mesh, step), dict[str, float]()
-        self._chosen, self._stride = None, 1  # steps after which states are kept, or how many apart
+        self._chosen, self._stride = (
+            None,
+            1,
+        )  # steps after which states are kept, or how many apart
         if snapshots is None or isinstance(snapshots, int):
             fitting = max(64, STATES_BYTES // (16 * len(mesh.mass) * (1 + mesh.swells)))
             self._most = max(snapshots or fitting, 3)
@@ -69,7 +77,9 @@ class GridRun:
             self._chosen = np.concatenate((np.floor(at), np.ceil(at), [0.0]))
             self._most = len(self._chosen)
         self._ask(room or 4 * self.round_trip)
-        self._when(self.room)  # sets the distance of states, so that few are kept in vain
+        self._when(
+            self.room
+        )  # sets the distance of states, so that few are kept in vain
         self.grid = scheme.grid_of(mesh, step)
         kick = start.begin(mesh, step, self.grid)
         self.track = self._blank(0, 0)
@@ -90,17 +100,34 @@ class GridRun:
 
     def _ask(self, steps: int) -> None:
         """Raise TooLong where so many steps, with states and results, take too much memory."""
-        mesh, row, states, self.room = self.mesh, self.row, min(steps, self._most) + 2.0, steps
+        mesh, row, states, self.room = (
+            self.mesh,
+            self.row,
+            min(steps, self._most) + 2.0,
+            steps,
+        )
         kept = 3 * len(mesh.touching) + 2 + len(mesh.watched) + len(mesh.pulled)
         # what the kernel enters; force, gap, path, rate and power with integrals; ends and times
-        record = steps * (2.0 * kept + 10 * len(row.contact_link) + 5 * len(row.masses) + 26)
+        record = steps * (
+            2.0 * kept + 10 * len(row.contact_link) + 5 * len(row.masses) + 26
+        )
         # two of each, while they are joined or fields are made of them
-        fields = 2 * states * (2 * len(mesh.mass) * (1 + mesh.swells) + len(mesh.starts) + 3)
-        if not kernels.enabled():  # lists take four times what arrays take, and stand beside them
+        fields = (
+            2 * states * (2 * len(mesh.mass) * (1 + mesh.swells) + len(mesh.starts) + 3)
+        )
+        if (
+            not kernels.enabled()
+        ):  # lists take four times what arrays take, and stand beside them
             record, fields = record + 4.0 * steps * kept, 3 * fields
-        what = f"a run of {steps:.4g} steps of {self.step:.3g} s with {states:.4g} states"
-        ask(record + fields, "until" if record > fields else "snapshots", what,
-            "stop earlier, keep fewer states, or take fewer cells")
+        what = (
+            f"a run of {steps:.4g} steps of {self.step:.3g} s with {states:.4g} states"
+        )
+        ask(
+            record + fields,
+            "until" if record > fields else "snapshots",
+            what,
+            "stop earlier, keep fewer states, or take fewer cells",
+        )
 
     def _when(self, end: int) -> Array:
         """Steps at whose ends states are kept, of a run to step `end`."""
@@ -115,10 +142,16 @@ class GridRun:
         grid, n = self.grid, len(self.mesh.mass)
         swollen = states, (n + 1) * self.mesh.swells
         return Track(
-            np.empty((steps, len(grid.link)), SIGNAL), np.empty((steps, 2)),
-            np.empty((steps, len(grid.watched))), np.empty((steps, len(grid.pulled))),
-            np.empty(states, np.int64), np.empty(states), np.empty((states, n)),
-            np.empty((states, n + 1)), np.empty((states, len(grid.piece))), np.empty(swollen),
+            np.empty((steps, len(grid.link)), SIGNAL),
+            np.empty((steps, 2)),
+            np.empty((steps, len(grid.watched))),
+            np.empty((steps, len(grid.pulled))),
+            np.empty(states, np.int64),
+            np.empty(states),
+            np.empty((states, n)),
+            np.empty((states, n + 1)),
+            np.empty((states, len(grid.piece))),
+            np.empty(swollen),
             np.empty(swollen),
         )
 
@@ -132,22 +165,37 @@ class GridRun:
         window = self._blank(end - first, len(new))
         window.when[:] = new
         for side in (0, 1):
-            window.given[:, side] = scheme.driven(self.mesh, self.step, side, end)[first:]
+            window.given[:, side] = scheme.driven(self.mesh, self.step, side, end)[
+                first:
+            ]
         self._take(window, end, tell)
-        self.track = Track(*(
-            compiling.joined(old[left] if name in PER_STATE else old, more)
-            for name, old, more in zip(Track._fields, self.track, window, strict=True)))
+        self.track = Track(
+            *(
+                compiling.joined(old[left] if name in PER_STATE else old, more)
+                for name, old, more in zip(
+                    Track._fields, self.track, window, strict=True
+                )
+            )
+        )
 
-    def _take(self, window: Track, end: int, tell: Callable[[int], None] | None) -> None:
+    def _take(
+        self, window: Track, end: int, tell: Callable[[int], None] | None
+    ) -> None:
         """Take the steps to `end`, and fill a window with them."""
         first = self.steps
         arrays: list[Any] = [self.grid, Track(*(x.reshape(-1) for x in window))]
         self.grid.run["first"], self.grid.run["kept"] = first, 0
         numbers = sum(x.nbytes for held in arrays for x in held) // 8
-        seconds = (end - first) * cost(self.mesh, plain=True) + numbers * kernels.LIST_TIME
+        seconds = (end - first) * cost(
+            self.mesh, plain=True
+        ) + numbers * kernels.LIST_TIME
         fast = kernels.worth_compiling(seconds, grid_kernel.follow)
         go: Any = kernels.compiled(grid_kernel.follow) if fast else grid_kernel.follow
-        given = arrays if fast else [held._make(map(compiling.as_objects, held)) for held in arrays]
+        given = (
+            arrays
+            if fast
+            else [held._make(map(compiling.as_objects, held)) for held in arrays]
+        )
         done = True
         chunk = max(1, int(ROUND / cost(self.mesh, plain=not fast)))
         for taken in (*range(first + chunk, end, chunk), end):
@@ -176,8 +224,17 @@ class GridRun:
         """The states that were kept, or some of them, without what pushes."""
         mesh = self.mesh
         kept = {name: getattr(self.track, name)[states] for name in PER_STATE}
-        return GridMotion(mesh.counts, mesh.first, mesh.last, mesh.starts, mesh.mass, mesh.shear,
-                          mesh.cells, **kept, pushes={})
+        return GridMotion(
+            mesh.counts,
+            mesh.first,
+            mesh.last,
+            mesh.starts,
+            mesh.mass,
+            mesh.shear,
+            mesh.cells,
+            **kept,
+            pushes={},
+        )
 
     def entered(self, link: int, field: str) -> Array:
         """What a link that is not bonded entered in each step."""
@@ -188,7 +245,9 @@ class GridRun:
         """Mean force in each step, N, and gap at the ends of steps, m; not of a bonded contact."""
         link = self.row.contact_link[contact]
         gap = self.entered(link, "gap") * self.step
-        return self.entered(link, "force"), np.append(float(self.row.links[link].gap), gap)
+        return self.entered(link, "force"), np.append(
+            float(self.row.links[link].gap), gap
+        )
 
     def pressed(self, contact: int) -> Array:
         """[n, 3] as of `pressings`, s; none of a contact that cannot open."""
@@ -253,7 +312,9 @@ class GridRun:
         """Error of the peak force that no finer mesh makes less; relative."""
         steep = self.mesh.viscous.any() or self.mesh.lateral.any() or self.mesh.swells
         if steep and any(it.law == Law.RIGID for it in self.row.links):
-            return math.inf  # of flat ends that meet, any finer mesh finds a larger force
+            return (
+                math.inf
+            )  # of flat ends that meet, any finer mesh finds a larger force
         return 2 * float(self.overshoot)
 
 
@@ -272,4 +333,10 @@ def clock_on(mesh: Mesh, step: float) -> Clock:
         for a, b, T in zip(mesh.first[1:], mesh.last[1:], ticks, strict=True)
     ]
     return clock_of(
-        row, ticks, tick, impedance=[0.0, *impedance, 0.0], scale=row.scale, transit_error=0.0)
+        row,
+        ticks,
+        tick,
+        impedance=[0.0, *impedance, 0.0],
+        scale=row.scale,
+        transit_error=0.0,
+    )

@@ -16,9 +16,15 @@ from .mesh import Mesh, quotient
 from .records import NONE, Grid
 
 LEAST = 2.0**-800  # stiffness, where time is counted in steps
-TOLERANCE = 2.0**-40  # of the velocities, below which contacts graze: round-off of many steps
-KINDS = {"none": Beyond.STEADY, "force": Beyond.PUSHED, "velocity": Beyond.MOVED,
-         "absorbing": Beyond.ENDLESS}
+TOLERANCE = (
+    2.0**-40
+)  # of the velocities, below which contacts graze: round-off of many steps
+KINDS = {
+    "none": Beyond.STEADY,
+    "force": Beyond.PUSHED,
+    "velocity": Beyond.MOVED,
+    "absorbing": Beyond.ENDLESS,
+}
 
 
 def grid_of(mesh: Mesh, step: float) -> Grid:
@@ -29,24 +35,44 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
     multipliers = eliminated(mesh, mass, bound_of(mesh, h))
     by_first, by_last = (
         answered(multipliers, np.bincount(nodes, mesh.held[nodes] == 0, n))
-        for nodes in (mesh.starts, mesh.stops))
+        for nodes in (mesh.starts, mesh.stops)
+    )
     return Grid(
-        run=filled(records.RUN, 1, tolerance=TOLERANCE * row.scale, swells=mesh.swells,
-                   implicit=mesh.implicit),
-        velocity=np.zeros(n), force=np.zeros(n + 1),
+        run=filled(
+            records.RUN,
+            1,
+            tolerance=TOLERANCE * row.scale,
+            swells=mesh.swells,
+            implicit=mesh.implicit,
+        ),
+        velocity=np.zeros(n),
+        force=np.zeros(n + 1),
         **dict(zip(("into", "inverse", "back"), multipliers, strict=True)),
-        by_first=by_first, by_last=by_last, stiffness=mesh.stiffness * h,
+        by_first=by_first,
+        by_last=by_last,
+        stiffness=mesh.stiffness * h,
         piece=filled(records.PIECE, len(mesh.starts), start=mesh.starts),
-        viscous=mesh.viscous, lost=np.zeros(n + 1), change=np.zeros(n), old=np.zeros(n),
-        strain=np.zeros(n + 1), rate=np.zeros(n + 1),
-        ease=quotient(h, cells.swelling), coupling=cells.coupling * h,
+        viscous=mesh.viscous,
+        lost=np.zeros(n + 1),
+        change=np.zeros(n),
+        old=np.zeros(n),
+        strain=np.zeros(n + 1),
+        rate=np.zeros(n + 1),
+        ease=quotient(h, cells.swelling),
+        coupling=cells.coupling * h,
         own=(cells.radial - quotient(cells.coupling**2, cells.stiffness)) * h,
         share=quotient(cells.coupling, cells.stiffness),
         shear=np.append(mesh.shear * h, 0.0),
         link=_links(mesh, h, by_first, by_last),
-        end=filled(records.END, 2, kind=[KINDS[kind] for kind, _ in row.outside], node=mesh.ends,
-                   impedance=Z),
-        watched=np.array(mesh.watched, np.int64), pulled=np.array(mesh.pulled, np.int64),
+        end=filled(
+            records.END,
+            2,
+            kind=[KINDS[kind] for kind, _ in row.outside],
+            node=mesh.ends,
+            impedance=Z,
+        ),
+        watched=np.array(mesh.watched, np.int64),
+        pulled=np.array(mesh.pulled, np.int64),
     )
 
 
@@ -65,8 +91,13 @@ def filled(kind: Any, count: int, /, **columns: Any) -> Array:
 
 def _impedances(mesh: Mesh) -> Array:
     """Impedances of endless bars beyond the ends, sqrt(E A rho A) of the cells there; else 0."""
-    cells, endless = mesh.end_cells, [kind == "absorbing" for kind, _ in mesh.row.outside]
-    return np.where(endless, np.sqrt(mesh.cells.relaxed[cells] * mesh.cell_mass[cells]), 0.0)
+    cells, endless = (
+        mesh.end_cells,
+        [kind == "absorbing" for kind, _ in mesh.row.outside],
+    )
+    return np.where(
+        endless, np.sqrt(mesh.cells.relaxed[cells] * mesh.cell_mass[cells]), 0.0
+    )
 
 
 def eliminated(mesh: Mesh, mass: Array, bound: Array) -> tuple[Array, ...]:
@@ -93,8 +124,13 @@ def _links(mesh: Mesh, h: float, by_first: Array, by_last: Array) -> Array:
     stiffness, gap = k * h**p, given["gap"] / h
     for i in np.flatnonzero((k > 0) & (stiffness < LEAST)):
         message = f"a force of {float(k[i])!r} times the indentation to the {p[i]:g} vanishes in"
-        raise InvalidModel([("contacts", f"{message} steps of {h:.3g} s; use a lower power")])
-    left, right = np.array(mesh.stops[:-1], np.int64), np.array(mesh.starts[1:], np.int64)
+        raise InvalidModel(
+            [("contacts", f"{message} steps of {h:.3g} s; use a lower power")]
+        )
+    left, right = (
+        np.array(mesh.stops[:-1], np.int64),
+        np.array(mesh.starts[1:], np.int64),
+    )
     # two links feel each other through a piece of one node, or one that answers as a whole
     shared = np.zeros(count)
     shared[1:] = by_first[left[1:]] / 2
@@ -102,12 +138,22 @@ def _links(mesh: Mesh, h: float, by_first: Array, by_last: Array) -> Array:
     last = np.full(count, NONE)
     last[begins] = np.append(begins[1:], count) - 1
     return filled(
-        records.LINK, count, **{name: given[name] for name in given.dtype.names} | {
-            "stiffness": stiffness, "gap": gap, "shut": gap == 0, "last": last,
-            "left": left, "leftmost": mesh.starts[:-1] if mesh.implicit else left,
-            "right": right, "rightmost": mesh.stops[1:] if mesh.implicit else right,
-            "own": by_last[left] / 2 + by_first[right] / 2, "shared": shared,
-        })
+        records.LINK,
+        count,
+        **{name: given[name] for name in given.dtype.names}
+        | {
+            "stiffness": stiffness,
+            "gap": gap,
+            "shut": gap == 0,
+            "last": last,
+            "left": left,
+            "leftmost": mesh.starts[:-1] if mesh.implicit else left,
+            "right": right,
+            "rightmost": mesh.stops[1:] if mesh.implicit else right,
+            "own": by_last[left] / 2 + by_first[right] / 2,
+            "shared": shared,
+        },
+    )
 
 
 # What drives the ends -----------------------------------------------------------------------------
@@ -121,8 +167,12 @@ def driven(mesh: Mesh, step: float, side: int, steps: int) -> Array:
     # at each kick the mean over two steps, which waves can follow
     halves = averages(value, step / 2 * np.arange(2 * steps + 2), 0.0)
     around = np.concatenate((halves[:1], halves))
-    pushes = np.asarray((around[:-3:2] + around[1:-2:2] + around[2:-1:2] + around[3::2]) / 4)
-    return walk.wave_of_strain(mesh.row, side) * pushes if kind == "absorbing" else pushes
+    pushes = np.asarray(
+        (around[:-3:2] + around[1:-2:2] + around[2:-1:2] + around[3::2]) / 4
+    )
+    return (
+        walk.wave_of_strain(mesh.row, side) * pushes if kind == "absorbing" else pushes
+    )
 
 
 def moved(row: Row, step: float, value: Any, t: Array) -> Array:

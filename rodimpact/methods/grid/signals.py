@@ -23,7 +23,9 @@ def hand_over(run: GridRun, until: float | None) -> Run:
     outside, size = (_outside(run, 0), _outside(run, 1)), sum(run.mesh.counts)
     forces = _forces(run, outside[0].push.values if outside[0] else np.zeros(run.steps))
     pressed = [run.pressed(k) for k in range(len(forces))]
-    contacts = tuple(_tally(run, k, *of) for k, of in enumerate(zip(forces, pressed, strict=True)))
+    contacts = tuple(
+        _tally(run, k, *of) for k, of in enumerate(zip(forces, pressed, strict=True))
+    )
     final, t_final = run.proved >= 0, math.nan
     t_end = until if until is not None else float(run.times[-1])
     t_proved = float(run.times[run.proved]) if final else math.nan
@@ -32,8 +34,13 @@ def hand_over(run: GridRun, until: float | None) -> Run:
         t_final = last_contact(ends, t_end, 2 * run.clock.longest * run.clock.tick)
     proof = proof_sentence(any(x.episodes for x in contacts), t_final) if final else ""
     events = run.steps * len(run.row.links)
-    status = ending(run.stopped_by, proof, format_si(t_end, "s"), f"{events} steps times ends",
-                    run.row.system)
+    status = ending(
+        run.stopped_by,
+        proof,
+        format_si(t_end, "s"),
+        f"{events} steps times ends",
+        run.row.system,
+    )
     status += f" Time step {format_si(run.step, 's')}, {size} cells."
     end = run.steps * STEP_TICKS
     if until and not run.steps:
@@ -41,9 +48,18 @@ def hand_over(run: GridRun, until: float | None) -> Run:
         end = math.ceil(until / run.clock.tick)
     status += _accuracy(run) + _own_peak(run) + strain_warning(run.largest_strain)
     return Run(
-        method="finite-difference", until=until, clock=run.clock, end=end, t_end=t_end,
-        t_final=t_final, t_proved=t_proved, stopped_by=run.stopped_by, status=status,
-        events=events, contacts=contacts, accuracy=run.estimates,
+        method="finite-difference",
+        until=until,
+        clock=run.clock,
+        end=end,
+        t_end=t_end,
+        t_final=t_final,
+        t_proved=t_proved,
+        stopped_by=run.stopped_by,
+        status=status,
+        events=events,
+        contacts=contacts,
+        accuracy=run.estimates,
         make_signals=lambda: _signals(run, forces, pressed, outside),
     )
 
@@ -54,8 +70,10 @@ def _own_peak(run: GridRun) -> str:
     if run.peak_error == math.inf:
         reason = "flat ends meet, and a finer mesh finds a larger force"
     elif run.overshoot > max(run.rtol, LARGE_CHANGE):
-        reason = (f"waves overshoot beside jumps, and the mean over {RINGING} steps is lower by "
-                  f"{100 * run.overshoot:.1g} %")
+        reason = (
+            f"waves overshoot beside jumps, and the mean over {RINGING} steps is lower by "
+            f"{100 * run.overshoot:.1g} %"
+        )
     return f" The peak force is that of this mesh: {reason}." if reason else ""
 
 
@@ -67,18 +85,27 @@ def _accuracy(run: GridRun) -> str:
     if not run.estimates or not run.row.by_law:
         return ""
     errors = ", ".join(
-        f"{name} {error:.1g}" for name, error in run.estimates.items() if error < math.inf)
+        f"{name} {error:.1g}"
+        for name, error in run.estimates.items()
+        if error < math.inf
+    )
     told = f" Stated relative error: {errors}." if errors else ""
-    if any(error > run.rtol for name, error in run.estimates.items() if name not in ROUGH):
-        told += f" Not converged to {run.rtol:g}. Take a larger rtol, or give more cells."
+    if any(
+        error > run.rtol for name, error in run.estimates.items() if name not in ROUGH
+    ):
+        told += (
+            f" Not converged to {run.rtol:g}. Take a larger rtol, or give more cells."
+        )
     return told
 
 
 def _forces(run: GridRun, pushed: Floats) -> list[Floats]:
     """Mean force of each contact in each step, N; `pushed` is that of what is on the far left."""
     row = run.row
-    known = [run.contact(k)[0] if k in row.by_law else None if link < 0 else run.bond(link)
-             for k, link in enumerate(row.contact_link)]
+    known = [
+        run.contact(k)[0] if k in row.by_law else None if link < 0 else run.bond(link)
+        for k, link in enumerate(row.contact_link)
+    ]
 
     def spent(body: int) -> Floats:
         mass = float(row.system.bodies[body].mass)
@@ -91,18 +118,31 @@ def _tally(run: GridRun, k: int, force: Floats, pressed: Floats) -> ContactTally
     """Totals of contact k in SI units."""
     law, (begins, ends) = run.row.system.contacts[k], run.spans(pressed)
     peak = largest_force(force) if law.opens else float(np.max(force, initial=0.0))
-    if getattr(law, "restitution", None) is not None:  # takes no time, though it takes a step here
-        peak, ends = math.nan, np.where(ends - begins <= run.step * (1 + 1e-9), begins, ends)
+    if (
+        getattr(law, "restitution", None) is not None
+    ):  # takes no time, though it takes a step here
+        peak, ends = (
+            math.nan,
+            np.where(ends - begins <= run.step * (1 + 1e-9), begins, ends),
+        )
     first, last = (float(t[0]) if len(t) else math.nan for t in (begins, ends[::-1]))
     return ContactTally(
-        float(force.sum() * run.step), peak, float((ends - begins).sum()), first, last,
+        float(force.sum() * run.step),
+        peak,
+        float((ends - begins).sum()),
+        first,
+        last,
         len(touchings(pressed)),
     )
 
 
 def _outside(run: GridRun, side: int) -> Outside | None:
     """What acted on the left or right end, in the laboratory, and its velocity."""
-    row, link, kind = run.row, (0, len(run.row.links) - 1)[side], run.row.outside[side][0]
+    row, link, kind = (
+        run.row,
+        (0, len(run.row.links) - 1)[side],
+        run.row.outside[side][0],
+    )
     if kind == "none" or not run.steps:
         return None
     v = run.velocity(run.mesh.ends[side])
@@ -115,8 +155,11 @@ def _outside(run: GridRun, side: int) -> Outside | None:
         end = run.grid.end[side]
         force = INWARD[side] * (end["impedance"] * (end["rest"] + force - speed))
     fall = row.system.gravity * run.step * (np.arange(run.steps) + 0.5)
-    return Outside(row.outside_name(side), _over(run, np.ascontiguousarray(force)),
-                   _over(run, speed + row.frame + fall))
+    return Outside(
+        row.outside_name(side),
+        _over(run, np.ascontiguousarray(force)),
+        _over(run, speed + row.frame + fall),
+    )
 
 
 def _over(run: GridRun, means: Floats) -> Pieces:
@@ -133,14 +176,24 @@ def _signals(
         gap, closing = np.zeros(run.steps + 1), np.zeros(run.steps)
         if k in row.by_law:
             gap, closing = run.contact(k)[1], run.entered(link, "closing")
-        contacts.append(ContactSignal(
-            _over(run, force), Pieces.through(edges, gap), _over(run, closing),
-            touchings(pressed[k])))
+        contacts.append(
+            ContactSignal(
+                _over(run, force),
+                Pieces.through(edges, gap),
+                _over(run, closing),
+                touchings(pressed[k]),
+            )
+        )
         for node, sign in zip(mesh.touching.get(link, ()), INWARD[::-1], strict=False):
             pushes[node] = pushes.get(node, 0.0) + sign * force
     for node, sign, end in zip(mesh.ends, INWARD, outside, strict=True):
         if end is not None:
             pushes[node] = pushes.get(node, 0.0) + sign * end.push.values
-    masses = {body: Pieces.through(edges, run.speed(m))
-              for body, m in enumerate(row.mass_of) if m >= 0}
-    return Signals(run.motion()._replace(pushes=pushes), tuple(contacts), outside, edges, masses)
+    masses = {
+        body: Pieces.through(edges, run.speed(m))
+        for body, m in enumerate(row.mass_of)
+        if m >= 0
+    }
+    return Signals(
+        run.motion()._replace(pushes=pushes), tuple(contacts), outside, edges, masses
+    )

@@ -11,7 +11,9 @@ from .mesh import Mesh, quotient
 from .records import Grid
 
 LITTLE_RETARDATION = 1 / 64  # eta/E in steps, where ends shut with half of the delay
-MOST_RETARDATION = 1 / 64  # eta/E over the longest transit, up to which ends shut without delay
+MOST_RETARDATION = (
+    1 / 64
+)  # eta/E over the longest transit, up to which ends shut without delay
 
 
 def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
@@ -29,7 +31,9 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
     grid.strain[:] = radial / step
     tension = mesh.stiffness * strain + mesh.cells.coupling * radial
     kick = _first_kick(mesh, step, grid, tension)
-    grid.force[:] = tension + grid.stiffness * np.diff(kick - v, prepend=0.0, append=0.0) / 2
+    grid.force[:] = (
+        tension + grid.stiffness * np.diff(kick - v, prepend=0.0, append=0.0) / 2
+    )
     grid.piece["place"] = kick[mesh.starts] / 2
     # v - F/Z, seen from the row, comes from an endless bar; carried on to the end itself from means
     # over half a cell and over a cell
@@ -54,7 +58,9 @@ def _velocities(mesh: Mesh, strain: Array) -> Array:
             halves = averages(body.velocity, edges, float(body.length))
             m = np.repeat(mesh.cell_mass[a + 1 : b + 1] / 2, 2)
             v[a : b + 1] += np.bincount((np.arange(2 * N) + 1) // 2, m * halves)
-            strain[a + 1 : b + 1] = averages(body.strain, edges[::2], float(body.length)) * L / N
+            strain[a + 1 : b + 1] = (
+                averages(body.strain, edges[::2], float(body.length)) * L / N
+            )
             left += L
     v[mesh.node_of_mass] += np.multiply(row.masses, row.mass_velocity)
     return np.where(mesh.mass > 0, quotient(v, mesh.mass) - row.frame, 0.0)
@@ -65,7 +71,10 @@ def _dragged(mesh: Mesh, step: float, grid: Grid) -> Array:
     jump, bound = np.zeros(len(mesh.mass)), mesh.lateral / step
     for node, (kind, value) in zip(mesh.ends, mesh.row.outside, strict=True):
         if kind == "velocity":
-            jump[node] = scheme.moved(mesh.row, step, value, np.zeros(1))[0] - grid.velocity[node]
+            jump[node] = (
+                scheme.moved(mesh.row, step, value, np.zeros(1))[0]
+                - grid.velocity[node]
+            )
     return scheme.answered(scheme.eliminated(mesh, mesh.mass / step, bound), jump)
 
 
@@ -78,7 +87,9 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
     row, force = mesh.row, np.diff(tension)
     for side, (kind, _) in enumerate(row.outside):
         if kind == "force":
-            force[mesh.ends[side]] += INWARD[side] * scheme.driven(mesh, step, side, 1)[0]
+            force[mesh.ends[side]] += (
+                INWARD[side] * scheme.driven(mesh, step, side, 1)[0]
+            )
         elif kind == "absorbing":
             wave = scheme.driven(mesh, step, side, 1)[0]
             force[mesh.ends[side]] = grid.end["impedance"][side] * wave

@@ -13,9 +13,15 @@ COARSER = 5.0  # tolerance of the run that the first is compared with, over its 
 COARSER_FLOOR = 2  # its floor, if breaks come too densely to be followed
 COARSEST = 1e-2
 ROUND_OFF = 1e-14
-DOUBT, SHARED = 2.2, 0.5  # times what two runs are apart; share of the worst that all may be off
+DOUBT, SHARED = (
+    2.2,
+    0.5,
+)  # times what two runs are apart; share of the worst that all may be off
 FAINT = 3.0  # times more for times, which may hang on faint forces
-SMOOTH, ORDER = 5000.0, 1.8  # times tail^1.8: what both runs leave open if they took the same steps
+SMOOTH, ORDER = (
+    5000.0,
+    1.8,
+)  # times tail^1.8: what both runs leave open if they took the same steps
 MISSED = 4.0  # times by how much pieces miss a function that was given
 SHOWN = 3  # measures that are not times: their errors fall evenly
 
@@ -51,11 +57,16 @@ def measured(r: Ended) -> list[list[float]]:
     link = [it for it in r.link if it.law >= Law.JOINT]
     tick, times = r.run.tick, [t for it in link for t in (it.first, it.last, it.apart)]
     moving = [it.mean for it in r.part if it.parts > 0]
-    if r.run.held:  # after the proof, at whatever time it came, other groups go on evenly
+    if (
+        r.run.held
+    ):  # after the proof, at whatever time it came, other groups go on evenly
         moving = [it.own for it in r.part]
     return [
-        moving, [it.impulse for it in link], [it.peak for it in link],
-        [it.pressed * tick for it in link], [t * tick for t in times],
+        moving,
+        [it.impulse for it in link],
+        [it.peak for it in link],
+        [it.pressed * tick for it in link],
+        [t * tick for t in times],
     ]
 
 
@@ -74,7 +85,9 @@ def apart(fine: Ended, coarse: Ended) -> list[float]:
         found.append(off / whole if whole > 0 else 0.0)
     least = SHARED * max(found[0], found[1], found[2])
     return [
-        DOUBT * (FAINT if i >= SHOWN else 1.0) * max(off, least) if sizes[i] != 0 else 0.0
+        DOUBT * (FAINT if i >= SHOWN else 1.0) * max(off, least)
+        if sizes[i] != 0
+        else 0.0
         for i, off in enumerate(found)
     ]
 

@@ -22,7 +22,14 @@ from .records import LINE, LINK, MASS, NEVER, NODE, PART, PIECE, RUN, TURN
 from .rows import clock_of, own_laws
 from .series import N
 
-RECORDS = {"run": RUN, "node": NODE, "link": LINK, "mass": MASS, "line": LINE, "part": PART}
+RECORDS = {
+    "run": RUN,
+    "node": NODE,
+    "link": LINK,
+    "mass": MASS,
+    "line": LINE,
+    "part": PART,
+}
 LISTS = {"log": PIECE, "turn": TURN}
 ROOM, TURNS = 256, 2048  # pieces of the log, and changes of contacts, at first
 CALL = 64  # members between two looks whether to stop
@@ -70,8 +77,12 @@ class Members:
         self.first, self.fit = np.concatenate(known.log, axis=1), known.fit
         self.run, self.node, self.link, self.mass, self.line, self.part = (
             as_family(objects, kind, row)
-            for kind, objects in zip(RECORDS.values(), laid, strict=True))
-        self.log, self.turn = np.zeros(ROOM + 2 * self.first.shape[1], PIECE), np.zeros(TURNS, TURN)
+            for kind, objects in zip(RECORDS.values(), laid, strict=True)
+        )
+        self.log, self.turn = (
+            np.zeros(ROOM + 2 * self.first.shape[1], PIECE),
+            np.zeros(TURNS, TURN),
+        )
         unknowns = N * int(self.node["links"].max())  # of the longest chain
         self._matrix = np.zeros((unknowns, unknowns + 1))
 
@@ -81,12 +92,16 @@ class Members:
 
     def ended(self, member: int) -> Ended:
         """What a member came to, as objects."""
-        run, link, part = map(compiling.as_objects, (
-            self.run[member], self.link[member], self.part[member]))
+        run, link, part = map(
+            compiling.as_objects,
+            (self.run[member], self.link[member], self.part[member]),
+        )
         return Ended(run[0], link, part)
 
     def run_all(
-        self, members: Iterable[int], stop: Callable[[], bool] = lambda: False,
+        self,
+        members: Iterable[int],
+        stop: Callable[[], bool] = lambda: False,
         forecast: Forecast | None = None,
     ) -> None:
         """Run some members; raise Stopped if `stop`, asked now and then, says so."""
@@ -112,7 +127,9 @@ class Members:
         limit, spent, stop = int(run.limit), BRIEF, Stop.CAP
         while stop == Stop.CAP and run.steps < limit:
             taken = int(run.steps)
-            fast = compiling.can_be(self.own) and kernels.worth_compiling(spent, march.follow)
+            fast = compiling.can_be(self.own) and kernels.worth_compiling(
+                spent, march.follow
+            )
             plain = max(PLAIN, taken // 2)  # as all records change their form each time
             run.limit = min(limit, taken + (SLICE if fast else plain))
             stop = self._slice(member, fast)
@@ -140,14 +157,19 @@ class Members:
             held = {name: compiling.as_objects(array) for name, array in held.items()}
         while (stop := Stop(follow(*held.values()))) == Stop.FULL:
             pieces = len(held["log"])
-            ask(4 * pieces * PIECE.itemsize / 8, "until",
+            ask(
+                4 * pieces * PIECE.itemsize / 8,
+                "until",
                 f"a run of more than {pieces} pieces of waves",
-                "stop earlier, or take a larger rtol")
+                "stop earlier, or take a larger rtol",
+            )
             for name, kind in LISTS.items():
                 held[name] = compiling.lengthened(held[name], kind)
         if not fast:
-            held = {name: compiling.as_records(held[name], kind)
-                    for name, kind in (RECORDS | LISTS).items()}
+            held = {
+                name: compiling.as_records(held[name], kind)
+                for name, kind in (RECORDS | LISTS).items()
+            }
             for name in RECORDS:
                 getattr(self, name)[member] = held[name]
         self.log, self.turn = held["log"], held["turn"]

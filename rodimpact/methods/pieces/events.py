@@ -9,7 +9,9 @@ from .series import N, X
 
 SWEEPS = 1000  # of impacts that happen together
 SETTLED = 1e-15  # of the velocities, below which a sweep changes nothing
-NEAR = 0.9  # of the peak force: what is less at all points does not reach it between them
+NEAR = (
+    0.9  # of the peak force: what is less at all points does not reach it between them
+)
 SLOWEST = 1e-8  # of the velocity scale: rigid bodies that part more slowly come to rest
 
 
@@ -58,7 +60,9 @@ def push(mass: Any, at: Any, q: int, impulse: float) -> None:
         mass[at.mass + q].speed[0] += impulse * lightness(mass, at, q)
 
 
-def strike(run: Any, link: Any, mass: Any, turn: Any, at: Any, tick: int, i: int) -> None:
+def strike(
+    run: Any, link: Any, mass: Any, turn: Any, at: Any, tick: int, i: int
+) -> None:
     """Let rigid bodies strike, all together that touch.
 
     Each contact takes the least impulse that leaves it a closing of at most -e times the one before
@@ -128,7 +132,9 @@ def record(
         if it.status != Status.OPEN and it.status != Status.GRAZE:
             it.impulse += 0.5 * h * series.integral(it.force)
             top = series.largest(it.force)
-            if ticks > run.window and top > NEAR * it.peak:  # shorter is where breaks nearly meet
+            if (
+                ticks > run.window and top > NEAR * it.peak
+            ):  # shorter is where breaks nearly meet
                 it.peak = max(it.peak, series.maximum(it.force, at.series, it.peak))
             if it.status >= Status.PRESS and presses(run, it, top):
                 touch = Status.PRESS.value
@@ -138,14 +144,19 @@ def record(
     for i in range(at.links - 1):
         body = mass[at.mass + i]
         if run.keep:
-            lines.append(run, line, log, body.line, at.now, ticks, body.speed, at.series)
+            lines.append(
+                run, line, log, body.line, at.now, ticks, body.speed, at.series
+            )
         body.speed[0] = body.speed[N]
 
 
 def presses(run: Any, it: Any, top: float) -> bool:
     """Whether a touching contact presses: by its overlap if it has one, else by its force."""
     if it.law >= Law.SPRING:
-        return top > 0 and series.largest(it.overlaps) > run.graze * run.shortest * run.tick
+        return (
+            top > 0
+            and series.largest(it.overlaps) > run.graze * run.shortest * run.tick
+        )
     return top * it.ease > run.graze
 
 

@@ -12,12 +12,16 @@ from . import lines
 from .records import NEVER, NONE, Part
 from .series import N
 
-DASHPOT = 16.0  # (2 sqrt(2 E m)/c)^2 over 2 E, twice as the sum of two bounds is squared
+DASHPOT = (
+    16.0  # (2 sqrt(2 E m)/c)^2 over 2 E, twice as the sum of two bounds is squared
+)
 STILL = 2.0**-40  # of the velocity scale: slower is at rest
 ROUGH = 1e-3  # of the tolerance of pieces: what they leave open
 
 
-def look(run: Any, link: Any, mass: Any, line: Any, log: Any, part: Any, tick: int) -> None:
+def look(
+    run: Any, link: Any, mass: Any, line: Any, log: Any, part: Any, tick: int
+) -> None:
     """See at a tick that every node has reached whether the run is over, or when to look again."""
     if run.proved == NONE or run.held:  # what is joined goes on changing
         for l in range(len(line)):
@@ -31,7 +35,9 @@ def look(run: Any, link: Any, mass: Any, line: Any, log: Any, part: Any, tick: i
                 part[i].initial = part[i].mean
         elif run.check < NEVER and run.stop == Stop.NONE and tick < run.end:
             time = time_until_over(run, link, part)
-            run.check = tick + max(run.shortest, int(min(time / run.tick, 0.5 * NEVER)) + 1)
+            run.check = tick + max(
+                run.shortest, int(min(time / run.tick, 0.5 * NEVER)) + 1
+            )
             if time == 0:
                 run.proved, run.check = tick, NEVER
                 run.end = min(run.end, tick + run.extra)
@@ -45,7 +51,12 @@ def time_until_over(run: Any, link: Any, part: Any) -> float:
 
     It is 0 if no contact can close again, or nothing changes any more.
     """
-    slow, over, quiet, longest = STILL * run.scale + ROUGH * run.tolerance, True, True, 0.0
+    slow, over, quiet, longest = (
+        STILL * run.scale + ROUGH * run.tolerance,
+        True,
+        True,
+        0.0,
+    )
     for i in range(len(link)):
         it = link[i]
         if it.left_group == NONE:
@@ -54,7 +65,8 @@ def time_until_over(run: Any, link: Any, part: Any) -> float:
         quiet = quiet and is_quiet(it, left, slow) and is_quiet(it, right, slow)
         time = time_until_apart(it, left, right, slow)
         pressed = it.status != Status.OPEN and (
-            it.law > Law.IMPACT or it.force[N] * it.ease > run.graze)
+            it.law > Law.IMPACT or it.force[N] * it.ease > run.graze
+        )
         over = over and time == 0 and not pressed
         if it.status == Status.OPEN and time < math.inf:
             longest = max(longest, time)
@@ -66,7 +78,9 @@ def time_until_apart(it: Any, left: Any, right: Any, slow: float) -> float:
     least = right.low - left.high if left.plain and right.plain else -math.inf
     apart = left.deviation[1] - right.deviation[0] - it.overlap
     reach = bound(left, left.slack[1]) + bound(right, right.slack[0])
-    return proof.separation_time(right.speed - left.speed, least, apart, reach * reach, slow)
+    return proof.separation_time(
+        right.speed - left.speed, least, apart, reach * reach, slow
+    )
 
 
 def is_quiet(it: Any, group: Any, slow: float) -> bool:
@@ -80,7 +94,9 @@ def bound(group: Any, slack: float) -> float:
     return math.sqrt(2 * group.bound * slack)
 
 
-def survey(link: Any, mass: Any, line: Any, log: Any, part: Any, second: float, tick: int) -> None:
+def survey(
+    link: Any, mass: Any, line: Any, log: Any, part: Any, second: float, tick: int
+) -> None:
     """Set what all groups do at a tick that every node has reached; `second` is s a tick."""
     for first in range(len(part)):
         head, last = part[first], first + part[first].parts
@@ -97,7 +113,8 @@ def survey(link: Any, mass: Any, line: Any, log: Any, part: Any, second: float, 
         if head.held != NONE:
             piece = log[line[head.held].head]  # of what comes from outside
             head.speed = lines.at(
-                piece, 2 * (tick - piece.start) / (piece.stop - piece.start) - 1)
+                piece, 2 * (tick - piece.start) / (piece.stop - piece.start) - 1
+            )
         off = head.mean - head.speed
         head.bound = total * (off * off) / 2
         head.low = head.high = head.speed
@@ -119,16 +136,29 @@ def look_at(
         T, squares = line[2 * it.index].delay, 0.0
         for way in range(2):
             head = line[2 * it.index + way].head
-            it.wave[way], it.tilt[way], _, square = lines.moments(log, head, tick - T, T, speed)
+            it.wave[way], it.tilt[way], _, square = lines.moments(
+                log, head, tick - T, T, speed
+            )
             squares += square
         it.own = speed + (it.wave[0] + it.wave[1]) / 4
         it.energy = it.mass * squares / 8
     elif it.kind == Part.JOINT:
-        it.energy = link[it.index].stiffness * (link[it.index].overlap * link[it.index].overlap) / 2
+        it.energy = (
+            link[it.index].stiffness
+            * (link[it.index].overlap * link[it.index].overlap)
+            / 2
+        )
 
 
 def set_ends(
-    link: Any, line: Any, log: Any, part: Any, first: int, last: int, total: float, second: float
+    link: Any,
+    line: Any,
+    log: Any,
+    part: Any,
+    first: int,
+    last: int,
+    total: float,
+    second: float,
 ) -> None:
     """Set what is known of the ends of a group.
 
@@ -151,7 +181,9 @@ def set_ends(
                 g, w = 1 - g, 1 - w
             sign, gives = 2 * side - 1, it.compliance
             if it.kind == Part.SEGMENT:
-                head.low, head.high = extremes(line, log, 2 * it.index + side, head.low, head.high)
+                head.low, head.high = extremes(
+                    line, log, 2 * it.index + side, head.low, head.high
+                )
                 transit = second * line[2 * it.index].delay
                 head.deviation[side] += sign * stretch(it, g, w) * transit
                 head.slack[side] += gives * (g * g + g * w + w * w) / 3
@@ -182,7 +214,9 @@ def stretch(it: Any, g: float, w: float) -> float:
     return float((g + w) * mean + (w - g) * slope) / 8
 
 
-def extremes(line: Any, log: Any, l: int, low: float, high: float) -> tuple[float, float]:
+def extremes(
+    line: Any, log: Any, l: int, low: float, high: float
+) -> tuple[float, float]:
     """Bounds of what is under way in a line, and of these two."""
     i = line[l].head
     while i != NONE:

@@ -27,9 +27,12 @@ def segments_of(row: Row) -> Iterator[tuple[Any, int, Any]]:
 def jumps_of(row: Row) -> list[tuple[int, float]]:
     """Where the initial state jumps inside of a segment: its place, share of it from the left."""
     return [
-        (s, float((x - begin) / row.segments[s].length)) for rod, s, begin in segments_of(row)
-        for profile in (rod.velocity, rod.strain) if isinstance(profile, Steps)
-        for x in profile.at if begin < x < begin + row.segments[s].length
+        (s, float((x - begin) / row.segments[s].length))
+        for rod, s, begin in segments_of(row)
+        for profile in (rod.velocity, rod.strain)
+        if isinstance(profile, Steps)
+        for x in profile.at
+        if begin < x < begin + row.segments[s].length
     ]
 
 
@@ -82,30 +85,46 @@ class Known:
 
     def _add(self, pieces: Any) -> int:
         """Add a line of pieces, [member, piece]; return its number."""
-        l, first, (_, n) = len(self.log), sum(count for count, _, _ in self.lines), pieces.shape
+        l, first, (_, n) = (
+            len(self.log),
+            sum(count for count, _, _ in self.lines),
+            pieces.shape,
+        )
         pieces["line"], pieces["after"] = l, [*range(first + 1, first + n), NONE]
         hard = int(np.sum(pieces["order"][0, 1:] <= HARD))
         self.log.append(pieces)
         self.lines.append((n, hard, int(pieces["stop"][0, -1] - pieces["start"][0, 0])))
         return l
 
-    def _follow(self, signal: Pieces, start: int, stop: int, *given: tuple[Any, float]) -> Any:
+    def _follow(
+        self, signal: Pieces, start: int, stop: int, *given: tuple[Any, float]
+    ) -> Any:
         """A signal between two ticks as pieces; it is made of profiles times factors."""
         scale = float(self._clock.scale)
-        made, missed = waves.in_pieces(signal, start, stop, self._asked.tolerance * scale / 4)
-        misses = [abs(factor) * p.error for p, factor in given if isinstance(p, Samples)]
+        made, missed = waves.in_pieces(
+            signal, start, stop, self._asked.tolerance * scale / 4
+        )
+        misses = [
+            abs(factor) * p.error for p, factor in given if isinstance(p, Samples)
+        ]
         self.fit = max(self.fit, max([missed, *misses]) / scale)
         return made
 
     def _under_way(self, s: int, rod: Any, begin: Any) -> None:
         """Waves that run through segment s at t = 0: a = v - c strain, and b = v + c strain."""
-        segment, frame, T = self._row.segments[s], self._clock.frame, self._clock.transits[s]
+        segment, frame, T = (
+            self._row.segments[s],
+            self._clock.frame,
+            self._clock.transits[s],
+        )
         c = segment.wave_speed
         if not varies(rod.velocity, rod.strain):
             for piece in layout.under_way(rod.velocity - frame, rod.strain * c, T):
                 self._add(as_family([piece], PIECE, self._row))
             return
-        marks = [(share, tick) for (place, share), tick in self._jumps.items() if place == s]
+        marks = [
+            (share, tick) for (place, share), tick in self._jumps.items() if place == s
+        ]
 
         def ticks_of(x: Any) -> Ints:
             shares = (x - begin) / segment.length
@@ -114,10 +133,15 @@ class Known:
                 found[np.abs(shares - share) < 1e-12] = tick
             return found
 
-        v, strain = (waves.signal_of(p, rod.length, ticks_of) for p in (rod.velocity, rod.strain))
+        v, strain = (
+            waves.signal_of(p, rod.length, ticks_of) for p in (rod.velocity, rod.strain)
+        )
         for factor in (-c, c):
             # what is at x left the left end x/c ago, and the right end T - x/c ago
-            given, since = ((rod.velocity, 1.0), (rod.strain, c)), 0 if factor < 0 else int(-T)
+            given, since = (
+                ((rod.velocity, 1.0), (rod.strain, c)),
+                0 if factor < 0 else int(-T),
+            )
             wave = (v + strain.times(factor)).plus(-frame).later(since)
             made = self._follow(wave, since, since + int(T), *given)
             self._add((waves.backwards(made) if factor < 0 else made)[None])
@@ -133,7 +157,9 @@ class Known:
         if kind == "velocity":
             start, slope = -clock.frame, -row.system.gravity
         elif kind == "absorbing":
-            ends = self.log[2 * len(row.segments) - 1 if side else 0][:, -1]["coefficient"]
+            ends = self.log[2 * len(row.segments) - 1 if side else 0][:, -1][
+                "coefficient"
+            ]
             start = ends.sum(axis=1).reshape(row.system.shape)
             factor = wave_of_strain(row, side)
         if not varies(value):
@@ -146,10 +172,14 @@ class Known:
         assert until is not None
         tick = float(clock.tick)
         stop = round(max(until, tick) / tick) + 1
-        drive = waves.signal_of(value, until, lambda t: np.rint(t / tick).astype(np.int64))
+        drive = waves.signal_of(
+            value, until, lambda t: np.rint(t / tick).astype(np.int64)
+        )
         drive = drive.times(float(factor)).plus(float(start))
         if slope:
-            drive = drive + Pieces.through([0, stop], np.array([0.0, slope * stop * tick]))
+            drive = drive + Pieces.through(
+                [0, stop], np.array([0.0, slope * stop * tick])
+            )
         least = min((float(s.impedance) for s in row.segments), default=math.inf)
         weight = 2 / least if kind == "force" else float(factor)
         return self._add(self._follow(drive, 0, stop, (value, weight))[None])

@@ -5,7 +5,10 @@ from typing import Any
 
 from ..laws import UNREACHED, Law, Status
 
-ROUNDS, ENOUGH = 20, 1e-14  # to find a force that depends on the rate it makes; relative
+ROUNDS, ENOUGH = (
+    20,
+    1e-14,
+)  # to find a force that depends on the rate it makes; relative
 
 
 def own(function: int, d: float, rate: float) -> float:  # noqa: ARG001
@@ -32,7 +35,9 @@ def force_of_own(it: Any, d: float, closing: float) -> tuple[float, float, float
         if abs(change) <= ENOUGH * abs(F):
             break
     rate = closing - it.mobility * F
-    by_overlap = (of_function(it, d + it.near, rate) - of_function(it, d, rate)) / it.near
+    by_overlap = (
+        of_function(it, d + it.near, rate) - of_function(it, d, rate)
+    ) / it.near
     share = 1 / (1 + it.mobility * slope)
     return F, by_overlap * share, slope * share
 
@@ -74,7 +79,9 @@ def guards(it: Any) -> int:
     if it.status == Status.PLASTIC and it.knots[it.knot] < UNREACHED:
         return 2
     damped = it.law == Law.OWN or (it.law == Law.POWER and it.damping > 0)
-    if it.status == Status.GRAZE or (it.status == Status.PRESS and (it.law == Law.YIELD or damped)):
+    if it.status == Status.GRAZE or (
+        it.status == Status.PRESS and (it.law == Law.YIELD or damped)
+    ):
         return 2
     return 1
 

@@ -18,7 +18,9 @@ from .series import POINTS, N
 
 FLOORS = 128  # in the shortest transit
 WINDOW = 2.0**-40  # of the longest transit: what comes nearer is taken together
-NEAR = 1e-7  # of the velocity scale: over which the slopes of a law of the user are taken
+NEAR = (
+    1e-7  # of the velocity scale: over which the slopes of a law of the user are taken
+)
 GRAZE = 2.0**-40  # of the velocity scale: forces that move no faster are none
 
 
@@ -71,7 +73,9 @@ def horizon_of(row: Any, reference: Any, scale: Any) -> Any:
     return np.minimum(horizon, reference * 2.0 ** (rule.CLOCK_BITS - 1 - rule.COARSEST))
 
 
-def count_ticks(durations: list[float], longest: float, end: float) -> tuple[int, list[int]]:
+def count_ticks(
+    durations: list[float], longest: float, end: float
+) -> tuple[int, list[int]]:
     """Ticks of the longest transit and of all durations of one member.
 
     There are none if the clock cannot count to the end.
@@ -100,7 +104,10 @@ def piece_of(start: Any, stop: Any, values: Any) -> Any:
 
 def under_way(velocity: Any, stretch: Any, T: Any) -> list[Any]:
     """Waves in a segment of one velocity in the frame and one strain, that times the wave speed."""
-    return [piece_of(-T, 0, [velocity - stretch]), piece_of(-T, 0, [velocity + stretch])]
+    return [
+        piece_of(-T, 0, [velocity - stretch]),
+        piece_of(-T, 0, [velocity + stretch]),
+    ]
 
 
 def steady(value: Any) -> Any:
@@ -112,7 +119,11 @@ def steady(value: Any) -> Any:
 
 
 def lay_out(
-    row: Any, clock: Clock, asked: Asked, known: list[tuple[int, int, int]], outside: Any
+    row: Any,
+    clock: Clock,
+    asked: Asked,
+    known: list[tuple[int, int, int]],
+    outside: Any,
 ) -> list[list[Any]]:
     """Put a row on records; return lists of runs, nodes, links, masses, lines and parts.
 
@@ -133,13 +144,18 @@ def lay_out(
     node, mass = nodes_of(row, outside), blank(len(row.masses), MASS)
     link = links_of(row, clock, node, shortest * clock.tick)
     for m, body in enumerate(mass):
-        body.mass, body.speed = row.masses[m], [row.mass_velocity[m] - clock.frame] * POINTS
+        body.mass, body.speed = (
+            row.masses[m],
+            [row.mass_velocity[m] - clock.frame] * POINTS,
+        )
     part, n = parts_of(row, node, link, outside), len(known)
     line = lines_of(clock, known, n + (keep_lines(link, mass, n) if asked.keep else 0))
     run = run_of(row, clock, asked, shortest, known)
     if any(it.kind >= Part.WALL and it.parts != 1 for it in part):
         run.held = 1
-    if asked.until is None and (run.held or asked.keep):  # else no more than the proof is needed
+    if asked.until is None and (
+        run.held or asked.keep
+    ):  # else no more than the proof is needed
         run.extra = 2 * longest_of(row, clock, shortest)
     for at in node:
         at.length = np.maximum(shortest // 8, 16)
@@ -149,8 +165,12 @@ def lay_out(
 def longest_of(row: Any, clock: Clock, shortest: Any) -> Any:
     """Ticks in which a wave goes through the longest body."""
     without_rods = 0 if len(clock.transits) > 0 else shortest
-    return largest([without_rods, *[
-        sum(clock.transits[first - 1 : last]) for first, last in row.spans]])
+    return largest(
+        [
+            without_rods,
+            *[sum(clock.transits[first - 1 : last]) for first, last in row.spans],
+        ]
+    )
 
 
 def run_of(row: Any, clock: Clock, asked: Asked, shortest: Any, known: Any) -> Any:
@@ -160,7 +180,11 @@ def run_of(row: Any, clock: Clock, asked: Asked, shortest: Any, known: Any) -> A
         run.pieces += pieces
         if hard > 0:  # where hard breaks are given most densely
             breaks = np.maximum(breaks, np.floor(hard * (shortest / ticks)))
-    run.tick, run.scale, run.tolerance = clock.tick, clock.scale, asked.tolerance * clock.scale
+    run.tick, run.scale, run.tolerance = (
+        clock.tick,
+        clock.scale,
+        asked.tolerance * clock.scale,
+    )
     run.floor = np.maximum(shortest // (FLOORS + 4 * breaks), 64)
     run.shortest, run.graze = shortest, GRAZE * clock.scale
     run.window = np.maximum(np.rint(clock.reference / clock.tick * WINDOW), 1)
@@ -200,7 +224,9 @@ def links_of(row: Any, clock: Clock, node: list[Any], time: Any) -> list[Any]:
             it = link[at.first + q]
             set_law(it, row.links[at.first + q], at.first + q)
             last = q == at.links - 1
-            it.mobility = (at.mobility[0] if q == 0 else 0.0) + (at.mobility[1] if last else 0.0)
+            it.mobility = (at.mobility[0] if q == 0 else 0.0) + (
+                at.mobility[1] if last else 0.0
+            )
             it.ease = it.mobility
             for m in range(max(q - 1, 0), q if last else q + 1):
                 it.ease = it.ease + time / row.masses[at.mass + m]
@@ -275,15 +301,30 @@ def parts_of(row: Any, node: list[Any], link: list[Any], outside: Any) -> list[A
                 add_part(part, head, Part.MASS.value, m, row.masses[m], 0.0)
         if k < n:
             it = row.segments[k]
-            add_part(part, head, Part.SEGMENT.value, k, it.mass, it.transit_time / it.impedance)
+            add_part(
+                part,
+                head,
+                Part.SEGMENT.value,
+                k,
+                it.mass,
+                it.transit_time / it.impedance,
+            )
     add_ground(part, head, row.outside[1][0], outside[1])
     return part
 
 
-def add_part(part: list[Any], head: int, kind: int, index: int, mass: Any, compliance: Any) -> None:
+def add_part(
+    part: list[Any], head: int, kind: int, index: int, mass: Any, compliance: Any
+) -> None:
     """Add a part to the group that begins with part `head`."""
     it = blank(1, PART)[0]
-    it.kind, it.index, it.mass, it.compliance, it.held = kind, index, mass, compliance, NONE
+    it.kind, it.index, it.mass, it.compliance, it.held = (
+        kind,
+        index,
+        mass,
+        compliance,
+        NONE,
+    )
     part.append(it)
     part[head].parts += 1
 

@@ -72,9 +72,15 @@ def sample(line: Any, log: Any, l: int, tick: int, ticks: int, f: Any) -> None:
         return
     for j in range(POINTS):
         y = 0.5 * (X[j] + 1) * ticks  # since the begin
-        while piece.after != NONE and begin + y > piece.stop and piece.stop < begin + ticks:
+        while (
+            piece.after != NONE
+            and begin + y > piece.stop
+            and piece.stop < begin + ticks
+        ):
             piece = log[piece.after]
-        f[j] = at(piece, 2 * ((begin - piece.start) + y) / (piece.stop - piece.start) - 1)
+        f[j] = at(
+            piece, 2 * ((begin - piece.start) + y) / (piece.stop - piece.start) - 1
+        )
 
 
 def moments(
@@ -111,7 +117,9 @@ def project(line: Any, log: Any, l: int, tick: int, ticks: int, f: Any) -> None:
     series.set_parabola(f, whole, tilt, bend)
 
 
-def put(run: Any, line: Any, log: Any, l: int, tick: int, stop: int, degree: int, c: Any) -> int:
+def put(
+    run: Any, line: Any, log: Any, l: int, tick: int, stop: int, degree: int, c: Any
+) -> int:
     """Append a piece to a line; return its place in the log.
 
     What is constant stays one piece as long as it is: a front is a piece of degree 0. NONE is

@@ -19,7 +19,14 @@ ROOM = 4  # pieces that a link may add in a step
 
 
 def follow(
-    runs: Any, node: Any, link: Any, mass: Any, line: Any, part: Any, log: Any, turn: Any,
+    runs: Any,
+    node: Any,
+    link: Any,
+    mass: Any,
+    line: Any,
+    part: Any,
+    log: Any,
+    turn: Any,
     G: Any,
 ) -> int:
     """Run to `run.end`, or to the proof that nothing meets any more and `run.extra` ticks more.
@@ -63,7 +70,15 @@ def behind(node: Any) -> int:
 
 
 def advance(
-    run: Any, node: Any, link: Any, mass: Any, line: Any, log: Any, turn: Any, G: Any, at: Any
+    run: Any,
+    node: Any,
+    link: Any,
+    mass: Any,
+    line: Any,
+    log: Any,
+    turn: Any,
+    G: Any,
+    at: Any,
 ) -> bool:
     """Take one step of a node; return whether there was a solution."""
     tick = at.now
@@ -73,7 +88,8 @@ def advance(
     right = lines.order_at(line, log, at.source[1], tick)
     end = horizon(run, line, log, at, left <= HARD or right <= HARD)
     ticks, worst, where, which, status = solve(
-        run, link, mass, line, log, turn, at, end - tick, G)
+        run, link, mass, line, log, turn, at, end - tick, G
+    )
     if ticks == 0:
         return False
     full = ticks
@@ -81,7 +97,9 @@ def advance(
         ticks = max(1, int(0.5 * (where + 1) * full + 0.5))
         if full - ticks <= run.window and link[which].status == Status.OPEN:
             ticks = full  # and with what arrives at the end
-        if ticks < full and at.rough:  # means over the shorter time, or momentum would be lost
+        if (
+            ticks < full and at.rough
+        ):  # means over the shorter time, or momentum would be lost
             take_inputs(line, log, at, ticks)
             nodes.collocate(run, link, mass, at, ticks * run.tick, G)
         elif ticks < full:
@@ -105,7 +123,9 @@ def advance(
     at.now = tick + ticks
     grow = 4.0 if worst <= 0 else min(4.0, 0.9 * (run.tolerance / worst) ** (1 / N))
     wish = int(full * max(0.25, grow)) + 1
-    limited = at.rough == 1 or (full == end - tick and full < at.length)  # and not by smoothness
+    limited = at.rough == 1 or (
+        full == end - tick and full < at.length
+    )  # and not by smoothness
     at.length = max(at.length, wish) if limited else wish
     return True
 
@@ -117,14 +137,19 @@ def horizon(run: Any, line: Any, log: Any, at: Any, broken: bool) -> int:
     by one: cost would grow without end.
     """
     tick, l, r = at.now, at.source[0], at.source[1]
-    known = min(run.end, lines.known_until(line, log, l), lines.known_until(line, log, r))
+    known = min(
+        run.end, lines.known_until(line, log, l), lines.known_until(line, log, r)
+    )
     if run.check > tick:
         known = min(known, run.check)
     end = min(known, tick + at.length)
     end = lines.next_break(line, log, l, tick, end)
     end = lines.next_break(line, log, r, tick, end)
     dense = end < min(known, tick + run.floor)
-    if dense and is_dense(run, line, log, l, tick) + is_dense(run, line, log, r, tick) > 0:
+    if (
+        dense
+        and is_dense(run, line, log, l, tick) + is_dense(run, line, log, r, tick) > 0
+    ):
         at.rough = 1
         return int(min(known, tick + run.floor))
     at.rough = 0
@@ -143,7 +168,14 @@ def is_dense(run: Any, line: Any, log: Any, l: int, tick: int) -> bool:
 
 
 def solve(
-    run: Any, link: Any, mass: Any, line: Any, log: Any, turn: Any, at: Any, ticks: int,
+    run: Any,
+    link: Any,
+    mass: Any,
+    line: Any,
+    log: Any,
+    turn: Any,
+    at: Any,
+    ticks: int,
     G: Any,
 ) -> tuple[int, float, float, int, int]:
     """Solve a node on a piece as long as it turns out smooth; events at its start come first.
@@ -163,7 +195,9 @@ def solve(
         if worst >= 0 and (worst <= run.tolerance or at.rough or ticks <= SHORTEST):
             where, which, status = nodes.next_event(run, link, at, h)
             closes = which != NONE and link[which].status == Status.OPEN
-            soon = run.window if closes else 0.5  # it closes with what arrives at the start
+            soon = (
+                run.window if closes else 0.5
+            )  # it closes with what arrives at the start
             if which == NONE or 0.5 * (where + 1) * ticks >= soon:
                 return ticks, worst, where, which, status
             flips += 1
@@ -189,7 +223,9 @@ def take_inputs(line: Any, log: Any, at: Any, ticks: int) -> None:
             lines.sample(line, log, at.source[side], at.now, ticks, at.incoming[side])
 
 
-def shorter(tolerance: float, worst: float, tried: int, ticks: int, before: float) -> float:
+def shorter(
+    tolerance: float, worst: float, tried: int, ticks: int, before: float
+) -> float:
     """Part of a piece that may be smooth enough, from its tail and that of a longer one before.
 
     After a touch the force starts like a power of time, often 3/2, and the tail falls as slowly.
@@ -199,7 +235,9 @@ def shorter(tolerance: float, worst: float, tried: int, ticks: int, before: floa
     power = 1.0 * N
     if before > worst:
         power = max(1.0, min(power, math.log(before / worst) / math.log(tried / ticks)))
-    return max(0.1 if power > 4 else 1e-4, min(0.6, 0.8 * (tolerance / worst) ** (1 / power)))
+    return max(
+        0.1 if power > 4 else 1e-4, min(0.6, 0.8 * (tolerance / worst) ** (1 / power))
+    )
 
 
 def leave(

@@ -34,15 +34,22 @@ from .signals import signals_of
 
 LACKS = (physics.DAMPING, physics.LATERAL, physics.TAPER)
 RTOL = 1e-8
-LOOSEST, FINEST = 1e-6, 1e-13  # of tolerances: errors fall evenly below, and round-off comes
+LOOSEST, FINEST = (
+    1e-6,
+    1e-13,
+)  # of tolerances: errors fall evenly below, and round-off comes
 LESS = "a larger rtol or an earlier end (until)"
 TOGETHER = 1024  # members of one chunk
 MEMBER_TIME = 0.2  # s, about what one takes in plain Python
 
 
 def solve(
-    row: Row, until: float | None, max_events: int, rtol: float | None = None,
-    progress: Progress | None = None, announce: Callable[[str], None] | None = None,
+    row: Row,
+    until: float | None,
+    max_events: int,
+    rtol: float | None = None,
+    progress: Progress | None = None,
+    announce: Callable[[str], None] | None = None,
 ) -> Run:
     """Run a single collision to `until`, s, or to its proof of finality and one round trip more."""
     if row.segments:
@@ -69,8 +76,12 @@ def together(row: Row) -> int:
 
 
 def solve_family(
-    row: Row, until: float | None, max_events: int, rtol: float | None,
-    stop: Callable[[], bool] = lambda: False, more: int = 0,  # noqa: ARG001 - of every family
+    row: Row,
+    until: float | None,
+    max_events: int,
+    rtol: float | None,
+    stop: Callable[[], bool] = lambda: False,
+    more: int = 0,  # noqa: ARG001 - of every family
     also: Sequence[str] = (),
 ) -> runs.FamilyRun | None:
     """Totals of every member; nothing where each is to be run alone.
@@ -108,7 +119,10 @@ def solve_family(
 
 
 def stated_errors(
-    fine: Members, members: Any, coarsest: float, stop: Callable[[], bool] = lambda: False,
+    fine: Members,
+    members: Any,
+    coarsest: float,
+    stop: Callable[[], bool] = lambda: False,
     forecast: Forecast | None = None,
 ) -> Any:
     """Relative error of each of the `MEASURES`, [member, measure], of members that have run.
@@ -139,7 +153,11 @@ def _hand_over(one: Members, accuracy: dict[str, float], goal: float) -> Run:
     r, ended, row, until = one.records(), one.ended(0), one.row, one.asked.until
     run = ended.run
     clock = clock_of(
-        row, [int(T) for T in one.clock.transits], run.tick, scale=float(one.clock.scale))
+        row,
+        [int(T) for T in one.clock.transits],
+        run.tick,
+        scale=float(one.clock.scale),
+    )
     end, tick = min(int(r["node"]["now"].min()), run.end), clock.tick
     stopped_by = totals.why_stopped(run, until is not None)
     t_end = until if until is not None and stopped_by == "until" else end * tick
@@ -155,26 +173,43 @@ def _hand_over(one: Members, accuracy: dict[str, float], goal: float) -> Run:
     signals = cache(partial(signals_of, row, clock, end, r))
     before, after = _velocities(one)
     return Run(
-        method="characteristics", until=until, clock=clock, end=end, t_end=t_end, t_final=t_final,
-        t_proved=run.proved * tick if run.proved >= 0 else math.nan, stopped_by=stopped_by,
-        status=status, events=run.steps,
+        method="characteristics",
+        until=until,
+        clock=clock,
+        end=end,
+        t_end=t_end,
+        t_final=t_final,
+        t_proved=run.proved * tick if run.proved >= 0 else math.nan,
+        stopped_by=stopped_by,
+        status=status,
+        events=run.steps,
         contacts=_tallies(row, ended.link, tick, end, signals),
-        groups=runs.GroupTotals(np.array(before), np.array(after), np.ravel(vibration_of(one))),
-        accuracy=accuracy, make_signals=signals,
+        groups=runs.GroupTotals(
+            np.array(before), np.array(after), np.ravel(vibration_of(one))
+        ),
+        accuracy=accuracy,
+        make_signals=signals,
     )
 
 
 def _struck_together(row: Row) -> str:
     """What is told of rigid bodies that touch at t = 0."""
-    touching = [i for i, it in enumerate(row.links)
-                if it.law == Law.IMPACT and float(it.gap) == 0]
+    touching = [
+        i
+        for i, it in enumerate(row.links)
+        if it.law == Law.IMPACT and float(it.gap) == 0
+    ]
     if any(j == i + 1 for i, j in pairwise(touching)):
         return " Rigid bodies that touch are struck together; with gaps the outcome differs."
     return ""
 
 
 def _tallies(
-    row: Row, link: list[Any], tick: float, now: int, signals: Callable[[], runs.Signals]
+    row: Row,
+    link: list[Any],
+    tick: float,
+    now: int,
+    signals: Callable[[], runs.Signals],
 ) -> tuple[ContactTally, ...]:
     """Totals of every contact in SI units."""
     tallies = []
@@ -182,10 +217,19 @@ def _tallies(
         if i >= 0:
             tallies.append(totals.tally_of(link[i], tick, now))
             continue
-        force = signals().contacts[k].force  # a bond of rigid bodies: from what acts beside it
-        tallies.append(ContactTally(
-            float(force.integral(0, now)) * tick, max(0.0, float(force.at(force.marks).max())),
-            0.0, math.nan, math.nan, 0))
+        force = (
+            signals().contacts[k].force
+        )  # a bond of rigid bodies: from what acts beside it
+        tallies.append(
+            ContactTally(
+                float(force.integral(0, now)) * tick,
+                max(0.0, float(force.at(force.marks).max())),
+                0.0,
+                math.nan,
+                math.nan,
+                0,
+            )
+        )
     return tuple(tallies)
 
 
@@ -194,16 +238,26 @@ def _velocities(family: Members) -> tuple[list[Any], list[Any]]:
     row, part, shape = family.row, family.part, family.row.system.shape
     run = family.run[:, 0].reshape(shape)
     fallen = row.frame + row.system.gravity * run["surveyed"] * run["tick"]
-    own = [part[:, head].reshape(shape) for head in np.flatnonzero(part["parts"][0] > 0)]
-    return [it["initial"] + row.frame for it in own], [it["mean"] + fallen for it in own]
+    own = [
+        part[:, head].reshape(shape) for head in np.flatnonzero(part["parts"][0] > 0)
+    ]
+    return [it["initial"] + row.frame for it in own], [
+        it["mean"] + fallen for it in own
+    ]
 
 
 def vibration_of(family: Members) -> list[Any]:
     """Energy of each body about the velocity of its group, J, [body] by member."""
     row, part, found = family.row, family.part, list[Any]()
-    energies = {(kind, index): part["energy"][:, p] for p, (kind, index) in enumerate(
-        zip(part["kind"][0].tolist(), part["index"][0].tolist(), strict=True))}
-    for body, (first, last), m in zip(row.system.bodies, row.spans, row.mass_of, strict=True):
+    energies = {
+        (kind, index): part["energy"][:, p]
+        for p, (kind, index) in enumerate(
+            zip(part["kind"][0].tolist(), part["index"][0].tolist(), strict=True)
+        )
+    }
+    for body, (first, last), m in zip(
+        row.system.bodies, row.spans, row.mass_of, strict=True
+    ):
         energy = np.zeros(len(part))
         for s in range(first, last + 1):
             energy = energy + energies[Part.SEGMENT, s - 1]
@@ -217,23 +271,33 @@ def vibration_of(family: Members) -> list[Any]:
 def _family_run(family: Members, refused: Any) -> runs.FamilyRun:
     """What the members came to."""
     row, run, link = family.row, family.run[:, 0], family.link
-    system, until, unknown = row.system, family.asked.until, np.where(refused, math.nan, 0.0)
+    system, until, unknown = (
+        row.system,
+        family.asked.until,
+        np.where(refused, math.nan, 0.0),
+    )
     free = movable(system)
     before: list[Any] = []
     after: list[Any] = []
     for found, groups_own in zip((before, after), _velocities(family), strict=True):
         for group, own in zip(groups(system), groups_own, strict=True):
             inside = [i for i in group if i in free]
-            found += [unknown + row.of(v) for v in velocities_in_group(system, group, inside, own)]
+            found += [
+                unknown + row.of(v)
+                for v in velocities_in_group(system, group, inside, own)
+            ]
     links = [link[:, i] for i in row.contact_link]
     contacts = {
         "impulse": [unknown + it["impulse"] for it in links],
-        "peak_force": [unknown + np.where(it["law"] == Law.IMPACT, math.nan, it["peak"])
-                       for it in links],
+        "peak_force": [
+            unknown + np.where(it["law"] == Law.IMPACT, math.nan, it["peak"])
+            for it in links
+        ],
         "duration": [unknown + it["pressed"] * run["tick"] for it in links],
         "episodes": [it["episodes"].copy() for it in links],
     }
     final = (run["proved"] >= 0) & ~refused
     stopped_by = runs.stopped_by(refused, final, run["stop"] == Stop.CAP, until)
     return runs.FamilyRun(
-        before, after, sum(vibration_of(family), unknown), contacts, final, stopped_by)
+        before, after, sum(vibration_of(family), unknown), contacts, final, stopped_by
+    )

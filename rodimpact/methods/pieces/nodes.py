@@ -16,7 +16,9 @@ from .series import POINTS, STAGES, START, TWICE, N, X
 
 ITERATIONS = 30
 FELT = 0.1  # of the velocity that a force makes in the shortest transit: what a piece makes
-QUADRATIC = 1e-7  # by which forces miss their laws, relative: after the next step by round-off
+QUADRATIC = (
+    1e-7  # by which forces miss their laws, relative: after the next step by round-off
+)
 ROUND_OFF = 1e-13  # by which the start of a piece may break what keeps a status
 SOON = 1e-3  # of the way to the next point: where what starts at 0 is seen to rise
 
@@ -25,8 +27,10 @@ def deforms(it: Any) -> bool:
     """Whether the overlap of a link changes."""
     if it.status == Status.BOND:
         return bool(it.law == Law.JOINT)
-    return bool(it.status != Status.REST and not (
-        it.law == Law.RIGID and it.status == Status.PRESS))
+    return bool(
+        it.status != Status.REST
+        and not (it.law == Law.RIGID and it.status == Status.PRESS)
+    )
 
 
 def share(it: Any) -> float:
@@ -48,7 +52,9 @@ def set_forces(link: Any, at: Any) -> int:
             it.force[j] = 0.0
             if it.law == Law.PUSH_LEFT or it.law == Law.PUSH_RIGHT:
                 it.force[j] = at.incoming[it.law - Law.PUSH_LEFT][j]
-            elif it.unknown == NONE and (it.law == Law.BOND or it.status == Status.PRESS):
+            elif it.unknown == NONE and (
+                it.law == Law.BOND or it.status == Status.PRESS
+            ):
                 # two rods, nothing else
                 it.force[j] = (at.incoming[0][j] - at.incoming[1][j]) / it.mobility
     return n
@@ -66,7 +72,11 @@ def integrate(rate: Any, h: float, f: Any) -> None:
 def follow(link: Any, mass: Any, at: Any, h: float) -> None:
     """Set what follows from the forces."""
     for i in range(at.links - 1):
-        before, behind, body = link[at.first + i], link[at.first + i + 1], mass[at.mass + i]
+        before, behind, body = (
+            link[at.first + i],
+            link[at.first + i + 1],
+            mass[at.mass + i],
+        )
         for j in range(POINTS):
             at.rate[j] = (before.force[j] - behind.force[j]) / body.mass
         integrate(at.rate, h, body.speed)
@@ -111,8 +121,11 @@ def set_equations(link: Any, mass: Any, at: Any, h: float, G: Any, n: int) -> No
         for j in range(N):
             own = 0.0 if it.status == Status.REST else it.force[j + 1]
             G[N * it.unknown + j][N * n] = (
-                it.base[j + 1] + it.by_overlap[j + 1] * it.overlaps[j + 1]
-                + it.by_closing[j + 1] * it.closing[j + 1] - own)
+                it.base[j + 1]
+                + it.by_overlap[j + 1] * it.overlaps[j + 1]
+                + it.by_closing[j + 1] * it.closing[j + 1]
+                - own
+            )
 
 
 def felt(mass: Any, at: Any, q: int, p: int) -> float:
@@ -143,7 +156,9 @@ def set_block(it: Any, felt: float, own: bool, h: float, G: Any, column: int) ->
         line[column + j] += same
 
 
-def take_step(run: Any, link: Any, mass: Any, at: Any, h: float, G: Any, n: int) -> None:
+def take_step(
+    run: Any, link: Any, mass: Any, at: Any, h: float, G: Any, n: int
+) -> None:
     """Change the forces, and all that follows.
 
     Where a link is stiffer than the piece is long, its overlap is a small difference of large
@@ -178,7 +193,9 @@ def collocate(run: Any, link: Any, mass: Any, at: Any, h: float, G: Any) -> bool
             it = link[at.first + q]
             if it.unknown != NONE:
                 missed = linearise(it, h, iterations == 0)
-                if it.law == Law.POWER or it.law == Law.OWN:  # or else one step solves it
+                if (
+                    it.law == Law.POWER or it.law == Law.OWN
+                ):  # or else one step solves it
                     worst = max(worst, 1.0 if iterations == 0 else missed)
         set_equations(link, mass, at, h, G, n)
         series.eliminate(G, N * n, 2 * N)
@@ -191,13 +208,17 @@ def collocate(run: Any, link: Any, mass: Any, at: Any, h: float, G: Any) -> bool
                 it.force[0] += START[j] * it.force[j + 1]
         elif it.unknown != NONE:
             it.force[0], it.by_overlap[0], it.by_closing[0] = laws.force(
-                it, it.overlap, it.closing[0])
+                it, it.overlap, it.closing[0]
+            )
     return True
 
 
 def set_leaving(link: Any, at: Any, side: int) -> None:
     """What leaves a node: to the left a - 2 F/Z of its first link, to the right b + 2 F/Z."""
-    F, y = link[at.first + side * (at.links - 1)].force, (4 * side - 2) * at.mobility[side]
+    F, y = (
+        link[at.first + side * (at.links - 1)].force,
+        (4 * side - 2) * at.mobility[side],
+    )
     came = at.incoming[side]
     for j in range(POINTS):
         at.leaving[j] = came[j] + y * F[j]
@@ -212,7 +233,9 @@ def roughness(link: Any, mass: Any, at: Any) -> float:
     for side in range(2):
         it = link[at.first + side * (at.links - 1)]
         pushes = it.law == Law.PUSH_LEFT + side
-        worst = max(worst, series.tail(at.incoming[side]) * (2 * it.ease if pushes else 1.0))
+        worst = max(
+            worst, series.tail(at.incoming[side]) * (2 * it.ease if pushes else 1.0)
+        )
         if at.mobility[side] > 0:
             set_leaving(link, at, side)
             worst = max(worst, series.tail(at.leaving))
@@ -237,8 +260,15 @@ def next_event(run: Any, link: Any, at: Any, h: float) -> tuple[float, int, int]
         for i in range(laws.guards(it)):
             to = 0
             for j in range(POINTS):
-                g, to = laws.guard(it, i, it.overlaps[j], it.closing[j], it.force[j], run.scale,
-                                   0.01 * run.scale * h)
+                g, to = laws.guard(
+                    it,
+                    i,
+                    it.overlaps[j],
+                    it.closing[j],
+                    it.force[j],
+                    run.scale,
+                    0.01 * run.scale * h,
+                )
                 at.rate[j] = g
             j = 1
             while j < POINTS and at.rate[j] >= -ROUND_OFF:

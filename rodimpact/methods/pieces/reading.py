@@ -11,8 +11,10 @@ from . import lines
 
 def waves_of(log: Any, count: int) -> list[Any]:
     """Pieces of so many lines: each `start`, tick, and the integrals up to it."""
-    waves: list[Any] = [{"log": log, "piece": [], "place": [], "start": [], "passed": []}
-                        for _ in range(count)]
+    waves: list[Any] = [
+        {"log": log, "piece": [], "place": [], "start": [], "passed": []}
+        for _ in range(count)
+    ]
     for i, piece in enumerate(log):
         wave, passed = waves[piece.line], (0.0, 0.0)
         if len(wave["piece"]) > 0:
@@ -46,6 +48,8 @@ def passed_by(wave: Any, tick: float) -> tuple[float, float]:
     begin, (passed, squares) = wave["start"][i], wave["passed"][i]
     if tick > begin:
         half = (tick - begin) / 2
-        whole, _, _, square = lines.moments(wave["log"], wave["place"][i], begin, 2 * half, 0.0)
+        whole, _, _, square = lines.moments(
+            wave["log"], wave["place"][i], begin, 2 * half, 0.0
+        )
         passed, squares = passed + half * whole, squares + half * square
     return passed, squares

@@ -26,7 +26,9 @@ def own_laws(row: Row) -> Functions:
 def is_even(row: Row) -> bool:
     """Whether all that moves at t = 0, and all that acts from outside, is a number."""
     states = [(rod.velocity, rod.strain) for rod, _, _ in segments_of(row)]
-    return not any(varies(*profiles) for profiles in (*states, [value for _, value in row.outside]))
+    return not any(
+        varies(*profiles) for profiles in (*states, [value for _, value in row.outside])
+    )
 
 
 def reference_time(row: Row, until: float | None) -> Any:
@@ -57,20 +59,36 @@ def velocity_scale(row: Row, time: Any) -> Any:
             scale = scale + largest(np.abs(extremes(value))) * time / least
     scale = scale + largest(speeds) - smallest(speeds)
     for it in row.links:
-        if it.law == Law.JOINT or it.law >= Law.SPRING:  # what it stores at t = 0 moves a mass
+        if (
+            it.law == Law.JOINT or it.law >= Law.SPRING
+        ):  # what it stores at t = 0 moves a mass
             gap = np.asarray(it.gap)
             d = np.abs(gap) if it.law == Law.JOINT else np.maximum(-gap, 0.0)
             scale = scale + np.sqrt(it.stiffness * d ** (it.exponent + 1) / least)
     return np.where(scale > 0, scale, 1.0)
 
 
-def clock_of(row: Row, until: float | None) -> tuple[Clock, dict[tuple[int, float], int]]:
+def clock_of(
+    row: Row, until: float | None
+) -> tuple[Clock, dict[tuple[int, float], int]]:
     """The clock, and the times in ticks from ends of rods to jumps inside."""
-    reference, transits = reference_time(row, until), [s.transit_time for s in row.segments]
+    reference, transits = (
+        reference_time(row, until),
+        [s.transit_time for s in row.segments],
+    )
     scale, jumps, n = velocity_scale(row, reference), jumps_of(row), len(transits)
     end = layout.horizon_of(row, reference, scale) if until is None else until
-    durations = [*transits, *(share * transits[s] for s, share in jumps), reference, end]
-    found, ticks, made = np.zeros(row.members), np.zeros((n, row.members), np.int64), list[int]()
+    durations = [
+        *transits,
+        *(share * transits[s] for s, share in jumps),
+        reference,
+        end,
+    ]
+    found, ticks, made = (
+        np.zeros(row.members),
+        np.zeros((n, row.members), np.int64),
+        list[int](),
+    )
     table = np.array([row.of(duration) for duration in durations]).T.tolist()
     for m, (*times, longest, stop) in enumerate(table):
         total, made = layout.count_ticks(times, longest, stop)
@@ -81,5 +99,7 @@ def clock_of(row: Row, until: float | None) -> tuple[Clock, dict[tuple[int, floa
             s = int(ticks[:, m].argmin())
             raise InvalidModel([too_short(row.paths[s + 1], times[s], max(times))])
     tick, shape = found.reshape(row.system.shape), (n, *row.system.shape)
-    clock = Clock(tick, [*ticks.reshape(shape)], np.rint(end / tick), reference, row.frame, scale)
+    clock = Clock(
+        tick, [*ticks.reshape(shape)], np.rint(end / tick), reference, row.frame, scale
+    )
     return clock, dict(zip(jumps, made[n:], strict=True))

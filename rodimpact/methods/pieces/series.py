@@ -17,12 +17,19 @@ _RADAU = np.append(np.sort(_LAST.roots().real)[:-1], 1.0)
 _AT = np.concatenate(([-1.0], _RADAU))
 _INNER = np.linalg.inv(chebyshev.chebvander(_RADAU, N - 1))
 X: Any = _AT.tolist()  # the points
-SERIES: Any = np.linalg.inv(chebyshev.chebvander(_AT, N)).tolist()  # values to coefficients
+SERIES: Any = np.linalg.inv(
+    chebyshev.chebvander(_AT, N)
+).tolist()  # values to coefficients
 STAGES: Any = [  # values at the N points to their integral from -1 to each of these points
-    [float(chebyshev.Chebyshev(_INNER[:, m]).integ(lbnd=-1)(x)) for m in range(N)] for x in _RADAU
+    [float(chebyshev.Chebyshev(_INNER[:, m]).integ(lbnd=-1)(x)) for m in range(N)]
+    for x in _RADAU
 ]
-TWICE: Any = (np.array(STAGES) @ np.array(STAGES)).tolist()  # and to the integral of that
-START: Any = (chebyshev.chebvander([-1.0], N - 1) @ _INNER)[0].tolist()  # to that at the start
+TWICE: Any = (
+    np.array(STAGES) @ np.array(STAGES)
+).tolist()  # and to the integral of that
+START: Any = (chebyshev.chebvander([-1.0], N - 1) @ _INNER)[
+    0
+].tolist()  # to that at the start
 WEIGHTS: Any = STAGES[N - 1][:]  # of the whole piece; exact up to degree 2N - 2
 
 

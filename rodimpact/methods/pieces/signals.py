@@ -29,10 +29,16 @@ def signals_of(row: Row, clock: Clock, end: int, records: dict[str, Any]) -> Sig
     records : dict of str to array
         Those of the run.
     """
-    run, link, turn, bodies = records["run"][0], records["link"], records["turn"], row.system.bodies
+    run, link, turn, bodies = (
+        records["run"][0],
+        records["link"],
+        records["turn"],
+        row.system.bodies,
+    )
     lines = _lines(records["log"][: run["pieces"]], len(records["line"]))
     frame = Pieces.through(
-        [0, end], clock.frame + clock.gravity * clock.tick * np.array([0.0, end]))
+        [0, end], clock.frame + clock.gravity * clock.tick * np.array([0.0, end])
+    )
     turn = turn[: run["turns"]]
     struck = bool(np.any((turn["impulse"] > 0) & (turn["tick"] == 0)))
     masses = {}
@@ -42,26 +48,39 @@ def signals_of(row: Row, clock: Clock, end: int, records: dict[str, Any]) -> Sig
             masses[body] = Pieces.through([0, end], np.full(2, value)) - frame
         elif m >= 0:
             masses[body] = lines[records["mass"]["line"][m]]
-            if struck or end == 0:  # as it was before, for the tick of the blow, or where none ran
+            if (
+                struck or end == 0
+            ):  # as it was before, for the tick of the blow, or where none ran
                 before = float(row.mass_velocity[m]) - float(row.frame)
                 masses[body] = _at_once(masses[body], 0, before)
     contacts = [
-        _contact(link[i], turn[turn["link"] == i], lines, clock.tick) if i >= 0 else None
+        _contact(link[i], turn[turn["link"] == i], lines, clock.tick)
+        if i >= 0
+        else None
         for i in row.contact_link
     ]
     outside = [_outside(row, side, lines, frame, records) for side in (0, 1)]
     for side, inwards in enumerate((contacts, contacts[::-1])):
-        acting, contact = outside[side], next(filter(None, inwards), None)  # not bonds to a wall
+        acting, contact = (
+            outside[side],
+            next(filter(None, inwards), None),
+        )  # not bonds to a wall
         if isinstance(bodies[-side], Wall) and contact and acting:
             outside[side] = acting._replace(push=contact.force)  # with its blows
 
     def spent(body: int) -> Pieces:
         return _rate(masses[body], float(bodies[body].mass) / clock.tick)
 
-    forces = fill_bonds(row.system, [c.force if c else None for c in contacts], spent,
-                        outside[0].push if outside[0] else NOTHING)
-    whole = tuple(contact or ContactSignal(force, NOTHING, NOTHING, ())
-                  for contact, force in zip(contacts, forces, strict=True))
+    forces = fill_bonds(
+        row.system,
+        [c.force if c else None for c in contacts],
+        spent,
+        outside[0].push if outside[0] else NOTHING,
+    )
+    whole = tuple(
+        contact or ContactSignal(force, NOTHING, NOTHING, ())
+        for contact, force in zip(contacts, forces, strict=True)
+    )
     waves = Waves([None, None, *lines[: 2 * len(row.segments)]])
     return Signals(waves, whole, (outside[0], outside[1]), None, masses)
 
@@ -73,8 +92,11 @@ def _lines(log: Any, count: int) -> list[Pieces]:
     lines = []
     for own in (log[i:j] for i, j in pairwise(bounds)):
         size = own["coefficient"].shape[1] if own["degree"].any() else 1
-        lines.append(Pieces(own["start"], own["coefficient"][:, :size], own["stop"][-1])
-                     if len(own) else NOTHING)
+        lines.append(
+            Pieces(own["start"], own["coefficient"][:, :size], own["stop"][-1])
+            if len(own)
+            else NOTHING
+        )
     return lines
 
 
@@ -90,7 +112,10 @@ def _contact(it: Any, turns: Any, lines: list[Pieces], tick: float) -> ContactSi
     at = np.maximum(struck["tick"] - 1, 0)
     for when in np.unique(at):  # a blow takes no time: one tick before it here
         blows = struck[at == when]
-        impulse, work = blows["impulse"].sum(), (blows["impulse"] * blows["closing"]).sum()
+        impulse, work = (
+            blows["impulse"].sum(),
+            (blows["impulse"] * blows["closing"]).sum(),
+        )
         force = _at_once(force, int(when), float(impulse) / tick)
         closing = _at_once(closing, int(when), float(work / impulse))
     opens = it["law"] >= Law.RIGID
@@ -102,7 +127,9 @@ def _rate(signal: Pieces, factor: float) -> Pieces:
     """Derivative by ticks times a factor."""
     if signal.size == 1:
         return NOTHING
-    slopes = chebder(signal.coefficients, axis=1) * (2 * factor / signal.widths)[:, None]
+    slopes = (
+        chebder(signal.coefficients, axis=1) * (2 * factor / signal.widths)[:, None]
+    )
     return Pieces(signal.ticks, slopes, signal.end)
 
 

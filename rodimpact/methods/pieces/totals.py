@@ -16,8 +16,13 @@ def tally_of(it: Any, tick: float, now: int) -> ContactTally:
     sudden, met = it.law == Law.IMPACT, it.first >= 0
     last = now if it.touch == Status.PRESS and not sudden else it.last
     return ContactTally(
-        it.impulse, math.nan if sudden else it.peak, it.pressed * tick,
-        it.first * tick if met else math.nan, last * tick if met else math.nan, it.episodes)
+        it.impulse,
+        math.nan if sudden else it.peak,
+        it.pressed * tick,
+        it.first * tick if met else math.nan,
+        last * tick if met else math.nan,
+        it.episodes,
+    )
 
 
 def last_of(run: Any, link: Any, end: float, round_trip: float) -> float:
@@ -28,8 +33,12 @@ def last_of(run: Any, link: Any, end: float, round_trip: float) -> float:
             struck = it.law == Law.IMPACT and it.status == Status.OPEN
             pressing = it.touch == Status.PRESS and not struck
             apart = it.apart if it.touch == Status.OPEN or struck else -1
-            ends.append((math.nan if pressing else it.last * tick,
-                         apart * tick if apart >= 0 else math.nan))
+            ends.append(
+                (
+                    math.nan if pressing else it.last * tick,
+                    apart * tick if apart >= 0 else math.nan,
+                )
+            )
     return last_contact(ends, end, round_trip) if run.proved >= 0 else math.nan
 
 
@@ -58,12 +67,16 @@ def status_of(
     """
     met = any(it.episodes > 0 for it in link)
     proof = proof_sentence(met, t_final) if run.proved >= 0 else ""
-    return ending(stopped_by, proof, format_si(end, "s"), f"{run.steps} steps of nodes", system)
+    return ending(
+        stopped_by, proof, format_si(end, "s"), f"{run.steps} steps of nodes", system
+    )
 
 
 def stated(worst: float, goal: float) -> str:
     """What is told of the largest stated error, where `goal` was asked for."""
-    late = f" That is more than rtol = {goal:.6g} asks for." if worst > MORE * goal else ""
+    late = (
+        f" That is more than rtol = {goal:.6g} asks for." if worst > MORE * goal else ""
+    )
     return f" Stated relative error: {worst:.1g}.{late}"
 
 
@@ -77,5 +90,7 @@ def told_of(run: Any) -> str:
             "smoothed, which keeps their momentum."
         )
     if run.rested:
-        told += " Rigid bodies that parted very slowly were set at rest against each other."
+        told += (
+            " Rigid bodies that parted very slowly were set at rest against each other."
+        )
     return told

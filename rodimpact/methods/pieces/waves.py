@@ -42,7 +42,9 @@ def signal_of(profile: Any, length: float, ticks_of: Callable[[Any], Ints]) -> P
     return Pieces(ticks[:-1], values @ series.T, ticks[-1])
 
 
-def in_pieces(signal: Pieces, start: int, stop: int, tolerance: float) -> tuple[Any, float]:
+def in_pieces(
+    signal: Pieces, start: int, stop: int, tolerance: float
+) -> tuple[Any, float]:
     """A signal between two ticks as pieces that are as long as they fit to a tolerance.
 
     Pieces begin at breaks of the signal. A kink is one if it changes values by more than the
@@ -57,7 +59,10 @@ def in_pieces(signal: Pieces, start: int, stop: int, tolerance: float) -> tuple[
     """
     edges = each_once([start], signal.breaks_in(start, stop), [stop])
     least = ROUND_OFF * np.abs(signal.coefficients).max()
-    jumps = np.abs(signal.at(edges[1:], "left") - signal.at(edges[1:])) > EXACT * tolerance + least
+    jumps = (
+        np.abs(signal.at(edges[1:], "left") - signal.at(edges[1:]))
+        > EXACT * tolerance + least
+    )
     first, own, missed = _merged(signal, edges, jumps, tolerance)
     own[np.abs(own[:, 1:]).sum(axis=1) <= least, 1:] = 0.0  # a constant stays one
     ends, inner = edges[np.append(first[1:], -1)], first[1:]
@@ -68,7 +73,8 @@ def in_pieces(signal: Pieces, start: int, stop: int, tolerance: float) -> tuple[
     made = np.zeros(len(own), PIECE)
     made["start"], made["stop"], made["order"] = edges[first], ends, SMOOTH
     made["order"][1:] = np.where(
-        jumps[inner - 1], 0, np.where(bends > tolerance + least, 1, SMOOTH))
+        jumps[inner - 1], 0, np.where(bends > tolerance + least, 1, SMOOTH)
+    )
     made["degree"] = np.where(own[:, 1:].any(axis=1), N, 0)
     made["coefficient"] = own
     return made, missed
@@ -100,7 +106,9 @@ def _merged(
     return begin[order], own[order], float(worst)
 
 
-def _through(signal: Pieces, edges: Ints, first: Ints, width: int) -> tuple[Floats, Floats]:
+def _through(
+    signal: Pieces, edges: Ints, first: Ints, width: int
+) -> tuple[Floats, Floats]:
     """Series through so many intervals from each `first` on, and by how much they miss them."""
     low, high = edges[first], edges[first + width]
     values = signal.at(low[:, None] + (high - low)[:, None] * (_X + 1) / 2)
