@@ -13,15 +13,15 @@ from rodimpact.methods.row import Row
 from rodimpact.methods.run import MAX_EVENTS
 from rodimpact.results.solution import Solution
 
-METHODS = {FrontRun: fronts, GridRun: grid}
+MAKERS = {FrontRun: fronts.make_run, GridRun: grid.hand_over}
 
 
 def tracked(system, until=None, max_events=MAX_EVENTS):
-    return fronts.track(Row(system), until, max_events)
+    return fronts.run_fronts(Row(system), until, max_events)
 
 
 def solution_of(run, until=None):
-    return Solution(METHODS[type(run)].hand_over(run, until))
+    return Solution(MAKERS[type(run)](run, until))
 
 
 def bits_of(system, until, compiling, max_events=4000):
@@ -29,7 +29,7 @@ def bits_of(system, until, compiling, max_events=4000):
     with kernels.forced(compiling):
         run = tracked(system, until, max_events)
     left = run.batch
-    assert left.fast == compiling
+    assert left.is_compiled == compiling
     return [
         run.log.tobytes(),
         *(
@@ -52,7 +52,7 @@ def records_of(run):
 
 def group_of(run, contact, right):
     """Motion of the bonded group on one side of a contact, and bounds of its end, by the proof."""
-    k = run.plan.contacts[contact]
+    k = run.layout.contacts[contact]
     for find in (finality.find_mean_motions, finality.bound_deviations):
         find(records_of(run), k, run.run.now)
     return run.segments[k + right]

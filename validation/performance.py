@@ -28,8 +28,9 @@ import numpy as np
 import rodimpact as ri
 from rodimpact.methods import kernels
 from rodimpact.methods.fronts import driver
+from rodimpact.methods.fronts.batch import RunRequest
 from rodimpact.methods.fronts.families import solve_family
-from rodimpact.methods.fronts.plan import plan_of
+from rodimpact.methods.fronts.family_layout import lay_out_family
 from rodimpact.methods.grid.mesh import Mesh, stable_step
 from rodimpact.methods.grid.method import COURANT
 from rodimpact.methods.grid.run import GridRun
@@ -163,11 +164,14 @@ def compiled_godunov(per_unit: int = 100) -> Callable[[], float]:
 
 def per_event(T: Sequence[float], Z: Sequence[float], v: Sequence[float]) -> float:
     """Median time of an event in a run of half a million of uniform rods that touch, s."""
-    plan = plan_of(Row(ri.System([rod(*of) for of in zip(T, Z, v, strict=True)])))
+    layout = lay_out_family(
+        Row(ri.System([rod(*of) for of in zip(T, Z, v, strict=True)]))
+    )
+    request = RunRequest(until=LONG, max_events=RUN)
     with kernels.forced(True):
-        run = driver.solve_one(plan, LONG, RUN).progress
-        assert run.stop == Stop.CAP
-        return median(lambda: driver.solve_one(plan, LONG, RUN), 5) / run.events
+        run = driver.solve_one(layout, request).progress
+        assert run.stop_reason == Stop.CAP
+        return median(lambda: driver.solve_one(layout, request), 5) / run.events
 
 
 def free_pair() -> float:

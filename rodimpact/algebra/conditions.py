@@ -41,8 +41,8 @@ def conditions(run: ExactRun, *, in_order: bool) -> list[Number]:
     """
     contacts, state = unilateral(run.row.system), run.state
     # it is over with the event of the proof, or the next event if the kernel waited for it
-    end: Number = state.run.proved + ZERO
-    if all(end != front.tick for front in state.log[: state.run.rows]):
+    end: Number = state.run.proved_tick + ZERO
+    if all(end != front.tick for front in state.log[: state.run.log_rows]):
         end = state.queue[1]
         state.run_to(end, ENDLESS, ZERO)
     last = max(
@@ -83,13 +83,13 @@ def _spells(
     """Spells of a contact, and when waves come to it later."""
     state, k = run.state, run.nodes[contact]
     arrived = {
-        2 * k: state.lines[0].arrived if k == 0 else ZERO,
-        2 * k + 3: state.lines[-1].arrived if k == len(state.nodes) - 1 else ZERO,
+        2 * k: state.lines[0].incoming_wave if k == 0 else ZERO,
+        2 * k + 3: state.lines[-1].incoming_wave if k == len(state.nodes) - 1 else ZERO,
     }
     events: dict[
         Any, tuple[Number, dict[int, Any]]
     ] = {}  # by time: waves by line, and the status
-    for row in state.log[: state.run.rows]:
+    for row in state.log[: state.run.log_rows]:
         if row.line in arrived or (row.line == CHANGE and row.next_row == k):
             way = ZERO if row.line == CHANGE else state.segments[row.line // 2].transit
             events.setdefault((row.tick + way).value, (row.tick + way, {}))[1][
@@ -142,19 +142,30 @@ def _for_ever_after(run: ExactRun, k: int, t: Any) -> tuple[list[Number], bool]:
     """
     state, node = run.state, run.nodes[k]
     at, left, right = state.nodes[node], state.segments[node], state.segments[node + 1]
-    last = max(node, right.last)
-    if at.gap_rate >= 0 and finality.nothing_under_way(state.lines, left.first, last):
+    last = max(node, right.group_last)
+    if at.gap_rate >= 0 and finality.no_front_in_flight(
+        state.lines, left.group_first, last
+    ):
         return [at.gap_rate], False
     finality.find_mean_motions(state, node, t)
-    if left.bounded and right.bounded and right.slowest >= left.fastest:
+    if (
+        left.is_end_velocity_bounded
+        and right.is_end_velocity_bounded
+        and right.min_end_velocity >= left.max_end_velocity
+    ):
         loops = _loop(run, node, False), _loop(run, node, True)
         in_turn = [later - t for loop in loops for (_, t), (_, later) in pairwise(loop)]
         return in_turn + [
             high - low for high, _ in loops[1] for low, _ in loops[0]
         ], False
     finality.bound_deviations(state, node, t)
-    gap = at.gap + at.gap_rate * (t - at.solved) - right.deviation + left.deviation
-    reach = 2 * _vibration(run) * (left.compliance + right.compliance)
+    gap = (
+        at.gap
+        + at.gap_rate * (t - at.solved_tick)
+        - right.end_deviation
+        + left.end_deviation
+    )
+    reach = 2 * _vibration(run) * (left.compliance_integral + right.compliance_integral)
     return [right.mean_velocity - left.mean_velocity, gap, gap * gap - reach], True
 
 
@@ -178,9 +189,9 @@ def _vibration(run: ExactRun) -> Number:
 def _loop(run: ExactRun, k: int, right: bool) -> list[tuple[Number, Number]]:
     """Levels of the waves that go round in the rod beside contact k, and when each left there."""
     line, log, group = run.state.lines, run.state.log, run.state.segments[k + right]
-    s = group.first
-    if group.last == 0 or finality.nothing_under_way(line, s, group.last):
-        return [(line[2 * k + 3 if right else 2 * k].arrived, ZERO)]
+    s = group.group_first
+    if group.group_last == 0 or finality.no_front_in_flight(line, s, group.group_last):
+        return [(line[2 * k + 3 if right else 2 * k].incoming_wave, ZERO)]
     found = []
     for l, delay in (
         (2 * s + right, ZERO),

@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 from ..methods.abilities import needs
 from ..methods.duration import Progress
 from ..methods.fronts import energy
-from ..methods.fronts.driver import Simulation, simulation
-from ..methods.fronts.plan import plan_of
+from ..methods.fronts.family_layout import lay_out_family
+from ..methods.fronts.simulation import Simulation, start_simulation
 from ..methods.groups import grounds, groups, unilateral
 from ..methods.laws import Status, Stop
 from ..methods.registry import check_function, count
@@ -320,16 +320,17 @@ def read(
 
 def run(row: Row, numbers: Numbers, max_events: int = MOST_EVENTS) -> ExactRun:
     """Follow every front until the collision is proved to be over, or to the cap on events."""
-    plan, n = plan_of(row), len(numbers.transit)
-    nodes = plan.contacts
+    layout, n = lay_out_family(row), len(numbers.transit)
+    nodes = layout.contacts
     shortest = min(float(T) for T in numbers.transit)
     rate = Fraction(2) ** (TICKS.bit_length() - math.frexp(shortest)[1])
     # transit times are lengths here: waves run 1 m in 1 s
     given = [*[1] * n, *numbers.impedance, *numbers.transit, ZERO, ZERO, *numbers.gap]
     given += [x for v in numbers.velocity for x in (v, ZERO)]  # and no strain
-    state = simulation(plan, given, [T * rate for T in numbers.transit], 1 / rate, ZERO)
-    final = state.run_to(-1, max_events, ZERO) == Stop.FINAL
-    energy.update(state)
+    ticks = [T * rate for T in numbers.transit]
+    state = start_simulation(layout, given, ticks, 1 / rate, ZERO)
+    final = state.run_to_proof(max_events, ZERO) == Stop.FINAL
+    energy.update_motion(state)
     before, after = zip(
         *(motion(row, state, i) for i in range(len(row.spans))), strict=True
     )
@@ -372,9 +373,9 @@ def motion(row: Row, state: Simulation, body: int) -> tuple[Any, Any]:
     """Velocity of a body before and after: that of what holds it, or of its segments."""
     group = next(g for g in groups(row.system) if body in g)
     if grounds(row.system, group):
-        return (state.lines[0 if group[0] == 0 else -1].arrived,) * 2
+        return (state.lines[0 if group[0] == 0 else -1].incoming_wave,) * 2
     segment = state.segments[row.spans[body][0]]
-    return segment.initial_velocity, segment.velocity
+    return segment.initial_group_velocity, segment.group_velocity
 
 
 def _check_speeds(row: Row, squares: Mapping[str, Fraction], unit: Fraction) -> None:

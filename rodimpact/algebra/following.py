@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from ..methods.fronts import energy, events
-from ..methods.fronts.driver import simulation
-from ..methods.fronts.method import track
+from ..methods.fronts.method import run_fronts
 from ..methods.fronts.records import IDLE
+from ..methods.fronts.simulation import start_simulation
 from ..methods.groups import groups, unilateral
 from ..methods.laws import Status
 from ..methods.row import Array, Row
@@ -51,25 +51,31 @@ class Followed:
 
     def __init__(self, system: System, changes: Array, max_events: int) -> None:
         self._row = Row(system)
-        run, directions = track(self._row, max_events=max_events), changes.shape[1]
-        plan, n, end = run.plan, len(run.plan.kinds) - 1, run.finality_time
+        run, directions = run_fronts(self._row, max_events=max_events), changes.shape[1]
+        layout = run.layout
+        n, end = len(layout.closed_status) - 1, run.proved_tick
         self._tick, self._frame, self._nodes = (
             run.clock.tick,
             run.clock.frame,
-            plan.contacts,
+            layout.contacts,
         )
         self.ties: Any = np.outer(NO_TIE, np.ones(directions))
-        self._least = LEAST * run.run.scale
-        y: Any = list(map(Dual, plan.numbers, changes))
+        self._least = LEAST * run.run.velocity_scale
+        y: Any = list(map(Dual, layout.values, changes))
         times = [L / c for c, L in zip(y[:n], y[2 * n : 3 * n], strict=True)]
         ticks = [
             Dual(T, T / time.value * time.d)
             for T, time in zip(run.clock.ticks[1:-1], times, strict=True)
         ]
-        self._state = state = simulation(plan, y, ticks, self._tick, self._frame)
-        state.run.event_limit = IDLE
-        state.run.proof_events = IDLE  # nothing is to be proved on the way
-        state.run.tolerance, state.run.window = run.run.tolerance, run.run.window
+        self._state = state = start_simulation(
+            layout, y, ticks, self._tick, self._frame
+        )
+        state.run.max_events = IDLE
+        state.run.next_proof_event = IDLE  # nothing is to be proved on the way
+        state.run.velocity_tolerance, state.run.closing_window = (
+            run.run.velocity_tolerance,
+            run.run.closing_window,
+        )
         for k in self._nodes:
             gap = state.nodes[k].gap
             self._note(BORDER, 0, k, gap.d * float(gap.value == 0), 0.0)
@@ -83,8 +89,8 @@ class Followed:
             t = int(state.queue[1])
             due = [k for k in nodes if state.queue[leaves + k] == t]
         state.run.now = end
-        events.close_books(state, end)
-        energy.update(state)
+        events.advance_totals_to(state, end)
+        energy.update_motion(state)
         lasting = ending(system)
         for i in unilateral(system):
             apart = motion(self._row, state, i + 1)[1] - motion(self._row, state, i)[1]
@@ -103,9 +109,9 @@ class Followed:
             )
             return (beyond - after) / (v - w)
         at = self._state.nodes[self._nodes[i]]
-        return (at.impulse if kind == "impulse" else at.pressed) * self._tick + Dual(
-            0.0
-        )
+        return (
+            at.impulse if kind == "impulse" else at.force_ticks
+        ) * self._tick + Dual(0.0)
 
     def _note(self, event: int, t: int, k: int, apart: Any, least: float) -> None:
         """Note a tie at node k in the directions in which what is equal comes apart."""
@@ -116,10 +122,12 @@ class Followed:
         """Status of node k, the waves that arrive there at tick t, and its gap then."""
         state, at = self._state, self._state.nodes[k]
         arrivals = [
-            state.lines[l].due for l in (2 * k, 2 * k + 3) if state.lines[l].due == t
+            state.lines[l].arrival_tick
+            for l in (2 * k, 2 * k + 3)
+            if state.lines[l].arrival_tick == t
         ]
         now = (arrivals or [state.queue[len(state.queue) // 2 + k] if t else 0])[0]
-        return at.status, arrivals, at.gap + at.gap_rate * (now - at.solved)
+        return at.status, arrivals, at.gap + at.gap_rate * (now - at.solved_tick)
 
     def _compare(
         self, k: int, t: int, before: int, arrivals: list[Any], gap: Any
@@ -127,7 +135,11 @@ class Followed:
         """Note what is tied at node k, which has been solved at tick t."""
         state, at = self._state, self._state.nodes[k]
         Yl, Yr = (it.mobility for it in state.segments[k : k + 2])
-        a, b, F = state.lines[2 * k].arrived, state.lines[2 * k + 3].arrived, at.force
+        a, b, F = (
+            state.lines[2 * k].incoming_wave,
+            state.lines[2 * k + 3].incoming_wave,
+            at.force,
+        )
         if len(arrivals) == 2:
             self._note(ARRIVALS, t, k, (arrivals[0] - arrivals[1]).d, LEAST * t)
         if before == Status.OPEN and at.gap == 0:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..methods.fronts.plan import plan_of
+from ..methods.fronts.family_layout import lay_out_family
 from ..methods.groups import unilateral
 from ..methods.registry import Options
 from ..methods.row import Array, Row, largest
@@ -250,7 +250,7 @@ class _Number(NamedTuple):
     def changes(self) -> Array:
         """How the numbers of a row change with this one, per change by its size."""
         y, there = (
-            np.array(plan_of(Row(system)).numbers)
+            np.array(lay_out_family(Row(system)).values)
             for system in (self.system, self.changed(self.size))
         )
         with np.errstate(all="ignore"):  # of what is 0, and does not change

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..methods.abilities import driven
-from ..methods.fronts.plan import plan_of
+from ..methods.fronts.family_layout import lay_out_family
 from ..methods.laws import Stop
 from ..methods.walk import walk
 from ..model import System
@@ -160,5 +160,7 @@ def page_solves(tables: dict[str, Any]) -> bool:
     row, asked = walk(system_of(tables, LIBRARY)), asked_of(tables)
     if is_smooth(tables):
         return asked.until >= 0 or not driven(row.system)
-    run = run_of(asked, True, space_of(plan_of(row)))
-    return run["run"].stop in (Stop.DONE, Stop.FINAL) and motion_of(run)["now"] > 0
+    run = run_of(asked, True, space_of(lay_out_family(row)))
+    return (
+        run["run"].stop_reason in (Stop.DONE, Stop.FINAL) and motion_of(run)["now"] > 0
+    )

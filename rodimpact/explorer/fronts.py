@@ -10,11 +10,11 @@ from ..methods.abilities import driven
 from ..methods.clock import most_rounded
 from ..methods.compiling import blank
 from ..methods.fronts import events, members
+from ..methods.fronts.family_layout import lay_out_family, make_state
 from ..methods.fronts.initial_state import round_trip
-from ..methods.fronts.plan import make_state, plan_of
 from ..methods.fronts.records import FRONT, IDLE, NONE
 from ..methods.fronts.status import status_of
-from ..methods.fronts.totals import last_of, tally_of
+from ..methods.fronts.totals import last_contact_end, tally_of
 from ..methods.groups import body_velocities, heads
 from ..methods.laws import Stop
 from ..methods.pieces import reading
@@ -47,11 +47,11 @@ def run_of(asked: Any, further: bool, space: Any) -> Any:
         The `space`, whose records the kernels have left.
     """
     run, share = space["run"], FINE if asked.until < 0 else 1.0
-    run.event_limit = asked.max_events
-    run.goes_on = further
+    run.max_events = asked.max_events
+    run.run_past_proof = further
     run.until = -share if asked.until < 0 else asked.until
     go(space)
-    while run.stop == Stop.CLOCK and share < 1:
+    while run.stop_reason == Stop.CLOCK and share < 1:
         share = min(4 * share, 1.0)
         run.until = -share
         go(space)
@@ -67,7 +67,7 @@ def go(space: Any) -> None:
 
 def space_of(plan: Any) -> Any:
     """Space for runs of a plan: the ``plan``, the ``state``, and its ``run``."""
-    state = make_state(plan, ROOM, [plan.numbers])
+    state = make_state(plan, ROOM, [plan.values])
     return {"plan": plan, "state": state, "run": state.runs[0]}
 
 
@@ -81,7 +81,7 @@ def motion_of(run: Any) -> Any:
     """
     it, row, state = run["run"], run["plan"].row, run["state"]
     pieces: list[Any] = []
-    for front in state.log[: it.rows]:
+    for front in state.log[: it.log_rows]:
         if front.line > 1:
             piece = piece_of(
                 front.tick, NEVER, [front.value]
@@ -116,8 +116,8 @@ def motion_of(run: Any) -> Any:
         now //= 2
     return {
         "row": row,
-        "tick": it.tick,
-        "frame": it.frame,
+        "tick": it.tick_duration,
+        "frame": it.frame_velocity,
         "transits": transits,
         "now": now,
         "waves": waves,
@@ -134,21 +134,21 @@ def contact_curves(run: Any, stop: int) -> list[Any]:
 
     The kernel runs again, event by event, to `stop`.
     """
-    again, tick, now = space_of(run["plan"]), run["run"].tick, 0
+    again, tick, now = space_of(run["plan"]), run["run"].tick_duration, 0
     it, state = again["run"], again["state"]
     it.until = run["run"].until
-    it.event_limit = 0
-    it.goes_on = 1
+    it.max_events = 0
+    it.run_past_proof = 1
     go(again)  # what happens at t = 0
-    it.event_limit = run["run"].event_limit
-    it.proof_events = IDLE  # nothing is to be proved
+    it.max_events = run["run"].max_events
+    it.next_proof_event = IDLE  # nothing is to be proved
     contacts, laws = run["plan"].contacts, run["plan"].row.system.contacts
     changes: list[Any] = [[] for _ in contacts]  # time, force, gap
     while now <= stop:
         for i, k in enumerate(contacts):
             at = state.nodes[k]
-            if at.solved == now or now in (0, stop):
-                gap = max(at.gap + at.gap_rate * (now - at.solved), 0.0)
+            if at.solved_tick == now or now in (0, stop):
+                gap = max(at.gap + at.gap_rate * (now - at.solved_tick), 0.0)
                 changes[i].append((now * tick, at.force, gap * tick))
         now = min(state.queue[1], stop) if now < stop else stop + 1
         while events.advance(state, min(now, stop)) == Stop.FULL:
@@ -175,27 +175,32 @@ def outcome_of(run: Any, status: str) -> Any:
     it, segment, row = run["run"], run["state"].segments, run["plan"].row
     first, inside = heads(row.system, row.spans), segment[1 : len(row.segments) + 1]
     kinetic = sum(
-        piece.mass * (inside[s].initial_velocity + it.frame) ** 2 / 2
+        piece.mass * (inside[s].initial_group_velocity + it.frame_velocity) ** 2 / 2
         for s, piece in enumerate(row.segments)
     )
     ticks = [at.transit for at in inside]
-    rounded, _ = most_rounded(row, ticks, it.tick)
+    rounded, _ = most_rounded(row, ticks, it.tick_duration)
     return outcome_told(
         row.system,
         {
             "before": body_velocities(
-                row.system, [segment[s].initial_velocity + it.frame for s in first]
+                row.system,
+                [segment[s].initial_group_velocity + it.frame_velocity for s in first],
             ),
             "after": body_velocities(
-                row.system, [segment[s].velocity + it.frame for s in first]
+                row.system,
+                [segment[s].group_velocity + it.frame_velocity for s in first],
             ),
-            "contacts": [tally_of(node, it.tick) for node in contacts_of(run)],
+            "contacts": [tally_of(node, it.tick_duration) for node in contacts_of(run)],
             "final": is_proved(run),
             "status": status,
-            "errors": {"velocity": (rounded + 1 / max(ticks)) * it.events * it.scale},
+            "errors": {
+                "velocity": (rounded + 1 / max(ticks)) * it.events * it.velocity_scale
+            },
             "energy_before": kinetic
-            + sum(at.initial_vibration for at in inside) * it.tick,
-            "vibration_after": sum(at.vibration for at in inside) * it.tick,
+            + sum(at.initial_vibration_energy for at in inside) * it.tick_duration,
+            "vibration_after": sum(at.vibration_energy for at in inside)
+            * it.tick_duration,
         },
     )
 
@@ -208,7 +213,7 @@ def contacts_of(run: Any) -> list[Any]:
 def is_proved(run: Any) -> bool:
     """Whether the outcome is final."""
     it, system = run["run"], run["plan"].row.system
-    proved: bool = it.proved != NONE and not (it.until >= 0 and driven(system))
+    proved: bool = it.proved_tick != NONE and not (it.until >= 0 and driven(system))
     return proved
 
 
@@ -216,18 +221,18 @@ def sentence_of(run: Any) -> str:
     """Why the run ended, as `Solution.status` has it."""
     it, row, contacts = run["run"], run["plan"].row, contacts_of(run)
     segments = run["state"].segments
-    last = last_of(it, contacts, round_trip(segments) * it.tick)
+    last = last_contact_end(it, contacts, round_trip(segments) * it.tick_duration)
     sentence = status_of(it, contacts, row.system, is_proved(run), last)
     ticks = [at.transit for at in segments[1 : len(row.segments) + 1]]
-    rounded, worst = most_rounded(row, ticks, it.tick)
-    strain = it.fastest_wave / smallest([piece.wave_speed for piece in row.segments])
+    rounded, worst = most_rounded(row, ticks, it.tick_duration)
+    strain = it.max_wave / smallest([piece.wave_speed for piece in row.segments])
     return sentence + rounding(rounded, worst) + strain_warning(strain)
 
 
 def solved_by_fronts(system: Any, asked: Any) -> Any:
     """A collision as `solved.shown_of` takes it; or a ``problem``, path and sentence."""
-    run = run_of(asked, True, space_of(plan_of(walk(system))))
-    if run["run"].stop >= Stop.OVERFLOW:
+    run = run_of(asked, True, space_of(lay_out_family(walk(system))))
+    if run["run"].stop_reason >= Stop.OVERFLOW:
         return {"problem": ("bodies", TOO_FAR_APART)}
     outcome, motion = outcome_of(run, sentence_of(run)), motion_of(run)
     stop, tick = motion["now"], motion["tick"]

@@ -5,7 +5,7 @@ Plain Python, which the page has as JavaScript.
 
 from typing import Any
 
-from ..methods.fronts.plan import plan_of
+from ..methods.fronts.family_layout import lay_out_family
 from ..methods.laws import Stop
 from ..methods.pieces.method import RTOL
 from ..methods.walk import walk
@@ -67,7 +67,7 @@ def e_of(case: Any, library: Any) -> Any:
         if "problem" in run:
             return None
         return pieces.outcome_of(run, [0.0 for _ in range(5)], "")["restitution"]
-    run = fronts.run_of(asked, False, fronts.space_of(plan_of(row)))
-    if run["run"].stop >= Stop.OVERFLOW:
+    run = fronts.run_of(asked, False, fronts.space_of(lay_out_family(row)))
+    if run["run"].stop_reason >= Stop.OVERFLOW:
         return None
     return fronts.outcome_of(run, "")["restitution"]

@@ -32,7 +32,7 @@ class Method(NamedTuple):
     run: Callable[..., Run]
     # runs many members in one call, or says None where each runs alone
     family: Callable[..., FamilyRun | None] | None = None
-    together: Callable[[Row], int] = lambda _: 0  # how many; 0 where each runs alone
+    members_per_call: Callable[[Row], int] = lambda _: 0  # 0: each member runs alone
     also: tuple[
         str, ...
     ] = ()  # what its family finds if asked; the rest is read member by member
@@ -48,7 +48,7 @@ METHODS = {
         (),
         fronts.solve,
         front_families.solve_family,
-        front_families.together,
+        front_families.members_per_call,
         READ,
     ),
     "characteristics": Method(
@@ -56,7 +56,7 @@ METHODS = {
         ("rtol",),
         pieces.solve,
         pieces.solve_family,
-        pieces.together,
+        pieces.members_per_call,
         ("accuracy",),
     ),
     "finite-difference": Method(

@@ -1,38 +1,40 @@
 """The tick rule: durations in whole ticks of a clock that all of them share.
 
-Waves that took different paths meet at the same instant only if times are integers. Durations in
-the ratio of small whole numbers (0.3 m and 0.1 m of one steel) are recognised and keep that ratio
-exactly; the others are rounded to the nearest tick.
+Waves that took different paths meet at the same instant only if times are integers. Durations
+in the ratio of small whole numbers (0.3 m and 0.1 m of one steel) are recognised and keep that
+ratio exactly; the others are rounded to the nearest tick.
+
+Durations form classes. A class is the longest duration that is in no class yet, its leader, and
+all durations in a simple ratio to the leader.
 """
 
 import math
-from typing import Any
+from collections.abc import Sequence
 
-import numpy as np
+from .compiling import dtype_of
 
-TERMS = 1 << 20  # largest numerator or denominator of a recognised ratio
-SLACK = 4.0 * 2.0**-52  # relative error of a ratio of two quotients of floats
-MOST_PARTS = 1 << 40  # into how many units the longest duration may be divided
+MAX_TERM = 1 << 20  # largest numerator or denominator of a recognised ratio
+RATIO_RTOL = 4.0 * 2.0**-52  # round-off in a ratio of two quotients of floats
+MAX_PARTS = 1 << 40  # largest number of units in the longest duration
 DIVISIBLE = 720720  # least common multiple of 1 to 16
-LEAST_UNIT = (
-    2.0**40
-)  # ticks in the unit of any further class, so that rounding it is harmless
+MIN_UNIT = 2.0**40  # ticks; rounding a longer unit of a further class is harmless
 
 CLOCK_BITS = 62  # ticks end at 2^62
-HORIZON = 4096  # longest transits for which the clock has room when no end is given
+HORIZON = 4096  # longest transits that a clock can count if no end is given
 FINEST, COARSEST = 50, 20  # longest transit in ticks, as a power of two
 
-SPAN = np.dtype(
-    [
-        ("time", "f8"),
-        ("ticks", "i8"),  # s
-        ("place", "i8"),  # of the span that comes here by decreasing duration
-        ("p", "i8"),
-        ("q", "i8"),  # ratio to the longest of its class; q < 0: it has its ticks
-    ],
-    align=True,
-)
-"""A duration to be counted in ticks."""
+
+class Duration:
+    """A duration to be counted in ticks."""
+
+    time: float  # s
+    ticks: int
+    sorted_index: int  # index of the duration that comes here by decreasing time
+    p: int  # ratio p/q to the leader of its class;
+    q: int  # q = 0: none is found, q < 0: it has its ticks
+
+
+DURATION = dtype_of(Duration)
 
 
 def recognise(x: float) -> tuple[int, int]:
@@ -48,14 +50,22 @@ def recognise(x: float) -> tuple[int, int]:
     p, q : int
         With p, q <= 2^20 and abs(x - p/q) <= 4 * 2^-52 * x, or (0, 0) if there are none.
     """
-    p0, q0, p1, q1 = 0, 1, 1, 0
+    p0 = 0
+    q0 = 1
+    p1 = 1
+    q1 = 0
     y = x
-    while y < TERMS + 1:
+    while y < MAX_TERM + 1:
         a = int(y)
-        p0, q0, p1, q1 = p1, q1, a * p1 + p0, a * q1 + q0
-        if p1 > TERMS or q1 > TERMS:
+        p2 = a * p1 + p0
+        q2 = a * q1 + q0
+        p0 = p1
+        q0 = q1
+        p1 = p2
+        q1 = q2
+        if p1 > MAX_TERM or q1 > MAX_TERM:
             return 0, 0
-        if abs(x * q1 - p1) <= SLACK * x * q1:
+        if abs(x * q1 - p1) <= RATIO_RTOL * x * q1:
             return p1, q1
         if y == a:
             return 0, 0
@@ -63,98 +73,121 @@ def recognise(x: float) -> tuple[int, int]:
     return 0, 0
 
 
-def common_parts(span: Any, start: int, most: int) -> int:
-    """Gather the class of the longest duration that is left: those in a simple ratio to it.
+def find_class(durations: Sequence[Duration], start: int, max_parts: int) -> int:
+    """Find the class of the longest duration that has no ticks yet.
+
+    Members of the class get their ratio p/q to the leader, other durations q = 0.
 
     Parameters
     ----------
-    span : [n] SPAN
-        By their places; members of an earlier class have q < 0. Members of this one get their ratio
-        p/q to the longest, the others q = 0.
+    durations : [n] Duration
+        With their sorted indices; members of an earlier class have q < 0.
     start : int
-        Place of the longest member of the class.
-    most : int
+        Place of the leader in the order.
+    max_parts : int
         Largest number of parts allowed.
 
     Returns
     -------
     int
-        Number of equal parts of the longest in which all members are whole.
+        Number of equal parts of the leader in which all members are whole.
     """
-    parts, first = 1, span[span[start].place]
-    first.p = first.q = 1
-    for i in range(start + 1, len(span)):
-        other = span[span[i].place]
+    parts = 1
+    leader = durations[durations[start].sorted_index]
+    leader.p = 1
+    leader.q = 1
+    for i in range(start + 1, len(durations)):
+        other = durations[durations[i].sorted_index]
         if other.q >= 0:
-            other.p, other.q = recognise(other.time / first.time)
-            if other.q > 0:
-                shared = parts // math.gcd(parts, other.q) * other.q
-                if shared <= most:
-                    parts = shared
+            p, q = recognise(other.time / leader.time)
+            other.p = p
+            other.q = q
+            if q > 0:
+                common_parts = parts // math.gcd(parts, q) * q
+                if common_parts <= max_parts:
+                    parts = common_parts
                 else:
                     other.q = 0
     return parts
 
 
-def put_in_order(span: Any, late: int) -> None:
-    """Sort spans by decreasing duration, the last `late` of them by themselves."""
-    n = len(span)
+def sort_durations(durations: Sequence[Duration], drive_count: int) -> None:
+    """Sort by decreasing time, the last `drive_count` durations by themselves."""
+    n = len(durations)
     for i in range(n):
-        j, first = i, 0 if i < n - late else n - late
-        while j > first and span[span[j - 1].place].time < span[i].time:
-            span[j].place = span[j - 1].place
+        first = 0 if i < n - drive_count else n - drive_count
+        j = i
+        while j > first:
+            previous = durations[durations[j - 1].sorted_index]
+            if previous.time >= durations[i].time:
+                break
+            durations[j].sorted_index = durations[j - 1].sorted_index
             j -= 1
-        span[j].place = i
-        span[i].q = 0
+        durations[j].sorted_index = i
+        durations[i].q = 0
 
 
-def assign_ticks(span: Any, bits: int, late: int = 0) -> int:
+def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0) -> int:
     """Give each duration its whole number of ticks; return that of the longest (about 2^bits).
 
     A tick is the longest duration divided by the number returned. The class of the longest is
     exact, and simple fractions of its unit are whole ticks too, for gaps that close there. A
-    further class is exact while its unit has at least 2^40 ticks; what is left is rounded singly,
-    by at most half a tick.
+    further class is exact while its unit has at least 2^40 ticks; what is left is rounded
+    singly, by at most half a tick.
 
     Parameters
     ----------
-    span : [n] SPAN
+    durations : [n] Duration
         Times are positive, in any order and any unit.
     bits : int
-    late : int
-        So many at the end are times of drives: they may be longer than the longest of the others,
-        and lead no class with one of those.
+    drive_count : int
+        Number of durations at the end that are times of drives. They may be longer than the
+        longest of the others, and never lead a class that contains a transit.
     """
-    put_in_order(span, late)
-    total, longest = 0, span[span[0].place].time
-    for start in range(len(span)):
-        lead = span[span[start].place]
-        if lead.q < 0:
+    sort_durations(durations, drive_count)
+    longest_ticks = 0
+    longest_time = durations[durations[0].sorted_index].time
+    for start in range(len(durations)):
+        leader = durations[durations[start].sorted_index]
+        if leader.q < 0:
             continue
-        whole, most, unit = lead.time / longest * total, MOST_PARTS, 0
+        exact_ticks = (
+            leader.time / longest_time * longest_ticks
+        )  # 0 for the first class
+        max_parts = MAX_PARTS
         if start > 0:
-            most = int(whole / LEAST_UNIT)
-        parts = common_parts(span, start, most) if most > 0 else 0
+            max_parts = int(exact_ticks / MIN_UNIT)
+        parts = 0
+        if max_parts > 0:
+            parts = find_class(durations, start, max_parts)
+        unit = 0  # ticks of a part
         if start == 0:
             unit = max(1, ((1 << bits) + parts // 2) // parts)
             if unit > DIVISIBLE * DIVISIBLE:
                 unit -= unit % DIVISIBLE
-            total = unit * parts
+            longest_ticks = unit * parts
         elif parts > 0:
-            unit = int(whole / parts + 0.5)
+            unit = int(exact_ticks / parts + 0.5)
         if unit == 0:
-            lead.ticks, lead.q = int(whole + 0.5), -1
+            leader.ticks = int(exact_ticks + 0.5)
+            leader.q = -1
             continue
-        for i in range(start, len(span)):
-            one = span[span[i].place]
-            if one.q > 0:
-                one.ticks, one.q = unit * (parts // one.q) * one.p, -1
-    return total
+        for i in range(start, len(durations)):
+            member = durations[durations[i].sorted_index]
+            if member.q > 0:
+                member.ticks = unit * (parts // member.q) * member.p
+                member.q = -1
+    return longest_ticks
 
 
 def clock_bits(ratio: float) -> int:
     """Ticks of the longest transit, as a power of two, for a run of `ratio` longest transits."""
+    if ratio == 0:
+        return FINEST
     if not 0 < ratio < math.inf:
-        return FINEST if ratio == 0 else 0
+        return 0
     mantissa, exponent = math.frexp(ratio)
-    return min(FINEST, CLOCK_BITS - 1 - (exponent if mantissa > 0.5 else exponent - 1))
+    bits = CLOCK_BITS - exponent
+    if mantissa > 0.5:  # ratio is no power of two: round up
+        bits -= 1
+    return min(FINEST, bits)

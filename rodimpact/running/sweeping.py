@@ -224,7 +224,7 @@ def sweep(
     together = (
         0
         if _alone(options, readings)
-        else METHODS[options.method].together(Row(system))
+        else METHODS[options.method].members_per_call(Row(system))
     )
     size, unit = math.prod(system.shape), _unit(system, min(TOGETHER, together))
     described = (
@@ -330,7 +330,12 @@ def run_chunk(
     own["also"] = [name for name in readings.also if name in method.also]
     try:
         run = method.family and method.family(
-            Row(system), options.until, options.max_events, **own, stop=stop, more=more
+            Row(system),
+            options.until,
+            options.max_events,
+            **own,
+            should_stop=stop,
+            later_members=more,
         )
         if not run or _alone(options, readings):
             columns = _one_by_one(system, options, readings, stop)

@@ -6,7 +6,7 @@ from networks import UNIT, unit_rod
 
 import rodimpact as ri
 from rodimpact.algebra import exact
-from rodimpact.methods.fronts.driver import simulation
+from rodimpact.methods.fronts.simulation import start_simulation
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +86,9 @@ def test_a_figure_shows_what_changes(pair):
 def test_runs_that_do_not_end_count_as_cells(pair, monkeypatch):
     begun = []
     monkeypatch.setattr(
-        exact, "simulation", lambda *given: begun.append(1) or simulation(*given)
+        exact,
+        "start_simulation",
+        lambda *args: begun.append(1) or start_simulation(*args),
     )
     plane = ri.atlas(pair.system, pair.x, pair.y, most_cells=40, max_events=5)
     assert len(plane.cells) < len(begun) == 40

@@ -23,7 +23,7 @@ from rodimpact.explorer.solved import scene_of
 from rodimpact.explorer.solver import CONSTANTS, KNOWN
 from rodimpact.explorer.tables import RULES, asked_of, system_of
 from rodimpact.methods import compiling, tick_rule
-from rodimpact.methods.fronts.plan import plan_of
+from rodimpact.methods.fronts.family_layout import lay_out_family
 from rodimpact.methods.laws import Stop
 from rodimpact.methods.pieces import driver, finality, layout, march
 from rodimpact.methods.row import Row
@@ -293,17 +293,17 @@ def rows(seeds):
     return found
 
 
-SOLVES = (system_of, asked_of, walk, plan_of, space_of, run_of, outcome_of)
+SOLVES = (system_of, asked_of, walk, lay_out_family, space_of, run_of, outcome_of)
 
 
 def solved_by_the_page(cases):
     """Outcomes, events, and errors of transit times."""
     script = f"""{read("python.js")}\n{read("numbers.js")}\n{javascript(SOLVES, CONSTANTS, KNOWN)}
     const answer = ({{ cases, library }}) => cases.map((tables) => {{
-      const plan = plan_of(walk(system_of(tables, library)));
+      const plan = lay_out_family(walk(system_of(tables, library)));
       const run = run_of(asked_of(tables), false, space_of(plan));
       const outcome = outcome_of(run, "");
-      const rounded = outcome.errors.velocity / (run.run.events * run.run.scale || 1);
+      const rounded = outcome.errors.velocity / (run.run.events * run.run.velocity_scale || 1);
       return {{ ...outcome, events: run.run.events, rounded }};
     }});"""
     return run(script, {"cases": cases, "library": LIBRARY})

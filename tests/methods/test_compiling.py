@@ -45,7 +45,7 @@ def test_who_looks_for_no_garbage_goes_on_without():
 def test_what_one_function_calls_becomes_part_of_it_and_what_several_call_does_not():
     once = compiling._once(fronts)
     assert {"find_mean_motion", "receive"} <= once
-    assert once.isdisjoint({"nothing_under_way", "accumulate"})
+    assert once.isdisjoint({"no_front_in_flight", "accumulate_contact_totals"})
 
 
 # Sources ------------------------------------------------------------------------------------------

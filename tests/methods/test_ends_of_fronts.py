@@ -143,13 +143,13 @@ def test_an_end_stays_within_its_bound(seed, right, endless):
     row = ri.System(row, [10.0], ends=ends)
     run = tracked(row, 0.0)
     it, a = group_of(run, 0, right), run.clock
-    reach = np.sqrt(it.squared_bound) * a.tick
+    reach = np.sqrt(it.deviation_bound_squared) * a.tick
     until = horizon(row, 60.0)
     solution = ri.solve(row, until, max_events=10 * CAP)
     assume(solution.stopped_by == "until")
     t = np.linspace(0, until, 2000)
     end = solution.displacement(int(right), 0.0 if right else length, t)
-    place = end - end[0] - (it.mean_velocity + a.frame) * t + it.deviation * a.tick
+    place = end - end[0] - (it.mean_velocity + a.frame) * t + it.end_deviation * a.tick
     assert np.abs(place).max() <= reach * (1 + 1e-9) + 1e-12 * np.abs(end).max()
     late = np.abs(place[t > 0.9 * until]).max()
     assert not endless or late <= 0.25 * reach + 1e-12 * np.abs(end).max()

@@ -78,26 +78,26 @@ def test_mean_motion_and_bounds(seed, transits):
         for right_side, contact in ((False, group[-1]), (True, group[0] - 1)):
             if not 0 <= contact < len(system.contacts):
                 continue
-            assert run.nodes[run.plan.contacts[contact]].status >= Status.OPEN
+            assert run.nodes[run.layout.contacts[contact]].status >= Status.OPEN
             mean, deviation, bound2 = expected_sway(
                 pieces[::-1] if right_side else pieces, walls[0] if walls else None
             )
             it = group_of(run, contact, right_side)
             assert it.mean_velocity + run.clock.frame == pytest.approx(mean, abs=1e-11)
             sign = -1 if right_side else 1
-            assert it.deviation * tick == pytest.approx(
+            assert it.end_deviation * tick == pytest.approx(
                 sign * deviation, abs=1e-11 * horizon(system)
             )
-            if it.squared_bound:
-                assert it.squared_bound * tick**2 == pytest.approx(
+            if it.deviation_bound_squared:
+                assert it.deviation_bound_squared * tick**2 == pytest.approx(
                     bound2, rel=1e-9, abs=1e-24
                 )
             moving = any(len(np.unique([p[k] for p in pieces])) > 1 for k in (3, 4))
             stepped = len(pieces_of(solution, group)) > 1 and (
                 walls or sum(len(system.bodies[i].segments) for i in group) > 1
             )
-            if it.bounded and moving and stepped:
-                assert it.slowest == it.fastest  # nothing under way
+            if it.is_end_velocity_bounded and moving and stepped:
+                assert it.min_end_velocity == it.max_end_velocity  # nothing under way
 
 
 def test_the_time_of_the_proof_takes_the_swing_of_both_ends_into_account():
@@ -208,9 +208,14 @@ def test_a_gap_about_to_close_closes_now(gap, rate, closing, after):
 def test_only_a_contact_that_has_pressed_opens(before, opened):
     """What touched without force since it closed leaves the last opening as it is."""
     (run,), (at,), (row,) = blank(1, RUN), blank(1, NODE), blank(1, FRONT)
-    at.status, at.opened = before.value, 7
-    contacts.record_change(run, at, row, 1, 9, Status.OPEN.value)
-    assert (at.opened, row.tick, row.next_row, row.value) == (opened, 9, 1, Status.OPEN)
+    at.status, at.last_opening_tick = before.value, 7
+    contacts.log_contact_change(run, at, row, 1, 9, Status.OPEN.value)
+    assert (at.last_opening_tick, row.tick, row.next_row, row.value) == (
+        opened,
+        9,
+        1,
+        Status.OPEN,
+    )
 
 
 @pytest.mark.parametrize("delay", [0, 3, 900])
@@ -223,8 +228,8 @@ def test_a_closing_joins_an_arrival_within_the_window(delay):
     gap = (arrival - delay) * 0.5 * clock.tick
     run = tracked(system.replace(gaps=[gap]), 1.0)
     assert run.clock.ticks == clock.ticks
-    assert run.run.window > 900
-    assert run.nodes[1].force_began == arrival
+    assert run.run.closing_window > 900
+    assert run.nodes[1].first_force_tick == arrival
 
 
 def test_round_off_makes_no_fronts():

@@ -19,13 +19,13 @@ from systems import horizon, random_system
 import rodimpact as ri
 from rodimpact.methods import kernels
 from rodimpact.methods.compiling import blank
-from rodimpact.methods.fronts import driver, members
+from rodimpact.methods.fronts import batch, members
 from rodimpact.methods.pieces import march as pieces
-from rodimpact.methods.tick_rule import SPAN, assign_ticks, recognise
+from rodimpact.methods.tick_rule import DURATION, assign_ticks, recognise
 
 
 def ticks_of(durations, bits=49):
-    spans = blank(len(durations), SPAN)
+    spans = blank(len(durations), DURATION)
     for span, duration in zip(spans, durations, strict=True):
         span.time = duration
     whole = assign_ticks(spans, bits)
@@ -96,7 +96,7 @@ def test_three_rods_whose_waves_meet_exactly():
 def test_a_log_that_is_full_grows_and_the_run_goes_on(monkeypatch, compiling):
     system = random_system(3)
     roomy = bits_of(system, horizon(system, 8), compiling)
-    monkeypatch.setattr(driver, "ROOM", 1)
+    monkeypatch.setattr(batch, "INITIAL_LOG_ROWS", 1)
     assert bits_of(system, horizon(system, 8), compiling) == roomy
 
 

@@ -13,7 +13,7 @@ from systems import rod
 
 import rodimpact as ri
 from rodimpact.methods import kernels, memory
-from rodimpact.methods.fronts import driver
+from rodimpact.methods.fronts import batch
 from rodimpact.running import sweeping
 
 HERTZ = ri.Hertz(1e10)
@@ -106,7 +106,9 @@ def test_a_small_machine_allows_a_quarter_of_its_memory(monkeypatch):
 )
 def test_fronts_that_multiply_for_ever_are_refused(monkeypatch, run):
     monkeypatch.setattr(
-        memory, "MOST_BYTES", 8.0 * driver.LIST_NUMBERS * driver.ROOM * 8
+        memory,
+        "MOST_BYTES",
+        8.0 * batch.NUMBERS_PER_LIST_ROW * batch.INITIAL_LOG_ROWS * 8,
     )
     walls = [ri.Wall(), rod(velocity=1.0), rod(0.3781), rod(0.271), ri.Wall()]
     with pytest.raises(

@@ -8,7 +8,7 @@ import pytest
 from runs import tracked
 
 import rodimpact as ri
-from rodimpact.methods.fronts.method import hand_over, totals_of
+from rodimpact.methods.fronts.method import make_run, totals_of
 from rodimpact.results.outcome import effective_restitution
 from rodimpact.results.outcome import outcome_of as read
 
@@ -232,14 +232,14 @@ def test_what_is_missing_is_told_relative_to_what_took_part(
     assert whole.momentum == pytest.approx((0.0, momentum), abs=1e-14)
     assert whole.energy == pytest.approx((0.0, energy), abs=1e-14)
     run.segments[1].momentum += 1e-3 / run.clock.tick
-    run.segments[1].vibration += 1e-3 / run.clock.tick
+    run.segments[1].vibration_energy += 1e-3 / run.clock.tick
     wrong = totals_of(run)
     assert wrong.momentum == pytest.approx((1e-3, momentum), rel=1e-9)
     assert wrong.energy == pytest.approx((1e-3, energy), rel=1e-9)
-    told = read(hand_over(run, until), wrong)
+    told = read(make_run(run, until), wrong)
     assert told.momentum_residual == pytest.approx(1e-3 / momentum, rel=1e-9)
     assert told.energy_residual == pytest.approx(1e-3 / energy, rel=1e-9)
     assert re.search(
         "does not close: .* of the momentum and .* of the energy", told.status
     )
-    assert told.status.startswith(read(hand_over(run, until), whole).status)
+    assert told.status.startswith(read(make_run(run, until), whole).status)

@@ -210,7 +210,7 @@ def test_a_member_that_outgrows_the_work_space_runs_again(monkeypatch):
         ]
     )
     roomy = ri.sweep(system)
-    monkeypatch.setattr("rodimpact.methods.fronts.driver.ROOM", 1)
+    monkeypatch.setattr("rodimpact.methods.fronts.batch.INITIAL_LOG_ROWS", 1)
     for compiling in (False, True):
         with kernels.forced(compiling):
             assert same(ri.sweep(system), roomy)
@@ -225,8 +225,8 @@ def test_blocks_may_run_in_plain_python_and_then_compiled(monkeypatch):
         asked.append(seconds + ahead)
         return len(asked) % 2 == 0
 
-    monkeypatch.setattr("rodimpact.methods.fronts.driver.PATIENCE", 0.0)
-    monkeypatch.setattr("rodimpact.methods.fronts.driver.FIRST_BLOCK", 8)
+    monkeypatch.setattr("rodimpact.methods.fronts.driver.BLOCK_TIME", 0.0)
+    monkeypatch.setattr("rodimpact.methods.fronts.driver.FIRST_BLOCK_SIZE", 8)
     monkeypatch.setattr(kernels, "worth_compiling", in_turns)
     assert same(ri.sweep(system, workers=1), plain)
     assert len(asked) > 9
@@ -479,7 +479,7 @@ def test_arguments_are_checked(change, path):
 
 @pytest.fixture
 def small_chunks(monkeypatch):
-    monkeypatch.setattr("rodimpact.methods.fronts.families.MOST_MEMBERS", 4)
+    monkeypatch.setattr("rodimpact.methods.fronts.families.MAX_MEMBERS_PER_CALL", 4)
 
 
 def test_every_executor_gives_the_same_bytes(small_chunks):

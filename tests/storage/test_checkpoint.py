@@ -37,7 +37,7 @@ def family(count=30, area=1e-4):
 
 @pytest.fixture(autouse=True)
 def small_chunks(monkeypatch):
-    monkeypatch.setattr("rodimpact.methods.fronts.families.MOST_MEMBERS", 4)
+    monkeypatch.setattr("rodimpact.methods.fronts.families.MAX_MEMBERS_PER_CALL", 4)
 
 
 def same(a, b):
@@ -103,7 +103,7 @@ import rodimpact as ri
 from rodimpact.methods.fronts import families
 from rodimpact.storage import checkpoint
 from test_checkpoint import MANY, family
-families.MOST_MEMBERS, checkpoint.EVERY, checkpoint.SHARE = 4, 0.0, 0.0
+families.MAX_MEMBERS_PER_CALL, checkpoint.EVERY, checkpoint.SHARE = 4, 0.0, 0.0
 def progress(done, total):
     {then}
 print("ready", flush=True)

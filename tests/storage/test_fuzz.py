@@ -153,7 +153,7 @@ def spoil_directory(rng, folder, other):
 def test_a_damaged_checkpoint_is_refused_or_comes_to_the_same_end(
     tmp_path, monkeypatch, seed
 ):
-    monkeypatch.setattr("rodimpact.methods.fronts.families.MOST_MEMBERS", 4)
+    monkeypatch.setattr("rodimpact.methods.fronts.families.MAX_MEMBERS_PER_CALL", 4)
     monkeypatch.setattr("rodimpact.storage.writing.os.fsync", lambda file: None)
     for name in ("EVERY", "SHARE"):  # a file a chunk
         monkeypatch.setattr(f"rodimpact.storage.checkpoint.{name}", 0.0)

@@ -1,4 +1,4 @@
-"""What happens at a node: its contact law, its force, and what the force has done.
+"""What happens at a node: its contact law, its force, and the effects of the force.
 
 In a uniform segment the velocity is v = (a + b)/2, with the wave a travelling to the
 right and b to the left. At a node a arrives from the left and b from the right; Y1 and
@@ -7,38 +7,37 @@ out the waves a' = b + 2 F Y2 to the right and b' = a - 2 F Y1 to the left.
 """
 
 import math
-from typing import Any
 
 from ..laws import Status
-from .records import CHANGE, IDLE, NEVER, NONE, Front, Node, Run
+from .records import CHANGE, IDLE, NEVER, NONE, Amplitude, Front, Node, Run
 
 
-def reset(node: Node, zero: Any) -> None:
-    """Set a node to t = 0; its kind and its gap are given."""
-    node.status = Status.OPEN.value if node.gap > 0 else node.kind
-    node.solved = 0
+def reset_node(node: Node, zero: Amplitude) -> None:
+    """Set a node to t = 0; `closed_status` and `gap` are set before."""
+    node.status = Status.OPEN.value if node.gap > 0 else node.closed_status
+    node.solved_tick = 0
     node.gap_rate = zero
     node.force = zero
     node.face_velocity = zero
     node.impulse = zero
-    node.moment = zero
+    node.impulse_moment = zero
     node.work = zero
     node.peak_force = zero
-    node.force_began = NONE
-    node.force_ended = NONE
-    node.opened = NONE
-    node.pressed = 0
+    node.first_force_tick = NONE
+    node.last_force_tick = NONE
+    node.last_opening_tick = NONE
+    node.force_ticks = 0
     node.episodes = 0
 
 
 def resolve_contact(
-    node: Node, closing: Any, dt: int, tolerance: Any, window: int
+    node: Node, closing: Amplitude, dt: int, tolerance: Amplitude, window: int
 ) -> int:
     """Decide a contact after arrivals; return its new status.
 
     Signorini: gap >= 0, force >= 0, and one of them is 0. The closed contact carries
-    F = max(0, (a - b)/(Y1 + Y2)), and its gap rate is exactly 0. Its gap and gap rate
-    are brought up to date.
+    F = max(0, (a - b)/(Y1 + Y2)), and its gap rate is exactly 0. Gap and gap rate of
+    the node are brought up to date.
 
     Parameters
     ----------
@@ -48,7 +47,7 @@ def resolve_contact(
     dt : int
         Ticks since the node was solved last.
     tolerance : float
-        Velocity that counts as none.
+        Smallest velocity that is not round-off.
     window : int
         A gap that would close within so many ticks closes now.
     """
@@ -71,47 +70,80 @@ def resolve_contact(
     return status
 
 
-def record_change(
+def log_contact_change(
     run: Run, node: Node, row: Front, k: int, tick: int, status: int
 ) -> None:
-    """Change the status of contact k, and enter that in a row of the log.
+    """Change the status of the contact at node k, and enter that in a row of the log.
 
-    From OPEN to OPEN it touches without a force.
+    A change from OPEN to OPEN is a touch without a force.
     """
     before = node.status
     node.status = status
     if status == Status.PRESS:
         if before != Status.GRAZE:
             node.episodes += 1
-        if node.force_began == NONE:
-            node.force_began = tick
-        run.proof_tick = IDLE  # nothing is proved before the force ends
+        if node.first_force_tick == NONE:
+            node.first_force_tick = tick
+        run.next_proof_tick = IDLE  # no proof can succeed before the force ends
     else:
-        run.proof_tick = min(run.proof_tick, tick)
+        run.next_proof_tick = min(run.next_proof_tick, tick)
         if before == Status.PRESS:
-            node.force_ended = tick
+            node.last_force_tick = tick
         if status == Status.OPEN and before >= Status.GRAZE:
-            node.opened = tick
+            node.last_opening_tick = tick
     row.tick = tick
     row.line = CHANGE
     row.next_row = k
     row.value = status
 
 
-def accumulate(node: Node, dt: int, window: int) -> None:
-    """Add what the force did in the `dt` ticks since the node was solved last."""
+def solve_force(
+    node: Node,
+    a: Amplitude,
+    b: Amplitude,
+    left_mobility: Amplitude,
+    right_mobility: Amplitude,
+    is_left_end: bool,
+) -> Amplitude:
+    """Set the force of a node and the velocity of its left face.
+
+    Where the node presses or is bonded, both faces move alike: F = (a - b)/(Y1 + Y2).
+    At an end under a given force, F Y arrives from outside as a wave.
+
+    Returns
+    -------
+    float
+        Velocity of the left face without the force, m/s.
+    """
+    force = 0 * a
+    force_free_velocity = a
+    if node.status == Status.PRESS or node.status == Status.BOND:
+        force = (a - b) / (left_mobility + right_mobility)
+    elif node.status == Status.PUSH:
+        if is_left_end:
+            force = a / right_mobility
+            force_free_velocity = a + b
+        else:
+            force = b / left_mobility
+    node.force = force
+    node.face_velocity = force_free_velocity - force * left_mobility
+    return force_free_velocity
+
+
+def accumulate_contact_totals(node: Node, dt: int, window: int) -> None:
+    """Add the effects of the force in the `dt` ticks since the node was solved last."""
     if node.force != 0:
         impulse = node.force * dt
         node.impulse += impulse
-        node.moment += impulse * (node.solved + dt / 2)
+        node.impulse_moment += impulse * (node.solved_tick + dt / 2)
         node.work += node.force * node.face_velocity * dt
-        if dt > window:
+        if dt > window:  # a shorter force comes from waves that should have met
             node.peak_force = max(node.peak_force, node.force)
     if node.status == Status.PRESS:
-        node.pressed += dt
+        node.force_ticks += dt
 
 
-def closing_tick(node: Node, tick: int, due: int, window: int) -> int:
+def find_closing_tick(node: Node, tick: int, arrival_tick: int, window: int) -> int:
     """Tick at which an open contact is solved next: its gap closes, or a wave arrives.
 
     Parameters
@@ -119,14 +151,14 @@ def closing_tick(node: Node, tick: int, due: int, window: int) -> int:
     node : Node
     tick : int
         Now.
-    due : int
-        When a wave arrives.
+    arrival_tick : int
+        Tick of the next arrival.
     window : int
-        A gap that closes so shortly before an arrival waits for it.
+        A gap that closes at most so many ticks before an arrival waits for it.
     """
     if node.gap < -node.gap_rate * (NEVER - tick):
         ticks = (2 * node.gap - node.gap_rate) / (-2 * node.gap_rate)  # gap/speed + 1/2
-        closes: int = tick + math.trunc(ticks)
-        if closes + window < due:
-            return closes
-    return due
+        closing_tick: int = tick + math.trunc(ticks)
+        if closing_tick + window < arrival_tick:
+            return closing_tick
+    return arrival_tick

@@ -1,46 +1,46 @@
 """Momentum and energy of the segments, the velocities of bonded groups, and stress.
 
 With the waves a and b and the impedance Z, the momentum of a segment is
-(Z/2) integral(a + b) over a transit time; the energy of its vibration about a motion
+(Z/2) integral(a + b) over a transit time. The energy of its vibration about a motion
 of velocity V is (Z/4) integral((a - V)^2 + (b - V)^2).
 """
 
-from typing import Any
+from collections.abc import Sequence
 
 from ..laws import Status
-from .records import NONE, State
+from .records import NONE, Amplitude, Log, Segment, State
 
 
-def update(state: State) -> None:
+def update_motion(state: State) -> None:
     """Find velocities of groups, and momenta and vibration of segments about them.
 
-    The vibration at t = 0 is asked for by runs that go on after the proof only.
+    The vibration at t = 0 is found for runs past the proof only.
     """
     run = state.runs[0]
     nodes = state.nodes
     last = nodes[len(nodes) - 1]
-    held = nodes[0].status == Status.BOND or last.status == Status.BOND
-    if held or run.events == 0:
-        measure(state)
+    is_anchored = nodes[0].status == Status.BOND or last.status == Status.BOND
+    if is_anchored or run.events == 0:
+        measure_segments(state)
     set_group_velocities(state)
-    if run.goes_on or run.events > 0:
-        measure(state)
+    if run.run_past_proof or run.events > 0:
+        measure_segments(state)
 
 
-def measure(state: State) -> None:
-    """Find momentum, and energy of vibration about `velocity`, of each segment."""
+def measure_segments(state: State) -> None:
+    """Find momentum, and energy about `group_velocity`, of each segment."""
     now = state.runs[0].now
     log = state.log
     for s in range(1, len(state.segments) - 1):
         segment = state.segments[s]
         impedance = 1 / segment.mobility
-        mean = segment.velocity
+        mean = segment.group_velocity
         momentum = 0 * mean
         energy = 0 * mean
         for l in range(2 * s, 2 * s + 2):
             line = state.lines[l]
             r = line.next_row
-            wave = line.arrived
+            wave = line.incoming_wave
             edge = segment.transit  # ticks since the wave behind it was sent
             while r != NONE:
                 front = log[r]
@@ -53,22 +53,21 @@ def measure(state: State) -> None:
             momentum += wave * edge
             energy += (wave - mean) * (wave - mean) * edge
         segment.momentum = impedance * momentum / 2
-        segment.vibration = impedance * energy / 4
+        segment.vibration_energy = impedance * energy / 4
 
 
 def set_group_velocities(state: State) -> None:
     """Set the velocities of bonded groups: from their momenta at t = 0, then impulses.
 
     The impulses are more exact than the momenta of waves, and independent of them.
-    Only groups bonded to what is outside have no other velocity than that of their
-    momenta.
+    The velocity of a group bonded to what is outside follows from its momentum only.
     """
     run = state.runs[0]
     segments = state.segments
     nodes = state.nodes
     first = 1
     while first < len(nodes):
-        last = segments[first].last
+        last = segments[first].group_last
         mass = 0 * segments[first].mobility
         momentum = mass
         for s in range(first, last + 1):
@@ -77,21 +76,21 @@ def set_group_velocities(state: State) -> None:
         velocity = momentum / mass
         left = nodes[first - 1]
         right = nodes[last]
-        held = left.status == Status.BOND or right.status == Status.BOND
-        if run.events > 0 and not held:
+        is_anchored = left.status == Status.BOND or right.status == Status.BOND
+        if run.events > 0 and not is_anchored:
             gained = (left.impulse - right.impulse) / mass
-            velocity = segments[first].initial_velocity + gained
+            velocity = segments[first].initial_group_velocity + gained
         for s in range(first, last + 1):
-            segments[s].velocity = velocity
+            segments[s].group_velocity = velocity
         first = last + 1
 
 
-def keep_initial(segments: Any) -> None:
-    """Keep the motion at t = 0 for later."""
+def store_initial_motion(segments: Sequence[Segment]) -> None:
+    """Keep the motion at t = 0."""
     for segment in segments:
-        segment.initial_velocity = segment.velocity
+        segment.initial_group_velocity = segment.group_velocity
         segment.initial_momentum = segment.momentum
-        segment.initial_vibration = segment.vibration
+        segment.initial_vibration_energy = segment.vibration_energy
 
 
 def find_wave_differences(state: State) -> None:
@@ -101,14 +100,14 @@ def find_wave_differences(state: State) -> None:
         rightward = state.lines[2 * s].first_row
         leftward = state.lines[2 * s + 1].first_row
         transit = state.segments[s].transit
-        state.segments[s].wave_difference = largest_difference(
-            state.log, rightward, leftward, transit, run.now, run.window
+        state.segments[s].max_wave_difference = largest_difference(
+            state.log, rightward, leftward, transit, run.now, run.closing_window
         )
 
 
 def largest_difference(
-    log: Any, a: int, b: int, transit: int, end: int, window: int
-) -> Any:
+    log: Log, a: int, b: int, transit: int, end: int, window: int
+) -> Amplitude:
     """Largest absolute difference of two waves where they meet, between 0 and `end`.
 
     Waves that leave the two ends of a segment at p and q meet at (p + q + T)/2 if
@@ -122,26 +121,26 @@ def largest_difference(
     transit, end : int
         Transit time of the segment, end of the run.
     window : int
-        Waves that last no longer come of round-off, and do not count.
+        A wave that lasts no longer comes of round-off, and does not count.
     """
     largest = abs(0 * log[a].value)
     while a != NONE:
-        one = log[a]
-        a0 = one.tick
+        wave_a = log[a]
+        a0 = wave_a.tick
         a1 = end
-        if one.next_row != NONE:
-            a1 = min(log[one.next_row].tick, end)
-        # What has left the other end before this wave sets out is past.
+        if wave_a.next_row != NONE:
+            a1 = min(log[wave_a.next_row].tick, end)
+        # Waves that left the other end a transit before this one do not meet it.
         while log[b].next_row != NONE and log[log[b].next_row].tick <= a0 - transit:
             b = log[b].next_row
         r = b
         while r != NONE and log[r].tick < a1 + transit and a1 - a0 > window:
-            other = log[r]
-            b0 = other.tick
+            wave_b = log[r]
+            b0 = wave_b.tick
             b1 = end
-            if other.next_row != NONE:
-                b1 = min(log[other.next_row].tick, end)
-            # The parts of both waves that meet at all, between 0 and the end; a sum of
+            if wave_b.next_row != NONE:
+                b1 = min(log[wave_b.next_row].tick, end)
+            # The parts of both waves that meet at all, between 0 and the end. A sum of
             # two ticks could overflow.
             low_a = max(a0, b0 - transit)
             low_b = max(b0, a0 - transit)
@@ -151,7 +150,7 @@ def largest_difference(
             after_start = high_a > -transit - high_b
             before_end = low_a - end < end - transit - low_b
             if meet and after_start and before_end and b1 - b0 > window:
-                largest = max(largest, abs(other.value - one.value))
-            r = other.next_row
-        a = one.next_row
+                largest = max(largest, abs(wave_b.value - wave_a.value))
+            r = wave_b.next_row
+        a = wave_a.next_row
     return largest

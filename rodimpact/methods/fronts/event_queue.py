@@ -5,7 +5,7 @@ Entry 1 is the root. The leaves stand in the second half, the leaf of node k at
 tick is read in O(1), and setting one takes O(log n).
 """
 
-from typing import Any
+from .records import Queue
 
 
 def size_for(nodes: int) -> int:
@@ -16,7 +16,7 @@ def size_for(nodes: int) -> int:
     return size
 
 
-def schedule(queue: Any, leaf: int, tick: int) -> None:
+def schedule(queue: Queue, leaf: int, tick: int) -> None:
     """Set the tick of a leaf."""
     queue[leaf] = tick
     i = leaf
@@ -26,7 +26,7 @@ def schedule(queue: Any, leaf: int, tick: int) -> None:
         queue[i] = earlier
 
 
-def first_leaf(queue: Any) -> int:
+def first_leaf(queue: Queue) -> int:
     """Leaf with the earliest tick, the leftmost of several."""
     leaves = len(queue) // 2
     earliest = queue[1]
@@ -38,7 +38,7 @@ def first_leaf(queue: Any) -> int:
     return i
 
 
-def build(queue: Any) -> None:
+def build_tree(queue: Queue) -> None:
     """Fill the tree above its leaves."""
     for i in range(len(queue) // 2 - 1, 0, -1):
         queue[i] = min(queue[2 * i], queue[2 * i + 1])

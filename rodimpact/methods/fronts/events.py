@@ -1,25 +1,25 @@
 """Wave fronts from end to end: the exact solver, one event after another.
 
 Both waves of a segment are constant between fronts, so the whole motion is a list of
-fronts: when each left an end, and the value behind it. What drives an end comes as
+fronts: when each left an end, and the wave behind it. What drives an end comes as
 fronts on the lines from outside, whose transit takes no time: a velocity, as that of
 a wall to which the row is bonded, or a force, as the velocity that it gives.
 
-An event is a node at a tick at which waves arrive there, or its gap closes. The log
-holds all fronts ever sent; those of one line are chained, so that the log is also the
-list of what is under way, and all that a solution needs later.
+An event is a node at a tick at which waves arrive there, or at which its gap closes.
+The log holds all fronts ever sent. Those of one line are chained, so that the log is
+also the list of the fronts in flight, and all that a solution needs later.
 
 Kernels do only + - * / with whole numbers on amplitudes, so that they run on floats
-and, for proofs, on fractions, or on numbers with derivatives.
+and, for proofs, on fractions.
 """
 
-from typing import Any
+from collections.abc import Sequence
 
 from ..laws import Status, Stop
 from . import contact, event_queue
-from .records import IDLE, NONE, Front, Line, Node, Run, State
+from .records import IDLE, NONE, Amplitude, Front, Line, Log, Node, Run, Segment, State
 
-ROWS_PER_EVENT = 3  # most rows of the log that an event adds
+MAX_ROWS_PER_EVENT = 3  # rows of the log: a change of status and two fronts
 
 
 # Start --------------------------------------------------------------------------------
@@ -28,32 +28,33 @@ ROWS_PER_EVENT = 3  # most rows of the log that an event adds
 def start(state: State) -> None:
     """Set everything to t = 0.
 
-    Given are transit and mobility of the segments, kind and gap of the nodes, what
-    arrives from the walls, and the first `initial_rows` rows of the log. For each line
-    in order of time these are the fronts that fill it, the first of them one transit
-    ago, so that it has just arrived. Those from outside are yet to come.
+    These are set before: transit and mobility of the segments, closed status and gap
+    of the nodes, what arrives from the walls, and the first `initial_rows` rows of the
+    log. For each line these are the fronts that fill it, in order of time, the first
+    of them one transit ago, so that it has just arrived. Fronts from outside are yet to
+    come.
     """
     run = state.runs[0]
     zero = 0 * state.segments[1].mobility
     empty_lines(state.lines, zero)
     chain_initial_fronts(state)
     for node in state.nodes:
-        contact.reset(node, zero)
+        contact.reset_node(node, zero)
     for segment in state.segments:
-        segment.velocity = zero
+        segment.group_velocity = zero
         segment.momentum = zero
-        segment.vibration = zero
+        segment.vibration_energy = zero
     find_bonded_groups(state.segments, state.nodes)
-    fill_queue(state)
+    build_event_queue(state)
     run.now = 0
-    run.rows = run.initial_rows
+    run.log_rows = run.initial_rows
     run.events = 0
-    run.proof_tick = 0
-    run.proof_events = 0
-    run.proved = NONE
+    run.next_proof_tick = 0
+    run.next_proof_event = 0
+    run.proved_tick = NONE
 
 
-def empty_lines(lines: Any, zero: Any) -> None:
+def empty_lines(lines: Sequence[Line], zero: Amplitude) -> None:
     """Take all fronts off the lines; what arrives from outside stays."""
     last = len(lines) - 1
     for l in range(len(lines)):
@@ -61,9 +62,9 @@ def empty_lines(lines: Any, zero: Any) -> None:
         line.first_row = NONE
         line.next_row = NONE
         line.last_row = NONE
-        line.due = IDLE
+        line.arrival_tick = IDLE
         if 1 < l < last - 1:
-            line.arrived = zero
+            line.incoming_wave = zero
 
 
 def chain_initial_fronts(state: State) -> None:
@@ -74,33 +75,33 @@ def chain_initial_fronts(state: State) -> None:
         line = state.lines[front.line]
         front.next_row = NONE
         if line.last_row == NONE:
-            line.arrived = front.value
+            line.incoming_wave = front.value
             line.first_row = r
         else:
             log[line.last_row].next_row = r
             if line.next_row == NONE:
                 line.next_row = r
-                line.due = front.tick + state.segments[front.line // 2].transit
+                line.arrival_tick = front.tick + state.segments[front.line // 2].transit
         line.last_row = r
 
 
-def find_bonded_groups(segments: Any, nodes: Any) -> None:
-    """Find the first and the last of the segments bonded together, for each of them."""
+def find_bonded_groups(segments: Sequence[Segment], nodes: Sequence[Node]) -> None:
+    """Find the first and the last segment of the bonded group of each segment."""
     n = len(nodes) - 1
     for s in range(n + 2):
-        inside = 0 < s <= n
-        segments[s].first = s if inside else 1
-        segments[s].last = s if inside else 0
+        is_outside = s < 1 or s > n
+        segments[s].group_first = 1 if is_outside else s
+        segments[s].group_last = 0 if is_outside else s
     for k in range(1, n):
         if nodes[k].status == Status.BOND:
-            segments[k + 1].first = segments[k].first
+            segments[k + 1].group_first = segments[k].group_first
     for k in range(n - 1, 0, -1):
         if nodes[k].status == Status.BOND:
-            segments[k].last = segments[k + 1].last
+            segments[k].group_last = segments[k + 1].group_last
 
 
-def fill_queue(state: State) -> None:
-    """Schedule all nodes now; a free end at which nothing changes, at its arrival."""
+def build_event_queue(state: State) -> None:
+    """Schedule every node at t = 0; a free end where no wave changes, at its arrival."""
     queue = state.queue
     leaves = len(queue) // 2
     for k in range(leaves):
@@ -110,10 +111,10 @@ def fill_queue(state: State) -> None:
         if state.nodes[k].status == Status.FREE:
             incoming = 3 if k == 0 else 2 * k
             outgoing = incoming ^ 1
-            arrived = state.lines[incoming].arrived
-            if state.log[state.lines[outgoing].last_row].value == arrived:
-                queue[leaves + k] = state.lines[incoming].due
-    event_queue.build(queue)
+            incoming_wave = state.lines[incoming].incoming_wave
+            if state.log[state.lines[outgoing].last_row].value == incoming_wave:
+                queue[leaves + k] = state.lines[incoming].arrival_tick
+    event_queue.build_tree(queue)
 
 
 # Events -------------------------------------------------------------------------------
@@ -136,112 +137,99 @@ def advance(state: State, horizon: int) -> int:
     lines = state.lines
     log = state.log
     queue = state.queue
-    tolerance = run.tolerance
-    window = run.window
+    tolerance = run.velocity_tolerance
+    window = run.closing_window
     leaves = len(queue) // 2
-    last_free = len(log) - ROWS_PER_EVENT
-    rows = run.rows
+    last_free_row = len(log) - MAX_ROWS_PER_EVENT
+    rows = run.log_rows
     events = run.events
-    stop = why_stop(run, queue[1], horizon, rows > last_free, events)
+    stop = find_stop(run, queue[1], horizon, rows > last_free_row, events)
     while stop == Stop.NONE:
         leaf = event_queue.first_leaf(queue)
-        t = queue[leaf]  # with derivatives of its own, where it has some
+        tick = queue[leaf]
         k = leaf - leaves
         node = nodes[k]
-        dt = t - node.solved
-        left_mobility = segments[k].mobility
-        right_mobility = segments[k + 1].mobility
-
-        # Waves arrive.
         from_left = lines[2 * k]
         from_right = lines[2 * k + 3]
-        if from_left.due == t:
+        if from_left.arrival_tick == tick:
             receive(from_left, log, segments[k].transit)
-        if from_right.due == t:
+        if from_right.arrival_tick == tick:
             receive(from_right, log, segments[k + 1].transit)
-        a = from_left.arrived
-        b = from_right.arrived
+        a = from_left.incoming_wave
+        b = from_right.incoming_wave
+        arrival_tick = min(from_left.arrival_tick, from_right.arrival_tick)
 
-        # The force from now on, and the velocity of the left face without it.
-        contact.accumulate(node, dt, window)
-        node.solved = t
-        force = 0 * a
-        velocity = a
+        dt = tick - node.solved_tick
+        contact.accumulate_contact_totals(node, dt, window)
+        node.solved_tick = tick
         if node.status >= Status.OPEN:
-            closing = a - b
-            status = contact.resolve_contact(node, closing, dt, tolerance, window)
-            touched = status == Status.OPEN and dt > 0 and node.gap == 0
-            if status != node.status or touched:
-                contact.record_change(run, node, log[rows], k, t, status)
+            status = contact.resolve_contact(node, a - b, dt, tolerance, window)
+            is_touch = status == Status.OPEN and dt > 0 and node.gap == 0
+            if status != node.status or is_touch:
+                contact.log_contact_change(run, node, log[rows], k, tick, status)
                 rows += 1
-            if status == Status.PRESS:
-                force = closing / (left_mobility + right_mobility)
-        elif node.status == Status.BOND:
-            force = (a - b) / (left_mobility + right_mobility)
-        elif node.status == Status.PUSH and k == 0:
-            force = a / right_mobility
-            velocity = a + b
-        elif node.status == Status.PUSH:
-            force = b / left_mobility
-        node.force = force
-        node.face_velocity = velocity - force * left_mobility
+        left_mobility = segments[k].mobility
+        right_mobility = segments[k + 1].mobility
+        face_velocity = contact.solve_force(
+            node, a, b, left_mobility, right_mobility, k == 0
+        )
+        force = node.force
 
-        # Waves leave: to the left, then to the right. Where one changes, a front does.
+        # A front leaves where the outgoing wave changes.
         for side in range(2):
             l = 2 * k + 1 + side
-            line = lines[l]
             if side == 0:
-                wave = velocity - 2 * force * left_mobility
+                wave = face_velocity - 2 * force * left_mobility
             else:
                 wave = b + 2 * force * right_mobility
+            line = lines[l]
             last_row = line.last_row
             if last_row != NONE and abs(wave - log[last_row].value) > tolerance:
-                send(line, log, rows, t, l, wave)
-                if line.next_row == NONE:  # nothing else is under way
+                send(line, log, rows, tick, l, wave)
+                if line.next_row == NONE:  # no other front is in flight
                     line.next_row = rows
-                    line.due = t + segments[l // 2].transit
+                    line.arrival_tick = tick + segments[k + side].transit
                     neighbour = leaf - 1 + 2 * side
-                    if line.due < queue[neighbour]:
-                        event_queue.schedule(queue, neighbour, line.due)
+                    if line.arrival_tick < queue[neighbour]:
+                        event_queue.schedule(queue, neighbour, line.arrival_tick)
                 rows += 1
 
-        due = min(from_left.due, from_right.due)
         if node.status == Status.OPEN:
-            due = contact.closing_tick(node, t, due, window)
-        event_queue.schedule(queue, leaf, due)
-        run.now = t
+            arrival_tick = contact.find_closing_tick(node, tick, arrival_tick, window)
+        event_queue.schedule(queue, leaf, arrival_tick)
+        run.now = tick
         events += 1
-        stop = why_stop(run, queue[1], horizon, rows > last_free, events)
-    run.rows = rows
+        stop = find_stop(run, queue[1], horizon, rows > last_free_row, events)
+    run.log_rows = rows
     run.events = events
     return stop
 
 
-def why_stop(run: Run, tick: int, horizon: int, full: bool, events: int) -> int:
-    """Why a run stops before its next event, that at `tick`; NONE if it does not."""
+def find_stop(run: Run, tick: int, horizon: int, is_full: bool, events: int) -> int:
+    """Why a run stops before its next event, that at `tick`, as `laws.Stop`."""
     if tick > horizon:
         return Stop.DONE.value
-    if tick > run.proof_tick and events >= run.proof_events:
+    if tick > run.next_proof_tick and events >= run.next_proof_event:
         return Stop.CHECK.value
-    if full:
+    if is_full:
         return Stop.FULL.value
-    if events >= run.event_limit and tick > run.now:
+    if events >= run.max_events and tick > run.now:
         return Stop.CAP.value
     return Stop.NONE.value
 
 
-def receive(line: Line, log: Any, transit: int) -> None:
-    """Take the front that arrives; the one behind it in the line is next."""
+def receive(line: Line, log: Log, transit: int) -> None:
+    """Take the front that arrives; the front behind it in the line is next."""
     front = log[line.next_row]
-    line.arrived = front.value
+    line.incoming_wave = front.value
     line.next_row = front.next_row
-    line.due = IDLE
+    line.arrival_tick = IDLE
     if line.next_row != NONE:
-        line.due = log[line.next_row].tick + transit
+        line.arrival_tick = log[line.next_row].tick + transit
 
 
-def send(line: Line, log: Any, row: int, tick: int, l: int, wave: Any) -> None:
-    """Send a front on line l, as a row of the log."""
+def send(line: Line, log: Log, row: int, tick: int, l: int, wave: Amplitude) -> None:
+    """Enter a front that leaves on line l in a row of the log, behind the last one."""
     front: Front = log[row]
     front.tick = tick
     front.next_row = NONE
@@ -251,12 +239,12 @@ def send(line: Line, log: Any, row: int, tick: int, l: int, wave: Any) -> None:
     line.last_row = row
 
 
-def close_books(state: State, tick: int) -> None:
-    """Bring gaps and totals of all nodes up to a tick at which nothing happens."""
+def advance_totals_to(state: State, tick: int) -> None:
+    """Bring gaps and totals of all nodes up to a tick at which no event happens."""
     run = state.runs[0]
     for k in range(len(state.nodes)):
         node: Node = state.nodes[k]
-        dt = tick - node.solved
-        contact.accumulate(node, dt, run.window)
+        dt = tick - node.solved_tick
+        contact.accumulate_contact_totals(node, dt, run.closing_window)
         node.gap = node.gap + node.gap_rate * dt
-        node.solved = tick
+        node.solved_tick = tick

@@ -1,8 +1,9 @@
-"""Families of collisions by fronts: the columns of what their members come to."""
+"""Families of collisions by fronts: columns of the results of their members."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import reduce
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,90 +13,103 @@ from ..groups import body_velocities, heads
 from ..laws import Stop
 from ..row import Array, Row
 from . import driver
-from .plan import plan_of
+from .batch import RunRequest
+from .family_layout import lay_out_family
 
-MOST_MEMBERS = 16384  # of one call of `solve_family`, for memory's sake
-MOST_BYTES = 1 << 24  # of their numbers
-TALLY = ("impulse", "peak_force", "duration", "episodes")
-WAVE_COLUMNS = {"displacement", "largest_stress"}  # for which waves are read
-
-Found = Mapping[tuple[str, int], Array]
-"""Columns by field of `records.Totals` and node, [member]."""
+MAX_MEMBERS_PER_CALL = 16384
+MAX_BYTES_PER_CALL = 1 << 24  # values and results of the members of a call
+CONTACT_COLUMNS = ("impulse", "peak_force", "duration", "episodes")
+WAVE_COLUMNS = {"displacement", "largest_stress"}  # columns that need all waves
 
 
-def together(row: Row) -> int:
-    """How many members to run in one call."""
-    numbers = len(plan_of(row).numbers) + 6 * (len(row.segments) + 2)
-    fitting = MOST_BYTES // (8 * numbers)
-    return int(max(1, min(MOST_MEMBERS, fitting)))
+class ResultColumns(NamedTuple):
+    """Results of all members, and which members have none."""
+
+    fields: Mapping[tuple[str, int], Array]
+    """Columns by field of `records.NodeResult` and node, [member]."""
+    is_refused: Array
+    """Whether a member has no clock, so that its numbers mean nothing, [member]."""
+
+    def of(self, name: str, node: int) -> Array:
+        """A column, nan where a member was refused."""
+        return self.masked(self.fields[name, node])
+
+    def masked(self, column: Array) -> Array:
+        """A column of the same members, nan where a member was refused."""
+        if not self.is_refused.any():
+            return column
+        return np.where(self.is_refused, math.nan, column)
+
+
+def members_per_call(row: Row) -> int:
+    """Number of members to run in one call, so that they take little memory."""
+    numbers = len(lay_out_family(row).values) + 6 * (len(row.segments) + 2)
+    fitting = MAX_BYTES_PER_CALL // (8 * numbers)
+    return int(max(1, min(MAX_MEMBERS_PER_CALL, fitting)))
 
 
 def solve_family(
     row: Row,
     until: float | None,
     max_events: int,
-    stop: Callable[[], bool] = lambda: False,
-    more: int = 0,
+    should_stop: Callable[[], bool] = lambda: False,
+    later_members: int = 0,
     also: Sequence[str] = (),
 ) -> runs.FamilyRun:
-    """Totals of every member, and what is wanted of `runs.READ`.
+    """Outcomes of every member, and the columns of `runs.READ` named in `also`.
 
     The other arguments are those of `driver.solve_many`.
     """
-    plan = plan_of(row)
-    group_heads = heads(row.system, row.spans)
-    reads_waves = not WAVE_COLUMNS.isdisjoint(also)
+    layout = lay_out_family(row)
+    group_segments = heads(row.system, row.spans)
+    needs_waves = not WAVE_COLUMNS.isdisjoint(also)
 
-    wanted = [("stop", 0), ("proved", 0), ("vibration", 0)]
-    for s in group_heads:
-        wanted.append(("velocity_before", s))
-        wanted.append(("velocity_after", s))
-    for k in plan.contacts:
-        wanted.extend((name, k) for name in TALLY)
-    if reads_waves:
-        wanted += wave_fields(len(row.segments))
-    found = driver.solve_many(plan, until, max_events, wanted, stop, more)
+    fields = [("stop_reason", 0), ("is_proved", 0), ("vibration_energy", 0)]
+    for s in group_segments:
+        fields.append(("velocity_before", s))
+        fields.append(("velocity_after", s))
+    for k in layout.contacts:
+        fields.extend((name, k) for name in CONTACT_COLUMNS)
+    if needs_waves:
+        fields += wave_fields(len(row.segments))
+    request = RunRequest(until, max_events, record_max_stress=needs_waves)
+    columns = driver.solve_many(layout, request, fields, should_stop, later_members)
 
-    refused = found["stop", 0] >= Stop.OVERFLOW
-    final: Array = (found["proved", 0] > 0) & (not driven(row.system))
-    capped = found["stop", 0] == Stop.CAP
-    further = {"dissipated": np.zeros(row.members)}
-    if reads_waves:
-        further |= wave_columns(row, found)
+    stop_reason = columns["stop_reason", 0]
+    is_refused = stop_reason >= Stop.OVERFLOW
+    is_capped = stop_reason == Stop.CAP
+    is_final: Array = (columns["is_proved", 0] > 0) & (not driven(row.system))
+    results = ResultColumns(columns, is_refused)
     contacts: dict[str, list[Array]] = {}
-    for name in TALLY:
-        columns = [found[name, k] for k in plan.contacts]
-        if name != "episodes":
-            columns = [known(column, refused) for column in columns]
-        contacts[name] = columns
+    for name in CONTACT_COLUMNS:
+        if name == "episodes":  # whole numbers: 0 where a member was refused
+            contacts[name] = [columns[name, k] for k in layout.contacts]
+        else:
+            contacts[name] = [results.of(name, k) for k in layout.contacts]
+    further = {"dissipated": results.masked(np.zeros(row.members))}
+    if needs_waves:
+        further |= wave_columns(row, results)
     return runs.FamilyRun(
-        before=velocities(row, found, "velocity_before", group_heads, refused),
-        after=velocities(row, found, "velocity_after", group_heads, refused),
-        vibration=known(found["vibration", 0], refused),
+        before=body_columns(row, results, "velocity_before", group_segments),
+        after=body_columns(row, results, "velocity_after", group_segments),
+        vibration=results.of("vibration_energy", 0),
         contacts=contacts,
-        final=final,
-        stopped_by=runs.stopped_by(refused, final, capped, until),
-        further={name: known(column, refused) for name, column in further.items()},
+        final=is_final,
+        stopped_by=runs.stopped_by(is_refused, is_final, is_capped, until),
+        further=further,
     )
 
 
-def known(column: Array, refused: Array) -> Array:
-    """A column without the numbers of members that were refused."""
-    if not refused.any():
-        return column
-    return np.where(refused, math.nan, column)
-
-
-def velocities(
-    row: Row, found: Found, name: str, group_heads: list[int], refused: Array
+def body_columns(
+    row: Row, results: ResultColumns, name: str, group_segments: list[int]
 ) -> list[Array]:
     """Velocities of the bodies, m/s, [body][member]."""
     shape = row.system.shape
-    own = [found[name, s].reshape(shape) for s in group_heads]
+    group_velocities = [results.fields[name, s].reshape(shape) for s in group_segments]
     columns = []
-    for velocity in body_velocities(row.system, own):
+    for velocity in body_velocities(row.system, group_velocities):
         column = np.broadcast_to(velocity, shape).ravel()
-        columns.append(known(column, refused))
+        columns.append(results.masked(column))
     return columns
 
 
@@ -103,47 +117,57 @@ def velocities(
 
 
 def wave_fields(segments: int) -> list[tuple[str, int]]:
-    """What stress and displacement follow from."""
-    wanted = [("time", 0), ("frame", 0)]
+    """Fields from which stress and displacement follow, each with its node."""
+    fields = [("end_time", 0), ("frame_velocity", 0)]
     for k in range(segments + 1):
-        wanted.append(("carried", k))
+        fields.append(("impulse_time_integral", k))
     for s in range(1, segments + 1):
-        wanted.append(("momentum", s))
-        wanted.append(("wave_difference", s))
-    return wanted
+        fields.append(("initial_momentum", s))
+        fields.append(("max_wave_difference", s))
+    return fields
 
 
-def wave_columns(row: Row, found: Found) -> dict[str, Array]:
+def wave_columns(row: Row, results: ResultColumns) -> dict[str, Array]:
     """Displacement of each body, m, and the largest stress in each rod, Pa."""
     columns: dict[str, Array] = {}
     for i, body in enumerate(row.system.bodies):
         first, last = row.spans[i]
-        if last == 0:  # a wall, which moves on
-            columns[f"displacement.{i}"] = row.of(body.velocity) * found["time", 0]
+        if last == 0:  # a wall keeps its velocity
+            wall_velocity = row.of(body.velocity)
+            columns[f"displacement.{i}"] = wall_velocity * results.of("end_time", 0)
         else:
-            columns[f"displacement.{i}"] = displacement(row, found, first, last)
-            columns[f"largest_stress.{i}"] = largest_stress(row, found, first, last)
+            columns[f"displacement.{i}"] = rod_displacement(row, results, first, last)
+            columns[f"largest_stress.{i}"] = largest_stress(row, results, first, last)
     return columns
 
 
-def displacement(row: Row, found: Found, first: int, last: int) -> Array:
-    """How far the centre of a rod has moved, m: Newton's law, integrated twice."""
+def rod_displacement(row: Row, results: ResultColumns, first: int, last: int) -> Array:
+    """Displacement of the centre of a rod, m.
+
+    Newton's law integrated twice: m u = p0 t + integral(J1 - J2) dt in the frame, p0 the
+    momentum at t = 0, J1 and J2 the impulses at the left and at the right end.
+    """
     mass: Array | float = 0.0
     momentum: Array | float = 0.0
     for s in range(first, last + 1):
         mass = mass + row.of(row.segments[s - 1].mass)
-        momentum = momentum + found["momentum", s]
-    time = found["time", 0]
-    pushed = found["carried", first - 1] - found["carried", last]
-    moved: Array = found["frame", 0] * time + (momentum * time + pushed) / mass
-    return moved
+        momentum = momentum + results.of("initial_momentum", s)
+    time = results.of("end_time", 0)
+    from_left = results.of("impulse_time_integral", first - 1)
+    from_right = results.of("impulse_time_integral", last)
+    gained = from_left - from_right
+    displacement: Array = (
+        results.of("frame_velocity", 0) * time + (momentum * time + gained) / mass
+    )
+    return displacement
 
 
-def largest_stress(row: Row, found: Found, first: int, last: int) -> Array:
+def largest_stress(row: Row, results: ResultColumns, first: int, last: int) -> Array:
     """Largest absolute stress in a rod, Pa: E/(2 c) times the wave difference."""
     stresses = []
     for s in range(first, last + 1):
         segment = row.segments[s - 1]
-        per_wave = segment.material.youngs_modulus / (2 * segment.wave_speed)
-        stresses.append(row.of(per_wave) * found["wave_difference", s])
+        stress_per_wave = segment.material.youngs_modulus / (2 * segment.wave_speed)
+        wave_difference = results.of("max_wave_difference", s)
+        stresses.append(row.of(stress_per_wave) * wave_difference)
     return reduce(np.maximum, stresses)

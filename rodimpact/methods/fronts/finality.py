@@ -1,24 +1,24 @@
-"""When it is proved that no contact can press again: bounds of what vibration can do.
+"""Proof that no contact can press again, from bounds of what vibration can do.
 
 A group of bonded segments beside a contact moves with its mean velocity, and its end
-deviates from that motion by no more than its energy allows. The proof is as exact as
-the run: it holds on fractions, too.
+deviates from that motion by no more than the group's energy allows. The proof is as
+exact as the run: it holds on fractions, too.
 """
 
-from typing import Any
+from collections.abc import Sequence
 
 from .. import finality_kernel as proof
 from ..laws import Status
-from .records import IDLE, NEVER, NONE, Segment, State
+from .records import IDLE, NEVER, NONE, Amplitude, Line, Segment, State
 
-ROUNDED_UP = 1.000001  # of a wait, so that the proof succeeds when it is over
+WAIT_MARGIN = 1.000001  # lengthens a wait, so that the proof succeeds after it
 
 
 def finality_tick(state: State, now: int) -> int:
-    """When the collision can be proved final: `now`, later, or IDLE.
+    """Tick at which the collision can be proved final: `now`, a later one, or IDLE.
 
-    IDLE is not before a new contact. For rows whose ends are not driven: no bound
-    holds for a body that is pushed.
+    With IDLE no proof is possible before a contact changes. This is for rows whose ends
+    are not driven: no bound holds for a driven body.
     """
     segments = state.segments
     nodes = state.nodes
@@ -27,53 +27,58 @@ def finality_tick(state: State, now: int) -> int:
     for k in range(len(nodes)):
         node = nodes[k]
         if node.status >= Status.OPEN and longest < NEVER:
-            first = segments[k].first
-            last = max(k, segments[k + 1].last)
-            at_rest = node.gap_rate >= 0 and nothing_under_way(lines, first, last)
-            if not at_rest:
+            first = segments[k].group_first
+            last = max(k, segments[k + 1].group_last)
+            is_steady = node.gap_rate >= 0 and no_front_in_flight(lines, first, last)
+            if not is_steady:
                 longest = max(longest, ticks_until_apart(state, k, now))
     if longest >= NEVER // 2:
         return IDLE
     wait = 0
     if longest > 0:
-        wait = int(longest * ROUNDED_UP) + 1
+        wait = int(longest * WAIT_MARGIN) + 1
     return now + wait
 
 
-def nothing_under_way(lines: Any, first: int, last: int) -> bool:
-    """Whether no front is under way in the segments from `first` to `last`."""
+def no_front_in_flight(lines: Sequence[Line], first: int, last: int) -> bool:
+    """Whether no front is in flight in the segments from `first` to `last`."""
     for l in range(2 * first, 2 * last + 2):  # noqa: SIM110 - kernels have no generators
         if lines[l].next_row != NONE:
             return False
     return True
 
 
-def least_opening(left: Segment, right: Segment, tolerance: Any) -> Any:
+def least_opening_velocity(
+    left: Segment, right: Segment, tolerance: Amplitude
+) -> Amplitude:
     """Least velocity at which two ends can part.
 
-    It is less than any that counts if nothing bounds it: fractions know no infinity.
+    Without bounds it is a velocity below -tolerance, which decides nothing: fractions
+    have no infinity.
     """
-    if left.bounded and right.bounded:
-        return right.slowest - left.fastest
+    if left.is_end_velocity_bounded and right.is_end_velocity_bounded:
+        return right.min_end_velocity - left.max_end_velocity
     return -1 - tolerance
 
 
 def ticks_until_apart(state: State, k: int, now: int) -> float:
     """Ticks until contact k may be proved not to close again, see `finality_kernel`."""
-    tolerance = state.runs[0].tolerance
+    tolerance = state.runs[0].velocity_tolerance
     left = state.segments[k]
     right = state.segments[k + 1]
     find_mean_motions(state, k, now)
     opening = right.mean_velocity - left.mean_velocity
-    least = least_opening(left, right, tolerance)
-    if proof.undecided(opening, least, tolerance):
-        bound_deviations(state, k, now)  # else none are read
+    least_opening = least_opening_velocity(left, right, tolerance)
+    if proof.undecided(opening, least_opening, tolerance):
+        bound_deviations(state, k, now)  # read by `separation_time` in this case only
     node = state.nodes[k]
-    gap = node.gap + node.gap_rate * (now - node.solved)
-    mean_gap = gap - right.deviation + left.deviation
-    # (p + q)^2 <= 2 (p^2 + q^2) bounds the sum of two roots without a root
-    square = 2 * (left.squared_bound + right.squared_bound)
-    return proof.separation_time(opening, least, mean_gap, square, tolerance)
+    gap = node.gap + node.gap_rate * (now - node.solved_tick)
+    mean_gap = gap - right.end_deviation + left.end_deviation
+    # (b1 + b2)^2 <= 2 (b1^2 + b2^2): no square root, so that it works on fractions
+    bounds_squared = 2 * (left.deviation_bound_squared + right.deviation_bound_squared)
+    return proof.separation_time(
+        opening, least_opening, mean_gap, bounds_squared, tolerance
+    )
 
 
 # Mean motions -------------------------------------------------------------------------
@@ -82,22 +87,22 @@ def ticks_until_apart(state: State, k: int, now: int) -> float:
 def find_mean_motions(state: State, k: int, now: int) -> None:
     """Find mean velocities beside contact k, and bounds of the velocities of its ends.
 
-    They are entered at the segments k and k + 1. The bounds hold as long as nothing
-    touches a uniform segment that is free (its waves go round unchanged) or goes on
-    for ever, a wall, or a group at rest. The mean of what is held, or goes on for ever,
-    is that to which it will come.
+    They are stored in the segments k and k + 1. The bounds hold as long as nothing
+    touches the group, if it is a uniform free segment (its waves go round unchanged), a
+    semi-infinite bar, a wall, or a group at rest. The mean velocity of a group bonded to
+    a wall or to a semi-infinite bar is the velocity that it finally takes.
     """
     for side in range(2):
         s = k + side
         segment = state.segments[s]
-        if segment.last > 0:
+        if segment.group_last > 0:
             find_mean_motion(state, k, s, now)
         else:
-            outside = state.lines[2 * k + 3 * side].arrived
-            segment.mean_velocity = outside
-            segment.slowest = outside
-            segment.fastest = outside
-            segment.bounded = 1
+            wall_velocity = state.lines[2 * k + 3 * side].incoming_wave
+            segment.mean_velocity = wall_velocity
+            segment.min_end_velocity = wall_velocity
+            segment.max_end_velocity = wall_velocity
+            segment.is_end_velocity_bounded = 1
 
 
 def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
@@ -107,74 +112,75 @@ def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
     lines = state.lines
     log = state.log
     group = segments[s]
-    first = group.first
-    last = group.last
-    at_rest = nothing_under_way(lines, first, last)
-    pressed = nodes[k].status == Status.PRESS
-    mass = 0 * lines[2 * first].arrived  # of both waves: twice that of the group
+    first = group.group_first
+    last = group.group_last
+    is_steady = no_front_in_flight(lines, first, last)
+    is_pressing = nodes[k].status == Status.PRESS
+    mass = 0 * lines[2 * first].incoming_wave  # of both waves: twice that of the group
     momentum = mass
-    low = lines[2 * first].arrived
-    high = low
+    lowest = lines[2 * first].incoming_wave
+    highest = lowest
     for i in range(first, last + 1):
         impedance = 1 / segments[i].mobility
         transit = segments[i].transit
         mass += 2 * impedance * transit
         for l in range(2 * i, 2 * i + 2):
             r = lines[l].next_row
-            wave = lines[l].arrived
+            wave = lines[l].incoming_wave
             edge = transit
-            low = min(low, wave)
-            high = max(high, wave)
+            lowest = min(lowest, wave)
+            highest = max(highest, wave)
             while r != NONE:
                 front = log[r]
                 momentum += impedance * wave * (edge - now + front.tick)
                 edge = now - front.tick
                 wave = front.value
-                low = min(low, wave)
-                high = max(high, wave)
+                lowest = min(lowest, wave)
+                highest = max(highest, wave)
                 r = front.next_row
             momentum += impedance * wave * edge
     group.mean_velocity = momentum / mass
-    group.slowest = low
-    group.fastest = high
-    group.bounded = 1 if first == last else 0
+    group.min_end_velocity = lowest
+    group.max_end_velocity = highest
+    group.is_end_velocity_bounded = 1 if first == last else 0
 
-    endless = False
-    for side in range(2):  # what holds the group from outside
+    is_semi_infinite = False
+    for side in range(2):  # what the group is bonded to outside
         end = last if side else first - 1
-        outside = lines[2 * end + 3 * side].arrived
-        mobility = segments[end + side].mobility
+        outside_wave = lines[2 * end + 3 * side].incoming_wave
+        outside_mobility = segments[end + side].mobility
         if nodes[end].status == Status.BOND:
-            group.mean_velocity = outside
-            endless = mobility > 0
-            if not endless:
-                group.bounded = 0
-    if at_rest and not (endless and pressed):
-        group.slowest = group.mean_velocity
-        group.fastest = group.mean_velocity
-        group.bounded = 1
+            group.mean_velocity = outside_wave
+            is_semi_infinite = outside_mobility > 0
+            if not is_semi_infinite:
+                group.is_end_velocity_bounded = 0
+    if is_steady and not (is_semi_infinite and is_pressing):
+        group.min_end_velocity = group.mean_velocity
+        group.max_end_velocity = group.mean_velocity
+        group.is_end_velocity_bounded = 1
 
 
 # Deviations ---------------------------------------------------------------------------
 
 
 def bound_deviations(state: State, k: int, now: int) -> None:
-    """Find how far the two ends at contact k are from their mean motions, and can get.
+    """Find the deviations of the two ends at contact k, and their bounds.
 
     The end of a free body deviates from the motion of its centre of mass by
     d = integral(strain * g dx), g the mass fraction beyond x as seen from that end,
-    hence by at most sqrt(2 E integral(g^2 dx/(E A))), E the energy of vibration.
-    A wall at the far end has all the mass. A far endless bar of mobility Y gives way by
-    Y p, p the momentum that it has taken; as p <= sqrt(2 m E), m Y^2 adds to the
-    integral, which is the `compliance`. All is entered at the segments k and k + 1.
+    hence by at most sqrt(2 E integral(g^2 dx/(E A))), E the vibration energy.
+    A group bonded to a wall at its far end has g = 1. A semi-infinite bar of mobility Y
+    at the far end gives way by Y p, p the momentum that it has taken; as
+    p <= sqrt(2 m E), m Y^2 is added to the integral, the `compliance_integral`. The
+    results are stored in the segments k and k + 1.
     """
     for s in range(k, k + 2):
         segment = state.segments[s]
         zero = 0 * segment.mean_velocity
-        segment.deviation = zero
-        segment.squared_bound = zero
-        segment.compliance = zero
-        if segment.last > 0:
+        segment.end_deviation = zero
+        segment.deviation_bound_squared = zero
+        segment.compliance_integral = zero
+        if segment.group_last > 0:
             bound_deviation(state, k, s, now)
 
 
@@ -183,61 +189,63 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
     segments = state.segments
     log = state.log
     group = segments[s]
-    first = group.first
-    last = group.last
-    on_right = s > k
+    first = group.group_first
+    last = group.group_last
+    is_right = s > k  # the group is right of the contact
     zero = 0 * group.mean_velocity
     mass = zero
     for i in range(first, last + 1):
         mass += segments[i].transit / segments[i].mobility
-    left_bond = state.nodes[first - 1].status == Status.BOND
-    held = left_bond or state.nodes[last].status == Status.BOND
-    give = zero  # mobility of what holds the far end
-    if held:
-        far = len(segments) - 1 if on_right else 0
-        give += segments[far].mobility
+    has_left_bond = state.nodes[first - 1].status == Status.BOND
+    is_anchored = has_left_bond or state.nodes[last].status == Status.BOND
+    far_mobility = zero  # of what holds the far end
+    if is_anchored:
+        far = len(segments) - 1 if is_right else 0
+        far_mobility += segments[far].mobility
 
-    beyond = zero  # mass fraction beyond the segments so far
+    mass_fraction = zero  # of the segments from the far end to here
     deviation = zero
     energy = zero
-    taken = zero
-    compliance = mass * give * give
+    taken = zero  # momentum that waves bring to the far end
+    compliance = mass * far_mobility * far_mobility
     for i in range(last - first + 1):
-        inner = last - i if on_right else first + i  # from the far end to the contact
+        inner = last - i if is_right else first + i  # from the far end to the contact
         transit = segments[inner].transit
         mobility = segments[inner].mobility
-        g0 = beyond
-        beyond = beyond + transit / (mobility * mass)
-        g1 = beyond
-        if held:
+        g0 = mass_fraction
+        mass_fraction = mass_fraction + transit / (mobility * mass)
+        g1 = mass_fraction
+        if is_anchored:
             g0 = 1 + zero
             g1 = g0
         compliance += mobility * transit * (g0 * g0 + g0 * g1 + g1 * g1) / 3
         for l in range(2 * inner, 2 * inner + 2):
-            leftward = l % 2 == 1
-            sign = 1 if leftward else -1
-            outward = leftward == on_right  # runs towards the end at the contact
+            is_leftward = l % 2 == 1
+            sign = 1 if is_leftward else -1
+            is_outward = is_leftward == is_right  # runs towards the contact
             line = state.lines[l]
             r = line.next_row
-            wave = line.arrived - group.mean_velocity
+            wave = line.incoming_wave - group.mean_velocity
             edge = transit
-            more = True
-            while more:
-                more = r != NONE
-                low = now - log[r].tick if more else 0
+            is_last = False
+            while not is_last:
+                is_last = r == NONE
+                low = 0 if is_last else now - log[r].tick
                 width = edge - low
                 energy += wave * wave * width / (4 * mobility)
                 taken += wave * width / (2 * mobility)
                 middle = (edge + low) / (2 * transit)
-                place = middle if outward else 1 - middle
-                deviation += sign * wave * width * (g0 + (g1 - g0) * place) / 2
-                if more:
+                position = middle if is_outward else 1 - middle
+                g = g0 + (g1 - g0) * position
+                deviation += sign * wave * width * g / 2
+                if not is_last:
                     edge = low
                     wave = log[r].value - group.mean_velocity
                     r = log[r].next_row
-    group.deviation = (-deviation if on_right else deviation) - give * taken
-    at_rest = nothing_under_way(state.lines, first, last)
-    pressed = state.nodes[k].status == Status.PRESS
-    if not at_rest or (give > 0 and pressed):
-        group.squared_bound = 2 * energy * compliance
-        group.compliance = compliance
+    outward_deviation = -deviation if is_right else deviation
+    group.end_deviation = outward_deviation - far_mobility * taken
+    is_steady = no_front_in_flight(state.lines, first, last)
+    is_pressing = state.nodes[k].status == Status.PRESS
+    if not is_steady or (far_mobility > 0 and is_pressing):
+        group.deviation_bound_squared = 2 * energy * compliance
+        group.compliance_integral = compliance

@@ -1,219 +1,258 @@
-"""From the numbers of a member to its clock, and to the fronts at t = 0.
+"""From the values of a member to its clock, and to the fronts at t = 0.
 
-The numbers of a member stand in this order, for n segments:
+The values of a member stand in this order, for n segments:
 
     wave speed [n], impedance [n], length [n],
-    velocity of the frame, scale of velocities, gap [contact],
-    and for each body, and for what drives an end, from `Segment.profile` on
+    velocity of the frame, velocity scale, gap [contact],
+    and for each body, and for what drives an end, from `Segment.profile_offset` on
         velocities, the places where they jump, strains, the places where these jump.
 
-Places are m from the left end of a body; what drives an end has times, s, instead. All
+Places are m from the left end of a body. For what drives an end they are times, s. All
 durations follow the tick rule. The initial state is the history of the waves over one
 transit before t = 0.
 """
 
 import math
-from typing import Any
+from collections.abc import Sequence
 
 from .. import tick_rule as rule
 from ..laws import Beyond, Stop
-from .records import NONE, Run, Segment, State
+from .records import (
+    NONE,
+    Amplitude,
+    CachedDuration,
+    InitialState,
+    Log,
+    Run,
+    Segment,
+    State,
+    Values,
+)
 
-TOLERANCE = 2.0**-48
-"""Smallest change of a wave that counts as a front, over the scale of velocities (their
-spread plus wave speed times strain). The same margin decides whether contacts press or
-graze. The error of a wave is at most this, times the number of ends it has passed."""
+FRONT_VELOCITY_RTOL = 2.0**-48
+"""Smallest change of a wave that counts as a front, relative to the velocity scale
+(spread of the velocities plus wave speed times strain). The same tolerance decides
+whether contacts press or graze. The error of a wave is at most this tolerance times
+the number of ends that it has passed."""
 
-EXACT = 2.0**-48  # relative change of a transit time that is round-off
-WINDOW = 40  # a gap that closes within 2^-40 longest transits of an arrival joins it
+TRANSIT_RTOL = 2.0**-48  # a smaller relative change of a transit time is round-off
+CLOSING_WINDOW_BITS = 40  # a gap that closes within 2^-40 of the longest transit of an
+# arrival closes with it: otherwise a wave one tick wide arises, and multiplies
+SHORTEST_TRANSIT_WINDOWS = 4  # a transit of no more closing windows is too short
 
 
-def frame_at(n: int) -> int:
-    """Place of the velocity of the frame among the numbers of a row of n segments."""
+def frame_index(n: int) -> int:
+    """Index of the velocity of the frame among the values of a row of n segments."""
     return 3 * n
 
 
-def scale_at(n: int) -> int:
-    """Place of the scale of velocities."""
+def scale_index(n: int) -> int:
+    """Index of the velocity scale."""
     return 3 * n + 1
 
 
-def gap_at(n: int, contact: int) -> int:
-    """Place of a gap."""
+def gap_index(n: int, contact: int) -> int:
+    """Index of a gap."""
     return 3 * n + 2 + contact
 
 
 # The clock ----------------------------------------------------------------------------
 
 
-def choose_clock(state: State, numbers: Any) -> None:
-    """Choose the frame, the clock, and what counts as zero.
+def choose_clock(state: State, values: Values) -> None:
+    """Choose the frame, the clock, and the tolerances.
 
-    Where there is no clock, `Run.stop` says why.
+    If there is no clock, `Run.stop_reason` says why.
     """
     run = state.runs[0]
-    pieces = state.pieces
+    durations = state.durations
     segments = state.segments
     n = len(segments) - 2
-    run.proved = NONE
-    run.frame = numbers[frame_at(n)]
-    run.scale = numbers[scale_at(n)]
-    durations = cut_at_jumps(numbers, pieces, segments)
-    run.longest_time = 0.0
+    run.proved_tick = NONE
+    run.frame_velocity = values[frame_index(n)]
+    run.velocity_scale = values[scale_index(n)]
+    jump_end = split_at_jumps(state, values)
+    run.longest_transit_time = 0.0
     for s in range(1, n + 1):
-        run.longest_time = max(run.longest_time, pieces[s - 1].time)
-    horizon = default_horizon(state, numbers)
+        run.longest_transit_time = max(run.longest_transit_time, durations[s - 1].time)
+    horizon = default_horizon(state, values)
     run.horizon = run.until if run.until >= 0 else horizon
-    bits = rule.clock_bits(run.horizon / run.longest_time)
-    set_drive_times(run, numbers, pieces, segments)
-    for i in range(durations, len(pieces) - run.drive_jumps):
-        pieces[i].time = run.longest_time  # fewer jumps inside than there might be
+    bits = rule.clock_bits(run.horizon / run.longest_transit_time)
+    set_drive_times(run, values, durations, segments)
+    for i in range(jump_end, len(durations) - run.drive_jump_count):
+        # This member has fewer jumps inside its segments than the family at most.
+        durations[i].time = run.longest_transit_time
     longest_bits = max(bits, rule.COARSEST)
-    same = same_durations(pieces) and run.longest_bits == longest_bits
+    is_unchanged = same_durations(durations) and run.longest_bits == longest_bits
     run.longest_bits = longest_bits
-    if not same:
-        run.longest_ticks = rule.assign_ticks(pieces, longest_bits, run.drive_jumps)
-    run.tick = run.longest_time / run.longest_ticks
-    run.window = max(1, run.longest_ticks >> WINDOW)
-    run.tolerance = TOLERANCE * run.scale
-    set_transits(run, numbers, pieces, segments)
-    run.stop = why_no_clock(run, numbers, segments, bits)
+    if not is_unchanged:
+        run.longest_ticks = rule.assign_ticks(
+            durations, longest_bits, run.drive_jump_count
+        )
+    run.tick_duration = run.longest_transit_time / run.longest_ticks
+    run.closing_window = max(1, run.longest_ticks >> CLOSING_WINDOW_BITS)
+    run.velocity_tolerance = FRONT_VELOCITY_RTOL * run.velocity_scale
+    set_transits(run, values, durations, segments)
+    run.stop_reason = find_clock_fault(run, values, segments, bits)
 
 
-def cut_at_jumps(numbers: Any, pieces: Any, segments: Any) -> int:
-    """Cut the segments where a profile jumps; return the number of durations.
+def split_at_jumps(state: State, values: Values) -> int:
+    """Split the segments where a profile jumps; return the number of durations so far.
 
-    Sets the time of each duration, velocity and strain of each piece, and the first
-    piece of each segment. The duration up to the jump that begins piece i of segment s
-    is at n + i - s.
+    Sets the transit times, the times to the jumps, velocity and strain of each piece,
+    and the first piece of each segment. The duration up to the jump that begins piece i
+    of segment s has the index n + i - s.
     """
+    durations = state.durations
+    pieces = state.initial_states
+    segments = state.segments
     n = len(segments) - 2
-    body = segments[1]
-    count = 0  # of pieces
-    i = 0  # of the velocities of the body
-    j = 0  # of its strains
-    left = 0.0  # end of the segment, m from the left end of the body
+    body = segments[1]  # first segment of the present body
+    piece_count = 0
+    i = 0  # index of the present velocity of the body
+    j = 0  # index of its present strain
+    left = 0.0  # left end of the segment, m from the left end of the body
     for s in range(1, n + 1):
         if segments[s].velocity_count > 0:
             body = segments[s]
             i = 0
             j = 0
             left = 0.0
-        velocities = body.profile
+        velocities = body.profile_offset
         velocity_jumps = velocities + body.velocity_count
         strains = velocity_jumps + body.velocity_count - 1
         strain_jumps = strains + body.strain_count
-        wave_speed = numbers[s - 1]
-        length = numbers[2 * n + s - 1]
+        wave_speed = values[s - 1]
+        length = values[2 * n + s - 1]
         transit_time = length / wave_speed
-        pieces[s - 1].time = transit_time
-        segments[s].first_piece = count
+        durations[s - 1].time = transit_time
+        segments[s].first_state = piece_count
         right = left + length
         x = left
-        inside = True
-        while inside:
-            while i < body.velocity_count - 1 and numbers[velocity_jumps + i] <= x:
+        is_inside = True
+        while is_inside:
+            while i < body.velocity_count - 1 and values[velocity_jumps + i] <= x:
                 i += 1
-            while j < body.strain_count - 1 and numbers[strain_jumps + j] <= x:
+            while j < body.strain_count - 1 and values[strain_jumps + j] <= x:
                 j += 1
-            pieces[count].velocity = numbers[velocities + i]
-            pieces[count].strain = numbers[strains + j]
+            pieces[piece_count].velocity = values[velocities + i]
+            pieces[piece_count].strain = values[strains + j]
             if x > left:
-                pieces[n + count - s].time = (x - left) / length * transit_time
-            count += 1
+                time_to_jump = (x - left) / length * transit_time
+                durations[n + piece_count - s].time = time_to_jump
+            piece_count += 1
             x = right
             if i < body.velocity_count - 1:
-                x = min(x, numbers[velocity_jumps + i])
+                x = min(x, values[velocity_jumps + i])
             if j < body.strain_count - 1:
-                x = min(x, numbers[strain_jumps + j])
-            inside = x < right
+                x = min(x, values[strain_jumps + j])
+            is_inside = x < right
         left = right
-    segments[n + 1].first_piece = count
-    return count
+    segments[n + 1].first_state = piece_count
+    return piece_count
 
 
-def default_horizon(state: State, numbers: Any) -> float:
-    """Time for which a clock without a given end has room, s."""
+def default_horizon(state: State, values: Values) -> float:
+    """Time that the clock of a run without a given end must be able to count, s."""
     run = state.runs[0]
     n = len(state.nodes) - 1
-    crossing = 0.0
+    crossing_time = 0.0  # of the whole row
     for i in range(n):
-        crossing += state.pieces[i].time
-    flight = 0.0
+        crossing_time += state.durations[i].time
+    flight_time = 0.0  # until gaps have closed
     for node in state.nodes:
-        if node.contact != NONE and run.scale > 0:
-            flight += numbers[gap_at(n, node.contact)] / run.scale
-    wanted = -run.until * rule.HORIZON * run.longest_time
-    horizon: float = max(wanted, 16 * crossing, 4 * flight)
-    most = run.longest_time * 2.0 ** (rule.CLOCK_BITS - 1 - rule.COARSEST)
-    return min(horizon, most)
+        if node.contact != NONE and run.velocity_scale > 0:
+            flight_time += values[gap_index(n, node.contact)] / run.velocity_scale
+    requested = -run.until * rule.HORIZON * run.longest_transit_time
+    horizon: float = max(requested, 16 * crossing_time, 4 * flight_time)
+    countable = run.longest_transit_time * 2.0 ** (rule.CLOCK_BITS - 1 - rule.COARSEST)
+    return min(horizon, countable)
 
 
-def jumps_of(outside: Segment) -> int:
-    """How often what drives an end jumps."""
-    if outside.outside == Beyond.STEADY:
+def drive_jumps(outside: Segment) -> int:
+    """Number of jumps of what drives an end."""
+    if outside.boundary_kind == Beyond.STEADY:
         return 0
     return int(outside.velocity_count - 1)
 
 
-def set_drive_times(run: Run, numbers: Any, pieces: Any, segments: Any) -> None:
-    """Put the times at which drives jump at the end of the durations.
+def set_drive_times(
+    run: Run,
+    values: Values,
+    durations: Sequence[CachedDuration],
+    segments: Sequence[Segment],
+) -> None:
+    """Set the last durations: the times at which drives jump.
 
-    For times that are not reached the longest of the others stands there.
+    A jump after the end of the run is given the longest transit time, which is there
+    already and so changes no clock.
     """
     last = len(segments) - 1
-    run.drive_jumps = jumps_of(segments[0]) + jumps_of(segments[last])
-    place = len(pieces) - run.drive_jumps
+    run.drive_jump_count = drive_jumps(segments[0]) + drive_jumps(segments[last])
+    i = len(durations) - run.drive_jump_count
     for side in range(2):
         outside = segments[side * last]
-        for j in range(jumps_of(outside)):
-            time = numbers[outside.profile + outside.velocity_count + j]
-            pieces[place].time = time if time <= run.until else run.longest_time
-            place += 1
+        for j in range(drive_jumps(outside)):
+            time = values[outside.profile_offset + outside.velocity_count + j]
+            if time > run.until:
+                time = run.longest_transit_time
+            durations[i].time = time
+            i += 1
 
 
-def same_durations(pieces: Any) -> bool:
-    """Whether all durations are those of the member before, which are then counted.
+def same_durations(durations: Sequence[CachedDuration]) -> bool:
+    """Whether all durations equal those of the previous member, whose ticks then hold.
 
     Neighbours in a family often share lengths.
     """
     same = True
-    for piece in pieces:
-        same = same and piece.known == piece.time
-        piece.known = piece.time
+    for duration in durations:
+        same = same and duration.cached_time == duration.time
+        duration.cached_time = duration.time
     return same
 
 
-def set_transits(run: Run, numbers: Any, pieces: Any, segments: Any) -> None:
-    """Set transit time and mobility of the segments, and find the shortest."""
+def set_transits(
+    run: Run,
+    values: Values,
+    durations: Sequence[CachedDuration],
+    segments: Sequence[Segment],
+) -> None:
+    """Set transit time and mobility of the segments, and find the shortest segment."""
     n = len(segments) - 2
-    run.shortest = 1
+    run.shortest_segment = 1
     for s in range(1, n + 1):
         segment = segments[s]
-        segment.mobility = 1 / numbers[n + s - 1]
-        segment.transit = pieces[s - 1].ticks
-        if run.other_side:
-            error = segment.transit * run.tick / pieces[s - 1].time - 1
-            if error > EXACT:
+        segment.mobility = 1 / values[n + s - 1]
+        segment.transit = durations[s - 1].ticks
+        if run.perturb_rounding:
+            change = segment.transit * run.tick_duration / durations[s - 1].time - 1
+            if change > TRANSIT_RTOL:
                 segment.transit -= 1
-            elif error < -EXACT:
+            elif change < -TRANSIT_RTOL:
                 segment.transit += 1
-        if segment.transit < segments[run.shortest].transit:
-            run.shortest = s
+        if segment.transit < segments[run.shortest_segment].transit:
+            run.shortest_segment = s
 
 
-def why_no_clock(run: Run, numbers: Any, segments: Any, bits: int) -> int:
+def find_clock_fault(
+    run: Run, values: Values, segments: Sequence[Segment], bits: int
+) -> int:
     """Why a member has no clock, as `laws.Stop`; NONE if it has one."""
     n = len(segments) - 2
-    largest = 0.0
+    max_impedance = 0.0
     for s in range(n):
-        largest = max(largest, numbers[n + s])
-    energy = run.scale * run.scale * largest * 2.0**rule.CLOCK_BITS
-    if not energy < math.inf:
+        max_impedance = max(max_impedance, values[n + s])
+    # Energies are Z v^2 times ticks, up to the last tick of the clock.
+    max_energy = (
+        run.velocity_scale * run.velocity_scale * max_impedance * 2.0**rule.CLOCK_BITS
+    )
+    if not max_energy < math.inf:
         return Stop.OVERFLOW.value
     if bits < rule.COARSEST:
         return Stop.LONG.value
-    if segments[run.shortest].transit <= 4 * run.window:
+    shortest_transit = segments[run.shortest_segment].transit
+    if shortest_transit <= SHORTEST_TRANSIT_WINDOWS * run.closing_window:
         return Stop.SHORT.value
     return Stop.NONE.value
 
@@ -221,10 +260,10 @@ def why_no_clock(run: Run, numbers: Any, segments: Any, bits: int) -> int:
 # Fronts at t = 0 ----------------------------------------------------------------------
 
 
-def lay_out(state: State, numbers: Any) -> None:
+def initialise_member(state: State, values: Values) -> None:
     """Set the gaps, the end of the run, and the fronts that fill the row at t = 0.
 
-    The clock is chosen; the log must have room.
+    The clock is chosen, and the log is long enough.
     """
     run = state.runs[0]
     segments = state.segments
@@ -232,58 +271,65 @@ def lay_out(state: State, numbers: Any) -> None:
     for node in state.nodes:
         node.gap = 0.0
         if node.contact != NONE:
-            node.gap = numbers[gap_at(n, node.contact)] / run.tick
-    run.target = -1
-    if run.until >= 0:
-        run.target = round(run.until / run.tick)
-    elif run.goes_on or run.momenta_change:
-        run.target = -round_trip(segments)
-    run.rows = 0
+            node.gap = values[gap_index(n, node.contact)] / run.tick_duration
+    set_end(run, segments)
+    run.log_rows = 0
     for s in range(1, n + 1):
-        add_initial_fronts(state, s, numbers[s - 1])
-    place = len(state.pieces) - run.drive_jumps
+        append_initial_fronts(state, s, values[s - 1])
+    first_jump = len(state.durations) - run.drive_jump_count
     for side in range(2):
         outside = segments[side * (n + 1)]
         line = state.lines[side * (2 * n + 3)]
-        line.arrived = 0.0
-        if outside.velocity_count > 0 and outside.outside == Beyond.STEADY:
-            line.arrived = numbers[outside.profile] - run.frame
+        line.incoming_wave = 0.0
+        if outside.velocity_count > 0 and outside.boundary_kind == Beyond.STEADY:
+            line.incoming_wave = values[outside.profile_offset] - run.frame_velocity
         outside.mobility = 0.0
-        if outside.outside == Beyond.ENDLESS:
+        if outside.boundary_kind == Beyond.ENDLESS:
             outside.mobility = segments[1 + side * (n - 1)].mobility
-        if outside.outside != Beyond.STEADY:
-            add_driven_fronts(state, side, numbers, place)
-            place += jumps_of(outside)
-    run.initial_rows = run.rows
+        if outside.boundary_kind != Beyond.STEADY:
+            append_driven_fronts(state, side, values, first_jump)
+            first_jump += drive_jumps(outside)
+    run.initial_rows = run.log_rows
 
 
-def round_trip(segments: Any) -> int:
+def set_end(run: Run, segments: Sequence[Segment]) -> None:
+    """Set the tick to run to, or the ticks to run on after the proof."""
+    run.end_tick = NONE
+    run.ticks_after_proof = 1
+    if run.until >= 0:
+        run.end_tick = round(run.until / run.tick_duration)
+    elif run.run_past_proof or run.momentum_not_conserved:
+        run.ticks_after_proof = round_trip(segments)
+
+
+def round_trip(segments: Sequence[Segment]) -> int:
     """Ticks in which a wave goes through the longest body and back."""
     longest = 0
-    span = 0
+    body_transit = 0
     for s in range(1, len(segments) - 1):
         if segments[s].velocity_count > 0:  # a body begins
-            span = 0
-        span += segments[s].transit
-        longest = max(longest, span)
+            body_transit = 0
+        body_transit += segments[s].transit
+        longest = max(longest, body_transit)
     return 2 * longest
 
 
-def add_initial_fronts(state: State, s: int, wave_speed: float) -> None:
-    """Add the fronts that fill segment s with its initial state to the log.
+def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
+    """Append the fronts that fill segment s with its initial state to the log.
 
-    The waves are a = v - c eps and b = v + c eps in the frame. What lies between x0 and
-    x1, in ticks from the left end, left the right end T - x0 ago and the left one x1
-    ago, T the transit time.
+    The waves are a = v - c eps and b = v + c eps in the frame. The piece between x0 and
+    x1, in ticks from the left end, left the left end x1 ticks ago as part of a, and the
+    right end T - x0 ticks ago as part of b, T the transit time.
     """
     run = state.runs[0]
-    pieces = state.pieces
+    durations = state.durations
+    pieces: Sequence[InitialState] = state.initial_states
     n = len(state.segments) - 2
     transit = state.segments[s].transit
-    first = state.segments[s].first_piece
-    end = state.segments[s + 1].first_piece
+    first = state.segments[s].first_state
+    end = state.segments[s + 1].first_state
     for leftward in range(2):
-        start = run.rows
+        start = run.log_rows
         sign = 2 * leftward - 1
         for k in range(end - first):
             i = first + k if leftward else end - 1 - k
@@ -291,66 +337,71 @@ def add_initial_fronts(state: State, s: int, wave_speed: float) -> None:
             x0 = 0
             x1 = transit
             if i > first:
-                x0 = min(pieces[n + i - s].ticks, transit)
+                x0 = min(durations[n + i - s].ticks, transit)
             if i < end - 1:
-                x1 = min(pieces[n + i + 1 - s].ticks, transit)
-            wave = piece.velocity - run.frame + sign * wave_speed * piece.strain
+                x1 = min(durations[n + i + 1 - s].ticks, transit)
+            velocity = piece.velocity - run.frame_velocity
+            wave = velocity + sign * wave_speed * piece.strain
             if x1 > x0:
                 tick = x0 - transit if leftward else -x1
                 append_front(run, state.log, start, tick, 2 * s + leftward, wave)
 
 
-def add_driven_fronts(state: State, side: int, numbers: Any, place: int) -> None:
-    """Add the fronts of what drives an end of the row to the log.
+def append_driven_fronts(
+    state: State, side: int, values: Values, first_jump: int
+) -> None:
+    """Append the fronts of what drives an end of the row to the log.
 
-    They are velocities in the frame, or those that a force gives to the end, or what
-    comes in through an endless bar: what left that end last, and the wave of which the
-    strain is given. Its jumps are the durations from `place` on.
+    A driven velocity is a wave in the frame, and a force is the velocity that it gives
+    to the end. Through a semi-infinite bar comes the wave that left this end last, with
+    the given strain added. The jumps are the durations from `first_jump` on.
     """
     run = state.runs[0]
     log = state.log
     n = len(state.segments) - 2
     outside = state.segments[side * (n + 1)]
     end = 1 + side * (n - 1)  # segment at this end
-    wave_speed = numbers[end - 1]
-    left_last = 0.0
-    for r in range(run.rows):
+    wave_speed = values[end - 1]
+    last_outgoing_wave = 0.0
+    for r in range(run.log_rows):
         if log[r].line == 2 + side * (2 * n - 1):
-            left_last = log[r].value
-    start = run.rows
+            last_outgoing_wave = log[r].value
+    start = run.log_rows
     x1 = 0
     j = 0
-    more = True
-    while more:
-        value = numbers[outside.profile + j]
-        if outside.outside == Beyond.PUSHED:
+    is_last = False
+    while not is_last:
+        value = values[outside.profile_offset + j]
+        if outside.boundary_kind == Beyond.PUSHED:
             value *= state.segments[end].mobility
-        elif outside.outside == Beyond.ENDLESS:
-            value = (4 * side - 2) * wave_speed * value + left_last
+        elif outside.boundary_kind == Beyond.ENDLESS:
+            value = (4 * side - 2) * wave_speed * value + last_outgoing_wave
         else:
-            value -= run.frame
+            value -= run.frame_velocity
         x0 = x1
-        more = False
+        x1 = x0 + 1
+        is_last = True
         if j < outside.velocity_count - 1:
-            time = numbers[outside.profile + outside.velocity_count + j]
-            more = time <= run.until
-        x1 = max(x0, state.pieces[place + j].ticks) if more else x0 + 1
+            jump_time = values[outside.profile_offset + outside.velocity_count + j]
+            is_last = jump_time > run.until
+            if not is_last:
+                x1 = max(x0, state.durations[first_jump + j].ticks)
         if x1 > x0:
             append_front(run, log, start, x0, side * (2 * n + 3), value)
         j += 1
 
 
 def append_front(
-    run: Run, log: Any, start: int, tick: int, line: int, value: float
+    run: Run, log: Log, start: int, tick: int, line: int, wave: Amplitude
 ) -> None:
-    """Add a front to the log, unless it changes nothing.
+    """Append a front to the log, unless it changes nothing.
 
     The first front of its line stands in the row `start`.
     """
-    first = run.rows == start
-    if first or abs(value - log[run.rows - 1].value) > run.tolerance:
-        front = log[run.rows]
+    is_first = run.log_rows == start
+    if is_first or abs(wave - log[run.log_rows - 1].value) > run.velocity_tolerance:
+        front = log[run.log_rows]
         front.tick = tick
         front.line = line
-        front.value = value
-        run.rows += 1
+        front.value = wave
+        run.log_rows += 1

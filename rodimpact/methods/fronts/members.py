@@ -1,120 +1,120 @@
-"""The members of a family, one after the other: laid out, run, and added up.
+"""The members of a family, one after the other: initialised, run, and measured.
 
 A run ends at the time asked for, or some ticks after the proof that no contact can
 press again. After a proof that failed the next one waits for an eighth more events, so
 that proofs cost no more than the run itself.
 """
 
-from typing import Any
+from collections.abc import Sequence
 
 from ..laws import Stop
 from . import energy, events, finality, initial_state
-from .records import CHANGE, IDLE, NEVER, NONE, Run, State
+from .records import CHANGE, IDLE, NEVER, NONE, NodeResult, Run, State
 
 
 def run_members(state: State) -> bool:
-    """Run every member to its end; return whether all are done.
+    """Run every member to its end; return whether all have ended.
 
-    Where the log is full, call this again with a longer one: the member goes on.
+    If the log is full, call this again with a longer one: the member goes on.
     """
     run = state.runs[0]
     segments = state.segments
-    all_numbers = state.numbers
-    all_totals = state.totals
-    if run.stop != Stop.FULL:
+    all_values = state.values
+    all_results = state.results
+    if run.stop_reason != Stop.FULL:
         run.member = 0
-    while run.member < len(all_totals):
-        if run.stop != Stop.FULL:
-            numbers = all_numbers[run.member]
-            initial_state.choose_clock(state, numbers)
-            if run.stop == Stop.NONE:
-                initial_state.lay_out(state, numbers)
+    while run.member < len(all_results):
+        if run.stop_reason != Stop.FULL:
+            values = all_values[run.member]
+            initial_state.choose_clock(state, values)
+            if run.stop_reason == Stop.NONE:
+                initial_state.initialise_member(state, values)
                 events.start(state)
-                energy.update(state)
-                energy.keep_initial(segments)
-        if run.stop < Stop.DONE:
-            run.stop = run_to_end(state)
-            if run.stop == Stop.FULL:
+                energy.update_motion(state)
+                energy.store_initial_motion(segments)
+        if run.stop_reason < Stop.DONE:
+            run.stop_reason = run_to_end(state)
+            if run.stop_reason == Stop.FULL:
                 return False
-            events.close_books(state, run.now)
-            energy.update(state)
-            if run.goes_on:
+            events.advance_totals_to(state, run.now)
+            energy.update_motion(state)
+            if run.run_past_proof:
                 find_wave_scales(state)
-            if run.reads_waves:
+            if run.record_max_stress:
                 energy.find_wave_differences(state)
-        write_totals(state, all_totals[run.member])
+        store_member_result(state, all_results[run.member])
         run.member += 1
     return True
 
 
 def run_to_end(state: State) -> int:
-    """Run to tick `target`, or if that is negative to the proof and -target ticks more.
+    """Run to tick `end_tick`; without one to the proof and `ticks_after_proof` more.
 
     Returns
     -------
     int
-        `laws.Stop`: DONE (reached `target`), FINAL (proved, and run on), FULL (grow the
-        log and call again), CAP (more events than the limit) or CLOCK (its ticks are
-        over). At the end `Run.now` is the tick reached.
+        `laws.Stop`: DONE (reached `end_tick`), FINAL (proved, and run on), FULL (grow
+        the log and call again), CAP (more events than the limit) or CLOCK (its ticks
+        are over). At the end `Run.now` is the tick reached.
     """
     run = state.runs[0]
-    proves = run.target < 0
+    proves = run.end_tick == NONE
     if not proves:
-        run.proof_events = IDLE  # nothing is to be proved on the way
+        run.next_proof_event = IDLE  # no proof stops the run on its way
     stop = Stop.NONE.value
-    going = True
-    while going:
-        end_is_known = not proves or run.proved != NONE
-        horizon = end_of_run(run)
+    is_running = True
+    while is_running:
+        end_is_known = not proves or run.proved_tick != NONE
+        horizon = find_horizon(run)
         stop = events.advance(state, horizon)
         if stop == Stop.DONE and end_is_known:
             run.now = horizon
-        if stop != Stop.FULL and run.proved == NONE:
+        if stop != Stop.FULL and run.proved_tick == NONE:
             try_proof(state, stop)
-        waits = stop == Stop.DONE and not end_is_known and run.proved != NONE
-        going = stop == Stop.CHECK or waits
+        end_is_found = not end_is_known and run.proved_tick != NONE
+        is_running = stop == Stop.CHECK or (stop == Stop.DONE and end_is_found)
     if stop == Stop.DONE and proves:
-        return Stop.CLOCK.value if run.proved == NONE else Stop.FINAL.value
+        return Stop.CLOCK.value if run.proved_tick == NONE else Stop.FINAL.value
     return stop
 
 
-def end_of_run(run: Run) -> int:
+def find_horizon(run: Run) -> int:
     """Tick at which a run ends, as far as is known: without a proof, with its clock."""
-    if run.target >= 0:
-        return run.target
-    if run.proved == NONE:
+    if run.end_tick != NONE:
+        return run.end_tick
+    if run.proved_tick == NONE:
         return NEVER - 1
-    return min(run.proved - run.target, NEVER - 1)
+    return min(run.proved_tick + run.ticks_after_proof, NEVER - 1)
 
 
 def try_proof(state: State, stop: int) -> None:
     """Try to prove the collision final, or find when to try again."""
     run = state.runs[0]
-    nodes = len(state.nodes)
+    node_count = len(state.nodes)
     now = run.now
     if stop == Stop.CHECK:
-        now = max(run.now, run.proof_tick)
+        now = max(run.now, run.next_proof_tick)
     tick = finality.finality_tick(state, now)
     if tick == now:
-        run.proved = now
-        run.proof_events = IDLE
+        run.proved_tick = now
+        run.next_proof_event = IDLE
     elif stop == Stop.CHECK:
-        run.proof_tick = tick
-        run.proof_events = run.events + nodes + run.events // 8
+        run.next_proof_tick = tick
+        run.next_proof_event = run.events + node_count + run.events // 8
 
 
-# Totals -------------------------------------------------------------------------------
+# Results ------------------------------------------------------------------------------
 
 
 def find_wave_scales(state: State) -> None:
-    """Find the fastest wave, and the sum of the absolute momenta of all at t = 0."""
+    """Find the largest wave, and the sum of the absolute momenta of all at t = 0."""
     run = state.runs[0]
     log = state.log
-    run.fastest_wave = 0 * run.tick
-    for r in range(run.rows):
+    run.max_wave = 0 * run.tick_duration
+    for r in range(run.log_rows):
         if log[r].line != CHANGE:
-            run.fastest_wave = max(run.fastest_wave, abs(log[r].value))
-    run.absolute_momentum = 0 * run.tick
+            run.max_wave = max(run.max_wave, abs(log[r].value))
+    run.momentum_scale = 0 * run.tick_duration
     for r in range(run.initial_rows):
         front = log[r]
         if 1 < front.line < len(state.lines) - 2:
@@ -122,33 +122,35 @@ def find_wave_scales(state: State) -> None:
             if front.next_row != NONE:
                 end = min(log[front.next_row].tick, 0)
             mobility = state.segments[front.line // 2].mobility
-            weight = (end - front.tick) * run.tick / (2 * mobility)
-            run.absolute_momentum += weight * abs(front.value + run.frame)
+            weight = (end - front.tick) * run.tick_duration / (2 * mobility)
+            run.momentum_scale += weight * abs(front.value + run.frame_velocity)
 
 
-def write_totals(state: State, totals: Any) -> None:
-    """Write the totals of the member that has run, in SI units."""
+def store_member_result(state: State, results: Sequence[NodeResult]) -> None:
+    """Store the results of the member that has run, in SI units."""
     run = state.runs[0]
-    tick = run.tick
+    tick = run.tick_duration
     time = run.now * tick
-    energy_left = 0.0
+    vibration_energy = 0.0
     for k in range(len(state.nodes)):
         segment = state.segments[k]
         node = state.nodes[k]
-        own = totals[k]
-        own.velocity_before = segment.initial_velocity + run.frame
-        own.velocity_after = segment.velocity + run.frame
-        own.momentum = segment.initial_momentum * tick
-        own.wave_difference = segment.wave_difference
-        own.impulse = node.impulse * tick
-        own.carried = node.impulse * tick * time - node.moment * tick * tick
-        own.peak_force = node.peak_force
-        own.duration = node.pressed * tick
-        own.episodes = node.episodes
-        energy_left += segment.vibration
-    whole = totals[0]
-    whole.stop = run.stop
-    whole.proved = 0 if run.proved == NONE else 1
-    whole.vibration = energy_left * tick
-    whole.time = time
-    whole.frame = run.frame
+        result = results[k]
+        moment = node.impulse_moment * tick * tick
+        result.velocity_before = segment.initial_group_velocity + run.frame_velocity
+        result.velocity_after = segment.group_velocity + run.frame_velocity
+        result.initial_momentum = segment.initial_momentum * tick
+        result.max_wave_difference = segment.max_wave_difference
+        result.impulse = node.impulse * tick
+        # Integrated by parts, the impulse over time is J t - integral(F t dt).
+        result.impulse_time_integral = node.impulse * tick * time - moment
+        result.peak_force = node.peak_force
+        result.duration = node.force_ticks * tick
+        result.episodes = node.episodes
+        vibration_energy += segment.vibration_energy
+    member = results[0]
+    member.stop_reason = run.stop_reason
+    member.is_proved = 0 if run.proved_tick == NONE else 1
+    member.vibration_energy = vibration_energy * tick
+    member.end_time = time
+    member.frame_velocity = run.frame_velocity

@@ -12,11 +12,12 @@ from ..row import Array, Row
 from ..run import Run
 from ..status import ROUNDED, rounding, strain_warning
 from . import driver
-from .plan import plan_of
+from .batch import RunRequest
+from .family_layout import lay_out_family
 from .run import FrontRun
 from .signals import signals_of
 from .status import status_of
-from .totals import last_of, tally_of, totals_of
+from .totals import last_contact_end, tally_of, totals_of
 
 LACKS = (
     physics.MASSES,
@@ -31,7 +32,7 @@ LACKS = (
     physics.OWN_LAWS,
 )
 REMEDY = "an earlier end (until), or a lower cap (max_events),"
-MORE = 4  # times the events of a run that one with other transit times may take
+RERUN_EVENT_FACTOR = 4  # cap on events of a run with perturbed transit times
 NO_ROUNDING: Mapping[str, float] = {}
 
 
@@ -46,24 +47,25 @@ def solve(
 
     It runs to `until`, s, or to its proof of finality and one round trip more.
     """
-    run = track(row, until, max_events, Forecast(announce, REMEDY, progress))
-    return hand_over(run, until, effect_of_rounding(run))
+    run = run_fronts(row, until, max_events, Forecast(announce, REMEDY, progress))
+    return make_run(run, until, effect_of_rounding(run))
 
 
-def track(
+def run_fronts(
     row: Row,
     until: float | None = None,
     max_events: int = runs.MAX_EVENTS,
     forecast: Forecast | None = None,
 ) -> FrontRun:
     """Follow every front of a collision."""
-    return FrontRun(driver.solve_one(plan_of(row), until, max_events, forecast))
+    request = RunRequest(until, max_events)
+    return FrontRun(driver.solve_one(lay_out_family(row), request, forecast))
 
 
-def hand_over(
+def make_run(
     run: FrontRun, until: float | None, accuracy: Mapping[str, float] = NO_ROUNDING
 ) -> Run:
-    """What every method hands back, of a run to `until`."""
+    """The form of a finished run that all methods return."""
     clock = run.clock
     now = run.run.now
     t_end = now * clock.tick
@@ -71,11 +73,13 @@ def hand_over(
         t_end = until
     t_final = math.nan
     t_proved = math.nan
-    if run.proved:
-        t_final = last_of(run.run, run.contacts, 2 * clock.longest * clock.tick)
-        t_proved = run.finality_time * clock.tick
-    strain = run.run.fastest_wave / min(clock.wave_speed[1:-1])
-    status = status_of(run.run, run.contacts, clock.system, run.proved, t_final)
+    if run.is_proved:
+        t_final = last_contact_end(
+            run.run, run.contacts, 2 * clock.longest * clock.tick
+        )
+        t_proved = run.proved_tick * clock.tick
+    strain = run.run.max_wave / min(clock.wave_speed[1:-1])
+    status = status_of(run.run, run.contacts, clock.system, run.is_proved, t_final)
     status += rounding(clock.transit_error, clock.worst)
     status += strain_warning(strain)
     status += accuracy_sentence(accuracy)
@@ -101,27 +105,30 @@ def hand_over(
 
 
 def effect_of_rounding(run: FrontRun) -> Mapping[str, float]:
-    """Error of each measure of the outcome by transit times that the clock has rounded.
+    """Relative error of each measure of the outcome that rounded transit times make.
 
-    They lie between those in use and the next tick on the other side. The outcome is
-    compared with that of a second run there, and differs more from it than from the
-    true one.
+    The exact transit time lies between the rounded one and the next tick on its other
+    side. A second run uses that tick. The difference between both outcomes exceeds the
+    error.
     """
     if run.clock.transit_error <= ROUNDED or run.stopped_by == "max_events":
         return NO_ROUNDING
     until = None if run.run.until < 0 else run.run.until
-    most = MORE * run.run.events + MORE
-    other = FrontRun(driver.solve_one(run.plan, until, most, other_side=True))
+    max_events = RERUN_EVENT_FACTOR * run.run.events + RERUN_EVENT_FACTOR
+    request = RunRequest(until, max_events, perturb_rounding=True)
+    other = FrontRun(driver.solve_one(run.layout, request))
     if other.stopped_by != run.stopped_by:
         return dict.fromkeys(runs.MEASURES, math.inf)
     errors: dict[str, float] = {}
-    there = measures_of(other)
-    for name, here in measures_of(run).items():
-        largest_change = float(np.abs(here - there[name]).max(initial=0.0))
-        scale = np.abs(here).max(initial=0.0)
+    other_measures = measures_of(other)
+    for name, values in measures_of(run).items():
+        largest_change = float(np.abs(values - other_measures[name]).max(initial=0.0))
+        scale = np.abs(values).max(initial=0.0)
         if name == runs.VELOCITY:
-            scale = run.run.scale
-        errors[name] = largest_change / scale if largest_change > 0 else 0.0
+            scale = run.run.velocity_scale
+        errors[name] = 0.0
+        if largest_change > 0:
+            errors[name] = largest_change / scale
     return errors
 
 
@@ -131,7 +138,9 @@ def measures_of(run: FrontRun) -> dict[str, Array]:
     tallies = [tally_of(node, tick) for node in run.contacts]
     times: list[float] = []
     for node in run.contacts:
-        times += [node.force_began * tick, node.force_ended * tick, node.opened * tick]
+        times.append(node.first_force_tick * tick)
+        times.append(node.last_force_tick * tick)
+        times.append(node.last_opening_tick * tick)
     return {
         runs.VELOCITY: np.array(totals_of(run).velocities[1]),
         runs.IMPULSE: np.array([tally.impulse for tally in tallies]),
@@ -142,7 +151,7 @@ def measures_of(run: FrontRun) -> dict[str, Array]:
 
 
 def accuracy_sentence(accuracy: Mapping[str, float]) -> str:
-    """What is said of the effect of rounded transit times."""
+    """Sentence that states the error by rounded transit times."""
     if not accuracy:
         return ""
     largest = max(accuracy.values())

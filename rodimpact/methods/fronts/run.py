@@ -7,7 +7,7 @@ from ...model.frozen import InvalidModel
 from ..abilities import driven
 from ..clock import Clock, clock_of, too_long, too_short
 from ..laws import Stop
-from .driver import Batch
+from .batch import Batch
 from .records import NONE, Line, Node, Segment
 
 REASONS: dict[int, str] = {
@@ -25,7 +25,7 @@ class FrontRun:
     ----------
     batch : Batch
         As the kernel left it.
-    plan : Plan
+    layout : FamilyLayout
     clock : Clock
     run : records.Run
     segments : list of records.Segment
@@ -33,9 +33,9 @@ class FrontRun:
     lines : list of records.Line
     stopped_by : str
         ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``.
-    finality_time : int
-        Tick at which the collision was proved final, -1 without proof, as where ends
-        are driven.
+    proved_tick : int
+        Tick at which the collision was proved final; NONE without a proof, as with
+        driven ends.
 
     Raises
     ------
@@ -45,56 +45,62 @@ class FrontRun:
 
     def __init__(self, batch: Batch) -> None:
         self.batch = batch
-        self.plan = batch.plan
+        self.layout = batch.layout
         self.run = batch.progress
         self.segments: list[Segment] = batch.objects("segments")
         self.nodes: list[Node] = batch.objects("nodes")
         self.lines: list[Line] = batch.objects("lines")
-        if self.run.stop >= Stop.OVERFLOW:
+        if self.run.stop_reason >= Stop.OVERFLOW:
             raise InvalidModel([self._why_no_clock()])
         self.clock = self._clock()
-        self.stopped_by = REASONS[Stop(self.run.stop)]
-        self.finality_time = self.run.proved
-        if self.run.until >= 0 and driven(self.plan.row.system):
-            self.finality_time = NONE
+        self.stopped_by = REASONS[Stop(self.run.stop_reason)]
+        self.proved_tick = self.run.proved_tick
+        if self.run.until >= 0 and driven(self.layout.row.system):
+            self.proved_tick = NONE
 
     @cached_property
     def log(self) -> Any:
         """Rows of the kernel's log, an array of records."""
-        return self.batch.array("log")[: self.run.rows]
+        return self.batch.array("log")[: self.run.log_rows]
 
     @property
-    def proved(self) -> bool:
-        """Whether it is proved that nothing meets again."""
-        return self.finality_time != NONE
+    def is_proved(self) -> bool:
+        """Whether it is proved that no contact can press again."""
+        return self.proved_tick != NONE
 
     @property
     def contacts(self) -> list[Node]:
         """The nodes of the contacts."""
-        return [self.nodes[k] for k in self.plan.contacts]
+        return [self.nodes[k] for k in self.layout.contacts]
 
     def _clock(self) -> Clock:
-        """The clock; an endless bar outside has the impedance of what it goes on."""
-        row = self.plan.row
-        impedance = [0.0, *(float(s.impedance) for s in row.segments), 0.0]
+        """The clock; a semi-infinite bar has the impedance of the segment beside it."""
+        row = self.layout.row
+        impedance = [float(segment.impedance) for segment in row.segments]
+        impedance = [0.0, *impedance, 0.0]
         if self.segments[0].mobility:
             impedance[0] = impedance[1]
         if self.segments[-1].mobility:
             impedance[-1] = impedance[-2]
         ticks = [segment.transit for segment in self.segments[1:-1]]
         return clock_of(
-            row, ticks, self.run.tick, frame=self.run.frame, impedance=impedance
+            row,
+            ticks,
+            self.run.tick_duration,
+            frame=self.run.frame_velocity,
+            impedance=impedance,
         )
 
     def _why_no_clock(self) -> tuple[str, str]:
         """Path and sentence for a collision that has no clock."""
         run = self.run
-        row = self.plan.row
-        if run.stop == Stop.OVERFLOW:
-            scale = f"velocities and strains of {run.scale!r} m/s"
+        row = self.layout.row
+        if run.stop_reason == Stop.OVERFLOW:
+            scale = f"velocities and strains of {run.velocity_scale!r} m/s"
             return "bodies", f"{scale} overflow the energy; use smaller"
-        times = [float(segment.transit_time) for segment in row.segments]
-        longest = max(times)
-        if run.stop == Stop.LONG:
+        transit_times = [float(segment.transit_time) for segment in row.segments]
+        longest = max(transit_times)
+        if run.stop_reason == Stop.LONG:
             return too_long(run.horizon, longest)
-        return too_short(row.paths[run.shortest], times[run.shortest - 1], longest)
+        s = run.shortest_segment
+        return too_short(row.paths[s], transit_times[s - 1], longest)

@@ -18,11 +18,11 @@ Lines = list[Pieces | None]
 
 
 def signals_of(run: FrontRun) -> Signals:
-    """All that a run knows of the motion."""
+    """Waves, contact signals, and what acts on the ends."""
     lines = waves_by_line(run)
     changes = run.log[run.log["line"] == CHANGE]
     contacts = []
-    for contact in range(len(run.plan.contacts)):
+    for contact in range(len(run.layout.contacts)):
         contacts.append(contact_signal(run, lines, changes, contact))
     left = outside_signal(run, lines, contacts, 0)
     right = outside_signal(run, lines, contacts, 1)
@@ -56,12 +56,12 @@ def contact_signal(
     """
     clock = run.clock
     end = run.run.now
-    k = run.plan.contacts[contact]
-    kind = run.nodes[k].kind
+    k = run.layout.contacts[contact]
+    closed_status = run.nodes[k].closed_status
     first_gap = float(clock.system.gaps[contact]) / clock.tick
-    own = changes[changes["next_row"] == k]
-    first_status = Status.OPEN if first_gap > 0 else kind
-    statuses = Pieces([-1, *own["tick"]], [first_status, *own["value"]])
+    changes = changes[changes["next_row"] == k]
+    first_status = Status.OPEN if first_gap > 0 else closed_status
+    statuses = Pieces([-1, *changes["tick"]], [first_status, *changes["value"]])
 
     from_left = arrivals(run, lines, k, 0)
     from_right = arrivals(run, lines, k, 1)
@@ -70,36 +70,39 @@ def contact_signal(
     closing = from_left.at(ticks) - from_right.at(ticks)
     status = statuses.at(ticks)
 
-    pressing = status == Status.PRESS
-    if kind == Status.BOND:
-        pressing = np.full(ticks.shape, True)
+    is_pressing = status == Status.PRESS
+    if closed_status == Status.BOND:
+        is_pressing = np.full(ticks.shape, True)
     mobility = 0.0
     for s in (k, k + 1):
         if clock.impedance[s] > 0:
             mobility += 1 / clock.impedance[s]
-    force = np.where(pressing, closing / mobility, 0.0)
+    force = np.where(is_pressing, closing / mobility, 0.0)
 
-    opened = status == Status.OPEN
-    gap_rate = np.where(opened, -closing, 0.0)
-    gap_rate[np.abs(gap_rate) <= run.run.tolerance] = 0.0
-    gap = np.where(opened, gaps(ticks, gap_rate, statuses.ticks[1:], first_gap), 0.0)
-    gap_behind = gap + gap_rate * np.diff(ticks, append=end)
+    is_open = status == Status.OPEN
+    gap_rate = np.where(is_open, -closing, 0.0)
+    gap_rate[np.abs(gap_rate) <= run.run.velocity_tolerance] = 0.0
+    gap = gaps_at_starts(ticks, gap_rate, statuses.ticks[1:], first_gap)
+    gap = np.where(is_open, gap, 0.0)
+    gap_at_end = gap + gap_rate * np.diff(ticks, append=end)
 
     episodes: tuple[Episode, ...] = ()
-    if kind != Status.BOND:
+    if closed_status != Status.BOND:
         episodes = episodes_of(statuses.ticks[1:], statuses.values[1:], clock.tick)
     return ContactSignal(
         force=Pieces(ticks, force),
-        gap=Pieces.lines(ticks, gap * clock.tick, gap_behind * clock.tick, end),
+        gap=Pieces.lines(ticks, gap * clock.tick, gap_at_end * clock.tick, end),
         closing=Pieces(ticks, -gap_rate),
         episodes=episodes,
     )
 
 
-def gaps(ticks: Array, gap_rate: Array, changes: Array, first_gap: float) -> Array:
-    """Gap at the start of each piece while it is open, velocity times ticks.
+def gaps_at_starts(
+    ticks: Array, gap_rate: Array, changes: Array, first_gap: float
+) -> Array:
+    """Gap at the start of each piece while the contact is open, velocity times ticks.
 
-    Every change of status but the initial one leaves it at 0.
+    Every change of status but the initial one leaves the gap at 0.
     """
     steps = gap_rate[:-1] * np.diff(ticks)
     travelled = np.concatenate(([0.0], np.cumsum(steps)))
@@ -116,7 +119,7 @@ def arrivals(run: FrontRun, lines: Lines, k: int, side: int) -> Pieces:
     if run.clock.impedance[segment] > 0:
         wave = lines[2 * segment + side]
     if wave is None:  # of a wall
-        return Pieces([0], [run.lines[-side].arrived])
+        return Pieces([0], [run.lines[-side].incoming_wave])
     return wave.later(run.clock.ticks[segment])
 
 
@@ -140,5 +143,5 @@ def outside_signal(
     returned = outward.later(clock.ticks[s])
     push = (inward - returned).times(INWARD[side] * clock.impedance[s] / 2)
     speed = (inward + returned).times(0.5).plus(clock.frame)
-    name = run.plan.row.outside_name(side)
+    name = run.layout.row.outside_name(side)
     return Outside(name, push.within(0, end), speed.within(0, end))

@@ -9,11 +9,12 @@ from ..status import ending, proof_sentence
 from .records import Node, Run
 from .run import REASONS
 
-ROUND_OFF = 2.0**-40  # of the peak force: a contact that presses less has come to rest
+RESTING_FORCE_RTOL = 2.0**-40
+"""A contact that presses with less than this part of its peak force is at rest."""
 
 
 def status_of(
-    run: Run, contacts: list[Node], system: Any, proved: bool, t_final: float
+    run: Run, contacts: list[Node], system: Any, is_proved: bool, t_final: float
 ) -> str:
     """Why a run ended.
 
@@ -22,18 +23,18 @@ def status_of(
     run : Run
     contacts : list of Node
     system : System
-    proved : bool
-        Whether nothing meets again.
+    is_proved : bool
+        Whether no contact can press again.
     t_final : float
-        As of `last_of`, s.
+        End of the last contact, s, as from `last_contact_end`.
     """
-    stopped_by = REASONS[run.stop]
+    stopped_by = REASONS[run.stop_reason]
     final = ""
-    if proved:
+    if is_proved:
         final = final_sentence(contacts, system, t_final)
     if stopped_by == "final":
         return final
-    end = format_si(run.now * run.tick, "s")
+    end = format_si(run.now * run.tick_duration, "s")
     if stopped_by == "max_events" and final == "":
         return (
             f"Stopped by the cap of {run.events} events at {end}; fronts multiply "
@@ -49,17 +50,17 @@ def status_of(
 
 
 def final_sentence(contacts: list[Node], system: Any, t_final: float) -> str:
-    """What is said of a collision that is proved final."""
+    """Sentence on a collision that is proved final."""
     names = contact_names([body.kind for body in system.bodies])
     pressing: list[str] = []
-    met = False
+    has_pressed = False
     for i, node in enumerate(contacts):
         if node.episodes > 0:
-            met = True
-        lasting_force = ROUND_OFF * node.peak_force
+            has_pressed = True
+        lasting_force = RESTING_FORCE_RTOL * node.peak_force
         if node.status == Status.PRESS and node.force > lasting_force:
             pressing.append(names[i])
     if len(pressing) > 0:
-        those = ", ".join(pressing)
-        return f"Nothing changes any more; contact {those} goes on pressing."
-    return proof_sentence(met, t_final)
+        listed = ", ".join(pressing)
+        return f"Nothing changes any more; contact {listed} goes on pressing."
+    return proof_sentence(has_pressed, t_final)

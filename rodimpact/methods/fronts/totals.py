@@ -1,4 +1,4 @@
-"""What a finished run by fronts has come to, in SI units."""
+"""Totals of a finished run by fronts, in SI units: contacts, momenta, energies."""
 
 import math
 
@@ -15,18 +15,18 @@ from .run import FrontRun
 
 def tally_of(node: Node, tick: float) -> ContactTally:
     """Totals of the contact at a node; the page has this as JavaScript."""
-    began = math.nan
-    if node.force_began != NONE:
-        began = node.force_began * tick
-    ended = math.nan
-    if node.force_ended != NONE:
-        ended = node.force_ended * tick
+    first = math.nan
+    if node.first_force_tick != NONE:
+        first = node.first_force_tick * tick
+    last = math.nan
+    if node.last_force_tick != NONE:
+        last = node.last_force_tick * tick
     impulse = node.impulse * tick
-    duration = node.pressed * tick
-    return ContactTally(impulse, node.peak_force, duration, began, ended, node.episodes)
+    duration = node.force_ticks * tick
+    return ContactTally(impulse, node.peak_force, duration, first, last, node.episodes)
 
 
-def last_of(run: Run, contacts: list[Node], round_trip: float) -> float:
+def last_contact_end(run: Run, contacts: list[Node], round_trip: float) -> float:
     """When the last contact ended in a proved run, s, as `last_contact` says.
 
     The page has this as JavaScript.
@@ -37,31 +37,31 @@ def last_of(run: Run, contacts: list[Node], round_trip: float) -> float:
             continue
         force_end = math.nan
         if node.status != Status.PRESS:
-            force_end = node.force_ended * run.tick
+            force_end = node.last_force_tick * run.tick_duration
         opening = math.nan
         if node.status < Status.GRAZE:
-            opening = node.opened * run.tick
+            opening = node.last_opening_tick * run.tick_duration
         ends.append([force_end, opening])
-    return last_contact(ends, run.now * run.tick, round_trip)
+    return last_contact(ends, run.now * run.tick_duration, round_trip)
 
 
 def totals_of(run: FrontRun) -> runs.Totals:
-    """Read the totals off a finished run."""
+    """Totals of a finished run."""
     clock = run.clock
     masses = [clock.mass(i) for i in range(len(clock.spans))]
     segments = run.segments
     before = Motion(
         clock,
         masses,
-        velocities=[segment.initial_velocity for segment in segments],
-        vibrations=[segment.initial_vibration for segment in segments],
+        velocities=[segment.initial_group_velocity for segment in segments],
+        vibrations=[segment.initial_vibration_energy for segment in segments],
         momenta=[segment.initial_momentum for segment in segments],
     )
     after = Motion(
         clock,
         masses,
-        velocities=[segment.velocity for segment in segments],
-        vibrations=[segment.vibration for segment in segments],
+        velocities=[segment.group_velocity for segment in segments],
+        vibrations=[segment.vibration_energy for segment in segments],
         momenta=[segment.momentum for segment in segments],
     )
     outside = Outside(run, masses, after.velocities)
@@ -73,14 +73,15 @@ def totals_of(run: FrontRun) -> runs.Totals:
     }
     missing = after.energy - before.energy - outside.wall_work - outside.drive_work
     missing += outside.radiated
-    taking_part = before.energy + outside.lent + sum(map(abs, works.values()))
+    energy_scale = before.energy + outside.boundary_energy_scale
+    energy_scale += sum(map(abs, works.values()))
     return runs.Totals(
         masses=masses,
         velocities=(before.velocities, after.velocities),
         kinetic=(before.kinetic, after.kinetic),
         vibration=(before.vibration, after.vibration),
-        momentum=(gained - outside.impulse, outside.absolute_momentum),
-        energy=(missing, taking_part),
+        momentum=(gained - outside.impulse, outside.momentum_scale),
+        energy=(missing, energy_scale),
         works=works,
     )
 
@@ -90,12 +91,16 @@ class Motion:
 
     Attributes
     ----------
-    velocities, vibration : list of float
-        By body: of its centre of mass, m/s; energy about that, J.
-    kinetic, energy : float
-        Of the centres of mass, and with vibration, J.
+    velocities : [body]
+        Velocities of the centres of mass, m/s.
+    vibration : [body]
+        Vibration energies about these motions, J.
+    kinetic : float
+        Kinetic energy of the centres of mass, J.
+    energy : float
+        Kinetic and vibration energy of all bodies, J.
     momentum : float
-        In the frame, kg m/s over the tick.
+        Momentum in the frame, kg m/s, divided by the tick.
     """
 
     def __init__(
@@ -106,15 +111,16 @@ class Motion:
         vibrations: list[float],
         momenta: list[float],
     ) -> None:
-        own = [velocity + clock.frame for velocity in velocities]
-        group_velocities = [own[s] for s in heads(clock.system, clock.spans)]
+        of_segments = [velocity + clock.frame for velocity in velocities]
+        group_segments = heads(clock.system, clock.spans)
+        group_velocities = [of_segments[s] for s in group_segments]
         by_body = body_velocities(clock.system, group_velocities)
         self.velocities = [float(velocity) for velocity in by_body]
         self.vibration: list[float] = []
         self.kinetic = 0.0
         for mass, (first, last) in zip(masses, clock.spans, strict=True):
             if last > 0:  # no wall
-                self.kinetic += mass * own[first] ** 2 / 2
+                self.kinetic += mass * of_segments[first] ** 2 / 2
             self.vibration.append(math.fsum(vibrations[first : last + 1]) * clock.tick)
         self.energy = self.kinetic + sum(self.vibration)
         self.momentum = math.fsum(momenta)
@@ -131,8 +137,6 @@ class Outside:
         J.
     lent : float
         Energy that may have gone in and out again, J.
-    absolute_momentum : float
-        Sum of all momenta that took part, kg m/s.
     """
 
     def __init__(
@@ -142,24 +146,26 @@ class Outside:
         self.wall_work = 0.0
         self.drive_work = 0.0
         self.radiated = 0.0
-        self.lent = 0.0
-        self.absolute_momentum = run.run.absolute_momentum
+        self.boundary_energy_scale = 0.0
+        self.momentum_scale = run.run.momentum_scale
         self._run = run
-        self._moving = sum(mass for mass in masses if mass < math.inf)
+        self._mass = sum(mass for mass in masses if mass < math.inf)
         for side in (0, -1):
             sign = 1 if side == 0 else -1
             impulse = sign * run.nodes[side].impulse * run.clock.tick
             self.impulse += impulse
-            self.absolute_momentum += abs(impulse)
+            self.momentum_scale += abs(impulse)
             if masses[side] == math.inf:
                 self._add_wall(side, impulse, velocities[side])
             else:
                 self._add_end(side, impulse, sign)
 
-    def _add_wall(self, side: int, impulse: float, speed: float) -> None:
-        self.wall_work += impulse * speed
+    def _add_wall(self, side: int, impulse: float, velocity: float) -> None:
+        self.wall_work += impulse * velocity
         if isinstance(self._run.clock.system.contacts[side], Bonded):
-            self.lent += self._moving * abs(speed) * self._run.run.scale
+            # The wall works on the row and the row on the wall.
+            velocity_scale = self._run.run.velocity_scale
+            self.boundary_energy_scale += self._mass * abs(velocity) * velocity_scale
 
     def _add_end(self, side: int, impulse: float, sign: int) -> None:
         clock = self._run.clock
@@ -171,7 +177,7 @@ class Outside:
             self.radiated -= work
         else:
             self.drive_work += work
-        # What goes in and out again is no more exact than this.
-        scale = self._run.run.scale
-        self.absolute_momentum += self._moving * scale
-        self.lent += self._moving * scale**2 / 2
+        # Momentum and energy that go in and out again leave round-off of these scales.
+        velocity_scale = self._run.run.velocity_scale
+        self.momentum_scale += self._mass * velocity_scale
+        self.boundary_energy_scale += self._mass * velocity_scale**2 / 2

@@ -83,7 +83,7 @@ def count_ticks(
     bits = rule.clock_bits(end / longest)
     if bits < rule.COARSEST:
         return 0, []
-    span = blank(len(durations), rule.SPAN)
+    span = blank(len(durations), rule.DURATION)
     for i in range(len(span)):
         span[i].time = durations[i]
     total = rule.assign_ticks(span, bits) if len(span) > 0 else 1 << bits

@@ -64,7 +64,7 @@ def solve(
     return _hand_over(fine, accuracy, RTOL if rtol is None else rtol)
 
 
-def together(row: Row) -> int:
+def members_per_call(row: Row) -> int:
     """How many members to run in one call; 0 where each is to be run alone.
 
     The force of a bond between rigid bodies follows from signals, which a family does not keep.
@@ -80,8 +80,8 @@ def solve_family(
     until: float | None,
     max_events: int,
     rtol: float | None,
-    stop: Callable[[], bool] = lambda: False,
-    more: int = 0,  # noqa: ARG001 - of every family
+    should_stop: Callable[[], bool] = lambda: False,
+    later_members: int = 0,  # noqa: ARG001 - an argument of every method's family
     also: Sequence[str] = (),
 ) -> runs.FamilyRun | None:
     """Totals of every member; nothing where each is to be run alone.
@@ -91,9 +91,9 @@ def solve_family(
     row : Row
     until, max_events, rtol
         As for a single run.
-    stop : callable
+    should_stop : callable
         Asked now and then whether to give up.
-    more : int
+    later_members : int
         Members that other calls will run in this process.
     also : sequence of str
         "accuracy" if it is wanted.
@@ -101,20 +101,20 @@ def solve_family(
     Raises
     ------
     Stopped
-        If `stop` said so.
+        If `should_stop` said so.
     """
-    if not together(row):
+    if not members_per_call(row):
         return None
     refused = np.zeros(row.system.shape, bool)
     for bad, _, _ in row.beyond_scales() if row.segments else ():
         refused |= bad
     tolerance, members = tolerance_of(rtol), np.flatnonzero(~refused)
     fine = Members(row, Asked(until, tolerance, max_events, keep=False))
-    fine.run_all(members, stop)
+    fine.run_all(members, should_stop)
     found = _family_run(fine, refused.ravel() | (fine.run["stop"][:, 0] == Stop.STUCK))
     if "accuracy" not in also:
         return found
-    errors = stated_errors(fine, members, COARSER * tolerance, stop)
+    errors = stated_errors(fine, members, COARSER * tolerance, should_stop)
     return found._replace(further={"accuracy": errors[:, :SHOWN].max(axis=1)})
 
 

@@ -1,0 +1,229 @@
+"""What all members of a family share: their records, and the order of their values.
+
+The page has this as JavaScript.
+"""
+
+from typing import Any, NamedTuple
+
+from ...model import Steps
+from ..compiling import blank
+from ..laws import Beyond, Law, Status
+from ..walk import frame_of, scale_of
+from . import event_queue
+from .records import (
+    CACHED_DURATION,
+    FRONT,
+    INITIAL_STATE,
+    LINE,
+    NODE,
+    NODE_RESULT,
+    NONE,
+    RUN,
+    SEGMENT,
+    State,
+)
+
+BOUNDARY_KINDS = {
+    "velocity": Beyond.MOVED.value,
+    "force": Beyond.PUSHED.value,
+    "absorbing": Beyond.ENDLESS.value,
+}
+"""What acts on an end, by the name of `Row.outside`."""
+
+CLOSED_STATUS = {
+    Law.PUSH_LEFT: Status.PUSH.value,
+    Law.PUSH_RIGHT: Status.PUSH.value,
+    Law.BOND: Status.BOND.value,
+    Law.RIGID: Status.TOUCH.value,
+}
+"""Status of a closed node before anything is solved, by the law of its link."""
+
+
+class Profile(NamedTuple):
+    """Where the initial state of a body, or a drive, stands: fields of `Segment`."""
+
+    segment: int  # first segment of the body, or what lies outside the end
+    offset: int  # index of the first value among the values of a member
+    velocity_count: int
+    strain_count: int
+    boundary_kind: int  # `laws.Beyond`
+
+
+class FamilyLayout(NamedTuple):
+    """What all members of a family share.
+
+    Attributes
+    ----------
+    row : Row
+    profiles : list of Profile
+    closed_status : list of int
+        Status of each node while its gap is closed, before anything is solved.
+    values : list of float or array
+        Values of the members, in the order that `initial_state` says; those that
+        differ between members are arrays.
+    contacts : list of int
+        Node of each contact.
+    initial_state_count : int
+        Largest number of `InitialState` pieces of a member.
+    duration_count : int
+        Largest number of durations of a member.
+    initial_front_count : int
+        Largest number of fronts of a member at t = 0.
+    """
+
+    row: Any
+    profiles: list[Profile]
+    closed_status: list[int]
+    values: list[Any]
+    contacts: list[int]
+    initial_state_count: int
+    duration_count: int
+    initial_front_count: int
+
+
+def lay_out_family(row: Any) -> FamilyLayout:
+    """The layout of a row that fronts can carry."""
+    values = values_of(row)
+    profiles = append_profiles(row, values)
+    initial_states = len(row.segments)
+    durations = len(row.segments)
+    for profile in profiles:
+        jumps = profile.velocity_count - 1 + profile.strain_count - 1
+        durations += jumps
+        if profile.boundary_kind == Beyond.STEADY:
+            initial_states += jumps
+    contacts: list[int] = []
+    for i in range(len(row.system.gaps)):
+        last_segment = row.spans[i][1]
+        contacts.append(last_segment)
+    return FamilyLayout(
+        row,
+        profiles,
+        closed_status_of(row),
+        values,
+        contacts,
+        initial_states,
+        durations,
+        2 * durations + 2,
+    )
+
+
+def values_of(row: Any) -> list[Any]:
+    """The values of a row, without its profiles."""
+    values: list[Any] = []
+    for segment in row.segments:
+        values.append(segment.wave_speed)
+    for segment in row.segments:
+        values.append(segment.impedance)
+    for segment in row.segments:
+        values.append(segment.length)
+    values.append(frame_of(row))
+    values.append(scale_of(row))
+    values.extend(row.system.gaps)
+    return values
+
+
+def append_profiles(row: Any, values: list[Any]) -> list[Profile]:
+    """Append the profiles of bodies and drives to the values; return their places."""
+    system = row.system
+    outside = len(row.segments) + 1
+    profiles: list[Profile] = []
+    for i, body in enumerate(system.bodies):
+        first, last = row.spans[i]
+        strain = 0.0
+        if body.kind == "rod":
+            strain = body.strain
+        elif last == 0:
+            first = 0 if i == 0 else outside
+        profile = append_profile(
+            values, first, body.velocity, strain, Beyond.STEADY.value
+        )
+        profiles.append(profile)
+    for side in range(2):
+        kind, value = row.outside[side]
+        end = system.ends[side].kind
+        if end == "free":
+            continue
+        boundary_kind = Beyond.STEADY.value
+        if end != "fixed":
+            boundary_kind = BOUNDARY_KINDS[kind]
+        profiles.append(
+            append_profile(values, side * outside, value, 0.0, boundary_kind)
+        )
+    return profiles
+
+
+def append_profile(
+    values: list[Any], segment: int, velocity: Any, strain: Any, boundary_kind: int
+) -> Profile:
+    """Append a velocity and a strain, each constant or in steps, to the values."""
+    offset = len(values)
+    velocities = append_steps(values, velocity)
+    strains = append_steps(values, strain)
+    return Profile(segment, offset, velocities, strains, boundary_kind)
+
+
+def append_steps(values: list[Any], value: Any) -> int:
+    """Append a constant, or steps and their jumps; return the number of steps."""
+    if isinstance(value, Steps):
+        values.extend(value.values)
+        values.extend(value.at)
+        return len(value.values)
+    values.append(value)
+    return 1
+
+
+def closed_status_of(row: Any) -> list[int]:
+    """Status of each node while its gap is closed, before anything is solved."""
+    statuses: list[int] = []
+    for link in row.links:
+        statuses.append(CLOSED_STATUS[link.law])
+    for side in range(2):
+        kind, _ = row.outside[side]
+        if kind == "none":
+            statuses[side * (len(statuses) - 1)] = Status.FREE.value
+    return statuses
+
+
+def make_state(layout: FamilyLayout, log_rows: int, values: list[Any]) -> State:
+    """Records for runs of a layout.
+
+    Parameters
+    ----------
+    layout : FamilyLayout
+    log_rows : int
+        Rows of the log, in addition to those of the fronts at t = 0.
+    values : [member, value]
+    """
+    n = len(layout.closed_status) - 1
+    run = blank(1, RUN)[0]
+    segments = blank(n + 2, SEGMENT)
+    for profile in layout.profiles:
+        segment = segments[profile.segment]
+        segment.profile_offset = profile.offset
+        segment.velocity_count = profile.velocity_count
+        segment.strain_count = profile.strain_count
+        segment.boundary_kind = profile.boundary_kind
+        if profile.boundary_kind == Beyond.ENDLESS:
+            run.momentum_not_conserved = 1
+    nodes = blank(n + 1, NODE)
+    for k, node in enumerate(nodes):
+        node.closed_status = layout.closed_status[k]
+        node.contact = NONE
+    for i, k in enumerate(layout.contacts):
+        nodes[k].contact = i
+        if layout.closed_status[k] == Status.BOND:
+            run.momentum_not_conserved = 1
+    queue = [0 for _ in range(event_queue.size_for(n + 1))]
+    return State(
+        [run],
+        values,
+        blank(layout.duration_count, CACHED_DURATION),
+        blank(layout.initial_state_count, INITIAL_STATE),
+        segments,
+        nodes,
+        blank(2 * n + 4, LINE),
+        blank(layout.initial_front_count + log_rows, FRONT),
+        queue,
+        [blank(n + 1, NODE_RESULT) for _ in values],
+    )

@@ -1,0 +1,103 @@
+"""A single collision in plain Python, on numbers of any kind: floats or fractions."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from ..compiling import blank
+from ..laws import Stop
+from . import energy, events, initial_state
+from .batch import INITIAL_LOG_ROWS
+from .family_layout import FamilyLayout, make_state
+from .members import run_to_end
+from .records import CHANGE, FRONT, NONE, Amplitude, Front, Run, State
+
+
+class Simulation(State):
+    """A single collision on objects; times and amplitudes are numbers of any kind."""
+
+    __slots__ = ()
+
+    @property
+    def run(self) -> Run:
+        """The record of the run."""
+        return self.runs[0]
+
+    @property
+    def changes(self) -> list[Front]:
+        """Rows of the log in which contacts changed their status."""
+        return [row for row in self.log[: self.run.log_rows] if row.line == CHANGE]
+
+    def run_to_proof(self, max_events: int, tolerance: Amplitude = 0.0) -> Stop:
+        """Run to the proof of finality, and one tick more."""
+        self.run.end_tick = NONE
+        self.run.ticks_after_proof = 1
+        return self._run(max_events, tolerance)
+
+    def run_to(
+        self, end_tick: Any, max_events: int, tolerance: Amplitude = 0.0
+    ) -> Stop:
+        """Run to a tick."""
+        self.run.end_tick = end_tick
+        return self._run(max_events, tolerance)
+
+    def advance(self, horizon: int) -> None:
+        """Run to a tick, and leave the totals of the nodes as they are."""
+        while events.advance(self, horizon) == Stop.FULL:
+            self._grow_log()
+
+    def _run(self, max_events: int, tolerance: Amplitude) -> Stop:
+        run = self.run
+        run.max_events = max_events
+        run.velocity_tolerance = tolerance
+        run.closing_window = 0
+        stop = run_to_end(self)
+        while stop == Stop.FULL:
+            self._grow_log()
+            stop = run_to_end(self)
+        events.advance_totals_to(self, run.now)
+        return Stop(stop)
+
+    def _grow_log(self) -> None:
+        log: Any = self.log
+        log.extend(blank(len(log), FRONT))
+
+
+def start_simulation(
+    layout: FamilyLayout,
+    values: Sequence[Any],
+    ticks: Sequence[Any],
+    tick_duration: Any,
+    frame_velocity: Any = 0.0,
+) -> Simulation:
+    """Build the initial state of a collision.
+
+    Times and amplitudes may be floats or fractions, also fractions that record how they
+    were computed.
+
+    Parameters
+    ----------
+    layout : FamilyLayout
+        Layout of a collision in which velocities and strains do not jump.
+    values : sequence
+        Values of the member, in place of those of the layout.
+    ticks : [segment]
+        Transit times, ticks.
+    tick_duration : number
+        s.
+    frame_velocity : number
+        Velocity of the frame, m/s.
+    """
+    state = Simulation(*make_state(layout, INITIAL_LOG_ROWS, []))
+    state.run.tick_duration = tick_duration
+    state.run.frame_velocity = frame_velocity
+    segments = state.segments
+    initial_state.split_at_jumps(state, values)
+    n = len(ticks)
+    for s in range(1, n + 1):
+        segments[s].transit = ticks[s - 1]
+        segments[s].mobility = 1 / values[n + s - 1]
+    initial_state.initialise_member(state, values)
+    events.start(state)
+    energy.update_motion(state)
+    energy.store_initial_motion(segments)
+    return state
