@@ -33,14 +33,25 @@ Kernel = Callable[..., Any]
 Functions = tuple[tuple[int, Any], ...]
 """Functions of the user that stand for the kernel function `own`, by its first argument."""
 
-OPTIONS = {"error_model": "numpy", "nogil": True}
-"""Of every kernel: a division by zero is inf, as the kernels expect; threads run side by side."""
+OPTIONS = {
+    "error_model": "numpy",  # division by zero gives inf, as the kernels expect
+    "nogil": True,  # threads run side by side
+    "no_rewrites": True,  # numba need not look for array expressions: kernels have none
+}
+"""Options of every kernel for numba."""
 
 INNER = OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-"""Of what kernels call: nothing else does, so it needs no door to Python, and compiles faster."""
+"""Options of functions that only kernels call: without an entry from Python they compile faster."""
+
+OPTIMISATION_LEVEL = 2
+"""LLVM's level for kernels. Level 3, numba's default, takes longer, and its code is no faster."""
+
+LARGE_FRAME = (
+    1 << 15
+)  # words of a stack frame that is larger than a chunk of CPython's stack
 
 ONE_AT_A_TIME = threading.RLock()
-"""Of threads that start numba or compile; who forks waits for it, too."""
+"""Lock for threads that start numba or compile; a thread that forks waits for it, too."""
 
 
 def compiler() -> Any:
@@ -53,7 +64,10 @@ def compiler() -> Any:
 
 @contextlib.contextmanager
 def uncollected() -> Iterator[None]:
-    """Look for no garbage: numba makes millions of objects that stay, a seventh of its time."""
+    """Suspend the garbage collector.
+
+    Numba makes millions of objects that stay; looking through them takes a seventh of its time.
+    """
     before = gc.isenabled()
     gc.disable()
     try:
@@ -61,6 +75,42 @@ def uncollected() -> Iterator[None]:
     finally:
         if before:
             gc.enable()
+
+
+@contextlib.contextmanager
+def optimised_for_kernels() -> Iterator[None]:
+    """Compile at `OPTIMISATION_LEVEL`, or at a lower level that NUMBA_OPT asks for.
+
+    Numba documents the variable NUMBA_OPT, and that its values are in `numba.config`; it reads
+    this one whenever it compiles.
+    """
+    config = compiler().config
+    before = config.OPT
+    if before > OPTIMISATION_LEVEL:
+        config.OPT = type(before)(OPTIMISATION_LEVEL)
+    try:
+        yield
+    finally:
+        config.OPT = before
+
+
+def _call(function: Kernel, argument: Any) -> None:
+    function(argument)
+
+
+call_on_deep_stack = FunctionType(
+    _call.__code__.replace(co_stacksize=LARGE_FRAME), globals()
+)
+"""Call a function with an argument, with room on the stack for a thousand frames below it.
+
+CPython keeps the frames of Python functions in chunks of 16 kB. A call that crosses the end of a
+chunk allocates the next one, and its return frees it. Numba calls so deeply, and so often at one
+depth, that this took a quarter of the time of compiling. A frame larger than a chunk gets one that
+holds twice as much as the frame, so that all calls below fit into it.
+
+`code.replace` is documented; the chunks are an implementation detail of CPython 3.11 to 3.14. If
+that changes, compiling takes longer and nothing else changes.
+"""
 
 
 class DamagedCache(UserWarning):
@@ -104,8 +154,9 @@ class Compiled:
         """Run it."""
         try:
             if not self._ready:  # with a lock that a fork waits for; numba's is private
-                with ONE_AT_A_TIME, uncollected():
-                    self._fast.compile(tuple(map(compiler().typeof, given)))
+                with ONE_AT_A_TIME, uncollected(), optimised_for_kernels():
+                    types = tuple(map(compiler().typeof, given))
+                    call_on_deep_stack(self._fast.compile, types)
                 self._ready = True
             return self._fast(*given)
         except Exception as error:

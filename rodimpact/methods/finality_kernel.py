@@ -1,9 +1,9 @@
-"""When the two sides of a contact are proved never to meet again, for all methods.
+"""Proof that the two sides of a contact never meet again, for all methods.
 
-On each side stands a group of bonded bodies, or a wall. As long as nothing touches it, its end
-moves with the mean velocity of the group, and deviates from that motion by no more than a bound:
-d = integral(strain g dx), g the mass fraction beyond x as seen from that end, is at most
-sqrt(2 E integral(g^2 dx/(E A))), E the energy of vibration, which never grows. Methods say what
+On each side stands a group of bonded bodies, or a wall. As long as nothing touches the group, its
+end moves with the mean velocity of the group, and deviates from that motion by no more than a
+bound: d = integral(strain g dx), g the mass fraction beyond x as seen from that end, is at most
+sqrt(2 E integral(g^2 dx/(E A))), E the vibration energy, which never grows. Methods say what
 their groups do; the proof is the same.
 """
 
@@ -12,33 +12,37 @@ from typing import Any
 
 
 def separation_time(
-    opening: Any, least: Any, apart: Any, square: Any, tol: Any
+    opening: Any, least_opening: Any, mean_gap: Any, bound_squared: Any, tolerance: Any
 ) -> float:
-    """Time until a contact may be proved not to close again: 0 if it is, inf if not as it is.
+    """Time after which the proof that a contact stays open can succeed.
+
+    It is 0 if the proof succeeds now, and inf if the mean motions do not open the gap.
 
     Parameters
     ----------
     opening : float
         Mean velocity of the right group, less that of the left one.
-    least : float
+    least_opening : float
         Least velocity at which their ends can part as long as both are free.
-    apart : float
-        The gap, less what both ends are nearer to each other than by their mean motions.
-    square : float
-        Of the distance that vibration can bridge; no root is taken where it decides.
-    tol : float
-        Velocity that counts as none.
+    mean_gap : float
+        Gap between the mean motions: the gap, less the deviation of the right end, plus that of
+        the left end.
+    bound_squared : float
+        Square of the distance that vibration can bridge. The proof itself takes no root, so that
+        it works on fractions.
+    tolerance : float
+        Velocity that counts as zero.
     """
-    if least >= -tol:
+    if least_opening >= -tolerance:
         return 0.0
-    if opening >= -tol and apart > 0 and apart * apart > square:
+    if opening >= -tolerance and mean_gap > 0 and mean_gap * mean_gap > bound_squared:
         return 0.0
     wait = math.inf
-    if opening > tol:
-        wait = (math.sqrt(square) - apart) / opening
+    if opening > tolerance:
+        wait = (math.sqrt(bound_squared) - mean_gap) / opening
     return wait
 
 
-def undecided(opening: Any, least: Any, tol: Any) -> bool:
-    """Whether velocities alone do not tell."""
-    return bool(least < -tol <= opening)
+def undecided(opening: Any, least_opening: Any, tolerance: Any) -> bool:
+    """Whether the velocities alone decide nothing, so that the bounds are needed."""
+    return bool(least_opening < -tolerance <= opening)

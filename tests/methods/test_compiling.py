@@ -1,5 +1,6 @@
 """Kernels by stock numba: what is kept on disk, and what is not used again."""
 
+import contextlib
 import gc
 import os
 import warnings
@@ -40,6 +41,43 @@ def test_who_looks_for_no_garbage_goes_on_without():
         assert not gc.isenabled()
     finally:
         gc.enable()
+
+
+def test_kernels_are_optimised_at_their_level_which_is_then_restored():
+    config = pytest.importorskip("numba").config
+    before = config.OPT
+    level_inside = fail_while_optimising()
+    assert level_inside == min(compiling.OPTIMISATION_LEVEL, before)
+    assert config.OPT is before
+
+
+def fail_while_optimising():
+    """The level inside of a compilation that fails."""
+    levels = []
+    with (
+        contextlib.suppress(RuntimeError),
+        compiling.optimised_for_kernels(),
+    ):
+        levels.append(int(compiling.compiler().config.OPT))
+        raise RuntimeError("not compiled")
+    return levels[0]
+
+
+def test_a_lower_level_that_the_user_asks_for_is_kept(monkeypatch):
+    config = pytest.importorskip("numba").config
+    lower = type(config.OPT)(1)
+    monkeypatch.setattr(config, "OPT", lower)
+    with compiling.optimised_for_kernels():
+        assert config.OPT is lower
+    assert config.OPT is lower
+
+
+def test_a_call_on_a_deep_stack_is_a_call():
+    calls = []
+    compiling.call_on_deep_stack(calls.append, 1)
+    assert calls == [1]
+    with pytest.raises(ZeroDivisionError):
+        compiling.call_on_deep_stack(lambda x: 1 / x, 0)
 
 
 def test_what_one_function_calls_becomes_part_of_it_and_what_several_call_does_not():

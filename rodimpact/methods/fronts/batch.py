@@ -117,8 +117,12 @@ class Batch:
         numbers = rows * NUMBERS_PER_LIST_ROW
         if self.is_compiled:
             numbers = rows * 2 * NUMBERS_PER_ROW
-        what = f"a run of more than {rows} fronts"
-        ask(numbers, "max_events", what, "lower the cap, or stop earlier (until)")
+        ask(
+            numbers,
+            "max_events",
+            f"a run of more than {rows} fronts",
+            "lower the cap, or stop earlier (until)",
+        )
         self.state = self.state._replace(log=lengthened(self.state.log, FRONT))
 
     def to_arrays(self) -> None:

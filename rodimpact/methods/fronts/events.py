@@ -89,9 +89,11 @@ def find_bonded_groups(segments: Sequence[Segment], nodes: Sequence[Node]) -> No
     """Find the first and the last segment of the bonded group of each segment."""
     n = len(nodes) - 1
     for s in range(n + 2):
-        is_outside = s < 1 or s > n
-        segments[s].group_first = 1 if is_outside else s
-        segments[s].group_last = 0 if is_outside else s
+        segments[s].group_first = s
+        segments[s].group_last = s
+        if s < 1 or s > n:  # what lies outside is no group
+            segments[s].group_first = 1
+            segments[s].group_last = 0
     for k in range(1, n):
         if nodes[k].status == Status.BOND:
             segments[k + 1].group_first = segments[k].group_first

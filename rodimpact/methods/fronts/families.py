@@ -86,9 +86,9 @@ def solve_family(
             contacts[name] = [columns[name, k] for k in layout.contacts]
         else:
             contacts[name] = [results.of(name, k) for k in layout.contacts]
-    further = {"dissipated": results.masked(np.zeros(row.members))}
+    extra_columns = {"dissipated": results.masked(np.zeros(row.members))}
     if needs_waves:
-        further |= wave_columns(row, results)
+        extra_columns |= wave_columns(row, results)
     return runs.FamilyRun(
         before=body_columns(row, results, "velocity_before", group_segments),
         after=body_columns(row, results, "velocity_after", group_segments),
@@ -96,7 +96,7 @@ def solve_family(
         contacts=contacts,
         final=is_final,
         stopped_by=runs.stopped_by(is_refused, is_final, is_capped, until),
-        further=further,
+        further=extra_columns,
     )
 
 

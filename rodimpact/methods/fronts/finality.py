@@ -142,7 +142,9 @@ def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
     group.mean_velocity = momentum / mass
     group.min_end_velocity = lowest
     group.max_end_velocity = highest
-    group.is_end_velocity_bounded = 1 if first == last else 0
+    group.is_end_velocity_bounded = 0
+    if first == last:
+        group.is_end_velocity_bounded = 1
 
     is_semi_infinite = False
     for side in range(2):  # what the group is bonded to outside
@@ -200,7 +202,9 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
     is_anchored = has_left_bond or state.nodes[last].status == Status.BOND
     far_mobility = zero  # of what holds the far end
     if is_anchored:
-        far = len(segments) - 1 if is_right else 0
+        far = 0
+        if is_right:
+            far = len(segments) - 1
         far_mobility += segments[far].mobility
 
     mass_fraction = zero  # of the segments from the far end to here
@@ -230,7 +234,9 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
             is_last = False
             while not is_last:
                 is_last = r == NONE
-                low = 0 if is_last else now - log[r].tick
+                low = 0
+                if not is_last:
+                    low = now - log[r].tick
                 width = edge - low
                 energy += wave * wave * width / (4 * mobility)
                 taken += wave * width / (2 * mobility)
@@ -242,8 +248,9 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
                     edge = low
                     wave = log[r].value - group.mean_velocity
                     r = log[r].next_row
-    outward_deviation = -deviation if is_right else deviation
-    group.end_deviation = outward_deviation - far_mobility * taken
+    if is_right:
+        deviation = -deviation
+    group.end_deviation = deviation - far_mobility * taken
     is_steady = no_front_in_flight(state.lines, first, last)
     is_pressing = state.nodes[k].status == Status.PRESS
     if not is_steady or (far_mobility > 0 and is_pressing):

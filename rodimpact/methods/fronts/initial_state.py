@@ -75,8 +75,9 @@ def choose_clock(state: State, values: Values) -> None:
     run.longest_transit_time = 0.0
     for s in range(1, n + 1):
         run.longest_transit_time = max(run.longest_transit_time, durations[s - 1].time)
-    horizon = default_horizon(state, values)
-    run.horizon = run.until if run.until >= 0 else horizon
+    run.horizon = default_horizon(state, values)
+    if run.until >= 0:
+        run.horizon = run.until
     bits = rule.clock_bits(run.horizon / run.longest_transit_time)
     set_drive_times(run, values, durations, segments)
     for i in range(jump_end, len(durations) - run.drive_jump_count):

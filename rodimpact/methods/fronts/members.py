@@ -64,7 +64,7 @@ def run_to_end(state: State) -> int:
     stop = Stop.NONE.value
     is_running = True
     while is_running:
-        end_is_known = not proves or run.proved_tick != NONE
+        end_is_known = run.end_tick != NONE or run.proved_tick != NONE
         horizon = find_horizon(run)
         stop = events.advance(state, horizon)
         if stop == Stop.DONE and end_is_known:
@@ -74,7 +74,9 @@ def run_to_end(state: State) -> int:
         end_is_found = not end_is_known and run.proved_tick != NONE
         is_running = stop == Stop.CHECK or (stop == Stop.DONE and end_is_found)
     if stop == Stop.DONE and proves:
-        return Stop.CLOCK.value if run.proved_tick == NONE else Stop.FINAL.value
+        stop = Stop.FINAL.value
+        if run.proved_tick == NONE:
+            stop = Stop.CLOCK.value
     return stop
 
 
@@ -150,7 +152,9 @@ def store_member_result(state: State, results: Sequence[NodeResult]) -> None:
         vibration_energy += segment.vibration_energy
     member = results[0]
     member.stop_reason = run.stop_reason
-    member.is_proved = 0 if run.proved_tick == NONE else 1
+    member.is_proved = 0
+    if run.proved_tick != NONE:
+        member.is_proved = 1
     member.vibration_energy = vibration_energy * tick
     member.end_time = time
     member.frame_velocity = run.frame_velocity

@@ -113,9 +113,11 @@ def effect_of_rounding(run: FrontRun) -> Mapping[str, float]:
     """
     if run.clock.transit_error <= ROUNDED or run.stopped_by == "max_events":
         return NO_ROUNDING
-    until = None if run.run.until < 0 else run.run.until
-    max_events = RERUN_EVENT_FACTOR * run.run.events + RERUN_EVENT_FACTOR
-    request = RunRequest(until, max_events, perturb_rounding=True)
+    request = RunRequest(
+        until=run.until,
+        max_events=RERUN_EVENT_FACTOR * (run.run.events + 1),
+        perturb_rounding=True,
+    )
     other = FrontRun(driver.solve_one(run.layout, request))
     if other.stopped_by != run.stopped_by:
         return dict.fromkeys(runs.MEASURES, math.inf)

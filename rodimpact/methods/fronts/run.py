@@ -69,6 +69,13 @@ class FrontRun:
         return self.proved_tick != NONE
 
     @property
+    def until(self) -> float | None:
+        """End that was asked for, s."""
+        if self.run.until < 0:
+            return None
+        return self.run.until
+
+    @property
     def contacts(self) -> list[Node]:
         """The nodes of the contacts."""
         return [self.nodes[k] for k in self.layout.contacts]
