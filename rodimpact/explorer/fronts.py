@@ -13,7 +13,7 @@ from ..methods.fronts import events, members
 from ..methods.fronts.family_layout import lay_out_family, make_state
 from ..methods.fronts.initial_state import round_trip
 from ..methods.fronts.records import FRONT, IDLE, NONE
-from ..methods.fronts.status import status_of
+from ..methods.fronts.status import faint_sentence, status_of
 from ..methods.fronts.totals import last_contact_end, tally_of
 from ..methods.groups import body_velocities, heads
 from ..methods.laws import Stop
@@ -223,10 +223,11 @@ def sentence_of(run: Any) -> str:
     segments = run["state"].segments
     last = last_contact_end(it, contacts, round_trip(segments) * it.tick_duration)
     sentence = status_of(it, contacts, row.system, is_proved(run), last)
+    faint = faint_sentence(it, contacts, row.system)
     ticks = [at.transit for at in segments[1 : len(row.segments) + 1]]
     rounded, worst = most_rounded(row, ticks, it.tick_duration)
     strain = it.max_wave / smallest([piece.wave_speed for piece in row.segments])
-    return sentence + rounding(rounded, worst) + strain_warning(strain)
+    return sentence + rounding(rounded, worst) + strain_warning(strain) + faint
 
 
 def solved_by_fronts(system: Any, asked: Any) -> Any:

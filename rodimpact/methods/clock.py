@@ -115,7 +115,7 @@ def most_rounded(row: Any, ticks: Any, tick: float) -> tuple[float, str]:
 
 def too_long(end: float, longest: float) -> tuple[str, str]:
     """Path and sentence for a run to `end`, s, which no clock counts; `longest` transit time, s."""
-    most = longest * 2.0 ** (rule.CLOCK_BITS - 1 - rule.COARSEST)
+    most = longest * 2.0 ** (rule.CLOCK_BITS - 1 - rule.MIN_TRANSIT_BITS)
     return "until", (
         f"a run of {end:g} s is {end / longest:.3g} times the longest transit time {longest:g} s, "
         f"more than the clock can count; stop before {most:.3g} s"

@@ -3,7 +3,7 @@
 On each side stands a group of bonded bodies, or a wall. As long as nothing touches the group, its
 end moves with the mean velocity of the group, and deviates from that motion by no more than a
 bound: d = integral(strain g dx), g the mass fraction beyond x as seen from that end, is at most
-sqrt(2 E integral(g^2 dx/(E A))), E the vibration energy, which never grows. Methods say what
+sqrt(2 U integral(g^2 dx/(E A))), U the vibration energy, which never grows. Methods say what
 their groups do; the proof is the same.
 """
 

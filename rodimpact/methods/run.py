@@ -100,7 +100,9 @@ class ContactTally(NamedTuple):
     peak_force : float
         N.
     duration : float
-        Force duration, s: total time with force.
+        Force duration, s: total time with force. By fronts, forces that give velocities below
+        2^-48 of the largest difference count as zero: a force that decays for ever ends there, and
+        `Solution.accuracy` states the error of durations and times.
     first, last : float
         When the force first begins and last ends, s; nan if there was none.
     episodes : int

@@ -15,13 +15,16 @@ from .compiling import dtype_of
 
 MAX_TERM = 1 << 20  # largest numerator or denominator of a recognised ratio
 RATIO_RTOL = 4.0 * 2.0**-52  # round-off in a ratio of two quotients of floats
-MAX_PARTS = 1 << 40  # largest number of units in the longest duration
-DIVISIBLE = 720720  # least common multiple of 1 to 16
-MIN_UNIT = 2.0**40  # ticks; rounding a longer unit of a further class is harmless
+MAX_PARTS = 1 << 40  # largest number of equal parts of the longest duration
+DIVISIBLE = (
+    720720  # least common multiple of 1 to 16: its multiples have whole fractions
+)
+MIN_UNIT = 2.0**40  # ticks in a part of a further class: its rounding is below 2^-41
 
 CLOCK_BITS = 62  # ticks end at 2^62
-HORIZON = 4096  # longest transits that a clock can count if no end is given
-FINEST, COARSEST = 50, 20  # longest transit in ticks, as a power of two
+HORIZON = 4096  # a clock without a given end can count so many longest transits
+MAX_TRANSIT_BITS = 50  # the longest transit has at most 2^50 ticks, or a few more
+MIN_TRANSIT_BITS = 20  # and at least 2^20
 
 
 class Duration:
@@ -29,7 +32,7 @@ class Duration:
 
     time: float  # s
     ticks: int
-    sorted_index: int  # index of the duration that comes here by decreasing time
+    sorted_index: int  # index of the i-th longest duration, i the place of this record
     p: int  # ratio p/q to the leader of its class;
     q: int  # q = 0: none is found, q < 0: it has its ticks
 
@@ -130,10 +133,10 @@ def sort_durations(durations: Sequence[Duration], drive_count: int) -> None:
 def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0) -> int:
     """Give each duration its whole number of ticks; return that of the longest (about 2^bits).
 
-    A tick is the longest duration divided by the number returned. The class of the longest is
-    exact, and simple fractions of its unit are whole ticks too, for gaps that close there. A
-    further class is exact while its unit has at least 2^40 ticks; what is left is rounded
-    singly, by at most half a tick.
+    A tick is the longest duration that is no time of a drive, divided by the number returned.
+    The class of the longest is exact, and simple fractions of its unit are whole ticks too, for
+    gaps that close there. A further class is exact while its unit has at least 2^40 ticks. The
+    other durations are rounded singly, by at most half a tick.
 
     Parameters
     ----------
@@ -163,7 +166,7 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
         unit = 0  # ticks of a part
         if start == 0:
             unit = max(1, ((1 << bits) + parts // 2) // parts)
-            if unit > DIVISIBLE * DIVISIBLE:
+            if unit > DIVISIBLE * DIVISIBLE:  # shorter by 1/DIVISIBLE at most
                 unit -= unit % DIVISIBLE
             longest_ticks = unit * parts
         elif parts > 0:
@@ -181,13 +184,13 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
 
 
 def clock_bits(ratio: float) -> int:
-    """Ticks of the longest transit, as a power of two, for a run of `ratio` longest transits."""
+    """Base-2 logarithm of the longest transit in ticks, for a run of `ratio` longest transits."""
     if ratio == 0:
-        return FINEST
+        return MAX_TRANSIT_BITS
     if not 0 < ratio < math.inf:
         return 0
     mantissa, exponent = math.frexp(ratio)
     bits = CLOCK_BITS - exponent
     if mantissa > 0.5:  # ratio is no power of two: round up
         bits -= 1
-    return min(FINEST, bits)
+    return min(MAX_TRANSIT_BITS, bits)

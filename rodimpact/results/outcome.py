@@ -98,8 +98,9 @@ class Outcome(OnlyContact[float]):
     wall_work : float
         Work done by moving walls, J.
     momentum_residual, energy_residual : float
-        Momentum and energy that are missing in the balance at the end, over the sum of absolute
-        momenta and over the energy that took part.
+        Momentum and energy that are missing in the balance at the end. The momentum is relative to
+        the impulses and the momentum of all masses at the largest difference of velocities; the
+        energy relative to the works, the energy before, and that of all masses at that velocity.
     final : bool
         Whether it is proved that no contact can happen again.
     status : str
@@ -354,6 +355,6 @@ def _unbalanced(momentum: float, energy: float) -> str:
         if not abs(share) <= UNBALANCED
     )
     return missing and (
-        f" The balance does not close: {missing} is missing. Take a smaller "
-        "rtol, or numbers that are nearer to each other."
+        f" The balance does not close: {missing} is missing. Take another method, or "
+        "numbers that are nearer to each other."
     )

@@ -209,7 +209,7 @@ def test_only_a_contact_that_has_pressed_opens(before, opened):
     """What touched without force since it closed leaves the last opening as it is."""
     (run,), (at,), (row,) = blank(1, RUN), blank(1, NODE), blank(1, FRONT)
     at.status, at.last_opening_tick = before.value, 7
-    contacts.log_contact_change(run, at, row, 1, 9, Status.OPEN.value)
+    contacts.log_contact_change(run, at, row, 1, 9, Status.OPEN.value, 1.0)
     assert (at.last_opening_tick, row.tick, row.next_row, row.value) == (
         opened,
         9,

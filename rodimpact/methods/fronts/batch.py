@@ -18,7 +18,7 @@ from .members import run_members
 from .records import (
     CACHED_DURATION,
     FRONT,
-    INITIAL_STATE,
+    INITIAL_PIECE,
     LINE,
     NODE,
     NODE_RESULT,
@@ -29,13 +29,15 @@ from .records import (
 )
 
 INITIAL_LOG_ROWS = 32  # rows of the log, in addition to those at t = 0
-NUMBERS_PER_ROW = 18  # memory of a row of the log, with what results make of it
+NUMBERS_PER_ROW = (
+    18  # memory of a row of the log with its signals, in numbers of 8 bytes
+)
 NUMBERS_PER_LIST_ROW = 60  # the same in plain Python
 
 RECORD_TYPES = {
     "runs": RUN,
     "durations": CACHED_DURATION,
-    "initial_states": INITIAL_STATE,
+    "initial_pieces": INITIAL_PIECE,
     "segments": SEGMENT,
     "nodes": NODE,
     "lines": LINE,
@@ -91,16 +93,16 @@ class Batch:
 
     def load_members(self, values: Array) -> None:
         """Take the values of other members, [member, value]."""
-        members = len(values)
-        nodes = len(self.layout.closed_status)
+        member_count = len(values)
+        node_count = len(self.layout.closed_status)
         if self.is_compiled:
             # Results reuse the memory: new memory takes longer than a run.
-            if len(self._result_buffer) < members:
-                self._result_buffer = np.empty((members, nodes), NODE_RESULT)
-            results: Any = self._result_buffer[:members]
+            if len(self._result_buffer) < member_count:
+                self._result_buffer = np.empty((member_count, node_count), NODE_RESULT)
+            results: Any = self._result_buffer[:member_count]
             rows: Any = values
         else:
-            results = [blank(nodes, NODE_RESULT) for _ in range(members)]
+            results = [blank(node_count, NODE_RESULT) for _ in range(member_count)]
             rows = values.tolist()
         self.state = self.state._replace(values=rows, results=results)
 
@@ -112,11 +114,11 @@ class Batch:
         return bool(kernel(self.state))
 
     def grow_log(self) -> None:
-        """Make the log longer."""
+        """Make the log longer; TooLong if that takes too much memory."""
         rows = len(self.state.log)
         numbers = rows * NUMBERS_PER_LIST_ROW
         if self.is_compiled:
-            numbers = rows * 2 * NUMBERS_PER_ROW
+            numbers = rows * 2 * NUMBERS_PER_ROW  # takes memory as its rows are used
         ask(
             numbers,
             "max_events",

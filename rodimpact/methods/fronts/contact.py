@@ -11,6 +11,14 @@ import math
 from ..laws import Status
 from .records import CHANGE, IDLE, NEVER, NONE, Amplitude, Front, Node, Run
 
+FAINT_TOLERANCES = 1 << 24
+"""Velocity tolerances in the closing velocity of a faint force.
+
+A force that decays as r^n falls below the tolerance from less than tolerance/r. So every decay
+with r > 2^-24 passes through faint forces, and with the tolerance of 2^-48 also every smaller r
+that is no round-off. Other forces end as waves cancel, and do not pass through faint ones.
+"""
+
 
 def reset_node(node: Node, zero: Amplitude) -> None:
     """Set a node to t = 0; `closed_status` and `gap` are set before."""
@@ -27,6 +35,8 @@ def reset_node(node: Node, zero: Amplitude) -> None:
     node.last_force_tick = NONE
     node.last_opening_tick = NONE
     node.force_ticks = 0
+    node.is_faint = 0
+    node.faint_ticks = 0
     node.episodes = 0
 
 
@@ -71,20 +81,33 @@ def resolve_contact(
 
 
 def log_contact_change(
-    run: Run, node: Node, row: Front, k: int, tick: int, status: int
+    run: Run,
+    node: Node,
+    row: Front,
+    k: int,
+    tick: int,
+    status: int,
+    mobility: Amplitude,
 ) -> None:
     """Change the status of the contact at node k, and enter that in a row of the log.
 
-    A change from OPEN to OPEN is a touch without a force.
+    A change from OPEN to OPEN is a touch without a force. `mobility` is Y1 + Y2.
     """
     before = node.status
     node.status = status
+    node.is_faint = 0
+    if before == Status.PRESS and status == Status.GRAZE:
+        last_closing = node.force * mobility
+        if last_closing <= run.velocity_tolerance * FAINT_TOLERANCES:
+            node.is_faint = 1
     if status == Status.PRESS:
         if before != Status.GRAZE:
             node.episodes += 1
         if node.first_force_tick == NONE:
             node.first_force_tick = tick
-        run.next_proof_tick = IDLE  # no proof can succeed before the force ends
+        # A proof while a contact presses succeeds only with no front left in flight:
+        # `run_to_end` tries that when there are no more events.
+        run.next_proof_tick = IDLE
     else:
         run.next_proof_tick = min(run.next_proof_tick, tick)
         if before == Status.PRESS:
@@ -93,7 +116,7 @@ def log_contact_change(
             node.last_opening_tick = tick
     row.tick = tick
     row.line = CHANGE
-    row.next_row = k
+    row.next_row = k  # the node
     row.value = status
 
 
@@ -113,14 +136,17 @@ def solve_force(
     Returns
     -------
     float
-        Velocity of the left face without the force, m/s.
+        a, the velocity of the left face without the force, m/s. At a pushed left end,
+        which has no left segment, a + b, the velocity of the end.
     """
     force = 0 * a
     force_free_velocity = a
     if node.status == Status.PRESS or node.status == Status.BOND:
         force = (a - b) / (left_mobility + right_mobility)
     elif node.status == Status.PUSH:
-        if is_left_end:
+        if (
+            is_left_end
+        ):  # the wave from outside is a = F Y2, and the end has v = b + F Y2
             force = a / right_mobility
             force_free_velocity = a + b
         else:
@@ -141,6 +167,8 @@ def accumulate_contact_totals(node: Node, dt: int, window: int) -> None:
             node.peak_force = max(node.peak_force, node.force)
     if node.status == Status.PRESS:
         node.force_ticks += dt
+    elif node.is_faint:
+        node.faint_ticks += dt
 
 
 def find_closing_tick(node: Node, tick: int, arrival_tick: int, window: int) -> int:

@@ -25,7 +25,8 @@ FIRST_BLOCK_SIZE = 64  # members
 MAX_BLOCK_SIZE = 2048
 BLOCK_GROWTH = 16  # growth factor of the block size after a quick block
 BLOCK_TIME = 0.1  # s; a block aims at less, so that `should_stop` is asked that often
-processor_time = getattr(time, "thread_time", time.perf_counter)  # none in a browser
+# Browsers have no time of a thread.
+processor_time = getattr(time, "thread_time", time.perf_counter)
 
 
 # A single collision -------------------------------------------------------------------
@@ -47,15 +48,19 @@ def solve_one(
     forecast : Forecast, optional
         Told how long the run takes.
 
+    Returns
+    -------
+    Batch
+        Its stop reason may be OVERFLOW, LONG or SHORT: `FrontRun` raises InvalidModel.
+
     Raises
     ------
     TooLong
         If the run takes too much memory.
-    InvalidModel
-        When velocities overflow, or transit times are too far apart for one clock.
     """
-    clock_time = layout.initial_front_count**2 * PLAIN_PAIR_TIME
-    is_compiled = kernels.worth_compiling(clock_time, run_members)
+    # The tick rule compares all pairs of durations.
+    tick_rule_time = (2 * layout.duration_count) ** 2 * PLAIN_PAIR_TIME
+    is_compiled = kernels.worth_compiling(tick_rule_time, run_members)
     batch = Batch(
         layout, request._replace(run_past_proof=True), is_compiled=is_compiled
     )
@@ -77,9 +82,9 @@ def announce(forecast: Forecast, batch: Batch) -> None:
     events = int(run.events)
     expected = expected_events(run)
     event_time = EVENT_TIME if batch.is_compiled else PLAIN_EVENT_TIME
-    left = (expected - events) * event_time
-    if left > duration.SOON:  # compiling may have taken longer
-        forecast.expect(left, f"some {expected:.2g} events")
+    remaining_time = (expected - events) * event_time
+    if remaining_time > duration.SOON:  # compiling may have taken longer
+        forecast.expect(remaining_time, f"some {expected:.2g} events")
     forecast.reached(events, expected)
 
 
@@ -178,8 +183,8 @@ class MemberValues:
     """The values of the members of a family, block by block."""
 
     def __init__(self, layout: FamilyLayout) -> None:
-        rows = min(layout.row.members, MAX_BLOCK_SIZE)
-        self._block = np.empty((rows, len(layout.values)))
+        size = min(layout.row.members, MAX_BLOCK_SIZE)
+        self._block = np.empty((size, len(layout.values)))
         self._varying: dict[int, Array] = {}
         for j, value in enumerate(layout.values):
             if np.ndim(value) == 0:
@@ -190,7 +195,7 @@ class MemberValues:
 
     def values_of(self, block: slice) -> Array:
         """Values of some members, [member, value]; the next call overwrites them."""
-        rows = self._block[: block.stop - block.start]
+        values = self._block[: block.stop - block.start]
         for j, value in self._varying.items():
-            rows[:, j] = value[block]
-        return rows
+            values[:, j] = value[block]
+        return values

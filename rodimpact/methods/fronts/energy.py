@@ -140,8 +140,9 @@ def largest_difference(
             b1 = end
             if wave_b.next_row != NONE:
                 b1 = min(log[wave_b.next_row].tick, end)
-            # The parts of both waves that meet at all, between 0 and the end. A sum of
-            # two ticks could overflow.
+            # Parts of both waves meet, from (low_a + low_b + T)/2 to
+            # (high_a + high_b + T)/2. These times are compared with 0 and the end
+            # without a sum of two ticks, which could overflow.
             low_a = max(a0, b0 - transit)
             low_b = max(b0, a0 - transit)
             high_a = min(a1, b1 + transit)

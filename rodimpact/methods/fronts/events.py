@@ -1,16 +1,16 @@
 """Wave fronts from end to end: the exact solver, one event after another.
 
 Both waves of a segment are constant between fronts, so the whole motion is a list of
-fronts: when each left an end, and the wave behind it. What drives an end comes as
-fronts on the lines from outside, whose transit takes no time: a velocity, as that of
-a wall to which the row is bonded, or a force, as the velocity that it gives.
+fronts: when each left an end, and the wave behind it. A driven end receives fronts on
+its line from outside, with transit time 0: a given velocity V is the wave a = V, and a
+given force F is the wave a = F Y. A wall bonded to the row has a constant velocity.
 
 An event is a node at a tick at which waves arrive there, or at which its gap closes.
 The log holds all fronts ever sent. Those of one line are chained, so that the log is
 also the list of the fronts in flight, and all that a solution needs later.
 
-Kernels do only + - * / with whole numbers on amplitudes, so that they run on floats
-and, for proofs, on fractions.
+Kernels do only + - * /, abs and comparisons with whole constants on amplitudes, so that
+they run on floats and, in exact arithmetic, on fractions.
 """
 
 from collections.abc import Sequence
@@ -31,8 +31,8 @@ def start(state: State) -> None:
     These are set before: transit and mobility of the segments, closed status and gap
     of the nodes, what arrives from the walls, and the first `initial_rows` rows of the
     log. For each line these are the fronts that fill it, in order of time, the first
-    of them one transit ago, so that it has just arrived. Fronts from outside are yet to
-    come.
+    of them one transit ago, so that it has just arrived. On a line from outside the
+    first front holds from t = 0 on, and later ones arrive at their own tick.
     """
     run = state.runs[0]
     zero = 0 * state.segments[1].mobility
@@ -103,7 +103,11 @@ def find_bonded_groups(segments: Sequence[Segment], nodes: Sequence[Node]) -> No
 
 
 def build_event_queue(state: State) -> None:
-    """Schedule every node at t = 0; a free end where no wave changes, at its arrival."""
+    """Schedule every node at t = 0.
+
+    A free end whose outgoing wave already equals the incoming one waits for its next
+    arrival.
+    """
     queue = state.queue
     leaves = len(queue) // 2
     for k in range(leaves):
@@ -111,7 +115,7 @@ def build_event_queue(state: State) -> None:
     for k in range(len(state.nodes)):
         queue[leaves + k] = 0
         if state.nodes[k].status == Status.FREE:
-            incoming = 3 if k == 0 else 2 * k
+            incoming = 3 if k == 0 else 2 * k  # line that arrives here from inside
             outgoing = incoming ^ 1
             incoming_wave = state.lines[incoming].incoming_wave
             if state.log[state.lines[outgoing].last_row].value == incoming_wave:
@@ -159,29 +163,32 @@ def advance(state: State, horizon: int) -> int:
             receive(from_right, log, segments[k + 1].transit)
         a = from_left.incoming_wave
         b = from_right.incoming_wave
-        arrival_tick = min(from_left.arrival_tick, from_right.arrival_tick)
+        next_tick = min(from_left.arrival_tick, from_right.arrival_tick)
 
         dt = tick - node.solved_tick
         contact.accumulate_contact_totals(node, dt, window)
         node.solved_tick = tick
+        left_mobility = segments[k].mobility
+        right_mobility = segments[k + 1].mobility
         if node.status >= Status.OPEN:
             status = contact.resolve_contact(node, a - b, dt, tolerance, window)
             is_touch = status == Status.OPEN and dt > 0 and node.gap == 0
             if status != node.status or is_touch:
-                contact.log_contact_change(run, node, log[rows], k, tick, status)
+                mobility = left_mobility + right_mobility
+                contact.log_contact_change(
+                    run, node, log[rows], k, tick, status, mobility
+                )
                 rows += 1
-        left_mobility = segments[k].mobility
-        right_mobility = segments[k + 1].mobility
-        face_velocity = contact.solve_force(
+        force_free_velocity = contact.solve_force(
             node, a, b, left_mobility, right_mobility, k == 0
         )
         force = node.force
 
-        # A front leaves where the outgoing wave changes.
+        # A front is sent where the outgoing wave changes.
         for side in range(2):
             l = 2 * k + 1 + side
             if side == 0:
-                wave = face_velocity - 2 * force * left_mobility
+                wave = force_free_velocity - 2 * force * left_mobility
             else:
                 wave = b + 2 * force * right_mobility
             line = lines[l]
@@ -197,8 +204,8 @@ def advance(state: State, horizon: int) -> int:
                 rows += 1
 
         if node.status == Status.OPEN:
-            arrival_tick = contact.find_closing_tick(node, tick, arrival_tick, window)
-        event_queue.schedule(queue, leaf, arrival_tick)
+            next_tick = contact.find_closing_tick(node, tick, next_tick, window)
+        event_queue.schedule(queue, leaf, next_tick)
         run.now = tick
         events += 1
         stop = find_stop(run, queue[1], horizon, rows > last_free_row, events)

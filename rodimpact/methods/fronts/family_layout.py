@@ -13,7 +13,7 @@ from . import event_queue
 from .records import (
     CACHED_DURATION,
     FRONT,
-    INITIAL_STATE,
+    INITIAL_PIECE,
     LINE,
     NODE,
     NODE_RESULT,
@@ -63,8 +63,8 @@ class FamilyLayout(NamedTuple):
         differ between members are arrays.
     contacts : list of int
         Node of each contact.
-    initial_state_count : int
-        Largest number of `InitialState` pieces of a member.
+    initial_piece_count : int
+        Largest number of `InitialPiece` pieces of a member.
     duration_count : int
         Largest number of durations of a member.
     initial_front_count : int
@@ -76,35 +76,38 @@ class FamilyLayout(NamedTuple):
     closed_status: list[int]
     values: list[Any]
     contacts: list[int]
-    initial_state_count: int
+    initial_piece_count: int
     duration_count: int
     initial_front_count: int
 
 
 def lay_out_family(row: Any) -> FamilyLayout:
-    """The layout of a row that fronts can carry."""
+    """The layout of a row of which the method lacks no physics."""
     values = values_of(row)
     profiles = append_profiles(row, values)
-    initial_states = len(row.segments)
+    initial_pieces = len(row.segments)
     durations = len(row.segments)
     for profile in profiles:
         jumps = profile.velocity_count - 1 + profile.strain_count - 1
         durations += jumps
         if profile.boundary_kind == Beyond.STEADY:
-            initial_states += jumps
+            initial_pieces += jumps
     contacts: list[int] = []
     for i in range(len(row.system.gaps)):
         last_segment = row.spans[i][1]
         contacts.append(last_segment)
+    # Each piece of the initial state fills two lines, and a drive has a value more than
+    # jumps.
+    initial_fronts = 2 * durations + 2
     return FamilyLayout(
         row,
         profiles,
         closed_status_of(row),
         values,
         contacts,
-        initial_states,
+        initial_pieces,
         durations,
-        2 * durations + 2,
+        initial_fronts,
     )
 
 
@@ -164,7 +167,7 @@ def append_profile(
 
 
 def append_steps(values: list[Any], value: Any) -> int:
-    """Append a constant, or steps and their jumps; return the number of steps."""
+    """Append a constant, or steps and their jumps; return the number of values, 1 or more."""
     if isinstance(value, Steps):
         values.extend(value.values)
         values.extend(value.at)
@@ -205,7 +208,7 @@ def make_state(layout: FamilyLayout, log_rows: int, values: list[Any]) -> State:
         segment.strain_count = profile.strain_count
         segment.boundary_kind = profile.boundary_kind
         if profile.boundary_kind == Beyond.ENDLESS:
-            run.momentum_not_conserved = 1
+            run.settles_after_proof = 1
     nodes = blank(n + 1, NODE)
     for k, node in enumerate(nodes):
         node.closed_status = layout.closed_status[k]
@@ -213,13 +216,13 @@ def make_state(layout: FamilyLayout, log_rows: int, values: list[Any]) -> State:
     for i, k in enumerate(layout.contacts):
         nodes[k].contact = i
         if layout.closed_status[k] == Status.BOND:
-            run.momentum_not_conserved = 1
+            run.settles_after_proof = 1
     queue = [0 for _ in range(event_queue.size_for(n + 1))]
     return State(
         [run],
         values,
         blank(layout.duration_count, CACHED_DURATION),
-        blank(layout.initial_state_count, INITIAL_STATE),
+        blank(layout.initial_piece_count, INITIAL_PIECE),
         segments,
         nodes,
         blank(2 * n + 4, LINE),

@@ -1,5 +1,7 @@
-"""Proof that no contact can press again, from bounds of what vibration can do.
+"""Proof that a collision is final, from bounds of what vibration can do.
 
+It is final when no contact closes again, and each contact that still presses does so
+with a constant force.
 A group of bonded segments beside a contact moves with its mean velocity, and its end
 deviates from that motion by no more than the group's energy allows. The proof is as
 exact as the run: it holds on fractions, too.
@@ -17,8 +19,9 @@ WAIT_MARGIN = 1.000001  # lengthens a wait, so that the proof succeeds after it
 def finality_tick(state: State, now: int) -> int:
     """Tick at which the collision can be proved final: `now`, a later one, or IDLE.
 
-    With IDLE no proof is possible before a contact changes. This is for rows whose ends
-    are not driven: no bound holds for a driven body.
+    With IDLE no proof is possible before a contact changes. For a row with driven ends
+    the answer means nothing, since no bound holds, and `FrontRun` and `solve_family`
+    discard it.
     """
     segments = state.segments
     nodes = state.nodes
@@ -28,7 +31,7 @@ def finality_tick(state: State, now: int) -> int:
         node = nodes[k]
         if node.status >= Status.OPEN and longest < NEVER:
             first = segments[k].group_first
-            last = max(k, segments[k + 1].group_last)
+            last = max(k, segments[k + 1].group_last)  # outside, `group_last` is 0
             is_steady = node.gap_rate >= 0 and no_front_in_flight(lines, first, last)
             if not is_steady:
                 longest = max(longest, ticks_until_apart(state, k, now))
@@ -116,7 +119,7 @@ def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
     last = group.group_last
     is_steady = no_front_in_flight(lines, first, last)
     is_pressing = nodes[k].status == Status.PRESS
-    mass = 0 * lines[2 * first].incoming_wave  # of both waves: twice that of the group
+    mass = 0 * lines[2 * first].incoming_wave  # sum of both waves: twice the mass
     momentum = mass
     lowest = lines[2 * first].incoming_wave
     highest = lowest
@@ -170,10 +173,10 @@ def bound_deviations(state: State, k: int, now: int) -> None:
 
     The end of a free body deviates from the motion of its centre of mass by
     d = integral(strain * g dx), g the mass fraction beyond x as seen from that end,
-    hence by at most sqrt(2 E integral(g^2 dx/(E A))), E the vibration energy.
+    hence by at most sqrt(2 U integral(g^2 dx/(E A))), U the vibration energy.
     A group bonded to a wall at its far end has g = 1. A semi-infinite bar of mobility Y
     at the far end gives way by Y p, p the momentum that it has taken; as
-    p <= sqrt(2 m E), m Y^2 is added to the integral, the `compliance_integral`. The
+    p <= sqrt(2 m U), m Y^2 is added to the integral, the `compliance_integral`. The
     results are stored in the segments k and k + 1.
     """
     for s in range(k, k + 2):
@@ -200,14 +203,14 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
         mass += segments[i].transit / segments[i].mobility
     has_left_bond = state.nodes[first - 1].status == Status.BOND
     is_anchored = has_left_bond or state.nodes[last].status == Status.BOND
-    far_mobility = zero  # of what holds the far end
+    far_mobility = zero  # mobility of what holds the far end
     if is_anchored:
         far = 0
         if is_right:
             far = len(segments) - 1
         far_mobility += segments[far].mobility
 
-    mass_fraction = zero  # of the segments from the far end to here
+    mass_fraction = zero  # mass of the segments beyond, over the mass of the group
     deviation = zero
     energy = zero
     taken = zero  # momentum that waves bring to the far end
@@ -226,7 +229,7 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
         for l in range(2 * inner, 2 * inner + 2):
             is_leftward = l % 2 == 1
             sign = 1 if is_leftward else -1
-            is_outward = is_leftward == is_right  # runs towards the contact
+            runs_to_contact = is_leftward == is_right
             line = state.lines[l]
             r = line.next_row
             wave = line.incoming_wave - group.mean_velocity
@@ -241,7 +244,7 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
                 energy += wave * wave * width / (4 * mobility)
                 taken += wave * width / (2 * mobility)
                 middle = (edge + low) / (2 * transit)
-                position = middle if is_outward else 1 - middle
+                position = middle if runs_to_contact else 1 - middle
                 g = g0 + (g1 - g0) * position
                 deviation += sign * wave * width * g / 2
                 if not is_last:

@@ -21,7 +21,7 @@ from .records import (
     NONE,
     Amplitude,
     CachedDuration,
-    InitialState,
+    InitialPiece,
     Log,
     Run,
     Segment,
@@ -31,14 +31,20 @@ from .records import (
 
 FRONT_VELOCITY_RTOL = 2.0**-48
 """Smallest change of a wave that counts as a front, relative to the velocity scale
-(spread of the velocities plus wave speed times strain). The same tolerance decides
+(`walk.scale_of`: the spread of the velocities, plus wave speed times strain, plus force
+over impedance). The same tolerance decides
 whether contacts press or graze. The error of a wave is at most this tolerance times
 the number of ends that it has passed."""
 
 TRANSIT_RTOL = 2.0**-48  # a smaller relative change of a transit time is round-off
-CLOSING_WINDOW_BITS = 40  # a gap that closes within 2^-40 of the longest transit of an
-# arrival closes with it: otherwise a wave one tick wide arises, and multiplies
-SHORTEST_TRANSIT_WINDOWS = 4  # a transit of no more closing windows is too short
+CLOSING_WINDOW_BITS = 40
+"""A closing within 2^-40 longest transits of an arrival is moved to that arrival:
+otherwise round-off between both makes waves one tick wide, which multiply."""
+MIN_TRANSIT_WINDOWS = 4  # a transit must exceed so many closing windows
+
+# A clock without a given end must count at least so many times these durations.
+MIN_ROW_CROSSINGS = 16
+MIN_FLIGHTS = 4
 
 
 def frame_index(n: int) -> int:
@@ -83,7 +89,7 @@ def choose_clock(state: State, values: Values) -> None:
     for i in range(jump_end, len(durations) - run.drive_jump_count):
         # This member has fewer jumps inside its segments than the family at most.
         durations[i].time = run.longest_transit_time
-    longest_bits = max(bits, rule.COARSEST)
+    longest_bits = max(bits, rule.MIN_TRANSIT_BITS)
     is_unchanged = same_durations(durations) and run.longest_bits == longest_bits
     run.longest_bits = longest_bits
     if not is_unchanged:
@@ -105,7 +111,7 @@ def split_at_jumps(state: State, values: Values) -> int:
     of segment s has the index n + i - s.
     """
     durations = state.durations
-    pieces = state.initial_states
+    pieces = state.initial_pieces
     segments = state.segments
     n = len(segments) - 2
     body = segments[1]  # first segment of the present body
@@ -127,7 +133,7 @@ def split_at_jumps(state: State, values: Values) -> int:
         length = values[2 * n + s - 1]
         transit_time = length / wave_speed
         durations[s - 1].time = transit_time
-        segments[s].first_state = piece_count
+        segments[s].first_piece = piece_count
         right = left + length
         x = left
         is_inside = True
@@ -149,7 +155,7 @@ def split_at_jumps(state: State, values: Values) -> int:
                 x = min(x, values[strain_jumps + j])
             is_inside = x < right
         left = right
-    segments[n + 1].first_state = piece_count
+    segments[n + 1].first_piece = piece_count
     return piece_count
 
 
@@ -157,16 +163,20 @@ def default_horizon(state: State, values: Values) -> float:
     """Time that the clock of a run without a given end must be able to count, s."""
     run = state.runs[0]
     n = len(state.nodes) - 1
-    crossing_time = 0.0  # of the whole row
+    crossing_time = 0.0  # time to cross the whole row
     for i in range(n):
         crossing_time += state.durations[i].time
-    flight_time = 0.0  # until gaps have closed
+    flight_time = 0.0  # time to cross all gaps at the velocity scale
     for node in state.nodes:
         if node.contact != NONE and run.velocity_scale > 0:
             flight_time += values[gap_index(n, node.contact)] / run.velocity_scale
     requested = -run.until * rule.HORIZON * run.longest_transit_time
-    horizon: float = max(requested, 16 * crossing_time, 4 * flight_time)
-    countable = run.longest_transit_time * 2.0 ** (rule.CLOCK_BITS - 1 - rule.COARSEST)
+    horizon: float = max(
+        requested, MIN_ROW_CROSSINGS * crossing_time, MIN_FLIGHTS * flight_time
+    )
+    countable = run.longest_transit_time * 2.0 ** (
+        rule.CLOCK_BITS - 1 - rule.MIN_TRANSIT_BITS
+    )
     return min(horizon, countable)
 
 
@@ -239,7 +249,7 @@ def set_transits(
 def find_clock_fault(
     run: Run, values: Values, segments: Sequence[Segment], bits: int
 ) -> int:
-    """Why a member has no clock, as `laws.Stop`; NONE if it has one."""
+    """Why a member has no clock, as `laws.Stop`; Stop.NONE if it has one."""
     n = len(segments) - 2
     max_impedance = 0.0
     for s in range(n):
@@ -250,10 +260,10 @@ def find_clock_fault(
     )
     if not max_energy < math.inf:
         return Stop.OVERFLOW.value
-    if bits < rule.COARSEST:
+    if bits < rule.MIN_TRANSIT_BITS:
         return Stop.LONG.value
     shortest_transit = segments[run.shortest_segment].transit
-    if shortest_transit <= SHORTEST_TRANSIT_WINDOWS * run.closing_window:
+    if shortest_transit <= MIN_TRANSIT_WINDOWS * run.closing_window:
         return Stop.SHORT.value
     return Stop.NONE.value
 
@@ -299,7 +309,7 @@ def set_end(run: Run, segments: Sequence[Segment]) -> None:
     run.ticks_after_proof = 1
     if run.until >= 0:
         run.end_tick = round(run.until / run.tick_duration)
-    elif run.run_past_proof or run.momentum_not_conserved:
+    elif run.run_past_proof or run.settles_after_proof:
         run.ticks_after_proof = round_trip(segments)
 
 
@@ -319,16 +329,16 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
     """Append the fronts that fill segment s with its initial state to the log.
 
     The waves are a = v - c eps and b = v + c eps in the frame. The piece between x0 and
-    x1, in ticks from the left end, left the left end x1 ticks ago as part of a, and the
-    right end T - x0 ticks ago as part of b, T the transit time.
+    x1, in ticks from the left end, was sent from the left end x1 ticks ago as part of a,
+    and from the right end T - x0 ticks ago as part of b, T the transit time.
     """
     run = state.runs[0]
     durations = state.durations
-    pieces: Sequence[InitialState] = state.initial_states
+    pieces: Sequence[InitialPiece] = state.initial_pieces
     n = len(state.segments) - 2
     transit = state.segments[s].transit
-    first = state.segments[s].first_state
-    end = state.segments[s + 1].first_state
+    first = state.segments[s].first_piece
+    end = state.segments[s + 1].first_piece
     for leftward in range(2):
         start = run.log_rows
         sign = 2 * leftward - 1
@@ -353,9 +363,11 @@ def append_driven_fronts(
 ) -> None:
     """Append the fronts of what drives an end of the row to the log.
 
-    A driven velocity is a wave in the frame, and a force is the velocity that it gives
-    to the end. Through a semi-infinite bar comes the wave that left this end last, with
-    the given strain added. The jumps are the durations from `first_jump` on.
+    The wave from outside is V in the frame for a given velocity V, F Y for a force F, and
+    a0 - 2 c eps (left end) or b0 + 2 c eps (right end) for a strain eps that comes
+    through a semi-infinite bar, a0 or b0 the wave that this end sends inward at t = 0.
+    The jumps are the durations from `first_jump` on. Jumps after the end of the run, and
+    values that last no tick, are left out.
     """
     run = state.runs[0]
     log = state.log
@@ -363,12 +375,13 @@ def append_driven_fronts(
     outside = state.segments[side * (n + 1)]
     end = 1 + side * (n - 1)  # segment at this end
     wave_speed = values[end - 1]
-    last_outgoing_wave = 0.0
+    inward_line = 2 + side * (2 * n - 1)
+    inward_wave = 0.0
     for r in range(run.log_rows):
-        if log[r].line == 2 + side * (2 * n - 1):
-            last_outgoing_wave = log[r].value
+        if log[r].line == inward_line:
+            inward_wave = log[r].value
     start = run.log_rows
-    x1 = 0
+    stop_tick = 0
     j = 0
     is_last = False
     while not is_last:
@@ -376,19 +389,21 @@ def append_driven_fronts(
         if outside.boundary_kind == Beyond.PUSHED:
             value *= state.segments[end].mobility
         elif outside.boundary_kind == Beyond.ENDLESS:
-            value = (4 * side - 2) * wave_speed * value + last_outgoing_wave
+            value = (4 * side - 2) * wave_speed * value + inward_wave
         else:
             value -= run.frame_velocity
-        x0 = x1
-        x1 = x0 + 1
+        start_tick = stop_tick
+        stop_tick = start_tick + 1  # the last value lasts to the end of the run
         is_last = True
         if j < outside.velocity_count - 1:
             jump_time = values[outside.profile_offset + outside.velocity_count + j]
             is_last = jump_time > run.until
             if not is_last:
-                x1 = max(x0, state.durations[first_jump + j].ticks)
-        if x1 > x0:
-            append_front(run, log, start, x0, side * (2 * n + 3), value)
+                jump_tick = state.durations[first_jump + j].ticks
+                stop_tick = max(start_tick, jump_tick)
+        if stop_tick > start_tick:
+            outside_line = side * (2 * n + 3)
+            append_front(run, log, start, start_tick, outside_line, value)
         j += 1
 
 

@@ -1,8 +1,8 @@
 """The members of a family, one after the other: initialised, run, and measured.
 
-A run ends at the time asked for, or some ticks after the proof that no contact can
-press again. After a proof that failed the next one waits for an eighth more events, so
-that proofs cost no more than the run itself.
+A run ends at the time asked for, or some ticks after the proof that the collision is
+final. After a proof that failed the next one waits for an event a node and an eighth
+more events, so that proofs cost no more than the run itself.
 """
 
 from collections.abc import Sequence
@@ -39,7 +39,7 @@ def run_members(state: State) -> bool:
             events.advance_totals_to(state, run.now)
             energy.update_motion(state)
             if run.run_past_proof:
-                find_wave_scales(state)
+                find_max_wave(state)
             if run.record_max_stress:
                 energy.find_wave_differences(state)
         store_member_result(state, all_results[run.member])
@@ -58,22 +58,23 @@ def run_to_end(state: State) -> int:
         are over). At the end `Run.now` is the tick reached.
     """
     run = state.runs[0]
-    proves = run.end_tick == NONE
-    if not proves:
+    runs_to_proof = run.end_tick == NONE
+    if not runs_to_proof:
         run.next_proof_event = IDLE  # no proof stops the run on its way
     stop = Stop.NONE.value
     is_running = True
     while is_running:
-        end_is_known = run.end_tick != NONE or run.proved_tick != NONE
+        had_end = run.end_tick != NONE or run.proved_tick != NONE
         horizon = find_horizon(run)
         stop = events.advance(state, horizon)
-        if stop == Stop.DONE and end_is_known:
+        if stop == Stop.DONE and had_end:
             run.now = horizon
         if stop != Stop.FULL and run.proved_tick == NONE:
             try_proof(state, stop)
-        end_is_found = not end_is_known and run.proved_tick != NONE
-        is_running = stop == Stop.CHECK or (stop == Stop.DONE and end_is_found)
-    if stop == Stop.DONE and proves:
+        # A proof sets the end: the run goes on to it.
+        proof_sets_end = not had_end and run.proved_tick != NONE
+        is_running = stop == Stop.CHECK or (stop == Stop.DONE and proof_sets_end)
+    if stop == Stop.DONE and runs_to_proof:
         stop = Stop.FINAL.value
         if run.proved_tick == NONE:
             stop = Stop.CLOCK.value
@@ -85,7 +86,7 @@ def find_horizon(run: Run) -> int:
     if run.end_tick != NONE:
         return run.end_tick
     if run.proved_tick == NONE:
-        return NEVER - 1
+        return NEVER - 1  # the last tick of the clock
     return min(run.proved_tick + run.ticks_after_proof, NEVER - 1)
 
 
@@ -95,6 +96,7 @@ def try_proof(state: State, stop: int) -> None:
     node_count = len(state.nodes)
     now = run.now
     if stop == Stop.CHECK:
+        # No event comes before, so that the state at that tick is known.
         now = max(run.now, run.next_proof_tick)
     tick = finality.finality_tick(state, now)
     if tick == now:
@@ -108,46 +110,36 @@ def try_proof(state: State, stop: int) -> None:
 # Results ------------------------------------------------------------------------------
 
 
-def find_wave_scales(state: State) -> None:
-    """Find the largest wave, and the sum of the absolute momenta of all at t = 0."""
+def find_max_wave(state: State) -> None:
+    """Find the largest absolute wave, from which the largest strain follows."""
     run = state.runs[0]
     log = state.log
     run.max_wave = 0 * run.tick_duration
     for r in range(run.log_rows):
         if log[r].line != CHANGE:
             run.max_wave = max(run.max_wave, abs(log[r].value))
-    run.momentum_scale = 0 * run.tick_duration
-    for r in range(run.initial_rows):
-        front = log[r]
-        if 1 < front.line < len(state.lines) - 2:
-            end = 0
-            if front.next_row != NONE:
-                end = min(log[front.next_row].tick, 0)
-            mobility = state.segments[front.line // 2].mobility
-            weight = (end - front.tick) * run.tick_duration / (2 * mobility)
-            run.momentum_scale += weight * abs(front.value + run.frame_velocity)
 
 
 def store_member_result(state: State, results: Sequence[NodeResult]) -> None:
     """Store the results of the member that has run, in SI units."""
     run = state.runs[0]
-    tick = run.tick_duration
-    time = run.now * tick
+    tick_duration = run.tick_duration
+    time = run.now * tick_duration
     vibration_energy = 0.0
     for k in range(len(state.nodes)):
         segment = state.segments[k]
         node = state.nodes[k]
         result = results[k]
-        moment = node.impulse_moment * tick * tick
+        moment = node.impulse_moment * tick_duration * tick_duration
         result.velocity_before = segment.initial_group_velocity + run.frame_velocity
         result.velocity_after = segment.group_velocity + run.frame_velocity
-        result.initial_momentum = segment.initial_momentum * tick
+        result.initial_momentum = segment.initial_momentum * tick_duration
         result.max_wave_difference = segment.max_wave_difference
-        result.impulse = node.impulse * tick
+        result.impulse = node.impulse * tick_duration
         # Integrated by parts, the impulse over time is J t - integral(F t dt).
-        result.impulse_time_integral = node.impulse * tick * time - moment
+        result.impulse_time_integral = node.impulse * tick_duration * time - moment
         result.peak_force = node.peak_force
-        result.duration = node.force_ticks * tick
+        result.duration = node.force_ticks * tick_duration
         result.episodes = node.episodes
         vibration_energy += segment.vibration_energy
     member = results[0]
@@ -155,6 +147,6 @@ def store_member_result(state: State, results: Sequence[NodeResult]) -> None:
     member.is_proved = 0
     if run.proved_tick != NONE:
         member.is_proved = 1
-    member.vibration_energy = vibration_energy * tick
+    member.vibration_energy = vibration_energy * tick_duration
     member.end_time = time
     member.frame_velocity = run.frame_velocity

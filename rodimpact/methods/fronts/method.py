@@ -3,20 +3,24 @@
 import math
 from collections.abc import Callable, Mapping
 
-import numpy as np
-
 from .. import abilities as physics
 from .. import run as runs
 from ..duration import Forecast, Progress
-from ..row import Array, Row
+from ..row import Row
 from ..run import Run
-from ..status import ROUNDED, rounding, strain_warning
+from ..status import rounding, strain_warning
 from . import driver
+from .accuracy import (
+    NO_ERRORS,
+    accuracy_sentence,
+    effect_of_rounding,
+    with_faint_forces,
+)
 from .batch import RunRequest
 from .family_layout import lay_out_family
 from .run import FrontRun
 from .signals import signals_of
-from .status import status_of
+from .status import faint_sentence, status_of
 from .totals import last_contact_end, tally_of, totals_of
 
 LACKS = (
@@ -32,8 +36,6 @@ LACKS = (
     physics.OWN_LAWS,
 )
 REMEDY = "an earlier end (until), or a lower cap (max_events),"
-RERUN_EVENT_FACTOR = 4  # cap on events of a run with perturbed transit times
-NO_ROUNDING: Mapping[str, float] = {}
 
 
 def solve(
@@ -63,7 +65,7 @@ def run_fronts(
 
 
 def make_run(
-    run: FrontRun, until: float | None, accuracy: Mapping[str, float] = NO_ROUNDING
+    run: FrontRun, until: float | None, rounding_errors: Mapping[str, float] = NO_ERRORS
 ) -> Run:
     """The form of a finished run that all methods return."""
     clock = run.clock
@@ -82,7 +84,8 @@ def make_run(
     status = status_of(run.run, run.contacts, clock.system, run.is_proved, t_final)
     status += rounding(clock.transit_error, clock.worst)
     status += strain_warning(strain)
-    status += accuracy_sentence(accuracy)
+    status += accuracy_sentence(rounding_errors)
+    status += faint_sentence(run.run, run.contacts, clock.system)
     return Run(
         method="fronts",
         until=until,
@@ -96,67 +99,6 @@ def make_run(
         events=run.run.events,
         contacts=tuple(tally_of(node, clock.tick) for node in run.contacts),
         totals=totals_of(run),
-        accuracy=accuracy,
+        accuracy=with_faint_forces(run, rounding_errors),
         make_signals=lambda: signals_of(run),
     )
-
-
-# Rounded transit times ----------------------------------------------------------------
-
-
-def effect_of_rounding(run: FrontRun) -> Mapping[str, float]:
-    """Relative error of each measure of the outcome that rounded transit times make.
-
-    The exact transit time lies between the rounded one and the next tick on its other
-    side. A second run uses that tick. The difference between both outcomes exceeds the
-    error.
-    """
-    if run.clock.transit_error <= ROUNDED or run.stopped_by == "max_events":
-        return NO_ROUNDING
-    request = RunRequest(
-        until=run.until,
-        max_events=RERUN_EVENT_FACTOR * (run.run.events + 1),
-        perturb_rounding=True,
-    )
-    other = FrontRun(driver.solve_one(run.layout, request))
-    if other.stopped_by != run.stopped_by:
-        return dict.fromkeys(runs.MEASURES, math.inf)
-    errors: dict[str, float] = {}
-    other_measures = measures_of(other)
-    for name, values in measures_of(run).items():
-        largest_change = float(np.abs(values - other_measures[name]).max(initial=0.0))
-        scale = np.abs(values).max(initial=0.0)
-        if name == runs.VELOCITY:
-            scale = run.run.velocity_scale
-        errors[name] = 0.0
-        if largest_change > 0:
-            errors[name] = largest_change / scale
-    return errors
-
-
-def measures_of(run: FrontRun) -> dict[str, Array]:
-    """Values of each of `runs.MEASURES`, by body or by contact."""
-    tick = run.clock.tick
-    tallies = [tally_of(node, tick) for node in run.contacts]
-    times: list[float] = []
-    for node in run.contacts:
-        times.append(node.first_force_tick * tick)
-        times.append(node.last_force_tick * tick)
-        times.append(node.last_opening_tick * tick)
-    return {
-        runs.VELOCITY: np.array(totals_of(run).velocities[1]),
-        runs.IMPULSE: np.array([tally.impulse for tally in tallies]),
-        runs.PEAK_FORCE: np.array([tally.peak_force for tally in tallies]),
-        runs.DURATION: np.array([tally.duration for tally in tallies]),
-        runs.TIME: np.array(times),
-    }
-
-
-def accuracy_sentence(accuracy: Mapping[str, float]) -> str:
-    """Sentence that states the error by rounded transit times."""
-    if not accuracy:
-        return ""
-    largest = max(accuracy.values())
-    if largest == math.inf:
-        return " The error that this makes is not known."
-    return f" Stated relative error: {largest:.1g}."

@@ -22,18 +22,18 @@ from collections.abc import MutableSequence, Sequence
 from typing import Annotated, Any, NamedTuple, TypeAlias
 
 from ..compiling import dtype_of
-from ..tick_rule import Duration
+from ..tick_rule import CLOCK_BITS, Duration
 
-NEVER = 1 << 62  # tick at which the clock ends
+NEVER = 1 << CLOCK_BITS  # tick at which the clock ends
 IDLE = (1 << 63) - 1  # tick of a node at which nothing is due
 NONE = -1  # no row, no node, no tick
 CHANGE = -1  # `Front.line` of a row in which a contact changes its status
 
 
 Amplitude: TypeAlias = Annotated[Any, "f8"]
-"""A float; in proofs, a fraction or a number that records how it was computed."""
+"""A float; in exact arithmetic, a fraction, also one that records how it was computed."""
 Tick: TypeAlias = Annotated[Any, "i8"]
-"""A time in ticks: a whole number; in proofs, a fraction."""
+"""A time in ticks: a whole number; in exact arithmetic, a fraction."""
 Int32: TypeAlias = Annotated[int, "i4"]
 Int8: TypeAlias = Annotated[int, "i1"]
 
@@ -50,9 +50,9 @@ class Segment:
 
     transit: Tick  # transit time, ticks
     mobility: Amplitude  # 1/Z, s/kg
-    group_first: int  # first and last segment of its bonded group;
-    group_last: int  # 1 and 0 for what lies outside
-    first_state: int  # index of its first `InitialState`
+    group_first: int  # first and last segment of its bonded group; outside the row
+    group_last: int  # 1 and 0, an empty range
+    first_piece: int  # index of its first `InitialPiece`
 
     # Motion at t = 0, and when it was measured last
     initial_group_velocity: Amplitude  # velocity of its bonded group
@@ -82,9 +82,9 @@ class Node:
     contact: int  # index of the contact; NONE for a joint or an end
     status: int  # `laws.Status`
     solved_tick: Tick  # tick at which the node was solved last
-    gap: Amplitude  # at `solved_tick`
-    gap_rate: Amplitude
-    force: Amplitude  # on the right segment; its negative acts on the left one
+    gap: Amplitude  # at `solved_tick`; velocity times ticks
+    gap_rate: Amplitude  # m/s
+    force: Amplitude  # N, on the right segment; its negative acts on the left one
     face_velocity: Amplitude  # velocity of the right end of the left segment
 
     # Effects of the force so far
@@ -96,6 +96,8 @@ class Node:
     last_force_tick: Tick  # or NONE
     last_opening_tick: Tick  # last opening of the gap after a force, or NONE
     force_ticks: Tick  # force duration
+    is_faint: int  # 1: it grazes, and its last force was faint, see `contact`
+    faint_ticks: Tick  # ticks of grazing after a faint force
     episodes: int  # number of times a closed contact began to press
 
 
@@ -106,7 +108,8 @@ class Line:
     first_row: int  # row of the log: the front sent first
     next_row: int  # row of the front that arrives next, or NONE
     arrival_tick: Tick  # tick at which that front arrives, or IDLE
-    last_row: int  # row of the front sent last; NONE on a line from outside
+    last_row: int  # row of the front sent last; NONE on a line that leads out of the
+    # row, whose waves are not kept
 
 
 class Front:
@@ -131,7 +134,7 @@ class CachedDuration(Duration):
     cached_time: float  # `time` of the previous member, s
 
 
-class InitialState:
+class InitialPiece:
     """A piece of a segment with one velocity and one strain at t = 0."""
 
     velocity: float  # m/s
@@ -141,7 +144,7 @@ class InitialState:
 class NodeResult:
     """Results of a member of a family at one node, in SI units."""
 
-    # Results of the segment left of the node
+    # Results of the segment left of the node; velocities are of its bonded group
     velocity_before: float  # m/s
     velocity_after: float
     initial_momentum: float  # in the frame, kg m/s
@@ -154,7 +157,7 @@ class NodeResult:
     episodes: Int32
     # Results of the run, at the first node
     stop_reason: Int8  # `laws.Stop`
-    is_proved: Int8  # 1: no contact can press again
+    is_proved: Int8  # 1: the collision is final, see `finality`
     vibration_energy: float  # at the end, J
     end_time: float  # s
     frame_velocity: float  # m/s
@@ -165,13 +168,14 @@ class Run:
 
     # Request
     until: float  # end, s; if negative there is none, and -until is the share of the
-    # default horizon `tick_rule.HORIZON` that the clock must be able to count
+    # default horizon that the clock must be able to count: 1, or less on the page
     max_events: int
     record_max_stress: int  # 1: `Segment.max_wave_difference` is found
     run_past_proof: int  # 1: run one round trip on, and measure what balances need
     perturb_rounding: int  # 1: transit times are rounded the other way
 
-    momentum_not_conserved: int  # 1: bonds or endless bars change it after the proof
+    settles_after_proof: int  # 1: there is a bond or a semi-infinite bar, so that
+    # velocities may change for a round trip after the proof
     member: int  # index of the member that runs
 
     # Clock
@@ -199,8 +203,6 @@ class Run:
     proved_tick: Tick  # tick of the proof, or NONE
     stop_reason: int  # `laws.Stop`
 
-    # Scales of round-off
-    momentum_scale: float  # sum of the absolute momenta of all waves at t = 0, kg m/s
     max_wave: float  # largest absolute wave, m/s
 
 
@@ -216,7 +218,7 @@ class State(NamedTuple):
     runs: Sequence[Run]  # one Run; a sequence, since machine code changes arrays only
     values: Sequence[Values]  # [member, value]
     durations: Sequence[CachedDuration]
-    initial_states: Sequence[InitialState]
+    initial_pieces: Sequence[InitialPiece]
     segments: Sequence[Segment]  # [n + 2]
     nodes: Sequence[Node]  # [n + 1]
     lines: Sequence[Line]  # [2 n + 4]
@@ -230,6 +232,6 @@ NODE = dtype_of(Node)
 LINE = dtype_of(Line)
 FRONT = dtype_of(Front)
 CACHED_DURATION = dtype_of(CachedDuration)
-INITIAL_STATE = dtype_of(InitialState)
+INITIAL_PIECE = dtype_of(InitialPiece)
 NODE_RESULT = dtype_of(NodeResult)
 RUN = dtype_of(Run)

@@ -65,7 +65,7 @@ class FrontRun:
 
     @property
     def is_proved(self) -> bool:
-        """Whether it is proved that no contact can press again."""
+        """Whether the collision is proved final, see `finality`."""
         return self.proved_tick != NONE
 
     @property
@@ -103,8 +103,11 @@ class FrontRun:
         run = self.run
         row = self.layout.row
         if run.stop_reason == Stop.OVERFLOW:
-            scale = f"velocities and strains of {run.velocity_scale!r} m/s"
-            return "bodies", f"{scale} overflow the energy; use smaller"
+            return "bodies", (
+                f"have velocities, and strains times wave speed, up to "
+                f"{run.velocity_scale!r} m/s, whose energy exceeds the largest float; "
+                "use smaller ones"
+            )
         transit_times = [float(segment.transit_time) for segment in row.segments]
         longest = max(transit_times)
         if run.stop_reason == Stop.LONG:

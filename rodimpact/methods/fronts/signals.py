@@ -59,8 +59,9 @@ def contact_signal(
     k = run.layout.contacts[contact]
     closed_status = run.nodes[k].closed_status
     first_gap = float(clock.system.gaps[contact]) / clock.tick
-    changes = changes[changes["next_row"] == k]
+    changes = changes[changes["next_row"] == k]  # in a change this field is the node
     first_status = Status.OPEN if first_gap > 0 else closed_status
+    # The first status begins at tick -1, so that a change at tick 0 comes later.
     statuses = Pieces([-1, *changes["tick"]], [first_status, *changes["value"]])
 
     from_left = arrivals(run, lines, k, 0)
@@ -102,12 +103,12 @@ def gaps_at_starts(
 ) -> Array:
     """Gap at the start of each piece while the contact is open, velocity times ticks.
 
-    Every change of status but the initial one leaves the gap at 0.
+    After each of `changes` the gap is 0; before the first one it began as `first_gap`.
     """
     steps = gap_rate[:-1] * np.diff(ticks)
     travelled = np.concatenate(([0.0], np.cumsum(steps)))
     at_changes = travelled[np.searchsorted(ticks, changes)]
-    zeros = np.append(at_changes, -first_gap)  # the last one before any change
+    zeros = np.append(at_changes, -first_gap)  # read by index -1: no change yet
     last_change = np.searchsorted(changes, ticks, "right") - 1
     return np.asarray(travelled - zeros[last_change])
 
@@ -118,7 +119,7 @@ def arrivals(run: FrontRun, lines: Lines, k: int, side: int) -> Pieces:
     wave = None
     if run.clock.impedance[segment] > 0:
         wave = lines[2 * segment + side]
-    if wave is None:  # of a wall
+    if wave is None:  # the wave of a wall is constant
         return Pieces([0], [run.lines[-side].incoming_wave])
     return wave.later(run.clock.ticks[segment])
 
@@ -140,8 +141,8 @@ def outside_signal(
     outward = lines[2 * s + 1 - side]
     assert inward is not None
     assert outward is not None
-    returned = outward.later(clock.ticks[s])
-    push = (inward - returned).times(INWARD[side] * clock.impedance[s] / 2)
-    speed = (inward + returned).times(0.5).plus(clock.frame)
+    arriving = outward.later(clock.ticks[s])
+    push = (inward - arriving).times(INWARD[side] * clock.impedance[s] / 2)
+    speed = (inward + arriving).times(0.5).plus(clock.frame)
     name = run.layout.row.outside_name(side)
     return Outside(name, push.within(0, end), speed.within(0, end))

@@ -24,9 +24,9 @@ def status_of(
     contacts : list of Node
     system : System
     is_proved : bool
-        Whether no contact can press again.
+        Whether the collision is final.
     t_final : float
-        End of the last contact, s, as from `last_contact_end`.
+        End of the last contact, s: `last_contact_end`.
     """
     stopped_by = REASONS[run.stop_reason]
     final = ""
@@ -37,7 +37,7 @@ def status_of(
     end = format_si(run.now * run.tick_duration, "s")
     if stopped_by == "max_events" and final == "":
         return (
-            f"Stopped by the cap of {run.events} events at {end}; fronts multiply "
+            f"Stopped by the cap of {run.max_events} events at {end}; fronts multiply "
             "where transit times have no common measure. Raise max_events, or make "
             "lengths commensurate."
         )
@@ -46,7 +46,7 @@ def status_of(
             f"Stopped by the clock after {end}: the next contact may come later than "
             "the clock can count, or never. Give until= to set another end."
         )
-    return ending(stopped_by, final, end, f"{run.events} events", system)
+    return ending(stopped_by, final, end, f"{run.max_events} events", system)
 
 
 def final_sentence(contacts: list[Node], system: Any, t_final: float) -> str:
@@ -57,10 +57,34 @@ def final_sentence(contacts: list[Node], system: Any, t_final: float) -> str:
     for i, node in enumerate(contacts):
         if node.episodes > 0:
             has_pressed = True
-        lasting_force = RESTING_FORCE_RTOL * node.peak_force
-        if node.status == Status.PRESS and node.force > lasting_force:
+        resting_force = RESTING_FORCE_RTOL * node.peak_force
+        if node.status == Status.PRESS and node.force > resting_force:
             pressing.append(names[i])
     if len(pressing) > 0:
         listed = ", ".join(pressing)
         return f"Nothing changes any more; contact {listed} goes on pressing."
     return proof_sentence(has_pressed, t_final)
+
+
+def faint_sentence(run: Run, contacts: list[Node], system: Any) -> str:
+    """Sentence on contacts whose force decays below the tolerance; empty without any."""
+    names = contact_names([body.kind for body in system.bodies])
+    faint: list[str] = []
+    longest = 0
+    lasts_for_ever = False
+    for i, node in enumerate(contacts):
+        if node.faint_ticks > 0:
+            faint.append(names[i])
+            longest = max(longest, node.faint_ticks)
+        if node.is_faint and run.until < 0:
+            lasts_for_ever = True
+    if len(faint) == 0:
+        return ""
+    listed = ", ".join(faint)
+    extension = f"last up to {format_si(longest * run.tick_duration, 's')} longer"
+    if lasts_for_ever:
+        extension = "go on for ever"
+    return (
+        f" The force of contact {listed} decays and counts as zero below 2^-48 of the "
+        f"velocity scale; it may {extension}."
+    )

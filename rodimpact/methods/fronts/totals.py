@@ -2,7 +2,7 @@
 
 import math
 
-from ...model import Absorbing, Bonded, Fixed, Free
+from ...model import Absorbing, Fixed, Free
 from .. import run as runs
 from ..clock import Clock
 from ..groups import body_velocities, heads
@@ -13,16 +13,16 @@ from .records import NONE, Node, Run
 from .run import FrontRun
 
 
-def tally_of(node: Node, tick: float) -> ContactTally:
+def tally_of(node: Node, tick_duration: float) -> ContactTally:
     """Totals of the contact at a node; the page has this as JavaScript."""
     first = math.nan
     if node.first_force_tick != NONE:
-        first = node.first_force_tick * tick
+        first = node.first_force_tick * tick_duration
     last = math.nan
     if node.last_force_tick != NONE:
-        last = node.last_force_tick * tick
-    impulse = node.impulse * tick
-    duration = node.force_ticks * tick
+        last = node.last_force_tick * tick_duration
+    impulse = node.impulse * tick_duration
+    duration = node.force_ticks * tick_duration
     return ContactTally(impulse, node.peak_force, duration, first, last, node.episodes)
 
 
@@ -64,24 +64,35 @@ def totals_of(run: FrontRun) -> runs.Totals:
         vibrations=[segment.vibration_energy for segment in segments],
         momenta=[segment.momentum for segment in segments],
     )
-    outside = Outside(run, masses, after.velocities)
-    gained = (after.momentum - before.momentum) * clock.tick
+    boundary = BoundaryAction(run, masses, after.velocities)
     works = {
-        "wall_work": outside.wall_work,
-        "drive_work": outside.drive_work,
-        "radiated": outside.radiated,
+        "wall_work": boundary.wall_work,
+        "drive_work": boundary.drive_work,
+        "radiated": boundary.radiated,
     }
-    missing = after.energy - before.energy - outside.wall_work - outside.drive_work
-    missing += outside.radiated
-    energy_scale = before.energy + outside.boundary_energy_scale
-    energy_scale += sum(map(abs, works.values()))
+    gained = (after.momentum - before.momentum) * clock.tick
+    missing_energy = after.energy - before.energy
+    missing_energy -= boundary.wall_work
+    missing_energy -= boundary.drive_work
+    missing_energy += boundary.radiated
+
+    # Errors of velocities are relative to the velocity scale, so those of the balances
+    # are relative to the momentum and energy of all masses at that velocity.
+    velocity_scale = run.run.velocity_scale
+    total_mass = sum(mass for mass in masses if mass < math.inf)
+    momentum_scale = total_mass * velocity_scale
+    for node in run.nodes:
+        momentum_scale += abs(node.impulse) * clock.tick
+    energy_scale = before.energy + total_mass * velocity_scale**2 / 2
+    for work in works.values():
+        energy_scale += abs(work)
     return runs.Totals(
         masses=masses,
         velocities=(before.velocities, after.velocities),
         kinetic=(before.kinetic, after.kinetic),
         vibration=(before.vibration, after.vibration),
-        momentum=(gained - outside.impulse, outside.momentum_scale),
-        energy=(missing, energy_scale),
+        momentum=(gained - boundary.impulse, momentum_scale),
+        energy=(missing_energy, energy_scale),
         works=works,
     )
 
@@ -126,17 +137,17 @@ class Motion:
         self.momentum = math.fsum(momenta)
 
 
-class Outside:
-    """What walls, drives and endless bars have done.
+class BoundaryAction:
+    """Effects of walls, drives and semi-infinite bars on the row.
 
     Attributes
     ----------
     impulse : float
-        To the right, N s.
-    wall_work, drive_work, radiated : float
-        J.
-    lent : float
-        Energy that may have gone in and out again, J.
+        Impulse to the right, N s.
+    wall_work, drive_work : float
+        Work of moving walls and of drives, J.
+    radiated : float
+        Energy that left through absorbing ends, J.
     """
 
     def __init__(
@@ -146,38 +157,17 @@ class Outside:
         self.wall_work = 0.0
         self.drive_work = 0.0
         self.radiated = 0.0
-        self.boundary_energy_scale = 0.0
-        self.momentum_scale = run.run.momentum_scale
-        self._run = run
-        self._mass = sum(mass for mass in masses if mass < math.inf)
+        clock = run.clock
         for side in (0, -1):
             sign = 1 if side == 0 else -1
-            impulse = sign * run.nodes[side].impulse * run.clock.tick
+            impulse = sign * run.nodes[side].impulse * clock.tick
             self.impulse += impulse
-            self.momentum_scale += abs(impulse)
+            end = clock.system.ends[side]
             if masses[side] == math.inf:
-                self._add_wall(side, impulse, velocities[side])
-            else:
-                self._add_end(side, impulse, sign)
-
-    def _add_wall(self, side: int, impulse: float, velocity: float) -> None:
-        self.wall_work += impulse * velocity
-        if isinstance(self._run.clock.system.contacts[side], Bonded):
-            # The wall works on the row and the row on the wall.
-            velocity_scale = self._run.run.velocity_scale
-            self.boundary_energy_scale += self._mass * abs(velocity) * velocity_scale
-
-    def _add_end(self, side: int, impulse: float, sign: int) -> None:
-        clock = self._run.clock
-        end = clock.system.ends[side]
-        if isinstance(end, Free | Fixed):
-            return
-        work = sign * self._run.nodes[side].work * clock.tick + clock.frame * impulse
-        if isinstance(end, Absorbing):
-            self.radiated -= work
-        else:
-            self.drive_work += work
-        # Momentum and energy that go in and out again leave round-off of these scales.
-        velocity_scale = self._run.run.velocity_scale
-        self.momentum_scale += self._mass * velocity_scale
-        self.boundary_energy_scale += self._mass * velocity_scale**2 / 2
+                self.wall_work += impulse * velocities[side]
+            elif not isinstance(end, Free | Fixed):
+                work = sign * run.nodes[side].work * clock.tick + clock.frame * impulse
+                if isinstance(end, Absorbing):
+                    self.radiated -= work
+                else:
+                    self.drive_work += work

@@ -70,7 +70,9 @@ def horizon_of(row: Any, reference: Any, scale: Any) -> Any:
         flight = flight + np.maximum(it.gap, 0.0)
     horizon = np.maximum(rule.HORIZON * reference, 16 * total)
     horizon = np.maximum(horizon, 4 * flight / scale)
-    return np.minimum(horizon, reference * 2.0 ** (rule.CLOCK_BITS - 1 - rule.COARSEST))
+    return np.minimum(
+        horizon, reference * 2.0 ** (rule.CLOCK_BITS - 1 - rule.MIN_TRANSIT_BITS)
+    )
 
 
 def count_ticks(
@@ -81,7 +83,7 @@ def count_ticks(
     There are none if the clock cannot count to the end.
     """
     bits = rule.clock_bits(end / longest)
-    if bits < rule.COARSEST:
+    if bits < rule.MIN_TRANSIT_BITS:
         return 0, []
     span = blank(len(durations), rule.DURATION)
     for i in range(len(span)):

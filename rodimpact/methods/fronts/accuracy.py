@@ -1,0 +1,105 @@
+"""Errors of an outcome by fronts: rounded transit times, and forces that are too faint.
+
+Waves are exact to round-off. Two approximations are larger, and each states its error.
+The clock rounds transit times that have no common measure. And a force that decays for
+ever counts as zero from some time on, which shortens durations and moves times.
+"""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from .. import run as runs
+from ..row import Array
+from ..status import ROUNDED
+from . import driver
+from .batch import RunRequest
+from .run import FrontRun
+from .totals import tally_of, totals_of
+
+RERUN_EVENT_FACTOR = 4  # cap on events of a run with perturbed transit times
+NO_ERRORS: Mapping[str, float] = {}
+
+
+def effect_of_rounding(run: FrontRun) -> Mapping[str, float]:
+    """Relative error of each measure of the outcome that rounded transit times make.
+
+    The exact transit time lies between the rounded one and the next tick on its other
+    side. A second run uses that tick. The difference between both outcomes is the stated
+    error: it exceeds the error of an outcome that varies steadily between both ticks.
+    It is empty where round-off is larger or the cap ended the run, and inf where both
+    runs end for different reasons.
+    """
+    if run.clock.transit_error <= ROUNDED or run.stopped_by == "max_events":
+        return NO_ERRORS
+    request = RunRequest(
+        until=run.until,
+        max_events=RERUN_EVENT_FACTOR * (run.run.events + 1),
+        perturb_rounding=True,
+    )
+    other = FrontRun(driver.solve_one(run.layout, request))
+    if other.stopped_by != run.stopped_by:
+        return dict.fromkeys(runs.MEASURES, math.inf)
+    errors: dict[str, float] = {}
+    other_measures = measures_of(other)
+    for name, values in measures_of(run).items():
+        largest_change = float(np.abs(values - other_measures[name]).max(initial=0.0))
+        scale = np.abs(values).max(initial=0.0)
+        if name == runs.VELOCITY:
+            scale = run.run.velocity_scale
+        errors[name] = 0.0
+        if largest_change > 0:
+            errors[name] = largest_change / scale
+    return errors
+
+
+def measures_of(run: FrontRun) -> dict[str, Array]:
+    """Values of each of `runs.MEASURES`, by body or by contact."""
+    tick = run.clock.tick
+    tallies = [tally_of(node, tick) for node in run.contacts]
+    times: list[float] = []
+    for node in run.contacts:
+        times.append(node.first_force_tick * tick)
+        times.append(node.last_force_tick * tick)
+        times.append(node.last_opening_tick * tick)
+    return {
+        runs.VELOCITY: np.array(totals_of(run).velocities[1]),
+        runs.IMPULSE: np.array([tally.impulse for tally in tallies]),
+        runs.PEAK_FORCE: np.array([tally.peak_force for tally in tallies]),
+        runs.DURATION: np.array([tally.duration for tally in tallies]),
+        runs.TIME: np.array(times),
+    }
+
+
+def accuracy_sentence(accuracy: Mapping[str, float]) -> str:
+    """Sentence that states the error by rounded transit times."""
+    if not accuracy:
+        return ""
+    largest = max(accuracy.values())
+    if largest == math.inf:
+        return " The error that this makes is not known."
+    return f" Stated relative error: {largest:.1g}."
+
+
+def with_faint_forces(
+    run: FrontRun, errors: Mapping[str, float]
+) -> Mapping[str, float]:
+    """Relative errors of an outcome, with those of durations and times by faint forces.
+
+    A contact that grazes after a faint force may press until it opens. If it grazes
+    when the collision is over, it may press for ever.
+    """
+    faint_ticks = 0
+    for node in run.contacts:
+        faint_ticks = max(faint_ticks, node.faint_ticks)
+        if node.is_faint and run.until is None:  # it grazes when the collision is over
+            return {**errors, runs.DURATION: math.inf, runs.TIME: math.inf}
+    if faint_ticks == 0:
+        return errors
+    measures = measures_of(run)
+    with_faint = dict(errors)
+    for name in (runs.DURATION, runs.TIME):
+        error = faint_ticks * run.clock.tick / float(measures[name].max())
+        with_faint[name] = error + errors.get(name, 0.0)
+    return with_faint
