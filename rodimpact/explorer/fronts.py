@@ -28,7 +28,6 @@ from ..units import format_si
 from .known import outcome_told
 
 ROOM = 32  # rows of the log at first
-FINE = 1.0  # share of the usual room of the clock that is tried first, where it has few bits
 MOST_REGIONS = 3000  # that are drawn
 TOO_FAR_APART = (
     "times too far apart for the clock of this page; rodimpact run may solve it"
@@ -46,15 +45,11 @@ def run_of(asked: Any, further: bool, space: Any) -> Any:
     dict
         The `space`, whose records the kernels have left.
     """
-    run, share = space["run"], FINE if asked.until < 0 else 1.0
+    run = space["run"]
     run.max_events = asked.max_events
     run.run_past_proof = further
-    run.until = -share if asked.until < 0 else asked.until
+    run.until = asked.until
     go(space)
-    while run.stop_reason == Stop.CLOCK and share < 1:
-        share = min(4 * share, 1.0)
-        run.until = -share
-        go(space)
     return space
 
 

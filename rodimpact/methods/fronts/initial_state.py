@@ -170,9 +170,10 @@ def default_horizon(state: State, values: Values) -> float:
     for node in state.nodes:
         if node.contact != NONE and run.velocity_scale > 0:
             flight_time += values[gap_index(n, node.contact)] / run.velocity_scale
-    requested = -run.until * rule.HORIZON * run.longest_transit_time
     horizon: float = max(
-        requested, MIN_ROW_CROSSINGS * crossing_time, MIN_FLIGHTS * flight_time
+        rule.HORIZON * run.longest_transit_time,
+        MIN_ROW_CROSSINGS * crossing_time,
+        MIN_FLIGHTS * flight_time,
     )
     countable = run.longest_transit_time * 2.0 ** (
         rule.CLOCK_BITS - 1 - rule.MIN_TRANSIT_BITS

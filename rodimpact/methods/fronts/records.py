@@ -167,8 +167,7 @@ class Run:
     """The request for a run, its clock, and its progress."""
 
     # Request
-    until: float  # end, s; if negative there is none, and -until is the share of the
-    # default horizon that the clock must be able to count: 1, or less on the page
+    until: float  # end, s; negative: none is given
     max_events: int
     record_max_stress: int  # 1: `Segment.max_wave_difference` is found
     run_past_proof: int  # 1: run one round trip on, and measure what balances need
