@@ -95,7 +95,6 @@ from .storage.casefile import parse_case as parse_case
 from .storage.casefile import read_case as read_case
 from .storage.casefile import write_case as write_case
 from .storage.checkpoint import DamagedChunks as DamagedChunks
-from .storage.dimensions import by_dimension as by_dimension
 from .storage.reading import FileFormatError as FileFormatError
 
 __version__: str

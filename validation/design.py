@@ -1,4 +1,4 @@
-"""Designs solved backwards and forwards: stepped strikers, a wanted e, a momentum trap.
+"""Designs solved backwards and forwards: stepped strikers, a momentum trap.
 
 Stepped strikers: ten segments of a transit T/20, areas from e^-4 to e^1.5 of the bar's, a pulse of
 duration T whose peak is 0.8 of that of an equal bar. The misfit here is the root of the mean
@@ -38,7 +38,7 @@ WIDE = (math.exp(-4.0), math.exp(1.5))  # area ratios
 
 def run() -> Rows:
     """Rows of the table."""
-    return shapes(), hidden(), restitutions(), trap()
+    return shapes(), hidden(), trap()
 
 
 def shapes() -> Rows:
@@ -127,24 +127,6 @@ def hidden() -> Rows:
         max(misfits),
         1e-12,
         "reflections step by step",
-    )
-
-
-def restitutions() -> Rows:
-    """Rods for a wanted e."""
-    lengths = ri.Rod(np.linspace(0.05, 1.0, 8), area=1e-4, material=STEEL, velocity=1.0)
-    longer = ri.Rod(1.0, area=1e-4, material=STEEL)
-    found = [
-        ri.design.restitution(e, ri.System([lengths, longer])) for e in (0.1, 0.45, 0.9)
-    ]
-    off = max(abs(each.values["bodies.0.length"] - each.wanted) for each in found)
-    yield Row(
-        "length of a rod for e = 0.1, 0.45, 0.9",
-        "l1/l2 - e, largest",
-        "textbook, box 10.4",
-        0.0,
-        off,
-        1e-12,
     )
 
 

@@ -115,8 +115,8 @@ def _lost(value: Any) -> str:
     """What an array means besides its numbers, with the remedy; empty if nothing."""
     if hasattr(value, "dims"):
         return (
-            "dimensions are not matched by name here; convert all arrays together by "
-            "rodimpact.by_dimension"
+            "dimensions are not matched by name here; give .values of arrays from "
+            "xarray.broadcast"
         )
     if hasattr(value, "index") and not callable(value.index):
         return "its index is not matched; give .to_numpy()"

@@ -1,4 +1,4 @@
-"""Wanted and reached result of a design: pulses over time, or e over the varied number."""
+"""Wanted and reached pulse of a design over time, below the silhouette of the striker."""
 
 from typing import Any
 
@@ -7,9 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from ..design.pulses import PulseDesign
-from ..design.rebound import RestitutionDesign
 from ..model.arguments import of_kind
-from .families import side_of, sweep
 from .scales import engineering, place_scale, time_scale
 from .style import (
     SMALL,
@@ -17,7 +15,6 @@ from .style import (
     axes,
     colours,
     dress,
-    legend_above,
     new_figure,
     styled,
 )
@@ -26,17 +23,15 @@ HARDLY = 1e-4  # a misfit that is not to be seen
 
 
 @styled
-def design(found: PulseDesign | RestitutionDesign, ax: Axes | None = None) -> Picture:
-    """Draw the wanted result of a design and the result that its system reaches.
+def design(found: PulseDesign, ax: Axes | None = None) -> Picture:
+    """Draw the wanted pulse of a design and the pulse that its system reaches, over time.
 
-    For a pulse, both forces are drawn over time. Their misfit is the root mean square of the
-    difference divided by the peak. A new figure also shows the silhouette of a stepped body, drawn
-    as round. For a restitution, e is drawn along the family, with a mark at the system of the
-    design.
+    Their misfit is the root mean square of the difference divided by the peak. A new figure also
+    shows the silhouette of a stepped body, drawn as round.
 
     Parameters
     ----------
-    found : PulseDesign or RestitutionDesign
+    found : PulseDesign
         From `rodimpact.design`.
     ax : Axes, optional
         By default the Axes of a new figure.
@@ -51,14 +46,13 @@ def design(found: PulseDesign | RestitutionDesign, ax: Axes | None = None) -> Pi
     --------
     >>> import numpy as np, rodimpact as ri
     >>> steel = ri.materials.steel
-    >>> left = ri.Rod(np.linspace(0.1, 0.9, 9), area=1e-4, material=steel, velocity=1.0)
-    >>> family = ri.System([left, ri.Rod(1.0, area=1e-4, material=steel)])
-    >>> picture = ri.plot.design(ri.design.restitution(0.5, family))
+    >>> bar = ri.Rod(2.0, area=1e-4, material=steel)
+    >>> half_sine = ri.Signal(6.5e3 * np.sin(np.pi * np.linspace(0, 1, 101)), dt=1e-6, unit="N")
+    >>> found = ri.design.striker(half_sine, bar, velocity=10.0, duration=1e-4, segments=4)
+    >>> picture = ri.plot.design(found)
     >>> type(picture).__name__
     'Picture'
     """
-    if isinstance(found, RestitutionDesign):
-        return _restitution(found, ax)
     of_kind("found", found, PulseDesign, "design.striker(...)")
     rod: Any = found.system.bodies[found.body]
     outline = None
@@ -128,35 +122,3 @@ def design(found: PulseDesign | RestitutionDesign, ax: Axes | None = None) -> Pi
         ylabel=force.label,
     )
     return Picture(ax=ax, wanted=wanted, reached=reached, outline=outline)
-
-
-def _restitution(found: RestitutionDesign, ax: Axes | None) -> Picture:
-    """Draw e along the family, the wanted one, and where the system lies."""
-    curve = sweep(found.family, axes(ax, 5.6, 3.6))
-    side = side_of(found.family, 0)
-    values = np.asarray(found.family.axes[0][1], dtype=float)
-    x = (
-        float(np.interp(found.place, np.arange(values.size), values))
-        * side.scale.factor
-    )
-    colour = colours().series[3]
-    wanted = curve.ax.axhline(
-        found.wanted,
-        color=colour,
-        linestyle="--",
-        linewidth=1.2,
-        label=f"wanted e = {found.wanted:.4g}",
-    )
-    label = f"reached at {x:.4g} {side.scale.unit}".rstrip()
-    (reached,) = curve.ax.plot(
-        x,
-        found.reached,
-        color=colour,
-        marker="o",
-        markersize=7.0,
-        linestyle="",
-        zorder=4,
-        label=label,
-    )
-    legend_above(curve.ax, [curve.theory, curve.values, wanted, reached])
-    return Picture(ax=curve.ax, wanted=wanted, reached=reached, outline=None)

@@ -3,7 +3,7 @@
 from contextlib import suppress
 from typing import Any
 
-from ..design import PulseDesign, RestitutionDesign
+from ..design import PulseDesign
 from ..fitting.result import Fit
 from ..results.labels import parameter
 from ..results.solution import Solution
@@ -21,11 +21,11 @@ MORE = "to_csv writes all, save keeps them"
 
 
 def html_of(
-    result: Solution | SweepResult | PulseDesign | RestitutionDesign | Fit,
+    result: Solution | SweepResult | PulseDesign | Fit,
 ) -> str:
     """Picture and table of a result."""
     pictures: list[tuple[Any, str]] = []
-    if isinstance(result, PulseDesign | RestitutionDesign):
+    if isinstance(result, PulseDesign):
         table, pictures = str(result), [(design(result), "wanted and reached")]
     elif isinstance(result, Fit):
         table = str(result)

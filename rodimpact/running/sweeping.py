@@ -181,8 +181,6 @@ def sweep(
         with tqdm.tqdm(total=math.prod(family.shape)) as bar:
             result = ri.sweep(family, progress=lambda done, of: bar.update(done - bar.n))
 
-    Arrays whose dimensions have names become numbers of a family by `by_dimension`.
-
     Examples
     --------
     Strain at a gauge in the middle of a bar, for three strikers:

@@ -532,11 +532,11 @@ def masked():
 LABELLED = [
     (
         labelled,
-        "dimensions are not matched by name here; convert all arrays together by",
+        "dimensions are not matched by name here; give .values of arrays from",
     ),
     (
         data_array,
-        "dimensions are not matched by name here; convert all arrays together by",
+        "dimensions are not matched by name here; give .values of arrays from",
     ),
     (series, r"its index is not matched; give .to_numpy()"),
     (masked, r"its mask would be lost; give .compressed() or .filled(...)"),

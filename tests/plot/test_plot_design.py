@@ -40,16 +40,6 @@ def test_a_given_axes_takes_the_pulses_alone(striker):
     assert picture.outline is None
 
 
-def test_the_place_of_a_wanted_restitution_lies_on_the_curve_of_the_family():
-    family = ri.System(
-        [ri.Rod(np.linspace(0.1, 0.9, 5), area=1e-4, material=STEEL, velocity=1.0), BAR]
-    )
-    picture = plot.design(ri.design.restitution(0.45, family))
-    assert picture.reached.get_xdata() == pytest.approx([0.45])
-    assert picture.reached.get_ydata() == pytest.approx([0.45])
-    assert set(picture.wanted.get_ydata()) == {0.45}
-
-
 def test_notebooks_show_the_figure_above_the_table(striker):
     html = striker._repr_html_()
     assert html.startswith("<img")
