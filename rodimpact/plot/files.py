@@ -30,6 +30,7 @@ FORMATS: dict[str, dict[str, Any]] = {
     "svg": {"Date": None},
     "pdf": {"CreationDate": None},
 }
+LAST_FRAME = 1500  # ms that the last frame of a GIF stays, before it begins again
 SHADES = 255  # colours of a GIF, those of its last frame
 ALIKE = (
     9  # of 255: shades that are no nearer to the paper than this are not taken for it
@@ -147,13 +148,16 @@ def write_gif(file: BinaryIO, film: Any, progress: Progress) -> None:
         Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
         for frame in film.frames(progress)
     )
+    each = 10 * max(2, round(100 / film.fps))
+    durations = [each] * len(film)
+    durations[-1] += LAST_FRAME
     next(pictures).save(
         file,
         format="GIF",
         save_all=True,
         append_images=pictures,
         loop=0,
-        duration=10 * max(2, round(100 / film.fps)),
+        duration=durations,
     )
 
 

@@ -1,6 +1,6 @@
 """Animation: the row above, its growing space-time diagram and contact forces below.
 
-It begins before the contact, names the events at contacts, and stops for a while at the end. The
+It begins before the contact and names the events at contacts. The
 Axes of bodies and words are drawn again in each frame, over a picture of the others at the end of
 the film, whose later times get the colour of the paper.
 """
@@ -38,11 +38,8 @@ MOST_FRAMES, MOST_PER_SECOND = 10_000, 50
 DOTS_PER_INCH = 100
 CONTACTS = 5  # shown at most
 SAMPLED = 100  # frames by whose largest strain bars swell
-APPROACH, WAY = (
-    0.2,
-    0.12,
-)  # before contact, at most: parts of the frames, and of the row
-REST = 1.5  # of the last frame, s
+APPROACH = 0.2  # largest share of the frames before contact
+APPROACH_WAY = 0.12  # largest part of the row that closes before contact
 
 
 class Animation:
@@ -61,19 +58,21 @@ class Animation:
 
     def __init__(
         self,
-        solution: Solution,
+        plan: Placing,
         field: str,
         times: Floats,
         fps: float,
-        magnification: float | None,
     ) -> None:
-        self.fps, self.title, self._look = fps, headline(solution), copy_context()
-        self.field, self.colours = field, style.colours()
-        start, stop = float(times[0]), float(times[-1])
-        plan = placing(solution, start, stop, magnification)
-        self.times = np.concatenate(
-            (_approach(plan, times), times, np.full(round(REST * fps), stop))
-        )
+        solution = plan.solution
+        self.fps = fps
+        self.title = headline(solution)
+        self._look = copy_context()
+        self.field = field
+        self.colours = style.colours()
+        self.times = times
+        times = times[np.searchsorted(times, 0.0) :]  # without the approach
+        start = float(times[0])
+        stop = float(times[-1])
         # times at which something happens at contacts, and what to read before and after each
         self._turns = sorted({t for t in contact_turns(solution) if start <= t <= stop})
         self._captions = ["before contact" if start == 0 and self._turns else ""]
@@ -258,8 +257,8 @@ def animation(
     Above, the row moves and deforms. Displacements are magnified as in `spacetime`, by the factor
     named in the picture; compressed pieces are thicker, stretched pieces thinner. Below, the
     space-time diagram and the forces of the contacts grow. The film makes its own figure and takes
-    no Axes. If bodies touch at t = 0, a film from t = 0 begins with their approach. The last frame
-    stays for 1.5 s.
+    no Axes. If bodies touch at t = 0, a film from t = 0 begins with their approach. In a GIF the
+    last frame stays for 1.5 s.
 
     Parameters
     ----------
@@ -267,7 +266,7 @@ def animation(
     field : "velocity", "stress" or "strain"
         Quantity that the colours show.
     frames : int
-        2 to 10 000 of them, evenly spread from `start` to `stop`; approach and rest are added.
+        2 to 10 000 of them, evenly spread up to `stop`; at most a fifth shows the approach.
     fps : float
         Frames a second, 1 to 50.
     start, stop : float
@@ -301,8 +300,11 @@ def animation(
     stop = drawn_until(solution) if stop is None else single("stop", stop, "s")
     if not start < stop:
         raise refusal("stop", f"must be later than start = {start!r} s, got {stop!r}")
-    times = np.linspace(start, stop, int(frames))
-    return Animation(solution, field, times, float(fps), magnification)
+    plan = placing(solution, start, stop, magnification)
+    approach = _approach_frames(plan, start, stop, int(frames))
+    times = np.linspace(start, stop, int(frames) - approach)
+    before = np.arange(-approach, 0, dtype=np.float64) * (times[1] - times[0])
+    return Animation(plan, field, np.concatenate([before, times]), float(fps))
 
 
 def check_frames(frames: int, fps: float) -> None:
@@ -318,17 +320,21 @@ def check_frames(frames: int, fps: float) -> None:
         )
 
 
-def _approach(plan: Placing, times: Floats) -> Floats:
-    """Times before 0 at which bodies come that touch at t = 0."""
+def _approach_frames(plan: Placing, start: float, stop: float, frames: int) -> int:
+    """Number of frames before t = 0, in which bodies come that touch at t = 0."""
     solution = plan.solution
-    V, gaps = np.array(solution.outcome.velocities_before), solution.system.gaps
-    closing = [float(V[k] - V[k + 1]) for k, gap in enumerate(gaps) if gap == 0]
-    if times[0] != 0 or max(closing, default=0.0) <= 0 or min(closing) < 0:
-        return np.empty(0)
-    step = float(times[1])
-    way = WAY * plan.row / (plan.magnification * max(closing))
-    count = int(min(way / step, APPROACH * times.size))
-    return np.arange(-count, 0, dtype=np.float64) * step
+    velocities = solution.outcome.velocities_before
+    closing = []
+    for k, gap in enumerate(solution.system.gaps):
+        if gap == 0:
+            closing.append(float(velocities[k] - velocities[k + 1]))
+    if start != 0 or max(closing, default=0.0) <= 0 or min(closing) < 0:
+        return 0
+    way = APPROACH_WAY * plan.row / plan.magnification
+    duration = way / max(closing)
+    # n frames before 0 and frames - n up to stop have one step, and n steps last no longer
+    most = duration / (stop + duration) * (frames - 1)
+    return int(min(most, APPROACH * frames))
 
 
 def _draw_forces(ax: Axes, solution: Solution) -> None:
