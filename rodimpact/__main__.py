@@ -1,23 +1,17 @@
 """The program: `rodimpact`, or `python -m rodimpact`."""
 
 import os
-import signal
 import sys
 
-if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-    signal.signal(
-        signal.SIGINT, signal.SIG_DFL
-    )  # Ctrl-C just ends it until `main` listens
-
-from . import cli
+INTERRUPTED = 130  # exit status after Ctrl-C, as shells have it
 
 
 def main() -> int:
-    """Run the command; once interrupted, end at once, with no wait for threads that compute."""
-    for name in ("SIGINT", "SIGTERM", "SIGHUP"):  # so that nothing half-written stays
-        number = getattr(signal, name, signal.SIGINT)
-        if signal.getsignal(number) == signal.SIG_DFL:
-            signal.signal(number, signal.default_int_handler)
+    """Run the command; after Ctrl-C, end at once, without waiting for threads that compute."""
+    try:
+        from . import cli
+    except KeyboardInterrupt:
+        os._exit(INTERRUPTED)
     status = cli.main()
     if status == cli.INTERRUPTED:
         for stream in filter(None, (sys.stdout, sys.stderr)):

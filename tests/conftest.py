@@ -45,18 +45,13 @@ def floating_point_errors_raise():
 
 @pytest.fixture
 def children_hear_signals():
-    """Children do not inherit that SIGINT or SIGHUP is ignored, as in what `&` or `nohup` started.
+    """Children do not inherit that SIGINT is ignored, as in what `&` started.
 
     What is caught here is not caught there.
     """
-    numbers = [
-        getattr(signal, name) for name in ("SIGINT", "SIGHUP") if hasattr(signal, name)
-    ]
-    ignored = [
-        number for number in numbers if signal.getsignal(number) == signal.SIG_IGN
-    ]
-    for number in ignored:
-        signal.signal(number, lambda *_: None)
+    ignored = signal.getsignal(signal.SIGINT) == signal.SIG_IGN
+    if ignored:
+        signal.signal(signal.SIGINT, lambda *_: None)
     yield
-    for number in ignored:
-        signal.signal(number, signal.SIG_IGN)
+    if ignored:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)

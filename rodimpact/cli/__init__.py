@@ -52,7 +52,7 @@ STATUSES = {
     MISTAKE: "a mistake in the call or in the case, or a file that exists, without --force",
     INCOMPLETE: "a run stopped before what was asked; what is known is printed",
     UNVERIFIED: "verification failed",
-    INTERRUPTED: "interrupted, by Ctrl-C or by a signal to end",
+    INTERRUPTED: "interrupted by Ctrl-C",
 }
 
 

@@ -9,9 +9,7 @@ import hashlib
 import json
 import os
 import secrets
-import signal
 import stat
-import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, BinaryIO, TypeAlias
@@ -123,26 +121,23 @@ def written(path: PathLike, *, force: bool = False) -> Iterator[BinaryIO]:
     """
     target = check_target(path, force=force)
     passing = target.with_name(PASSING + secrets.token_hex(8))
-    with _signals_raise():
-        try:
-            with open(passing, "xb") as file:
-                yield file
-                file.flush()
-                os.fsync(file.fileno())
-            if force:
-                os.replace(passing, target)
-            else:
-                _place(passing, target)
-        except OSError as error:
-            reason = (
-                EXISTS
-                if isinstance(error, FileExistsError)
-                else error.strerror or error
-            )
-            raise type(error)(f"cannot write {os.fspath(path)!r}: {reason}") from error
-        finally:
-            with contextlib.suppress(OSError):
-                passing.unlink()
+    try:
+        with open(passing, "xb") as file:
+            yield file
+            file.flush()
+            os.fsync(file.fileno())
+        if force:
+            os.replace(passing, target)
+        else:
+            _place(passing, target)
+    except OSError as error:
+        reason = (
+            EXISTS if isinstance(error, FileExistsError) else error.strerror or error
+        )
+        raise type(error)(f"cannot write {os.fspath(path)!r}: {reason}") from error
+    finally:
+        with contextlib.suppress(OSError):
+            passing.unlink()
 
 
 def _place(passing: Path, target: Path) -> None:
@@ -154,31 +149,6 @@ def _place(passing: Path, target: Path) -> None:
     except OSError:  # a file system without links
         target.open("xb").close()
         os.replace(passing, target)
-
-
-@contextlib.contextmanager
-def _signals_raise() -> Iterator[None]:
-    """Let the signals that would end this process raise first, so that it can clear up."""
-
-    def leave(number: int, _: Any) -> None:
-        raise SystemExit(128 + number)
-
-    mine = threading.current_thread() is threading.main_thread()
-    known = [
-        getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)
-    ]
-    ending = [
-        number
-        for number in known
-        if mine and signal.getsignal(number) == signal.SIG_DFL
-    ]
-    try:
-        for number in ending:
-            signal.signal(number, leave)
-        yield
-    finally:
-        for number in ending:
-            signal.signal(number, signal.SIG_DFL)
 
 
 def write_text(path: PathLike, text: str, *, force: bool = False) -> None:

@@ -81,9 +81,9 @@ with written("a") as file:
 """
 
 
-@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP", "SIGINT"])
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGINT"])
 @pytest.mark.usefixtures("children_hear_signals")
-def test_a_signal_leaves_no_file(tmp_path, name):
+def test_what_is_half_written_never_bears_the_name_of_the_file(tmp_path, name):
     if not hasattr(signal, name):
         pytest.skip(f"no {name} here")
     with subprocess.Popen(
@@ -95,25 +95,13 @@ def test_a_signal_leaves_no_file(tmp_path, name):
         text=True,
     ) as process:
         assert process.stdout.readline() == "ready\n"
-        assert len(os.listdir(tmp_path)) == 1
-        process.send_signal(getattr(signal, name))
+        (half,) = os.listdir(tmp_path)
         number = getattr(signal, name)
-        assert process.wait(10) == (-number if name == "SIGINT" else 128 + number)
-    assert os.listdir(tmp_path) == []
-
-
-@pytest.mark.parametrize("mine", [lambda *_: None, signal.SIG_IGN])
-def test_signals_are_handled_as_before(tmp_path, mine):
-    before = signal.signal(signal.SIGTERM, mine)
-    try:
-        with written(tmp_path / "a"):
-            assert signal.getsignal(signal.SIGTERM) is mine
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)
-        with written(tmp_path / "b"):
-            assert signal.getsignal(signal.SIGTERM) != signal.SIG_DFL
-        assert signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
-    finally:
-        signal.signal(signal.SIGTERM, before)
+        process.send_signal(number)
+        assert process.wait(10) == -number
+    assert half != "a"
+    # an interrupt clears up; a process that is ended at once cannot
+    assert os.listdir(tmp_path) == ([] if name == "SIGINT" else [half])
 
 
 def test_a_directory_where_one_may_not_write_is_told_before(tmp_path, monkeypatch):
