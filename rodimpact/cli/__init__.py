@@ -29,10 +29,10 @@ COMMANDS = {
     "animate": "make a moving picture of a case: GIF or MP4",
     "formula": "solve a case in symbols: e as a formula, and when it holds",
     "rigid": "collide two rigid bodies",
-    "verify": "check the solver against closed forms",
+    "verify": "check each method against a closed form",
     "materials": "list materials, with the source of each number",
     "help": "tell what a case file may hold, and which units are known",
-    "doctor": "show versions, and whether compiled code works here",
+    "doctor": "show versions, and where compiled code is kept",
 }
 CASE = (
     "schema",
