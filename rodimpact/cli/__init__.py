@@ -31,20 +31,9 @@ COMMANDS = {
     "rigid": "collide two rigid bodies",
     "verify": "check each method against a closed form",
     "materials": "list materials, with the source of each number",
-    "help": "tell what a case file may hold, and which units are known",
+    "help": "list the units that a number may have",
     "doctor": "show versions, and where compiled code is kept",
 }
-CASE = (
-    "schema",
-    "gravity",
-    "materials",
-    "bodies",
-    "contacts",
-    "ends",
-    "solve",
-    "output",
-)
-"""Tables of a case file, in whose mistakes `rodimpact help case` helps."""
 DONE, FAULT, MISTAKE, INCOMPLETE, UNVERIFIED, INTERRUPTED = 0, 1, 2, 3, 4, 130
 STATUSES = {
     DONE: "done",
@@ -99,9 +88,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             return complain(
                 "a fault of rodimpact, not yours; please report the lines above", FAULT
             )
-        in_case = any(path.partition(".")[0] in CASE for path, _ in error.problems)
-        hint = "\nrodimpact help case: what a case file may hold" if in_case else ""
-        return complain(f"{error}{hint}", MISTAKE)
+        return complain(str(error), MISTAKE)
 
 
 def _run(argv: list[str]) -> tuple[str | Iterable[str], int]:

@@ -297,8 +297,7 @@ def test_all_mistakes_are_reported_at_once(case, no_sweep, refused):
         "a.gif",
     ]
     err = refused("is varied twice", *argv)
-    *lines, hint = err.splitlines()
-    assert "rodimpact help case" in hint
+    lines = err.splitlines()
     assert sorted(line.split(": ")[1] for line in lines) == [
         "--max-events",
         "--plot",
