@@ -6,11 +6,10 @@ it begins with two rods of different length.
 
 import argparse
 
-from ..explorer.exploring import page_of
+from ..explorer.exploring import explore
 from ..explorer.presets import presets
 from ..storage.casefile import read_case
 from . import DONE
-from .progress import solved
 
 FIRST = "unequal"  # of the presets, where no case is given
 
@@ -29,4 +28,4 @@ def run(given: argparse.Namespace) -> tuple[str, int]:
     """Write the page and open it."""
     first = (preset.case for preset in presets() if preset.key == FIRST)
     case = next(first) if given.case is None else read_case(given.case)
-    return page_of(case, solved).open(not given.no_browser), DONE
+    return explore(case).open(not given.no_browser), DONE

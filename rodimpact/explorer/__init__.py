@@ -2,6 +2,5 @@
 
 The page holds no physics of its own. `tables`, `fronts` and `picture` are plain Python around the
 kernels of fronts: from a case to its polygons, curves and texts. `solver` makes JavaScript of them,
-kernels and all. What the page cannot solve, Python solves when the page is written, and the page
-shows that with the same `picture`.
+kernels and all.
 """

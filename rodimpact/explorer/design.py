@@ -6,10 +6,8 @@ from dataclasses import replace
 from typing import Any
 
 from .. import materials
-from ..model import Law, Rod
-from ..model.bodies import CIRCULAR
+from ..model import Rod
 from ..model.frozen import InvalidModel
-from ..model.laws import Spring
 from ..storage.casefile import Case, GaugePlace, write_case
 
 LIBRARY = {
@@ -32,17 +30,8 @@ def tables_of(case: Case) -> dict[str, Any]:
 
     Mistakes that the page finds then have the path of their field.
     """
-    system = (
-        case.system
-    )  # no file holds a function, but the page need not know its force
-    laws = [Spring(1.0) if isinstance(law, Law) else law for law in system.contacts]
-    tables = tomllib.loads(
-        write_case(replace(case, system=system.replace(contacts=laws)))
-    )
+    tables = tomllib.loads(write_case(case))
     tables.pop("output", None)
-    for i, law in enumerate(system.contacts):
-        if isinstance(law, Law):
-            tables["contacts"][i] = {"gap": system.gaps[i], "law": law.law}
     own = {
         name: entry
         for name, entry in tables.pop("materials", {}).items()
@@ -54,6 +43,4 @@ def tables_of(case: Case) -> dict[str, Any]:
         for piece in rod.get("segments", [rod]):
             if "diameter" in piece:
                 piece["area"] = math.pi * piece["diameter"] * piece.pop("diameter") / 4
-                if "lateral_inertia" in piece:
-                    piece["polar_moment"] = CIRCULAR
     return {"gauges": tables.pop("gauges", []), "case": tables}

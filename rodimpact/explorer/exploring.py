@@ -1,34 +1,31 @@
 """Explore a collision: a page in one file, for a notebook, a browser or a handout."""
 
 import html
-import json
 import os
 import tempfile
 import webbrowser
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..methods.abilities import driven
 from ..methods.fronts.family_layout import lay_out_family
 from ..methods.laws import Stop
+from ..methods.registry import Options
+from ..methods.run import MAX_EVENTS
 from ..methods.walk import walk
 from ..model import System
-from ..model.frozen import InvalidModel
-from ..results.solution import Solution
-from ..running.solving import solve
+from ..model.frozen import InvalidModel, refusal
 from ..storage.casefile import Case
 from ..storage.writing import PathLike, write_text
 from ..units import shown
 from ..version import __version__
 from .design import LIBRARY, tables_of, with_gauges
-from .fronts import motion_of, run_of, space_of
-from .page_files import packed, standalone
+from .fronts import run_of, solved_by_fronts, space_of
+from .page_files import standalone
 from .presets import presets
-from .scene import scene
 from .tables import RULES, asked_of, is_smooth, lacking, system_of
 
 FRAME = "width: 100%; height: 58rem; border: 0"
+REMEDY = "rodimpact animate CASE.toml -o FILE.gif makes a moving picture"
 
 
 class Page:
@@ -40,8 +37,6 @@ class Page:
     ----------
     html : str
         The page.
-    solution : Solution or None
-        Solved by Python where the page cannot solve the collision by itself: the page shows it.
 
     Examples
     --------
@@ -50,12 +45,12 @@ class Page:
     >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
     >>> right = ri.Rod(1.0, area=1e-4, material=steel)
     >>> page = ri.explore(ri.System([left, right]))
-    >>> page.html.startswith("<!DOCTYPE html>"), page.solution
-    (True, None)
+    >>> page.html.startswith("<!DOCTYPE html>")
+    True
     """
 
-    def __init__(self, html: str, solution: Solution | None) -> None:
-        self.html, self.solution = html, solution
+    def __init__(self, html: str) -> None:
+        self.html = html
 
     def save(self, path: PathLike, *, force: bool = False) -> None:
         """Write the page.
@@ -95,8 +90,7 @@ def explore(case: System | Case) -> Page:
     """Make a page to play with a collision: sliders, the space-time diagram, the rods moving.
 
     The page solves uniform and stepped rods and rigid masses, in rigid, bonded or compliant
-    contact, while its sliders move. A collision that it cannot solve, such as one with damping, is
-    solved here once; the page then shows that solution.
+    contact, while its sliders move. `rodimpact.plot.animation` shows all other collisions.
 
     Parameters
     ----------
@@ -111,7 +105,7 @@ def explore(case: System | Case) -> Page:
     Raises
     ------
     InvalidModel
-        If it is no such case, cannot be solved, or lasts no time to show.
+        If it is no such case, the page cannot solve it, or it lasts no time to show.
 
     Examples
     --------
@@ -119,48 +113,50 @@ def explore(case: System | Case) -> Page:
     >>> steel = ri.materials.steel
     >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
     >>> page = ri.explore(ri.System([left, ri.Rod(1.0, area=1e-4, material=steel)]))
-    >>> len(page.html) < 200_000, page.solution is None
-    (True, True)
+    >>> len(page.html) < 200_000
+    True
     """
-    return page_of(case, solve)
-
-
-def page_of(case: System | Case, solver: Callable[..., Solution]) -> Page:
-    """The page of `explore`; `solver` as `rodimpact.solve`."""
     case = Case(case) if isinstance(case, System) else case
     if not isinstance(case, Case):
-        raise InvalidModel([("case", f"must be a System or a Case, got {shown(case)}")])
+        raise refusal("case", f"must be a System or a Case, got {shown(case)}")
     case = with_gauges(case)
+    design = tables_of(case)
+    check_solvable(case, design["case"])
+    examples = []
+    for key, title, remark, first in presets():
+        examples.append(
+            {"key": key, "title": title, "remark": remark, "design": tables_of(first)}
+        )
     begin: dict[str, Any] = {
         "version": __version__,
-        "design": tables_of(case),
+        "design": design,
         "materials": LIBRARY,
         "rules": RULES,
-        "presets": [
-            {"key": key, "title": title, "remark": remark, "design": tables_of(first)}
-            for key, title, remark, first in presets()
-        ],
-        "scene": None,
+        "presets": examples,
     }
-    solution = None
-    if not page_solves(begin["design"]["case"]):
-        solution = solver(case.system, **case.solve)
-        begin["scene"] = packed(json.dumps(scene(case, solution), allow_nan=False))
-    title = (
-        os.fsencode(Path(case.path).stem).decode(errors="replace")
-        or "Elastic rods collide"
-    )
-    return Page(standalone(begin, title), solution)
+    name = os.fsencode(Path(case.path).stem).decode(errors="replace")
+    return Page(standalone(begin, name or "Elastic rods collide"))
 
 
-def page_solves(tables: dict[str, Any]) -> bool:
-    """Whether the page solves a case by itself, to its end, and has something to show then."""
-    if lacking(tables)[1]:
-        return False
-    row, asked = walk(system_of(tables, LIBRARY)), asked_of(tables)
+def check_solvable(case: Case, tables: dict[str, Any]) -> None:
+    """Raise InvalidModel with the path of the physics, or of the option, for which no page is."""
+    Options(**case.solve).method_for(case.system)
+    path, physics = lacking(tables)
+    if physics:
+        raise refusal(path, f"the page cannot solve {physics}; {REMEDY}")
     if is_smooth(tables):
-        return asked.until >= 0 or not driven(row.system)
-    run = run_of(asked, True, space_of(lay_out_family(row)))
-    return (
-        run["run"].stop_reason in (Stop.DONE, Stop.FINAL) and motion_of(run)["now"] > 0
-    )
+        return
+    asked = asked_of(tables)
+    row = system_of(tables, LIBRARY)
+    result = solved_by_fronts(row, asked)
+    if "problem" in result:
+        raise InvalidModel([result["problem"]])
+    run = run_of(asked, True, space_of(lay_out_family(walk(row))))["run"]
+    smaller_cap = asked.max_events < case.solve.get("max_events", MAX_EVENTS)
+    limit = ""
+    if run.stop_reason == Stop.CLOCK:
+        limit = "the clock of the page ends before the collision"
+    elif run.stop_reason == Stop.CAP and smaller_cap:
+        limit = f"the page follows {asked.max_events} arrivals of waves at most"
+    if limit:
+        raise refusal("solve", f"{limit}; give an earlier until=, or {REMEDY}")

@@ -1,8 +1,7 @@
 """All that the page shows of a solution, from what is known of it: layout, curves, texts.
 
-Plain Python, which the page has as JavaScript: a collision that it solves itself and one that
-Python has solved for it are shown alike. Polygons cut at time t are the rods at time t, so the page
-slices them and needs no physics.
+Plain Python, which the page has as JavaScript. Polygons cut at time t are the rods at time t, so
+the page slices them and needs no physics.
 """
 
 from typing import Any

@@ -4,15 +4,11 @@ One grid a segment. Between its points displacement is linear, so the cells cut 
 rods at time t; each has the mean state that its corners' displacements imply. Grids are a table of
 lists: the ``body`` of each, its cells ``across``, and where in ``x`` (m), ``t`` (s) and
 ``displacement`` (m) of the points it has its ``start``; ``velocity`` (m/s), ``strain`` and
-``stress`` (Pa) of the cells. Row after row, upwards in time. The page has all but `grids` as
+``stress`` (Pa) of the cells. Row after row, upwards in time. Plain Python, which the page has as
 JavaScript.
 """
 
 from typing import Any
-
-import numpy as np
-
-from ..results.solution import Solution
 
 CELLS, ROWS = 2000, 50  # in all, about, and one above the other
 
@@ -78,16 +74,3 @@ def add_cells(
     found["body"].append(body)
     found["across"].append(across)
     found["start"].append(len(found["x"]))
-
-
-def grids(solution: Solution) -> Any:
-    """Grids of equal height of any solution."""
-    system, found = solution.system, no_cells()
-    times = np.linspace(0.0, solution.t_end, ROWS + 1)[:, None]
-    for i, body in enumerate(system.bodies):
-        for s, piece in enumerate(getattr(body, "segments", ())):
-            edges = solution.fields.edges(i)
-            x = np.linspace(edges[s], edges[s + 1], across_of(system, piece) + 1)
-            rows = solution.displacement(i, x, times).tolist()
-            add_cells(found, i, piece, float(edges[s]), solution.t_end, rows)
-    return found

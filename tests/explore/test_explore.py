@@ -11,10 +11,8 @@ from explore.scenes import shown
 import rodimpact as ri
 from rodimpact.explorer.design import LIBRARY, tables_of, with_gauges
 from rodimpact.explorer.presets import presets
-from rodimpact.explorer.scene import scene
-from rodimpact.explorer.solved import e_of
+from rodimpact.explorer.solved import e_of, scene_of
 from rodimpact.explorer.tables import MOST_EVENTS
-from rodimpact.explorer.tiling import grids
 from rodimpact.storage.case_reading import case_from
 
 STEEL = ri.materials.steel
@@ -58,41 +56,73 @@ def test_a_material_of_ones_own_is_kept_and_those_of_the_library_go_by_name():
     assert read_back(sent).system == system
 
 
-@pytest.mark.parametrize("love", [{}, {"lateral_inertia": "rayleigh-love"}])
-def test_round_rods_reach_the_page_by_their_areas(love):
-    system = ri.System([ri.Rod(1.0, diameter=0.02, material=STEEL, **love)])
+def test_round_rods_reach_the_page_by_their_areas():
+    system = ri.System([ri.Rod(1.0, diameter=0.02, material=STEEL)])
     sent = tables_of(ri.Case(system))
     assert "diameter" not in sent["case"]["bodies"][0]
     (rod,) = read_back(sent).system.bodies
     assert rod.segments[0].area == system.bodies[0].segments[0].area
-    assert rod.segments[0].ideal == (not love)
 
 
 # The page of a case
 
 
+DRIVEN = (ri.Pushed(1e3), ri.Free())
+OWN = ri.Law(lambda overlap, rate: 1e9 * overlap)
+
+LOSSY = STEEL.damped(loss_factor=0.05, frequency=1e4)
+ANIMATE = "; rodimpact animate CASE.toml -o FILE.gif makes a moving picture"
+
+
 @pytest.mark.parametrize(
-    ("system", "solve", "solved"),
+    ("system", "solve", "path", "words"),
     [
-        (PAIR, {}, True),
-        (COMPLIANT, {}, True),
-        (PAIR, {"method": "finite-difference"}, False),
+        (PAIR.replace(gravity=9.81), {"until": 1e-3}, "gravity", "gravity" + ANIMATE),
+        (
+            ri.System([LEFT, RIGHT], contacts=[ri.Yielding(1e9, yield_force=800.0)]),
+            {},
+            "contacts.0",
+            'the contact law "yielding"' + ANIMATE,
+        ),
         (
             ri.System(
-                [LEFT, RIGHT], contacts=[ri.Law(lambda overlap, rate: 1e9 * overlap)]
+                [ri.Rod(0.4, area=1e-4, material=LOSSY, velocity=1.0), ri.Wall()]
             ),
             {},
-            False,
+            "materials.steel.viscosity",
+            "damping",
         ),
-        (PAIR, {"max_events": 3}, False),
+        (
+            ri.System(
+                [LEFT, ri.Rod(1.0, area=ri.Samples([1e-4, 2e-4]), material=STEEL)]
+            ),
+            {},
+            "bodies.1.area",
+            "tapered",
+        ),
+        (
+            PAIR,
+            {"method": "finite-difference"},
+            "solve.method",
+            'the method "finite-difference"',
+        ),
     ],
 )
-def test_python_solves_what_the_page_cannot(system, solve, solved):
-    page = ri.explore(ri.Case(system, solve))
-    assert (page.solution is None) == solved
-    if not solved:
-        known = ri.solve(system, **solve).outcome
-        assert page.solution.outcome.velocities_after == known.velocities_after
+def test_what_the_page_cannot_solve_is_told_with_a_remedy(system, solve, path, words):
+    with pytest.raises(ri.InvalidModel) as refused:
+        ri.explore(ri.Case(system, solve))
+    ((where, message),) = refused.value.problems
+    assert where == path
+    assert message.startswith("the page cannot solve ")
+    assert words in message
+    assert message.endswith(ANIMATE)
+
+
+@pytest.mark.parametrize(
+    "case", [PAIR, COMPLIANT, ri.Case(PAIR, {"max_events": 3}), *PRESETS.values()]
+)
+def test_what_the_page_can_solve_has_a_page(case):
+    assert "</html>" in ri.explore(case).html
 
 
 @pytest.mark.parametrize(
@@ -104,8 +134,14 @@ def test_python_solves_what_the_page_cannot(system, solve, solved):
             "at least one rod",
         ),
         (ri.System([LEFT.replace(length=[0.1, 0.2]), RIGHT]), "a family of shape"),
-        (ri.Case(PAIR, {"max_events": 1}), "solve: there is nothing to draw"),
+        (ri.Case(PAIR, {"max_events": 1}), "solve: lasts no time to show"),
         (ri.System([LEFT, RIGHT], gaps=[1e9]), "Give until="),
+        (ri.Case(PAIR, {"cells": 30}), "cells: is for method"),
+        (ri.Case(PAIR.replace(ends=DRIVEN)), "until: must be given"),
+        (
+            ri.System([LEFT, RIGHT], contacts=[OWN]),
+            "contacts.0: a law that is a Python",
+        ),
     ],
 )
 def test_what_has_no_page_is_told(case, words):
@@ -142,7 +178,10 @@ STEPPED = ri.Rod(
 def test_fronts_that_multiply_are_not_for_the_page():
     system = ri.System([ri.Wall(), STEPPED, ri.Wall()])
     case = ri.Case(system, {"until": 10.0, "max_events": MOST_EVENTS + 10_000})
-    assert ri.explore(case).solution.events > MOST_EVENTS
+    with pytest.raises(
+        ri.InvalidModel, match=f"^solve: the page follows {MOST_EVENTS} arr"
+    ):
+        ri.explore(case)
 
 
 def test_a_long_run_is_shown_until_there_are_too_many_regions(monkeypatch):
@@ -152,24 +191,12 @@ def test_a_long_run_is_shown_until_there_are_too_many_regions(monkeypatch):
     assert any("too many regions" in note for note in found["notes"])
 
 
-def test_too_many_regions_from_the_start_are_shown_in_cells(monkeypatch):
-    monkeypatch.setattr("rodimpact.explorer.fronts.MOST_REGIONS", 50)
-    jumps = np.linspace(0.0, 0.4, 65)[1:-1]
-    left = ri.Rod(
-        0.4, area=1e-4, material=STEEL, velocity=ri.Steps(np.arange(64.0) % 2, jumps)
-    )
-    solution, picture = shown(ri.System([left, RIGHT]))
-    assert solution.method == "fronts"
-    assert not picture["exact"]
-    assert picture["tiling"]["across"] == grids(solution)["across"]
-
-
 # Polygons
 
 
 def test_cells_of_grids_hold_the_mean_state():
-    solution = ri.solve(COMPLIANT)
-    found, before = grids(solution), 0
+    solution, picture = shown(COMPLIANT)
+    found, before = picture["tiling"], 0
     assert found["body"] == [0, 1]
     for g, (body, across) in enumerate(
         zip(found["body"], found["across"], strict=True)
@@ -239,10 +266,9 @@ def test_a_curve_needs_two_uniform_rods():
 
 
 def test_numbers_have_their_error_beside_them_where_it_is_above_half_of_the_last_digit():
-    case = with_gauges(ri.Case(PAIR))
-    coarse = scene(case, ri.solve(PAIR, 5e-4, "finite-difference", rtol=0.3))
-    fine = scene(case, ri.solve(PAIR, method="characteristics"))
-    for page, told in ((coarse, True), (fine, False)):
+    sent = tables_of(with_gauges(ri.Case(COMPLIANT)))
+    for tolerance, told in ((1e-3, True), (1e-9, False)):
+        page = scene_of(sent["case"], sent["gauges"], LIBRARY, tolerance)
         results = dict(page["results"])
         texts = [
             page["restitution"]["text"],

@@ -58,10 +58,9 @@ def test_the_page_holds_its_case(case, tmp_path, capsys):
     assert export(case) == 0
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert len(text.encode()) < MOST
-    assert "solves the collision itself" in capsys.readouterr().out
+    assert re.fullmatch(r"page\.html: \d+ kB\n", capsys.readouterr().out)
     data = json.loads(Reader(text).texts["embedded"])
     assert data["design"]["case"]["bodies"][0]["length"] == 0.4
-    assert data["scene"] is None
     assert ("b", {}) not in Reader(text).elements
     assert "<title>two &lt;b&gt; rods</title>" in text
 
@@ -104,30 +103,18 @@ def test_all_of_the_script_is_inside(case, tmp_path):
     assert files | {"kernels.js"} == {*SCRIPTS, LOADER}
 
 
-def test_the_page_shows_what_run_would_print(tmp_path, monkeypatch, capsys):
-    """What the page cannot solve is solved as the case asks."""
-    monkeypatch.chdir(tmp_path)
-    lossy = ri.materials.steel.damped(loss_factor=0.05, frequency=1e4)
-    rods = [
-        ri.Rod(0.137, area=1e-4, material=lossy, velocity=1.0),
-        ri.Rod(1.0, area=ri.Samples([1e-4, 3e-4]), material=lossy),
-    ]
-    system = ri.System(rods)
-    path = tmp_path / "lossy.toml"
-    path.write_text(ri.write_case(ri.Case(system, {"cells": 30})))
-    assert export(path) == 0
-    assert "shows a stored solution" in capsys.readouterr().out
-    text = (tmp_path / "page.html").read_text(encoding="utf-8")
-    assert len(text.encode()) < MOST
-    scene = json.loads(unpacked(json.loads(Reader(text).texts["embedded"])["scene"]))
-    known = ri.solve(system, cells=30)
-    assert scene["restitution"]["value"] == known.outcome.restitution
-    assert known.status in scene["notes"]
-    assert not scene["exact"]
-    assert scene["restitution"]["closed_form"] is None
-    energy = next(plot for plot in scene["plots"] if plot["key"] == "energy")
-    curves = {series["name"]: series["y"] for series in energy["series"]}
-    assert curves["lost in material"][-1] > 0
+@pytest.mark.parametrize("command", ["export", "explore"])
+def test_a_case_that_the_page_cannot_solve_is_refused_before_anything_is_written(
+    case, tmp_path, capsys, command
+):
+    case.write_text(case.read_text("utf-8") + "[solve]\nmethod = 'finite-difference'\n")
+    output = ["-o", "page.html"] if command == "export" else ["--no-browser"]
+    assert main([command, str(case), *output]) == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert 'solve.method: the page cannot solve the method "finite-diff' in told.err
+    assert "rodimpact animate CASE.toml" in told.err
+    assert list(tmp_path.iterdir()) == [case]
 
 
 def test_explore_opens_a_temporary_page(case, tmp_path, monkeypatch, capsys):

@@ -410,7 +410,7 @@ def answers(function, designs):
       return data.designs.map((design) => {function}(design, start.materials));
     }};
     """
-    start = {"materials": LIBRARY, "rules": RULES, "scene": None}
+    start = {"materials": LIBRARY, "rules": RULES}
     return run(script, {"start": start, "designs": designs})
 
 

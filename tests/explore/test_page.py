@@ -679,35 +679,13 @@ def test_names_never_become_markup(visit, solved):
     assert page.locator("b").count() == 0
 
 
-def test_what_python_has_solved_is_shown_and_the_sliders_work_for_what_the_page_solves(
-    visit, solved
-):
-    yielding = HERTZ.replace(contacts=[ri.Yielding(1e9, yield_force=800.0)])
-    page = visit(solved(yielding))
-    outcome = ri.solve(yielding).outcome
-    wait_for_e(page, f"{outcome.restitution:.5g}")
-    remark = sync_api.expect(page.locator("#remark"))
-    remark.to_contain_text('the page cannot solve the contact law "yielding"')
-    field(page, LENGTH).fill("300")
-    message = sync_api.expect(page.locator("#message"))
-    message.to_contain_text(
-        'this page cannot solve the contact law "yielding"; Python can'
-    )
-    page.click("#undo")
-    remark.to_contain_text("Python solved this collision")
-    wait_for_e(page, f"{outcome.restitution:.5g}")
-    page.select_option('[id="contacts.0.law"]', "rigid")
-    wait_for_e(page, "0.4")
-    assert not page.locator("#message").is_visible()
-
-
 def test_an_address_that_cannot_be_solved_is_told(visit, url):
     context = visit().context
     for address, words in (
         (
             "#case.schema=1&case.gravity=9.81&case.bodies.0.kind=rod"
             "&case.bodies.0.length=1&case.bodies.0.area=1e-4&case.bodies.0.material=steel",
-            "this page cannot solve gravity; Python can",
+            "this page cannot solve gravity; Python can, with rodimpact animate",
         ),
         ("#case.bodies=7", "The design cannot be read"),
         ("#case.schema=1&case.bodies.0.kind=rod", "must be a finite positive number"),

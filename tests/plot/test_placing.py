@@ -10,9 +10,9 @@ from exhaustive import few_of
 
 import rodimpact as ri
 from rodimpact import plot
-from rodimpact.explorer.design import with_gauges
+from rodimpact.explorer.design import LIBRARY, tables_of, with_gauges
 from rodimpact.explorer.presets import presets
-from rodimpact.explorer.scene import scene
+from rodimpact.explorer.solved import scene_of
 from rodimpact.plot.placing import placing
 from rodimpact.results.magnification import REACH
 
@@ -44,12 +44,18 @@ def solution(request):
     return ri.solve(system, **how)
 
 
-def page_row(solution):
-    return scene(with_gauges(ri.Case(solution.system)), solution)["row"]
+@pytest.fixture
+def row(solution):
+    """How the page lays out the row."""
+    asked = {"until": solution.t_end, "method": solution.method}
+    sent = tables_of(with_gauges(ri.Case(solution.system, asked)))
+    return scene_of(sent["case"], sent["gauges"], LIBRARY)["row"]
 
 
-def test_figures_film_and_page_magnify_by_the_same_factor_in_the_same_frame(solution):
-    plan, row = placing(solution, 0.0, solution.t_end), page_row(solution)
+def test_figures_film_and_page_magnify_by_the_same_factor_in_the_same_frame(
+    solution, row
+):
+    plan = placing(solution, 0.0, solution.t_end)
     assert row["magnification"] == plan.magnification
     assert row["frame"] == plan.frame
     assert plan.block in (0, row["block"])
@@ -67,8 +73,8 @@ def test_figures_film_and_page_magnify_by_the_same_factor_in_the_same_frame(solu
     assert plan.scale in " ".join(film.get_xlabel().split())
 
 
-def test_the_page_and_the_figures_draw_bodies_at_the_same_places(solution):
-    plan, row = placing(solution, 0.0, solution.t_end), page_row(solution)
+def test_the_page_and_the_figures_draw_bodies_at_the_same_places(solution, row):
+    plan = placing(solution, 0.0, solution.t_end)
     for t in np.linspace(0.0, solution.t_end, 5):
         for i in range(len(solution.system.bodies)):
             u = float(solution.displacement(i, 0.0, t))

@@ -249,21 +249,14 @@ function begin(next, then = null) {
   changed(true);
 }
 
-/** Name the collision, if it is one of those to begin with; say if Python has solved it. */
+/** Name the collision, if it is one of those to begin with. */
 function showPreset() {
   const text = JSON.stringify(design);
   const same = start.presets.find(
     (preset) => JSON.stringify(preset.design) === text,
   );
   byId("preset").value = same ? same.key : "";
-  const what =
-    isStored(design) && (fronts.lacking(design.case)[1] || "so many waves");
-  byId("remark").textContent = what
-    ? `Python solved this collision when the page was written, because the page cannot solve ${what}. ` +
-      "The sliders work for rods and contacts that the page can solve."
-    : same
-      ? same.remark
-      : "";
+  byId("remark").textContent = same ? same.remark : "";
 }
 
 function offerPresets() {
@@ -362,8 +355,7 @@ function connect() {
   });
 }
 
-async function beginPage() {
-  if (start.scene) start.scene = JSON.parse(await unpacked(start.scene));
+function beginPage() {
   controls = new Controls(byId("controls"), start.materials, changed);
   past = new History(byId("undo"), begin);
   offerPresets();

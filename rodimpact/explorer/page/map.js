@@ -97,7 +97,7 @@ function showMap() {
   if (!byId("map").open) return;
   const numbers = numbersOf(design);
   offerNumbers(numbers);
-  const able = shown.scene && !isStored(design) && !problemsOf(design).length;
+  const able = shown.scene && !problemsOf(design).length;
   byId("map-reading").textContent = able
     ? ""
     : "The map is for collisions that this page can solve.";

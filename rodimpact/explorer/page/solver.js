@@ -8,18 +8,13 @@ function problemsOf({ case: tables, gauges }) {
     return [
       {
         path,
-        message: `this page cannot solve ${what}; Python can, with rodimpact explore CASE.toml`,
+        message: `this page cannot solve ${what}; Python can, with rodimpact animate CASE.toml -o FILE.gif`,
       },
     ];
   return fronts
     .mistakes(tables, listOf(gauges), start.materials, start.rules)
     .map(([where, message]) => ({ path: where, message }));
 }
-
-/** Whether Python has solved this design, which the page cannot solve. */
-const isStored = (asked) =>
-  start.scene !== null &&
-  JSON.stringify(asked) === JSON.stringify(start.design);
 
 const FEW = 20; // points of a curve of e; four times as many of fronts
 const QUIET = 150; // ms after which sliders rest
@@ -117,7 +112,6 @@ function solveAtRest(scene, asked, draft) {
 
 /** The scene of a design as `data`, or its `problems`; a draft of compliant contacts is quicker. */
 function sceneOf(asked, draft = false) {
-  if (isStored(asked)) return { data: structuredClone(start.scene) };
   try {
     const problems = problemsOf(asked);
     if (problems.length) return { problems };
