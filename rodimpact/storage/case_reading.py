@@ -1,4 +1,9 @@
-"""The tables of a case file become a `Case`: bodies, contacts, ends, and what to do with them."""
+"""The tables of a case file become a `Case`.
+
+Each table names a class of the model by its `kind` or `law`, and gives the numbers that this class
+declares. An object with mistakes is replaced by a stand-in, so that all mistakes of the file are
+found at once; then the file is refused.
+"""
 
 import math
 import re
@@ -14,23 +19,25 @@ from ..model.bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from ..model.ends import ENDS, FREE, End
 from ..model.frozen import Field, InvalidModel, defaults_of, refusal
 from ..model.lateral_inertia import THEORIES
-from ..model.laws import CONTACT_LAWS, FACE, ContactLaw, Hertz, Spring
+from ..model.laws import CONTACT_LAWS, FACE, ContactLaw, Hertz, Rigid, Spring
 from ..model.paths import FIELDS, SPEED, suggestion
 from ..units import shown
 from .case import SCHEMA, Case, GaugePlace
-from .case_tables import Table
-from .grids import Grids
+from .case_tables import Reading, Table
+from .grids import read_grids
 
 DAMPING = {
     "loss_factor": Field("", "non-negative"),
     "loss_frequency": Field("Hz", "positive"),
 }
-SEGMENT = (*Segment.fields, "material", "lateral_inertia")
-OF_SYSTEM = {r"^gaps\.(\d+)": r"contacts.\1.gap", "^gaps$": "contacts"}
-"""Keys of the file, where the model calls numbers otherwise."""
+"""Numbers in place of the viscosity of a material."""
+DAMPING_KEYS = {"^frequency": "loss_frequency"}
+SYSTEM_KEYS = {r"^gaps\.(\d+)": r"contacts.\1.gap", "^gaps$": "contacts"}
+"""Keys of the file, where the model has other names: pattern and replacement."""
+SEGMENT_KEYS = (*Segment.fields, "material", "lateral_inertia")
 ANY_ROD = Rod(1.0, area=1.0, material=materials.steel)
+ANY_LAW = Spring(1.0)  # which goes between any bodies
 STAND_INS: dict[str, Body] = {"rod": ANY_ROD, "mass": RigidMass(1.0), "wall": Wall()}
-"""Bodies in place of those whose mistakes allow none."""
 Materials = dict[str, Material]
 
 
@@ -57,253 +64,278 @@ def case_from(
     """
     if not isinstance(data, dict):
         raise refusal(source, f"must be the tables of a case file, got {shown(data)}")
-    top = Table("", data, Grids(vary), {})
-    _check_schema(top)
-    known = _read_materials(top)
-    gravity = top.entry("gravity", System.fields["gravity"])
-    bodies = [_read_body(table, known) for table in top.tables("bodies")]
-    if not bodies:
+    reading = Reading(read_grids(vary))
+    top = Table(reading, "", data)
+    check_schema(top)
+    library = read_materials(top.table("materials"))
+    row = top.entries(System)
+    bodies = [read_body(table, library) for table in top.tables("bodies")]
+    row |= read_contacts(top, bodies, library)
+    row["ends"] = read_ends(top.table("ends"))
+    system = None
+    if bodies:
+        row["bodies"] = [body or ANY_ROD for body in bodies]
+        system = top.make(System, SYSTEM_KEYS, **row)
+    else:
         top.note("bodies", "is missing; describe each body in a [[bodies]] table")
-    gaps, laws = [], []
-    contacts = top.tables("contacts")
-    if "contacts" not in top.data:
-        contacts = [top.inner(f"contacts.{i}", {}) for i in range(len(bodies) - 1)]
-    for i, table in enumerate(contacts):
-        gaps.append(table.entry("gap", GAP))
-        laws.append(_read_law(table, (*bodies[i : i + 2], None, None)[:2], known))
-    sides = top.table(
-        "ends"
-    )  # of the row; where mistakes allow nothing, nothing happens there
-    ends = [_read_end(sides.table(side)) if sides.has(side) else FREE for side in SIDES]
-    sides.close()
-    system: Any = bodies and top.make(
-        System,
-        OF_SYSTEM,
-        bodies=[body or ANY_ROD for body in bodies],
-        gaps=gaps,
-        contacts=laws,
-        gravity=gravity,
-        ends=ends,
-    )
-    options, output = _read_solve(top.table("solve")), _read_output(top.table("output"))
-    gauges = tuple(_read_gauge(table, bodies) for table in top.tables("gauges"))
+    options = read_solve(top.table("solve"))
+    output = read_output(top.table("output"))
+    gauges = [read_gauge(table, bodies) for table in top.tables("gauges")]
     top.close()
-    _check_varied(top, system)
-    if top.mistakes:
-        raise InvalidModel(list(top.mistakes.items()))
-    varied = tuple(top.grids.taken[path] for path in top.grids.texts)
-    return Case(system, options, output, source, varied, gauges)
+    check_grids(top, system)
+    if system is None or reading.mistakes:
+        raise InvalidModel(list(reading.mistakes.items()))
+    varied = [grid.varied for grid in reading.grids.values() if grid.varied]
+    return Case(system, options, output, source, tuple(varied), tuple(gauges))
 
 
-def _check_schema(top: Table) -> None:
+def check_schema(top: Table) -> None:
+    """Note a schema that is missing or wrong; refuse a file of a newer one."""
     schema = top.get("schema")
-    if (
-        type(schema) is int and schema > SCHEMA
-    ):  # its other entries may mean other things
+    if type(schema) is int and schema > SCHEMA:
+        # its other entries may mean other things
         message = f"is {shown(schema)}; this rodimpact reads {SCHEMA}, get a newer one"
         raise refusal("schema", message)
     if type(schema) is not int or schema != SCHEMA:
         top.note("schema", f"must be {SCHEMA}; begin the file with schema = {SCHEMA}")
 
 
-def _read_materials(top: Table) -> Materials:
-    """Materials by name; steel stands in for those with mistakes."""
-    known, group = dict(materials.TABLE), top.table("materials")
+def read_materials(group: Table) -> Materials:
+    """Materials by name, those of the library too; steel stands in for one with mistakes."""
+    library = dict(materials.TABLE)
     for name in group.data:
         table = group.table(name)
-        material = (
-            table.make(Material, name=name, **table.entries(Material))
-            or materials.steel
-        )
-        if [key for key in DAMPING if table.gives(key)]:
-            if table.gives("viscosity"):
-                message = (
-                    "give either viscosity or loss_factor and loss_frequency, not both"
-                )
-                table.note("viscosity", message)
-            factor, frequency = (
-                table.entry(key, field) for key, field in DAMPING.items()
-            )
-            material = table.make(
-                material.damped,
-                {"^frequency": "loss_frequency"},
-                loss_factor=factor,
-                frequency=frequency,
-            )
+        numbers = table.entries(Material)
+        material = table.make(Material, name=name, **numbers) or materials.steel
+        damping = read_damping(table)
+        if damping:
+            material = table.make(material.damped, DAMPING_KEYS, **damping)
         table.close()
-        known[name] = material or materials.steel
-    return known
+        library[name] = material or materials.steel
+    return library
 
 
-def _read_body(table: Table, known: Materials) -> Body | None:
-    """The body, None if of unknown kind; where mistakes allow none, any of its kind stands in."""
-    kind = table.word("kind", BODIES)
-    if kind is None:
-        return None
-    shape: dict[str, Any] = {}
-    if kind == Rod.kind:
-        shape = (
-            _read_segments(table, known)
-            if table.has("segments")
-            else _shape(table, known)
-        )
-    body: Body | None = None
-    entries = {**shape, **table.entries(BODIES[kind])}
-    if None not in shape.get("segments", ()):
-        body = table.make(BODIES[kind], **entries)
-    table.close()
-    return body or STAND_INS[kind]
+def read_damping(table: Table) -> dict[str, Any]:
+    """What `Material.damped` takes; empty if no loss factor is given."""
+    keys = [key for key in DAMPING if table.gives(key)]
+    if not keys:
+        return {}
+    if table.gives("viscosity"):
+        message = "give either viscosity or loss_factor and loss_frequency, not both"
+        table.note("viscosity", message)
+    loss_factor, frequency = DAMPING.values()
+    return {
+        "loss_factor": table.number("loss_factor", loss_factor),
+        "frequency": table.number("loss_frequency", frequency),
+    }
 
 
-def _read_segments(table: Table, known: Materials) -> dict[str, Any]:
-    if [key for key in SEGMENT if table.has(key)]:
-        message = (
-            "give either segments or length, area, material and polar_moment, not both"
-        )
-        table.note("segments", message)
-    pieces = []
-    for piece in table.tables("segments"):
-        pieces.append(piece.make(Segment, **_shape(piece, known)))
-        piece.close()
-    return {"segments": pieces}
-
-
-def _shape(table: Table, known: Materials) -> dict[str, Any]:
-    entries = {**table.entries(Segment), "material": _material(table, known)}
-    if table.has("lateral_inertia"):
-        entries["lateral_inertia"] = theory = table.word("lateral_inertia", THEORIES)
-        if theory is None:  # alone a polar moment would be another mistake
-            entries["polar_moment"] = None
-    return entries
-
-
-def _material(table: Table, known: Materials, key: str = "material") -> Material:
-    """The material that the table names; steel stands in for an unknown one."""
-    name = table.word(key, known)
+def read_material(table: Table, library: Materials, key: str = "material") -> Material:
+    """The material that an entry names; steel stands in for an unknown one."""
+    name = table.word(key, library)
     if name is None:
         return materials.steel
-    material = _varied(
-        Table(f"materials.{name}", {}, table.grids, table.mistakes), known[name]
-    )
-    return _varied(table.inner(key, {}), material) if key == "material" else material
+    material = with_grids(Table(table.reading, f"materials.{name}", {}), library[name])
+    if key == "material":  # it may also vary in this body alone
+        own = Table(table.reading, table.where(key), {})
+        material = with_grids(own, material)
+    return material
 
 
-def _varied(table: Table, material: Material) -> Material:
-    """The material with the numbers of it that vary by their paths in this table."""
-    changes = {
-        key: table.entry(key, field)
-        for key, field in Material.fields.items()
-        if table.gives(key)
-    }
+def with_grids(table: Table, material: Material) -> Material:
+    """The material with the numbers that vary by their paths in this table."""
+    changes = {}
+    for key, field in Material.fields.items():
+        if table.gives(key):
+            changes[key] = table.number(key, field)
     if changes:
         material = table.make(material.replace, **changes) or material
     if table.gives(SPEED):
-        speed = np.asarray(table.entry(SPEED, FIELDS[SPEED]))
+        speed = np.asarray(table.number(SPEED, FIELDS[SPEED]))
         modulus = material.density * speed * abs(speed)
         material = table.make(material.replace, youngs_modulus=modulus) or material
     return material
 
 
-def _read_law(
-    table: Table, pair: tuple[Body | None, ...], known: Materials
-) -> ContactLaw:
-    """The law; a spring, which goes between any bodies, where mistakes allow none."""
-    name = table.word("law", CONTACT_LAWS, "rigid")
-    if name is None:  # who knows which keys are right
-        return Spring(1.0)
-    kind: Any = CONTACT_LAWS[name]
-    rounded = [
-        side for side in SIDES if kind is Hertz and table.gives(f"{side}_radius")
-    ]
-    if kind is Hertz and table.gives("stiffness") == bool(rounded):
-        table.note(
-            "stiffness", "give either the stiffness, or left_radius and right_radius"
-        )
-    numbers = _read_faces(table, pair, known) if rounded else table.entries(kind)
-    law: ContactLaw | None = table.make(
-        Hertz.from_radii if rounded else kind, **numbers
-    )
+def read_body(table: Table, library: Materials) -> Body | None:
+    """The body, or a stand-in of its kind; None if the kind is unknown."""
+    kind = table.word("kind", BODIES)
+    if kind is None:
+        return None
+    entries: dict[str, Any] = {}
+    if kind == Rod.kind:
+        entries = read_rod_shape(table, library)
+    entries |= table.entries(BODIES[kind])
+    body: Body | None = None
+    if None not in entries.get("segments", ()):
+        body = table.make(BODIES[kind], **entries)
     table.close()
-    if None in pair and numbers.get("restitution") is not None:  # is it right here?
-        law = None
-    return law or Spring(1.0)
+    return body or STAND_INS[kind]
 
 
-def _read_faces(
-    table: Table, pair: tuple[Body | None, ...], known: Materials
+def read_rod_shape(table: Table, library: Materials) -> dict[str, Any]:
+    """What the constructor of a rod takes for its shape; None for a segment with mistakes."""
+    if not table.has("segments"):
+        return read_segment(table, library)
+    others = [key for key in SEGMENT_KEYS if table.has(key)]
+    if others:
+        keys = "length, area, material and polar_moment"
+        table.note("segments", f"give either segments or {keys}, not both")
+    segments = []
+    for piece in table.tables("segments"):
+        segments.append(piece.make(Segment, **read_segment(piece, library)))
+        piece.close()
+    return {"segments": segments}
+
+
+def read_segment(table: Table, library: Materials) -> dict[str, Any]:
+    """What the constructor of a segment takes."""
+    entries = table.entries(Segment)
+    entries["material"] = read_material(table, library)
+    if table.has("lateral_inertia"):
+        theory = table.word("lateral_inertia", THEORIES)
+        entries["lateral_inertia"] = theory
+        if theory is None:  # alone a polar moment would be another mistake
+            entries["polar_moment"] = None
+    return entries
+
+
+def read_contacts(
+    top: Table, bodies: list[Body | None], library: Materials
+) -> dict[str, Any]:
+    """Gaps and contact laws, as the constructor of a system takes them."""
+    tables = top.tables("contacts")
+    if not top.has("contacts"):
+        for i in range(len(bodies) - 1):
+            tables.append(Table(top.reading, f"contacts.{i}", {}))
+    gaps = []
+    laws = []
+    for i, table in enumerate(tables):
+        gaps.append(table.number("gap", GAP) if table.gives("gap") else 0.0)
+        laws.append(read_law(table, bodies[i : i + 2], library))
+    return {"gaps": gaps, "contacts": laws}
+
+
+def read_law(table: Table, pair: list[Body | None], library: Materials) -> ContactLaw:
+    """The law of a contact, or a stand-in that goes between any bodies."""
+    name = table.word("law", CONTACT_LAWS, Rigid.law)
+    if name is None:
+        return ANY_LAW
+    rounded = []
+    if name == Hertz.law:
+        rounded = [side for side in SIDES if table.gives(f"{side}_radius")]
+        if table.gives("stiffness") == bool(rounded):
+            message = "give either the stiffness, or left_radius and right_radius"
+            table.note("stiffness", message)
+    law: ContactLaw | None
+    if rounded:
+        law = table.make(Hertz.from_radii, **read_faces(table, pair, library))
+        table.close()
+    else:
+        law = table.build(CONTACT_LAWS[name])
+    whole_pair = len(pair) == 2 and None not in pair
+    if isinstance(law, Rigid) and law.restitution is not None and not whole_pair:
+        return ANY_LAW  # whether a restitution belongs there is unknown
+    return law or ANY_LAW
+
+
+def read_faces(
+    table: Table, pair: list[Body | None], library: Materials
 ) -> dict[str, Any]:
     """Radii and materials of a Hertz contact, for `Hertz.from_radii`."""
     faces: dict[str, Any] = {}
-    for side, body, end in zip(SIDES, pair, (-1, 0), strict=True):
-        faces[f"{side}_radius"] = table.entry(f"{side}_radius", FACE)
-        key = f"{side}_material"
-        if table.has(key):
-            faces[key] = _material(table, known, key)
+    bodies = [*pair, None, None]
+    for side, body, touching in zip(SIDES, bodies, (-1, 0), strict=False):
+        radius = f"{side}_radius"
+        faces[radius] = math.inf
+        if table.gives(radius):
+            faces[radius] = table.number(radius, FACE)
+        stuff = f"{side}_material"
+        faces[stuff] = None  # rigid
+        if table.has(stuff):
+            faces[stuff] = read_material(table, library, stuff)
+        elif body is None:
+            faces[stuff] = materials.steel
         elif isinstance(body, Rod):
-            faces[key] = body.segments[end].material
-        else:
-            faces[key] = None if body else materials.steel
+            faces[stuff] = body.segments[touching].material
     return faces
 
 
-def _read_end(table: Table) -> End:
-    end: End | None = None
-    if kind := table.word("kind", ENDS):
-        end = table.make(ENDS[kind], **table.entries(ENDS[kind]))
-        table.close()
-    return end or FREE
+def read_ends(sides: Table) -> list[End]:
+    """The ends of the row; a free one stands in for one with mistakes."""
+    ends: list[End] = []
+    for side in SIDES:
+        end = None
+        if sides.has(side):
+            table = sides.table(side)
+            kind = table.word("kind", ENDS)
+            if kind:
+                end = table.build(ENDS[kind])
+        ends.append(end or FREE)
+    sides.close()
+    return ends
 
 
-def _read_solve(table: Table) -> dict[str, Any]:
-    options = {key: table.data[key] for key in defaults_of(Options) if table.has(key)}
-    for key in [key for key in Options.fields if key in options]:
-        options[key] = table.quantity(key, options[key], Options.fields[key].dimension)
+def read_solve(table: Table) -> dict[str, Any]:
+    """Those options that are given."""
+    options = {}
+    for key in defaults_of(Options):
+        if table.has(key):
+            options[key] = table.get(key)
+            if key in Options.fields:
+                dimension = Options.fields[key].dimension
+                options[key] = table.quantity(key, options[key], dimension)
     table.make(Options, **options)
     table.close()
     return options
 
 
-def _read_output(table: Table) -> dict[str, str]:
-    names = {key: table.data[key] for key in ("plot", "save") if table.has(key)}
-    for key, name in names.items():
-        if not isinstance(name, str) or not name or "\0" in name:
-            table.note(key, f"must be the name of a file, got {shown(name)}")
+def read_output(table: Table) -> dict[str, str]:
+    """Names of files to write."""
+    names = {}
+    for key in ("plot", "save"):
+        if table.has(key):
+            name = table.get(key)
+            names[key] = name
+            if not isinstance(name, str) or not name or "\0" in name:
+                table.note(key, f"must be the name of a file, got {shown(name)}")
     table.close()
     return names
 
 
-def _read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
+def read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
+    """A strain gauge on one of the rods."""
     rods = [i for i, body in enumerate(bodies) if isinstance(body, Rod)]
-    body, given, name = table.get("body"), table.get("fraction"), table.get("name", "")
+    body = table.get("body")
     if type(body) is not int or body not in rods:
-        names = ", ".join(map(str, rods))
-        table.note("body", f"must be the number of a rod, {names}; got {shown(body)}")
-    fraction = (
-        math.nan
-        if given is None
-        else table.quantity("fraction", given, "dimensionless")
-    )
+        numbers = ", ".join(map(str, rods))
+        message = f"must be the number of a rod, {numbers}; got {shown(body)}"
+        table.note("body", message)
+    fraction = table.get("fraction", math.nan)
+    if table.has("fraction"):
+        fraction = table.quantity("fraction", fraction, "dimensionless")
     if not 0 <= fraction <= 1:
-        table.note("fraction", "give the place over the length of the rod, from 0 to 1")
+        message = "give the place over the length of the rod, from 0 to 1"
+        table.note("fraction", message)
+    name = table.get("name", "")
     if not isinstance(name, str):
         table.note("name", f"must be text, got {shown(name)}")
     table.close()
     return GaugePlace(body, fraction, name)
 
 
-def _check_varied(top: Table, system: System | None) -> None:
+def check_grids(top: Table, system: System | None) -> None:
     """Note grids of unknown numbers, and grids that change nothing."""
-    grids = top.grids
+    reading = top.reading
     # in a table that could not be read, nobody knows the numbers
-    unread = tuple(re.sub(r"\.(kind|law)$", "", path) + "." for path in top.mistakes)
-    for path in grids.texts:
-        if path not in grids.known and not path.startswith(unread):
-            top.note(
-                path, f"is no number that can vary; {suggestion(path, grids.known)}"
-            )
-    if system is None or top.mistakes:  # where mistakes are, something else stands in
+    unread = [re.sub(r"\.(kind|law)$", "", path) + "." for path in reading.mistakes]
+    for path in reading.grids:
+        if path not in reading.numbers and not path.startswith(tuple(unread)):
+            near = suggestion(path, reading.numbers)
+            top.note(path, f"is no number that can vary; {near}")
+    if system is None or reading.mistakes:  # stand-ins may not vary
         return
-    shape = system.shape or (0,) * len(grids.texts)
-    for size, path in zip(shape, grids.texts, strict=True):
-        if size != len(grids.taken[path].values):
-            top.note(path, "changes nothing in this row")
+    shape = system.shape or (0,) * len(reading.grids)
+    for size, grid in zip(shape, reading.grids.values(), strict=True):
+        if grid.varied is None or size != grid.varied.values.size:
+            top.note(grid.path, "changes nothing in this row")

@@ -1,11 +1,13 @@
-"""Tables of a case file: they hand out entries by name, and note each mistake with its path.
+"""Tables of a case file: numbers, words and tables by their keys, and every mistake with its path.
 
-What an entry should be says the `Field` of the model that it fills, so that a new field of a class
-needs no line here. Where a mistake allows no value, another stands in, and reading goes on.
+A class of the model declares its numbers in `fields`: unit, sign, default. A table is read by these
+declarations, so a new field or class needs no line here. A number with a mistake becomes nan, and
+reading goes on.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import re
 from collections.abc import Collection, Mapping
@@ -15,138 +17,162 @@ from .. import units
 from ..model.frozen import MOST_TOLD, REQUIRED, Field, InvalidModel, listed, nearest
 from ..model.profiles import Samples, Steps
 from ..units import shown
-from .grids import Grids
+from .grids import Grid
 
 PROFILES = {  # how a profile is written along a rod, and in time
     "length": " A profile is written {values = [...], at = [...]} or {samples = [...]};",
     "time": " A profile is written {values = [...], at = [...]} or {samples = [...], step = ...};",
 }
-OF_SAMPLES = {r"^values\[(\d+)\]": r"samples.\1", "^values": "samples"}
-"""Keys of a table, where the model calls numbers otherwise."""
+SAMPLE_KEYS = {r"^values\[(\d+)\]": r"samples.\1", "^values": "samples"}
+"""Keys of a profile of samples, where the model has other names: pattern and replacement."""
+SAMPLE_STEP = Samples.fields["step"]._replace(default=REQUIRED)
+
+
+@dataclasses.dataclass
+class Reading:
+    """Everything that reading one file collects.
+
+    Attributes
+    ----------
+    grids : dict of str to Grid
+        By the path of the number that varies.
+    numbers : dict of str to None
+        Paths of all numbers that can vary, in the order of reading.
+    mistakes : dict of str to str
+        The first mistake at each path.
+    """
+
+    grids: dict[str, Grid]
+    numbers: dict[str, None] = dataclasses.field(default_factory=dict)
+    mistakes: dict[str, str] = dataclasses.field(default_factory=dict)
 
 
 class Table:
-    """One table of the file."""
+    """One table of the file, at its path; "" is the whole file."""
 
-    def __init__(
-        self, path: str, data: dict[str, Any], grids: Grids, mistakes: dict[str, str]
-    ) -> None:
-        self.path, self.data, self.grids, self.mistakes = path, data, grids, mistakes
-        self.asked: dict[str, None] = {}
+    def __init__(self, reading: Reading, path: str, data: dict[str, Any]) -> None:
+        self.reading = reading
+        self.path = path
+        self.data = data
+        self.keys: dict[str, None] = {}  # asked for up to now
 
     def where(self, key: str) -> str:
-        """Path of this entry."""
+        """Path of an entry."""
         return f"{self.path}.{key}" if self.path else key
 
     def note(
         self, key: str, message: str, word: Any = "", choices: Collection[str] = ()
     ) -> None:
-        """Note a mistake, unless this entry has one already: the second would come of the first.
+        """Note a mistake, with the nearest of the choices.
 
-        Which of the choices is near the word is looked for only if the mistake will be told.
+        An entry has one mistake: a second one follows from the first.
         """
-        if (path := self.where(key)) not in self.mistakes:
-            if choices and len(self.mistakes) < MOST_TOLD:
-                message = f"{message}; {nearest(word, choices)}"
-            self.mistakes[path] = message
+        mistakes = self.reading.mistakes
+        if choices and len(mistakes) < MOST_TOLD:  # the nearest takes long to find
+            message = f"{message}; {nearest(word, choices)}"
+        mistakes.setdefault(self.where(key), message)
 
     def has(self, key: str) -> bool:
         """Whether the file has this entry, which it may have."""
-        self.asked[key] = None
+        self.keys[key] = None
         return key in self.data
 
     def get(self, key: str, default: Any = None) -> Any:
-        """What the file has under this key, which it may have."""
-        self.asked[key] = None
+        """What the file has at this key, which it may have."""
+        self.keys[key] = None
         return self.data.get(key, default)
 
+    def grid(self, key: str) -> Grid | None:
+        """The grid that stands in for this number, which can vary."""
+        path = self.where(key)
+        self.reading.numbers[path] = None
+        return self.reading.grids.get(path)
+
     def gives(self, key: str) -> bool:
-        """Whether there is such a number, in the file or varied."""
-        varied = self.grids.ask(self.where(key))
-        return self.has(key) or varied
+        """Whether this number is in the file, or a grid stands in for it."""
+        grid = self.grid(key)
+        return self.has(key) or grid is not None
 
     def entries(self, kind: Any) -> dict[str, Any]:
-        """What fills the fields of this class."""
-        return {key: self.entry(key, field) for key, field in kind.fields.items()}
+        """Numbers of the fields of a class that are given, and of those that must be."""
+        numbers = {}
+        for key, field in kind.fields.items():
+            present = self.has(key)
+            if not field.many:
+                present = self.gives(key)
+            if present or field.default is REQUIRED:
+                numbers[key] = self.number(key, field)
+        return numbers
 
-    def entry(self, key: str, field: Field) -> Any:
-        """A number, an array where it is varied, a profile, or the word that may stand there."""
+    def number(self, key: str, field: Field) -> Any:
+        """A number, an array where it varies, a profile, or the word that may stand there."""
         if field.many:
-            return self.numbers(key, field.dimension) or ()
-        value = self.data.get(key)
+            return self.numbers(key, field.dimension)
+        value = self.reading.grids.get(self.where(key), self.get(key))
         if field.along and isinstance(value, dict):
-            return self._profile(key, field)
-        if not self.gives(key):
-            if field.default is not REQUIRED:
-                return field.default
-            known = ", ".join(units.UNITS.get(field.dimension, ()))
-            hint = f" or text with one of {known}" if known else ""
+            return self.profile(key, field)
+        if field.word and isinstance(value, str) and value[:1].isalpha():
+            return self.word(key, (field.word,))
+        if "infinite" in field.sign and value in ("inf", math.inf):
+            return math.inf
+        if value is None:
+            choices = ", ".join(units.UNITS.get(field.dimension, ()))
+            hint = f" or text with one of {choices}" if choices else ""
             self.note(key, f"is missing; give a number in SI units{hint}")
             return math.nan
-        if self.where(key) not in self.grids.texts:
-            if field.word and isinstance(value, str) and value[:1].isalpha():
-                return self.word(key, (field.word,))
-            if "infinite" in field.sign and value in ("inf", math.inf):
-                return math.inf
-        return self.quantity(
-            key, value, field.dimension, True, PROFILES.get(field.along, "")
-        )
+        hint = PROFILES.get(field.along, "")
+        return self.quantity(key, value, field.dimension, hint)
 
-    def quantity(
-        self, key: str, value: Any, dimension: str, vary: bool = False, hint: str = ""
-    ) -> Any:
-        """Value of a number or a text with unit, or the grid that varies it; nan for others."""
-        path = self.where(key)
+    def quantity(self, key: str, value: Any, dimension: str, hint: str = "") -> Any:
+        """Float of a number or a text with unit, array of a grid; nan of anything else."""
         try:
-            if vary and self.grids.ask(path):
-                return self.grids.take(path, dimension)
+            if isinstance(value, Grid):
+                return value.array(dimension)
             return units.parse(value, dimension)
         except ValueError as error:
-            told = (
-                f'{hint} vary={{"{path}": "start:stop:count"}} varies it'
-                if vary
-                else ""
-            )
-            self.note(key, f"{error}{told if isinstance(value, list) else ''}")
+            path = self.where(key)
+            message = str(error)
+            if isinstance(value, list) and path in self.reading.numbers:
+                message += f'{hint} vary={{"{path}": "start:stop:count"}} varies it'
+            self.note(key, message)
             return math.nan
-
-    def _profile(self, key: str, field: Field) -> Any:
-        """`Steps` or `Samples` over a length or a time."""
-        inner = self.table(key)
-        if inner.has("samples"):
-            apart = Samples.fields["step"]._replace(default=REQUIRED)
-            step = inner.entry("step", apart) if field.along == "time" else None
-            values = inner.numbers("samples", field.dimension, vary=False)
-            profile = inner.make(Samples, OF_SAMPLES, values=values, step=step)
-        else:
-            profile = inner.make(
-                Steps,
-                values=inner.numbers("values", field.dimension),
-                at=inner.numbers("at", field.along),
-            )
-        inner.close()
-        return profile or 1.0
 
     def numbers(self, key: str, dimension: str, vary: bool = True) -> Any:
         """A list of numbers, each of which may vary or not; None for anything else."""
-        given = self.get(key)
-        if isinstance(given, list):
-            return [
-                self.quantity(f"{key}.{i}", x, dimension, vary)
-                for i, x in enumerate(given)
-            ]
-        self.note(
-            key,
-            "is missing; give a list of numbers"
-            if given is None
-            else f"must be a list of numbers, got {shown(given)}",
-        )
-        return None
+        values = self.get(key)
+        if not isinstance(values, list):
+            message = f"must be a list of numbers, got {shown(values)}"
+            if values is None:
+                message = "is missing; give a list of numbers"
+            self.note(key, message)
+            return None
+        numbers = []
+        for i, value in enumerate(values):
+            place = f"{key}.{i}"
+            grid = self.grid(place) if vary else None
+            numbers.append(self.quantity(place, grid or value, dimension))
+        return numbers
+
+    def profile(self, key: str, field: Field) -> Any:
+        """`Steps` or `Samples` along a rod or in time; 1 if they have mistakes."""
+        table = self.table(key)
+        if table.has("samples"):
+            entries = {"values": table.numbers("samples", field.dimension, vary=False)}
+            if field.along == "time":
+                table.gives("step")
+                entries["step"] = table.number("step", SAMPLE_STEP)
+            profile = table.make(Samples, SAMPLE_KEYS, **entries)
+        else:
+            values = table.numbers("values", field.dimension)
+            jumps = table.numbers("at", field.along)
+            profile = table.make(Steps, values=values, at=jumps)
+        table.close()
+        return profile or 1.0
 
     def word(
         self, key: str, choices: Collection[str], default: str | None = None
     ) -> str | None:
-        """One of `choices`, None where it is not."""
+        """One of the choices; None for anything else."""
         value = self.get(key, default)
         if isinstance(value, str) and value in choices:
             return value
@@ -157,44 +183,44 @@ class Table:
         return None
 
     def table(self, key: str) -> Table:
-        """The table of that name, an empty one if there is none."""
+        """The table of that name; an empty one, in which nothing is missing, for anything else."""
         data = self.get(key, {})
         if isinstance(data, dict):
-            return self.inner(key, data)
+            return Table(self.reading, self.where(key), data)
         self.note(key, f"must be a table, got {shown(data)}")
-        return Table(
-            self.where(key), {}, Grids(), {}
-        )  # what it lacks is no further mistake
-
-    def inner(self, key: str, data: dict[str, Any]) -> Table:
-        """A table within this one."""
-        return Table(self.where(key), data, self.grids, self.mistakes)
+        return Table(Reading({}), self.where(key), {})
 
     def tables(self, key: str) -> list[Table]:
-        """All tables of that name."""
-        data = self.get(key, [])
-        if not isinstance(data, list) or not all(
-            isinstance(item, dict) for item in data
-        ):
+        """All tables of that name, in their order."""
+        items = self.get(key, [])
+        if not isinstance(items, list) or not all(isinstance(x, dict) for x in items):
             brackets = re.sub(r"\.\d+", "", self.where(key))
-            self.note(
-                key, f"must be tables that each begin [[{brackets}]], got {shown(data)}"
-            )
-            data = []
-        return [self.inner(f"{key}.{i}", item) for i, item in enumerate(data)]
+            message = f"must be tables that each begin [[{brackets}]]"
+            self.note(key, f"{message}, got {shown(items)}")
+            items = []
+        tables = []
+        for i, item in enumerate(items):
+            tables.append(Table(self.reading, self.where(f"{key}.{i}"), item))
+        return tables
+
+    def build(self, kind: Any, **entries: Any) -> Any:
+        """The object that this table describes, with these entries besides its numbers; or None."""
+        built = self.make(kind, **(self.entries(kind) | entries))
+        self.close()
+        return built
 
     def make(
-        self, kind: Any, keys: Mapping[str, str] | None = None, /, **entries: Any
+        self, kind: Any, names: Mapping[str, str] | None = None, /, **entries: Any
     ) -> Any:
         """An object of the model; None, with its mistakes noted here, if they allow none.
 
-        What this table calls otherwise than the model is in `keys`, by a pattern of the path.
+        Keys that the model calls otherwise are in `names`: patterns of paths, and replacements.
         """
         try:
             return kind(**entries)
         except InvalidModel as error:
             for path, message in error.problems:
-                for pattern, name in (keys or {}).items():
+                for pattern, name in (names or {}).items():
                     path = re.sub(pattern, name, path)
                 self.note(path, message)
             return None
@@ -202,5 +228,5 @@ class Table:
     def close(self) -> None:
         """Note every entry that nobody asked for."""
         for key in self.data:
-            if key not in self.asked:
-                self.note(key, "unknown key", key, self.asked)
+            if key not in self.keys:
+                self.note(key, "unknown key", key, self.keys)

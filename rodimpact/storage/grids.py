@@ -29,56 +29,66 @@ class Varied(NamedTuple):
     unit: str
 
 
-class Grids:
-    """The numbers to vary: hands out the array of each when it is asked for by its path."""
+class Grid:
+    """The text of a grid, which stands in for the number at a path.
 
-    def __init__(self, vary: Mapping[str, str] | None = None) -> None:
-        given: Any = {} if vary is None else vary
-        if not isinstance(given, Mapping) or not all(
-            isinstance(path, str) for path in given
-        ):
-            message = f"must name numbers by their paths, each with a grid, got {shown(given)}"
-            raise refusal("vary", message)
-        self.texts: dict[str, Any] = dict(given)
-        self.known: dict[str, None] = {}  # all numbers that can be varied
-        self.taken: dict[str, Varied] = {}
-        if len(self.texts) > MOST_AXES:
-            message = (
-                f"is one of {len(self.texts)} numbers; at most {MOST_AXES} vary at once"
-            )
-            raise refusal(list(self.texts)[MOST_AXES], message)
+    Attributes
+    ----------
+    varied : Varied or None
+        The values, once the number is read and its dimension is known.
+    """
 
-    def ask(self, path: str) -> bool:
-        """Whether this number is varied."""
-        self.known[path] = None
-        return path in self.texts
+    def __init__(self, path: str, text: Any, shape: list[int]) -> None:
+        self.path = path
+        self.text = text
+        self.varied: Varied | None = None
+        self._shape = shape  # of the array: -1 along the axis of this grid, else 1
 
-    def take(self, path: str, dimension: str) -> Number:
-        """Array along the axis of this grid; ValueError for a text that is none."""
-        values = _values(self.texts[path], dimension)
-        self.taken[path] = Varied(path, values, units.si_unit(dimension))
-        return values.reshape([-1 if other == path else 1 for other in self.texts])
+    def array(self, dimension: str) -> Number:
+        """Values of the number along the axis of this grid; ValueError if it is no grid."""
+        values = grid_values(self.text, dimension)
+        self.varied = Varied(self.path, values, units.si_unit(dimension))
+        return values.reshape(self._shape)
 
 
-def _values(text: Any, dimension: str) -> Floats:
+def read_grids(vary: Mapping[str, str] | None) -> dict[str, Grid]:
+    """Return the grids by their paths, the k-th along axis k; InvalidModel for anything else."""
+    texts: Any = {} if vary is None else vary
+    if not isinstance(texts, Mapping) or not all(isinstance(p, str) for p in texts):
+        message = "must name numbers by their paths, each with a grid"
+        raise refusal("vary", f"{message}, got {shown(texts)}")
+    if len(texts) > MOST_AXES:
+        message = f"is one of {len(texts)} numbers; at most {MOST_AXES} vary at once"
+        raise refusal(list(texts)[MOST_AXES], message)
+    grids = {}
+    for axis, (path, text) in enumerate(texts.items()):
+        shape = [1] * len(texts)
+        shape[axis] = -1
+        grids[path] = Grid(path, text, shape)
+    return grids
+
+
+def grid_values(text: Any, dimension: str) -> Floats:
     """All values of a grid, shape (n,), in SI units."""
     if isinstance(text, str) and ":" not in text:
         return np.array([units.parse(number, dimension) for number in text.split(",")])
-    found = SPACED.fullmatch(text) if isinstance(text, str) else None
-    if found is None or not 1 <= int(found["count"]) <= MOST_MEMBERS:
-        raise ValueError(
-            f"must be {FORM}, with 1 to {MOST_MEMBERS} values; got {shown(text)}"
-        )
-    start, stop = (units.parse(found[end], dimension) for end in ("start", "stop"))
-    size = int(found["count"])
-    if size == 1 and start != stop:
-        raise ValueError(
-            f"one value cannot be at both ends; raise the count in {shown(text)}"
-        )
-    if found["log"] and min(start, stop) <= 0:
+    spaced = SPACED.fullmatch(text) if isinstance(text, str) else None
+    if spaced is None or not 1 <= int(spaced["count"]) <= MOST_MEMBERS:
+        message = f"must be {FORM}, with 1 to {MOST_MEMBERS} values"
+        raise ValueError(f"{message}; got {shown(text)}")
+    start = units.parse(spaced["start"], dimension)
+    stop = units.parse(spaced["stop"], dimension)
+    count = int(spaced["count"])
+    if count == 1 and start != stop:
+        message = "one value cannot be at both ends; raise the count in"
+        raise ValueError(f"{message} {shown(text)}")
+    if spaced["log"] and min(start, stop) <= 0:
         raise ValueError(f"needs ends above 0 for equal ratios, got {shown(text)}")
     with np.errstate(all="ignore"):
-        values = (np.geomspace if found["log"] else np.linspace)(start, stop, size)
+        if spaced["log"]:
+            values = np.geomspace(start, stop, count)
+        else:
+            values = np.linspace(start, stop, count)
     if not np.isfinite(values).all():
         raise ValueError(f"the ends of {shown(text)} are too far apart")
     return values

@@ -544,3 +544,10 @@ def test_materials_of_the_library_vary_by_name_and_by_body(path, changed):
     speeds = [body.segments[0].wave_speed for body in after.bodies]
     assert speeds[-changed:] == pytest.approx([6000] * changed)
     assert speeds[:-changed] == [STEEL.wave_speed] * (2 - changed)
+
+
+def test_a_grid_may_stand_in_for_a_profile():
+    text = HEAD + A_ROD + "velocity = {values = [1, 0], at = [0.1]}\n" + A_WALL
+    case = parse_case(text, vary={"bodies.0.velocity": "1,2"})
+    assert case.system.shape == (2,)
+    assert case.system[1].bodies[0].velocity == 2.0
