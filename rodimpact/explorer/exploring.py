@@ -13,7 +13,7 @@ from ..methods.registry import Options
 from ..methods.run import MAX_EVENTS
 from ..methods.walk import walk
 from ..model import System
-from ..model.frozen import InvalidModel, refusal
+from ..model.frozen import InvalidModel, defaults_of, refusal
 from ..storage.casefile import Case
 from ..storage.writing import PathLike, write_text
 from ..units import shown
@@ -140,7 +140,7 @@ def explore(case: System | Case) -> Page:
 
 def check_solvable(case: Case, tables: dict[str, Any]) -> None:
     """Raise InvalidModel with the path of the physics, or of the option, for which no page is."""
-    Options(**case.solve).method_for(case.system)
+    check_options(case)
     path, physics = lacking(tables)
     if physics:
         raise refusal(path, f"the page cannot solve {physics}; {REMEDY}")
@@ -160,3 +160,16 @@ def check_solvable(case: Case, tables: dict[str, Any]) -> None:
         limit = f"the page follows {asked.max_events} arrivals of waves at most"
     if limit:
         raise refusal("solve", f"{limit}; give an earlier until=, or {REMEDY}")
+
+
+def check_options(case: Case) -> None:
+    """Raise InvalidModel with the key of each option that no method takes for this system."""
+    try:
+        Options(**case.solve).method_for(case.system)
+    except InvalidModel as error:
+        problems = []
+        for path, message in error.problems:
+            if path in defaults_of(Options):
+                path = f"solve.{path}"
+            problems.append((path, message))
+        raise InvalidModel(problems) from None

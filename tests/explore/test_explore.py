@@ -136,8 +136,8 @@ def test_what_the_page_can_solve_has_a_page(case):
         (ri.System([LEFT.replace(length=[0.1, 0.2]), RIGHT]), "a family of shape"),
         (ri.Case(PAIR, {"max_events": 1}), "solve: lasts no time to show"),
         (ri.System([LEFT, RIGHT], gaps=[1e9]), "Give until="),
-        (ri.Case(PAIR, {"cells": 30}), "cells: is for method"),
-        (ri.Case(PAIR.replace(ends=DRIVEN)), "until: must be given"),
+        (ri.Case(PAIR, {"cells": 30}), "^solve.cells: is for method"),
+        (ri.Case(PAIR.replace(ends=DRIVEN)), "^solve.until: must be given"),
         (
             ri.System([LEFT, RIGHT], contacts=[OWN]),
             "contacts.0: a law that is a Python",
