@@ -19,6 +19,7 @@ import rodimpact
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
 os.environ["RODIMPACT_ROOT"] = str(HERE.parent)  # where cells find records and cases
+os.environ["TQDM_DISABLE"] = "1"  # pages show results, not bars
 os.environ["PATH"] = (
     str(Path(sys.executable).parent) + os.pathsep + os.environ["PATH"]
 )  # commands

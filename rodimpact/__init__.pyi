@@ -24,7 +24,6 @@ from .fitting.result import Fit as Fit
 from .fitting.result import Fitted as Fitted
 from .fitting.searching import fit as fit
 from .methods.compiling import DamagedCache as DamagedCache
-from .methods.duration import LongRun as LongRun
 from .methods.kernels import NoCompiler as NoCompiler
 from .methods.registry import Options as Options
 from .methods.run import ContactTally as ContactTally
@@ -87,7 +86,6 @@ from .running.solving import collide as collide
 from .running.solving import solve as solve
 from .running.sweep_result import Axis as Axis
 from .running.sweep_result import SweepResult as SweepResult
-from .running.sweeping import SweepError as SweepError
 from .running.sweeping import sweep as sweep
 from .running.warming import warm as warm
 from .storage.casefile import Case as Case

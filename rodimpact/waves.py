@@ -23,12 +23,11 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 from scipy.special import i0e, i1e, j0, j1
 
-from .methods.duration import Forecast, Progress, warn
-from .methods.registry import check_function
 from .model.arguments import Array, Number, array, demand, plain, together
 from .model.bodies import Rod, Segment
 from .model.frozen import Declared, Problems, quantity, raise_noted, refusal
 from .model.lateral_inertia import INERTIA, radial_moduli
+from .progress import Progress, ProgressFunction, check_progress
 from .units import shown
 
 CUT_OFF = 0.2619
@@ -212,7 +211,7 @@ def first_mode(
     radius_over_wavelength: ArrayLike,
     poisson_ratio: ArrayLike,
     *,
-    progress: Progress | None = None,
+    progress: bool | ProgressFunction = True,
 ) -> Number:
     """Phase velocity of the first mode over that of long waves, c/c0.
 
@@ -222,8 +221,9 @@ def first_mode(
         0 or more, 1.
     poisson_ratio : float or array
         From 0 to 0.5, 1.
-    progress : function, optional
-        Called while it takes long with the values that are done, and how many there are.
+    progress : bool or function
+        Whether a bar may show how far long work is. A function is called with the values that are
+        done, and how many there are.
 
     Returns
     -------
@@ -235,11 +235,6 @@ def first_mode(
     ValueError
         If an argument is out of its range.
 
-    Warns
-    -----
-    LongRun
-        As soon as it is known that it takes more than five seconds.
-
     Examples
     --------
     >>> first_mode([0.0, 0.1, 0.3], 0.29).round(5).tolist()
@@ -250,7 +245,7 @@ def first_mode(
         poisson_ratio=(poisson_ratio, "", "[0, 0.5]"),
     )
     problems: Problems = []
-    check_function(problems, "progress", progress)
+    check_progress(problems, progress)
     raise_noted(problems)
     return plain(
         _each(lambda g, _: g, 2 * math.pi * np.minimum(s, SHORTEST), nu, progress)
@@ -338,19 +333,20 @@ def rayleigh_speed(poisson_ratio: ArrayLike) -> Number:
 
 
 def _each(
-    wave: Any, given: Array, poisson_ratio: Array, progress: Progress | None = None
+    wave: Any,
+    given: Array,
+    poisson_ratio: Array,
+    progress: bool | ProgressFunction = True,
 ) -> Array:
     """Lowest roots x = c/c0 of the equation, where G is `wave` of what is given and of x."""
-    known, nu, roots = given.ravel(), poisson_ratio.ravel(), np.ones(given.size)
-    forecast = Forecast(
-        warn, "fewer values, and a curve through them,", progress, "this"
-    )
-    for start in range(0, known.size, BLOCK):
-        part = slice(start, start + BLOCK)
-        roots[part] = _roots(wave, known[part], nu[part])
-        forecast.report(
-            min(start + BLOCK, known.size), known.size, f"{known.size} values"
-        )
+    known = given.ravel()
+    nu = poisson_ratio.ravel()
+    roots = np.ones(given.size)
+    with Progress(progress, "first mode", "values") as report:
+        for start in range(0, known.size, BLOCK):
+            part = slice(start, start + BLOCK)
+            roots[part] = _roots(wave, known[part], nu[part])
+            report(min(start + BLOCK, known.size), known.size)
     return roots.reshape(given.shape)
 
 

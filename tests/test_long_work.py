@@ -1,4 +1,4 @@
-"""One rule for long work: it is announced, it reports its progress, and Ctrl-C ends it."""
+"""One rule for long work: it reports its progress, and Ctrl-C ends it."""
 
 import threading
 
@@ -7,7 +7,6 @@ import pytest
 from systems import rod
 
 import rodimpact as ri
-from rodimpact.methods import duration
 from rodimpact.running import sweeping
 
 PAIR = ri.System([rod(0.4, 1.0), rod(1.0, area=2e-4)])
@@ -68,20 +67,24 @@ WORK = {
 
 
 @pytest.mark.parametrize("work", WORK.values(), ids=WORK)
-def test_long_work_is_announced_and_reports_its_progress(work, monkeypatch):
-    for name in ("LONG", "SOON", "QUIET", "NEWS"):  # all work is long
-        monkeypatch.setattr(duration, name, -1.0)
+def test_long_work_reports_its_progress_and_can_be_stopped(work):
     heard = []
-    with pytest.warns(ri.LongRun, match="takes some .* less"):
-        work(lambda done, of: heard.append((done, of)))
+    work(lambda done, total: heard.append((done, total)))
     assert heard
-    assert all(0 <= done <= of for done, of in heard)
+    assert all(total is None or 0 <= done <= total for done, total in heard)
+
+    def stop(done, total):
+        raise StopIteration
+
+    with pytest.raises(StopIteration):
+        work(stop)
 
 
 @pytest.mark.parametrize("work", WORK.values(), ids=WORK)
-def test_progress_must_be_a_function(work):
-    with pytest.raises(ri.InvalidModel, match="progress: must be a function, got 3"):
-        work(3)
+@pytest.mark.parametrize("wrong", [3, None])
+def test_progress_must_be_true_false_or_a_function(work, wrong):
+    with pytest.raises(ri.InvalidModel, match="progress: must be True, False or a"):
+        work(wrong)
 
 
 def test_an_interrupted_sweep_does_not_wait_for_the_members_that_run(monkeypatch):
@@ -97,7 +100,7 @@ def test_an_interrupted_sweep_does_not_wait_for_the_members_that_run(monkeypatch
         if begun.is_set():
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(sweeping, "run_job", member)
+    monkeypatch.setattr(sweeping, "run_chunk", member)
     family = ri.System([rod(np.array([0.4, 0.5]), 1.0), rod(1.0)])
     with pytest.raises(KeyboardInterrupt):
         ri.sweep(family, workers=1, progress=interrupt)

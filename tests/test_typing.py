@@ -22,8 +22,8 @@ def longest_pulse(
     return float(np.nanmax(family.contacts[0].duration))
 
 
-def told(seen: list[int]) -> Callable[[int, int], Any]:
-    return lambda done, whole: seen.append(whole - done)
+def told(seen: list[int | None]) -> Callable[[int, int | None], object]:
+    return lambda done, total: seen.append(total)
 
 
 def test_a_typed_program_runs() -> None:
@@ -33,9 +33,9 @@ def test_a_typed_program_runs() -> None:
     rod = ri.Rod(
         0.4, area=1e-4, material=steel, velocity=ri.Steps([1.0, 0.5], at=[0.2])
     )
-    left: list[int] = []
+    totals: list[int | None] = []
     row = ri.System([rod, ri.Wall()])
-    solution = ri.solve(row, 1e-4, "finite-difference", cells=8, progress=told(left))
+    solution = ri.solve(row, 1e-4, "finite-difference", cells=8, progress=told(totals))
     assert_type(solution, ri.Solution)
     assert_type(solution.outcome, ri.Outcome)
     velocity: NDArray[np.floating[Any]] = solution.velocity(0, [0.1, 0.3], 0.0)

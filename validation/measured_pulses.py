@@ -40,7 +40,6 @@ Impact Engineering 25 (2001) 87.
 
 import math
 import time
-import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -275,7 +274,6 @@ def run() -> Rows:
 
 
 if __name__ == "__main__":
-    warnings.simplefilter("ignore", ri.LongRun)
     fitted(TITANIUM, ENDS)  # so that machine code is there
     print("misfit, % | CPU time, s | striker, mm | bars, model")
     for metal, model, fit, seconds in table():

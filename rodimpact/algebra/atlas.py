@@ -6,7 +6,6 @@ where an inequality of either ends; if there is room between the two ends, anoth
 and is solved. Cells with the same formula and the same contacts make a region.
 """
 
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -16,9 +15,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..methods.duration import Forecast, Progress, warn
 from ..model import System
 from ..model.frozen import InvalidModel, listed, quantity, raise_noted
+from ..progress import Progress, ProgressFunction, Report
 from ..units import shown
 from .cell import Cell, Floats
 from .exact import check_arguments
@@ -175,7 +174,7 @@ def atlas(
     *,
     most_cells: int = MOST_CELLS,
     max_events: int = 1000,
-    progress: Progress | None = None,
+    progress: bool | ProgressFunction = True,
 ) -> Atlas:
     """Divide the plane of two numbers of a case into regions with a formula each.
 
@@ -190,19 +189,15 @@ def atlas(
         reached by then is left unresolved.
     max_events : int
         Cap on the events of a run; places where it is reached are left unresolved.
-    progress : function, optional
-        Called while it takes long with the places that are done, and how many there are.
+    progress : bool or function
+        Whether a bar may show how far the search is. A function is called with the places that are
+        done, and how many there are.
 
     Raises
     ------
     InvalidModel
         If a path names nothing, or several numbers; if an end of an axis is no value of its number;
         if something acts of which this method knows nothing.
-
-    Warns
-    -----
-    LongRun
-        As soon as it is known that it takes more than five seconds, with what takes less.
 
     Examples
     --------
@@ -224,10 +219,8 @@ def atlas(
         raise InvalidModel(
             [("y", f"must be another number than x, got {shown(y[0])} for both")]
         )
-    forecast = Forecast(
-        warn, "a smaller most_cells or max_events", progress, "this atlas"
-    )
-    return _Search(naming, names, axes, most_cells, max_events, forecast).atlas()
+    with Progress(progress, "atlas", "places") as report:
+        return _Search(naming, names, axes, most_cells, max_events, report).atlas()
 
 
 def _axis(name: str, given: Any) -> tuple[str, float, float]:
@@ -293,7 +286,7 @@ class _Search:
     axes: list[Any]
     most: int
     max_events: int
-    forecast: Forecast
+    report: Report
     done: int = 0  # places and edges
     runs: int = 0  # that began a cell, also one that is not told
     cells: list[Cell] = field(default_factory=list)
@@ -341,11 +334,7 @@ class _Search:
         found = _locate(self.cells, *plane.T)
         for i in range(len(places)):
             if found[i] == -1 and self.runs < self.most:
-                left = min(self.most - self.runs, int((found[i:] == -1).sum()))
-                self.forecast.extrapolate(
-                    self.runs, self.runs + left, f"up to {left} more cells"
-                )
-                self.forecast.reached(self.done + i, PLACES)
+                self.report(min(self.done + i, PLACES), PLACES)
                 self.runs += 1
                 cell = self._solved(places[i])
                 if cell:
@@ -410,7 +399,7 @@ class _Search:
             hard = np.flatnonzero(
                 ~close & (there == NOWHERE) & (cells >= 0).all(axis=1)
             )
-            began, told = time.monotonic(), [*np.flatnonzero(close)]
+            told = [*np.flatnonzero(close)]
             for k, i in enumerate(hard, 1):
                 border = self._narrowed(
                     P[i], Q[i], left[i], right[i], regions[i].tolist()
@@ -418,11 +407,7 @@ class _Search:
                 if border is not None:
                     middle[i] = border
                     told.append(i)
-                seconds = (time.monotonic() - began) / k * (len(hard) - k)
-                self.forecast.expect(
-                    seconds, f"{len(hard)} places of borders in fractions"
-                )
-                self.forecast.reached(PLACES - len(hard) + k, PLACES)
+                self.report(max(self.done, PLACES - len(hard) + k), PLACES)
             found.append((middle[told], regions[told], of[told]))
             middle[~close] = places
             between = (there != NOWHERE) & (there[:, None] != cells).all(axis=1)

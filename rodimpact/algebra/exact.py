@@ -13,18 +13,18 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from ..methods.abilities import needs
-from ..methods.duration import Progress
 from ..methods.fronts import energy
 from ..methods.fronts.family_layout import lay_out_family
 from ..methods.fronts.simulation import Simulation, start_simulation
 from ..methods.groups import grounds, groups, unilateral
 from ..methods.laws import Status, Stop
-from ..methods.registry import check_function, count
+from ..methods.registry import count
 from ..methods.row import Row
 from ..model import Bonded, Free, Rod, Steps, System, Wall
 from ..model.arguments import of_kind
 from ..model.frozen import InvalidModel, Problems, raise_noted
 from ..model.paths import places_of, suggestion
+from ..progress import ProgressFunction, check_progress
 from ..units import shown
 from .numbers import ZERO, Number
 
@@ -232,12 +232,12 @@ def root(x: Fraction) -> Fraction | None:
     return Fraction(p, q) if Fraction(p * p, q * q) == x else None
 
 
-def check_arguments(progress: Progress | None = None, **caps: Any) -> None:
-    """Raise InvalidModel unless caps are whole numbers above 0 and `progress` can be called."""
+def check_arguments(progress: bool | ProgressFunction = True, **caps: Any) -> None:
+    """Raise InvalidModel unless caps are whole numbers above 0 and `progress` will do."""
     problems: Problems = []
     for name, value in caps.items():
         count(problems, name, value)
-    check_function(problems, "progress", progress)
+    check_progress(problems, progress)
     raise_noted(problems)
 
 

@@ -12,12 +12,16 @@ from typing import Any
 import numpy as np
 from scipy.optimize import nnls
 
-from ..methods.duration import Forecast, Progress, warn
+from ..model.frozen import refusal
+from ..progress import Progress, ProgressFunction, Report
 from ..storage.extras import optional
 from .naming import Naming
 from .numbers import Number, Program
 
 FACTORED = 400  # terms: longer polynomials are not factored
+LARGEST_PRODUCT = (
+    10**6
+)  # terms: a sum or product of rational functions multiplies these
 COMPARED = 40  # terms: of longer ones it is not tried whether others imply them
 LARGEST_SHARE = 10**6  # denominator of the shares that are tried
 
@@ -25,8 +29,11 @@ LARGEST_SHARE = 10**6  # denominator of the shares that are tried
 class Field:
     """Rational functions of the names of a system, and how they are shown."""
 
-    def __init__(self, naming: Naming, progress: Progress | None = None) -> None:
-        self.progress = progress
+    def __init__(
+        self, naming: Naming, progress: bool | ProgressFunction = True
+    ) -> None:
+        self._progress = progress
+        self._steps = 0  # operations and polynomials so far
         self.sympy: Any = optional("sympy", "sympy")
         self.naming, self.base = naming, naming.values({})
         names = [*naming.base, *naming.speeds]
@@ -43,19 +50,40 @@ class Field:
             E, rho = (symbols.get(x) or self.sympy.Rational(x) for x in pair)
             self._shown.append(self.sympy.sqrt(E / rho))
 
+    def work(self) -> Progress:
+        """Progress of what is computed in symbols; how much it is nobody knows."""
+        return Progress(self._progress, "formula", "steps")
+
     def of(self, wanted: Iterable[Number]) -> list[Any]:
-        """Numbers of a run as rational functions."""
+        """Numbers of a run as rational functions.
+
+        Raises
+        ------
+        InvalidModel
+            If they become too long.
+        """
         program = Program(
             list(wanted), lambda x: self.field(x.numerator) / x.denominator
         )
-        return program(self.names)
+        with self.work() as report:
+
+            def before(left: Any, right: Any) -> None:
+                self._count(report)
+                check_length(left, right)
+
+            return program(self.names, before)
+
+    def _count(self, report: Report) -> None:
+        """Report one more step."""
+        self._steps += 1
+        report(self._steps, None)
 
     def factors(
         self, numbers: Iterable[Number], place: Mapping[str, Fraction]
     ) -> list[Any]:
         """Factors whose signs decide those of numbers, each with the sign it has at a place."""
         found: dict[Any, None] = {}
-        for f in self._told(self.of(numbers)):
+        for f in self._counted(self.of(numbers)):
             whole = len(f.numer) > FACTORED or f.numer.is_linear
             upper = [(f.numer, 1)] if whole else f.numer.factor_list()[1]
             for p, power in [*upper, *f.denom.factor_list()[1]]:
@@ -73,7 +101,7 @@ class Field:
         """
         ordered = sorted(polynomials, key=lambda p: (len(p), str(p)))
         linear = [p for p in ordered if p.is_linear]
-        for p in linear[::-1]:  # the longest first
+        for p in self._counted(linear[::-1]):  # the longest first
             others = [q for q in linear if q is not p]
             if _follows(p, others):
                 linear = others
@@ -82,22 +110,17 @@ class Field:
             *linear,
             *(
                 p
-                for p in self._told(others)
+                for p in self._counted(others)
                 if not any(map(definite, _in_new_variables(p, linear)))
             ),
         ]
 
-    def _told(self, polynomials: Sequence[Any]) -> Iterator[Any]:
-        """Each of some polynomials that are worked on in turn, with news of how long it takes."""
-        forecast = Forecast(
-            warn,
-            "fewer symbols, or some by their whole paths,",
-            self.progress,
-            "finding where the formula holds",
-        )
-        for i, p in enumerate(polynomials):
-            forecast.report(i, len(polynomials), f"{len(polynomials)} polynomials")
-            yield p
+    def _counted(self, polynomials: Sequence[Any]) -> Iterator[Any]:
+        """Polynomials that are worked on in turn."""
+        with self.work() as report:
+            for p in polynomials:
+                self._count(report)
+                yield p
 
     def polynomial(self, p: Any) -> Any:
         """A polynomial as SymPy's expression, in factors unless it is long."""
@@ -141,6 +164,23 @@ class Field:
         """By which share the numbers of the system must change, at least about, for p to be 0."""
         slope = float(np.linalg.norm(self.slope(p)))
         return float(self.at(p, self.base)) / slope if slope else float("inf")
+
+
+def check_length(left: Any, right: Any) -> None:
+    """Raise InvalidModel before two long rational functions are added or multiplied.
+
+    The greatest common divisor of what comes out would take minutes.
+    """
+    terms = 1
+    for f in (left, right):
+        terms *= len(f.numer) + len(f.denom)
+    if terms > LARGEST_PRODUCT:
+        raise refusal(
+            "symbols",
+            f"a formula in these is too long: a single step multiplies {terms} terms, "
+            f"of {LARGEST_PRODUCT} at most; name fewer numbers, or some by their whole "
+            "paths, such as bodies.0.length",
+        )
 
 
 def definite(p: Any) -> bool:

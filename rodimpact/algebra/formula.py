@@ -17,9 +17,9 @@ from typing import Any
 
 import numpy as np
 
-from ..methods.duration import Progress
 from ..model import System
 from ..model.frozen import InvalidModel, nearest
+from ..progress import ProgressFunction
 from .cell import Cell
 from .exact import Exact, check_arguments, check_final, each, fractions_of
 from .field import Field
@@ -74,7 +74,7 @@ def closed_form(
     symbols: Sequence[str] = ("transit_time", "impedance"),
     *,
     max_events: int = 1000,
-    progress: Progress | None = None,
+    progress: bool | ProgressFunction = True,
 ) -> ClosedForm:
     """Solve a collision in symbols.
 
@@ -94,22 +94,18 @@ def closed_form(
         materials, bodies (v) and contacts (g).
     max_events : int
         Cap on the events of a run.
-    progress : function, optional
-        Called during long work with the number of polynomials that are done, and of all. The work
-        may be here, or later when conditions are computed or printed.
+    progress : bool or function
+        Whether a bar may show that the work goes on, here and later when conditions are computed or
+        printed. A function is called with the number of steps that are done, and None: nobody knows
+        how many there are.
 
     Raises
     ------
     InvalidModel
         If a symbol names nothing, or something acts of which this method knows nothing; if the
-        collision is not over after `max_events`.
+        collision is not over after `max_events`; if the formula is too long.
     ImportError
         Without SymPy, which the extra ``sympy`` brings.
-
-    Warns
-    -----
-    LongRun
-        As soon as it is known that something takes more than five seconds, with what takes less.
 
     Examples
     --------
@@ -124,10 +120,11 @@ def closed_form(
         symbols = [symbols]
     check_arguments(progress, max_events=max_events)
     field = Field(Naming(system, symbols), progress)
-    sides, unsolved = sides_of(field, max_events)
     groups: dict[Any, list[Cell]] = {}
-    for side in sides:
-        groups.setdefault(side.mark(times=True), []).append(side)
+    with field.work():
+        sides, unsolved = sides_of(field, max_events)
+        for side in sides:
+            groups.setdefault(side.mark(times=True), []).append(side)
 
     def form(group: list[Cell], more: tuple[ClosedForm, ...] = ()) -> ClosedForm:
         others = tuple(side for side in sides if side not in group)

@@ -188,11 +188,20 @@ class Program:
         ]
         self._wanted = [at[id(x)] for x in wanted]
 
-    def __call__(self, names: Mapping[str, Any]) -> list[Any]:
-        """Compute them of what stands for each name: fractions, symbols or arrays."""
+    def __call__(
+        self,
+        names: Mapping[str, Any],
+        before: Callable[[Any, Any], None] | None = None,
+    ) -> list[Any]:
+        """Compute them of what stands for each name: fractions, symbols or arrays.
+
+        The function `before` is called with the operands of each operation.
+        """
         found: list[Any] = []
         for step in self._steps:
             if len(step) == 3:
+                if before is not None:
+                    before(found[step[1]], found[step[2]])
                 found.append(step[0](found[step[1]], found[step[2]]))
             else:
                 found.append(names[step[0]] if len(step) == 1 else step[1])

@@ -10,6 +10,7 @@ import os
 import re
 import sys
 import traceback
+import warnings
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from functools import partial
@@ -65,7 +66,9 @@ def main(argv: Sequence[str] | None = None) -> int:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
     try:
         try:
-            text, status = _run(sys.argv[1:] if argv is None else list(argv))
+            with warnings.catch_warnings():
+                warnings.showwarning = _show_warning
+                text, status = _run(sys.argv[1:] if argv is None else list(argv))
         except SystemExit as stop:  # argparse has printed help or a mistake
             text, status = "", int(stop.code or DONE)
         return status if _print(text) else FAULT
@@ -155,6 +158,11 @@ def _print(text: str | Iterable[str]) -> bool:
             complain(f"cannot write the result: {error.strerror or error}", FAULT)
             return False
     return True
+
+
+def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
+    """Print a warning without the place in the code, which is not the user's."""
+    complain(str(message), DONE)
 
 
 def complain(message: str, status: int) -> int:

@@ -11,10 +11,10 @@ import argparse
 
 from ..model.frozen import InvalidModel
 from ..results.regions import nothing_to_draw
+from ..running.solving import solve
 from ..units import format_si
 from . import DONE
-from .asking import Given, add_run_options, note, number
-from .progress import progress_bar, solved, status_of
+from .asking import Given, add_run_options, note, number, status_of
 
 _NAMES = {
     "path": "--output",
@@ -68,7 +68,7 @@ def run(given: Given) -> tuple[str, int]:
     given.attempt(check_frames, given.frames, given.fps)
     given.check_outputs("output")
 
-    solution = solved(case.system, **options)
+    solution = solve(case.system, **options)
     if reason := nothing_to_draw(solution):
         raise InvalidModel([("solve" if given.until is None else "--until", reason)])
     note("drawing")
@@ -76,8 +76,7 @@ def run(given: Given) -> tuple[str, int]:
         film = plot.animation(
             solution, given.field, given.frames, given.fps, magnification=given.magnify
         )
-    with progress_bar("frames") as bar:
-        film.save(given.output, force=given.force, progress=bar)
+    film.save(given.output, force=given.force)
     start, stop = (format_si(float(t), "s") for t in film.times[[0, -1]])
     text = (
         f"{len(film)} frames from {start} to {stop}, {len(film) / film.fps:.3g} s to watch: "

@@ -8,13 +8,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
-from .. import Case, InvalidModel, Options, read_case
+from .. import Case, InvalidModel, Options, Solution, read_case
 from ..methods.memory import LargeFile
 from ..methods.registry import METHOD_NAMES
 from ..model.frozen import Problems, raise_noted
 from ..storage.writing import check_target
 from ..units import parse
-from . import DONE, FAULT, complain
+from . import DONE, FAULT, INCOMPLETE, complain
 from .options import flag
 
 Made = TypeVar("Made")
@@ -224,6 +224,13 @@ def _whole(text: str) -> int:
     raise ValueError(
         f"must be a positive whole number below 10^18, got {text.strip()!r}"
     )
+
+
+def status_of(solution: Solution) -> int:
+    """Exit status of a run: whether it came to its end."""
+    if solution.stopped_by in ("max_events", "clock"):
+        return INCOMPLETE
+    return DONE
 
 
 def note(text: str) -> None:

@@ -12,14 +12,13 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, TypeAlias
 
-from .. import InvalidModel, Misfit, Pulse, Signal, Solution
+from .. import InvalidModel, Misfit, Pulse, Signal, Solution, solve
 from ..records.comparison import gain_unit
 from ..results.regions import nothing_to_draw
 from ..storage.tables import align, as_json
 from ..units import format_si
 from . import record_options
-from .asking import Given, add_run_options, drawn, number
-from .progress import solved, status_of
+from .asking import Given, add_run_options, drawn, number, status_of
 
 _PULSE = {
     "start": "pulse starts",
@@ -84,7 +83,7 @@ def run(given: Given) -> tuple[str, int]:
                 record.start if given.start is None else given.start,
                 record.end if given.stop is None else given.stop,
             )
-    solution = solved(case.system, **options)
+    solution = solve(case.system, **options)
     if reason := nothing_to_draw(solution):
         raise InvalidModel([(case.path, reason)])
     laid: dict[str, Laid] = {}

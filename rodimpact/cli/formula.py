@@ -11,7 +11,6 @@ import argparse
 from .. import ClosedForm, closed_form, read_case
 from ..model.numbering import body_names, contact_names
 from . import DONE, MISTAKE, complain
-from .progress import progress_bar
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,17 +34,16 @@ def run(given: argparse.Namespace) -> tuple[str, int]:
     """Formulas in the cell of the case and, if it lies on a border, in those beside it."""
     case = read_case(given.case)
     symbols = given.symbols.replace(" ", "").split(",")
-    with progress_bar("polynomials") as bar:
-        try:
-            found = closed_form(case.system, symbols, progress=bar)
-        except ImportError as error:
-            return "", complain(str(error), MISTAKE)
-        forms = [found, *found.sides]
-        if given.latex:
-            return "\n".join(form._repr_latex_() for form in forms), DONE
-        names = "\n".join(f"{name}: {path}" for name, path in found.symbols.items())
-        told = [_told(form, case.system.kinds, given.conditions) for form in forms]
-        return "\n\n".join([names, *told]), DONE
+    try:
+        found = closed_form(case.system, symbols)
+    except ImportError as error:
+        return "", complain(str(error), MISTAKE)
+    forms = [found, *found.sides]
+    if given.latex:
+        return "\n".join(form._repr_latex_() for form in forms), DONE
+    names = "\n".join(f"{name}: {path}" for name, path in found.symbols.items())
+    told = [_told(form, case.system.kinds, given.conditions) for form in forms]
+    return "\n\n".join([names, *told]), DONE
 
 
 def _told(form: ClosedForm, kinds: list[str], conditions: bool) -> str:

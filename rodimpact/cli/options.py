@@ -15,7 +15,6 @@ _NAMED = (
     "units",
     "decimal",
     "radius",
-    "on_error",
     "allow_energy_release",
 )
 _NAMES = {"units": "unit", "allow_energy_release": "energy_release"}

@@ -13,7 +13,6 @@ from ..model.numbering import body_names
 from ..records.bridge import ALONG
 from .asking import Given, number
 from .options import flag
-from .progress import progress_bar
 
 _BRIDGE = {
     "gauge_factor": "dimensionless",
@@ -139,21 +138,19 @@ def read_record(given: Given, wanted: Iterable[str]) -> dict[str, Signal]:
     if given.problems:
         return {}
     try:
-        with progress_bar("characters") as bar:
-            signals = (
-                given.attempt(
-                    read_signals,
-                    given.record,
-                    time=given.time,
-                    time_unit=given.time_unit,
-                    rate=given.rate,
-                    units=units,
-                    decimal=given.decimal,
-                    progress=bar,
-                    names={"units": "--unit"},
-                )
-                or {}
+        signals = (
+            given.attempt(
+                read_signals,
+                given.record,
+                time=given.time,
+                time_unit=given.time_unit,
+                rate=given.rate,
+                units=units,
+                decimal=given.decimal,
+                names={"units": "--unit"},
             )
+            or {}
+        )
     except OSError as error:
         given.problems.append(
             (given.record, f"cannot be read: {error.strerror or error}")

@@ -6,13 +6,12 @@ Exit status 3 if the run stopped before what was asked, at a cap on events or on
 
 import argparse
 
-from .. import Gauge, Solution, gauges_to_csv
+from .. import Gauge, Solution, gauges_to_csv, solve
 from ..results.regions import nothing_to_draw
 from ..storage.report import solution_json, solution_table
 from ..storage.tables import misnamed
-from .asking import Given, add_run_options, drawn
+from .asking import Given, add_run_options, drawn, status_of
 from .options import as_options
-from .progress import solved, status_of
 from .record_options import FORM, Places, add_gauge_option, gauge_places
 
 
@@ -57,7 +56,7 @@ def run(given: Given) -> tuple[str, int]:
             ("--gauge", "goes with --gauges or --plot, which show its record")
         )
     given.check_outputs("save", "plot", "gauges", figure="plot")
-    solution = solved(case.system, **options)
+    solution = solve(case.system, **options)
     wrote = given.write(
         save=solution.save,
         plot=drawn(lambda plot: plot.overview(solution, _gauges(solution, places))),

@@ -20,7 +20,6 @@ from ..running.sweep_report import sweep_json, sweep_table
 from . import INCOMPLETE
 from .asking import Given, add_run_options, drawn, number
 from .options import as_options
-from .progress import progress_bar
 
 EXAMPLE = "bodies.0.length=0.05:1:200"
 MORE = "--csv prints all, --save keeps them"
@@ -41,13 +40,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--checkpoint",
         metavar="DIR",
         help="keep finished parts here, and go on from those of an earlier run",
-    )
-    parser.add_argument(
-        "--on-error",
-        choices=("record", "raise"),
-        default="record",
-        help="a collision that does not come to its end is recorded (default), "
-        "or stops the sweep",
     )
     parser.add_argument(
         "--also",
@@ -83,15 +75,12 @@ def run(given: Given) -> tuple[str | Iterable[str], int]:
     case = given.read_case(_vary(given))
     if case:
         _check_case(given, case)
-    how = {
-        name: getattr(given, name)
-        for name in ("on_error", "checkpoint", "also", "workers")
-    }
+    how = {name: getattr(given, name) for name in ("checkpoint", "also", "workers")}
     options = given.run_options(case)
     given.check_outputs("save", "plot", figure="plot")
 
-    with given.naming(), progress_bar("collisions") as bar:
-        result = sweep(case.system, progress=bar, **options, **how)
+    with given.naming():
+        result = sweep(case.system, **options, **how)
     # refused for a quantity that no collision has; the table tells why
     figure = drawn(lambda plot: plot.sweep(result, quantity=given.quantity))
     wrote = given.write(save=result.save, plot=figure)

@@ -14,14 +14,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..methods.duration import Forecast, Progress, warn
 from ..model import Absorbing, Bonded, Free, Material, Rigid, Rod, Segment, System
 from ..model.arguments import array, of_kind, single, whole
 from ..model.ends import FREE
-from ..model.frozen import refusal
+from ..model.frozen import Problems, raise_noted, refusal
 from ..model.laws import RIGID
 from ..model.profiles import Steps
 from ..model.quantities import Floats
+from ..progress import Progress, ProgressFunction, check_progress
 from ..records.signal import Signal
 from ..running.solving import solve
 from ..units import shown
@@ -169,7 +169,7 @@ def striker(
     area_ratio: tuple[float, float] = AREA_RATIO,
     material: Material | None = None,
     contact: Rigid | Bonded = RIGID,
-    progress: Progress | None = None,
+    progress: bool | ProgressFunction = True,
 ) -> PulseDesign:
     """Find a stepped striker that sends a pulse of a wanted shape into a bar.
 
@@ -198,8 +198,9 @@ def striker(
     contact : Rigid or Bonded
         By default the faces only push, so that a force that would pull is 0; the exact inverse of
         a pulse that pulls is found for faces that are `Bonded`.
-    progress : function, optional
-        Called while it takes long with the work that is done, and how much there is.
+    progress : bool or function
+        Whether a bar may show how far the search is. A function is called with the runs that are
+        done, and how many there are.
 
     Returns
     -------
@@ -211,11 +212,6 @@ def striker(
     ------
     InvalidModel or ValueError
         If an argument is not what it should be, or the wanted force pulls at a contact that cannot.
-
-    Warns
-    -----
-    LongRun
-        As soon as it is known that it takes more than five seconds.
 
     Notes
     -----
@@ -233,8 +229,9 @@ def striker(
     >>> len(found.system.bodies[0].segments), round(100 * found.misfit, 1)
     (10, 12.9)
     """
-    if progress is not None and not callable(progress):
-        raise refusal("progress", f"must be a function, got {shown(progress)}")
+    problems: Problems = []
+    check_progress(problems, progress)
+    raise_noted(problems)
     of_kind("bar", bar, Rod, "Rod(2.0, area=1e-4, material=materials.steel)")
     steel = bar.segments[0].material if material is None else material
     of_kind("material", steel, Material, "materials.steel")
@@ -274,17 +271,14 @@ def striker(
     if search.parts(silence)[1].max() <= PERFECT:  # steps: they may be met exactly
         found = [search.descend(np.zeros(0))]
     if not found or found[0].misfit >= PERFECT:
-        forecast = Forecast(
-            warn, "a smaller number of segments", progress, "this design"
-        )
-        total = (
-            segments * (segments + 3) // 2
-        )  # a striker of n segments takes n + 1 runs a step
+        # a striker of n segments takes n + 1 runs a step
+        total = segments * (segments + 3) // 2
         found = []
-        for n in range(1, segments + 1):
-            coarser = found[-1].logarithms if found else np.zeros(0)
-            found.append(search._replace(segments=n).descend(coarser))
-            forecast.report(n * (n + 3) // 2, total, f"{segments} segments")
+        with Progress(progress, "striker", "runs") as report:
+            for n in range(1, segments + 1):
+                coarser = found[-1].logarithms if found else np.zeros(0)
+                found.append(search._replace(segments=n).descend(coarser))
+                report(n * (n + 3) // 2, total)
     least = min(each.misfit for each in found)
     best = next(each for each in found if each.misfit * (1 - BETTER) <= least)
     search = search._replace(segments=len(best.logarithms))

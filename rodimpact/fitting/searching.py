@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from ..methods.duration import Forecast, Progress, warn
-from ..methods.registry import METHODS, Options, check_function, count
+from ..methods.registry import METHODS, Options, count
 from ..model import Rod, System
 from ..model.arguments import of_kind, single
 from ..model.frozen import Problems, raise_noted, refusal
 from ..model.quantities import Floats
+from ..progress import Progress, ProgressFunction, check_progress
 from ..running.sweeping import readings_of
 from ..units import shown
 from .measured import Measured
@@ -28,7 +28,6 @@ from .uncertainty import covariance
 
 TRIES = 16  # systems of the coarse sweep for each number that varies
 MOST_STEPS = 200
-USUAL_STEPS = 8  # of a descent
 
 
 def fit(
@@ -44,7 +43,7 @@ def fit(
     interval: float | None = None,
     starts: int = 3,
     executor: Executor | None = None,
-    progress: Progress | None = None,
+    progress: bool | ProgressFunction = True,
 ) -> Fit:
     """Fit numbers of a system to measured records.
 
@@ -73,8 +72,9 @@ def fit(
         Number of points of the coarse sweep from which a least-squares search begins.
     executor : concurrent.futures.Executor, optional
         Solves the collisions of a sweep and of a derivative; by default they are solved one by one.
-    progress : function, optional
-        Called during a long fit with the number of collisions solved so far and the expected total.
+    progress : bool or function
+        Whether a bar may show that a long fit goes on. A function is called with the number of
+        collisions solved so far, and None: nobody knows how many there will be.
 
     Returns
     -------
@@ -84,11 +84,6 @@ def fit(
     ------
     InvalidModel
         If an argument is invalid; the error names its path.
-
-    Warns
-    -----
-    LongRun
-        If the fit is expected to take more than five seconds; the warning names faster choices.
 
     Notes
     -----
@@ -132,7 +127,7 @@ def fit(
     )
     problems: Problems = []
     begins = count(problems, "starts", starts)
-    check_function(problems, "progress", progress)
+    check_progress(problems, progress)
     readings_of(problems, system, [m.gauge for m in records], np.zeros(1))
     raise_noted(problems)
     ours = {path: ends for path, ends in vary.items() if str(path).startswith(HEAD)}
@@ -149,33 +144,25 @@ def fit(
     )
 
     tried = _coarse([p.share(p.start) for p in parameters])
-    expected = len(tried) + begins * USUAL_STEPS * (1 + 2 * len(parameters))
-    forecast = Forecast(
-        warn,
-        "fewer starts, fewer numbers to vary or an earlier end (until)",
-        progress,
-        "this fit",
-    )
-    objective.heard = lambda done: forecast.report(
-        done, expected, f"some {expected} collisions"
-    )
-    swept = [
-        objective.started(shares, signals)
-        for shares, signals in zip(tried, objective.signals(tried), strict=True)
-    ]
-    least = [
-        min(swept[k::begins], key=lambda one: one[0])[1]
-        for k in range(min(begins, len(swept)))
-    ]
-    lasting = max(m.signal.end - m.signal.start for m in records)
-    sizes = np.array(
-        [
-            {"": 1.0, "gain": abs(x)}.get(n.kind, lasting)
-            for n, x in zip(objective.all, least[0], strict=True)
+    with Progress(progress, "fit", "collisions") as report:
+        objective.heard = lambda done: report(done, None)
+        swept = [
+            objective.started(shares, signals)
+            for shares, signals in zip(tried, objective.signals(tried), strict=True)
         ]
-    )[objective.free]
-    ends = [_descend(objective, point, sizes) for point in least]
-    return _result(objective, sorted(ends, key=lambda end: end.cost), sizes)
+        least = [
+            min(swept[k::begins], key=lambda one: one[0])[1]
+            for k in range(min(begins, len(swept)))
+        ]
+        lasting = max(m.signal.end - m.signal.start for m in records)
+        sizes = np.array(
+            [
+                {"": 1.0, "gain": abs(x)}.get(n.kind, lasting)
+                for n, x in zip(objective.all, least[0], strict=True)
+            ]
+        )[objective.free]
+        ends = [_descend(objective, point, sizes) for point in least]
+        return _result(objective, sorted(ends, key=lambda end: end.cost), sizes)
 
 
 def _coarse(own: Sequence[float]) -> list[Floats]:

@@ -8,10 +8,10 @@ import contextlib
 import functools
 import importlib.util
 import os
-import sys
 import warnings
 from collections.abc import Iterator
 
+from ..progress import is_watched, write_message
 from . import compiling
 from .compiling import ONE_AT_A_TIME, Kernel, compiled
 
@@ -130,9 +130,9 @@ def _tell(reason: str) -> None:
     if reason:
         message = f"{reason}; long runs go in plain Python, some fifty times slower"
         warnings.warn(message, NoCompiler, stacklevel=2)
-    elif "ipykernel" in sys.modules or (sys.stderr and sys.stderr.isatty()):
-        sys.stderr.write(
-            "compiling once, for this and all later runs; up to half a minute\n"
+    elif is_watched():
+        write_message(
+            "compiling once, for this and all later runs; up to half a minute"
         )
 
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from ..model import System
 from ..model.arguments import array, of_kind, one_of
 from ..model.frozen import Declared, Problems, quantity, raise_noted, refusal
+from ..progress import Report, no_report
 from ..units import shown
 from . import abilities
 from .fronts import families as front_families
@@ -30,8 +31,7 @@ class Method(NamedTuple):
     lacks: Sequence[str]
     takes: tuple[str, ...]
     run: Callable[..., Run]
-    # runs many members in one call, or says None where each runs alone
-    family: Callable[..., FamilyRun | None] | None = None
+    family: Callable[..., FamilyRun] | None = None  # runs many members in one call
     members_per_call: Callable[[Row], int] = lambda _: 0  # 0: each member runs alone
     also: tuple[
         str, ...
@@ -176,7 +176,7 @@ class Options(Declared):
             )
         return method
 
-    def run(self, method: str, system: System, **calls: Any) -> Run:
+    def run(self, method: str, system: System, report: Report = no_report) -> Run:
         """Run a single collision by the method that `method_for` chose.
 
         Parameters
@@ -184,12 +184,12 @@ class Options(Declared):
         method : str
         system : System
             Of shape ().
-        **calls
-            What long runs call on their way: `progress`, and `announce` with a sentence.
+        report : function
+            Told of the progress of a long run.
         """
         own = {name: getattr(self, name) for name in METHODS[method].takes}
         run = METHODS[method].run(
-            Row(system), self.until, self.max_events, **own, **calls
+            Row(system), self.until, self.max_events, **own, report=report
         )
         slower = self.method == "auto" and method != next(iter(METHODS))
         why = self._why(method, system) if slower else ""

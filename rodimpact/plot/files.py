@@ -12,7 +12,7 @@ import os
 import re
 import shutil
 import subprocess
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -21,6 +21,7 @@ from matplotlib import rc_context
 from PIL import Image
 
 from ..model.frozen import refusal
+from ..progress import Report, no_report
 from ..storage.writing import file_name, write_bytes
 from .style import FONT, figure_of
 
@@ -35,7 +36,6 @@ SHADES = 255  # colours of a GIF, those of its last frame
 ALIKE = (
     9  # of 255: shades that are no nearer to the paper than this are not taken for it
 )
-Progress = Callable[[int, int], Any] | None
 
 
 def save(picture: Any, path: str | os.PathLike[str], force: bool = False) -> None:
@@ -137,7 +137,7 @@ def as_image(data: bytes, kind: str, words: str) -> str:
     )
 
 
-def write_gif(file: BinaryIO, film: Any, progress: Progress) -> None:
+def write_gif(file: BinaryIO, film: Any, report: Report = no_report) -> None:
     """Write the frames of an Animation, in the colours of the last one, which shows all of it."""
     last = Image.fromarray(film.frame(len(film) - 1))
     palette: Any = last.quantize(SHADES)
@@ -146,7 +146,7 @@ def write_gif(file: BinaryIO, film: Any, progress: Progress) -> None:
     palette.putpalette(shades.ravel().tolist())
     pictures = (
         Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
-        for frame in film.frames(progress)
+        for frame in film.frames(report)
     )
     each = 10 * max(2, round(100 / film.fps))
     durations = [each] * len(film)
@@ -161,7 +161,7 @@ def write_gif(file: BinaryIO, film: Any, progress: Progress) -> None:
     )
 
 
-def _write_mp4(file: BinaryIO, film: Any, progress: Progress) -> None:
+def _write_mp4(file: BinaryIO, film: Any, report: Report) -> None:
     height, width, _ = film.frame(0).shape
     command = [
         "ffmpeg",
@@ -193,7 +193,7 @@ def _write_mp4(file: BinaryIO, film: Any, progress: Progress) -> None:
     ) as process:
         assert process.stdin is not None
         with contextlib.suppress(BrokenPipeError):  # the errors tell why
-            for picture in film.frames(progress):
+            for picture in film.frames(report):
                 process.stdin.write(picture.tobytes())
         reason = process.communicate()[1].decode(errors="replace").strip()
     if process.returncode:

@@ -21,7 +21,14 @@ from numpy.typing import NDArray
 
 from ..methods.signals import Floats
 from ..model.arguments import one_of, single
-from ..model.frozen import refusal
+from ..model.frozen import Problems, raise_noted, refusal
+from ..progress import (
+    Progress,
+    ProgressFunction,
+    Report,
+    check_progress,
+    no_report,
+)
 from ..results.solution import Solution, check_waves
 from ..storage import writing
 from . import files, style
@@ -196,19 +203,18 @@ class Animation:
     def __len__(self) -> int:
         return len(self.times)
 
-    def frames(self, progress: files.Progress = None) -> Iterator[NDArray[np.uint8]]:
+    def frames(self, report: Report = no_report) -> Iterator[NDArray[np.uint8]]:
         """All frames, one after the other."""
         for number in range(len(self)):
             yield self.frame(number)
-            if progress:
-                progress(number + 1, len(self))
+            report(number + 1, len(self))
 
     def save(
         self,
         path: str | os.PathLike[str],
         *,
         force: bool = False,
-        progress: files.Progress = None,
+        progress: bool | ProgressFunction = True,
     ) -> None:
         """Write a GIF or an MP4, whichever the suffix names.
 
@@ -220,8 +226,9 @@ class Animation:
         path : path
         force : bool
             Replace an existing file.
-        progress : callable, optional
-            Called with the number of frames drawn and of all, after each.
+        progress : bool or function
+            Whether a bar may show how many frames are drawn. A function is called with the number
+            of frames drawn and of all.
 
         Raises
         ------
@@ -232,13 +239,20 @@ class Animation:
         OSError
             If the file cannot be written, or if an MP4 is wanted and ffmpeg is not installed.
         """
+        problems: Problems = []
+        check_progress(problems, progress)
+        raise_noted(problems)
         write = files.WRITERS[files.check_film(path)]
-        with writing.written(path, force=force) as file:
-            write(file, self, progress)
+        with (
+            writing.written(path, force=force) as file,
+            Progress(progress, "film", "frames") as report,
+        ):
+            write(file, self, report)
 
     def _repr_html_(self) -> str:
         memory = io.BytesIO()
-        files.write_gif(memory, self, None)
+        with Progress(True, "film", "frames") as report:
+            files.write_gif(memory, self, report)
         return files.as_image(memory.getvalue(), "gif", self.title)
 
 

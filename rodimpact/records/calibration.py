@@ -15,8 +15,9 @@ import numpy as np
 
 from ..model.arguments import of_kind, single
 from ..model.bodies import Rod
-from ..model.frozen import refusal
+from ..model.frozen import Problems, raise_noted, refusal
 from ..model.quantities import Floats
+from ..progress import Progress, ProgressFunction, check_progress
 from ..storage.tables import align
 from .bars import EXAMPLE, BarGauge, Compression, Side, sides_of
 from .signal import Signal
@@ -120,6 +121,7 @@ def calibrate(
     *,
     striker_speed: float | None = None,
     compression: Compression = "negative",
+    progress: bool | ProgressFunction = True,
 ) -> Calibration:
     """Wave speeds and gains from a shot with the two bars together and no specimen.
 
@@ -135,6 +137,9 @@ def calibrate(
         gauge is 1, and the output gauge is compared with the input gauge.
     compression : str
         Sign of a strain that compresses in the records.
+    progress : bool or function
+        Whether a bar may show how far long work is. A function is called with the number of
+        travel times that are done, and of all.
 
     Returns
     -------
@@ -166,6 +171,9 @@ def calibrate(
     >>> [round(gain, 2) for gain in found.gains]
     [1.0, 1.0]
     """
+    problems: Problems = []
+    check_progress(problems, progress)
+    raise_noted(problems)
     for name, given in (
         ("input_gauges", input_gauges),
         ("output_gauges", output_gauges),
@@ -177,20 +185,25 @@ def calibrate(
     # the pulse comes back to the output gauge from the far end of its bar
     back = 2 * (float(second.rod.length) - float(second.distances[0]))
     passed_second = _passing(second)
-    second, error2 = _timed(
-        second, back, second, lambda now: -now.carried(passed_second, back)
-    )
-    # from the input gauge it goes through the rest of both bars to the output gauge
-    pulse = np.interp(second.times, first.times, _passing(first), left=0.0, right=0.0)
-    path, rest = float(first.distances[0]), float(second.distances[0])
-    first, own = _timed(
-        first,
-        path,
-        second,
-        lambda now: second.carried(
-            now._replace(dt=second.dt).carried(pulse, path), rest
-        ),
-    )
+    with Progress(progress, "calibrate", "travel times") as report:
+        second, error2 = _timed(
+            second, back, second, lambda now: -now.carried(passed_second, back)
+        )
+        report(1, 2)
+        # from the input gauge it goes through the rest of both bars to the output gauge
+        pulse = np.interp(
+            second.times, first.times, _passing(first), left=0.0, right=0.0
+        )
+        path, rest = float(first.distances[0]), float(second.distances[0])
+        first, own = _timed(
+            first,
+            path,
+            second,
+            lambda now: second.carried(
+                now._replace(dt=second.dt).carried(pulse, path), rest
+            ),
+        )
+        report(2, 2)
     other = (
         error2 / second.speed * rest / second.speed
     )  # s, by which the second bar may be off

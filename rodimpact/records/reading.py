@@ -19,10 +19,10 @@ import numpy as np
 
 from .. import units as known_units
 from ..methods import memory
-from ..methods.duration import Forecast, Progress, warn
 from ..model.arguments import one_of, single
-from ..model.frozen import nearest, refusal
+from ..model.frozen import Problems, nearest, raise_noted, refusal
 from ..model.quantities import Floats
+from ..progress import Progress, ProgressFunction, Report, check_progress
 from ..storage.reading import FileFormatError, open_regular
 from ..storage.tables import TIMES
 from ..storage.writing import PathLike
@@ -144,7 +144,7 @@ def read_signals(
     rate: float | None = None,
     units: str | Mapping[str, str] | None = None,
     decimal: str | None = None,
-    progress: Progress | None = None,
+    progress: bool | ProgressFunction = True,
 ) -> dict[str, Signal]:
     r"""Read the channels of a table of text.
 
@@ -172,8 +172,9 @@ def read_signals(
     decimal : str, optional
         ``"."`` or ``","``; needed if the file is ambiguous: 0,1 may be two numbers, and 1,234 may
         be a number of thousands.
-    progress : callable, optional
-        Called while reading takes long with the number of characters read so far, and of all.
+    progress : bool or function
+        Whether a bar may show how far reading is. A function is called with the number of
+        characters read so far, and of all.
 
     Returns
     -------
@@ -185,8 +186,6 @@ def read_signals(
     -----
     ClippedSignal
         If a channel stays for long at its largest value, and at no other value.
-    LongRun
-        If reading takes long.
 
     Raises
     ------
@@ -214,8 +213,9 @@ def read_signals(
         rate = single("rate", rate, "Hz", "positive")
         if time is not None or time_unit is not None:
             raise refusal("rate", "give either rate or a column of times, not both")
-    if progress is not None and not callable(progress):
-        raise refusal("progress", f"must be a function, got {shown(progress)}")
+    problems: Problems = []
+    check_progress(problems, progress)
+    raise_noted(problems)
     with open_regular(path) as file:
         memory.check_file(
             file.name,
@@ -223,9 +223,9 @@ def read_signals(
             "cut it into shorter records",
         )
         try:
-            return _Table(_text(file), decimal, progress).signals(
-                time, time_unit, rate, units
-            )
+            with Progress(progress, "reading", "characters") as report:
+                table = _Table(_text(file), decimal, report)
+            return table.signals(time, time_unit, rate, units)
         except FileFormatError as error:
             raise FileFormatError(str(error), os.fspath(path)) from None
 
@@ -233,7 +233,7 @@ def read_signals(
 class _Table:
     """Names, units and numbers of the columns of a text, which is cut into numbers by blocks."""
 
-    def __init__(self, text: str, decimal: str | None, progress: Any) -> None:
+    def __init__(self, text: str, decimal: str | None, report: Report) -> None:
         text, said = as_table(text)
         self.text = text
         lines = text[:BLOCK].split("\n")
@@ -247,7 +247,7 @@ class _Table:
         delimiter = self.form.delimiter.translate(self.form.to_points) or None
         try:
             rows: Any = np.loadtxt(
-                self._plain(progress),
+                self._plain(report),
                 delimiter=delimiter,
                 comments=None,
                 quotechar='"',
@@ -267,18 +267,16 @@ class _Table:
             if row := self.form.row(line[0]):
                 yield i, row
 
-    def _plain(self, progress: Progress | None) -> Iterator[str]:
+    def _plain(self, report: Report) -> Iterator[str]:
         """Rows with decimal points."""
-        forecast = Forecast(
-            warn, "a record of fewer samples or channels", progress, "reading"
-        )
-        told, done, size = 0, self.start, len(self.text)
+        reported = 0
+        done = self.start
         for _, row in self._rows():
             yield row.translate(self.form.to_points)
             done += len(row) + 1
-            if done > told + BLOCK:
-                told = done
-                forecast.report(done, size, f"a table of {size / 1e6:.3g} MB")
+            if done > reported + BLOCK:
+                reported = done
+                report(done, len(self.text))
 
     def _checked(self, i: int, text: str) -> list[float]:
         """Numbers of line i; FileFormatError with the place of what is none."""

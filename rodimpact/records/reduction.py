@@ -23,8 +23,9 @@ import numpy as np
 
 from ..model.arguments import of_kind, single
 from ..model.bodies import Rod
-from ..model.frozen import Declared, Problems, quantity, refusal
+from ..model.frozen import Declared, Problems, quantity, raise_noted, refusal
 from ..model.quantities import Floats
+from ..progress import Progress, ProgressFunction, Report, check_progress
 from ..storage.tables import align
 from ..units import format_si, shown
 from .bars import QUIET, Compression, Side, sides_of
@@ -288,6 +289,7 @@ def reduce(
     *,
     compression: Compression = "negative",
     align_within: float = 0.0,
+    progress: bool | ProgressFunction = True,
 ) -> Reduction:
     """Stress, strain and energy of a specimen from the gauges of its two bars.
 
@@ -307,6 +309,9 @@ def reduce(
         Largest shift of the reflected and of the transmitted wave, s. The shifts make the forces on
         both faces equal and, if the specimen has a `youngs_modulus`, the initial slope equal to it.
         0: only distances and wave speeds align the waves.
+    progress : bool or function
+        Whether a bar may show how far long work is. A function is called with the number of curves
+        that are done, and of all, None where that is not known.
 
     Returns
     -------
@@ -333,6 +338,9 @@ def reduce(
     >>> round(found.stress.max() / 1e6), bool(abs(found.strain).max() < 1e-12)
     (200, True)
     """
+    problems: Problems = []
+    check_progress(problems, progress)
+    raise_noted(problems)
     of_kind("specimen", specimen, Specimen, "ri.Specimen(length=5e-3, diameter=8e-3)")
     limit = single("align_within", align_within, "s", "non-negative")
     known = bars if isinstance(bars, Calibration) else None
@@ -354,10 +362,11 @@ def reduce(
     if known:
         sides = known.applied(sides)
     shot = _Shot(sides, specimen, start + first.dt * np.arange(count, dtype=float))
-    if limit:
-        shot = shot.aligned(limit)
-    curve = shot.curve()
-    stress_band, strain_band = shot.bands(curve, known)
+    with Progress(progress, "reduce", "curves") as report:
+        if limit:
+            shot = shot.aligned(limit, report)
+        curve = shot.curve()
+        stress_band, strain_band = shot.bands(curve, known, report)
     disperses = all(side.mode for side in shot.sides)
     return Reduction(
         **vars(curve),
@@ -394,7 +403,7 @@ class _Shot:
             self.times, _integral(rate, self.times), rate, F1, F2, v1, v2, self.specimen
         )
 
-    def aligned(self, limit: float) -> _Shot:
+    def aligned(self, limit: float, report: Report) -> _Shot:
         """The shot with the shifts that make its start elastic and its forces alike."""
         from scipy.optimize import least_squares
 
@@ -402,7 +411,12 @@ class _Shot:
         start = slice(0, int(np.argmax(force > ELASTIC * force.max())) + 1)
         largest, modulus = force.max(), self.specimen.youngs_modulus
 
+        curves = 0
+
         def left(shifts: Floats) -> Floats:
+            nonlocal curves
+            curves += 1
+            report(curves, None)
             curve = replace(self, shifts=tuple(shifts)).curve()
             apart = [
                 (curve.input_force - curve.output_force)[start] / self.specimen.section
@@ -430,14 +444,19 @@ class _Shot:
         at_strain = [one.at_strain(curve.strain, one.stress) for one in moved]
         return np.abs(np.array(at_strain) - curve.stress).max(axis=0)  # type: ignore[no-any-return]
 
-    def bands(self, curve: Curve, known: Calibration | None) -> tuple[Floats, Floats]:
+    def bands(
+        self, curve: Curve, known: Calibration | None, report: Report
+    ) -> tuple[Floats, Floats]:
         """Bands of 95 % of stress and strain: from noise, and from other constants of the bars."""
         rng = np.random.default_rng(0)
-        two = max(len(side.distances) for side in self.sides) > 1
-        drawn = [
-            replace(self, sides=tuple(_noise(side, rng) for side in self.sides)).curve()
-            for _ in range(TWO_GAUGE_DRAWS if two else DRAWS)
-        ]
+        count = DRAWS
+        if max(len(side.distances) for side in self.sides) > 1:
+            count = TWO_GAUGE_DRAWS
+        drawn = []
+        for k in range(count):
+            noise = tuple(_noise(side, rng) for side in self.sides)
+            drawn.append(replace(self, sides=noise).curve())
+            report(k + 1, count)
         off = [
             replace(self, sides=sides).curve()
             for sides in (known.off_by_one_error(self.sides) if known else ())

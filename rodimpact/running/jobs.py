@@ -1,7 +1,8 @@
-"""The members of a family as jobs of an executor: how many in one, and which come next.
+"""The members of a family as jobs of an executor.
 
-A job is some members in a row. Its time is measured, and the next ones are cut to take about as
-long as is wanted, and to be a small share of what is left. Jobs end in any order.
+A job is some members in a row. There are about eight jobs for each worker: enough that
+all workers end together where some members take longer than others, and few enough that
+handing them over takes no time. Jobs end in any order.
 """
 
 import contextlib
@@ -16,45 +17,57 @@ from concurrent.futures import (
     ThreadPoolExecutor,
     wait,
 )
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..methods import memory
 
-SECONDS = 1.0  # that a job shall take
-HEARTBEAT = 0.4  # s; nobody waits longer for news
-GROWTH = 4  # of a job over the one before
-UNKNOWN = 256  # workers of an executor that does not say how many it has
+JOBS_A_WORKER = 8
+WORKERS_OF_EXECUTOR = 64  # where the caller does not say how many it has
+HEARTBEAT = 0.4  # s, after which progress is reported though no job has ended
 
 Span = tuple[int, int]
+"""The first of some members in a row, and the one after the last."""
+
+
+class Pool(NamedTuple):
+    """An executor, the number of its workers, and whether its jobs shall stop.
+
+    Only the jobs of threads of our own can ask.
+    """
+
+    executor: Executor
+    workers: int
+    stop: Callable[[], bool] | None = None
 
 
 @contextlib.contextmanager
-def pool_of(
-    executor: Executor | None, workers: int | None
-) -> Iterator[tuple[Executor, int, Callable[[], bool] | None]]:
-    """The executor given, or threads of our own, and the workers it has.
-
-    Jobs of our own threads ask the function whether to stop.
-    """
+def pool_of(executor: Executor | None, workers: int | None) -> Iterator[Pool]:
+    """The given executor, or threads of our own."""
     if executor is not None:
-        yield executor, workers_of(executor), None
+        yield Pool(executor, workers or WORKERS_OF_EXECUTOR)
         return
-    mine = getattr(
-        os, "sched_getaffinity", None
-    )  # processors that this process may use
-    threads = workers or (len(mine(0)) if mine else os.cpu_count() or 1)
+    if workers is None:
+        workers = processors()
     stopping = threading.Event()
-    own = ThreadPoolExecutor(threads, initializer=memory.share, initargs=(threads,))
-    doing: Executor = own
+    threads = ThreadPoolExecutor(workers, initializer=memory.share, initargs=(workers,))
+    own: Executor = threads
     try:
-        own.submit(int)
+        threads.submit(int)
     except RuntimeError:  # no thread can start, as in a browser
-        doing = Here()
+        own = Here()
     try:
-        yield doing, threads, stopping.is_set
+        yield Pool(own, workers, stopping.is_set)
     finally:  # who interrupts does not wait for a member, or for a compiler, to end
         stopping.set()
-        own.shutdown(wait=False, cancel_futures=True)
+        threads.shutdown(wait=False, cancel_futures=True)
+
+
+def processors() -> int:
+    """Number of processors that this process may use."""
+    affinity = getattr(os, "sched_getaffinity", None)
+    if affinity is not None:
+        return len(affinity(0))
+    return os.cpu_count() or 1
 
 
 class Here(Executor):
@@ -69,70 +82,67 @@ class Here(Executor):
         return future
 
 
-def workers_of(executor: Any) -> int:
-    """How many jobs an executor runs at a time, as far as it says."""
-    cores = getattr(getattr(executor, "_client", None), "ncores", None)
-    if cores is not None:  # dask
-        return sum(cores().values()) or UNKNOWN
-    said = (getattr(executor, name, None) for name in ("_max_workers", "num_workers"))
-    return next((n for n in said if isinstance(n, int) and n > 0), UNKNOWN)
-
-
-def results_of(
-    workers: int,
-    submit: Callable[[int, int], Future[Any]],
-    spans: list[Span],
-    unit: int,
-    most: int,
-    wanted: Callable[[int], bool],
-) -> Generator[list[tuple[int, int, Any]]]:
-    """Run members of a family; yield what has come in, if anything, twice a second or more often.
+def job_size(members: int, row: int, workers: int, most: int) -> int:
+    """Members of a job.
 
     Parameters
     ----------
+    members : int
+        All that are to be run.
+    row : int
+        Members of a row of the family, which vary along all axes but the first. Jobs of
+        whole rows keep numbers small that vary along other axes alone.
     workers : int
-        How many jobs run at a time.
+    most : int
+        Members of a job at most.
+    """
+    size = -(-members // (JOBS_A_WORKER * workers))
+    size = max(1, min(size, most))
+    if size >= row:
+        size -= size % row
+    return size
+
+
+def cut(spans: list[Span], size: int) -> Iterator[Span]:
+    """Cut spans at multiples of a size."""
+    for start, stop in spans:
+        while start < stop:
+            end = min(start - start % size + size, stop)
+            yield start, end
+            start = end
+
+
+def results_of(
+    jobs: Iterator[Span],
+    submit: Callable[[int, int], Future[Any]],
+    workers: int,
+) -> Generator[list[tuple[int, int, Any]]]:
+    """Run jobs, of which each worker has one to do and one to go on with.
+
+    Parameters
+    ----------
+    jobs : iterator of (int, int)
     submit : function
-        Hands the members of a span over; the future's result has the seconds that it took,
-        and what came out.
-    spans : list of (int, int)
-        First member and the one after the last, of what is to be run.
-    unit, most : int
-        Jobs begin at multiples of `unit` and have at most `most` members.
-    wanted : function
-        Whether what begins with this member is still to be run.
+        Hands over the members from `start` to `stop`.
+    workers : int
 
     Yields
     ------
     list of (int, int, object)
-        Spans, and what came out of each.
+        Jobs that have ended, with their results; twice a second or more often, so that it
+        may be empty.
     """
-    waiting, running = deque(spans), dict[Future[Any], Span]()
-    left, size = sum(stop - start for start, stop in spans), unit
+    waiting = deque(jobs)
+    running: dict[Future[Any], Span] = {}
     try:
-        while True:
-            while (
-                waiting and len(running) < 2 * workers
-            ):  # one to do, and one to go on with
+        while waiting or running:
+            while waiting and len(running) < 2 * workers:
                 start, stop = waiting.popleft()
-                if not wanted(start):
-                    continue
-                fair = left // (2 * workers)  # so that all end together
-                units = max(1, min(size, fair) // unit)
-                cut = min(start - start % unit + units * unit, stop)
-                if cut < stop:
-                    waiting.appendleft((cut, stop))
-                left -= cut - start
-                running[submit(start, cut)] = start, cut
-            if not running:
-                return
+                running[submit(start, stop)] = start, stop
             news = []
             for job in wait(running, HEARTBEAT, FIRST_COMPLETED).done:
                 start, stop = running.pop(job)
-                seconds, result = job.result()
-                fitting = (stop - start) * SECONDS / max(seconds, 1e-9)
-                size = int(min(fitting, GROWTH * (stop - start), most))
-                news.append((start, stop, result))
+                news.append((start, stop, job.result()))
             yield news
     finally:
         for job in running:

@@ -21,11 +21,6 @@ def load(path: PathLike) -> Any:
     Solution or SweepResult
         Equal to the saved one, bit for bit.
 
-    Warns
-    -----
-    LongRun
-        If it takes long.
-
     Raises
     ------
     FileFormatError

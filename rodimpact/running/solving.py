@@ -2,15 +2,21 @@
 
 from numpy.typing import ArrayLike
 
-from ..methods.duration import Progress, warn
-from ..methods.registry import Options, check_function
+from ..methods.registry import Options
 from ..methods.run import MAX_EVENTS
 from ..model import Body, ContactLaw, System
 from ..model.frozen import Problems, raise_noted
+from ..progress import Progress, ProgressFunction, check_progress
 from ..results.outcome import Outcome, outcome_of
 from ..results.solution import Solution
 
 AUTO = Options()
+UNITS = {
+    "fronts": "events",
+    "characteristics": "steps",
+    "finite-difference": "steps",
+}
+"""Work that each method counts as it goes on."""
 
 
 def solve(
@@ -23,7 +29,7 @@ def solve(
     rtol: float | None = None,
     cells: int | None = None,
     snapshots: int | ArrayLike | None = None,
-    progress: Progress | None = None,
+    progress: bool | ProgressFunction = True,
 ) -> Solution:
     """Solve a collision.
 
@@ -59,10 +65,10 @@ def solve(
         times at which to keep them, s. Fields are interpolated between states; energies are those
         of the nearest state. By default all steps are kept, up to 64 MB. `dt`, `cells` and
         `snapshots` do not choose the method: if "auto" takes another one, they are refused.
-    progress : function, optional
-        Called during long runs with the number of steps (events of "fronts") that are done, and an
-        estimate of all. "characteristics" does not call it. A bar of tqdm takes
-        ``lambda done, of: bar.update(done - bar.n)``.
+    progress : bool or function
+        Whether a bar may show how far a long run is: after two seconds of work, on a terminal or in
+        a notebook. A function is called with the number of steps (events of "fronts") that are done
+        and an estimate of all, None where that is not known; what it raises ends the run.
 
     Returns
     -------
@@ -73,11 +79,6 @@ def solve(
     InvalidModel
         If the system is a family or cannot be put on one clock, or an argument is wrong or missing:
         a row with driven ends, or gravity and something that holds it, needs `until`.
-
-    Warns
-    -----
-    LongRun
-        If a run will take five seconds or more; the message says how to shorten it.
 
     Examples
     --------
@@ -91,7 +92,7 @@ def solve(
     options = Options(until, method, max_events, dt, rtol, cells, snapshots)
     chosen = options.method_for(system)
     problems: Problems = []
-    check_function(problems, "progress", progress)
+    check_progress(problems, progress)
     if system.shape != ():
         message = (
             f"is a family of shape {system.shape}; solve all by sweep(system), or one by "
@@ -99,7 +100,8 @@ def solve(
         )
         problems.append(("system", message))
     raise_noted(problems)
-    return Solution(options.run(chosen, system, progress=progress, announce=warn))
+    with Progress(progress, "solve", UNITS[chosen]) as report:
+        return Solution(options.run(chosen, system, report))
 
 
 def collide(
@@ -137,5 +139,7 @@ def collide(
     system = System([left, right], [gap], None if contact is None else [contact])
     if system.shape:
         return solve(system).outcome
-    run = AUTO.run(AUTO.method_for(system), system, announce=warn)
+    method = AUTO.method_for(system)
+    with Progress(True, "collide", UNITS[method]) as report:
+        run = AUTO.run(method, system, report)
     return outcome_of(run, run.totals) if run.totals else Solution(run).outcome

@@ -8,74 +8,34 @@ from __future__ import annotations
 
 import contextlib
 import math
-import time
-from collections.abc import Callable, Sequence
-from concurrent.futures import Executor
+from collections.abc import Callable, Generator, Sequence
+from concurrent.futures import Executor, Future
 from dataclasses import asdict, replace
 from numbers import Integral
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods import memory
-from ..methods.duration import Forecast, Progress, warn
 from ..methods.groups import unilateral
-from ..methods.registry import METHODS, Options, check_function, count
+from ..methods.registry import METHODS, Options, count
 from ..methods.row import Row
 from ..methods.run import ALSO, MAX_EVENTS, FamilyRun, Stopped
 from ..model import Rod, System
 from ..model.frozen import Field, InvalidModel, Problems, quantity, raise_noted
+from ..progress import Progress, ProgressFunction, check_progress
 from ..results.outcome import effective_restitution
 from ..results.solution import Solution
 from ..storage.checkpoint import Checkpoint
 from ..storage.writing import PathLike
 from ..units import shown
 from ..version import __version__
-from .columns import ENDED, STATUS, Columns, Readings, arrays_of, row_of
-from .jobs import pool_of, results_of
+from .columns import STATUS, Columns, Readings, arrays_of, row_of
+from .jobs import Pool, cut, job_size, pool_of, results_of
 from .sweep_result import SweepResult
 
-FORECAST = warn, "a smaller family", None, "this sweep"
 PLACE = quantity("m", "non-negative", single=True)  # of a gauge
-TOGETHER = (
-    8192  # members that are kept, or run again, as one where they run in compiled code
-)
-
-
-class SweepError(ValueError):
-    """A member of the family could not be run to its end.
-
-    Attributes
-    ----------
-    index : tuple of int
-    parameters : dict of str to float
-        The numbers of this member that vary, by path.
-    problems : list of (str, str)
-        The member, and what is wrong with it.
-
-    Examples
-    --------
-    >>> import numpy as np, rodimpact as ri
-    >>> left = ri.Rod(np.array([0.2, 0.4]), area=1e-4, material=ri.materials.steel, velocity=1.0)
-    >>> family = ri.System([left, ri.Rod(1.0, area=1e-4, material=ri.materials.steel)])
-    >>> try:
-    ...     ri.sweep(family, max_events=2, on_error="raise")
-    ... except ri.SweepError as error:
-    ...     print(error.index, error.parameters)
-    (0,) {'bodies.0.length': 0.2}
-    """
-
-    def __init__(
-        self, index: tuple[int, ...], parameters: dict[str, float], reason: str
-    ) -> None:
-        self.index, self.parameters = index, parameters
-        numbers = ", ".join(f"{path} = {value!r}" for path, value in parameters.items())
-        self.problems = [(f"member {list(index)} ({numbers})", reason)]
-        super().__init__(f"{self.problems[0][0]}: {reason}")
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return SweepError, (self.index, self.parameters, self.problems[0][1])
 
 
 def sweep(
@@ -92,8 +52,7 @@ def sweep(
     times: ArrayLike | None = None,
     also: Sequence[str] = (),
     workers: int | None = None,
-    progress: Progress | None = None,
-    on_error: str = "record",
+    progress: bool | ProgressFunction = True,
     checkpoint: PathLike | None = None,
 ) -> SweepResult:
     """Solve every collision of a family.
@@ -125,12 +84,12 @@ def sweep(
         good, such as the set of a pile; ``"displacement"``, how far each body has moved at
         `until`; ``"accuracy"``, the stated error of each member. See `SweepResult`.
     workers : int, optional
-        Number of threads where there is no executor; default: the processors at hand.
-    progress : callable, optional
-        Called with the number of collisions done and of all, twice a second or more often.
-    on_error : "record" or "raise"
-        For a member that cannot be solved, or that the cap on events or the clock stops:
-        "record" keeps its `status` and the known results and goes on, "raise" raises.
+        Number of threads, by default the processors at hand; beside an executor the number of its
+        workers, by default 64.
+    progress : bool or function
+        Whether a bar may show how far the sweep is: after two seconds of work, on a terminal or in
+        a notebook. A function is called with the number of collisions done and of all, twice a
+        second or more often; what it raises ends the sweep.
     checkpoint : path, optional
         Directory for finished chunks, strains included. A sweep that was interrupted continues
         from there.
@@ -143,8 +102,6 @@ def sweep(
     ------
     InvalidModel
         If an argument is wrong or missing, or the method lacks something that the system has.
-    SweepError
-        With ``on_error="raise"``, for the first member in C order that did not come to its end.
     FileFormatError, OSError
         If the checkpoint directory holds something else, or cannot be written.
 
@@ -152,13 +109,15 @@ def sweep(
     -----
     DamagedChunks
         If the checkpoint has files that are not what was written; their members are run again.
-    LongRun
-        If the sweep will take more than five seconds; the message says how to shorten it.
 
     Notes
     -----
-    An executor gets jobs of about a second, at most two for each worker at a time. An interrupt
-    cancels jobs that wait. Jobs that run end within seconds, or with their present member.
+    A member that cannot be solved, or that the cap on events or the clock stops, keeps its `status`
+    and the results that are known; `SweepResult.incomplete` and `SweepResult.explain` tell more.
+
+    Each worker gets about eight jobs, at most two at a time. An interrupt cancels jobs that wait.
+    Jobs that run end within seconds, or with their present member.
+
     Processes, dask, and MPI, started by ``mpiexec -n 65 python -m mpi4py.futures program.py``::
 
         with ProcessPoolExecutor() as pool:  # under if __name__ == "__main__":
@@ -176,10 +135,6 @@ def sweep(
         task = int(os.environ["SLURM_ARRAY_TASK_ID"])
         ri.sweep(family[task::100], checkpoint=f"part-{task}").save(f"part-{task}.npz")
 
-    A bar of tqdm shows how far it is, here and in `solve`::
-
-        with tqdm.tqdm(total=math.prod(family.shape)) as bar:
-            result = ri.sweep(family, progress=lambda done, of: bar.update(done - bar.n))
 
     Examples
     --------
@@ -195,13 +150,9 @@ def sweep(
     (3, 1, 6)
     """
     problems: Problems = []
-    if not isinstance(on_error, str) or on_error not in ("raise", "record"):
-        problems.append(
-            ("on_error", f'must be "raise" or "record", got {shown(on_error)}')
-        )
     if workers is not None:
         workers = count(problems, "workers", workers)
-    check_function(problems, "progress", progress)
+    check_progress(problems, progress)
     runs_chunks = isinstance(executor, Executor | None)
     if not runs_chunks:
         message = (
@@ -219,16 +170,10 @@ def sweep(
     except InvalidModel as error:
         problems += error.problems
     raise_noted(problems)
-    together = (
-        0
-        if _alone(options, readings)
-        else METHODS[options.method].members_per_call(Row(system))
-    )
-    size, unit = math.prod(system.shape), _unit(system, min(TOGETHER, together))
-    described = (
-        {}
-        if checkpoint is None
-        else {
+    size = math.prod(system.shape)
+    described: dict[str, Any] = {}
+    if checkpoint is not None:
+        described = {
             "rodimpact": __version__,
             "system": system.digest,
             "shape": system.shape,
@@ -236,155 +181,140 @@ def sweep(
             **readings._asdict(),
             "times": readings.times.tolist(),
         }
-    )
-    keep = Checkpoint(arrays_of(system, readings), size, unit, checkpoint, described)
-    shaped = {
-        name: column.reshape((*system.shape, *column.shape[1:]))
-        for name, column in keep.columns.items()
-    }
-    result = SweepResult(system, options, shaped, readings, shaped.pop("strain", None))
-    raises, status = on_error == "raise", keep.columns["status"]
-    done = keep.spans(keep.done) if raises else []
-    wanted = min((_first_failure(status, *span) for span in done), default=size)
+    keep = Checkpoint(arrays_of(system, readings), size, checkpoint, described)
     with (
         contextlib.closing(keep),
-        pool_of(executor, workers) as (pool, running, stopping),
+        Progress(progress, "sweep", "collisions") as report,
+        pool_of(executor, workers) as pool,
+        contextlib.closing(run_jobs(system, options, readings, keep, pool)) as results,
     ):
-        tell = _news_of(keep, running, together > 0, progress)
-        results = results_of(
-            running,
-            lambda start, stop: pool.submit(
-                run_job,
-                _members(system, start, stop),
-                options,
-                readings,
-                *((stopping, size - stop) if stopping else ()),
-            ),
-            keep.spans(~keep.done),
-            unit,
-            together or TOGETHER,
-            lambda i: i < wanted,
-        )
-        with contextlib.closing(results):
-            for parts in results:
-                for start, stop, part in parts:
-                    keep.put(start, stop, part)
-                    if raises:
-                        wanted = min(wanted, _first_failure(status, start, stop))
-                tell(sum(stop - start for start, stop, _ in parts))
-    if wanted < size:
-        _raise_for(wanted, result)
-    return result
+        for parts in results:
+            for start, stop, part in parts:
+                keep.put(start, stop, part)
+            report(int(np.count_nonzero(keep.done)), size)
+    columns = {}
+    for name, column in keep.columns.items():
+        columns[name] = column.reshape((*system.shape, *column.shape[1:]))
+    strain = columns.pop("strain", None)
+    return SweepResult(system, options, columns, readings, strain)
 
 
-def _first_failure(status: Any, start: int, stop: int) -> int:
-    """The first of these members that did not come to its end, or how many there are in all."""
-    failed = np.flatnonzero(~np.isin(status[start:stop], ENDED))
-    return start + int(failed[0]) if len(failed) else len(status)
+def run_jobs(
+    system: System, options: Options, readings: Readings, keep: Checkpoint, pool: Pool
+) -> Generator[list[tuple[int, int, Columns]]]:
+    """Run the members that are not done; see `jobs.results_of`."""
+    size = math.prod(system.shape)
+    row = math.prod(system.shape[1:])
+    together = METHODS[options.method].members_per_call(Row(system))
+    most = size
+    if together and not needs_solutions(options, readings):
+        most = together
+    missing = keep.missing()
+    to_do = sum(stop - start for start, stop in missing)
+
+    def submit(start: int, stop: int) -> Future[Columns]:
+        members = _members(system, start, stop)
+        chunk = Chunk(members, options, readings, together > 0)
+        if pool.stop is None:
+            return pool.executor.submit(run_chunk, chunk)
+        more = size - stop  # members that follow in this process
+        return pool.executor.submit(run_chunk, chunk, pool.stop, more)
+
+    jobs = cut(missing, job_size(to_do, row, pool.workers, most))
+    return results_of(jobs, submit, pool.workers)
 
 
-def _news_of(
-    keep: Checkpoint, workers: int, compiles: bool, progress: Progress | None
-) -> Callable[[int], None]:
-    """Function that tells how far a sweep is, and how long it takes, as so many more have ended."""
-    ended = counted = sum(stop - start for start, stop in keep.spans(keep.done))
-    to_do, forecast = keep.size - ended, Forecast(*FORECAST)
+class Chunk(NamedTuple):
+    """Some members of a family, and what is wanted of them."""
 
-    def tell(members: int) -> None:
-        nonlocal ended, counted, forecast, compiles
-        ended += members
-        if not compiles:  # what runs is all that has been done in this time, at most
-            done = max(ended - counted, workers)
-            forecast.extrapolate(done, keep.size - counted, f"{to_do} collisions")
-        elif members:  # the first waited for machine code
-            counted, compiles, forecast = ended, False, Forecast(*FORECAST)
-        if progress is not None:
-            progress(ended, keep.size)
-
-    return tell
+    system: System  # the members
+    options: Options  # with the method that is chosen
+    readings: Readings
+    # Whether the method runs members of this family in one call. Energies of vibration
+    # then differ in their last digits, so all chunks of a family are run in the same way.
+    together: bool
 
 
-def run_job(*of_chunk: Any) -> tuple[float, Columns]:
-    """Run a chunk, as executors do: the s that it took, and its columns."""
-    began = time.perf_counter()
-    columns = run_chunk(*of_chunk)
-    return time.perf_counter() - began, columns
+def needs_solutions(options: Options, readings: Readings) -> bool:
+    """Whether what is to be read needs the solution of each member."""
+    able = METHODS[options.method].also
+    return bool(readings.gauges) or not set(readings.also) <= {*able}
 
 
 def run_chunk(
-    system: System,
-    options: Options,
-    readings: Readings,
-    stop: Callable[[], bool] = lambda: False,
-    more: int = 0,
+    chunk: Chunk, should_stop: Callable[[], bool] = lambda: False, later: int = 0
 ) -> Columns:
-    """Columns of the members of a family, in C order.
+    """Columns of the members of a chunk, in C order.
 
-    The method is chosen, and `options` hold for the family, of which so many `more` members are
-    certain to follow in this process.
+    Parameters
+    ----------
+    chunk : Chunk
+    should_stop : function
+        Asked now and then whether to give up.
+    later : int
+        Members that are certain to follow in this process.
     """
-    method, columns = METHODS[options.method], {}
-    own = {name: getattr(options, name) for name in method.takes}
-    own["also"] = [name for name in readings.also if name in method.also]
+    columns: Columns = {}
     try:
-        run = method.family and method.family(
-            Row(system),
-            options.until,
-            options.max_events,
-            **own,
-            should_stop=stop,
-            later_members=more,
-        )
-        if not run or _alone(options, readings):
-            columns = _one_by_one(system, options, readings, stop)
-        if run:
-            columns |= _columns_of(run, system)
+        if not chunk.together or needs_solutions(chunk.options, chunk.readings):
+            columns = _one_by_one(chunk, should_stop)
+        if chunk.together:
+            columns |= _together(chunk, should_stop, later)
     finally:
         memory.give_back()
+    of_members = arrays_of(chunk.system, chunk.readings)
     return {
         name: columns[name].astype(kind, copy=False)
-        for name, (kind, _) in arrays_of(system, readings).items()
+        for name, (kind, _) in of_members.items()
     }
 
 
-def _alone(options: Options, readings: Readings) -> bool:
-    """Whether what is to be read needs the solution of each member."""
-    return bool(readings.gauges) or not set(readings.also) <= {
-        *METHODS[options.method].also
-    }
-
-
-def _one_by_one(
-    system: System, options: Options, readings: Readings, stop: Callable[[], bool]
-) -> Columns:
+def _one_by_one(chunk: Chunk, should_stop: Callable[[], bool]) -> Columns:
     """Columns of members that are solved each alone."""
+    system = chunk.system
+    readings = chunk.readings
+    options = chunk.options
+    count = math.prod(system.shape)
     # a member that is refused has no numbers
-    columns = {
-        name: np.full(
-            (math.prod(system.shape), *beyond), math.nan if kind is np.float64 else 0
-        )
-        for name, (kind, beyond) in arrays_of(system, readings).items()
-    }
+    columns: Columns = {}
+    for name, (kind, beyond) in arrays_of(system, readings).items():
+        nothing = math.nan if kind is np.float64 else 0
+        columns[name] = np.full((count, *beyond), nothing)
     columns["status"][...] = STATUS.index("refused")
-    seen = readings.gauges or "largest_stress" in readings.also
-    if "snapshots" in METHODS[options.method].takes and not seen:
-        options = replace(
-            options, snapshots=2
-        )  # an outcome needs the first and the last state
+    reads_fields = readings.gauges or "largest_stress" in readings.also
+    if "snapshots" in METHODS[options.method].takes and not reads_fields:
+        # an outcome needs the first and the last state
+        options = replace(options, snapshots=2)
 
     def ask(*_: Any) -> None:
-        if stop():
+        if should_stop():
             raise Stopped
 
     for i, index in enumerate(np.ndindex(system.shape)):
         ask()
         with contextlib.suppress(InvalidModel), np.errstate(under="ignore"):
-            solution = Solution(
-                options.run(options.method, system[index], progress=ask)
-            )
-            for name, value in row_of(solution, readings).items():
+            run = options.run(options.method, system[index], ask)
+            for name, value in row_of(Solution(run), readings).items():
                 columns[name][i] = value
     return columns
+
+
+def _together(chunk: Chunk, should_stop: Callable[[], bool], later: int) -> Columns:
+    """Columns of members that the method runs in one call."""
+    options = chunk.options
+    method = METHODS[options.method]
+    assert method.family is not None
+    own = {name: getattr(options, name) for name in method.takes}
+    own["also"] = [name for name in chunk.readings.also if name in method.also]
+    run = method.family(
+        Row(chunk.system),
+        options.until,
+        options.max_events,
+        **own,
+        should_stop=should_stop,
+        later_members=later,
+    )
+    return _columns_of(run, chunk.system)
 
 
 def _columns_of(run: FamilyRun, system: System) -> Columns:
@@ -421,21 +351,6 @@ def _members(system: System, start: int, stop: int) -> System:
     if start % row == stop % row == 0:
         return system[start // row : stop // row]
     return system[np.unravel_index(np.arange(start, stop), system.shape)]
-
-
-def _unit(system: System, most: int) -> int:
-    """Members of a chunk: an even number of like chunks, of whole rows of the family if they fit.
-
-    Numbers that vary along other axes alone stay small in a chunk of whole rows.
-    """
-    size, row = math.prod(system.shape), math.prod(system.shape[1:])
-    if most == 0:
-        return 1
-    unit = -(-size // (2 * -(-size // (2 * most))))
-    whole = -(-unit // row) * row
-    if unit < row:
-        return unit
-    return whole if whole <= most else unit - unit % row
 
 
 def readings_of(
@@ -497,14 +412,3 @@ def _also(problems: Problems, given: Any, until: float | None) -> tuple[str, ...
         message = "a body that flies on has no last displacement; give the time (until)"
         problems.append(("also", message))
     return tuple(name for name in ALSO if name in given)
-
-
-def _raise_for(member: int, result: SweepResult) -> None:
-    """Say why a member did not come to its end."""
-    index = tuple(map(int, np.unravel_index(member, result.shape)))
-    parameters = {
-        path: float(np.broadcast_to(values, result.shape)[index])
-        for path, values in result.parameters.items()
-    }
-    reason = f'{result.explain(index)} (on_error="record" keeps the others)'
-    raise SweepError(index, parameters, reason)

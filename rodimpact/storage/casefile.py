@@ -63,7 +63,6 @@ import os
 import tomllib
 from collections.abc import Mapping
 
-from ..methods.duration import Forecast, warn
 from ..model.frozen import refusal
 from ..units import shown
 from .case import Case as Case
@@ -74,7 +73,6 @@ from .reading import open_regular
 from .writing import file_name
 
 MOST_BYTES = 10**7  # of a file; Python takes a hundred for each
-CHARACTERS_A_SECOND = 5e5
 
 
 def read_case(
@@ -173,10 +171,6 @@ def parse_case(
         raise refusal("source", f"must be the name of a case, got {shown(source)}")
     if not isinstance(text, str):
         raise refusal(source, f"must be the text of a case file, got {shown(text)}")
-    seconds = len(text) / CHARACTERS_A_SECOND
-    Forecast(warn, "a shorter file").expect(
-        seconds, f"{len(text) / 1e6:.3g} MB of TOML"
-    )
     try:
         data = tomllib.loads(text)
     except (

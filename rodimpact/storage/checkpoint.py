@@ -46,8 +46,8 @@ class Checkpoint:
     Parameters
     ----------
     columns : mapping of str to (dtype, shape of a member)
-    size, unit : int
-        All members, and those of a chunk, which are kept, or run again, as one.
+    size : int
+        Number of members.
     path : str or path, optional
         Directory; made if there is none, gone on with if it holds the same sweep.
     sweep : mapping
@@ -56,7 +56,7 @@ class Checkpoint:
     Attributes
     ----------
     columns : dict of str to array, [member, ...]
-    done : array of bool, [chunk]
+    done : array of bool, [member]
 
     Warns
     -----
@@ -75,11 +75,10 @@ class Checkpoint:
         self,
         columns: Mapping[str, tuple[Any, tuple[int, ...]]],
         size: int,
-        unit: int,
         path: PathLike | None,
         sweep: Mapping[str, Any],
     ) -> None:
-        self.size, self.unit = size, unit
+        self.size = size
         self.columns: Arrays = {
             name: np.empty((size, *beyond), kind)
             for name, (kind, beyond) in columns.items()
@@ -87,23 +86,20 @@ class Checkpoint:
         self.path = None if path is None else Path(file_name(path))
         self._sweep = json.loads(json.dumps(sweep))
         self._began = self._saved = time.monotonic()
-        known = np.zeros(size, dtype=bool)
+        self.done = np.zeros(size, dtype=bool)
+        self._new = np.zeros(size, dtype=bool)  # members that are not on the disk
         for file in self._files():
             for start, part in self._read(file):
-                stop = start + len(part["status"])
-                self._take(start, stop, part)
-                known[start:stop] = True
-        self.done = np.logical_and.reduceat(known, np.arange(0, size, unit))
-        self._new = np.zeros_like(self.done)  # chunks that are not on the disk
+                self._take(start, start + len(part["status"]), part)
 
-    def spans(self, wanted: Any) -> list[tuple[int, int]]:
-        """First member, and the one after the last, of the chunks that are wanted, joined."""
-        edges = np.flatnonzero(np.diff(np.concatenate(([0], wanted, [0])))) * self.unit
-        return [(a, min(b, self.size)) for a, b in edges.reshape(-1, 2).tolist()]
+    def missing(self) -> list[tuple[int, int]]:
+        """Spans of the members that are not done."""
+        return spans(~self.done)
 
     def _take(self, start: int, stop: int, part: Mapping[str, Any]) -> None:
         for name, column in self.columns.items():
             column[start:stop] = part[name]
+        self.done[start:stop] = True
 
     def _files(self) -> list[Path]:
         """Files of the directory, which is made if there is none."""
@@ -146,14 +142,14 @@ class Checkpoint:
     def put(self, start: int, stop: int, part: Mapping[str, Any]) -> None:
         """Take the results of some members, and save what has come for a while."""
         self._take(start, stop, part)
-        self._new[start // self.unit : -(-stop // self.unit)] = True
+        self._new[start:stop] = True
         now = time.monotonic()
         if now - self._saved >= max(EVERY, SHARE * (now - self._began)):
             self.close()
 
     def close(self) -> None:
         """Bring to the disk what is not there."""
-        for start, stop in self.spans(self._new):
+        for start, stop in spans(self._new):
             if self.path is None:
                 break
             part = {name: column[start:stop] for name, column in self.columns.items()}
@@ -171,3 +167,9 @@ class Checkpoint:
                 raise type(error)(f"{error}; {remedy}") from error
         self._new[:] = False
         self._saved = time.monotonic()
+
+
+def spans(members: Any) -> list[tuple[int, int]]:
+    """First of each run of members that are true, and the one after its last."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], members, [0]))))
+    return [(int(start), int(stop)) for start, stop in edges.reshape(-1, 2)]

@@ -8,7 +8,6 @@ import errno
 import json
 import math
 import os
-import warnings
 import zipfile
 from collections.abc import Callable, Mapping
 from typing import Any, BinaryIO
@@ -16,7 +15,6 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from ..methods import memory
-from ..methods.duration import Forecast, LongRun
 from ..version import __version__
 from .writing import (
     FORMAT,
@@ -30,9 +28,7 @@ from .writing import (
 
 MOST_HEADER = 1 << 12  # bytes before the numbers of an array; usually 128
 ADVICE = "load it on a larger machine"
-LESS = "a file of fewer bodies, members or samples"
 TAKEN = 24  # bytes that Python takes for a character of a document of brackets alone
-CHARACTERS_A_SECOND, BYTES_A_SECOND = 4e6, 2e8  # of a document, and of arrays
 PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # others swell without bounds
 
 
@@ -121,7 +117,6 @@ def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str,
         raise foreign
     text = str(_array(archive, "document", MOST_DOCUMENT))
     memory.check_file(archive.filename, TAKEN * len(text), ADVICE)
-    _expect(len(text) / CHARACTERS_A_SECOND, "a document", len(text))
     try:
         document = json.loads(text)
         if document["format"] != FORMAT:
@@ -150,7 +145,6 @@ def _arrays(archive: zipfile.ZipFile, entries: dict[str, Any]) -> Arrays:
     }
     size = sum(sizes.values())
     memory.check_file(archive.filename, size, ADVICE)
-    _expect(size / BYTES_A_SECOND, "arrays", size)
     mismatch = "is damaged: {} is not what the document says"
     for name in {*archive.namelist()} ^ {
         f"{name}.npy" for name in (*entries, "document")
@@ -162,12 +156,6 @@ def _arrays(archive: zipfile.ZipFile, entries: dict[str, Any]) -> Arrays:
         if described(arrays[name]) != entry:
             raise FileFormatError(mismatch.format(name))
     return arrays
-
-
-def _expect(seconds: float, what: str, size: int) -> None:
-    """Tell who loads a large file that it takes long."""
-    forecast = Forecast(lambda text: warnings.warn(text, LongRun, stacklevel=7), LESS)
-    forecast.expect(seconds, f"loading {what} of {size / 1e9:.2g} GB")
 
 
 def _array(archive: zipfile.ZipFile, name: str, most: int) -> Any:

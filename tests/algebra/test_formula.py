@@ -284,3 +284,22 @@ def test_notebooks_show_latex():
     form = ri.closed_form(row([2, 5], [1, 1]), ["length"])
     assert r"\frac{l_{1}}{l_{2}}" in form._repr_latex_()
     assert "l_{1} < l_{2}" in form._repr_latex_()
+
+
+def test_a_formula_that_would_be_too_long_is_refused_with_a_remedy(monkeypatch):
+    three = row([0.4, 1.0, 0.7], [1e-4, 2e-4, 3e-4])
+    monkeypatch.setattr("rodimpact.algebra.field.LARGEST_PRODUCT", 20)
+    with pytest.raises(ri.InvalidModel, match=r"symbols: a formula .* name fewer"):
+        str(ri.closed_form(three))
+    assert "l1" in str(ri.closed_form(three, ["bodies.0.length"]))
+
+
+def test_the_steps_of_a_formula_are_counted_over_all_its_parts():
+    heard = []
+    form = ri.closed_form(
+        row([0.4, 1.0], [1e-4, 2e-4]), ["length"], progress=lambda *at: heard.append(at)
+    )
+    assert str(form)
+    steps = [done for done, _ in heard]
+    assert steps == list(range(1, len(steps) + 1))
+    assert {total for _, total in heard} == {None}

@@ -108,8 +108,8 @@ def test_sigint_ends_a_long_run_with_130_and_without_traceback(case):
     case.write_text(ENDLESS)
     code = (
         "import sys; from rodimpact.cli import main, run;"
-        "solve = run.solved;"
-        "run.solved = lambda *a, **k: (print('solving', flush=True), solve(*a, **k))[1];"
+        "solve = run.solve;"
+        "run.solve = lambda *a, **k: (print('solving', flush=True), solve(*a, **k))[1];"
         "sys.exit(main(['run', sys.argv[1]]))"
     )
     with started(

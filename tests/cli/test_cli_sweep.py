@@ -3,8 +3,6 @@
 import csv
 import io
 import json
-import sys
-import warnings
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +10,8 @@ import pytest
 from case_texts import UNEQUAL_RODS as CASE
 
 import rodimpact as ri
-from rodimpact.cli import main, progress
+from rodimpact.cli import main
 from rodimpact.cli import sweep as command
-from rodimpact.cli.progress import ProgressBar
 
 ROOT = Path(__file__).parents[2]
 # fronts multiply for ever where these lengths do not fit together
@@ -263,14 +260,6 @@ def test_collisions_that_stop_early_are_recorded_and_end_with_3(case, swept):
     assert data["columns"]["status"] == ["max_events"] * 2
 
 
-def test_a_refused_collision_ends_the_sweep_with_its_place(case, refused):
-    short = "bodies.0.length=1e-30,0.4"  # for the clock of the other rod
-    err = refused(
-        "member [0] (bodies.0.length = 1e-30)", "--vary", short, "--on-error", "raise"
-    )
-    assert "--on-error record" in err
-
-
 def test_all_mistakes_are_reported_at_once(case, no_sweep, refused):
     Path("a.npz").write_text("precious")
     case.write_text(CASE.replace('"1 m"', "-1") + "[solve]\nuntil = 1\n")
@@ -374,9 +363,7 @@ def test_the_options_reach_the_sweep(case, monkeypatch):
         "shape": (5,),
         "method": "fronts",
         "max_events": 7,
-        "on_error": "record",
         "checkpoint": None,
-        "progress": None,
         "also": [],
         "workers": None,
     }
@@ -389,14 +376,12 @@ def test_the_options_reach_the_sweep(case, monkeypatch):
             "2",
             "--max-events",
             "8",
-            "--on-error",
-            "raise",
             "--checkpoint",
             "d",
         )
         == 0
     )
-    changed = {"workers": 2, "max_events": 8, "on_error": "raise", "checkpoint": "d"}
+    changed = {"workers": 2, "max_events": 8, "checkpoint": "d"}
     assert given == expected | changed
 
 
@@ -424,88 +409,6 @@ def test_a_damaged_checkpoint_is_told_in_a_line(case, capsys, swept):
     (line,) = err.splitlines()
     assert line.startswith(f"rodimpact: {path}: is not a whole NPZ file")
     assert line.endswith("it is put aside, and its members are run again")
-
-
-# The progress bar ---------------------------------------------------------------------------------
-
-
-def terminal(monkeypatch):
-    """A terminal on standard error and a clock that goes by hand; set clock[0]."""
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    monkeypatch.setenv("COLUMNS", "80")
-    clock = [100.0]
-    monkeypatch.setattr(progress.time, "monotonic", lambda: clock[0])
-    return clock
-
-
-def screen(text):
-    """What a terminal shows in the end of what was written to it."""
-    lines = []
-    for line in text.split("\n"):
-        cells = []
-        for part in line.split("\r"):
-            cells[: len(part)] = part
-        lines.append("".join(cells).rstrip())
-    return lines
-
-
-def test_the_bar_tells_how_much_how_fast_how_long(case, capsys, monkeypatch):
-    shown, clock = [], terminal(monkeypatch)
-
-    def slow(system, progress, **_):
-        shown.append(screen(capsys.readouterr().err)[0])
-        for seconds, done in ((1, 100), (2, 200), (3, 400), (63, 990)):
-            clock[0] = 100.0 + seconds
-            progress(done, 1000)
-            shown.append(screen(capsys.readouterr().err)[0])
-        return ri.sweep(system)
-
-    monkeypatch.setattr(command, "sweep", slow)
-    assert sweep("--vary", LENGTHS) == 0
-    assert shown == [
-        "",
-        " 10 %  [###                           ]",
-        " 20 %  [######                        ]  100 collisions/s  8 s left",
-        " 40 %  [############                  ]  150 collisions/s  4 s left",
-        " 99 %  [############################# ]  14.4 collisions/s  1 s left",
-    ]
-    out, err = capsys.readouterr()
-    assert screen(err) == [""]
-    assert err.startswith("\r")
-    assert "\x1b" not in err
-    assert "collisions/s" not in out
-
-
-def test_a_warning_stands_on_a_line_of_its_own(case, capsys, monkeypatch):
-    terminal(monkeypatch)
-
-    def long(system, progress, **_):
-        progress(1, 5)
-        warnings.warn("this takes long", ri.LongRun, stacklevel=1)
-        return ri.sweep(system)
-
-    monkeypatch.setattr(command, "sweep", long)
-    with warnings.catch_warnings():
-        warnings.simplefilter("default")
-        assert sweep("--vary", LENGTHS) == 0
-    assert screen(capsys.readouterr().err)[0] == "rodimpact: this takes long"
-
-
-def test_the_bar_fits_a_narrow_terminal(capsys, monkeypatch):
-    bar, clock = ProgressBar("rods"), terminal(monkeypatch)
-    monkeypatch.setenv("COLUMNS", "40")
-    bar(1, 1000)
-    clock[0] += 1
-    bar(2, 1000)
-    assert max(map(len, capsys.readouterr().err.split("\r"))) == 39
-
-
-def test_the_bar_is_not_redrawn_too_often(capsys, monkeypatch):
-    bar, clock = ProgressBar("rods"), terminal(monkeypatch)
-    for i in range(1000):
-        clock[0] += 1e-3
-        bar(i, 1000)
-    assert 5 <= capsys.readouterr().err.count("\r") <= 12
 
 
 def test_what_else_is_wanted_has_columns(case, refused, capsys, swept):

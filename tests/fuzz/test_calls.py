@@ -150,12 +150,8 @@ REFUSED = [
     ),
     (lambda: ri.gauges_to_csv("x.csv", [(0, 0.1)]), "gauges: must be records by name"),
     (lambda: PAIR[0], "array is 0-dimensional, but 1 were indexed"),
-    (lambda: ri.solve(PAIR, progress=3), "progress: must be a function, got 3"),
+    (lambda: ri.solve(PAIR, progress=3), "progress: must be True, False or a function"),
     (lambda: ri.sweep(FAMILY).explain([0, 1]), "index: must pick one member"),
-    (
-        lambda: ri.sweep(FAMILY, on_error=[]),
-        'on_error: must be "raise" or "record", got []',
-    ),
     (
         lambda: ri.rigid.contact_mass([1, 2], [1, 2, 3]),
         "m1 has shape (2,), m2 has shape (3,)",

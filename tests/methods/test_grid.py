@@ -12,7 +12,6 @@ from networks import UNIT, unit_rod
 from runs import gaps_of
 
 import rodimpact as ri
-from rodimpact.methods.duration import LongRun
 from rodimpact.methods.grid import method as finite_difference
 from rodimpact.methods.grid.mesh import STEP_TICKS
 from rodimpact.methods.grid.signals import _accuracy
@@ -519,18 +518,6 @@ def test_fields_at_chosen_times_are_of_order_two(moment):
     for found in errors.values():
         assert order(found) >= 1.8
         assert found[-1] <= 1e-3
-
-
-# Long runs ----------------------------------------------------------------------------------------
-
-
-def test_long_runs_are_announced_before_they_begin(monkeypatch):
-    monkeypatch.setattr(finite_difference, "cost", lambda mesh, plain: 0.1)
-    row = [unit_rod(velocity=1.0), unit_rod()]
-    with pytest.warns(
-        LongRun, match=r"takes some 10 s, .* \(101 steps, 20 cells\); .*fewer cells"
-    ):
-        solved(row, 10.0, 10)
 
 
 # Finality -----------------------------------------------------------------------------------------

@@ -206,12 +206,3 @@ def episode(k, name):
 )
 def test_the_worked_cases_say_what_comes_out(name, read, said, rel):
     assert read(solved(name)) == pytest.approx(said, rel=rel)
-
-
-def test_a_long_case_is_announced(monkeypatch):
-    monkeypatch.setattr("rodimpact.methods.duration.LONG", 0.0)
-    with (
-        pytest.warns(ri.LongRun, match=r"MB of TOML\); a shorter file takes less"),
-        pytest.raises(ri.InvalidModel),
-    ):
-        ri.parse_case("a = 1")

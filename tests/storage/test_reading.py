@@ -72,12 +72,6 @@ def test_a_small_file_takes_little_memory(saved, bomb):
         tracemalloc.stop()
 
 
-def test_a_load_that_takes_long_is_announced(saved, monkeypatch):
-    monkeypatch.setattr("rodimpact.methods.duration.LONG", 0.0)
-    with pytest.warns(ri.LongRun, match="loading a document of .* GB.*fewer bodies"):
-        ri.load(saved)
-
-
 def test_what_is_larger_than_half_the_memory_is_refused_with_the_figure(
     saved, monkeypatch
 ):

@@ -33,6 +33,7 @@ NUMBERS_PER_ROW = (
     18  # memory of a row of the log with its signals, in numbers of 8 bytes
 )
 NUMBERS_PER_LIST_ROW = 60  # the same in plain Python
+PLAIN_ROW_TIME = 1e-5  # s, approximate cost of a row of the log in plain Python
 
 RECORD_TYPES = {
     "runs": RUN,
@@ -126,6 +127,15 @@ class Batch:
             "lower the cap, or stop earlier (until)",
         )
         self.state = self.state._replace(log=lengthened(self.state.log, FRONT))
+
+    def compile_if_long(self) -> None:
+        """Go on in machine code if the present member has taken long in plain Python."""
+        if self.is_compiled:
+            return
+        # An unfinished run is expected to take as long again as it has taken so far.
+        seconds = len(self.state.log) * PLAIN_ROW_TIME
+        if kernels.worth_compiling(seconds, run_members):
+            self.to_arrays()
 
     def to_arrays(self) -> None:
         """Go on in machine code."""

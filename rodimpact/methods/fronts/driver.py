@@ -5,21 +5,16 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from .. import duration, kernels
-from ..duration import Forecast
-from ..memory import most_numbers
+from ...progress import Report, no_report
+from .. import kernels
 from ..row import Array
 from ..run import Stopped
-from .batch import INITIAL_LOG_ROWS, NUMBERS_PER_ROW, Batch, RunRequest
+from .batch import INITIAL_LOG_ROWS, PLAIN_ROW_TIME, Batch, RunRequest
 from .family_layout import FamilyLayout
 from .members import run_members
 from .records import NODE_RESULT, Run
 
-# Costs, s; approximate, to decide whether compiling pays
-EVENT_TIME = 2e-6  # an event in machine code
-PLAIN_EVENT_TIME = 2e-5  # an event in plain Python
-PLAIN_ROW_TIME = 1e-5  # a row of the log in plain Python
-PLAIN_PAIR_TIME = 4e-7  # comparison of two durations in plain Python
+PLAIN_PAIR_TIME = 4e-7  # s, comparison of two durations in plain Python
 
 FIRST_BLOCK_SIZE = 64  # members
 MAX_BLOCK_SIZE = 2048
@@ -35,7 +30,7 @@ processor_time = getattr(time, "thread_time", time.perf_counter)
 def solve_one(
     layout: FamilyLayout,
     request: RunRequest,
-    forecast: Forecast | None = None,
+    report: Report = no_report,
 ) -> Batch:
     """Follow every front of a single collision.
 
@@ -45,8 +40,8 @@ def solve_one(
     ----------
     layout : FamilyLayout
     request : RunRequest
-    forecast : Forecast, optional
-        Told how long the run takes.
+    report : function
+        Told how many events are done.
 
     Returns
     -------
@@ -66,36 +61,19 @@ def solve_one(
     )
     batch.load_members(np.array([layout.values], dtype=float))
     while not batch.run():
-        # An unfinished run is expected to take as long again as it has taken so far.
-        expected = len(batch.state.log) * PLAIN_ROW_TIME
-        if not batch.is_compiled and kernels.worth_compiling(expected, run_members):
-            batch.to_arrays()
-        if forecast:
-            announce(forecast, batch)
+        batch.compile_if_long()
+        run = batch.progress
+        report(int(run.events), expected_events(run))
         batch.grow_log()
     return batch
 
 
-def announce(forecast: Forecast, batch: Batch) -> None:
-    """Say how long a run will take, and how far it is."""
-    run = batch.progress
-    events = int(run.events)
-    expected = expected_events(run)
-    event_time = EVENT_TIME if batch.is_compiled else PLAIN_EVENT_TIME
-    remaining_time = (expected - events) * event_time
-    if remaining_time > duration.SOON:  # compiling may have taken longer
-        forecast.expect(remaining_time, f"some {expected:.2g} events")
-    forecast.reached(events, expected)
-
-
-def expected_events(run: Run) -> int:
-    """About how many events a run has: at the rate so far, or as many again."""
-    most = min(int(run.max_events), int(most_numbers() / NUMBERS_PER_ROW))
-    events = int(run.events)
-    expected = 2 * events
-    if run.end_tick > 0 and run.now > 0:
-        expected = events * int(run.end_tick) // int(run.now)
-    return min(most, expected)
+def expected_events(run: Run) -> int | None:
+    """About how many events a run to a given time has; None where a proof ends it."""
+    if run.end_tick <= 0 or run.now <= 0:
+        return None
+    expected = int(run.events) * int(run.end_tick) // int(run.now)
+    return min(int(run.max_events), expected)
 
 
 # Families -----------------------------------------------------------------------------
@@ -162,6 +140,7 @@ def solve_many(
             batch = Batch(layout, request, is_compiled=is_compiled)
         batch.load_members(members.values_of(block))
         while not batch.run():
+            batch.compile_if_long()
             batch.grow_log()
         results = batch.results()
         for (name, k), column in columns.items():
@@ -169,7 +148,7 @@ def solve_many(
         first = block.stop
         seconds = processor_time() - begin
         is_quick = seconds < BLOCK_TIME / 4
-        if not is_compiled:
+        if not batch.is_compiled:
             member_time = seconds / length
             is_measured = is_measured or not is_quick
         if is_quick:

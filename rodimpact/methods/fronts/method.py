@@ -1,11 +1,11 @@
 """The method "fronts": every wave front is followed from end to end, exactly."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
+from ...progress import Report, no_report
 from .. import abilities as physics
 from .. import run as runs
-from ..duration import Forecast, Progress
 from ..row import Row
 from ..run import Run
 from ..status import rounding, strain_warning
@@ -35,21 +35,19 @@ LACKS = (
     physics.TAPER,
     physics.OWN_LAWS,
 )
-REMEDY = "an earlier end (until), or a lower cap (max_events),"
 
 
 def solve(
     row: Row,
     until: float | None,
     max_events: int,
-    progress: Progress | None = None,
-    announce: Callable[[str], None] | None = None,
+    report: Report = no_report,
 ) -> Run:
     """Run a single collision.
 
     It runs to `until`, s, or to its proof of finality and one round trip more.
     """
-    run = run_fronts(row, until, max_events, Forecast(announce, REMEDY, progress))
+    run = run_fronts(row, until, max_events, report)
     return make_run(run, until, effect_of_rounding(run))
 
 
@@ -57,11 +55,11 @@ def run_fronts(
     row: Row,
     until: float | None = None,
     max_events: int = runs.MAX_EVENTS,
-    forecast: Forecast | None = None,
+    report: Report = no_report,
 ) -> FrontRun:
     """Follow every front of a collision."""
     request = RunRequest(until, max_events)
-    return FrontRun(driver.solve_one(lay_out_family(row), request, forecast))
+    return FrontRun(driver.solve_one(lay_out_family(row), request, report))
 
 
 def make_run(

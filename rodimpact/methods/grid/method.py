@@ -10,21 +10,19 @@ velocities never converge.
 """
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from ...model.frozen import InvalidModel
+from ...progress import Report, no_report
 from .. import abilities as physics
-from .. import kernels
-from ..duration import Forecast, Progress
 from ..row import Row
 from ..run import PEAK_FORCE, Run
 from . import refinement
 from .mesh import Mesh, crossing_time, most_cells, stable_step
 from .proof import finality_time
-from .run import GridRun, cost
+from .run import GridRun
 from .signals import hand_over
 
 RTOL = 1e-3
@@ -38,8 +36,6 @@ MOST_CELLS = 1 << 20
 STABLE = (
     1 + 2.0**-30
 )  # Courant number up to which a mesh is taken; beyond 1 by round-off only
-LESS = "a larger rtol, fewer cells or an earlier end (until)"
-
 
 LACKS = (physics.RODLESS, physics.OWN_LAWS)
 
@@ -59,8 +55,7 @@ def follow(
     dt: float | None = None,
     rtol: float | None = None,
     snapshots: int | tuple[float, ...] | None = None,
-    progress: Progress | None = None,
-    announce: Callable[[str], None] | None = None,
+    report: Report = no_report,
 ) -> GridRun:
     """Run a single collision.
 
@@ -85,10 +80,8 @@ def follow(
         Relative accuracy to which cells and step are halved, where neither is given.
     snapshots : int or tuple of float, optional
         How many states to keep at most, or the times at which to keep them, s.
-    progress : function, optional
-        Called during long runs with the steps done, and about how many there will be.
-    announce : function, optional
-        Called with a sentence before the run takes long.
+    report : function
+        Told how many steps are done on each mesh, and how many there are.
 
     Raises
     ------
@@ -103,7 +96,6 @@ def follow(
     if until is not None and stepping:
         step = until / math.ceil(until / step * (1 - 1e-12))
 
-    forecast = Forecast(announce, LESS, progress)
     searching = cells is None and dt is None and stepping
 
     def level(factor: int) -> GridRun:
@@ -112,7 +104,7 @@ def follow(
             max(1, max_events // len(row.links)) if until is None else round(until / h)
         )
         run = GridRun(mesh, h, snapshots, None if until is None else max(1, last))
-        _go(run, last, until is not None, forecast)
+        _go(run, last, until is not None, report)
         return run
 
     if searching:
@@ -187,17 +179,13 @@ def _mesh_size(
     return whole, step
 
 
-def _go(run: GridRun, last: int, on: bool, forecast: Forecast) -> None:
+def _go(run: GridRun, last: int, on: bool, report: Report) -> None:
     """Run to the proof, but not beyond the last step; `on` to that in any case."""
-    room, longest = run.room, run.round_trip // 2
-    per_step = cost(run.mesh, plain=not kernels.enabled())
+    longest = run.round_trip // 2
+    total = last if on else None  # nobody knows when a proof will succeed
 
     def tell(taken: int) -> None:
-        forecast.expect(
-            per_step * max(room - taken, 0),
-            f"{room} steps, {sum(run.mesh.counts)} cells",
-        )
-        forecast.reached(taken, room)
+        report(taken, total)
 
     tell(0)
     while run.proved < 0:

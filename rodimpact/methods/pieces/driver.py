@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from ...progress import Report, no_report
 from .. import compiling, kernels
-from ..duration import Forecast
 from ..laws import Stop
 from ..memory import ask
 from ..row import Row
@@ -102,13 +102,13 @@ class Members:
         self,
         members: Iterable[int],
         stop: Callable[[], bool] = lambda: False,
-        forecast: Forecast | None = None,
+        report: Report = no_report,
     ) -> None:
         """Run some members; raise Stopped if `stop`, asked now and then, says so."""
         for count, m in enumerate(members):
             if count % CALL == 0 and stop():
                 raise Stopped
-            self.go(m, forecast)
+            self.go(m, report)
 
     def records(self, member: int = 0) -> dict[str, Any]:
         """Arrays of the records of a member, in the order of the kernel's arguments."""
@@ -120,7 +120,7 @@ class Members:
         self.log[: self.first.shape[1]] = self.first[member]
         return self.records(member)
 
-    def go(self, member: int = 0, forecast: Forecast | None = None) -> None:
+    def go(self, member: int = 0, report: Report = no_report) -> None:
         """Run a member to its end, in slices."""
         self.start(member)
         run = self.run_of(member)
@@ -134,18 +134,17 @@ class Members:
             run.limit = min(limit, taken + (SLICE if fast else plain))
             stop = self._slice(member, fast)
             spent = (int(run.steps) - taken) * STEP_TIME
-            if stop == Stop.CAP and forecast:
-                self._tell(forecast, run, limit, int(self.node[member]["now"].min()))
+            if stop == Stop.CAP:
+                report(int(run.steps), self._expected_steps(member, limit))
         run.limit = limit
 
-    def _tell(self, forecast: Forecast, run: Any, limit: int, now: int) -> None:
-        """Say how far the run is, of its time if there is an end, else of the cap."""
-        steps = int(run.steps)
-        if run.extra == NEVER and now > 0:
-            limit = min(limit, int(steps * (float(run.end) / now)) + 1)
-        else:  # nobody knows: as long again
-            limit = min(limit, 2 * steps)
-        forecast.report(steps, limit, f"some {limit:.2g} steps of nodes")
+    def _expected_steps(self, member: int, limit: int) -> int | None:
+        """About how many steps a run to a given time has; None where a proof ends it."""
+        run = self.run_of(member)
+        reached = int(self.node[member]["now"].min())
+        if run.extra != NEVER or reached <= 0:
+            return None
+        return min(limit, int(run.steps * (float(run.end) / reached)) + 1)
 
     def _slice(self, member: int, fast: bool) -> Stop:
         """Run on: on arrays of records, or on lists of objects in plain Python."""

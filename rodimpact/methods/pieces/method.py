@@ -14,17 +14,16 @@ from typing import Any
 
 import numpy as np
 
+from ...progress import Report, no_report
 from .. import abilities as physics
-from .. import kernels
 from .. import run as runs
 from ..clock import clock_of
-from ..duration import Forecast, Progress
 from ..groups import groups, movable, velocities_in_group
 from ..laws import Law, Stop
 from ..row import Row, squeezed
 from ..run import ContactTally, Run
 from ..status import rounding, strain_warning
-from . import march, totals
+from . import totals
 from .accuracy import COARSER, COARSEST, SHOWN, apart, compare, left_open
 from .driver import Members
 from .layout import Asked
@@ -38,9 +37,7 @@ LOOSEST, FINEST = (
     1e-6,
     1e-13,
 )  # of tolerances: errors fall evenly below, and round-off comes
-LESS = "a larger rtol or an earlier end (until)"
 TOGETHER = 1024  # members of one chunk
-MEMBER_TIME = 0.2  # s, about what one takes in plain Python
 
 
 def solve(
@@ -48,18 +45,16 @@ def solve(
     until: float | None,
     max_events: int,
     rtol: float | None = None,
-    progress: Progress | None = None,
-    announce: Callable[[str], None] | None = None,
+    report: Report = no_report,
 ) -> Run:
     """Run a single collision to `until`, s, or to its proof of finality and one round trip more."""
     if row.segments:
         row.check_scales()
     fine = Members(row, Asked(until, tolerance_of(rtol), max_events, keep=True))
-    forecast = Forecast(announce, LESS, progress)
-    fine.go(forecast=forecast)
+    fine.go(report=report)
     if fine.run_of(0).stop == Stop.STUCK:
         raise squeezed(float(fine.clock.tick * fine.node["now"].min()))
-    (errors,) = stated_errors(fine, np.array([0]), COARSEST, forecast=forecast).tolist()
+    (errors,) = stated_errors(fine, np.array([0]), COARSEST, report=report).tolist()
     accuracy = dict(zip(runs.MEASURES, errors, strict=True))
     return _hand_over(fine, accuracy, RTOL if rtol is None else rtol)
 
@@ -69,10 +64,9 @@ def members_per_call(row: Row) -> int:
 
     The force of a bond between rigid bodies follows from signals, which a family does not keep.
     """
-    seconds = row.members * MEMBER_TIME
-    alone = any(i < 0 for i in row.contact_link) or own_laws(row)
-    pays = is_even(row) and not alone and kernels.worth_compiling(seconds, march.follow)
-    return TOGETHER if pays else 0
+    if not is_even(row) or any(i < 0 for i in row.contact_link) or own_laws(row):
+        return 0
+    return TOGETHER
 
 
 def solve_family(
@@ -83,8 +77,8 @@ def solve_family(
     should_stop: Callable[[], bool] = lambda: False,
     later_members: int = 0,  # noqa: ARG001 - an argument of every method's family
     also: Sequence[str] = (),
-) -> runs.FamilyRun | None:
-    """Totals of every member; nothing where each is to be run alone.
+) -> runs.FamilyRun:
+    """Totals of every member.
 
     Parameters
     ----------
@@ -103,8 +97,6 @@ def solve_family(
     Stopped
         If `should_stop` said so.
     """
-    if not members_per_call(row):
-        return None
     refused = np.zeros(row.system.shape, bool)
     for bad, _, _ in row.beyond_scales() if row.segments else ():
         refused |= bad
@@ -123,7 +115,7 @@ def stated_errors(
     members: Any,
     coarsest: float,
     stop: Callable[[], bool] = lambda: False,
-    forecast: Forecast | None = None,
+    report: Report = no_report,
 ) -> Any:
     """Relative error of each of the `MEASURES`, [member, measure], of members that have run.
 
@@ -134,7 +126,7 @@ def stated_errors(
     while len(alike) and tolerance <= coarsest:
         coarse = Members(fine.row, fine.asked._replace(tolerance=tolerance, keep=False))
         compare(fine.run.view(np.recarray), coarse.run.view(np.recarray))
-        coarse.run_all(alike, stop, forecast)
+        coarse.run_all(alike, stop, report)
         for m in alike:
             errors[m] = apart(fine.ended(m), coarse.ended(m))
         alike, tolerance = alike[~errors[alike].any(axis=1)], COARSER * tolerance

@@ -1,0 +1,214 @@
+"""Progress of long calls: a bar of tqdm, or calls of the user's own function.
+
+A call that may take long says how far it is::
+
+    with Progress(progress, "sweep", "collisions") as report:
+        report(done, total)
+
+Only the outermost of such calls has a bar: a fit that runs sweeps shows one bar, not many.
+A call inside another of the same name goes on with the bar of that one.
+The bar appears after two seconds, on a terminal or in a notebook, and never in worker
+threads or worker processes. tqdm is imported when the bar appears, as it takes longer to
+import than most calls take. Messages and warnings stand above the bar.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import sys
+import threading
+import time
+import warnings
+from collections.abc import Callable
+from types import TracebackType
+from typing import Any
+
+from .units import shown
+
+APPEARS_AFTER = 2.0  # s of work
+REDRAWN_AFTER = 0.1  # s
+MANY = 100_000  # units, from which on the bar writes 100k
+
+NOTEBOOK_KERNELS = ("ipykernel.zmqshell", "IPython.utils._process_emscripten")
+"""Modules of the kernels of Jupyter and of JupyterLite."""
+
+ProgressFunction = Callable[[int, int | None], object]
+"""Called with the work that is done and all of it, None where that is not known."""
+Report = Callable[[int, int | None], None]
+"""What a long call tells: the work that is done and all of it."""
+
+
+def no_report(done: int, total: int | None) -> None:
+    """Report to nobody."""
+
+
+def check_progress(problems: list[tuple[str, str]], value: object) -> None:
+    """Note what cannot be the argument `progress`."""
+    if not isinstance(value, bool) and not callable(value):
+        wanted = "must be True, False or a function of (done, total)"
+        problems.append(("progress", f"{wanted}, got {shown(value)}"))
+
+
+class Progress:
+    """Progress of one call, from its first statement to its last.
+
+    Parameters
+    ----------
+    progress : bool or function
+        Whether a bar may appear, or the function to be called in its place. What the
+        function raises ends the call.
+    name : str
+        Name of the call, to the left of the bar.
+    unit : str
+        Plural of what is counted: "collisions".
+    """
+
+    def __init__(self, progress: bool | ProgressFunction, name: str, unit: str) -> None:
+        self._progress = progress
+        self._name = name
+        self._unit = unit
+        self._is_outermost = False
+        self._bar: Any = None
+        self._showwarning: Any = None  # that of `warnings` without the bar
+        self._began = math.inf  # s, time.time()
+        self._done_before: int | None = None  # of the first report: from a checkpoint
+
+    def __enter__(self) -> Report:
+        global _outermost
+        self._is_outermost = False
+        if in_main_thread():
+            if _outermost is None:
+                _outermost = self
+                self._is_outermost = True
+            elif _outermost._name == self._name:
+                return _outermost._report
+        if callable(self._progress):
+            return self._report
+        if self._progress and self._is_outermost:
+            self._began = time.time()
+            return self._report
+        return no_report
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        where: TracebackType | None,
+    ) -> None:
+        global _outermost
+        if not self._is_outermost:
+            return
+        _outermost = None
+        if self._bar is not None:
+            if kind is None:
+                self._bar.total = self._bar.n  # totals may have been estimates
+            self._close()
+
+    def _report(self, done: int, total: int | None) -> None:
+        if total is not None:
+            total = max(done, total)
+        if callable(self._progress):
+            self._progress(done, total)
+            return
+        if self._done_before is None:
+            self._done_before = done
+        if self._bar is None and time.time() >= self._began + APPEARS_AFTER:
+            if is_watched():
+                self._open(total)
+            else:
+                self._began = math.inf
+        if self._bar is not None:
+            self._update(done, total)
+
+    def _open(self, total: int | None) -> None:
+        """Show a bar, and warnings above it from now on."""
+        self._bar = bar_class()(
+            desc=self._name,
+            unit=f" {self._unit}",
+            initial=self._done_before,  # which says nothing about the rate
+            total=total,
+            file=sys.stderr,
+            leave=False,
+            mininterval=REDRAWN_AFTER,
+            miniters=0,  # else tqdm expects that the rate stays what it was
+            delay=1e-9,  # s: drawn by the first update, not before its times are set
+            dynamic_ncols=True,
+        )
+        self._bar.start_t = self._began
+        self._bar.last_print_t = self._began
+        self._showwarning = warnings.showwarning
+        warnings.showwarning = self._show_warning
+
+    def _update(self, done: int, total: int | None) -> None:
+        bar = self._bar
+        if done < bar.n:  # a new stage, such as a finer mesh
+            bar.reset(total)
+            bar.initial = 0
+        if total != bar.total:
+            bar.total = total
+            if total and hasattr(bar, "container"):  # in a notebook
+                bar.container.children[1].max = total
+        bar.unit_scale = max(done, total or 0) >= MANY
+        bar.update(done - bar.n)
+
+    def _close(self) -> None:
+        if warnings.showwarning == self._show_warning:
+            warnings.showwarning = self._showwarning
+        self._bar.close()
+
+    def _show_warning(self, *message: Any, **more: Any) -> None:
+        with self.above_bar():
+            self._showwarning(*message, **more)
+
+    def above_bar(self) -> contextlib.AbstractContextManager[None]:
+        """Context in which standard error may be written to."""
+        if self._bar is None:
+            return contextlib.nullcontext()
+        context: contextlib.AbstractContextManager[None]
+        context = self._bar.external_write_mode(file=sys.stderr)
+        return context
+
+
+_outermost: Progress | None = None
+"""The call whose progress is shown: only the main thread of the main process has one."""
+
+
+def write_message(sentence: str) -> None:
+    """Print a line on standard error, above a bar that stands there."""
+    shown_call = _outermost
+    with shown_call.above_bar() if shown_call else contextlib.nullcontext():
+        sys.stderr.write(f"{sentence}\n")
+
+
+def in_main_thread() -> bool:
+    """Whether this is the thread in which the program, or a notebook's cell, runs."""
+    return threading.get_ident() == threading.main_thread().ident
+
+
+def is_watched() -> bool:
+    """Whether somebody can see a bar: on a terminal or in a notebook."""
+    import multiprocessing.process
+
+    if multiprocessing.process.parent_process() is not None:
+        return False
+    on_terminal = sys.stderr is not None and sys.stderr.isatty()
+    return on_terminal or in_notebook()
+
+
+def in_notebook() -> bool:
+    """Whether this process runs the cells of a notebook."""
+    return any(name in sys.modules for name in NOTEBOOK_KERNELS)
+
+
+def bar_class() -> Any:
+    """The class of bars for a terminal or for a notebook, whichever this is."""
+    with warnings.catch_warnings():
+        # without ipywidgets a notebook has the bar of a terminal, and tqdm warns
+        warnings.simplefilter("ignore")
+        from tqdm.autonotebook import tqdm
+
+    class Bar(tqdm):  # type: ignore[misc]
+        monitor_interval = 0  # no thread that would outlive the bar
+
+    return Bar

@@ -1,0 +1,361 @@
+"""Bars of long calls: where they appear, whose they are, and what they leave behind."""
+
+import io
+import os
+import re
+import subprocess
+import sys
+import threading
+import warnings
+
+import numpy as np
+import pytest
+from systems import rod
+
+import rodimpact as ri
+from rodimpact import progress
+from rodimpact.methods import kernels
+from rodimpact.progress import Progress
+
+PAIR = ri.System([rod(0.4, 1.0), rod(1.0, area=2e-4)])
+
+
+class Terminal(io.StringIO):
+    """A terminal: what has been written to it, and what it shows."""
+
+    def isatty(self):
+        return True
+
+    def lines(self):
+        """Lines on the screen: what follows a carriage return covers what was there."""
+        lines, row, column = [[]], 0, 0
+        for mark in re.findall(r"\x1b\[A|.|\n|\r", self.getvalue()):
+            if mark == "\x1b[A":
+                row -= 1
+            elif mark == "\r":
+                column = 0
+            elif mark == "\n":
+                row, column = row + 1, 0
+                lines += [[]] * (row == len(lines))
+            else:
+                blanks = [" "] * (column - len(lines[row]))
+                lines[row] = (
+                    lines[row][:column] + blanks + [mark, *lines[row][column + 1 :]]
+                )
+                column += 1
+        return ["".join(line).rstrip() for line in lines]
+
+
+def watched(monkeypatch):
+    """A terminal on standard error, on which bars appear at once.
+
+    No fixture: pytest puts its own standard error in place before it calls a test.
+    """
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setattr(progress, "APPEARS_AFTER", 0.0)
+    monkeypatch.setattr(progress, "REDRAWN_AFTER", 0.0)
+    return terminal
+
+
+def test_a_bar_tells_the_call_how_much_and_how_fast_and_leaves_an_empty_line(
+    monkeypatch,
+):
+    terminal = watched(monkeypatch)
+    with Progress(True, "sweep", "collisions") as report:
+        report(0, 50)
+        report(10, 50)
+        (line,) = terminal.lines()
+        assert line.startswith("sweep:  20%|")
+        assert "10/50" in line
+        assert "collisions/s" in line
+    assert terminal.lines() == [""]
+
+
+def test_a_call_of_less_than_two_seconds_shows_nothing(monkeypatch):
+    terminal = watched(monkeypatch)
+    monkeypatch.setattr(progress, "APPEARS_AFTER", 2.0)
+    with Progress(True, "sweep", "collisions") as report:
+        for i in range(50):
+            report(i, 50)
+    assert terminal.getvalue() == ""
+
+
+def test_two_seconds_count_from_the_start_of_the_call(monkeypatch):
+    terminal = watched(monkeypatch)
+    monkeypatch.setattr(progress, "APPEARS_AFTER", 2.0)
+    with Progress(True, "sweep", "collisions") as report:
+        progress._outermost._began -= 1.0
+        report(1, 50)
+        assert terminal.getvalue() == ""
+        progress._outermost._began -= 1.1
+        report(2, 50)
+        assert "2/50 [00:02<" in terminal.getvalue()
+
+
+def test_members_from_a_checkpoint_say_nothing_about_the_rate(monkeypatch):
+    terminal = watched(monkeypatch)
+    monkeypatch.setattr(progress, "APPEARS_AFTER", 2.0)
+    with Progress(True, "sweep", "collisions") as report:
+        report(900, 1000)
+        progress._outermost._began -= 10.0
+        report(910, 1000)
+        (line,) = terminal.lines()
+        remaining = re.search(r"910/1000 \[00:10<01:(\d\d)", line)
+        assert 25 <= int(remaining[1]) <= 31
+
+
+def test_where_nobody_knows_the_total_the_bar_counts(monkeypatch):
+    terminal = watched(monkeypatch)
+    with Progress(True, "formula", "steps") as report:
+        report(1, None)
+        assert terminal.lines()[0].startswith("formula: 1 steps [00:00, ")
+        report(123_456, None)
+        assert terminal.lines()[0].startswith("formula: 123k steps [00:00, ")
+
+
+def test_an_estimate_that_was_too_low_ends_full(monkeypatch):
+    terminal = watched(monkeypatch)
+    with Progress(True, "solve", "events") as report:
+        report(90, 100)
+        report(120, 100)
+        assert "120/120" in terminal.lines()[0]
+
+
+def test_a_finer_mesh_begins_anew(monkeypatch):
+    terminal = watched(monkeypatch)
+    with Progress(True, "solve", "steps") as report:
+        report(100, 100)
+        report(10, 200)
+        (line,) = terminal.lines()
+        assert line.startswith("solve:   5%|")
+        assert "-" not in line
+
+
+def test_nothing_appears_where_nobody_looks(monkeypatch):
+    silent = io.StringIO()
+    monkeypatch.setattr(progress, "APPEARS_AFTER", 0.0)
+    for stderr in (silent, None):
+        monkeypatch.setattr(sys, "stderr", stderr)
+        with Progress(True, "sweep", "collisions") as report:
+            report(1, 50)
+    assert silent.getvalue() == ""
+
+
+def test_nothing_appears_in_worker_processes(monkeypatch):
+    terminal = watched(monkeypatch)
+    monkeypatch.setattr("multiprocessing.process.parent_process", lambda: object())
+    with Progress(True, "sweep", "collisions") as report:
+        report(1, 50)
+    assert terminal.getvalue() == ""
+
+
+def test_nothing_appears_in_worker_threads_where_functions_are_called(monkeypatch):
+    terminal = watched(monkeypatch)
+    heard = []
+
+    def work(wanted):
+        with Progress(wanted, "sweep", "collisions") as report:
+            report(1, 50)
+
+    for wanted in (True, lambda *news: heard.append(news)):
+        thread = threading.Thread(target=work, args=(wanted,))
+        thread.start()
+        thread.join()
+    assert terminal.getvalue() == ""
+    assert heard == [(1, 50)]
+
+
+def test_only_the_outermost_call_has_a_bar(monkeypatch):
+    terminal = watched(monkeypatch)
+    with Progress(True, "fit", "collisions") as outer:
+        outer(1, 10)
+        with Progress(True, "sweep", "collisions") as inner:
+            inner(5, 7)
+        outer(2, 10)
+        with Progress(True, "fit", "collisions") as again:
+            again(3, 10)
+        assert "fit:  30%" in terminal.getvalue()
+    assert "sweep" not in terminal.getvalue()
+    assert terminal.lines() == [""]
+    with Progress(True, "sweep", "collisions") as later:
+        later(5, 7)
+        assert "sweep:  71%" in terminal.lines()[0]
+
+
+@pytest.mark.parametrize("wanted", [False, lambda done, total: None])
+def test_calls_inside_a_silent_call_are_silent(monkeypatch, wanted):
+    terminal = watched(monkeypatch)
+    with Progress(wanted, "fit", "collisions") as outer:
+        outer(1, 10)
+        with Progress(True, "sweep", "collisions") as inner:
+            inner(5, 7)
+    assert terminal.getvalue() == ""
+
+
+@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])
+def test_an_error_takes_the_bar_away(monkeypatch, error):
+    terminal = watched(monkeypatch)
+    before = warnings.showwarning
+
+    def work():
+        with Progress(True, "sweep", "collisions") as report:
+            report(1, 50)
+            raise error
+
+    with pytest.raises(error):
+        work()
+    assert terminal.lines() == [""]
+    assert warnings.showwarning is before
+    assert progress._outermost is None
+
+
+def test_warnings_and_messages_stand_above_the_bar(monkeypatch):
+    terminal = watched(monkeypatch)
+    monkeypatch.setattr(
+        warnings, "showwarning", lambda message, *_: sys.stderr.write(f"{message}\n")
+    )
+    with (
+        warnings.catch_warnings(),
+        Progress(True, "sweep", "collisions") as report,
+    ):
+        warnings.simplefilter("always")
+        report(10, 50)
+        warnings.warn("the first word", UserWarning, stacklevel=1)
+        progress.write_message("the second word")
+        lines = terminal.lines()
+        assert lines[-3] == "the first word"
+        assert lines[-2] == "the second word"
+        assert lines[-1].startswith("sweep:  20%|")
+        assert not any("sweep" in line for line in lines[:-1])
+
+
+def test_warnings_that_are_recorded_stay_recorded(monkeypatch):
+    terminal = watched(monkeypatch)
+
+    def work():
+        with Progress(True, "sweep", "collisions") as report:
+            report(10, 50)
+            warnings.warn("the word", UserWarning, stacklevel=1)
+
+    with pytest.warns(UserWarning, match="the word"):
+        work()
+    assert "the word" not in terminal.getvalue()
+
+
+def test_compiling_is_told_above_the_bar(monkeypatch):
+    terminal = watched(monkeypatch)
+    kernels._tell.cache_clear()
+    with Progress(True, "sweep", "collisions") as report:
+        report(10, 50)
+        kernels._tell("")
+        first, bar = terminal.lines()
+    assert first.startswith("compiling once")
+    assert bar.startswith("sweep:")
+
+
+def test_a_bar_of_the_user_stays_above_ours(monkeypatch):
+    terminal = watched(monkeypatch)
+    from tqdm import tqdm
+
+    for _ in tqdm(range(2), desc="mine", file=sys.stderr):
+        with Progress(True, "sweep", "collisions") as report:
+            report(1, 50)
+    assert terminal.lines()[0].startswith("mine: 100%|")
+    assert terminal.lines()[1:] == [""]
+
+
+def test_a_sweep_shows_a_bar_and_a_solve_inside_does_not(monkeypatch):
+    terminal = watched(monkeypatch)
+    lengths = np.array([0.4, 0.5])
+    ri.sweep(ri.System([rod(lengths, 1.0), rod(1.0)]), workers=1)
+    assert "sweep:" in terminal.getvalue()
+    assert "solve:" not in terminal.getvalue()
+    assert terminal.lines() == [""]
+    ri.solve(PAIR, until=0.05)
+    assert "solve:" in terminal.getvalue()
+
+
+IMPORTS = """
+import sys, time
+import rodimpact as ri
+from rodimpact import progress
+sys.stderr.isatty = lambda: True
+rods = [ri.Rod(x, area=1e-4, material=ri.materials.steel, velocity=v)
+        for x, v in ((0.4, 1.0), (1.0, 0.0))]
+ri.solve(ri.System(rods))
+assert "tqdm" not in sys.modules
+progress.APPEARS_AFTER = 0.0
+ri.solve(ri.System(rods), until=0.05)
+assert "tqdm" in sys.modules
+import threading
+assert threading.active_count() == 1, threading.enumerate()
+"""
+
+
+def test_tqdm_is_imported_when_a_bar_appears_and_leaves_no_thread():
+    subprocess.run([sys.executable, "-W", "error", "-c", IMPORTS], check=True)
+
+
+SILENCED = """
+import sys
+from rodimpact import progress
+sys.stderr.isatty = lambda: True
+progress.APPEARS_AFTER = 0.0
+with progress.Progress(True, "sweep", "collisions") as report:
+    report(1, 50)
+    report(2, 50)
+"""
+
+
+def test_the_environment_turns_all_bars_off():
+    done = subprocess.run(
+        [sys.executable, "-c", SILENCED],
+        check=True,
+        capture_output=True,
+        env={**os.environ, "TQDM_DISABLE": "1"},
+    )
+    assert done.stderr == b""
+
+
+NOTEBOOK = """
+import sys, types, warnings
+shell = types.SimpleNamespace(config={{"IPKernelApp": 1}})
+shown = []
+if {has_widgets}:
+    with warnings.catch_warnings(action="ignore"):
+        import IPython.display, ipywidgets
+    IPython.get_ipython = lambda: shell
+    IPython.display.display = shown.append
+else:
+    sys.modules["IPython"] = types.SimpleNamespace(get_ipython=lambda: shell)
+    sys.modules["IPython.display"] = types.SimpleNamespace(display=shown.append)
+    sys.modules["ipywidgets"] = None
+sys.modules["ipykernel.zmqshell"] = types.ModuleType("zmqshell")
+from rodimpact import progress
+progress.APPEARS_AFTER = 0.0
+assert progress.is_watched()
+with progress.Progress(True, "sweep", "collisions") as report:
+    report(1, 50)
+    report(2, 60)
+    bar = progress._outermost._bar
+    if {has_widgets}:
+        assert shown == [bar.container]
+        assert bar.container.children[1].max == 60
+print(hasattr(bar, "container"))
+"""
+
+
+@pytest.mark.parametrize("has_widgets", [True, False])
+def test_a_notebook_has_a_widget_or_without_ipywidgets_a_line(has_widgets):
+    if has_widgets:
+        pytest.importorskip("ipywidgets")
+    code = NOTEBOOK.format(has_widgets=has_widgets)
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code],
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    assert done.stdout == f"{has_widgets}\n"
+    assert "Tqdm" not in done.stderr
