@@ -46,7 +46,8 @@ def columns_of(
     system: System, names: Iterable[str]
 ) -> dict[str, tuple[str, int | None]]:
     """Columns of these names of `COLUMNS`, each with its name there and its body or contact."""
-    bodies, contacts = range(len(system.bodies)), range(len(system.contacts))
+    bodies = range(len(system.bodies))
+    contacts = range(len(system.contacts))
     owners: dict[str, Iterable[int | None]] = {
         "row": [None],
         "body": bodies,
@@ -104,11 +105,9 @@ def _set(solution: Solution, contact: int) -> float:
 
 def _moved(solution: Solution, body: int) -> float:
     """How far the centre of mass of a body has moved at the end, m."""
-    signals, end, tick = (
-        solution.run.signals,
-        solution.fields.end,
-        solution.fields.clock.tick,
-    )
+    signals = solution.run.signals
+    end = solution.fields.end
+    tick = solution.fields.clock.tick
     time = end * tick
     if not isinstance(solution.system.bodies[body], Rod):
         return float(solution.displacement(body, 0.0, time))

@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 from ..methods import memory
 
 JOBS_A_WORKER = 8
+JOBS_A_WORKER_TO_KEEP = 100  # with a checkpoint: a crash undoes a hundredth of the work
 WORKERS_OF_EXECUTOR = 64  # where the caller does not say how many it has
 HEARTBEAT = 0.4  # s, after which progress is reported though no job has ended
 
@@ -82,7 +83,7 @@ class Here(Executor):
         return future
 
 
-def job_size(members: int, row: int, workers: int, most: int) -> int:
+def job_size(members: int, row: int, jobs: int, most: int) -> int:
     """Members of a job.
 
     Parameters
@@ -92,11 +93,12 @@ def job_size(members: int, row: int, workers: int, most: int) -> int:
     row : int
         Members of a row of the family, which vary along all axes but the first. Jobs of
         whole rows keep numbers small that vary along other axes alone.
-    workers : int
+    jobs : int
+        How many there shall be, about.
     most : int
         Members of a job at most.
     """
-    size = -(-members // (JOBS_A_WORKER * workers))
+    size = -(-members // jobs)
     size = max(1, min(size, most))
     if size >= row:
         size -= size % row

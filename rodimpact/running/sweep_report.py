@@ -14,7 +14,8 @@ from ..units import format_si
 from .columns import columns_of
 from .sweep_result import SweepResult
 
-MOST_MEMBERS, SOME_MEMBERS = 20, 12  # listed one by one, picked from a larger family
+MOST_MEMBERS = 20  # listed one by one
+SOME_MEMBERS = 12  # picked from a larger family
 MOST_BODIES = 8  # whose velocities are listed for each member
 
 Varied = Sequence[tuple[str, Any, str]]
@@ -103,55 +104,79 @@ def _extremes(result: SweepResult, varied: Varied) -> str:
 
 def _members(result: SweepResult, varied: Varied, more: str) -> str:
     """All collisions of a small family, some of a large one."""
-    count, system = result.restitution.size, result.system
+    system = result.system
+    count = result.restitution.size
     listed = count if count <= MOST_MEMBERS else SOME_MEMBERS
-    shown = np.linspace(0, count - 1, listed).round().astype(int)
-    read = {name: np.ravel(column)[shown] for name, column in result.columns.items()}
-    bodies, pairs = list(range(len(system.bodies))), result.unilateral
-    velocities = [read[f"velocity_after.{i}"] for i in bodies]
-    places = np.unravel_index(shown, result.shape or (1,))
-    columns = {
-        path: _written(values[where], unit)
-        for (path, values, unit), where in zip(varied, places, strict=False)
-    }
-    if len(pairs) == 1:
-        k = pairs[0]
-        columns["e"] = [_digits(e, 1.0) for e in read["restitution"]]
-        columns["impulse"] = _written(read[f"impulse.{k}"], "N s")
-        columns["peak force"] = _written(read[f"peak_force.{k}"], "N")
-        columns["force duration"] = _written(read[f"duration.{k}"], "s")
-        columns["episodes"] = [
-            "-" if math.isnan(J) else str(n)
-            for J, n in zip(read[f"impulse.{k}"], read[f"episodes.{k}"], strict=True)
-        ]
+    members = np.linspace(0, count - 1, listed).round().astype(int)
+    numbers = {name: np.ravel(x)[members] for name, x in result.columns.items()}
+    places = np.unravel_index(members, result.shape or (1,))
+    columns: dict[str, list[str]] = {}
+    for (path, values, unit), place in zip(varied, places, strict=False):
+        columns[path] = _written(values[place], unit)
+    opening = result.unilateral
+    if len(opening) == 1:
+        columns |= _of_contact(opening[0], numbers)
     else:
-        if len(bodies) > MOST_BODIES:
-            bodies = bodies[: MOST_BODIES // 2] + bodies[-MOST_BODIES // 2 :]
-        fastest = np.max(np.abs(velocities), axis=0)
-        for i in bodies:
-            columns[f"velocity {i} after"] = [
-                _digits(*both, " m/s")
-                for both in zip(velocities[i], fastest, strict=True)
-            ]
-    # energy of the motion of the bodies relative to each other, or more
-    masses = [
-        np.broadcast_to(body.mass, result.shape).ravel()[shown]
-        for body in system.bodies
-        if not isinstance(body, Wall)
-    ]
-    push = np.sum(
-        [np.abs(read[f"impulse.{k}"]) for k in range(len(system.contacts))], axis=0
-    )
-    scale = np.sum(masses, axis=0) * np.ptp(velocities, axis=0) ** 2 / 2
-    scale = scale + push**2 / (2 * np.min(masses, axis=0))
-    columns["vibration energy"] = list(map(joules, read["vibration"], scale))
+        columns |= _of_bodies(len(system.bodies), numbers)
+    scale = _energy_scale(result, members, numbers)
+    columns["vibration energy"] = list(map(joules, numbers["vibration"], scale))
     for name in columns_of(system, result.readings.also):
         quantity = outcome(system, name)
-        columns[quantity.name] = _written(read[name], quantity.unit)
+        columns[quantity.name] = _written(numbers[name], quantity.unit)
     table = align([list(columns), *zip(*columns.values(), strict=True)], left=())
     if listed < count:
         table += f"\n... {listed} of {count}; {more}"
     return table
+
+
+def _of_contact(k: int, numbers: dict[str, Any]) -> dict[str, list[str]]:
+    """Columns where only contact k can open."""
+    impulses = numbers[f"impulse.{k}"]
+    episodes = []
+    for impulse, episode_count in zip(impulses, numbers[f"episodes.{k}"], strict=True):
+        episodes.append("-" if math.isnan(impulse) else str(episode_count))
+    return {
+        "e": [_digits(e, 1.0) for e in numbers["restitution"]],
+        "impulse": _written(impulses, "N s"),
+        "peak force": _written(numbers[f"peak_force.{k}"], "N"),
+        "force duration": _written(numbers[f"duration.{k}"], "s"),
+        "episodes": episodes,
+    }
+
+
+def _of_bodies(count: int, numbers: dict[str, Any]) -> dict[str, list[str]]:
+    """Columns where several contacts can open: velocities, of a long row some."""
+    velocities = [numbers[f"velocity_after.{i}"] for i in range(count)]
+    fastest = np.max(np.abs(velocities), axis=0)
+    bodies = list(range(count))
+    if count > MOST_BODIES:
+        bodies = bodies[: MOST_BODIES // 2] + bodies[-MOST_BODIES // 2 :]
+    columns = {}
+    for i in bodies:
+        written = []
+        for velocity, scale in zip(velocities[i], fastest, strict=True):
+            written.append(_digits(velocity, scale, " m/s"))
+        columns[f"velocity {i} after"] = written
+    return columns
+
+
+def _energy_scale(result: SweepResult, members: Any, numbers: dict[str, Any]) -> Any:
+    """Energy of the motion of the bodies relative to each other, or more, J, [member].
+
+    (sum of m) (spread of v)^2/2 + (sum of J)^2/(2 smallest m), with the impulses J.
+    """
+    bodies = result.system.bodies
+    masses = []
+    for body in bodies:
+        if not isinstance(body, Wall):
+            mass = np.broadcast_to(body.mass, result.shape)
+            masses.append(mass.ravel()[members])
+    velocities = [numbers[f"velocity_after.{i}"] for i in range(len(bodies))]
+    contacts = range(len(result.system.contacts))
+    impulses = [np.abs(numbers[f"impulse.{k}"]) for k in contacts]
+    push = np.sum(impulses, axis=0)
+    scale = np.sum(masses, axis=0) * np.ptp(velocities, axis=0) ** 2 / 2
+    return scale + push**2 / (2 * np.min(masses, axis=0))
 
 
 def _written(values: Any, unit: str) -> list[str]:
@@ -164,15 +189,14 @@ def _digits(value: float, scale: float, unit: str = "") -> str:
 
 def _missing(result: SweepResult, varied: Varied) -> str:
     """How many have no e, and why: a sentence for each kind."""
-    missing, met = (
-        np.isnan(result.restitution),
-        sum(c.episodes for c in result.contacts) > 0,
-    )
+    missing = np.isnan(result.restitution)
+    met = sum(contact.episodes for contact in result.contacts) > 0
     kinds = np.asarray(2 * result.columns["status"] + np.logical_not(met))
     sentences = []
     for kind in np.unique(kinds[missing]):
         which = missing & (kinds == kind)
-        index, count = _first(which), int(np.count_nonzero(which))
+        index = _first(which)
+        count = int(np.count_nonzero(which))
         have = "1 collision has" if count == 1 else f"{count} collisions have"
         reason = result.explain(index).removesuffix(".")
         sentences.append(f"{have} no e. At {_where(index, varied)}: {reason}.")

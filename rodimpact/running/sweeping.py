@@ -32,7 +32,15 @@ from ..storage.writing import PathLike
 from ..units import shown
 from ..version import __version__
 from .columns import STATUS, Columns, Readings, arrays_of, row_of
-from .jobs import Pool, cut, job_size, pool_of, results_of
+from .jobs import (
+    JOBS_A_WORKER,
+    JOBS_A_WORKER_TO_KEEP,
+    Pool,
+    cut,
+    job_size,
+    pool_of,
+    results_of,
+)
 from .sweep_result import SweepResult
 
 PLACE = quantity("m", "non-negative", single=True)  # of a gauge
@@ -115,8 +123,9 @@ def sweep(
     A member that cannot be solved, or that the cap on events or the clock stops, keeps its `status`
     and the results that are known; `SweepResult.incomplete` and `SweepResult.explain` tell more.
 
-    Each worker gets about eight jobs, at most two at a time. An interrupt cancels jobs that wait.
-    Jobs that run end within seconds, or with their present member.
+    Each worker gets about eight jobs, with a checkpoint a hundred, at most two at a time. An
+    interrupt cancels jobs that wait. Jobs that run end within seconds, or with their present
+    member.
 
     Processes, dask, and MPI, started by ``mpiexec -n 65 python -m mpi4py.futures program.py``::
 
@@ -220,7 +229,11 @@ def run_jobs(
         more = size - stop  # members that follow in this process
         return pool.executor.submit(run_chunk, chunk, pool.stop, more)
 
-    jobs = cut(missing, job_size(to_do, row, pool.workers, most))
+    per_worker = JOBS_A_WORKER
+    if keep.path is not None:
+        per_worker = JOBS_A_WORKER_TO_KEEP
+    count = per_worker * pool.workers
+    jobs = cut(missing, job_size(to_do, row, count, most))
     return results_of(jobs, submit, pool.workers)
 
 
@@ -319,28 +332,29 @@ def _together(chunk: Chunk, should_stop: Callable[[], bool], later: int) -> Colu
 
 def _columns_of(run: FamilyRun, system: System) -> Columns:
     """Columns of members that the method has run in one call."""
-    able, e = unilateral(system), np.full(len(run.final), math.nan)
-    if len(able) == 1:
-        k = able[0]
-        e = effective_restitution(
+    restitution = np.full(len(run.final), math.nan)
+    opening = unilateral(system)
+    if len(opening) == 1:
+        k = opening[0]
+        restitution = effective_restitution(
             run.final,
             run.contacts["episodes"][k],
             run.before[k : k + 2],
             run.after[k : k + 2],
         )
     columns = {
-        "restitution": e,
+        "restitution": restitution,
         "vibration": run.vibration,
         "final": run.final,
         "status": run.stopped_by,
-        **run.further,
     }
-    columns |= {f"velocity_after.{i}": v for i, v in enumerate(run.after)}
-    return columns | {
-        f"{name}.{k}": values
-        for name, by_contact in run.contacts.items()
-        for k, values in enumerate(by_contact)
-    }
+    columns |= run.further
+    for i, velocity in enumerate(run.after):
+        columns[f"velocity_after.{i}"] = velocity
+    for name, by_contact in run.contacts.items():
+        for k, values in enumerate(by_contact):
+            columns[f"{name}.{k}"] = values
+    return columns
 
 
 def _members(system: System, start: int, stop: int) -> System:

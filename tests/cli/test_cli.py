@@ -293,7 +293,7 @@ def test_a_run_of_no_time_is_no_page_and_no_film(
 )
 def test_outputs_are_checked_before_solving(case, refuses, monkeypatch, argv, said):
     monkeypatch.setattr(
-        "rodimpact.cli.run.solved", lambda *_, **__: pytest.fail("solved")
+        "rodimpact.cli.run.solve", lambda *_, **__: pytest.fail("solved")
     )
     Path("there.npz").write_text("precious")
     refuses(["run", str(case), *argv], said)

@@ -108,21 +108,27 @@ def test_an_executor_that_does_not_say_has_64_workers(clock):
     assert len(cluster.lasted) == 512
 
 
+def test_a_checkpoint_has_finer_jobs(clock, tmp_path):
+    cluster = Cluster(2, 1000, clock)
+    swept(np.ones(1000), cluster, checkpoint=tmp_path)
+    assert len(cluster.lasted) == 200
+
+
 @pytest.mark.parametrize(
-    ("members", "row", "workers", "most", "size"),
+    ("members", "row", "count", "most", "size"),
     [
-        (10, 10, 2, 10, 1),
-        (100, 10, 1, 100, 10),  # 13, cut to a whole row
-        (10_000, 100, 2, 8192, 600),
-        (1_000_000, 1000, 2, 8192, 8000),
-        (1_000_000, 500_000, 2, 8192, 8192),
-        (4, 4, 2, 1024, 1),
+        (10, 10, 16, 10, 1),
+        (100, 10, 8, 100, 10),  # 13, cut to a whole row
+        (10_000, 100, 16, 8192, 600),
+        (1_000_000, 1000, 16, 8192, 8000),
+        (1_000_000, 500_000, 16, 8192, 8192),
+        (4, 4, 16, 1024, 1),
     ],
 )
 def test_jobs_are_whole_rows_of_the_family_where_they_fit(
-    members, row, workers, most, size
+    members, row, count, most, size
 ):
-    assert jobs.job_size(members, row, workers, most) == size
+    assert jobs.job_size(members, row, count, most) == size
 
 
 def test_spans_are_cut_at_multiples_of_the_size():

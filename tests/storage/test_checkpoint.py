@@ -38,6 +38,7 @@ def family(count=30, area=1e-4):
 
 @pytest.fixture(autouse=True)
 def small_chunks(monkeypatch):
+    monkeypatch.setattr("rodimpact.running.sweeping.JOBS_A_WORKER_TO_KEEP", 8)
     monkeypatch.setattr("rodimpact.methods.fronts.families.MAX_MEMBERS_PER_CALL", 4)
 
 
@@ -104,11 +105,13 @@ import sys, time
 sys.path.extend({[os.path.dirname(__file__), os.path.dirname(exhaustive.__file__)]})
 import rodimpact as ri
 from rodimpact.methods.fronts import families
+from rodimpact.running import sweeping
 from rodimpact.storage import checkpoint
 from test_checkpoint import MANY, family
 families.MAX_MEMBERS_PER_CALL, checkpoint.EVERY, checkpoint.SHARE = 4, 0.0, 0.0
 def progress(done, total):
     {then}
+sweeping.JOBS_A_WORKER_TO_KEEP = 8
 print("ready", flush=True)
 sys.stdin.readline()
 ri.sweep(family(MANY), checkpoint={str(path)!r}, progress=progress)
