@@ -144,7 +144,6 @@ def sweep(
         task = int(os.environ["SLURM_ARRAY_TASK_ID"])
         ri.sweep(family[task::100], checkpoint=f"part-{task}").save(f"part-{task}.npz")
 
-
     Examples
     --------
     Strain at a gauge in the middle of a bar, for three strikers:
