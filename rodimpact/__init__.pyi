@@ -80,6 +80,7 @@ from .results.outcome import UndefinedRestitution as UndefinedRestitution
 from .results.regions import Regions as Regions
 from .results.regions import regions_of as regions_of
 from .results.ring_down import RingDown as RingDown
+from .results.saved import OutcomeDiffers as OutcomeDiffers
 from .results.solution import Solution as Solution
 from .running.loading import load as load
 from .running.solving import collide as collide

@@ -9,6 +9,7 @@ from rodimpact.methods.fronts import method as fronts
 from rodimpact.methods.fronts.run import FrontRun
 from rodimpact.methods.grid import method as grid
 from rodimpact.methods.grid.run import GridRun
+from rodimpact.methods.registry import Options
 from rodimpact.methods.row import Row
 from rodimpact.methods.run import MAX_EVENTS
 from rodimpact.results.solution import Solution
@@ -21,7 +22,7 @@ def tracked(system, until=None, max_events=MAX_EVENTS):
 
 
 def solution_of(run, until=None):
-    return Solution(MAKERS[type(run)](run, until))
+    return Solution(MAKERS[type(run)](run, until), Options(until))
 
 
 def bits_of(system, until, compiling, max_events=4000):

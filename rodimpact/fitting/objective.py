@@ -57,7 +57,7 @@ def computed(
     interval: float,
 ) -> list[Signal]:
     """Strains at the gauges; InvalidModel if the run stops before `until`."""
-    solution = Solution(options.run(options.method, system))
+    solution = Solution(options.run(options.method, system), options)
     if solution.stopped_by != "until":
         raise InvalidModel([("until", f"is not reached: {solution.status}")])
     try:

@@ -1,7 +1,7 @@
 """What every method hands back: a `Run`, or a `FamilyRun`, in plain numbers and arrays.
 
 Totals are known when the run ends; signals are made when they are asked for, so that who wants the
-outcome alone does not wait for them. A file of a solution holds a run as it is.
+outcome alone does not wait for them.
 """
 
 import math

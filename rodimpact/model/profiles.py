@@ -23,6 +23,7 @@ from .quantities import floats
 
 ALONG_ROD = 1025  # places at which a function along a rod is sampled
 IN_TIME = 4097  # times at which a function of time is sampled
+ERROR = Field(sign="non-negative", single=True)
 
 
 class Steps(Declared):
@@ -100,6 +101,10 @@ class Samples(Declared):
         if not problems and not (np.ndim(self.values) == 1 and len(self.values) > 1):
             wanted = "must be a list of at least two numbers"
             note(problems, "values", wanted, frozen.plain(self.values))
+        smooth: Any = self.smooth
+        if not isinstance(smooth, bool):
+            note(problems, "smooth", "must be True or False", smooth)
+        self._set(error=ERROR.checked(problems, "error", self.error))
 
     def _parameters(self) -> dict[str, Any]:
         given = super()._parameters().items()

@@ -211,7 +211,8 @@ class System(Declared):
         functions = [
             (
                 f"contacts.{k}",
-                "a law that is a Python function cannot be kept in a file",
+                "a law that is a Python function cannot be kept in a file; give its curve as "
+                "Tabulated, or keep results by to_xarray",
             )
             for k, law in enumerate(self.contacts)
             if isinstance(law, Law)

@@ -1,20 +1,20 @@
 """A solution is a function, not a grid: ask it for any field at any place and time."""
 
 import os
-from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..methods.registry import Options
 from ..methods.run import Run, Totals, Waves
 from ..methods.signals import Floats, Side, each_once
 from ..model import Rod, Samples, Steps, System
 from ..model.arguments import array, demand, of_kind, single, whole
 from ..model.frozen import refusal
 from ..model.numbering import body_names
-from ..storage.writing import write_npz
+from ..storage.case_writing import save_case
 from .contacts import ContactHistory
 from .energy import EnergyLedger, bonded_groups, ledger, totals_of
 from .fields import Fields
@@ -24,7 +24,7 @@ from .labels import dataset
 from .notebook import Shown
 from .outcome import Outcome, outcome_of
 from .ring_down import RingDown, ring_down
-from .run_file import take_apart
+from .saved import case_of
 from .state_profiles import state_profiles
 from .wave_fields import WaveFields
 
@@ -74,6 +74,8 @@ class Solution(Shown):
         overshoots beside jumps. inf means that a finer grid always finds a larger force.
     fields : Fields
     method : str
+    options : Options
+        Options as they were given; `method` is the one that ran.
 
     Examples
     --------
@@ -86,13 +88,12 @@ class Solution(Shown):
     (True, 'fronts')
     """
 
-    def __init__(self, run: Run) -> None:
-        self.run, self.system, self.method, self.until = (
-            run,
-            run.system,
-            run.method,
-            run.until,
-        )
+    def __init__(self, run: Run, options: Options) -> None:
+        self.options = options
+        self.run = run
+        self.system = run.system
+        self.method = run.method
+        self.until = run.until
         # the cap may end what follows the proof, in which nothing more can happen
         proved = run.final and run.until is None
         self.stopped_by, self.events = "final" if proved else run.stopped_by, run.events
@@ -397,15 +398,28 @@ class Solution(Shown):
     # Files and pictures -------------------------------------------------------------------------
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
-        """Write the solution to an NPZ file that `rodimpact.load` reads.
+        """Write the case and its outcome as a case file, which `rodimpact.load` solves again.
+
+        The file holds the system, the options that were given, and in the table [result] the
+        outcome with its stated errors. ``rodimpact run`` reads it, too. Fields and histories go out
+        by `to_xarray` and `gauges_to_csv`.
+
+        Parameters
+        ----------
+        path : str or path
+            Ends in ``.toml``.
+        force : bool
+            Whether to replace an existing file.
 
         Raises
         ------
+        InvalidModel
+            If the name does not end in ``.toml``, a contact law is a Python function, which no file
+            keeps, or the system has more numbers than a case file may have.
         FileExistsError
             If the file is there and `force` is false.
         """
-        run = replace(self.run, totals=self._totals, groups=None)
-        write_npz(path, "solution", *take_apart(run), force=force)
+        save_case(path, case_of(self), force=force)
 
     def __str__(self) -> str:
         from ..storage.report import solution_table

@@ -1,16 +1,28 @@
-"""Results survive in files: what `load` returns equals what was saved, bit for bit."""
+"""Saved results: a solution is solved again from its case, a family is read as it was."""
 
+import warnings
 from typing import Any
 
-from ..results.run_file import put_together
+from ..model.frozen import refusal
+from ..results.saved import OutcomeDiffers, difference
 from ..results.solution import Solution
-from ..storage.reading import read_npz
-from ..storage.writing import PathLike
+from ..storage.casefile import read_case
+from ..storage.reading import open_regular, read_npz
+from ..storage.writing import PathLike, file_name
+from .solving import solve
 from .sweep_result import SweepResult
+
+ZIP = b"PK"
+"""First bytes of an NPZ file."""
 
 
 def load(path: PathLike) -> Any:
-    """Read what `Solution.save` or `SweepResult.save` wrote, without solving again.
+    """Load what `Solution.save` or `SweepResult.save` wrote.
+
+    A family is read as it was saved. A solution is solved again from its case, and its outcome is
+    compared with the stored one. Velocities, impulses, peak forces, force durations and times may
+    differ by the sum of the stated errors of both runs; energies, relative to their sum, by twice
+    that of velocities and impulses. The same version on the same machine finds the same numbers.
 
     Parameters
     ----------
@@ -19,16 +31,24 @@ def load(path: PathLike) -> Any:
     Returns
     -------
     Solution or SweepResult
-        Equal to the saved one, bit for bit.
+        Its `system` equals the saved one.
+
+    Warns
+    -----
+    OutcomeDiffers
+        If the outcome differs from the stored one by more than the stated errors.
 
     Raises
     ------
+    InvalidModel
+        If a case has mistakes, with all of them, or no stored outcome.
     FileFormatError
-        If the file is not an NPZ of rodimpact, is damaged, or is of a newer version.
+        If an NPZ file was not saved by rodimpact, is damaged, holds a single solution, as files of
+        earlier versions do, or is of a newer version.
     FileNotFoundError, IsADirectoryError, OSError
-        If it cannot be read at all.
+        If the file cannot be read at all.
     MemoryError
-        If it holds more than half of what this machine has of memory.
+        If a family takes more than half of the memory of this machine.
 
     Examples
     --------
@@ -36,16 +56,28 @@ def load(path: PathLike) -> Any:
     >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
     >>> solution = ri.solve(ri.System([rod, ri.Wall()]))
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     solution.save(f"{folder}/run.npz")
-    ...     ri.load(f"{folder}/run.npz").outcome == solution.outcome
+    ...     solution.save(f"{folder}/run.toml")
+    ...     ri.load(f"{folder}/run.toml").outcome == solution.outcome
     True
     """
-    return read_npz(
-        path,
-        {
-            "solution": lambda document, arrays: Solution(
-                put_together(document, arrays)
-            ),
-            "sweep": SweepResult.restored,
-        },
-    )
+    name = file_name(path)
+    with open_regular(name) as file:
+        start = file.read(len(ZIP))
+    if start == ZIP or name.lower().endswith(".npz"):
+        return read_npz(name, {"sweep": SweepResult.restored})
+    return _solve_again(name)
+
+
+def _solve_again(name: str) -> Solution:
+    """Solve a saved case; warn where the outcome differs from the stored one."""
+    case = read_case(name)
+    if case.result is None:
+        message = (
+            "has no table [result], so it is no saved solution; read_case(path) reads the case, "
+            "and solve(case.system, **case.solve) solves it"
+        )
+        raise refusal(name, message)
+    solution = solve(case.system, **case.solve)
+    if changed := difference(case.result, solution):
+        warnings.warn(f"{name}: {changed}", OutcomeDiffers, stacklevel=3)
+    return solution

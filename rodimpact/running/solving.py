@@ -101,7 +101,8 @@ def solve(
         problems.append(("system", message))
     raise_noted(problems)
     with Progress(progress, "solve", UNITS[chosen]) as report:
-        return Solution(options.run(chosen, system, report))
+        run = options.run(chosen, system, report)
+    return Solution(run, options)
 
 
 def collide(
@@ -142,4 +143,6 @@ def collide(
     method = AUTO.method_for(system)
     with Progress(True, "collide", UNITS[method]) as report:
         run = AUTO.run(method, system, report)
-    return outcome_of(run, run.totals) if run.totals else Solution(run).outcome
+    if run.totals:
+        return outcome_of(run, run.totals)
+    return Solution(run, AUTO).outcome

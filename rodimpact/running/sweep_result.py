@@ -23,9 +23,9 @@ from ..model.frozen import InvalidModel, refusal
 from ..results.labels import dataset
 from ..results.notebook import Shown
 from ..results.outcome import OnlyContact
-from ..results.run_file import put_together, take_apart
 from ..results.solution import Solution
 from ..storage.extras import optional
+from ..storage.family_file import describe, restore
 from ..storage.writing import PathLike, write_npz, written
 from ..units import shown
 from .columns import (
@@ -224,9 +224,10 @@ class SweepResult(Shown, OnlyContact[Any]):
         member = self.system[index]
         demand(not member.shape, "index", f"must pick one member, got {shown(index)}")
         try:
-            solution = Solution(self.options.run(self.method, member))
+            run = self.options.run(self.method, member)
         except InvalidModel as error:
             return "; ".join(f"{path}: {message}" for path, message in error.problems)
+        solution = Solution(run, self.options)
         o = solution.outcome
         never = o.final or (
             o.driven and solution.stopped_by == "until"
@@ -241,7 +242,7 @@ class SweepResult(Shown, OnlyContact[Any]):
         FileExistsError
             If the file is there and `force` is false.
         """
-        document, numbers = take_apart(
+        document, numbers = describe(
             [self.system, asdict(self.options), list(self.readings)]
         )
         strain = {} if self.strain is None else {"strain": self.strain}
@@ -252,7 +253,7 @@ class SweepResult(Shown, OnlyContact[Any]):
     @classmethod
     def restored(cls, document: dict[str, Any], arrays: Columns) -> SweepResult:
         """Make again what `save` wrote."""
-        system, options, (gauges, times, also) = put_together(document, arrays)
+        system, options, (gauges, times, also) = restore(document, arrays)
         readings = Readings(tuple(map(tuple, gauges)), times, tuple(also))
         of = arrays_of(system, readings)
         columns = {name: arrays[name] for name in of}

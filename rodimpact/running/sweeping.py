@@ -306,7 +306,8 @@ def _one_by_one(chunk: Chunk, should_stop: Callable[[], bool]) -> Columns:
         ask()
         with contextlib.suppress(InvalidModel), np.errstate(under="ignore"):
             run = options.run(options.method, system[index], ask)
-            for name, value in row_of(Solution(run), readings).items():
+            solution = Solution(run, options)
+            for name, value in row_of(solution, readings).items():
                 columns[name][i] = value
     return columns
 

@@ -5,8 +5,11 @@ from typing import Any, NamedTuple
 
 from ..model import System
 from .grids import Varied
+from .saved_result import SavedResult
 
 SCHEMA = 1
+MOST_BYTES = 10**7
+"""Size of a case file, at most. Python takes up to a hundred bytes of memory for each."""
 
 
 class GaugePlace(NamedTuple):
@@ -40,6 +43,8 @@ class Case:
     gauges : tuple of GaugePlace
         Strain gauges that the page of ``rodimpact explore`` shows, ``run --gauges`` writes and
         ``compare`` lays beside a record.
+    result : SavedResult or None
+        Outcome of a saved solution, which is compared when the case is solved again.
 
     Examples
     --------
@@ -56,3 +61,5 @@ class Case:
     path: str = ""
     varied: tuple[Varied, ...] = field(default=(), compare=False)
     gauges: tuple[GaugePlace, ...] = ()
+    # not compared: a nan, such as the first force of a contact without any, equals nothing
+    result: SavedResult | None = field(default=None, compare=False)

@@ -25,6 +25,7 @@ from ..units import shown
 from .case import SCHEMA, Case, GaugePlace
 from .case_tables import Reading, Table
 from .grids import read_grids
+from .saved_result import read_result
 
 DAMPING = {
     "loss_factor": Field("", "non-negative"),
@@ -81,12 +82,16 @@ def case_from(
     options = read_solve(top.table("solve"))
     output = read_output(top.table("output"))
     gauges = [read_gauge(table, bodies) for table in top.tables("gauges")]
+    result = None
+    if top.has("result"):
+        saved = top.table("result")
+        result = saved.make(read_result, table=saved.data, bodies=len(bodies))
     top.close()
     check_grids(top, system)
     if system is None or reading.mistakes:
         raise InvalidModel(list(reading.mistakes.items()))
     varied = [grid.varied for grid in reading.grids.values() if grid.varied]
-    return Case(system, options, output, source, tuple(varied), tuple(gauges))
+    return Case(system, options, output, source, tuple(varied), tuple(gauges), result)
 
 
 def check_schema(top: Table) -> None:
@@ -106,7 +111,8 @@ def read_materials(group: Table) -> Materials:
     for name in group.data:
         table = group.table(name)
         numbers = table.entries(Material)
-        material = table.make(Material, name=name, **numbers) or materials.steel
+        shown_name = table.get("name", name)
+        material = table.make(Material, name=shown_name, **numbers) or materials.steel
         damping = read_damping(table)
         if damping:
             material = table.make(material.damped, DAMPING_KEYS, **damping)

@@ -26,6 +26,8 @@ PROFILES = {  # how a profile is written along a rod, and in time
 SAMPLE_KEYS = {r"^values\[(\d+)\]": r"samples.\1", "^values": "samples"}
 """Keys of a profile of samples, where the model has other names: pattern and replacement."""
 SAMPLE_STEP = Samples.fields["step"]._replace(default=REQUIRED)
+CURVE_KEYS = ("smooth", "error")
+"""Keys of a profile of samples that say how the curve runs between them."""
 
 
 @dataclasses.dataclass
@@ -161,6 +163,9 @@ class Table:
             if field.along == "time":
                 table.gives("step")
                 entries["step"] = table.number("step", SAMPLE_STEP)
+            for name in CURVE_KEYS:
+                if table.has(name):
+                    entries[name] = table.get(name)
             profile = table.make(Samples, SAMPLE_KEYS, **entries)
         else:
             values = table.numbers("values", field.dimension)

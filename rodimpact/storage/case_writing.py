@@ -2,13 +2,19 @@
 
 import json
 import re
+from collections.abc import Mapping
 from typing import Any
 
 from ..model import System
 from ..model.bodies import Material, Rod
 from ..model.frozen import refusal
 from ..units import shown
-from .case import SCHEMA, Case
+from .case import MOST_BYTES, SCHEMA, Case
+from .saved_result import SavedResult
+from .writing import PathLike, file_name, write_bytes
+
+A_LINE = 6
+"""Items of a list in one line, at most."""
 
 
 def write_case(case: Case | System) -> str:
@@ -28,7 +34,8 @@ def write_case(case: Case | System) -> str:
     Raises
     ------
     InvalidModel
-        For a family, for what is no case, and where two different materials bear one name.
+        For a family, for what is no case, for laws that are functions, and for names that UTF-8
+        cannot hold.
 
     Examples
     --------
@@ -51,69 +58,151 @@ def write_case(case: Case | System) -> str:
         raise refusal("system", message)
     system.check_file()
     described = system.to_dict()
+    materials = _name_materials(system, described)
     parts = [toml_table(f"schema = {SCHEMA}", {"gravity": described.get("gravity")})]
-    for name, material in _materials(system).items():
-        key = name if re.fullmatch("[A-Za-z0-9_-]+", name) else _toml(name)
-        parts.append(
-            toml_table(f"[materials.{key}]", material.to_dict() | {"name": None})
-        )
+    for key, material in materials.items():
+        named = None if key == material.name else material.name
+        entries = material.to_dict() | {"name": named}
+        parts.append(toml_table(f"[materials.{_key(key)}]", entries))
     for body in described["bodies"]:
         parts.append(toml_table("[[bodies]]", body | {"segments": None}))
-        parts += [
-            toml_table("[[bodies.segments]]", piece)
-            for piece in body.get("segments", ())
-        ]
-    parts += [toml_table("[[contacts]]", contact) for contact in described["contacts"]]
-    parts += [
-        toml_table(f"[ends.{side}]", end)
-        for side, end in described.get("ends", {}).items()
-    ]
-    parts += [
-        toml_table("[[gauges]]", gauge._asdict() | {"name": gauge.name or None})
-        for gauge in case.gauges
-    ]
-    options = ("[solve]", case.solve), ("[output]", case.output)
-    parts += [toml_table(header, given) for header, given in options if given]
-    return "\n\n".join(parts) + "\n"
+        for segment in body.get("segments", ()):
+            parts.append(toml_table("[[bodies.segments]]", segment))
+    for contact in described["contacts"]:
+        parts.append(toml_table("[[contacts]]", contact))
+    for side, end in described.get("ends", {}).items():
+        parts.append(toml_table(f"[ends.{side}]", end))
+    for gauge in case.gauges:
+        entries = gauge._asdict() | {"name": gauge.name or None}
+        parts.append(toml_table("[[gauges]]", entries))
+    if case.solve:
+        parts.append(toml_table("[solve]", case.solve))
+    if case.output:
+        parts.append(toml_table("[output]", case.output))
+    if case.result:
+        parts += _result_tables(case.result)
+    text = "\n\n".join(parts) + "\n"
+    try:
+        text.encode()
+    except UnicodeEncodeError as error:
+        wrong = shown(text[error.start : error.end])
+        message = f"has a name with {wrong}, which is no character of UTF-8; rename it"
+        raise refusal("case", message) from None
+    return text
 
 
-def _materials(system: System) -> dict[str, Material]:
-    """All materials of the rods by their names."""
+def save_case(path: PathLike, case: Case, *, force: bool = False) -> None:
+    """Write a case file, whole or not at all.
+
+    Parameters
+    ----------
+    path : str or path
+        Ends in ``.toml``.
+    case : Case
+    force : bool
+        Whether to replace an existing file.
+
+    Raises
+    ------
+    InvalidModel
+        As `write_case`; also if the name does not end in ``.toml``, and if the file would have more
+        than `MOST_BYTES`.
+    FileExistsError
+        If the file is there and `force` is false.
+    OSError
+        If the file cannot be written.
+    """
+    check_case_name(path)
+    data = write_case(case).encode()
+    if len(data) > MOST_BYTES:
+        message = (
+            f"has too many numbers for a case file: {len(data)} bytes, and at most "
+            f"{MOST_BYTES} are read. Give profiles of fewer samples; instead of a state of "
+            "system_at save the solution that has it"
+        )
+        raise refusal("system", message)
+    write_bytes(path, data, force=force)
+
+
+def check_case_name(path: PathLike) -> None:
+    """Refuse a name of a file that does not end in ``.toml``."""
+    name = file_name(path)
+    if not name.lower().endswith(".toml"):
+        message = "must end in .toml: a solution is saved as its case"
+        raise refusal("path", f"{message}, got {shown(name)}")
+
+
+def _name_materials(system: System, described: dict[str, Any]) -> dict[str, Material]:
+    """Name the materials in the tables of rods by keys; return the materials by their keys.
+
+    A key is the name of the material, with a number behind if another material has that name.
+    """
     named: dict[str, Material] = {}
-    for i, body in enumerate(system.bodies):
-        for segment in body.segments if isinstance(body, Rod) else ():
+    keys: dict[int, str] = {}  # by id, as many segments share one object
+    for body, table in zip(system.bodies, described["bodies"], strict=True):
+        if not isinstance(body, Rod):
+            continue
+        pieces = table.get("segments", [table])
+        for segment, piece in zip(body.segments, pieces, strict=True):
             material = segment.material
-            if named.setdefault(material.name, material) != material:
-                message = (
-                    f"another material is called {shown(material.name)} too; rename one"
-                )
-                raise refusal(f"bodies.{i}.material", message)
+            if id(material) not in keys:
+                keys[id(material)] = _free_key(named, material)
+            piece["material"] = keys[id(material)]
     return named
 
 
-def toml_table(header: str, entries: dict[str, Any]) -> str:
+def _free_key(named: dict[str, Material], material: Material) -> str:
+    """Key of a material among those that are named, which it joins."""
+    key, number = material.name, 1
+    while named.setdefault(key, material) != material:
+        number += 1
+        key = f"{material.name} {number}"
+    return key
+
+
+def _result_tables(result: SavedResult) -> list[str]:
+    """Tables of [result]."""
+    words = result._asdict()
+    numbers, accuracy = words.pop("numbers"), words.pop("accuracy")
+    return [
+        toml_table("[result]", words),
+        toml_table("[result.numbers]", numbers),
+        toml_table("[result.accuracy]", accuracy),
+    ]
+
+
+def toml_table(header: str, entries: Mapping[str, Any]) -> str:
     """A table of a case file, of the entries that are not None."""
-    kept = (
-        f"{key} = {_toml(value)}" for key, value in entries.items() if value is not None
-    )
-    return "\n".join([header, *kept])
+    lines = [header]
+    for key, value in entries.items():
+        if value is not None:
+            lines.append(f"{_key(key)} = {_toml(value)}")
+    return "\n".join(lines)
+
+
+def _key(name: str) -> str:
+    """A key, in quotes where it is no plain word."""
+    return name if re.fullmatch("[A-Za-z0-9_-]+", name) else _toml(name)
 
 
 def _toml(value: Any) -> str:
-    if hasattr(value, "tolist"):  # of NumPy
+    """A value as TOML; lists of many numbers take several lines."""
+    if hasattr(value, "tolist"):
+        # an array or a number of NumPy
         value = value.tolist()
-    if isinstance(value, str):  # a string of JSON is one of TOML, but for DEL
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        # a string of JSON is one of TOML, but for DEL
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
-    if (
-        isinstance(value, dict) and "youngs_modulus" in value
-    ):  # a material, with a table of its own
-        return _toml(value["name"])
     if isinstance(value, dict):
-        return (
-            "{"
-            + ", ".join(f"{key} = {_toml(item)}" for key, item in value.items())
-            + "}"
-        )
+        entries = [f"{_key(key)} = {_toml(item)}" for key, item in value.items()]
+        return "{" + ", ".join(entries) + "}"
     if isinstance(value, list | tuple):
-        return "[" + ", ".join(map(_toml, value)) + "]"
+        items = [_toml(item) for item in value]
+        if len(items) <= A_LINE:
+            return "[" + ", ".join(items) + "]"
+        starts = range(0, len(items), A_LINE)
+        lines = [", ".join(items[start : start + A_LINE]) for start in starts]
+        return "[\n  " + ",\n  ".join(lines) + "\n]"
     return repr(value)

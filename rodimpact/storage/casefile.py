@@ -39,6 +39,8 @@
     fraction = 0.5           # of the rod's length, from its left end
     name = "incident"        # its column, or the channel of the record; may be left out
 
+    [result]                 # of a saved solution: its outcome, see `SavedResult`
+
 A law, "rigid", "bonded", "joint", "spring", "spring-dashpot", "hertz" and so on, takes the
 numbers of its class, under their names; Hertz contact a stiffness, or left_radius and right_radius.
 
@@ -65,6 +67,7 @@ from collections.abc import Mapping
 
 from ..model.frozen import refusal
 from ..units import shown
+from .case import MOST_BYTES
 from .case import Case as Case
 from .case import GaugePlace as GaugePlace
 from .case_reading import case_from as case_from
@@ -72,7 +75,6 @@ from .case_writing import write_case as write_case
 from .reading import open_regular
 from .writing import file_name
 
-MOST_BYTES = 10**7  # of a file; Python takes a hundred for each
 
 
 def read_case(

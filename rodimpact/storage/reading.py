@@ -29,6 +29,12 @@ from .writing import (
 MOST_HEADER = 1 << 12  # bytes before the numbers of an array; usually 128
 ADVICE = "load it on a larger machine"
 TAKEN = 24  # bytes that Python takes for a character of a document of brackets alone
+OLD_SOLUTION = (
+    "holds the arrays of a single solution, as an earlier version of rodimpact saved them. A "
+    'solution is saved as its case now: solve its system again, and save("run.toml"). Without the '
+    "system, load the file with the version that saved it, and write the text "
+    "rodimpact.write_case(solution.system) to a file"
+)
 PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # others swell without bounds
 
 
@@ -39,8 +45,8 @@ class FileFormatError(ValueError):
     --------
     >>> import pathlib, tempfile, rodimpact as ri
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = pathlib.Path(folder, "run.npz")
-    ...     _ = path.write_text("not a solution")
+    ...     path = pathlib.Path(folder, "map.npz")
+    ...     _ = path.write_text("not a family")
     ...     try:
     ...         ri.load(path)
     ...     except ri.FileFormatError:
@@ -129,6 +135,8 @@ def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str,
         known = schema == SCHEMA and kind in readers
     except (KeyError, TypeError, ValueError, RecursionError):
         raise foreign from None
+    if kind == "solution":
+        raise FileFormatError(OLD_SOLUTION)
     if not known:
         raise FileFormatError(
             f"is a {kind!r} of schema {schema!r}, saved by rodimpact {version}; this is rodimpact "

@@ -169,11 +169,11 @@ def test_a_deleted_working_directory_is_named(case, tmp_path):
     code = (
         "import os, sys; from rodimpact.cli import main;"
         "os.mkdir('gone'); os.chdir('gone'); os.rmdir('../gone');"
-        "sys.exit(main(['run', sys.argv[1], '--save', 'a.npz']))"
+        "sys.exit(main(['run', sys.argv[1], '--save', 'a.toml']))"
     )
     done = python("-c", code, case, cwd=tmp_path)
     assert (done.returncode, done.stdout) == (1, "")
-    assert "cannot write 'a.npz': No such file or directory" in done.stderr
+    assert "cannot write 'a.toml': No such file or directory" in done.stderr
 
 
 @pytest.mark.skipif(os.name == "nt", reason="needs a shell of POSIX")
@@ -209,7 +209,7 @@ def test_ctrl_c_while_a_file_is_written_leaves_nothing(tmp_path):
         "writing.os.fsync = lambda _: (print('writing', flush=True), time.sleep(60));"
         "from rodimpact.__main__ import main; main()"
     )
-    with started("-c", code, "run", "case.toml", "--save", "a.npz") as process:
+    with started("-c", code, "run", "case.toml", "--save", "a.toml") as process:
         assert process.stdout.readline() == "writing\n"
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=30)
@@ -287,7 +287,7 @@ def test_a_run_of_no_time_is_no_page_and_no_film(
             ["--save", "a.png", "--plot", "./a.png"],
             "--plot: './a.png' is the file of --save too",
         ),
-        (["--save", "there.npz"], "--save: "),
+        (["--save", "there.toml"], "--save: "),
         (["--plot", "a.xyz"], "--plot: must end in one of .png, .svg"),
     ],
 )
@@ -295,9 +295,9 @@ def test_outputs_are_checked_before_solving(case, refuses, monkeypatch, argv, sa
     monkeypatch.setattr(
         "rodimpact.cli.run.solve", lambda *_, **__: pytest.fail("solved")
     )
-    Path("there.npz").write_text("precious")
+    Path("there.toml").write_text("precious")
     refuses(["run", str(case), *argv], said)
-    assert {path.name for path in case.parent.iterdir()} == {"case.toml", "there.npz"}
+    assert {path.name for path in case.parent.iterdir()} == {"case.toml", "there.toml"}
 
 
 @pytest.mark.parametrize(
@@ -346,10 +346,19 @@ def test_names_that_are_no_text(case, refuses):
     name = os.fsdecode(b"\xff")
     case.rename(f"{name}.toml")
     assert (
-        main(["run", f"{name}.toml", "--save", f"{name}.npz", "--plot", f"{name}.svg"])
+        main(
+            [
+                "run",
+                f"{name}.toml",
+                "--save",
+                f"{name}.saved.toml",
+                "--plot",
+                f"{name}.svg",
+            ]
+        )
         == 0
     )
-    assert ri.load(f"{name}.npz").final
+    assert ri.load(f"{name}.saved.toml").final
     assert main(["export", f"{name}.toml", "-o", f"{name}.html"]) == 0
     assert "<title>\N{REPLACEMENT CHARACTER}</title>" in Path(f"{name}.html").read_text(
         "utf-8"
@@ -381,15 +390,18 @@ def test_run_prints_json_in_full_precision(case, told):
 @pytest.mark.parametrize(
     ("command", "missing"),
     [
-        (["run"], "matplotlib numba scipy"),
-        (["sweep", "--vary", "bodies.0.length=50 mm:1 m:5"], "matplotlib"),
+        (["run", "--save", "a.toml"], "matplotlib numba scipy"),
+        (
+            ["sweep", "--vary", "bodies.0.length=50 mm:1 m:5", "--save", "a.npz"],
+            "matplotlib",
+        ),
     ],
 )
 @pytest.mark.usefixtures("case")
 def test_without_plots_no_matplotlib_is_imported(command, missing):
     code = (
         "import sys; from rodimpact.cli import main;"
-        "assert main([*sys.argv[2:], 'case.toml', '--save', 'a.npz']) == 0;"
+        "assert main([*sys.argv[2:], 'case.toml']) == 0;"
         "assert not set(sys.argv[1].split()) & set(sys.modules)"
     )
     done = python("-c", code, missing, *command)
@@ -398,26 +410,26 @@ def test_without_plots_no_matplotlib_is_imported(command, missing):
 
 def test_notes_go_to_a_terminal(case, capsys, monkeypatch):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    assert main(["run", str(case), "--save", "a.npz"]) == 0
+    assert main(["run", str(case), "--save", "a.toml"]) == 0
     out, err = capsys.readouterr()
-    assert err == "wrote a.npz\n"
+    assert err == "wrote a.toml\n"
     assert "wrote" not in out
 
 
 def test_options_overrule_the_case(case, told):
-    case.write_text(CASE + '[solve]\nuntil = "0.1 ms"\n[output]\nsave = "b.npz"\n')
-    text = told("run", str(case), "--json", "--until", "200 us", "--save", "c.npz")
+    case.write_text(CASE + '[solve]\nuntil = "0.1 ms"\n[output]\nsave = "b.toml"\n')
+    text = told("run", str(case), "--json", "--until", "200 us", "--save", "c.toml")
     assert json.loads(text)["t_end"] == 2e-4
-    assert Path("c.npz").exists()
-    assert not Path("b.npz").exists()
+    assert Path("c.toml").exists()
+    assert not Path("b.toml").exists()
 
 
 def test_a_run_that_stops_early_ends_with_3_and_still_reports_and_saves(case, told):
     case.write_text(f"{ENDLESS}solve.max_events = 40\n")
-    out = told("run", "case.toml", "--max-events", "50", "--save", "a.npz", status=3)
+    out = told("run", "case.toml", "--max-events", "50", "--save", "a.toml", status=3)
     assert "velocity at the end" in out
     assert "Raise --max-events" in out
-    assert ri.load("a.npz").stopped_by == "max_events"
+    assert ri.load("a.toml").stopped_by == "max_events"
     told("export", "case.toml", "-o", "a.html", status=3)
     out = told("animate", "case.toml", "-o", "a.gif", "--frames", "2", status=3)
     assert "cap of 40 events" in out
@@ -426,18 +438,70 @@ def test_a_run_that_stops_early_ends_with_3_and_still_reports_and_saves(case, to
 
 
 def test_an_existing_file_needs_force_and_is_left_alone(case, refuses):
-    Path("a.npz").write_text("precious")
-    refuses(["run", str(case), "--save", "a.npz"], "rodimpact: --save: ", "--force")
-    assert Path("a.npz").read_text() == "precious"
-    assert main(["run", str(case), "--save", "a.npz", "--force"]) == 0
-    assert ri.load("a.npz").final
+    Path("a.toml").write_text("precious")
+    refuses(["run", str(case), "--save", "a.toml"], "rodimpact: --save: ", "--force")
+    assert Path("a.toml").read_text() == "precious"
+    assert main(["run", str(case), "--save", "a.toml", "--force"]) == 0
+    assert ri.load("a.toml").final
+
+
+def test_a_saved_solution_is_a_case_with_its_gauges(case, told, capsys):
+    case.write_text(CASE + "[[gauges]]\nbody = 1\nfraction = 0.5\n")
+    table = told("run", str(case), "--save", "run.toml")
+    saved = ri.read_case("run.toml")
+    assert saved.gauges == ri.read_case(case).gauges
+    assert told("run", "run.toml") == table
+    assert told("run", "run.toml", "--save", "again.toml", "--gauges", "a.csv") == table
+    assert Path("again.toml").read_bytes() == Path("run.toml").read_bytes()
+    assert told("sweep", "run.toml", "--vary", "bodies.0.velocity=1,2")
+    assert capsys.readouterr().err == ""
+
+
+def test_a_falsified_outcome_is_told_where_the_same_run_is_made(case, capsys):
+    main(["run", str(case), "--save", "run.toml"])
+    text = Path("run.toml").read_text("utf-8")
+    Path("run.toml").write_text(
+        re.sub('"peak_force.0" = .*', '"peak_force.0" = 1.0', text)
+    )
+    capsys.readouterr()
+    assert main(["run", "run.toml"]) == 0
+    told = capsys.readouterr().err
+    assert told.startswith(
+        "rodimpact: run.toml: the outcome differs from the stored one"
+    )
+    assert "peak_force.0 is " in told
+    assert told.count("\n") == 1
+    assert main(["run", "run.toml", "--until", "1 ms"]) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_all_mistakes_of_a_saved_solution_are_reported_at_once(case, refuses):
+    main(["run", str(case), "--save", "run.toml"])
+    text = Path("run.toml").read_text("utf-8")
+    text = text.replace("length = 0.4", "length = -1").replace(
+        "final = true", "final = 1"
+    )
+    text = text.replace('episodes.0" = 1', 'episodes.0" = "x"').replace(
+        "dissipated", "disipated"
+    )
+    Path("run.toml").write_text(text)
+    lines = refuses(["run", "run.toml", "--save", "again.npz"]).splitlines()
+    paths = {line.split(": ")[1] for line in lines}
+    assert paths >= {
+        "--save",
+        "bodies.0.length",
+        "result.final",
+        "result.numbers.episodes.0",
+        "result.numbers.disipated",
+        "result.numbers.dissipated",
+    }
 
 
 def test_all_mistakes_are_reported_at_once(case, refuses):
-    Path("a.npz").write_text("precious")
+    Path("a.toml").write_text("precious")
     case.write_text(
         CASE.replace('"0.4 m"', "-1").replace('"steel"\n\n', '"stel"\n\n', 1)
-        + '[output]\nsave = "a.npz"\n'
+        + '[output]\nsave = "a.toml"\n'
     )
     argv = [
         "run",
@@ -451,7 +515,7 @@ def test_all_mistakes_are_reported_at_once(case, refuses):
         "--snapshots",
         "no",
         "--plot",
-        "a.npz",
+        "a.toml",
     ]
     lines = refuses(argv).splitlines()
     said = {line.split(": ")[1]: line for line in lines}

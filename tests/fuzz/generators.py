@@ -20,6 +20,7 @@ import numpy as np
 from exhaustive import few_of
 
 import rodimpact as ri
+from rodimpact.results.saved import case_of
 
 TIMES = int(os.environ.get("RODIMPACT_FUZZ", "1"))
 SEED = int(os.environ.get("RODIMPACT_FUZZ_SEED", "0"))
@@ -47,6 +48,23 @@ def patience(seconds=PATIENCE):
         signal.signal(signal.SIGALRM, before)
 
 
+STEEL = ri.materials.steel
+SAVED = ri.write_case(
+    case_of(
+        ri.solve(
+            ri.System(
+                [
+                    ri.RigidMass(1.0, velocity=1.0),
+                    ri.Rod(0.2, area=1e-4, material=STEEL),
+                ],
+                contacts=[ri.Hertz(1e9)],
+            ),
+            until=1e-4,
+        )
+    )
+)
+"""A saved solution."""
+
 # Text ---------------------------------------------------------------------------------------------
 
 FOLDER = Path(__file__).parents[2] / "validation" / "cases"
@@ -73,7 +91,8 @@ contacts = [{restitution = 0.5, gap = 1e-4},
 materials.lossy = {youngs_modulus = 2e11, density = 7850, loss_factor = 0.01, loss_frequency = 1e3}
 ends.right = {kind = "force", value = {values = [0, 100, 0], at = [1e-5, "50 us"]}}
 solve = {until = 1e-4, cells = 8, snapshots = 5}
-"""
+""",
+    SAVED,
 ]
 NUMBERS = [
     "0",
@@ -119,7 +138,7 @@ WORDS = [
     "[]", "{}", "[1, 2]", "[[1]]", "{samples = [1, 2]}", "{values = [1, 2], at = [0.05]}",
     "{values = [1], at = []}", "{samples = [1, nan]}", "{samples = [1, 2], step = 1e-5}",
     "[" * 400 + "]" * 400, "{a = " * 90 + "1" + "}" * 90, "'''\n'''", '"""', "#", "=", "\n", ",",
-    "[[bodies]]\n", "[solve]\n", "[output]\nsave = 'x.npz'\n", "[ends.left]\nkind = 'fixed'\n",
+    "[[bodies]]\n", "[solve]\n", "[output]\nsave = 'x.toml'\n", "[ends.left]\nkind = 'fixed'\n",
     "until", "gap", "velocity", "law", "length", "kind", "stiffness", "damping", "a" * 5000,
     "\x00", "\ufeff", "\u2028", "\r",
 ]  # fmt: skip
@@ -186,7 +205,6 @@ def spoilt_bytes(rng, text):
 
 # Objects ------------------------------------------------------------------------------------------
 
-STEEL = ri.materials.steel
 RODS = [
     ri.Rod(0.2, area=1e-4, material=STEEL, velocity=1.0),
     ri.Rod(0.3, area=2e-4, material=STEEL),
@@ -369,7 +387,7 @@ def likely(rng, name):
         "dimension": ["length", "time"],
         "unit": ["V", ""],
         "units": ["V"],
-        "path": ["file.npz", "file.csv"],
+        "path": ["file.npz", "file.toml", "file.csv"],
         "name": ["x"],
         "kind": ["quarter"],
         "wrt": [["bodies.0.length"]],

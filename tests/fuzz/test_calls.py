@@ -138,7 +138,7 @@ def test_calls_answer_or_refuse_in_a_sentence(monkeypatch, tmp_path, seed):
 
 REFUSED = [
     (lambda: ri.load(0), "path: must be the name of a file, got 0"),
-    (lambda: SOLVED().save(b"x.npz"), "path: must be the name of a file"),
+    (lambda: SOLVED().save(b"x.toml"), "path: must be the name of a file"),
     (lambda: ri.parse_case("", source=1), "source: must be the name of a case, got 1"),
     (lambda: ri.plot.energy(3), "solution: must be a Solution"),
     (lambda: ri.plot.energy(SOLVED(), ax=STEEL), "ax: must be an Axes"),

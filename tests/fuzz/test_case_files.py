@@ -49,7 +49,7 @@ def check(status, out, errors, files):
     assert "fault of rodimpact" not in errors
     if status in (0, 3):
         assert all("this run takes some" in line for line in errors.splitlines())
-        assert files <= {"x.npz"}
+        assert files <= {"x.toml"}
         found = json.loads(out, parse_constant=pytest.fail)
         residuals = [
             found["outcome"][f"{of}_residual"] for of in ("momentum", "energy")

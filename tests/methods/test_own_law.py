@@ -139,7 +139,7 @@ def test_only_characteristics_have_it_and_no_file_keeps_it(tmp_path):
         ):
             ri.solve(row, method=method)
     with pytest.raises(ri.InvalidModel, match="cannot be kept in a file"):
-        ri.solve(row).save(tmp_path / "run.npz")
+        ri.solve(row).save(tmp_path / "run.toml")
     assert not list(tmp_path.iterdir())
     assert pickle.loads(pickle.dumps(row)) == row
     assert row != rows(ri.Law(LAWS["spring"][0]))[0]

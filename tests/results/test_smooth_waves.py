@@ -66,7 +66,8 @@ def solved(system, a, b, end):
             events=1,
             contacts=(),
             make_signals=lambda: signals,
-        )
+        ),
+        ri.Options(end),
     )
 
 

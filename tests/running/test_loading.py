@@ -1,9 +1,13 @@
-"""Files are whole or absent, and a saved solution comes back bit for bit or not at all."""
+"""Files are whole or absent; a saved solution, solved again, is the same to the last bit."""
 
+import dataclasses
 import errno
+import functools
 import json
+import math
 import os
 import pickle
+import re
 import stat
 
 import numpy as np
@@ -14,9 +18,11 @@ from networks import random_network
 from systems import horizon, with_ends
 
 import rodimpact as ri
+from rodimpact.results.saved import case_of
 from rodimpact.running.loading import load
 from rodimpact.storage import writing
 from rodimpact.storage.reading import FileFormatError
+from rodimpact.storage.saved_result import SavedResult
 from rodimpact.storage.writing import SCHEMA, check_target, write_text
 
 STEEL = ri.materials.steel
@@ -116,6 +122,7 @@ stepped = ri.Rod(
 GRID = {"method": "finite-difference"}
 RUNS = {
     "pair": (ri.System([SHORT, LONG]), {}),
+    "one body": (ri.System([SHORT]), {}),
     "nothing meets": (ri.System([LONG, SHORT], gaps=[0.1]), {}),
     "no time": (ri.System([SHORT, LONG]), {"until": 0}),
     "capped": (ri.System([stepped, LONG, stepped]), {"max_events": 50}),
@@ -211,19 +218,21 @@ USUAL = [
 
 
 @pytest.mark.parametrize("name", few_of(RUNS, USUAL))
-def test_loading_gives_the_saved_solution_bit_for_bit(tmp_path, name, monkeypatch):
+def test_a_saved_solution_is_found_again_bit_for_bit(tmp_path, name):
     system, options = RUNS[name]
     solution = ri.solve(system, **options)
-    solution.save(tmp_path / "run.npz")
-    for solver in ("fronts.driver.solve_one", "pieces.driver.Members.go"):
-        monkeypatch.setattr(
-            f"rodimpact.methods.{solver}", fail(AssertionError("solved again"))
-        )
-    loaded = load(tmp_path / "run.npz")
+    solution.save(tmp_path / "run.toml")
+    loaded = ri.load(tmp_path / "run.toml")
     assert facts(loaded) == facts(solution)
     assert repr(loaded.outcome) == repr(solution.outcome)
-    loaded.save(tmp_path / "again.npz")
-    assert (tmp_path / "again.npz").read_bytes() == (tmp_path / "run.npz").read_bytes()
+    assert loaded.options == solution.options
+    loaded.save(tmp_path / "again.toml")
+    again = (tmp_path / "again.toml").read_bytes()
+    assert again == (tmp_path / "run.toml").read_bytes()
+    case = ri.read_case(tmp_path / "run.toml")
+    assert case.system == system
+    assert case.solve == options
+    assert ri.parse_case(ri.write_case(case)) == dataclasses.replace(case, path="case")
 
 
 @pytest.mark.parametrize("name", ["inf", "nan"])
@@ -234,70 +243,145 @@ def test_a_name_that_reads_as_a_number_stays_a_name(tmp_path, name):
         for length, v in (([0.4, 0.5], 1.0), (1.0, 0.0))
     ]
     family = ri.System(rods)
-    ri.solve(family[0]).save(tmp_path / "run.npz")
+    ri.solve(family[0]).save(tmp_path / "run.toml")
     ri.sweep(family).save(tmp_path / "family.npz")
-    assert ri.load(tmp_path / "run.npz").system == family[0]
+    assert ri.load(tmp_path / "run.toml").system == family[0]
     assert ri.load(tmp_path / "family.npz").system == family
 
 
-def test_a_loaded_solution_can_be_continued(tmp_path):
-    solution = ri.solve(ri.System([SHORT, LONG]))
-    solution.save(tmp_path / "run.npz")
-    loaded = load(str(tmp_path / "run.npz"))
-    t = solution.t_end / 3
-    assert loaded.system_at(t) == solution.system_at(t)
+def test_the_state_of_a_smooth_wave_comes_back_equal(tmp_path):
+    """It has thousands of samples."""
+    struck = SHORT.replace(velocity=0.0)
+    row = ri.System(
+        [ri.RigidMass(0.3, velocity=1.0), struck], contacts=[ri.Spring(1e6)]
+    )
+    state = ri.solve(row, until=2e-4).system_at(1e-4)
+    assert len(state.bodies[1].velocity.values) > 1024
+    solution = ri.solve(state, until=2e-5, rtol=1e-4)
+    solution.save(tmp_path / "run.toml")
+    loaded = ri.load(tmp_path / "run.toml")
+    assert loaded.system == state
+    assert loaded.outcome == solution.outcome
 
 
-def test_the_file_opens_with_numpy_and_json_alone(tmp_path):
+def test_a_case_that_no_reader_would_take_is_not_written(tmp_path, monkeypatch):
     solution = ri.solve(ri.System([SHORT, ri.Wall()]))
-    solution.save(tmp_path / "run.npz")
-    with np.load(tmp_path / "run.npz", allow_pickle=False) as archive:
-        document = json.loads(
-            str(archive["document"]), parse_constant=fail(ValueError("no JSON"))
-        )
-        force = document["content"]["signals"]["contacts"][0]["force"]["coefficients"]
-        column = archive[force["array"]][force["start"] :][: force["shape"][0]]
-    assert np.array_equal(column, solution.contacts[0].push.values)
-    assert document["content"]["totals"]["masses"] == [
-        solution.outcome.masses[0],
-        "inf",
-    ]
-    assert document["rodimpact"] == ri.__version__
-    assert document["content"]["clock"]["system"]["bodies"][0]["length"] == SHORT.length
+    size = len(ri.write_case(case_of(solution)).encode())
+    monkeypatch.setattr("rodimpact.storage.case_writing.MOST_BYTES", size - 1)
+    with pytest.raises(
+        ri.InvalidModel, match=f"system: .* {size} bytes.*fewer samples"
+    ):
+        solution.save(tmp_path / "run.toml")
+    assert not list(tmp_path.iterdir())
+    monkeypatch.setattr("rodimpact.storage.case_writing.MOST_BYTES", size)
+    solution.save(tmp_path / "run.toml")
 
 
-# What is no saved solution
+def test_only_cases_are_written_and_none_over_another_file(tmp_path):
+    solution = ri.solve(ri.System([SHORT, ri.Wall()]))
+    for name in ("run.npz", "run", "toml"):
+        with pytest.raises(ri.InvalidModel, match=r"path: must end in \.toml"):
+            solution.save(tmp_path / name)
+    (tmp_path / "run.toml").write_text("precious")
+    with pytest.raises(FileExistsError, match="force=True"):
+        solution.save(tmp_path / "run.toml")
+    assert (tmp_path / "run.toml").read_text() == "precious"
+    assert len(list(tmp_path.iterdir())) == 1
+    solution.save(tmp_path / "run.toml", force=True)
+    assert ri.load(tmp_path / "run.toml").final
 
 
-@pytest.fixture
-def saved(tmp_path):
-    path = tmp_path / "run.npz"
-    ri.solve(ri.System([stepped, LONG]), until=5e-4).save(path)
-    return path
+# Another outcome
 
 
-def read(path):
-    with np.load(path) as archive:
-        arrays = dict(archive)
-    return json.loads(str(arrays.pop("document"))), arrays
+TWICE = ri.System(
+    [ri.RigidMass(0.3, velocity=2.0), stepped, LONG],
+    contacts=[ri.Hertz(1e10), ri.Rigid()],
+)
 
 
-def edit(path, change=None, **other):
-    """Rewrite a saved file with other entries; an array that is None goes."""
-    document, arrays = read(path)
-    arrays = {
-        "document": np.array(json.dumps({**document, **(change or {})})),
-        **arrays,
-        **other,
-    }
-    np.savez_compressed(path, **{k: v for k, v in arrays.items() if v is not None})
+@functools.cache
+def saved_case():
+    """Case of a solution with stated errors."""
+    return case_of(ri.solve(TWICE, until=4e-4, rtol=1e-6))
+
+
+def another(value):
+    if isinstance(value, bool):
+        return not value
+    return "fronts" if isinstance(value, str) else value + 1e-3 * (abs(value) + 1)
+
+
+def changed(result, name, change=another):
+    """The same result with another value of this name."""
+    if name in SavedResult._fields:
+        return result._replace(**{name: change(getattr(result, name))})
+    numbers = {**result.numbers, name: change(result.numbers[name])}
+    return result._replace(numbers=numbers)
+
+
+def write_with(path, result):
+    text = ri.write_case(dataclasses.replace(saved_case(), result=result))
+    path.write_text(text, encoding="utf-8")
+
+
+def test_every_falsified_entry_is_named_with_both_values(tmp_path):
+    path, result = tmp_path / "run.toml", saved_case().result
+    loud, names = [], ["stopped_by", "final", "method", *result.numbers]
+    for name in names:
+        write_with(path, changed(result, name))
+        with pytest.warns(ri.OutcomeDiffers, match=r"run\.toml: ") as seen:
+            ri.load(path)
+        [warning] = seen
+        assert warning.filename == __file__
+        [named] = re.findall(r"([\w.]+) is \S+ stored is ", str(warning.message))
+        loud.append(named)
+    assert loud == names
+
+
+def test_what_stated_errors_allow_is_no_difference(tmp_path):
+    """Both runs state the error; a velocity may differ by nearly twice as much, and no more."""
+    path, result = tmp_path / "run.toml", saved_case().result
+    solution = ri.solve(TWICE, until=4e-4, rtol=1e-6)
+    velocities = map(abs, solution.outcome.velocities_after)
+    scale = max(solution.run.clock.scale, *velocities)
+    error = result.accuracy["velocity"] * scale
+    assert error > 0
+    write_with(path, changed(result, "velocity_after.1", lambda v: v + 1.99 * error))
+    assert ri.load(path).final == solution.final
+    write_with(path, changed(result, "velocity_after.1", lambda v: v + 2.01 * error))
+    with pytest.warns(ri.OutcomeDiffers, match=r"velocity_after\.1 is "):
+        ri.load(path)
+
+
+def test_unknown_errors_allow_everything_and_texts_are_not_compared(tmp_path):
+    path, result = tmp_path / "run.toml", saved_case().result
+    unknown = dict.fromkeys(result.accuracy, math.inf)
+    for name in ("duration.0", "episodes.0", "velocity_after.1"):
+        result = changed(result, name)
+    result = result._replace(accuracy=unknown, version="0.0.1", status="earlier words")
+    write_with(path, result)
+    assert ri.load(path).outcome.status != "earlier words"
+
+
+def test_many_differences_are_counted(tmp_path):
+    path, result = tmp_path / "run.toml", saved_case().result
+    for name in result.numbers:
+        result = changed(result, name)
+    write_with(path, result)
+    with pytest.warns(ri.OutcomeDiffers, match=r"; and \d+ entries more$") as seen:
+        ri.load(path)
+    assert len(str(seen[0].message)) < 1500
+
+
+# Files that are no saved results
 
 
 def refused(path, said):
-    with pytest.raises(FileFormatError, match=said) as caught:
+    with pytest.raises((FileFormatError, ri.InvalidModel), match=said) as caught:
         load(path)
-    assert str(caught.value).startswith(str(path))
-    assert isinstance(caught.value, ValueError)
+    [(where, _)] = caught.value.problems
+    assert where == str(path) or str(caught.value).startswith(str(path))
 
 
 def test_missing_file_and_directory(tmp_path):
@@ -307,15 +391,158 @@ def test_missing_file_and_directory(tmp_path):
         load(tmp_path)
 
 
+@pytest.mark.parametrize("name", ["a.npz", "a.toml"])
 @pytest.mark.parametrize(
     "content",
     [b"", b"time,force\n", pickle.dumps([1, 2]), b"\x93NUMPY\x01\x00"],
     ids=["empty", "text", "pickle", "npy"],
 )
-def test_other_files(tmp_path, content):
-    path = tmp_path / "a.npz"
+def test_other_files(tmp_path, name, content):
+    path = tmp_path / name
     path.write_bytes(content)
-    refused(path, "is not an NPZ file")
+    if name == "a.npz":
+        refused(path, "is not an NPZ file")
+    elif content:
+        refused(path, "is not valid TOML|is not text in UTF-8")
+    else:
+        with pytest.raises(ri.InvalidModel, match="begin the file with schema = 1"):
+            load(path)
+
+
+def test_a_case_without_an_outcome_is_no_saved_solution(tmp_path):
+    path = tmp_path / "case.toml"
+    path.write_text(ri.write_case(TWICE))
+    refused(path, r"no table \[result\].*read_case.*solve\(case\.system")
+
+
+@pytest.mark.parametrize("schema", [4, 6])
+def test_a_solution_that_an_earlier_version_saved_as_arrays_names_the_remedy(
+    tmp_path, schema
+):
+    path = tmp_path / "run.npz"
+    head = {"format": "rodimpact", "schema": schema, "rodimpact": "0.1.0"}
+    document = {**head, "kind": "solution", "content": {}, "arrays": {}}
+    np.savez_compressed(path, document=np.array(json.dumps(document)))
+    refused(path, r'solve its system again, and save\("run\.toml"\).*write_case')
+
+
+MISTAKES = [
+    ("version = ", "version = 1 #", "version", "must be text, got 1"),
+    ("method = ", "methods = ", "methods", "unknown key; perhaps 'method' is meant"),
+    ("method = ", "methods = ", "method", "is missing"),
+    ("final = ", "final = 1 #", "final", "must be true or false, got 1"),
+    ("damped = ", "damped = true #", "numbers.damped", "must be a number, got True"),
+    (
+        "radiated = ",
+        "radiated = '1' #",
+        "numbers.radiated",
+        "must be a number, got '1'",
+    ),
+    (
+        "dissipated = ",
+        f"dissipated = {10**400} #",
+        "numbers.dissipated",
+        "must be a num",
+    ),
+    ("wall_work = ", "wall_work = 1979-05-27 #", "numbers.wall_work", "must be a num"),
+    ("drive_work = ", "drive_work = [1] #", "numbers.drive_work", "must be a number"),
+    ('"first.1"', '"first.2"', "numbers.first.2", "unknown key; perhaps 'first.1'"),
+    ('"first.1"', '"first.2"', "numbers.first.1", "is missing"),
+    ("\nvelocity = ", "\nvelocity = -1 #", "accuracy.velocity", "must not be negative"),
+    ("\ntime = ", "\ntime = nan #", "accuracy.time", "must not be negative, got nan"),
+    ("\nimpulse = ", "\nimpuls = ", "accuracy.impuls", "unknown key; perhaps"),
+]
+
+
+def test_all_mistakes_of_a_result_are_reported_at_once():
+    text = ri.write_case(saved_case())
+    for right, wrong, *_ in MISTAKES:
+        text = text.replace(right, wrong)
+    with pytest.raises(ri.InvalidModel) as caught:
+        ri.parse_case(text + "[gauge]\n")
+    problems = dict(caught.value.problems)
+    for _, _, path, said in MISTAKES:
+        assert problems.pop(f"result.{path}").startswith(said)
+    assert list(problems) == ["gauge"]
+
+
+@pytest.mark.parametrize(
+    ("result", "said"),
+    [
+        ("result = 1", "result: must be a table, got 1"),
+        ("result = []", "result: must be a table"),
+        ("[[result]]", "result: must be a table"),
+        ("[result]", "result.version: is missing"),
+        ("[result]\nnumbers = 1", "result.numbers: must be a table of numbers, got 1"),
+        ("[result]\nnumbers = {}", "result.numbers.velocity_after.2: is missing"),
+        ("[result]\naccuracy = [1]", "result.accuracy: must be a table of numbers"),
+    ],
+)
+def test_results_of_other_types(result, said):
+    with pytest.raises(ri.InvalidModel, match=said):
+        ri.parse_case(f"schema = 1\n{result}\n{ri.write_case(TWICE)[11:]}")
+
+
+def outcome_in(text):
+    """The outcome that a text holds, or the sentences that refuse it."""
+    try:
+        return ri.parse_case(text).result
+    except ri.InvalidModel as error:
+        return str(error)
+
+
+def test_a_file_that_ends_anywhere_is_refused_in_sentences():
+    """Or it is a case without an outcome; or all is there but stated errors."""
+    text = ri.write_case(saved_case())
+    ends = range(0, len(text), 7)
+    found = [outcome_in(text[:end]) for end in ends]
+    sentences = [one for one in found if isinstance(one, str)]
+    assert all(0 < len(one) < 4000 for one in sentences)
+    assert len(ends) / 2 < len(sentences) < len(ends)
+    for end, one in zip(ends, found, strict=True):
+        if isinstance(one, SavedResult):
+            assert end > text.index("[result.accuracy]")
+            assert one._replace(accuracy={}) == saved_case().result._replace(
+                accuracy={}
+            )
+
+
+# Families
+
+
+@pytest.fixture
+def saved(tmp_path):
+    path = tmp_path / "map.npz"
+    family = ri.System([SHORT.replace(length=[0.2, 0.4]), LONG])
+    ri.sweep(family).save(path)
+    return path
+
+
+def edit(path, change=None, **other):
+    """Rewrite a saved file with other entries; an array that is None goes."""
+    with np.load(path) as archive:
+        arrays = dict(archive)
+    document = json.loads(str(arrays.pop("document")))
+    arrays = {
+        "document": np.array(json.dumps({**document, **(change or {})})),
+        **arrays,
+        **other,
+    }
+    np.savez_compressed(path, **{k: v for k, v in arrays.items() if v is not None})
+
+
+def test_the_file_of_a_family_opens_with_numpy_and_json_alone(saved):
+    with np.load(saved, allow_pickle=False) as archive:
+        document = json.loads(
+            str(archive["document"]), parse_constant=fail(ValueError("no JSON"))
+        )
+        length = document["content"][0]["bodies"][0]["length"]
+        column = archive[length["array"]][length["start"] :][: length["shape"][0]]
+        restitution = archive["restitution"].tolist()
+    assert column.tolist() == [0.2, 0.4]
+    assert restitution == pytest.approx([0.2, 0.4])
+    assert document["rodimpact"] == ri.__version__
+    assert document["content"][0]["bodies"][1]["length"] == LONG.length
 
 
 def test_pickled_arrays_are_never_unpickled(saved, tmp_path):

@@ -69,7 +69,7 @@ def test_everything_at_once():
         max_events = 1000
         [output]
         plot = "a.png"
-        save = "a.npz"
+        save = "a.toml"
     """,
         "name",
     )
@@ -95,7 +95,7 @@ def test_everything_at_once():
     assert case == Case(
         ri.System([ri.Wall(1e-3), left, right], gaps=[0, 50e-6]),
         {"until": 3e-3, "method": "fronts", "max_events": 1000},
-        {"plot": "a.png", "save": "a.npz"},
+        {"plot": "a.png", "save": "a.toml"},
         "name",
     )
 

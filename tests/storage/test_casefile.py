@@ -135,13 +135,54 @@ def test_a_family_is_no_case():
     assert parse_case(write_case(system[1])).system == system[1]
 
 
-def test_two_materials_of_one_name_cannot_be_written():
-    other = ri.Material("steel", youngs_modulus=1e9, density=1000)
-    system = ri.System([ROD, ri.Rod(1.0, area=1e-4, material=other)])
-    with pytest.raises(
-        ri.InvalidModel, match=r"bodies\.1\.material: .*'steel'.*rename"
-    ):
+def test_materials_of_one_name_have_a_table_each():
+    others = [
+        ri.Material(name, youngs_modulus=1e9, density=rho)
+        for name, rho in (("steel", 1e3), ("steel 2", 2e3), ("steel", 3e3))
+    ]
+    system = ri.System(
+        [ROD, *(ri.Rod(1.0, area=1e-4, material=other) for other in (*others, STEEL))]
+    )
+    text = write_case(system)
+    assert parse_case(text).system == system
+    assert text.count("[materials.") == 4
+
+
+def test_a_name_that_no_file_holds_is_refused():
+    material = ri.Material("a\udcff", youngs_modulus=1e9, density=1e3)
+    system = ri.System([ri.Rod(1.0, area=1e-4, material=material)])
+    with pytest.raises(ri.InvalidModel, match=r"^case: .*udcff.*rename"):
         write_case(system)
+
+
+def test_functions_come_back_as_the_curves_that_they_became():
+    rod = ri.Rod(
+        0.4,
+        area=lambda x: 1e-4 + x**2,
+        material=STEEL,
+        velocity=lambda x: np.sin(9 * x),
+    )
+    push = ri.Pushed(lambda t: 1e3 * np.exp(-(((t - 1e-4) / 3e-5) ** 2)), duration=2e-4)
+    system = ri.System([rod], ends=[push, ri.Free()])
+    profiles = rod.segments[0].area, rod.velocity, push.value
+    assert all(profile.smooth and profile.error > 0 for profile in profiles)
+    assert parse_case(write_case(system)).system == system
+
+
+@pytest.mark.parametrize(
+    ("entry", "said"),
+    [
+        ("smooth = 1", "smooth: must be True or False, got 1"),
+        ("error = -1", "error: must be a finite non-negative number"),
+        ("error = 'a'", "error: must be a number"),
+        ("error = [1]", "error: must be a single number"),
+        ("erro = 1", "erro: unknown key"),
+    ],
+)
+def test_mistakes_in_how_a_curve_runs(entry, said):
+    text = HEAD + A_ROD + f"velocity = {{samples = [1, 2], {entry}}}"
+    with pytest.raises(ri.InvalidModel, match=rf"^bodies\.0\.velocity\.{said}"):
+        parse_case(text)
 
 
 # The worked cases say what comes out

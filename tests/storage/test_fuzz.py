@@ -19,19 +19,14 @@ SEEDS = few_of(range(SEED, SEED + 12), range(SEED, SEED + 2))  # 300 of them in 
 
 @pytest.fixture(scope="module")
 def originals(tmp_path_factory):
-    """Results of all kinds, saved: a file each."""
-    rods = family(15)[3, 1]
+    """Families of several kinds, saved: a file each."""
+    gauges = {"gauges": [(1, 0.5)], "times": [1e-4, 2e-4]}
+    profiles = random_network(1, driven=True)
+    grown = profiles.replace(gravity=[0.0, 0.1])
     results = {
-        "fronts": ri.solve(rods),
-        "steps": ri.solve(
-            random_network(1, driven=True), until=1.0, method="characteristics"
-        ),
-        "grid": ri.solve(
-            random_network(2, driven=False), 0.5, "finite-difference", cells=6
-        ),
-        "sweep": ri.sweep(
-            family(15), until=2e-4, gauges=[(1, 0.5)], times=[1e-4, 2e-4]
-        ),
+        "fronts": ri.sweep(family(15), until=2e-4, **gauges),
+        "profiles": ri.sweep(grown, until=0.1, rtol=1e-3, also=["accuracy"]),
+        "single": ri.sweep(family(15)[3, 1]),
     }
     folder = tmp_path_factory.mktemp("saved")
     for name, result in results.items():

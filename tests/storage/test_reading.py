@@ -17,9 +17,9 @@ STEEL = ri.materials.steel
 
 @pytest.fixture
 def saved(tmp_path):
-    path = tmp_path / "run.npz"
-    rod = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0)
-    ri.solve(ri.System([rod, ri.Wall()])).save(path)
+    path = tmp_path / "map.npz"
+    rod = ri.Rod([0.4, 0.5], area=1e-4, material=STEEL, velocity=1.0)
+    ri.sweep(ri.System([rod, ri.Wall()])).save(path)
     return path
 
 
@@ -87,7 +87,7 @@ def test_what_is_larger_than_half_the_memory_is_refused_with_the_figure(
     for size in sizes:
         monkeypatch.setattr(memory, "installed", lambda size=size: 2.0 * size - 1)
         with pytest.raises(
-            MemoryError, match=r"run\.npz: takes up to .* GB of memory, more than"
+            MemoryError, match=r"map\.npz: takes up to .* GB of memory, more than"
         ):
             ri.load(saved)
     monkeypatch.setattr(memory, "installed", lambda: 2.0 * max(sizes))
@@ -107,15 +107,17 @@ def test_a_sentence_does_not_repeat_the_file(saved):
     [
         lambda document, arrays: arrays.update(f8=arrays["f8"][::-1]),
         lambda document, arrays: document.pop("arrays"),
-        lambda document, arrays: document["arrays"]["i8"].update(type="no type"),
-        lambda document, arrays: arrays.update(i8=arrays["i8"].astype(">i8")),
+        lambda document, arrays: document["arrays"]["status"].update(type="no type"),
+        lambda document, arrays: arrays.update(
+            vibration=arrays["vibration"].astype(">f8")
+        ),
     ],
 )
 def test_a_document_that_says_something_else_is_refused(saved, change):
     document, arrays = contents(saved)
     change(document, arrays)
     put(saved, document, arrays)
-    with pytest.raises(ri.FileFormatError, match=r"run\.npz: "):
+    with pytest.raises(ri.FileFormatError, match=r"map\.npz: "):
         ri.load(saved)
 
 

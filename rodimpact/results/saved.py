@@ -1,0 +1,143 @@
+"""A saved solution is its case with its outcome, which is compared when the case is solved again.
+
+Two runs of one case agree to the sum of their stated errors. Velocities, impulses, peak forces,
+force durations and times of contacts have stated errors. Energies have none: since they are
+quadratic in velocities, they are compared to twice the error of velocities and impulses.
+"""
+
+import math
+from typing import Any
+
+from ..methods.registry import Options
+from ..methods.run import DURATION, IMPULSE, MEASURES, VELOCITY
+from ..model.frozen import defaults_of
+from ..storage.case import Case
+from ..storage.saved_result import COUNT, ENERGIES, ENERGY, MEASURE_OF, SavedResult
+from ..version import __version__
+
+ROUND_OFF = 2.0**-48
+"""Relative round-off of a wave for each end that it has passed."""
+MOST_TOLD = 5  # differences in a message
+
+
+class OutcomeDiffers(UserWarning):
+    """A saved case, solved again, has another outcome than the stored one.
+
+    The difference exceeds the stated errors of both runs: the file was changed, or another version
+    of rodimpact solved it with an error that one of the two did not state.
+
+    Examples
+    --------
+    A program that shall stop instead:
+
+    >>> import tempfile, warnings, rodimpact as ri
+    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+    ...     warnings.simplefilter("error", ri.OutcomeDiffers)
+    ...     ri.solve(ri.System([rod, ri.Wall()])).save(f"{folder}/run.toml")
+    ...     solution = ri.load(f"{folder}/run.toml")
+    """
+
+
+def case_of(solution: Any) -> Case:
+    """The case of a solution: its system, the options that were given, and its outcome."""
+    options = solution.options.to_dict()
+    for name, default in defaults_of(Options).items():
+        if options.get(name) == default:
+            options.pop(name, None)
+    return Case(solution.system, options, result=result_of(solution))
+
+
+def result_of(solution: Any) -> SavedResult:
+    """The record of a solution that its file holds."""
+    outcome = solution.outcome
+    numbers = {name: float(getattr(outcome, name)) for name in ENERGIES}
+    for i, velocity in enumerate(outcome.velocities_after):
+        numbers[f"velocity_after.{i}"] = velocity
+        numbers[f"vibration_after.{i}"] = outcome.vibration_after[i]
+    for k, tally in enumerate(outcome.contacts):
+        for name, value in tally._asdict().items():
+            numbers[f"{name}.{k}"] = value
+    return SavedResult(
+        version=__version__,
+        method=solution.method,
+        stopped_by=solution.stopped_by,
+        status=outcome.status,
+        final=outcome.final,
+        numbers=numbers,
+        accuracy=solution.accuracy,
+    )
+
+
+def difference(saved: SavedResult, solution: Any) -> str:
+    """Compare the outcome of a solution with the stored one.
+
+    Parameters
+    ----------
+    saved : SavedResult
+    solution : Solution
+        Solution of the same case.
+
+    Returns
+    -------
+    str
+        Sentence on the entries that differ by more than the stated errors; empty without any.
+    """
+    now = result_of(solution)
+    reasons = []
+    for name in ("method", "stopped_by", "final"):
+        value, stored = getattr(now, name), getattr(saved, name)
+        if value != stored:
+            reasons.append(f"{name} is {value!r}, stored is {stored!r}")
+    allowed = _allowed_differences(saved, now, solution)
+    for name, number in now.numbers.items():
+        stored = saved.numbers[name]
+        most = allowed[name.partition(".")[0]]
+        if not _agree(number, stored, most):
+            reasons.append(
+                f"{name} is {number!r}, stored is {stored!r}, and stated errors allow a difference "
+                f"of {most:.1g}"
+            )
+    if not reasons:
+        return ""
+    listed = "; ".join(reasons[:MOST_TOLD])
+    if len(reasons) > MOST_TOLD:
+        listed += f"; and {len(reasons) - MOST_TOLD} entries more"
+    head = "the outcome differs from the stored one by more than the stated errors"
+    return f"{head} (saved by rodimpact {saved.version}): {listed}"
+
+
+def _allowed_differences(
+    saved: SavedResult, now: SavedResult, solution: Any
+) -> dict[str, float]:
+    """Difference of the numbers of each name that the stated errors of both runs allow."""
+    outcome, accuracies = solution.outcome, (saved.accuracy, now.accuracy)
+    errors = {}
+    for measure in MEASURES:
+        errors[measure] = sum(accuracy.get(measure, 0.0) for accuracy in accuracies)
+    errors[ENERGY] = 2 * max(errors[VELOCITY], errors[IMPULSE])
+    # Where durations are unknown, faint forces make episodes or none.
+    errors[COUNT] = math.inf if errors[DURATION] == math.inf else 0.0
+    scales = dict.fromkeys(errors, 0.0)
+    scales[VELOCITY] = solution.run.clock.scale
+    scales[ENERGY] = outcome.kinetic_before + sum(outcome.vibration_before)
+    for numbers in (saved.numbers, now.numbers):
+        for name, number in numbers.items():
+            measure = MEASURE_OF[name.partition(".")[0]]
+            if math.isfinite(number):
+                scales[measure] = max(scales[measure], abs(number))
+    round_off = ROUND_OFF * (1 + solution.events)
+    allowed = {}
+    for name, measure in MEASURE_OF.items():
+        error = errors[measure] + round_off
+        allowed[name] = error * scales[measure] if error < math.inf else math.inf
+    return allowed
+
+
+def _agree(value: float, stored: float, allowed: float) -> bool:
+    """Whether two numbers differ by no more than is allowed; nan agrees with nan."""
+    if allowed == math.inf or value == stored:
+        return True
+    if math.isnan(value):
+        return math.isnan(stored)
+    return abs(value - stored) <= allowed

@@ -1,0 +1,121 @@
+"""A family in a file: a document of its system, and columns of the arrays that the system holds.
+
+An object of the model becomes its class and the parameters of its constructor. The constructor
+checks them again when the file is read. An array becomes its place in the column of its type.
+"""
+
+import math
+from collections import Counter, defaultdict
+from collections.abc import Mapping
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from ..model import System
+from ..model.bodies import BODIES, Material, Segment
+from ..model.ends import ENDS
+from ..model.frozen import Frozen
+from ..model.laws import CONTACT_LAWS
+from ..model.profiles import Samples, Steps
+from .writing import Arrays
+
+MODEL_CLASSES: tuple[Any, ...] = (
+    System,
+    Material,
+    Segment,
+    Samples,
+    Steps,
+    *BODIES.values(),
+    *CONTACT_LAWS.values(),
+    *ENDS.values(),
+)
+CLASSES: dict[str, Any] = {kind.__name__: kind for kind in MODEL_CLASSES}
+NOT_IN_JSON = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
+"""Numbers that JSON does not have, and the words that stand for them."""
+
+
+class _Describer:
+    """Describes objects as JSON, and collects their arrays."""
+
+    def __init__(self) -> None:
+        self.columns = defaultdict[str, list[Any]](list)
+        self.sizes = Counter[str]()
+        # The array is kept with its place, so that no other array takes over its id.
+        self.places: dict[int, tuple[Any, dict[str, Any]]] = {}
+
+    def describe(self, value: Any) -> Any:
+        """Description of a number, a text, a list, a mapping, an array or an object."""
+        if isinstance(value, np.ndarray):
+            return self.place_of(value)
+        if isinstance(value, list | tuple):
+            return [self.describe(item) for item in value]
+        if isinstance(value, float) and not math.isfinite(value):
+            return str(float(value))
+        if isinstance(value, str) and value in NOT_IN_JSON:
+            # a name that reads as a number
+            return {"class": "str", "text": value}
+        if isinstance(value, Mapping):
+            return {"class": "dict", "items": self.describe(list(value.items()))}
+        if isinstance(value, Frozen):
+            return self.describe_object(value)
+        return value
+
+    def describe_object(self, value: Frozen) -> dict[str, Any]:
+        """Description of an object of the model."""
+        if isinstance(value, System):
+            value.check_file()
+        described: dict[str, Any] = {"class": type(value).__name__}
+        for name, entry in value._parameters().items():
+            described[name] = self.describe(entry)
+        return described
+
+    def place_of(self, array: Any) -> dict[str, Any]:
+        """Place of an array in the column of its type; an array has one place in all."""
+        if id(array) not in self.places:
+            column = array.dtype.str[1:]
+            place = {
+                "array": column,
+                "start": self.sizes[column],
+                "shape": list(array.shape),
+            }
+            self.places[id(array)] = array, place
+            self.columns[column].append(array.ravel())
+            self.sizes[column] += array.size
+        return self.places[id(array)][1]
+
+
+def describe(content: Any) -> tuple[dict[str, Any], Arrays]:
+    """Document and arrays from which `restore` makes an equal object."""
+    describer = _Describer()
+    document = {"content": describer.describe(content)}
+    arrays = {name: np.concatenate(each) for name, each in describer.columns.items()}
+    return document, arrays
+
+
+def restore(document: Mapping[str, Any], arrays: Arrays) -> Any:
+    """The object that `describe` described; an error of any kind for other documents."""
+
+    @cache
+    def array_at(column: str, start: int, *shape: int) -> Any:
+        """Part of a column; the same array wherever the same place is named."""
+        return arrays[column][start : start + math.prod(shape)].reshape(shape)
+
+    def restored(value: Any) -> Any:
+        if isinstance(value, list):
+            return [restored(item) for item in value]
+        if isinstance(value, str):
+            return NOT_IN_JSON.get(value, value)
+        if not isinstance(value, dict):
+            return value
+        if "array" in value:
+            return array_at(value["array"], value["start"], *value["shape"])
+        name = value["class"]
+        if name == "str":
+            return value["text"]
+        if name == "dict":
+            return dict(restored(value["items"]))
+        parameters = {k: restored(entry) for k, entry in value.items() if k != "class"}
+        return CLASSES[name](**parameters)
+
+    return restored(document["content"])

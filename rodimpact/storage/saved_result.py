@@ -1,0 +1,163 @@
+"""The [result] of a case file: how the run of a saved solution ended, and its outcome.
+
+A saved solution is its case. When the file is loaded the case is solved again, and this record says
+what came out when it was saved.
+"""
+
+from collections.abc import Collection, Mapping
+from typing import Any, NamedTuple
+
+from ..methods.run import (
+    DURATION,
+    IMPULSE,
+    MEASURES,
+    PEAK_FORCE,
+    TIME,
+    VELOCITY,
+)
+from ..model.frozen import Problems, nearest, note, raise_noted
+
+ENERGY, COUNT = "energy", "count"
+BY_BODY = {"velocity_after": VELOCITY, "vibration_after": ENERGY}
+BY_CONTACT = {
+    "impulse": IMPULSE,
+    "peak_force": PEAK_FORCE,
+    "duration": DURATION,
+    "first": TIME,
+    "last": TIME,
+    "episodes": COUNT,
+}
+ENERGIES = (
+    "kinetic_after",
+    "contact_energy",
+    "dissipated",
+    "damped",
+    "numerical",
+    "radiated",
+    "wall_work",
+    "drive_work",
+    "gravity_work",
+)
+"""Energies of the whole row, J, by their names in an `Outcome`."""
+MEASURE_OF = BY_BODY | BY_CONTACT | dict.fromkeys(ENERGIES, ENERGY)
+"""Measure of each number of an outcome."""
+
+
+WORDS = ("version", "method", "stopped_by", "status")
+"""Entries of a `SavedResult` that are text."""
+
+
+class SavedResult(NamedTuple):
+    """How a run ended, and its outcome, as a case file holds them.
+
+    Attributes
+    ----------
+    version : str
+        Version of rodimpact that solved the case.
+    method : str
+        Method that ran: for ``"auto"`` the one that it chose.
+    stopped_by, status : str
+        Why the run ended, in a word and in a sentence.
+    final : bool
+        Whether it is proved that no contact can happen again.
+    numbers : dict of str to float
+        Numbers of the outcome, SI: ``"velocity_after.I"`` of body I, ``"impulse.K"`` of contact K,
+        and so on, and the `ENERGIES`.
+    accuracy : dict of str to float
+        Stated relative errors, as `Solution.accuracy` has them.
+    """
+
+    version: str
+    method: str
+    stopped_by: str
+    status: str
+    final: bool
+    numbers: Mapping[str, float]
+    accuracy: Mapping[str, float]
+
+
+def read_result(table: Mapping[str, Any], bodies: int) -> SavedResult:
+    """Make the record of the table [result].
+
+    Parameters
+    ----------
+    table : dict
+        As TOML gives it.
+    bodies : int
+        Number of bodies of the case.
+
+    Returns
+    -------
+    SavedResult
+
+    Raises
+    ------
+    InvalidModel
+        With all mistakes, each with the path of its entry in the table.
+    """
+    problems: Problems = []
+    _check_keys(problems, "", table, SavedResult._fields, SavedResult._fields)
+    for name in WORDS:
+        if not isinstance(table.get(name, ""), str):
+            note(problems, name, "must be text", table[name])
+    if not isinstance(table.get("final", True), bool):
+        note(problems, "final", "must be true or false", table["final"])
+    names = names_of_numbers(bodies)
+    numbers = _read_numbers(problems, "numbers", table, names, required=names)
+    accuracy = _read_numbers(problems, "accuracy", table, MEASURES)
+    for name, error in accuracy.items():
+        if not error >= 0:
+            note(problems, f"accuracy.{name}", "must not be negative", error)
+    raise_noted(problems)
+    words = {name: table[name] for name in (*WORDS, "final")}
+    return SavedResult(**words, numbers=numbers, accuracy=accuracy)
+
+
+def names_of_numbers(bodies: int) -> list[str]:
+    """Names of all numbers of an outcome of so many bodies."""
+    names = [*ENERGIES]
+    for by_owner, count in ((BY_BODY, bodies), (BY_CONTACT, bodies - 1)):
+        for name in by_owner:
+            names += [f"{name}.{owner}" for owner in range(count)]
+    return names
+
+
+def _check_keys(
+    problems: Problems,
+    path: str,
+    table: Mapping[str, Any],
+    known: Collection[str],
+    required: Collection[str],
+) -> None:
+    """Note keys of a table that are unknown, and those that are missing."""
+    for key in table:
+        if key not in known:
+            problems.append((path + key, f"unknown key; {nearest(key, known)}"))
+    for key in required:
+        if key not in table:
+            problems.append((path + key, "is missing"))
+
+
+def _read_numbers(
+    problems: Problems,
+    name: str,
+    table: Mapping[str, Any],
+    known: Collection[str],
+    required: Collection[str] = (),
+) -> dict[str, float]:
+    """Numbers of the table of this name in [result]; they may be infinite or nan."""
+    group = table.get(name)
+    if not isinstance(group, dict):
+        if name in table:
+            note(problems, name, "must be a table of numbers", group)
+        return {}
+    _check_keys(problems, f"{name}.", group, known, required)
+    numbers: dict[str, float] = {}
+    for key, value in group.items():
+        try:
+            if isinstance(value, bool | str):
+                raise TypeError
+            numbers[key] = float(value)
+        except (TypeError, OverflowError):
+            note(problems, f"{name}.{key}", "must be a number", value)
+    return numbers
