@@ -11,7 +11,8 @@ from ..model.numbering import body_names, contact_names
 from ..units import format_si
 from .tables import align, as_json, clean, joules
 
-MOST_EPISODES = 12  # listed in a table
+MOST_EPISODES = 12
+"""Episodes that a table lists."""
 ENERGIES = {
     "kinetic": "moving as a whole",
     "vibrational_kinetic": "vibration",
@@ -69,46 +70,52 @@ def solution_table(solution: Any) -> str:
     ]
     if 0 < solution.t_final < math.inf:
         run.insert(0, ["last contact ended at", format_si(solution.t_final, "s")])
-    blocks = [*_tables(outcome), *_episodes(solution), align(run), _sentences(outcome)]
+    blocks = _tables(outcome)
+    if episodes := _episodes_table(solution):
+        blocks.append(episodes)
+    blocks += [align(run), _sentences(outcome)]
     return "\n\n".join(blocks)
 
 
-def ring_down_table(found: Any) -> str:
+def ring_down_table(ring_down: Any) -> str:
     """How vibration dies out, for people.
 
     Parameters
     ----------
-    found : RingDown
+    ring_down : RingDown
 
     Returns
     -------
     str
     """
-
-    def spell(seconds: float) -> str:
-        return format_si(seconds, "s", 4) if seconds < math.inf else "never"
-
-    first, last = float(found.vibration[0]), float(found.vibration[-1])
-    return align(
+    first = float(ring_down.vibration[0])
+    last = float(ring_down.vibration[-1])
+    lasted = float(ring_down.times[-1] - ring_down.times[0])
+    frequency = format_si(ring_down.frequency, "Hz", 4)
+    last_shown = format_si(clean(last, first + ring_down.rigid), "J", 4)
+    rows = [
+        ["vibration when the collision is over", format_si(first, "J", 4)],
+        ["vibration at the end", last_shown],
+        ["energy of the rigid motion", format_si(ring_down.rigid, "J", 4)],
+        ["time from then to the end", _duration(lasted)],
         [
-            ["vibration when the collision is over", format_si(first, "J", 4)],
-            [
-                "vibration at the end",
-                format_si(clean(last, first + found.rigid), "J", 4),
-            ],
-            ["energy of the rigid motion", format_si(found.rigid, "J", 4)],
-            [
-                "time from then to the end",
-                spell(float(found.times[-1] - found.times[0])),
-            ],
-            ["vibration falls to 1/e in, by its last third", spell(found.decay_time)],
-            [
-                f"the slowest to decay, {format_si(found.frequency, 'Hz', 4)}, falls to 1/e in",
-                spell(found.modal_decay_time),
-            ],
-            ["momentum changed by, relative", _residual(found.momentum_change)],
-        ]
-    )
+            "vibration falls to 1/e in, by its last third",
+            _duration(ring_down.decay_time),
+        ],
+        [
+            f"the slowest to decay, {frequency}, falls to 1/e in",
+            _duration(ring_down.modal_decay_time),
+        ],
+        ["momentum changed by, relative", _residual(ring_down.momentum_change)],
+    ]
+    return align(rows)
+
+
+def _duration(seconds: float) -> str:
+    """A time for a table; infinity is never."""
+    if seconds < math.inf:
+        return format_si(seconds, "s", 4)
+    return "never"
 
 
 def solution_json(solution: Any) -> str:
@@ -125,198 +132,204 @@ def solution_json(solution: Any) -> str:
         that do not exist or are infinite are null; where there is no restitution,
         ``restitution_undefined`` is the reason.
     """
-    names = (
-        "final",
-        "stopped_by",
-        "status",
-        "t_end",
-        "t_final",
-        "t_proved",
-        "events",
-        "transit_error",
-    )
+    episodes = []
+    for contact in solution.contacts:
+        episodes.append([episode._asdict() for episode in contact.episodes])
     return as_json(
         system=solution.system.to_dict(),
         method=solution.method,
-        outcome=_outcome(solution.outcome),
-        episodes=[
-            [episode._asdict() for episode in contact.episodes]
-            for contact in solution.contacts
-        ],
-        **{name: getattr(solution, name) for name in names},
+        outcome=_outcome_entries(solution.outcome),
+        episodes=episodes,
+        final=solution.final,
+        stopped_by=solution.stopped_by,
+        status=solution.status,
+        t_end=solution.t_end,
+        t_final=solution.t_final,
+        t_proved=solution.t_proved,
+        events=solution.events,
+        transit_error=solution.transit_error,
     )
 
 
 def _tables(outcome: Any) -> list[str]:
-    contacts = [_contacts(outcome)] if outcome.contacts else []
-    return [_bodies(outcome), *contacts, _energy(outcome), _balances(outcome)]
+    """Tables of bodies, contacts, energies and balances."""
+    tables = [_bodies_table(outcome)]
+    if outcome.contacts:
+        tables.append(_contacts_table(outcome))
+    tables.append(_energy_table(outcome))
+    tables.append(_balances_table(outcome))
+    return tables
 
 
-def _bodies(o: Any) -> str:
-    velocities = [*o.velocities_before, *o.velocities_after]
+def _bodies_table(outcome: Any) -> str:
+    """Masses, velocities and vibration of the bodies."""
+    before, after = outcome.velocities_before, outcome.velocities_after
+    velocities = [*before, *after]
     largest = max(map(abs, velocities))
     spread = clean(max(velocities) - min(velocities), largest)
-    common = math.floor(math.log10(largest / spread)) if spread > 0 else 0
-    digits = min(6 + common, 15)  # so that the differences have six
-
-    def velocity(v: float) -> str:
-        return f"{clean(v, largest):.{digits}g} m/s"
-
-    then, scale = _then(o), _vibration_scale(o)
-    rows = [
-        [
-            "body",
-            "mass",
-            "velocity before",
-            f"velocity {then}",
-            f"vibration energy {then}",
-        ]
-    ]
-    for name, mass, before, after, vibration in zip(
-        body_names(o.bodies),
-        o.masses,
-        o.velocities_before,
-        o.velocities_after,
-        o.vibration_after,
-        strict=True,
-    ):
-        rest = (
-            ["-", "-"]
-            if mass == math.inf
-            else [format_si(mass, "kg"), joules(vibration, scale)]
-        )
-        rows.append([name, rest[0], velocity(before), velocity(after), rest[1]])
+    digits = 6
+    if spread > 0:
+        # Velocities agree in their first digits; their differences keep six.
+        digits += math.floor(math.log10(largest / spread))
+    digits = min(digits, 15)
+    then = _then(outcome)
+    vibration_scale = _vibration_scale(outcome)
+    head = f"body|mass|velocity before|velocity {then}|vibration energy {then}"
+    rows = [head.split("|")]
+    for i, name in enumerate(body_names(outcome.bodies)):
+        mass = "-"
+        vibration = "-"
+        if outcome.masses[i] != math.inf:
+            mass = format_si(outcome.masses[i], "kg")
+            vibration = joules(outcome.vibration_after[i], vibration_scale)
+        row = [name, mass]
+        for velocity in (before[i], after[i]):
+            row.append(f"{clean(velocity, largest):.{digits}g} m/s")
+        rows.append([*row, vibration])
     return align(rows)
 
 
-def _contacts(o: Any) -> str:
+def _contacts_table(outcome: Any) -> str:
+    """Totals of the contacts; a joined pair has an impulse only."""
     rows = [["contact", "impulse", "peak force", "force duration", "episodes"]]
-    scale = max(abs(c.impulse) for c in o.contacts)
-    for i, (name, c) in enumerate(
-        zip(contact_names(o.bodies), o.contacts, strict=True)
-    ):
-        impulse = format_si(clean(c.impulse, scale), "N s")
-        if i in o.unilateral:
-            force, time = format_si(c.peak_force, "N"), format_si(c.duration, "s")
-            rows.append([name, impulse, force, time, str(c.episodes)])
+    scale = max(abs(tally.impulse) for tally in outcome.contacts)
+    names = contact_names(outcome.bodies)
+    for k, tally in enumerate(outcome.contacts):
+        impulse = format_si(clean(tally.impulse, scale), "N s")
+        if k in outcome.unilateral:
+            force = format_si(tally.peak_force, "N")
+            duration = format_si(tally.duration, "s")
+            rows.append([names[k], impulse, force, duration, str(tally.episodes)])
         else:
-            rows.append([f"{name} joined", impulse, "-", "-", "-"])
+            rows.append([f"{names[k]} joined", impulse, "-", "-", "-"])
     return align(rows)
 
 
-def _energy(o: Any) -> str:
-    both: dict[str, tuple[float, ...]] = {
-        ENERGIES["kinetic"]: (o.kinetic_before, o.kinetic_after),
-        ENERGIES["inner"]: (sum(o.vibration_before), sum(o.vibration_after)),
-        ENERGIES["contact"]: (o.contact_energy_before, o.contact_energy),
+def _energy_table(outcome: Any) -> str:
+    """Energies before and after, and the works and losses between."""
+    vibration = ENERGIES["inner"]
+    pairs: dict[str, tuple[float, ...]] = {
+        ENERGIES["kinetic"]: (outcome.kinetic_before, outcome.kinetic_after),
+        vibration: (sum(outcome.vibration_before), sum(outcome.vibration_after)),
+        ENERGIES["contact"]: (outcome.contact_energy_before, outcome.contact_energy),
     }
-    both["total"] = tuple(map(sum, zip(*both.values(), strict=True)))
+    totals = tuple(map(sum, zip(*pairs.values(), strict=True)))
+    if not any(pairs[ENERGIES["contact"]]):
+        del pairs[ENERGIES["contact"]]
+    pairs["total"] = totals
+    total_scale = max(totals)
+    rows = [["energy", "before", _then(outcome)]]
+    for name, pair in pairs.items():
+        scale = _vibration_scale(outcome) if name == vibration else total_scale
+        rows.append([name, *(joules(energy, scale) for energy in pair)])
     exchanged = {
-        "work of moving walls": o.wall_work,
-        "work of driven ends": o.drive_work,
-        "work of gravity": o.gravity_work,
-        **{
-            ENERGIES[name]: getattr(o, name)
-            for name in ("dissipated", "damped", "numerical", "radiated")
-        },
+        "work of moving walls": outcome.wall_work,
+        "work of driven ends": outcome.drive_work,
+        "work of gravity": outcome.gravity_work,
     }
-    scale = max(both["total"])
-    scales = {ENERGIES["inner"]: _vibration_scale(o)}
-    rows = [["energy", "before", _then(o)]]
-    rows += [
-        [name, *(joules(value, scales.get(name, scale)) for value in pair)]
-        for name, pair in both.items()
-        if name != ENERGIES["contact"] or any(pair)
-    ]
-    scale = max(scale, *map(abs, exchanged.values()))
-    rows += [
-        [name, "", joules(value, scale)]
-        for name, value in exchanged.items()
-        if clean(value, scale)
-    ]
+    for name in ("dissipated", "damped", "numerical", "radiated"):
+        exchanged[ENERGIES[name]] = getattr(outcome, name)
+    scale = max(total_scale, *map(abs, exchanged.values()))
+    for name, energy in exchanged.items():
+        if clean(energy, scale):
+            rows.append([name, "", joules(energy, scale)])
     return align(rows)
 
 
-def _balances(o: Any) -> str:
-    e = "-" if o.why_no_restitution() else f"{clean(o.restitution, 1.0):.9g}"
-    return align(
-        [
-            ["coefficient of restitution e", e],
-            ["momentum balance, relative error", _residual(o.momentum_residual)],
-            ["energy balance, relative error", _residual(o.energy_residual)],
-        ]
-    )
+def _balances_table(outcome: Any) -> str:
+    """Restitution, and the relative errors of the balances."""
+    restitution = "-"
+    if not outcome.why_no_restitution():
+        restitution = f"{clean(outcome.restitution, 1.0):.9g}"
+    rows = [
+        ["coefficient of restitution e", restitution],
+        ["momentum balance, relative error", _residual(outcome.momentum_residual)],
+        ["energy balance, relative error", _residual(outcome.energy_residual)],
+    ]
+    return align(rows)
 
 
 def _residual(value: float) -> str:
-    return "below 1e-15" if abs(value) < 1e-15 else f"{abs(value):.2g}"
+    """A relative error for a table."""
+    if abs(value) < 1e-15:
+        return "below 1e-15"
+    return f"{abs(value):.2g}"
 
 
-def _episodes(solution: Any) -> list[str]:
+def _episodes_table(solution: Any) -> str:
+    """Times of the first episodes of contact; empty without any."""
     names = contact_names(solution.system.kinds)
-    rows = [
-        [names[contact.index], *(format_si(t, "s") for t in episode)]
-        for contact in solution.contacts
-        for episode in contact.episodes
-    ]
+    rows = []
+    for contact in solution.contacts:
+        for episode in contact.episodes:
+            times = [format_si(t, "s") for t in episode]
+            rows.append([names[contact.index], *times])
+    if not rows:
+        return ""
+    head = ["contact", "force from", "force ends", "gap opens"]
+    table = align([head, *rows[:MOST_EPISODES]])
     hidden = len(rows) - MOST_EPISODES
-    table = align(
-        [["contact", "force from", "force ends", "gap opens"], *rows[:MOST_EPISODES]]
-    )
-    return [table + (f"\n... and {hidden} more" if hidden > 0 else "")] if rows else []
+    if hidden > 0:
+        table += f"\n... and {hidden} more"
+    return table
 
 
-def _sentences(o: Any) -> str:
-    reason = o.why_no_restitution()
-    said = [reason[:1].upper() + reason[1:]] if reason else []
-    if o.status not in reason:
-        said.append(o.status)
-    return "\n".join(text if text.endswith(".") else f"{text}." for text in said)
+def _sentences(outcome: Any) -> str:
+    """Why there is no restitution, and why the run ended."""
+    sentences = []
+    reason = outcome.why_no_restitution()
+    if reason:
+        sentences.append(reason[:1].upper() + reason[1:])
+    if outcome.status not in reason:
+        sentences.append(outcome.status)
+    return "\n".join(f"{sentence.removesuffix('.')}." for sentence in sentences)
 
 
-def _then(o: Any) -> str:
-    return "after" if o.final else "at the end"
+def _then(outcome: Any) -> str:
+    """The time of the second column: after the collision, or where the run stopped."""
+    if outcome.final:
+        return "after"
+    return "at the end"
 
 
-def _vibration_scale(o: Any) -> Any:
-    """Energy of the motion of the bodies relative to each other."""
-    velocities = o.velocities_before
+def _vibration_scale(outcome: Any) -> Any:
+    """Energy of the motion of the bodies relative to each other, and of vibration before, J."""
+    velocities = outcome.velocities_before
     spread = max(velocities) - min(velocities)
-    mass = sum(m for m in o.masses if m < math.inf)
-    return mass * spread * spread / 2 + sum(o.vibration_before)
+    mass = sum(mass for mass in outcome.masses if mass < math.inf)
+    return mass * spread * spread / 2 + sum(outcome.vibration_before)
 
 
-def _outcome(o: Any) -> dict[str, Any]:
-    reason = o.why_no_restitution()
-    bodies = {
-        "kind": o.bodies,
-        "mass": o.masses,
-        "velocity_before": o.velocities_before,
-        "velocity_after": o.velocities_after,
-        "vibration_before": o.vibration_before,
-        "vibration_after": o.vibration_after,
-    }
-    contacts = [
-        {
-            "left": i,
-            "right": i + 1,
-            "bonded": i not in o.unilateral,
-            **{
-                name: value if i in o.unilateral or name == "impulse" else None
-                for name, value in c._asdict().items()
-            },
+def _outcome_entries(outcome: Any) -> dict[str, Any]:
+    """Entries of an outcome for JSON."""
+    bodies = []
+    for i, kind in enumerate(outcome.bodies):
+        body = {
+            "kind": kind,
+            "mass": outcome.masses[i],
+            "velocity_before": outcome.velocities_before[i],
+            "velocity_after": outcome.velocities_after[i],
+            "vibration_before": outcome.vibration_before[i],
+            "vibration_after": outcome.vibration_after[i],
         }
-        for i, c in enumerate(o.contacts)
-    ]
-    return {
-        "bodies": [
-            dict(zip(bodies, numbers, strict=True))
-            for numbers in zip(*bodies.values(), strict=True)
-        ],
-        "contacts": contacts,
-        "restitution": None if reason else o.restitution,
-        "restitution_undefined": reason or None,
-        **{of.name: getattr(o, of.name) for of in fields(o) if of.type is float},
-        "final": o.final,
-        "status": o.status,
-    }
+        bodies.append(body)
+    contacts = []
+    for k, tally in enumerate(outcome.contacts):
+        joined = k not in outcome.unilateral
+        contact: dict[str, Any] = {"left": k, "right": k + 1, "bonded": joined}
+        contact.update(tally._asdict())
+        if joined:
+            # A joined pair has an impulse only.
+            for name in tally._fields[1:]:
+                contact[name] = None
+        contacts.append(contact)
+    reason = outcome.why_no_restitution()
+    entries: dict[str, Any] = {"bodies": bodies, "contacts": contacts}
+    entries["restitution"] = None if reason else outcome.restitution
+    entries["restitution_undefined"] = reason or None
+    for field in fields(outcome):
+        if field.type is float:
+            entries[field.name] = getattr(outcome, field.name)
+    entries["final"] = outcome.final
+    entries["status"] = outcome.status
+    return entries
