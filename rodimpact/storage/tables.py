@@ -15,7 +15,8 @@ from ..model.frozen import refusal
 from ..units import format_si, shown
 from .writing import PathLike, written
 
-LONGEST = 60  # characters of the name of a column
+LONGEST = 60
+"""Characters of the name of a column, at most."""
 TIMES = re.compile(r"(?i)(?:time|t|zeit|temps|tiempo|x-?axis|seconds?)\b.*")
 """Names of columns of times."""
 _NAME = re.compile(rf"(?!.*  )\w[\w .:()/-]{{0,{LONGEST - 1}}}(?<![ _/])")
@@ -52,15 +53,19 @@ def align(rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> str:
     columns = []
     for i, column in enumerate(zip(*rows, strict=True)):
         width = max(map(len, column))
-        columns.append(
-            [cell.ljust(width) if i in left else cell.rjust(width) for cell in column]
-        )
-    return "\n".join("  ".join(row).rstrip() for row in zip(*columns, strict=True))
+        side = "<" if i in left else ">"
+        columns.append([f"{cell:{side}{width}}" for cell in column])
+    lines = []
+    for cells in zip(*columns, strict=True):
+        lines.append("  ".join(cells).rstrip())
+    return "\n".join(lines)
 
 
 def clean(value: float, scale: float) -> float:
     """A value for a table: 0 if it is only round-off beside `scale`; nothing is beside infinity."""
-    return 0.0 if abs(value) <= ROUND_OFF * scale < math.inf else value
+    if abs(value) <= ROUND_OFF * scale < math.inf:
+        return 0.0
+    return value
 
 
 def as_html(text: str) -> str:
@@ -73,11 +78,8 @@ def as_html(text: str) -> str:
 
 def misnamed(column: object) -> str:
     """Say why a column cannot have this name: it would not be read as it was written."""
-    if (
-        isinstance(column, str)
-        and _NAME.fullmatch(column)
-        and not TIMES.fullmatch(column)
-    ):
+    is_name = isinstance(column, str) and _NAME.fullmatch(column)
+    if is_name and not TIMES.fullmatch(str(column)):
         return ""
     return (
         "a column is named by letters, digits, single blanks and _ . : ( ) / -, a letter or digit "
@@ -114,9 +116,9 @@ def write_table(
     with written(path, force=force) as file:
         file.write(f"{','.join(heads)}\n".encode())
         for columns in blocks:
-            cells = (map(repr, column.tolist()) for column in columns)
-            rows = map(",".join, zip(*cells, strict=True))
-            file.write("".join(f"{row}\n" for row in rows).encode())
+            cells = [map(repr, column.tolist()) for column in columns]
+            for row in zip(*cells, strict=True):
+                file.write(f"{','.join(row)}\n".encode())
 
 
 def joules(value: float, scale: float) -> str:
@@ -126,7 +128,8 @@ def joules(value: float, scale: float) -> str:
 
 def as_json(**entries: Any) -> str:
     """A JSON document for programs."""
-    return json.dumps({"schema_version": SCHEMA_VERSION, **finite(entries)}, indent=2)
+    document = {"schema_version": SCHEMA_VERSION} | finite(entries)
+    return json.dumps(document, indent=2)
 
 
 def finite(value: Any) -> Any:
@@ -135,4 +138,6 @@ def finite(value: Any) -> Any:
         return {key: finite(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
         return [finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
