@@ -183,10 +183,10 @@ class Signal(Frozen):
         if times is None:
             step = single("dt", dt, "s", "positive")
             count = (self.end - self.start) / step * (1 + 1e-12)
-            if not 1 <= count < filters.MOST:
+            if not 1 <= count < filters.MOST_SAMPLES:
                 message = f"{step} makes {count + 1:.3g} samples of {self._title}"
                 raise refusal(
-                    "dt", f"{message}; give a dt that makes 2 to {filters.MOST}"
+                    "dt", f"{message}; give a dt that makes 2 to {filters.MOST_SAMPLES}"
                 )
             times = self.start + step * np.arange(int(count) + 1)
         return self.replace(values=self.at(times), times=times)
@@ -214,8 +214,10 @@ class Signal(Frozen):
         step, counts = self.dt, []
         for name, given in (("before", before), ("after", after)):
             count = single(name, given, "s") / step
-            if not 0 <= count < filters.MOST:
-                message = f"must be 0 or more, and at most {filters.MOST} samples"
+            if not 0 <= count < filters.MOST_SAMPLES:
+                message = (
+                    f"must be 0 or more, and at most {filters.MOST_SAMPLES} samples"
+                )
                 raise refusal(name, f"{message}, got {given}")
             counts.append(math.ceil(count * (1 - 1e-12)))
         ahead, behind = counts
