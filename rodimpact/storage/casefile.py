@@ -76,7 +76,6 @@ from .reading import open_regular
 from .writing import file_name
 
 
-
 def read_case(
     path: str | os.PathLike[str], vary: Mapping[str, str] | None = None
 ) -> Case:
