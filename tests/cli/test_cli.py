@@ -20,6 +20,8 @@ from cli.processes import ENVIRONMENT, ROOT, python, started
 import rodimpact as ri
 from rodimpact.cli import COMMANDS, main, verify
 from rodimpact.cli.verify import Check, checks
+from rodimpact.explorer.design import LIBRARY, tables_of, with_gauges
+from rodimpact.explorer.solved import scene_of
 from rodimpact.methods import kernels
 from rodimpact.methods.registry import METHODS
 
@@ -260,7 +262,11 @@ def test_a_run_of_no_time_prints_its_table_and_tells_why_it_draws_nothing(
 
 
 @pytest.mark.parametrize(
-    "command", [["export", "-o", "a.html"], ["animate", "-o", "a.gif"]]
+    ("command", "said"),
+    [
+        (["export", "-o", "a.html"], "lasts no time to show"),
+        (["animate", "-o", "a.gif"], "there is nothing to draw"),
+    ],
 )
 @pytest.mark.parametrize(
     ("change", "remedy"),
@@ -270,12 +276,10 @@ def test_a_run_of_no_time_prints_its_table_and_tells_why_it_draws_nothing(
     ],
 )
 def test_a_run_of_no_time_is_no_page_and_no_film(
-    case, refuses, command, change, remedy
+    case, refuses, command, said, change, remedy
 ):
     case.write_text(CASE + change)
-    error = refuses(
-        [command[0], "case.toml", *command[1:]], "there is nothing to draw", remedy
-    )
+    error = refuses([command[0], "case.toml", *command[1:]], said, remedy)
     assert "--until" not in error
     assert [path.name for path in case.parent.iterdir()] == ["case.toml"]
 
@@ -430,11 +434,17 @@ def test_a_run_that_stops_early_ends_with_3_and_still_reports_and_saves(case, to
     assert "velocity at the end" in out
     assert "Raise --max-events" in out
     assert ri.load("a.toml").stopped_by == "max_events"
-    told("export", "case.toml", "-o", "a.html", status=3)
     out = told("animate", "case.toml", "-o", "a.gif", "--frames", "2", status=3)
     assert "cap of 40 events" in out
-    assert Path("a.html").exists()
     assert Path("a.gif").exists()
+
+
+def test_a_page_of_a_run_that_stops_early_says_so_itself(case, told):
+    case.write_text(f"{ENDLESS}solve.max_events = 40\n")
+    told("export", "case.toml", "-o", "a.html")
+    sent = tables_of(with_gauges(ri.read_case(case)))
+    notes = scene_of(sent["case"], sent["gauges"], LIBRARY)["notes"]
+    assert "cap of 40 events" in notes[0]
 
 
 def test_an_existing_file_needs_force_and_is_left_alone(case, refuses):
