@@ -13,9 +13,6 @@ from .algebra.exact import Exact as Exact
 from .algebra.exact import exact as exact
 from .algebra.formula import ClosedForm as ClosedForm
 from .algebra.formula import closed_form as closed_form
-from .algebra.gradients import Gradient as Gradient
-from .algebra.gradients import Kink as Kink
-from .algebra.gradients import gradient as gradient
 from .explorer.exploring import Page as Page
 from .explorer.exploring import explore as explore
 from .fitting.measured import Measured as Measured
@@ -82,6 +79,9 @@ from .results.regions import regions_of as regions_of
 from .results.ring_down import RingDown as RingDown
 from .results.saved import OutcomeDiffers as OutcomeDiffers
 from .results.solution import Solution as Solution
+from .running.gradients import Gradient as Gradient
+from .running.gradients import Kink as Kink
+from .running.gradients import gradient as gradient
 from .running.loading import load as load
 from .running.solving import collide as collide
 from .running.solving import solve as solve

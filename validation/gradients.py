@@ -33,20 +33,17 @@ def box() -> Rows:
     case = Case("rods of one section", BOX)
     g = ri.gradient(ri.System([rod(2, velocity=1.0), rod(5)]), wrt=LENGTHS)
     for i, (path, exact) in enumerate(zip(LENGTHS, (1 / 5, -2 / 25), strict=True)):
-        yield case.row(f"de/dl{i + 1} at 2 : 5", exact, g[path], 1e-8)
+        yield case.row(f"de/dl{i + 1} at 2 : 5", exact, g[path], 1e-10)
     kink = ri.gradient(ri.System([rod(2, velocity=1.0), rod(2)]), wrt=LENGTHS).kinks[
         LENGTHS[0]
     ]
-    yield case.row("de/dl1 below l1 = l2 = 2", 0.5, kink.below, 1e-8)
+    yield case.row("de/dl1 below l1 = l2 = 2", 0.5, kink.below, 1e-9)
     yield case.row(
         "de/dl1 above l1 = l2 = 2",
         -0.5,
         kink.above,
-        1e-8,
+        1e-9,
         "the same with l1 and l2 exchanged",
-    )
-    yield case.row(
-        "when the order of waves changes there, s", 4.0, kink.time, 1e-12, "2 T"
     )
 
 
@@ -63,12 +60,12 @@ def near_two_to_five() -> Rows:
     )
     for name, path, value in zip(("T1", "T2", "r"), g.wrt, exact, strict=True):
         yield Row(
-            "T 2.05 : 5.15, Z 1 : 1.7", f"de/d{name}", SERIES, value, g[path], 1e-13
+            "T 2.05 : 5.15, Z 1 : 1.7", f"de/d{name}", SERIES, value, g[path], 1e-11
         )
 
 
 def scaling() -> Rows:
-    """What derivatives of the last velocity add up to, each times its number."""
+    """Sums of the derivatives of the last velocity, each times its number."""
     rng, worst = np.random.default_rng(18), np.zeros(3)
     for _ in range(ROWS):
         T, Z = rng.uniform(1, 2, 3), rng.uniform(0.5, 2, 3)
@@ -86,15 +83,19 @@ def scaling() -> Rows:
         sums = by_number.reshape(3, 3).sum(axis=1)
         by_gap = gap * g["contacts.0.gap"]
         wrong = (sums[0] + by_gap, sums[1], sums[2] + by_gap - g.value)
-        worst = np.maximum(worst, np.abs(wrong))
+        stated = np.concatenate([T, Z, v]) * [g.errors[path] for path in paths]
+        gap_error = gap * g.errors["contacts.0.gap"]
+        allowed = stated.reshape(3, 3).sum(axis=1)
+        allowed += np.array([gap_error, 0.0, gap_error])
+        worst = np.maximum(worst, np.abs(wrong) / allowed)
     for what, difference in zip(
         ("lengths and gap", "areas", "velocities and gap"), worst, strict=True
     ):
         yield Row(
             f"{ROWS} random rows of three",
-            f"velocity after by {what}, largest difference",
+            f"velocity after by {what}, largest difference over stated error",
             EULER,
             0.0,
             float(difference),
-            1e-12,
+            1.0,
         )

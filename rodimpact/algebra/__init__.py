@@ -1,1 +1,1 @@
-"""Collisions without rounding: fractions, formulas, the cells where they hold, derivatives."""
+"""Collisions without rounding: fractions, formulas, and the cells where they hold."""

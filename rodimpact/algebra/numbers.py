@@ -1,9 +1,9 @@
-"""Numbers that carry more through the kernels: how they were made, or their derivatives.
+"""Fractions that remember how they were computed.
 
-A `Number` is a fraction, and the operation and operands it came from, back to the named numbers of
-the model. Every branch of a kernel is taken on the fractions, and what was computed can afterwards
-be evaluated for other numbers, or in symbols. What depends on no name is a mere fraction. A `Dual`
-is a float or a whole number with its derivatives.
+Kernels run on a `Number` as on a float, and decide every branch by its value, a fraction. A
+`Number` also keeps its operation and operands, back to the named numbers of the model. A `Program`
+evaluates this history again: for other values of the names, or in symbols. A result that depends on
+no name is a fraction without a history.
 """
 
 from __future__ import annotations
@@ -13,7 +13,9 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any
 
-OPERATIONS: dict[str, Callable[[Any, Any], Any]] = {
+Operation = Callable[[Any, Any], Any]
+
+OPERATIONS: dict[str, Operation] = {
     "+": operator.add,
     "-": operator.sub,
     "*": operator.mul,
@@ -21,58 +23,31 @@ OPERATIONS: dict[str, Callable[[Any, Any], Any]] = {
     "since": lambda passed, x: (passed >= 0) * x,
 }
 NEUTRAL = {"+": 0, "-": 0, "*": 1, "/": 1}
-"""By operation, the right operand that changes nothing."""
-# value and derivatives of what an operation makes of x and y, whose derivatives are dx and dy
-RULES: dict[str, Callable[[Any, Any, Any, Any], tuple[Any, Any]]] = {
-    "+": lambda x, dx, y, dy: (x + y, dx + dy),
-    "-": lambda x, dx, y, dy: (x - y, dx - dy),
-    "*": lambda x, dx, y, dy: (x * y, dx * y + x * dy),
-    "/": lambda x, dx, y, dy: (x / y, (dx - x / y * dy) / y),
-}
+"""Right operand of each operation that changes nothing."""
 HALF = Fraction(1, 2)
 
 
-def _judged(compare: Callable[[Any, Any], Any]) -> Callable[[Any, Any], bool]:
-    return lambda x, y: bool(compare(x.value, y.value if isinstance(y, Judged) else y))
+def _comparison(compare: Operation) -> Callable[[Any, Any], bool]:
+    """Method that compares the value with a number or with the value of a `Number`."""
+
+    def method(x: Number, y: Any) -> bool:
+        other = y.value if isinstance(y, Number) else y
+        return bool(compare(x.value, other))
+
+    return method
 
 
-def _both_sides(
-    operation: str,
-) -> tuple[Callable[[Any, Any], Any], Callable[[Any, Any], Any]]:
-    return (lambda x, y: x.combine(operation, x, y)), (
-        lambda y, x: y.combine(operation, x, y)
-    )
+def _method(operation: str) -> Callable[[Number, Any], Number]:
+    """Method for an operation whose left operand is the number."""
+    return lambda left, right: Number.combine(operation, left, right)
 
 
-class Judged:
-    """A number that carries more: kernels decide by its value alone.
-
-    What an operation makes of two such numbers is what `combine` of their class says.
-    """
-
-    __slots__ = ()
-    value: Any
-    combine: Callable[[str, Any, Any], Any]
-
-    __eq__, __lt__, __le__, __gt__, __ge__ = map(
-        _judged, (operator.eq, operator.lt, operator.le, operator.gt, operator.ge)
-    )
-    (
-        (__add__, __radd__),
-        (__sub__, __rsub__),
-        (__mul__, __rmul__),
-        (__truediv__, __rtruediv__),
-    ) = map(_both_sides, NEUTRAL)
-    __hash__ = None  # type: ignore[assignment]
-
-    def __neg__(self) -> Any:
-        return 0 - self
-
-    def __int__(self) -> int:
-        return int(self.value)
+def _reflected_method(operation: str) -> Callable[[Number, Any], Number]:
+    """Method for an operation whose right operand is the number."""
+    return lambda right, left: Number.combine(operation, left, right)
 
 
-class Number(Judged):
+class Number:
     """A fraction with its history.
 
     Attributes
@@ -90,24 +65,47 @@ class Number(Judged):
 
     @staticmethod
     def combine(operation: str, x: Any, y: Any) -> Number:
-        """What an operation makes of two numbers; one of them where the other changes nothing."""
+        """Apply an operation; return the other operand if one of them changes nothing."""
         a = x if isinstance(x, Number) else Number(x)
         b = y if isinstance(y, Number) else Number(y)
-        left, right = a.made or a.value, b.made or b.value
+        left = a.made or a.value
+        right = b.made or b.value
         if right == NEUTRAL[operation]:
             return a
         if operation in "+*" and left == NEUTRAL[operation]:
             return b
         if (left == 0 and operation in "*/") or (right == 0 and operation == "*"):
             return ZERO
-        return _made(operation, a, b)
+        return _computed(operation, a, b)
+
+    __eq__ = _comparison(operator.eq)
+    __lt__ = _comparison(operator.lt)
+    __le__ = _comparison(operator.le)
+    __gt__ = _comparison(operator.gt)
+    __ge__ = _comparison(operator.ge)
+    __hash__ = None  # type: ignore[assignment]
+
+    __add__ = _method("+")
+    __radd__ = _reflected_method("+")
+    __sub__ = _method("-")
+    __rsub__ = _reflected_method("-")
+    __mul__ = _method("*")
+    __rmul__ = _reflected_method("*")
+    __truediv__ = _method("/")
+    __rtruediv__ = _reflected_method("/")
+
+    def __neg__(self) -> Number:
+        return 0 - self
 
     def __abs__(self) -> Number:
         return -self if self.value < 0 else self
 
     def __trunc__(self) -> Number:
-        """Time in whole ticks is truncated half a tick later; exact time needs no ticks."""
+        """Undo half a tick: kernels round a time by trunc(t + 1/2), and exact times need none."""
         return Number.combine("-", self, HALF)
+
+    def __int__(self) -> int:
+        return int(self.value)
 
     def __float__(self) -> float:
         return float(self.value)
@@ -116,93 +114,79 @@ class Number(Judged):
 ZERO = Number(0)
 
 
-def _made(operation: str, a: Number, b: Number) -> Number:
+def _computed(operation: str, a: Number, b: Number) -> Number:
     value = OPERATIONS[operation](a.value, b.value)
-    return Number(value, (operation, a, b) if a.made or b.made else ())
+    has_history = a.made or b.made
+    return Number(value, (operation, a, b) if has_history else ())
 
 
-class Dual(Judged):
-    """A number, whole or not, and its derivatives in some directions.
+def since(passed: Number, x: Number, decided: bool) -> Number:
+    """Compute H(passed) x, with H the unit step: 0 for negative numbers, else 1.
 
-    Attributes
-    ----------
-    value : int or float
-    d : float or array
-        Derivatives, [direction]; 0.0 where nothing changes.
+    If `decided`, H is taken from the value in this run. Otherwise it stays in the history.
     """
-
-    __slots__ = ("d", "value")
-
-    def __init__(self, value: Any, d: Any = 0.0) -> None:
-        self.value, self.d = value, d
-
-    @staticmethod
-    def combine(operation: str, a: Any, b: Any) -> Dual:
-        """What an operation makes of two numbers, by the rules of derivatives."""
-        x, dx = (a.value, a.d) if type(a) is Dual else (a, 0.0)
-        y, dy = (b.value, b.d) if type(b) is Dual else (b, 0.0)
-        return Dual(*RULES[operation](x, dx, y, dy))
-
-    def __abs__(self) -> Any:  # kernels compare it, and do no more
-        return abs(self.value)
-
-    def __trunc__(self) -> Dual:  # time in whole ticks changes as time itself
-        return Dual(int(self.value), self.d)
-
-
-def since(passed: Number, x: Number, told: bool) -> Number:
-    """`x` if this time is not negative, else 0; if `told` that is decided by what it is here."""
-    if told:
+    if decided:
         return x if passed >= 0 else ZERO
-    return _made("since", passed, x)
+    return _computed("since", passed, x)
 
 
 class Program:
-    """Numbers to be computed anew for other values of the names, again and again.
+    """Operations that compute numbers again for other values of the names.
 
     Parameters
     ----------
     wanted : list of Number
+        Numbers to compute.
     constant : callable
-        Makes of a fraction what goes with what stands for the names.
+        Converts a fraction to the kind of number that stands for the names.
     """
 
     def __init__(
         self, wanted: list[Number], constant: Callable[[Fraction], Any]
     ) -> None:
-        places: dict[tuple[Any, ...], int] = {}
-        at: dict[int, int] = {}
+        places: dict[tuple[Any, ...], int] = {}  # place of each step in the program
+        place_of: dict[int, int] = {}  # the same by id of the number
         stack = wanted[::-1]
         while stack:
             x = stack.pop()
-            missing = [y for y in x.made[1:] if id(y) not in at]
+            missing = [y for y in x.made[1:] if id(y) not in place_of]
             if missing:  # operands go first
                 stack += [x, *missing]
                 continue
             step: tuple[Any, ...] = x.made or (None, x.value)
             if len(step) == 3:
-                step = OPERATIONS[step[0]], at[id(step[1])], at[id(step[2])]
-            at[id(x)] = places.setdefault(step, len(places))
-        self._steps = [
-            (None, constant(step[1])) if step[0] is None else step for step in places
-        ]
-        self._wanted = [at[id(x)] for x in wanted]
+                operation, left, right = step
+                step = (
+                    OPERATIONS[operation],
+                    place_of[id(left)],
+                    place_of[id(right)],
+                )
+            place_of[id(x)] = places.setdefault(step, len(places))
+        self._steps: list[tuple[Any, ...]] = []
+        for step in places:
+            if step[0] is None:
+                step = (None, constant(step[1]))
+            self._steps.append(step)
+        self._wanted = [place_of[id(x)] for x in wanted]
 
     def __call__(
         self,
         names: Mapping[str, Any],
         before: Callable[[Any, Any], None] | None = None,
     ) -> list[Any]:
-        """Compute them of what stands for each name: fractions, symbols or arrays.
+        """Compute the numbers from a fraction, symbol or array for each name.
 
         The function `before` is called with the operands of each operation.
         """
-        found: list[Any] = []
+        results: list[Any] = []
         for step in self._steps:
             if len(step) == 3:
+                operation, left, right = step
                 if before is not None:
-                    before(found[step[1]], found[step[2]])
-                found.append(step[0](found[step[1]], found[step[2]]))
+                    before(results[left], results[right])
+                results.append(operation(results[left], results[right]))
+            elif len(step) == 1:
+                results.append(names[step[0]])
             else:
-                found.append(names[step[0]] if len(step) == 1 else step[1])
-        return [found[i] for i in self._wanted]
+                results.append(step[1])
+        return [results[place] for place in self._wanted]

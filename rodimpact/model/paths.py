@@ -80,13 +80,18 @@ def with_numbers(system: System, numbers: Mapping[str, float]) -> System:
     return System.from_dict(described)
 
 
-def unit_at(system: System, place: str) -> str:
-    """SI unit of the number at a place."""
+def field_at(system: System, place: str) -> Field:
+    """Declaration of the number at a place."""
     owner, _, field = place.rpartition(".")
     if owner.startswith("contacts") and field != "gap":
         _, i, *table = owner.split(".")
-        return system.contacts[int(i)].fields[table[0] if table else field].unit
-    return FIELDS.get(field, Field()).unit
+        return system.contacts[int(i)].fields[table[0] if table else field]
+    return FIELDS.get(field, Field())
+
+
+def unit_at(system: System, place: str) -> str:
+    """SI unit of the number at a place."""
+    return field_at(system, place).unit
 
 
 def suggestion(path: str, known: Collection[str]) -> str:

@@ -1,0 +1,143 @@
+"""Derivatives on both sides of a point, by Richardson's extrapolation from values at halved steps.
+
+A polynomial through the values at a few consecutive steps is extrapolated to the step 0. Such a
+window of steps has a bound: how far it lies from the window of one step less, and what noise of
+the values may do to it. Windows are taken from the smallest steps to the largest. The first that
+contradicts those before it reaches beyond a kink, and ends the search. The window with the least
+bound is the result.
+
+C. Brezinski, M. Redivo Zaglia, Extrapolation Methods, North-Holland 1991.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..methods.row import Array
+
+MOST_ORDER = 5  # of a window: more amplify noise, and gain nothing
+TRUNCATION_SAFETY = 10.0  # stated truncation error over the change by the last order
+
+
+class Estimate(NamedTuple):
+    """A limit for steps that go to 0, and its stated error: inf where there is no limit."""
+
+    value: Array
+    error: Array
+
+
+class Sides(NamedTuple):
+    """A function at a point: derivatives and values on both sides, and its central derivative."""
+
+    below: Estimate  # derivative on the side of smaller arguments
+    above: Estimate
+    value_below: Estimate  # limit of the function itself
+    value_above: Estimate
+    central: Estimate  # derivative, if it is the same on both sides
+
+    @property
+    def jump(self) -> Estimate:
+        """Value above minus value below."""
+        return Estimate(
+            self.value_above.value - self.value_below.value,
+            self.value_above.error + self.value_below.error,
+        )
+
+    @property
+    def bend(self) -> Estimate:
+        """Derivative above minus derivative below."""
+        return Estimate(
+            self.above.value - self.below.value, self.above.error + self.below.error
+        )
+
+    @property
+    def smooth(self) -> Array:
+        """Whether neither the values nor the derivatives on both sides are known to differ."""
+        continuous = np.abs(self.jump.value) <= self.jump.error
+        straight = np.abs(self.bend.value) <= self.bend.error
+        return np.asarray(continuous & straight)
+
+
+def sides_of(below: Array, above: Array, steps: Array, noise: Array) -> Sides:
+    """Extrapolate to the point from both sides.
+
+    Parameters
+    ----------
+    below, above : [step, ...] array
+        Values of the function at the point minus and plus each step; nan where it has none.
+    steps : [step, ...] array
+        Each half the one before.
+    noise : [...] array
+        Bound of the error of the values.
+    """
+    neighbours = steps[:-1] - steps[1:]
+    amplification = 2 / neighbours
+    return Sides(
+        below=limit((below[1:] - below[:-1]) / neighbours, amplification, noise, 2),
+        above=limit((above[:-1] - above[1:]) / neighbours, amplification, noise, 2),
+        value_below=limit(below, np.ones_like(steps), noise, 2),
+        value_above=limit(above, np.ones_like(steps), noise, 2),
+        central=limit((above - below) / (2 * steps), 1 / steps, noise, 4),
+    )
+
+
+def limit(first: Array, amplification: Array, noise: Array, ratio: int) -> Estimate:
+    """Limit of a sequence at steps that are halved.
+
+    Parameters
+    ----------
+    first : [step, ...] array
+        Its error is a series of powers of the step: of all, or of the even powers.
+    amplification : [step, ...] array
+        Error of `first` over that of the values of which it is made.
+    noise : [...] array
+        Bound of the error of these values.
+    ratio : int
+        Factor by which the first term of the error falls from step to step: 2 or 4.
+    """
+    value = np.full(first.shape[1:], math.nan)
+    error = np.full(first.shape[1:], math.inf)
+    low = np.full(first.shape[1:], -math.inf)
+    high = np.full(first.shape[1:], math.inf)
+    in_agreement = np.full(first.shape[1:], True)
+    windows = windows_of(first, amplification * noise, ratio)
+    for window_value, window_error in zip(*windows, strict=True):
+        known = np.isfinite(window_error)
+        in_agreement &= ~known | (
+            (window_value - window_error <= high) & (window_value + window_error >= low)
+        )
+        used = known & in_agreement
+        low = np.where(used, np.maximum(low, window_value - window_error), low)
+        high = np.where(used, np.minimum(high, window_value + window_error), high)
+        better = used & (window_error < error)
+        value = np.where(better, window_value, value)
+        error = np.where(better, window_error, error)
+    return Estimate(value, error)
+
+
+def windows_of(first: Array, noise: Array, ratio: int) -> tuple[list[Any], list[Any]]:
+    """Best window of those that begin at each step, from the smallest step to the largest.
+
+    Returns
+    -------
+    values, errors : lists of array
+    """
+    count = len(first)
+    values = [np.full(first.shape[1:], math.nan) for _ in range(count)]
+    errors = [np.full(first.shape[1:], math.inf) for _ in range(count)]
+    order_below = first
+    noise_below = noise
+    for order in range(1, min(MOST_ORDER, count - 1) + 1):
+        factor = float(ratio**order)
+        change = (order_below[1:] - order_below[:-1]) / (factor - 1)
+        this_order = order_below[1:] + change
+        this_noise = (factor * noise_below[1:] + noise_below[:-1]) / (factor - 1)
+        bounds = TRUNCATION_SAFETY * np.abs(change) + this_noise
+        for begin in range(count - order):
+            better = bounds[begin] < errors[begin]
+            values[begin] = np.where(better, this_order[begin], values[begin])
+            errors[begin] = np.where(better, bounds[begin], errors[begin])
+        order_below = this_order
+        noise_below = this_noise
+    return values[::-1], errors[::-1]

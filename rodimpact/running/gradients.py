@@ -1,0 +1,599 @@
+"""gradient(): derivatives of the result of a collision by the numbers of its system.
+
+The system is solved with each number a little smaller and a little larger, and the differences are
+extrapolated to steps of length 0. Both sides are kept apart, since results of collisions have
+kinks: where two events change their order, the derivative differs on both sides.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..methods.groups import groups, unilateral
+from ..methods.registry import METHODS, Options
+from ..methods.row import Array, Row, largest
+from ..methods.run import MAX_EVENTS
+from ..methods.walk import smallest, velocities_of
+from ..model import Absorbing, System
+from ..model.frozen import InvalidModel, Problems, nearest, raise_noted, refusal
+from ..model.paths import field_at, numbers_of, places_of, suggestion, with_numbers
+from ..results.labels import outcome, parameter
+from ..results.outcome import UndefinedRestitution
+from ..units import shown
+from .columns import ENDED
+from .differences import Estimate, Sides, sides_of
+from .solving import solve
+from .sweeping import sweep
+
+SMOOTH_RTOL = 1e-10
+"""Tolerance of the method "characteristics": finer runs cost more and are hardly more accurate."""
+FRONTS_RTOL = 2.0**-48
+"""Round-off of a run by fronts, relative to the largest velocity, impulse or duration."""
+DURATION_DOUBT = 10.0  # error of durations over the stated error of forces
+STEPS = 6  # halved steps of a stage, on each side
+STAGES = 4  # as many at most; each begins at half the smallest step of the one before
+LARGEST_STEP = {
+    "fronts": 2.0**-6,
+    "characteristics": 2.0**-6,
+    "finite-difference": 2.0**-3,
+}
+"""By method, over the number: the less accurate its results, the longer its steps."""
+SMALL_CHANGE = 2.0**-6  # makes a number of 0 another one, to see what physics it takes
+AMPLIFICATION = 16.0  # error of a derivative, times the step, over that of the values
+ENOUGH = 10.0  # stated error over that which noise allows, up to which steps are kept
+RELATIVE = {"velocity", "strain", "value"}
+"""Numbers whose changes are measured by the motion of the row, whatever their value."""
+ROUND_OFF = 2.0**-52
+SHOWN_RTOL = 1e-8  # relative error of a derivative printed with 8 digits
+
+
+class Kink(NamedTuple):
+    """A place where the derivative differs on both sides, or exists on one side only.
+
+    Each attribute is a number, or an array of the shape of the family: nan for members without a
+    kink.
+
+    Attributes
+    ----------
+    below, above : float
+        Derivatives on the side of smaller and of larger numbers; nan on a side that does not exist,
+        such as below a gap of 0.
+    jump : float
+        Value of the quantity above minus its value below; 0 if it is continuous.
+
+    Examples
+    --------
+    At equal lengths e = l1/l2 below and e = l2/l1 above:
+
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> rods = [ri.Rod(1.0, area=1e-4, material=steel, velocity=v) for v in (1.0, 0.0)]
+    >>> kink = ri.gradient(ri.System(rods), wrt=["bodies.0.length"]).kinks["bodies.0.length"]
+    >>> round(float(kink.below), 6), round(float(kink.above), 6)
+    (1.0, -1.0)
+    """
+
+    below: Any
+    above: Any
+    jump: Any
+
+
+@dataclass(frozen=True)
+class Gradient:
+    """Derivatives of a result of a collision; as an array, [..., path].
+
+    Attributes
+    ----------
+    of : str
+        Name of the quantity.
+    wrt : tuple of str
+        Paths of the numbers.
+    value : float or array
+        The quantity itself.
+    values : dict of str to float or array
+        Derivative by path, where it is the same on both sides; else nan.
+    errors : dict of str to float or array
+        Stated error by path: it bounds the error of the derivative, or at a kink the errors of the
+        one-sided derivatives.
+    one_sided : dict of str to (float or array, float or array)
+        Derivatives below and above each number.
+    kinks : dict of str to Kink
+        By the paths that have any.
+    unit : str
+        Unit of the quantity; "" if it has none.
+    units : dict of str to str
+        Unit of each derivative, by path.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=steel)
+    >>> slopes = ri.gradient(ri.System([left, right]), wrt=["bodies.0.length"])
+    >>> round(float(slopes["bodies.0.length"]), 9), slopes.units["bodies.0.length"]     # e = l1/l2
+    (1.0, '1/m')
+    >>> bool(slopes.errors["bodies.0.length"] < 1e-9)
+    True
+    """
+
+    of: str
+    wrt: tuple[str, ...]
+    value: Any
+    values: Mapping[str, Any]
+    errors: Mapping[str, Any]
+    one_sided: Mapping[str, tuple[Any, Any]]
+    kinks: Mapping[str, Kink]
+    unit: str
+    units: Mapping[str, str]
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Array:
+        columns = [self.values[path] for path in self.wrt]
+        return np.stack(columns, -1).astype(dtype or float)
+
+    def __getitem__(self, path: str) -> Any:
+        if not isinstance(path, str) or path not in self.values:
+            raise KeyError(f"no derivative by {shown(path)}; {nearest(path, self.wrt)}")
+        return self.values[path]
+
+    def __str__(self) -> str:
+        if np.ndim(self.value):
+            members = f"of {np.size(self.value)} members, by {', '.join(self.wrt)}"
+            return f"derivatives of {self.of} {members}"
+        value = f"{self.value:.10g} {self.unit}".rstrip()
+        lines = [f"{self.of} = {value}; its derivative by"]
+        lines += [f"  {path}: {self._described(path)}" for path in self.wrt]
+        return "\n".join(lines)
+
+    def _described(self, path: str) -> str:
+        """Derivative by one number, with its unit, and its error where digits shown are wrong."""
+        unit = f" {self.units[path]}".rstrip()
+        error = float(self.errors[path])
+        if path in self.kinks:
+            below, above, jump = self.kinks[path]
+            text = f"{below:.8g} below, {above:.8g} above{unit}"
+            if jump != 0:
+                text += f", a jump by {jump:.8g} {self.unit}".rstrip()
+            size = min(abs(below), abs(above))
+        else:
+            text = f"{self.values[path]:.8g}{unit}"
+            size = abs(self.values[path])
+        if error > SHOWN_RTOL * size:
+            text += f", stated error {error:.1g}"
+        return text
+
+
+def gradient(
+    system: System,
+    of: str = "restitution",
+    wrt: Sequence[str] = (),
+    *,
+    method: str = "auto",
+    until: float | None = None,
+    max_events: int = MAX_EVENTS,
+    rtol: float | None = None,
+    workers: int | None = None,
+) -> Gradient:
+    """Derivatives of a result of a collision, by finite differences with a stated error.
+
+    The collision is solved on both sides of each number, at 6 to 24 steps on each side that are
+    halved from one to the next. Derivatives follow by Richardson's extrapolation. If they differ on
+    both sides, or if the quantity jumps, the number has a kink. Steps become smaller as long as a
+    kink seems near, or the error is larger than the accuracy of the solutions makes necessary.
+    Kinks closer to the number than about 1e-7 of it cannot be told from a kink at the number.
+
+    Parameters
+    ----------
+    system : System
+        A single collision or a family.
+    of : str
+        ``"restitution"``, ``"velocity_after.1"`` (m/s, of a body), ``"impulse.0"`` (N s),
+        ``"peak_force.0"`` (N) or ``"duration.0"`` (s, of a contact). A body that an absorbing end
+        slows down for ever has no velocity after.
+    wrt : sequence of str
+        Paths of numbers as in a case file: ``"bodies.0.length"``, ``"contacts.0.stiffness"``,
+        ``"materials.steel.wave_speed"``.
+    method, until, max_events
+        As for `sweep`. With `until`, all quantities count up to that time.
+    rtol : float, optional
+        Relative accuracy of the solutions: by default 1e-10 for "characteristics", and 1e-3 for
+        "finite-difference". "fronts" is exact to round-off and takes none.
+    workers : int, optional
+        Number of threads; default: the processors at hand.
+
+    Returns
+    -------
+    Gradient
+        In SI units. A member without such a quantity, or whose run does not end, has nan.
+
+    Raises
+    ------
+    InvalidModel
+        If there is no such quantity, a path is none of the system, or the method lacks something.
+    UndefinedRestitution
+        If a single collision has no such number.
+
+    Notes
+    -----
+    The stated error is the sum of two parts. The truncation error is ten times the change by
+    the last order of the extrapolation. Noise is bounded by the stated errors of the solutions
+    (round-off for "fronts") times the factor by which the differences amplify it. The "accuracy"
+    of a sweep is about velocities and forces; durations count as ten times less accurate.
+
+    Examples
+    --------
+    Rods of one section: e is the ratio of their lengths.
+
+    >>> import rodimpact as ri
+    >>> left = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
+    >>> g = ri.gradient(ri.System([left, right]), wrt=["bodies.0.length", "bodies.1.length"])
+    >>> print(g)
+    restitution = 0.4; its derivative by
+      bodies.0.length: 1 1/m
+      bodies.1.length: -0.4 1/m
+    """
+    options = Options(until, method, max_events, rtol=rtol)
+    options.method_for(system)
+    _check(system, of, wrt, until)
+    numbers = [_number(system, path) for path in wrt]
+    options = _common_options(options, system, numbers)
+    result = _Result(of, options, workers)
+
+    value = result.of_members(system)
+    if not system.shape and math.isnan(value.value):
+        raise UndefinedRestitution(_why_undefined(system, of, options))
+    columns = []
+    for number in numbers:
+        sides = _extrapolated(number, result, value)
+        columns.append(_column(sides, np.isfinite(value.value)))
+    return _gradient(system, of, tuple(wrt), value.value, columns)
+
+
+def _common_options(
+    options: Options, system: System, numbers: Sequence["_Number"]
+) -> Options:
+    """Options by which the system can be solved, and its neighbours: a gravity of 0 may vary."""
+    able = [options.method_for(system)]
+    for number in numbers:
+        beside, _ = number.neighbours([number.size * SMALL_CHANGE])
+        able.append(options.method_for(beside))
+    slowest = max(able, key=list(METHODS).index)
+    if slowest == "characteristics" and options.rtol is None:
+        options = replace(options, rtol=SMOOTH_RTOL)
+    return replace(options, method=slowest)
+
+
+def _why_undefined(system: System, of: str, options: Options) -> str:
+    """Why a single collision has no such number."""
+    solution = solve(
+        system,
+        options.until,
+        options.method,
+        max_events=options.max_events,
+        rtol=options.rtol,
+    )
+    reason = ""
+    if of == "restitution":
+        reason = solution.outcome.why_no_restitution()
+    return reason or f"{of} is undefined: {solution.status}"
+
+
+class _Result(NamedTuple):
+    """A result of a collision as a function of its system."""
+
+    of: str
+    options: Options
+    workers: int | None
+
+    def of_members(self, system: System) -> Estimate:
+        """Values and their stated errors, of the family's shape; nan where a run does not end."""
+        options = self.options
+        stated = options.method != "fronts"
+        swept = sweep(
+            system,
+            options.method,
+            until=options.until,
+            max_events=options.max_events,
+            rtol=options.rtol,
+            also=["accuracy"] if stated else [],
+            workers=self.workers,
+        )
+        columns = swept.columns
+        ended = np.isin(columns["status"], ENDED)
+        value = np.where(ended, columns[self.of], math.nan)
+        error = columns["accuracy"] if stated else FRONTS_RTOL
+        return Estimate(value, error * self._size(system, columns))
+
+    def _size(self, system: System, columns: Mapping[str, Any]) -> Any:
+        """The size to which the stated error of the quantity is relative."""
+        kind, _, _ = self.of.partition(".")
+        if kind == "velocity_after":
+            return velocity_scale(system)
+        if kind == "restitution":
+            (k,) = unilateral(system)
+            e = columns["restitution"]
+            parting = (
+                columns[f"velocity_after.{k + 1}"] - columns[f"velocity_after.{k}"]
+            )
+            with np.errstate(divide="ignore", invalid="ignore"):
+                of_closing = np.where(e == 0, 1.0, velocity_scale(system) * e / parting)
+            return 2 * np.abs(of_closing) + np.abs(e)
+        sizes = [np.abs(columns[f"{kind}.{k}"]) for k in unilateral(system)]
+        return largest(sizes) * (DURATION_DOUBT if kind == "duration" else 1.0)
+
+
+def velocity_scale(system: System) -> Any:
+    """Velocity to which stated errors of velocities are relative, m/s."""
+    row = Row(system)
+    if len(row.segments) > 0:
+        return row.scale
+    velocities = velocities_of(row)
+    return largest(velocities) - smallest(velocities)
+
+
+class _Number(NamedTuple):
+    """A number of a system, or of each member of a family."""
+
+    system: System
+    places: list[str]
+    x: Any
+    size: Any  # by which its changes are measured
+
+    def neighbours(self, by: Any) -> tuple[System, Any]:
+        """Systems with changed numbers, [step, ...], and whether each change is allowed."""
+        field = field_at(self.system, self.places[0])
+        by = np.asarray(by)
+        allowed = np.asarray(field.holds(self.x + by))
+        changed = np.where(allowed, by, 0.0)
+        try:
+            return self._changed(changed), allowed
+        except InvalidModel:  # a number may have to be less than another
+            for k in range(len(by)):
+                try:
+                    self._changed(changed[k])
+                except InvalidModel:
+                    allowed[k] = False
+            return self._changed(np.where(allowed, by, 0.0)), allowed
+
+    def _changed(self, by: Any) -> System:
+        value = self.x + by
+        if np.ndim(value) == 0:
+            value = float(value)
+        return with_numbers(self.system, dict.fromkeys(self.places, value))
+
+    def members(self, chosen: Any) -> "_Number":
+        """The same number of some members of the family."""
+        if not self.system.shape:
+            return self
+        x = np.broadcast_to(self.x, self.system.shape)
+        size = np.broadcast_to(self.size, self.system.shape)
+        return _Number(self.system[chosen], self.places, x[chosen], size[chosen])
+
+
+def _number(system: System, path: str) -> _Number:
+    """The number at a path."""
+    places = places_of(system)[path]
+    x = numbers_of(system)[places[0]]
+    natural = _natural_size(system, places[0])
+    words = places[0].split(".")
+    if not RELATIVE.isdisjoint(words):
+        size = natural
+    elif words[-1] == "gap":
+        size = np.where(np.equal(x, 0), natural, np.minimum(x, natural))
+    else:
+        size = np.where(np.equal(x, 0), natural, np.abs(x))
+    if not np.all(np.greater(size, 0)):
+        message = (
+            f"{path} is 0, and nothing else gives it a scale; give it a small value"
+        )
+        raise refusal("wrt", message)
+    return _Number(system, places, x, size)
+
+
+def _natural_size(system: System, place: str) -> Any:
+    """Size of a number of this unit in the row, for numbers that may be 0; nan without any.
+
+    Let V be the velocity scale of the row, T the longest transit time, c the largest wave speed, Z
+    the largest impedance and E the largest modulus. A gap is V T, a strain V/c, a force Z V.
+    """
+    row = Row(system)
+    V = velocity_scale(system)
+    unit = parameter(system, place).unit
+    if unit == "m/s":
+        return V
+    if unit == "1":
+        return 1.0
+    if len(row.segments) == 0:
+        return math.nan
+    T = largest([s.transit_time for s in row.segments])
+    c = largest([s.wave_speed for s in row.segments])
+    Z = largest([s.impedance for s in row.segments])
+    E = largest([s.material.youngs_modulus for s in row.segments])
+    sizes = {
+        "": V / c,
+        "m": V * T,
+        "m/s^2": V / T,
+        "N": Z * V,
+        "N/m": Z / T,
+        "N s/m": Z,
+        "s/m": 1 / V,
+        "Pa s": E * T,
+    }
+    return sizes.get(unit, math.nan)
+
+
+def _extrapolated(number: _Number, result: _Result, value: Estimate) -> Sides:
+    """Derivatives on both sides, from stages of ever smaller steps for members that need them."""
+    shape = number.system.shape
+    size = np.broadcast_to(number.size, shape)
+    noise = np.broadcast_to(value.error, shape)
+    first_step = LARGEST_STEP[result.options.method]
+    steps = np.zeros((0, *shape))
+    below = np.zeros((0, *shape))
+    above = np.zeros((0, *shape))
+    chosen = np.isfinite(value.value)
+    for stage in range(STAGES):
+        halved = first_step * 2.0 ** -np.arange(STEPS * stage, STEPS * (stage + 1))
+        further = np.multiply.outer(halved, size)
+        sides = np.full((2, *further.shape), math.nan)
+        if chosen.any():
+            by = further[:, chosen]
+            beside, allowed = number.members(chosen).neighbours(
+                np.concatenate([-by, by])
+            )
+            found = result.of_members(beside)
+            values = np.where(allowed, found.value, math.nan)
+            sides[:, :, chosen] = values.reshape(2, *by.shape)
+        steps = np.concatenate([steps, further])
+        below = np.concatenate([below, sides[0]])
+        above = np.concatenate([above, sides[1]])
+        changes = np.fmax(np.abs(above - value.value), np.abs(below - value.value))
+        slope = np.fmax.reduce(changes / steps, axis=0, initial=0.0)
+        rounding = ROUND_OFF * np.abs(number.x) * slope
+        at_point = sides_of(below, above, steps, noise + rounding)
+        chosen = _unsettled(at_point, value, noise + rounding, steps[-1] / 2)
+        if not chosen.any():
+            break
+    return at_point
+
+
+def _unsettled(sides: Sides, value: Estimate, noise: Any, next_step: Any) -> Any:
+    """Members for which smaller steps may tell more."""
+    from_noise = AMPLIFICATION * noise / next_step  # error of a derivative
+    bent = np.abs(sides.bend.value) > sides.bend.error
+    bend_can_be_told = np.abs(sides.bend.value) > 2 * from_noise
+    jumps = np.abs(sides.jump.value) > sides.jump.error
+    inaccurate = sides.central.error > ENOUGH * from_noise
+    unsettled = (bent & bend_can_be_told) | jumps | inaccurate
+    return unsettled & np.isfinite(value.value)
+
+
+class _Column(NamedTuple):
+    """Derivatives by one number; each is a number or an array of the family's shape."""
+
+    value: Any
+    error: Any
+    below: Any
+    above: Any
+    jump: Any
+    kinked: Any
+
+
+def _column(sides: Sides, defined: Any) -> _Column:
+    """One derivative where both sides agree; else those of both sides."""
+    smooth = sides.smooth & defined
+    mean = (sides.below.value + sides.above.value) / 2
+    mean_error = (sides.below.error + sides.above.error) / 2
+    central = sides.central.error <= mean_error
+    value = np.where(central, sides.central.value, mean)
+    error = np.where(central, sides.central.error, mean_error)
+    one_sided_errors = []
+    for side in (sides.below, sides.above):
+        one_sided_errors.append(np.where(np.isfinite(side.error), side.error, 0.0))
+    known = np.isfinite(sides.below.error) | np.isfinite(sides.above.error)
+    jump = np.where(np.abs(sides.jump.value) > sides.jump.error, sides.jump.value, 0.0)
+    at_kink = np.where(known, np.maximum(*one_sided_errors), math.nan)
+    column = _Column(
+        value=np.where(smooth, value, math.nan),
+        error=np.where(smooth, error, at_kink),
+        below=np.where(smooth, value, sides.below.value),
+        above=np.where(smooth, value, sides.above.value),
+        jump=jump,
+        kinked=known & ~smooth & defined,
+    )
+    return _Column(*(np.asarray(x)[()] for x in column))
+
+
+def lasting_bodies(system: System) -> set[int]:
+    """Bodies that have a velocity after: no absorbing end slows them down for ever."""
+    last = len(system.bodies) - 1
+    radiating = set()
+    for body, end in zip((0, last), system.ends, strict=True):
+        if isinstance(end, Absorbing):
+            radiating.add(body)
+    lasting: set[int] = set()
+    for group in groups(system):
+        if radiating.isdisjoint(group):
+            lasting.update(group)
+    return lasting
+
+
+def _check(system: System, of: Any, wrt: Any, until: float | None) -> None:
+    """Raise InvalidModel for what has no derivatives."""
+    problems: Problems = []
+    bodies = set(range(len(system.bodies)))
+    if until is None:
+        bodies = lasting_bodies(system)
+    contacts = unilateral(system)
+    choices = [f"velocity_after.{i}" for i in sorted(bodies)]
+    for name in ("impulse", "peak_force", "duration"):
+        choices += [f"{name}.{k}" for k in contacts]
+    if len(contacts) == 1 and {contacts[0], contacts[0] + 1} <= bodies:
+        choices.append("restitution")
+    if not isinstance(of, str) or of not in choices:
+        problems.append(("of", f"must be one of {', '.join(choices)}, got {shown(of)}"))
+    is_list = isinstance(wrt, list | tuple) and len(wrt) > 0
+    if not is_list or not all(isinstance(path, str) for path in wrt):
+        message = (
+            f"must be a list of paths, such as ['bodies.0.length'], got {shown(wrt)}"
+        )
+        problems.append(("wrt", message))
+        wrt = ()
+    known = places_of(system)
+    for path in wrt:
+        if path not in known:
+            message = (
+                f"the system has no parameter {shown(path)}; {suggestion(path, known)}"
+            )
+            problems.append(("wrt", message))
+    raise_noted(problems)
+
+
+def _gradient(
+    system: System, of: str, wrt: tuple[str, ...], value: Any, columns: list[_Column]
+) -> Gradient:
+    """Lay out the result."""
+    unit = outcome(system, of).unit
+    values = {}
+    errors = {}
+    one_sided = {}
+    kinks = {}
+    units = {}
+    for path, column in zip(wrt, columns, strict=True):
+        values[path] = column.value
+        errors[path] = column.error
+        one_sided[path] = (column.below, column.above)
+        units[path] = _per(unit, parameter(system, path).unit)
+        if np.any(column.kinked):
+            kink = (column.below, column.above, column.jump)
+            here = [np.where(column.kinked, x, math.nan)[()] for x in kink]
+            kinks[path] = Kink(*here)
+    return Gradient(
+        of=of,
+        wrt=wrt,
+        value=np.asarray(value)[()],
+        values=values,
+        errors=errors,
+        one_sided=one_sided,
+        kinks=kinks,
+        unit="" if unit == "1" else unit,
+        units=units,
+    )
+
+
+def _per(unit: str, other: str) -> str:
+    """Unit of a derivative; "" if it has none."""
+    if unit == other or (unit == "1" and other == ""):
+        return ""
+    if other in ("", "1"):
+        return unit
+    return f"{_in_brackets(unit)}/{_in_brackets(other)}"
+
+
+def _in_brackets(unit: str) -> str:
+    """The unit, in brackets if it is a product or a quotient."""
+    return f"({unit})" if "/" in unit or " " in unit else unit
