@@ -1,11 +1,10 @@
-"""Differences between predictions and records, and their derivatives.
+"""Differences between predictions and records.
 
 A point holds the scaled value of each parameter of the system, 0 at its lower and 1 at its upper
 bound (called its share), then shift, gain and blur of the records. Only a change of shares needs a
 new solution; shift, gain and blur are applied to the computed signals.
 """
 
-import math
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor
 from functools import partial
@@ -24,11 +23,6 @@ from ..results.solution import Solution
 from .measured import Measured
 from .parameters import KINDS, Parameter, changed
 
-CHANGE = (
-    1e-3  # of the plateau, by which signals are to change for a quotient of differences
-)
-FIRST, LEAST, MOST = 1e-4, 1e-6, 1e-2  # steps between the bounds for that
-TOO_FAR = 4.0  # times the right step, beyond which the quotient is taken anew
 BEYOND = 1.0  # s, before and after a signal: a knot from which on it is constant
 SHIFT, GAIN, BLUR = range(3)  # of `KINDS`
 
@@ -68,7 +62,7 @@ def computed(
 
 
 class Objective:
-    """Differences of predictions and records over the record levels, and their derivatives."""
+    """Differences of predictions and records, over the record levels."""
 
     def __init__(
         self,
@@ -91,8 +85,7 @@ class Objective:
         self.map: Any = executor.map if executor else map
         self.solved = 0  # collisions
         self.heard: Callable[[int], None] = lambda _: None  # of each of them
-        self.steps = np.full(len(parameters), FIRST)
-        self.known: tuple[bytes, list[Signal]] = b"", []
+        self.known: dict[bytes, list[Signal]] = {}  # of the last few shares
         self.places = np.zeros((len(KINDS), len(measured)), int)  # in the point
         for i, number in enumerate(of_records, len(parameters)):
             self.places[KINDS.index(number.kind), list(number.records)] = i
@@ -102,9 +95,15 @@ class Objective:
         self.recorded = np.concatenate([m.signal.values / m.size for m in measured])
         self.low, self.high = np.array([n.ends for n in self.all]).T
         self.free = self.low < self.high
-        self.middle = [
-            (n.low + n.high) / 2 if math.isfinite(n.high) else 0.0 for n in of_records
-        ]
+        self.is_blur = np.array([n.kind == "blur" for n in self.all])
+        self.middle = self._middle()
+
+    def _middle(self) -> Floats:
+        """The middle of the bounds of each number; 0 where there are no bounds."""
+        bounded = np.isfinite(self.low) & np.isfinite(self.high)
+        low = np.where(bounded, self.low, 0.0)
+        high = np.where(bounded, self.high, 0.0)
+        return np.asarray((low + high) / 2)
 
     def system_at(self, point: Floats) -> System:
         """The system with the parameter values of a point, or of its shares alone."""
@@ -137,9 +136,11 @@ class Objective:
     ) -> tuple[float, Floats]:
         """Least sum of squares over shifts and gains at these shares, and its point.
 
-        A shift that several records have in common starts from the best shift of one of them.
+        Blurs are as small as their bounds allow. A shift that several records have in common starts
+        from the best shift of one of them.
         """
-        point = np.concatenate((shares, self.middle))
+        point = np.where(self.is_blur, self.low, self.middle)
+        point[: len(shares)] = shares
         curves = self.blurred(signals, point)
         own = []
         for m, c, i in zip(self.measured, curves, self.places.T.tolist(), strict=True):
@@ -170,10 +171,15 @@ class Objective:
         return np.asarray(self._predicted(curves, point) - self.recorded)
 
     def _signals_at(self, point: Floats) -> list[Signal]:
+        """Signals for the shares of a point; a derivative comes back to the shares before it."""
         shares = point[: len(self.parameters)]
-        if self.known[0] != shares.tobytes():
-            self.known = shares.tobytes(), self.signals([shares])[0]
-        return self.known[1]
+        key = shares.tobytes()
+        if key not in self.known:
+            if len(self.known) > len(self.parameters) + 1:
+                oldest = next(iter(self.known))
+                del self.known[oldest]
+            (self.known[key],) = self.signals([shares])
+        return self.known[key]
 
     def _predicted(self, curves: Sequence[Any], point: Floats) -> Floats:
         """Predictions at the times of all records, over their levels."""
@@ -186,51 +192,3 @@ class Objective:
                 for m, level, c, (shift, gain, _) in each
             ]
         )
-
-    def derivatives(self, point: Floats) -> Floats:
-        """Derivatives of the residuals by each number of the point, shape (sample, number).
-
-        The derivatives with respect to shares and blurs are central differences. Their steps change
-        the signals by about `CHANGE`.
-        """
-        shares, signals = point[: len(self.parameters)], self._signals_at(point)
-        J = np.zeros((len(self.record), len(point)))
-        beside = [
-            np.clip(shares + sign * step, 0, 1)
-            for step in np.diag(self.steps)
-            for sign in (1, -1)
-        ]
-        near = [
-            self._predicted(self.blurred(each, point), point)
-            for each in self.signals(beside)
-        ]
-        for j in range(len(shares)):
-            J[:, j] = (near[2 * j] - near[2 * j + 1]) / (
-                beside[2 * j][j] - beside[2 * j + 1][j]
-            )
-        curves, unit = self.blurred(signals, point), point.copy()
-        unit[self.places[GAIN]] = 1.0
-        wide = np.where(
-            np.isin(np.arange(len(point)), self.places[BLUR]), CHANGE * point, 0.0
-        )
-        wider, narrower = (
-            self._predicted(self.blurred(signals, point + by), point)
-            for by in (wide, -wide)
-        )
-        change = 2 * wide[self.places[BLUR]][self.record]
-        by_blur = np.divide(
-            wider - narrower, change, out=np.zeros(len(J)), where=change > 0
-        )
-        by_shift = -self._predicted([c.derivative() for c in curves], point)
-        for kind, by in (
-            (SHIFT, by_shift),
-            (GAIN, self._predicted(curves, unit)),
-            (BLUR, by_blur),
-        ):
-            J[np.arange(len(J)), self.places[kind][self.record]] = by
-        rates = np.sqrt(np.mean(J[:, : len(shares)] ** 2, axis=0))
-        taken, self.steps = (
-            self.steps,
-            np.clip(CHANGE / np.maximum(rates, CHANGE), LEAST, MOST),
-        )
-        return self.derivatives(point) if (taken > TOO_FAR * self.steps).any() else J

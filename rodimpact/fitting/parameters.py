@@ -78,7 +78,19 @@ class Parameter(NamedTuple):
     @property
     def by_ratio(self) -> bool:
         """Whether equal steps are equal ratios."""
-        return not self.kind and self.low > 0 and self.high / self.low >= RATIO
+        return not self.kind and spans_a_ratio(self.low, self.high)
+
+
+def spans_a_ratio(low: float, high: float) -> bool:
+    """Whether a range is divided in equal ratios: its bounds differ by a factor of 10 or more."""
+    return low > 0 and high / low >= RATIO
+
+
+def share_of_range(value: float, low: float, high: float) -> float:
+    """Share of the way from `low` to `high`, by ratios if the range spans a ratio."""
+    if spans_a_ratio(low, high):
+        return math.log(value / low) / math.log(high / low)
+    return (value - low) / (high - low)
 
 
 def parameters_of(system: System, vary: Mapping[str, Any]) -> list[Parameter]:

@@ -19,6 +19,7 @@ from ..storage.tables import align
 from ..storage.writing import PathLike, write_text
 from ..units import format_si
 from .measured import Measured
+from .parameters import share_of_range
 
 MODEL_ERROR = (
     "The standard errors follow from the residuals. They do not include model error: errors of the "
@@ -26,7 +27,11 @@ MODEL_ERROR = (
     "to the same records; fit.against(other) then states how much each fitted number changes."
 )
 LOOSE = 0.5  # of the range: a number with a larger standard error is not determined
-AT_BOUND = 1e-3  # of the range
+AT_BOUND = 1e-3  # of the range: of its logarithm if it spans a factor of 10 or more
+FAR_ABOVE_NOISE = 4.0  # times the noise before the pulse: a misfit of the model
+LEAST_MISFIT_TOLD = 0.005  # of the level: a smaller misfit is not worth a note
+PULSE_BEGINS = 0.01  # of the largest predicted value
+FEWEST_NOISE_SAMPLES = 8  # before the pulse, from which noise is known
 ALIKE = 0.98  # correlation from which on two numbers are hardly told apart
 SAME, NONE = (
     1e-3,
@@ -126,7 +131,8 @@ class Fit(Shown):
     descents : tuple of Descent
         Where the searches ended, the best first.
     notes : tuple of str
-        Numbers that are not determined, lie at a bound, or depend on the start of the search.
+        Numbers that are not determined, lie at a bound, or depend on the start of the search; and
+        records whose misfit is far above the noise before their pulse.
 
     Examples
     --------
@@ -266,8 +272,12 @@ def doubts(
             )
         if not f.high - f.low < np.inf:
             continue
-        for end, remedy in ((f.low, "lower"), (f.high, "raise")):
-            if abs(f.value - end) <= AT_BOUND * (f.high - f.low):
+        share = share_of_range(f.value, f.low, f.high)
+        for end, distance, remedy in (
+            (f.low, share, "lower"),
+            (f.high, 1.0 - share, "raise"),
+        ):
+            if distance <= AT_BOUND:
                 yield (
                     f"{f.name} is at its bound, {format_si(end, f.unit)}, so its "
                     f"standard error is not reliable: {remedy} the bound, or fix the parameter."
@@ -296,6 +306,36 @@ def doubts(
         if np.ptp(same) > APART * f.standard_error:
             ends = f"{format_si(min(same), f.unit)} to {format_si(max(same), f.unit)}"
             yield f"Searches with the same misfit ended at different values of {f.name}: {ends}."
+
+
+def misfit_notes(
+    measured: Sequence[Measured],
+    predicted: Sequence[Signal],
+    misfits: Sequence[float],
+) -> Iterator[str]:
+    """Notes on records that the model does not describe to within their noise."""
+    for record, prediction, misfit in zip(measured, predicted, misfits, strict=True):
+        noise = noise_before_pulse(record, prediction)
+        if misfit > max(FAR_ABOVE_NOISE * noise, LEAST_MISFIT_TOLD):
+            yield (
+                f"{record.title}: the misfit, {100 * misfit:.2g} %, is far above the noise "
+                f"before the pulse, {100 * noise:.2g} %. The model does not describe this record: "
+                "try another contact law or theory, vary more numbers, or free the blur."
+            )
+
+
+def noise_before_pulse(record: Measured, prediction: Signal) -> float:
+    """Noise of a record over its level: nan if its pulse begins with the record.
+
+    The prediction tells where the pulse begins. Samples of the second half before it are left out,
+    since the measured pulse may begin a little earlier.
+    """
+    values = np.abs(prediction.values)
+    begin = int(np.argmax(values > PULSE_BEGINS * values.max()))
+    before = record.signal.values[: begin // 2]
+    if len(before) < FEWEST_NOISE_SAMPLES:
+        return math.nan
+    return float(np.std(before)) / record.size
 
 
 def correlation_of(covariance: Floats) -> Floats:

@@ -23,11 +23,12 @@ from ..units import shown
 from .measured import Measured
 from .objective import Objective
 from .parameters import HEAD, parameters_of, record_numbers
-from .result import Descent, Fit, Fitted, doubts
+from .result import Descent, Fit, Fitted, doubts, misfit_notes
 from .uncertainty import covariance
 
 TRIES = 16  # systems of the coarse sweep for each number that varies
 MOST_STEPS = 200
+DIFFERENCE_STEP = 1e-5  # of the range of a number, for derivatives
 
 
 def fit(
@@ -71,7 +72,7 @@ def fit(
     starts : int
         Number of points of the coarse sweep from which a least-squares search begins.
     executor : concurrent.futures.Executor, optional
-        Solves the collisions of a sweep and of a derivative; by default they are solved one by one.
+        Solves the collisions of the coarse sweep; by default they are solved one by one.
     progress : bool or function
         Whether a bar may show that a long fit goes on. A function is called with the number of
         collisions solved so far, and None: nobody knows how many there will be.
@@ -87,7 +88,7 @@ def fit(
 
     Notes
     -----
-    Derivatives are central differences. Residuals are not assumed independent: standard errors
+    Derivatives are forward differences. Residuals are not assumed independent: standard errors
     follow from the autocovariance of the residuals of each record, `rodimpact.fitting.uncertainty`.
 
     Examples
@@ -160,8 +161,8 @@ def fit(
                 {"": 1.0, "gain": abs(x)}.get(n.kind, lasting)
                 for n, x in zip(objective.all, least[0], strict=True)
             ]
-        )[objective.free]
-        ends = [_descend(objective, point, sizes) for point in least]
+        )
+        ends = [_search(objective, point, sizes) for point in least]
         return _result(objective, sorted(ends, key=lambda end: end.cost), sizes)
 
 
@@ -177,22 +178,57 @@ def _coarse(own: Sequence[float]) -> list[Floats]:
     return [np.array(own), *((0.5 + k * steps) % 1 for k in range(1, TRIES * n))]
 
 
-def _descend(objective: Objective, start: Floats, sizes: Floats) -> Any:
-    """Where least squares end, of numbers over their sizes; its `x` is the point."""
+def _search(objective: Objective, start: Floats, sizes: Floats) -> Any:
+    """Descend from a start, first with blurs at their lower bounds, then with all numbers free.
+
+    Predictions depend on the square of a blur, so a descent that begins without blur would stay
+    there. It begins in the middle of the bounds. If it ends worse than without blur, the descent
+    goes on from there, so that a blur never makes a fit worse.
+    """
+    free = objective.free
+    blurs = free & objective.is_blur
+    if not blurs.any():
+        return _descend(objective, start, free, sizes)
+    sharp = _descend(objective, start, free & ~blurs, sizes)
+    blurred_start = np.where(blurs, objective.middle, sharp.x)
+    blurred = _descend(objective, blurred_start, free, sizes)
+    if blurred.cost > sharp.cost:
+        blurred = _descend(objective, sharp.x, free, sizes)
+    return blurred
+
+
+def _descend(objective: Objective, start: Floats, free: Any, sizes: Floats) -> Any:
+    """Least-squares search from a point; the result's `x` is the point where it ends.
+
+    The variables are the free numbers over their sizes, plus 1: SciPy's differences take steps
+    relative to a variable, and so the variables must not be 0.
+
+    Parameters
+    ----------
+    objective : Objective
+    start : [number] array
+    free : [number] array of bool
+        Numbers that vary.
+    sizes : [number] array
+    """
     from scipy.optimize import least_squares
 
-    free = objective.free
+    low = objective.low[free] / sizes[free] + 1.0
+    high = objective.high[free] / sizes[free] + 1.0
 
-    def point(x: Floats) -> Floats:
+    def point(variables: Floats) -> Floats:
         whole = start.copy()
-        whole[free] = x * sizes
+        whole[free] = (variables - 1.0) * sizes[free]
         return whole
 
+    def residuals(variables: Floats) -> Floats:
+        return objective.residuals(point(variables))
+
     end = least_squares(
-        lambda x: objective.residuals(point(x)),
-        start[free] / sizes,
-        lambda x: objective.derivatives(point(x))[:, free] * sizes,
-        bounds=(objective.low[free] / sizes, objective.high[free] / sizes),
+        residuals,
+        np.clip(start[free] / sizes[free] + 1.0, low, high),
+        bounds=(low, high),
+        diff_step=DIFFERENCE_STEP,
         x_scale="jac",
         ftol=1e-10,
         xtol=1e-8,
@@ -206,8 +242,8 @@ def _descend(objective: Objective, start: Floats, sizes: Floats) -> Any:
 def _result(objective: Objective, ends: Sequence[Any], sizes: Floats) -> Fit:
     """The best end with its errors, and what there is to say about it."""
     best, records, free = ends[0], objective.measured, objective.free
-    ranges = np.minimum((objective.high - objective.low)[free], sizes)
-    jacobian = objective.derivatives(best.x)[:, free] * ranges
+    ranges = np.minimum(objective.high - objective.low, sizes)[free]
+    jacobian = best.jac * (ranges / sizes[free])
     relative = covariance(jacobian, best.fun, objective.lengths)
     varied = [n for n, is_free in zip(objective.all, free, strict=True) if is_free]
     descents = tuple(
@@ -233,17 +269,23 @@ def _result(objective: Objective, ends: Sequence[Any], sizes: Floats) -> Fit:
     residuals, spreads = (
         np.split(each, np.cumsum(objective.lengths)[:-1]) for each in (best.fun, spread)
     )
+    predicted = tuple(
+        m.signal.replace(values=m.signal.values + m.size * r)
+        for m, r in zip(records, residuals, strict=True)
+    )
+    misfits = tuple(math.sqrt(float(np.mean(r**2))) for r in residuals)
+    notes = [
+        *misfit_notes(records, predicted, misfits),
+        *doubts(fitted, relative, descents),
+    ]
     return Fit(
-        objective.system_at(best.x),
-        tuple(records),
-        fitted,
-        relative * np.outer(units, units),
-        tuple(
-            m.signal.replace(values=m.signal.values + m.size * r)
-            for m, r in zip(records, residuals, strict=True)
-        ),
-        tuple(m.size * s for m, s in zip(records, spreads, strict=True)),
-        tuple(math.sqrt(float(np.mean(r**2))) for r in residuals),
-        descents,
-        tuple(doubts(fitted, relative, descents)),
+        system=objective.system_at(best.x),
+        measured=tuple(records),
+        fitted=fitted,
+        covariance=relative * np.outer(units, units),
+        predicted=predicted,
+        bands=tuple(m.size * s for m, s in zip(records, spreads, strict=True)),
+        misfits=misfits,
+        descents=descents,
+        notes=tuple(notes),
     )

@@ -12,7 +12,7 @@ from validation_cases import validation_module
 import rodimpact as ri
 from rodimpact.fitting.objective import Objective
 from rodimpact.fitting.parameters import changed, parameters_of, record_numbers
-from rodimpact.fitting.result import doubts
+from rodimpact.fitting.result import doubts, noise_before_pulse
 from rodimpact.fitting.uncertainty import covariance
 from rodimpact.methods.registry import Options
 from rodimpact.units import format_si
@@ -144,35 +144,13 @@ def objective_of(records, vary):
     )
 
 
-@pytest.mark.parametrize(
-    "at", [(0.2, 10.0, 0.0, 1.0, 2e-6), (0.21, 9.0, 2e-6, 1.2, 1e-6)]
-)
-def test_derivatives_are_those_of_the_residuals(at):
-    """Strain is proportional to the velocity; the others against long steps of the residuals."""
-    m = ri.Measured(record(rods()), (1, 0.2), blur=(0.0, 1e-5))
-    parameters, objective = objective_of(
-        [m], {PATHS[0]: (0.1, 0.4), PATHS[1]: (1.0, 20.0)}
-    )
-    length, velocity, *others = at
-    point = np.array(
-        [parameters[0].share(length), parameters[1].share(velocity), *others]
-    )
-    J = objective.derivatives(point)
-    predicted = objective.residuals(point) + m.signal.values / m.size
-    slope = parameters[1].slope(point[1])
-    np.testing.assert_allclose(J[:, 1], predicted / velocity * slope, atol=1e-9)
-    np.testing.assert_allclose(J[:, 3], predicted / others[1], atol=1e-9)
-    for number, step in ((0, 1e-5), (2, 1e-10), (4, 1e-9)):
-        beside = np.eye(5)[number] * step
-        apart = objective.residuals(point + beside) - objective.residuals(
-            point - beside
-        )
-        np.testing.assert_allclose(
-            J[:, number],
-            apart / (2 * step),
-            rtol=2e-3,
-            atol=2e-3 * np.abs(J[:, number]).max(),
-        )
+def derivatives_of(objective, point):
+    """Central differences of the residuals by every number of a point."""
+    columns = []
+    for step in np.diag([1e-5, 1e-5, 1e-10, 1e-5, 1e-9]):
+        change = objective.residuals(point + step) - objective.residuals(point - step)
+        columns.append(change / (2 * step.sum()))
+    return np.stack(columns, axis=1)
 
 
 def coloured(random, n, steps):
@@ -192,9 +170,8 @@ def test_standard_errors_are_the_scatter_of_fits(correlation):
     """
     m = ri.Measured(record(rods()), (1, 0.2), gain=1.0, blur=(0.0, 1e-5))
     _, objective = objective_of([m], {PATHS[0]: (0.1, 0.4), PATHS[1]: (1.0, 20.0)})
-    J = objective.derivatives(np.array([1 / 3, 9 / 19, 0.0, 1.0, 2e-6]))[
-        :, objective.free
-    ]
+    point = np.array([1 / 3, 9 / 19, 0.0, 1.0, 2e-6])
+    J = derivatives_of(objective, point)[:, objective.free]
     J *= [1.0, 1.0, UNTIL, 1e-5]
     random, solve = np.random.default_rng(2), np.linalg.pinv(J)
     moved, errors = [], []
@@ -355,6 +332,70 @@ def test_doubts_about_where_searches_end():
         "a and b are hardly distinguishable: the correlation of their errors is 0.990"
         in said
     )
+
+
+def test_a_bound_is_as_near_as_the_scale_of_its_range_says():
+    """3e13 lies in the middle of 1e7 to 1e19: the range is a ratio."""
+    end = ri.Descent(0.02, {"k": 3e13, "x": 0.1005}, True)
+    numbers = [
+        ri.Fitted("k", "N/m", 3e13, 1e12, 1e7, 1e19),
+        ri.Fitted("x", "m", 0.1005, 1e-5, 0.1, 0.9),
+    ]
+    (said,) = doubts(numbers, np.diag([1e-4, 1e-4]), [end])
+    assert said.startswith("x is at its bound, 100 mm")
+    low, high = (numbers[0]._replace(value=v) for v in (1.01e7, 9.9e18))
+    for number in (low, high):
+        (said,) = doubts(
+            [number], np.array([[1e-4]]), [end._replace(values={"k": 1.0})]
+        )
+        assert said.startswith("k is at its bound")
+
+
+def test_a_misfit_far_above_the_noise_before_the_pulse_is_told():
+    """Flat ends do not make the record of rounded ends."""
+    true = rods(contacts=[ri.Hertz(1e10)])
+    strain = record(true)
+    noisy = measured(record(true, 0.002 * float(np.abs(strain.values).max())))
+    vary = {PATHS[0]: (0.1, 0.4)}
+    flat = ri.fit(rods(), noisy, vary, UNTIL)
+    assert flat.misfits[0] > 0.03
+    (said,) = (s for s in flat.notes if "noise before the pulse" in s)
+    assert said.startswith("gauge: the misfit, ")
+    noise = noise_before_pulse(noisy, flat.predicted[0])
+    assert noise == pytest.approx(0.002, rel=0.3)
+    assert f"{100 * noise:.2g} %" in said
+    right = ri.fit(true, noisy, vary, UNTIL)
+    assert not any("noise before the pulse" in s for s in right.notes)
+
+
+@pytest.mark.parametrize("seed", few_of(range(30), [15]))
+def test_a_richer_model_ends_no_worse_than_the_poorer_one(seed):
+    """One start. With a blur these fits ended worse than without one, at negative gains."""
+    random = np.random.default_rng(seed)
+    rounded = ri.Hertz(1.0)
+    true = rods(
+        float(random.uniform(0.1, 0.3)),
+        contacts=[rounded.replace(stiffness=float(10 ** random.uniform(9, 12)))],
+    )
+    until = float(random.uniform(1.2e-4, 3.5e-4))
+    strain = ri.solve(true, until=until).gauge(1, 0.2).signal(1e-6)
+    start = float(random.uniform(0, 0.3)) * until
+    strain = strain.window(start, start + float(random.uniform(0.3, 0.65)) * until)
+    noise = 0.01 * float(np.abs(strain.values).max())
+    noisy = strain.replace(
+        values=strain.values + noise * random.standard_normal(len(strain))
+    )
+    guess = rods(
+        float(random.uniform(0.1, 0.3)),
+        contacts=[rounded.replace(stiffness=float(10 ** random.uniform(9, 12)))],
+    )
+    numbers = {PATHS[0]: (0.08, 0.35), "contacts.0.stiffness": (1e7, 1e13)}
+    blurred = {**numbers, "records.0.blur": (0.0, 1e-5)}
+    poorer, richer = (
+        ri.fit(guess, ri.Measured(noisy, (1, 0.2)), vary, until, starts=1)
+        for vary in (numbers, blurred)
+    )
+    assert richer.misfits[0] <= poorer.misfits[0] * (1 + 1e-6)
 
 
 def test_paths_are_those_of_case_files():

@@ -283,14 +283,14 @@ def rigid_row(seed):
         rods = random_rods(rng, 2 + seed % 2)
         gaps = [0.0, 1e-5][: len(rods) - 1]
         system = ri.System(rods, gaps=gaps)
-        if ri.solve(system).events <= 16 * len(rods):
+        if ri.solve(system).events <= 24:
             return system, rng
 
 
 @pytest.mark.parametrize("seed", few_of(range(120), range(6)))
 def test_stated_errors_of_rigid_rows_bound_the_difference_from_the_formula(seed):
     system, rng = rigid_row(seed)
-    paths = fields(system, "length", "area", "density", "velocity", "gap")
+    paths = fields(system, "length", "area", "velocity", "gap")
     path = str(rng.choice(paths))
     form = ri.closed_form(system, [path])
     ((symbol, x),) = form.values.items()
