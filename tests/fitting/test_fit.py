@@ -368,9 +368,9 @@ def test_a_misfit_far_above_the_noise_before_the_pulse_is_told():
     assert not any("noise before the pulse" in s for s in right.notes)
 
 
-@pytest.mark.parametrize("seed", few_of(range(30), [15]))
+@pytest.mark.parametrize("seed", few_of(range(30), [12]))
 def test_a_richer_model_ends_no_worse_than_the_poorer_one(seed):
-    """One start. With a blur these fits ended worse than without one, at negative gains."""
+    """With one start, some fits with a blur ended worse than those without one."""
     random = np.random.default_rng(seed)
     rounded = ri.Hertz(1.0)
     true = rods(
