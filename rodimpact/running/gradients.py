@@ -20,6 +20,7 @@ from ..methods.walk import smallest, velocities_of
 from ..model import Absorbing, System
 from ..model.frozen import InvalidModel, Problems, nearest, raise_noted, refusal
 from ..model.paths import field_at, numbers_of, places_of, suggestion, with_numbers
+from ..progress import Progress, ProgressFunction, Report, check_progress
 from ..results.labels import outcome, parameter
 from ..results.outcome import UndefinedRestitution
 from ..units import shown
@@ -176,6 +177,7 @@ def gradient(
     max_events: int = MAX_EVENTS,
     rtol: float | None = None,
     workers: int | None = None,
+    progress: bool | ProgressFunction = True,
 ) -> Gradient:
     """Derivatives of a result of a collision, by finite differences with a stated error.
 
@@ -203,6 +205,9 @@ def gradient(
         "finite-difference". "fronts" is exact to round-off and takes none.
     workers : int, optional
         Number of threads; default: the processors at hand.
+    progress : bool or function
+        Whether a bar may show that long work goes on. A function is called with the number of
+        collisions solved so far, and None: nobody knows how many there will be.
 
     Returns
     -------
@@ -238,18 +243,18 @@ def gradient(
     """
     options = Options(until, method, max_events, rtol=rtol)
     options.method_for(system)
-    _check(system, of, wrt, until)
+    _check(system, of, wrt, until, progress)
     numbers = [_number(system, path) for path in wrt]
     options = _common_options(options, system, numbers)
-    result = _Result(of, options, workers)
-
-    value = result.of_members(system)
-    if not system.shape and math.isnan(value.value):
-        raise UndefinedRestitution(_why_undefined(system, of, options))
-    columns = []
-    for number in numbers:
-        sides = _extrapolated(number, result, value)
-        columns.append(_column(sides, np.isfinite(value.value)))
+    with Progress(progress, "gradient", "collisions") as report:
+        result = _Result(of, options, workers, report)
+        value = result.of_members(system)
+        if not system.shape and math.isnan(value.value):
+            raise UndefinedRestitution(_why_undefined(system, of, options))
+        columns = []
+        for number in numbers:
+            sides = _extrapolated(number, result, value)
+            columns.append(_column(sides, np.isfinite(value.value)))
     return _gradient(system, of, tuple(wrt), value.value, columns)
 
 
@@ -282,12 +287,27 @@ def _why_undefined(system: System, of: str, options: Options) -> str:
     return reason or f"{of} is undefined: {solution.status}"
 
 
-class _Result(NamedTuple):
-    """A result of a collision as a function of its system."""
+class _Result:
+    """A result of a collision as a function of its system.
 
-    of: str
-    options: Options
-    workers: int | None
+    Parameters
+    ----------
+    of : str
+        Name of the quantity.
+    options : Options
+    workers : int or None
+    report : function
+        Called with the number of collisions solved so far.
+    """
+
+    def __init__(
+        self, of: str, options: Options, workers: int | None, report: Report
+    ) -> None:
+        self.of = of
+        self.options = options
+        self._workers = workers
+        self._report = report
+        self._solved = 0
 
     def of_members(self, system: System) -> Estimate:
         """Values and their stated errors, of the family's shape; nan where a run does not end."""
@@ -300,8 +320,10 @@ class _Result(NamedTuple):
             max_events=options.max_events,
             rtol=options.rtol,
             also=["accuracy"] if stated else [],
-            workers=self.workers,
+            workers=self._workers,
+            progress=lambda done, _: self._report(self._solved + done, None),
         )
+        self._solved += math.prod(system.shape)
         columns = swept.columns
         ended = np.isin(columns["status"], ENDED)
         value = np.where(ended, columns[self.of], math.nan)
@@ -522,9 +544,12 @@ def lasting_bodies(system: System) -> set[int]:
     return lasting
 
 
-def _check(system: System, of: Any, wrt: Any, until: float | None) -> None:
+def _check(
+    system: System, of: Any, wrt: Any, until: float | None, progress: Any
+) -> None:
     """Raise InvalidModel for what has no derivatives."""
     problems: Problems = []
+    check_progress(problems, progress)
     bodies = set(range(len(system.bodies)))
     if until is None:
         bodies = lasting_bodies(system)

@@ -239,6 +239,7 @@ def test_a_striker_on_an_endless_bar(area):
             {"wrt": ["gravity"], "of": "impulse.0"},
             "until: must be given",
         ),
+        (pair(), {"progress": 3}, "progress: must be"),
         (pair(), {"workers": 0, "max_events": 0}, "max_events: must be a positive"),
         (
             ri.System(pair().bodies, ends=[ri.Free(), ri.Absorbing()]),
@@ -427,6 +428,24 @@ def test_a_kink_beside_the_number_is_not_at_the_number(distance):
     assert not g.kinks
     assert abs(g["bodies.0.length"] - 1.0) <= g.errors["bodies.0.length"]
     assert g.errors["bodies.0.length"] < 1e-3
+
+
+def test_progress_counts_collisions_and_may_stop_them():
+    counts = []
+    ri.gradient(
+        pair(0.4, 0.9),
+        wrt=["bodies.0.length", "bodies.1.length"],
+        progress=lambda done, total: counts.append((done, total)),
+    )
+    assert counts == sorted(counts)
+    assert counts[-1][0] >= 1 + 2 * 12
+    assert {total for _, total in counts} == {None}
+
+    def stop(done, total):
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        ri.gradient(pair(), wrt=["bodies.0.length"], progress=stop)
 
 
 def test_what_varies_may_take_another_method():
