@@ -203,7 +203,11 @@ class History {
 
 /** What is under a point of the strip: a gauge, an end of a rod, or a rod. */
 function holdAt(x, y) {
-  const { frame, ends, gauges } = shown.strip;
+  const { frame, ends, gauges, arrows } = shown.strip;
+  const arrow = arrows.find(
+    ({ tip, y: at }) => Math.hypot(tip - x, at - y) < 1.5 * CLOSE,
+  );
+  if (arrow) return { body: arrow.body, arrow: true, side: 1 };
   const near = (place) => Math.abs(frame.across(place) - x) < CLOSE;
   const gauge = gauges.findIndex(
     ([gx, gy]) => Math.hypot(gx - x, gy - y) < 1.5 * CLOSE,
@@ -250,7 +254,9 @@ function connectDragging(changed) {
     const piece = segments.length
       ? `.segments.${held.side < 0 ? 0 : segments.length - 1}`
       : "";
-    const path = `bodies.${held.body}${piece}.length`;
+    const path = held.arrow
+      ? `bodies.${held.body}.velocity`
+      : `bodies.${held.body}${piece}.length`;
     Object.assign(held, {
       x: event.offsetX,
       path,
@@ -278,6 +284,11 @@ function connectDragging(changed) {
         Math.round(
           100 * Math.max(0, Math.min(1, (place - low) / (high - low))),
         ),
+      );
+    } else if (held.arrow) {
+      enter(
+        held.path,
+        Number((held.from + (event.offsetX - held.x) / shown.arrow).toFixed(1)),
       );
     } else if (held.side) {
       enter(

@@ -29,11 +29,15 @@ function shareReach() {
 function keepBeside(on) {
   shown.other = on ? shown.scene : null;
   byId("other").hidden = !on;
+  document.documentElement.toggleAttribute("data-compare", on);
   byId("compare").setAttribute("aria-pressed", String(on));
   if (on) {
     const { restitution, events } = shown.scene;
-    const e = restitution.value === null ? "" : `e = ${restitution.text}. `;
-    byId("other-text").textContent = `Kept: ${e}${events.at(-1).text}`;
+    const e =
+      restitution.value === null
+        ? events.at(-1).text
+        : `e = ${minus(restitution.text)}`;
+    byId("other-text").textContent = `Kept: ${e}`;
   }
   shareReach();
   showLegend();

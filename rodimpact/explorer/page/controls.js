@@ -54,7 +54,7 @@ const FIELDS = {
     log: true,
   },
   hertz: {
-    name: "stiffness k (the flatter the ends, the stiffer)",
+    name: "stiffness",
     unit: "GN/m^1.5",
     power: 9,
     low: 1e-3,
@@ -93,6 +93,7 @@ const LAWS = {
   hertz: { stiffness: 1e10 },
   spring: { stiffness: 1e8 },
 };
+const LAW_NAMES = { rigid: "rigid (flat)", hertz: "Hertz (round)" };
 
 const stiffnessField = (law) => (/hertz|hunt/.test(law) ? "hertz" : "spring");
 
@@ -128,6 +129,18 @@ function make(tag, attributes = {}, ...children) {
   return element;
 }
 
+/** What is folded away of a body, in short. */
+function aboutBody({ kind, segments, area, material }) {
+  if (kind !== "rod") return kind === "wall" ? "velocity, place" : "place";
+  if (segments) return `${segments.length} segments`;
+  return [
+    typeof area === "number"
+      ? `${toShown(area, FIELDS.area.power)} mm²`
+      : "area",
+    material,
+  ].join(", ");
+}
+
 /** Numbers of bodies, and names of their contacts. */
 const namesIn = (bodies) =>
   [fronts.body_numbers, fronts.contact_names].map((namesOf) =>
@@ -148,7 +161,14 @@ const problemAt = (key) =>
 class Controls {
   /** `changed(rebuild)` is called after each change of `state`. */
   constructor(form, library, changed) {
-    Object.assign(this, { form, library, changed, state: null });
+    Object.assign(this, {
+      form,
+      library,
+      changed,
+      state: null,
+      open: new Set(),
+      folded: [],
+    });
     form.addEventListener("submit", (event) => event.preventDefault());
   }
 
@@ -159,6 +179,7 @@ class Controls {
     this.state = state;
     const bodies = listOf(state.case.bodies);
     const blocks = [];
+    this.folded = [];
     [this.numbers, this.contacts] = namesIn(bodies);
     bodies.forEach((body, i) => {
       blocks.push(this.body(body, i));
@@ -167,6 +188,7 @@ class Controls {
     if (listOf(state.gauges).length) blocks.push(this.gauges());
     blocks.push(rowTools(state, this.changed));
     this.form.replaceChildren(...blocks);
+    this.tellFolded();
     const again = focused && document.getElementById(focused);
     if (again) again.focus();
   }
@@ -174,12 +196,10 @@ class Controls {
   body(body, i) {
     const path = ["case", "bodies", i];
     const name = fronts.name_of(String(body.kind), this.numbers[i]);
-    const block = make(
-      "fieldset",
-      {},
-      make("legend", {}, capital(name)),
-      bodyTools(this.state, i, name, this.changed),
-    );
+    const [block, rest] = [
+      make("fieldset"),
+      make("div", { id: `rest:bodies.${i}` }),
+    ];
     if (body.kind === "mass")
       block.append(this.number([...path, "mass"], FIELDS.mass));
     const pieces = Array.isArray(body.segments)
@@ -189,26 +209,35 @@ class Controls {
         : [];
     pieces.forEach((piece, j) => {
       const where = pieces.length > 1 ? ` of segment ${j + 1}` : "";
-      block.append(
-        this.number([...piece, "length"], FIELDS.length, where),
+      block.append(this.number([...piece, "length"], FIELDS.length, where));
+      (where ? block : rest).append(
         this.number([...piece, "area"], FIELDS.area, where),
+      );
+      rest.append(
         ...this.material(piece, where),
         make("p", { class: "derived", "data-body": i, "data-segment": j }),
       );
     });
-    block.append(this.number([...path, "velocity"], FIELDS.velocity));
-    return block;
+    (body.kind === "wall" ? rest : block).append(
+      this.number([...path, "velocity"], FIELDS.velocity),
+    );
+    rest.append(bodyTools(this.state, i, name, this.changed));
+    return this.fold(block, capital(name), rest, () =>
+      aboutBody(getAt(this.state, path)),
+    );
   }
 
   contact(i) {
     const entry = getAt(this.state, ["case", "contacts", i]) || {};
     const path = ["case", "contacts", i];
-    const block = make(
-      "fieldset",
-      {},
-      make("legend", {}, `Contact ${this.contacts[i]}`),
-    );
-    block.append(this.number([...path, "gap"], FIELDS.gap));
+    const [block, rest] = [
+      make("fieldset", { class: "contact" }),
+      make(
+        "div",
+        { id: `rest:contacts.${i}` },
+        this.number([...path, "gap"], FIELDS.gap),
+      ),
+    ];
     const laws = [...new Set([...Object.keys(LAWS), entry.law || "rigid"])];
     block.append(
       this.choice([...path, "law"], "law", laws, entry.law || "rigid", (law) =>
@@ -222,17 +251,51 @@ class Controls {
         FIELDS[key === "stiffness" ? stiffnessField(entry.law) : key];
       if (field) block.append(this.number([...path, key], field));
     }
+    return this.fold(block, `Contact ${this.contacts[i]}`, rest, () =>
+      entry.gap ? `gap ${toShown(entry.gap, FIELDS.gap.power)} µm` : "gap",
+    );
+  }
+
+  /** Let a block have a name and a part that is folded away; \`about\` tells what is in that. */
+  fold(block, name, rest, about) {
+    const { id } = rest;
+    const said = make("span");
+    const button = make(
+      "button",
+      { type: "button", class: "fold", "aria-controls": id },
+      make("span", { class: "unseen" }, `More of ${name}: `),
+      said,
+    );
+    const show = () => {
+      rest.hidden = !this.open.has(id);
+      button.setAttribute("aria-expanded", String(!rest.hidden));
+    };
+    button.addEventListener("click", () => {
+      if (!this.open.delete(id)) this.open.add(id);
+      show();
+    });
+    show();
+    this.folded.push([said, about]);
+    block.prepend(make("legend", {}, name), button);
+    block.append(rest);
     return block;
   }
 
+  tellFolded() {
+    for (const [said, about] of this.folded) write(said, about());
+  }
+
   gauges() {
-    const block = make("fieldset", {}, make("legend", {}, "Strain gauges"));
+    const [block, rest] = [
+      make("fieldset"),
+      make("div", { id: "rest:gauges" }),
+    ];
     const rods = listOf(this.state.case.bodies).flatMap((body, i) =>
       body.kind === "rod" ? [i] : [],
     );
     listOf(this.state.gauges).forEach((gauge, k) => {
       const path = ["gauges", k];
-      block.append(
+      rest.append(
         this.choice(
           [...path, "body"],
           `gauge ${k + 1} on rod`,
@@ -251,7 +314,14 @@ class Controls {
         ),
       );
     });
-    return block;
+    return this.fold(block, "Strain gauges", rest, () =>
+      listOf(this.state.gauges)
+        .map(
+          ({ body, fraction }) =>
+            `rod ${this.numbers[body]} at ${toShown(fraction, -2)} %`,
+        )
+        .join(", "),
+    );
   }
 
   material(piece, where) {
@@ -292,7 +362,9 @@ class Controls {
     const key = keyOf(path);
     const select = make("select", { id: key, "data-path": key });
     for (const value of values)
-      select.append(new Option(value, value, false, value === chosen));
+      select.append(
+        new Option(LAW_NAMES[value] || value, value, false, value === chosen),
+      );
     select.addEventListener("change", () => {
       choose(select.value);
       this.changed(true);
@@ -412,6 +484,7 @@ class Controls {
 
   /** Put what follows from the numbers beside them. */
   showDerived(bodies) {
+    this.tellFolded();
     for (const line of this.form.querySelectorAll(".derived[data-body]")) {
       const items =
         getAt(bodies, [line.dataset.body, "derived", line.dataset.segment]) ||

@@ -53,6 +53,7 @@ function prepare(scene) {
       scene.rest[k] = row.left[body[i]] + x[k];
     }
   }
+  scene.whole = [row.left[0], row.left.at(-1) + scene.lengths.at(-1)]; // with room for springs
   const solids = scene.bodies.flatMap(({ path }, i) =>
     path
       ? [0, scene.lengths[i]].flatMap((x) => pathOf(scene, i, x, path).y)

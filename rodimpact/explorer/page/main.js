@@ -8,7 +8,7 @@ const shown = {
   scene: null,
   other: null,
   view: null,
-  share: 0.35,
+  share: 0,
   playing: false,
   mark: null,
   quantity: "velocity",
@@ -32,7 +32,9 @@ function readTheme() {
   const style = getComputedStyle(document.documentElement);
   const colour = (name) => style.getPropertyValue(`--${name}`).trim();
   shown.theme = {
-    size: Math.round(Math.min(17, parseFloat(style.fontSize) * 0.87)),
+    size: shown.printing
+      ? 12
+      : Math.round(Math.min(17, parseFloat(style.fontSize) * 0.87)),
     series: [0, 1, 2, 3, 4].map((k) => colour(`series-${k}`)),
     name: document.documentElement.dataset.theme,
     stops: STOPS[document.documentElement.dataset.theme],
@@ -112,6 +114,22 @@ const plainly = (text) =>
     .replace(/ us\b/g, " µs")
     .replace(/[.;] [^.;]*(max_events|until=)[^.]*\./g, ".");
 
+/** The velocities in the end, short. */
+function afterwards({ results }) {
+  const found = results.flatMap(([name, value]) => {
+    const [, number] = /^velocity of \w+ (\d+) after/.exec(name) || [];
+    return number ? [[`v${lowered(number)}`, ...minus(value).split(/\s/)]] : [];
+  });
+  const same = found.every(([, , unit]) => unit === found[0][2]);
+  return found
+    .map(([name, number, unit], k) =>
+      [name, "=", number, ...(same && k + 1 < found.length ? [] : [unit])].join(
+        "\u00a0",
+      ),
+    )
+    .join(", ");
+}
+
 function showNumbers(scene) {
   const { restitution: e } = scene;
   const [said, error] = minus(e.text).split(" ± ");
@@ -121,6 +139,12 @@ function showNumbers(scene) {
   );
   document.querySelector(".restitution").hidden = e.value === null;
   byId("guess-first").hidden = e.value === null;
+  byId("after").hidden = e.value !== null;
+  write(byId("after"), e.value !== null ? "" : afterwards(scene));
+  write(
+    byId("now-text"),
+    e.value === null ? "Now" : `Now: e = ${minus(e.text)}`,
+  );
   if (e.value === null) hideResult(false);
   askOrJudge(scene);
   const { closed_form: known } = e;
@@ -205,6 +229,7 @@ function readAddress() {
   shown.displaced = byId("displaced").checked = view.displaced !== false;
   byId("question").textContent =
     view.question === undefined ? "" : String(view.question);
+  byId("asking").hidden = !byId("question").textContent;
   return tree.case && typeof tree.case === "object"
     ? { case: tree.case, gauges: listOf(tree.gauges) }
     : null;
@@ -333,6 +358,17 @@ function connect() {
     download("case.toml", "application/toml", tomlOf(design, start.materials)),
   );
   byId("question").addEventListener("input", keepAddress);
+  byId("ask").addEventListener("click", () => {
+    byId("asking").hidden = false;
+    byId("question").focus();
+  });
+  const menu = byId("menu");
+  addEventListener("click", ({ target }) => {
+    if (!menu.contains(target) || target.closest("button")) menu.open = false;
+  });
+  addEventListener("keydown", ({ key }) => {
+    if (key === "Escape") menu.open = false;
+  });
   connectDiagram();
   connectMap();
   connectRoundness();
@@ -349,6 +385,7 @@ function connect() {
     ),
   ).observe(byId("outcome"));
   matchMedia("print").addEventListener("change", ({ matches }) => {
+    shown.printing = matches;
     if (matches) shown.screen = document.documentElement.dataset.theme;
     setTheme(matches ? "light" : shown.screen);
     if (shown.scene) draw();

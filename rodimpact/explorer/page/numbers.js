@@ -25,6 +25,9 @@ function powerFor(size, unit) {
 /** A number with the sign that is printed, also in its exponent. */
 const minus = (text) => text.replace(/(^|e|\s)-(?=\d)/g, "$1−");
 
+/** Digits as an index. */
+const lowered = (text) => text.replace(/\d/g, (digit) => "₀₁₂₃₄₅₆₇₈₉"[digit]);
+
 function plainNumber(value, digits) {
   const rounded = Number(value.toPrecision(digits));
   const size = Math.abs(rounded);

@@ -11,7 +11,9 @@ const sizeWatch = new ResizeObserver((entries) => {
   redraw();
 });
 
+/** Size of a canvas; on paper it is another, which the style fixes, so that its text keeps its size. */
 function sizeOf(canvas) {
+  if (shown.printing) return [canvas.clientWidth, canvas.clientHeight];
   if (!sizes.has(canvas)) {
     sizes.set(canvas, [canvas.clientWidth, canvas.clientHeight]);
     sizeWatch.observe(canvas);
@@ -21,7 +23,7 @@ function sizeOf(canvas) {
 
 class CanvasPen {
   constructor(canvas) {
-    const ratio = window.devicePixelRatio || 1;
+    const ratio = shown.printing ? 3 : window.devicePixelRatio || 1;
     [this.width, this.height] = sizeOf(canvas);
     const [w, h] = [
       Math.round(this.width * ratio),
@@ -118,7 +120,7 @@ const safe = (text) => text.replace(/&/g, "&amp;").replace(/</g, "&lt;");
 
 class SvgPen {
   constructor(width, height) {
-    Object.assign(this, { width, height, parts: [], clips: 0 });
+    Object.assign(this, { width, height, parts: [], clips: 0, named: true });
   }
 
   path(points, closed) {

@@ -21,6 +21,7 @@ const STOPS = {
 const UNITS = { velocity: "m/s", stress: "Pa" };
 const SPARSE = 80; // polygons, to write values into
 const SHADES = 256; // of a smooth picture
+const [EDGE, WALL] = [0.02, 0.055]; // beside the row, and where a wall is drawn: in its lengths
 const CROWDED = 400; // polygons from which lines would hide the colours
 
 /** Colour of a number from -1 to 1. */
@@ -44,13 +45,13 @@ function shareOf(scene, name, polygon) {
 
 /** What all of the scene needs: places from left to right, times from first to last. */
 function wholeView(scene) {
-  const [low, high] = shown.displaced
-    ? scene.row.span
-    : [scene.row.left[0], scene.length];
-  const edge = 0.02 * (high - low);
+  const [low, high] = shown.displaced ? scene.row.span : scene.whole;
+  const [first, last] = [scene.bodies[0], scene.bodies.at(-1)].map(
+    ({ kind }) => (kind === "wall" ? WALL : EDGE) * (high - low),
+  );
   return {
-    left: low - edge,
-    right: high + edge,
+    left: low - first,
+    right: high + last,
     from: filmSpan().begin,
     to: filmSpan().end,
   };
@@ -59,7 +60,7 @@ function wholeView(scene) {
 /** A frame in a drawing, with room for the names and marks of a scene; the pixels of places and times in it. */
 function frameOf(pen, view, size, scene = null) {
   const [top, edge] = [
-    scene ? 1.6 : 0.6,
+    scene && pen.named ? 1.6 : 0.6,
     scene && scene.marks.length ? 2.9 : 0.8,
   ];
   const frame = {
@@ -362,14 +363,14 @@ function drawDiagram(pen, scene, look, now, mark, theme) {
     }
     if (scene.tiling.body.length <= SPARSE)
       writeValues(pen, scene, frame, name, theme);
-    if (now !== null)
+    if (now !== null && !shown.printing)
       pen.line(
         [
           [frame.x, frame.up(now)],
           [frame.right, frame.up(now)],
         ],
         theme.wrong,
-        1.6,
+        2,
       );
     if (mark) drawMark(pen, frame, mark, theme);
   });
@@ -388,24 +389,38 @@ function drawDiagram(pen, scene, look, now, mark, theme) {
     y: [view.from, view.to, "s", "time"],
     note: [note, springs].filter(Boolean).join(", "),
   });
-  nameBodies(
-    pen,
-    scene,
-    frame,
-    endsAt(
+  if (pen.named)
+    nameBodies(
+      pen,
       scene,
-      shown.guessing ? scene.begin : Math.min(view.to, scene.end),
-      look,
-    ),
-    0.8 * theme.size,
-    theme,
-  );
+      frame,
+      endsAt(scene, Math.min(view.to, scene.end), look),
+      0.8 * theme.size,
+      theme,
+    );
   drawMarks(pen, scene, frame, view, theme);
   for (const { t } of shown.guessing ? [] : scene.events) {
     if (t >= view.from && t <= view.to)
       pen.disc(frame.x, frame.up(t), 0.3 * theme.size, theme.series[0]);
   }
+  if (now !== null && !shown.printing)
+    drawGrip(pen, frame.x, frame.up(now), theme);
   return frame;
+}
+
+/** What the time is dragged by. */
+function drawGrip(pen, x, y, theme) {
+  const w = 0.5 * theme.size;
+  pen.polygon(
+    [
+      [x + 1.2 * w, y],
+      [x - w, y - w],
+      [x - w, y + w],
+    ],
+    theme.wrong,
+    theme.paper,
+    1,
+  );
 }
 
 /** Cover all that follows the first touch, until e is guessed. */
@@ -507,15 +522,28 @@ function drawFrame(pen, frame, size, theme, axes) {
       theme.faint,
       1,
     );
-    pen.text(px, frame.bottom + 6, label, {
-      ...ink,
-      align: "center",
-      baseline: "top",
-    });
+    pen.text(
+      Math.min(px, pen.width - 0.33 * ink.size * label.length),
+      frame.bottom + 6,
+      label,
+      { ...ink, align: "center", baseline: "top" },
+    );
   }
   const unit = xs.unit ? `, ${xs.unit}` : "";
-  const note = axes.note ? ` (${axes.note})` : "";
-  const [name, middle] = [xName + unit + note, (frame.x + frame.right) / 2];
+  const notes = axes.note
+    ? [axes.note, ...axes.note.split(", ").slice(0, 1)].map(
+        (note) => ` (${note})`,
+      )
+    : [];
+  const middle = (frame.x + frame.right) / 2;
+  const name =
+    [...notes, ""]
+      .map((note) => xName + unit + note)
+      .find(
+        (said) =>
+          0.53 * ink.size * said.length <
+          2 * Math.min(middle, pen.width - middle),
+      ) || xName;
   pen.text(middle, frame.bottom + 1.5 * size, name, {
     ...ink,
     size: Math.min(

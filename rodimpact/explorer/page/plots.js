@@ -20,6 +20,27 @@ const plotFrame = (pen, size, ends) =>
     size,
   );
 
+/** Let a pointer on a curve move the time. */
+function scrubOn(canvas) {
+  const follow = ({ offsetX }) => {
+    const { x, width } = canvas.frame;
+    play(false);
+    setShare(
+      shareOfTime(
+        shown.scene.begin +
+          ((offsetX - x) / width) * (shown.scene.end - shown.scene.begin),
+      ),
+    );
+  };
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    follow(event);
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (event.buttons) follow(event);
+  });
+}
+
 /** One figure of curves over time. */
 function drawPlot(pen, plot, { begin, end }, now, theme) {
   const [low, high] = rangeOf(plot);
@@ -50,19 +71,21 @@ function drawPlot(pen, plot, { begin, end }, now, theme) {
         k >= theme.series.length ? [6, 3] : [],
       );
     });
-    pen.line(
-      [
-        [frame.across(now), frame.y],
-        [frame.across(now), frame.bottom],
-      ],
-      theme.wrong,
-      1.6,
-    );
+    if (!shown.printing)
+      pen.line(
+        [
+          [frame.across(now), frame.y],
+          [frame.across(now), frame.bottom],
+        ],
+        theme.wrong,
+        2,
+      );
   });
   drawFrame(pen, frame, theme.size, theme, {
     x: [begin, end, "s", "time"],
     y: [low, high, plot.unit, ""],
   });
+  return frame;
 }
 
 /** e over l1/l2, and over the roundness of the ends. */
@@ -86,7 +109,7 @@ function drawCurves(scene, theme) {
     roundness && {
       ...roundness,
       title: "e over the roundness of the ends",
-      name: "log₁₀ κ; κ: stiffness of the ends / of the longer rod",
+      name: "log₁₀ κ, κ = stiffness of ends / rod",
       said:
         roundness.here === null
           ? "rigid ends: κ is infinite"
@@ -213,17 +236,21 @@ function drawPlots(holder, scene, now, theme) {
         ),
       ),
     );
+    holder.querySelectorAll("canvas").forEach(scrubOn);
   }
   scene.plots.forEach((plot, i) => {
     const [text, canvas] = holder.children[i].children;
+    const least = 1e-9 * largestOf(plot.series.flatMap(({ y }) => y)); // less is rounding
+    const told = (value) =>
+      quantity(Math.abs(value) < least ? 0 : value, plot.unit, 3);
     caption(
       text,
       plot.title,
       plot.series.map((series, k) => [
-        `${series.name}: ${quantity(valueAt(series, now), plot.unit, 3)}`,
+        `${series.name}: ${told(valueAt(series, now))}`,
         theme.series[k % theme.series.length],
       ]),
     );
-    drawPlot(new CanvasPen(canvas), plot, scene, now, theme);
+    canvas.frame = drawPlot(new CanvasPen(canvas), plot, scene, now, theme);
   });
 }

@@ -16,7 +16,7 @@ function showReading() {
     byId("readout"),
     mark
       ? `t = ${quantity(mark.t, "s")}: ${said}`
-      : "Point at the diagram to read velocity, stress, place and time.",
+      : "Drag the red line, the ends of the rods, or their arrows. Point at the diagram to read values.",
   );
 }
 
@@ -154,11 +154,16 @@ function goToNearest(y) {
 
 function connectDiagram() {
   const diagram = byId("diagram");
-  let held = null;
+  let [held, timed] = [null, false];
+  const atTime = ({ offsetY }) =>
+    shown.frame && Math.abs(shown.frame.up(now()) - offsetY) < 8;
+  const follow = ({ offsetY }) =>
+    setShare(shareOfTime(shown.frame.timeAt(offsetY)));
   diagram.addEventListener(
     "wheel",
     (event) => {
-      if (!shown.frame) return;
+      if (!shown.frame || !(event.ctrlKey || event.metaKey || shown.zoomed))
+        return; // the page scrolls
       event.preventDefault();
       zoom(
         1.0015 ** -event.deltaY,
@@ -169,6 +174,12 @@ function connectDiagram() {
     { passive: false },
   );
   diagram.addEventListener("pointerdown", (event) => {
+    if (atTime(event)) {
+      timed = true;
+      play(false);
+      diagram.setPointerCapture(event.pointerId);
+      return;
+    }
     if (event.offsetX < shown.frame.x + 12) {
       goToNearest(event.offsetY);
       return;
@@ -178,6 +189,11 @@ function connectDiagram() {
     markAt(event);
   });
   diagram.addEventListener("pointermove", (event) => {
+    diagram.style.cursor = timed || atTime(event) ? "ns-resize" : "";
+    if (timed) {
+      follow(event);
+      return;
+    }
     if (held && shown.zoomed) {
       pan(
         (held[0] - event.offsetX) / shown.frame.width,
@@ -188,10 +204,10 @@ function connectDiagram() {
     markAt(event);
   });
   diagram.addEventListener("pointerup", () => {
-    held = null;
+    [held, timed] = [null, false];
   });
   diagram.addEventListener("pointerleave", (event) => {
-    held = null;
+    [held, timed] = [null, false];
     if (event.pointerType === "mouse") markAt(null); // what a finger has marked stays
   });
   diagram.addEventListener("keydown", diagramKey);

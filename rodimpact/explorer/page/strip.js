@@ -2,14 +2,15 @@
 // The rods, masses and walls at one time: the polygons of the diagram, cut there.
 
 const THICKER = 0.22; // of a rod, where it is compressed most
+const ARROW = 0.11; // of the width: an arrow of the largest velocity
 
 /** The rods, masses and walls at one time, below the diagram and on the same axis; where all is. */
 function drawRods(pen, scene, look, now, theme) {
   const { view, quantity: name, displaced } = look;
   const frame = frameOf(pen, view, theme.size, scene);
-  const [middle, half] = [0.53 * pen.height, 0.23 * pen.height];
+  const [middle, half] = [0.57 * pen.height, 0.19 * pen.height];
   const [gauges, ends, outlines] = [[], endsAt(scene, now, look), new Map()];
-  const strip = { frame, middle, half, gauges, ends, outlines };
+  const strip = { frame, middle, half, gauges, ends, outlines, arrows: [] };
   pen.inside(frame.x, 0, frame.width, pen.height, () => {
     for (const { polygon, low, high } of slice(
       scene,
@@ -64,7 +65,20 @@ function drawRods(pen, scene, look, now, theme) {
         1.2,
       );
     });
-    nameBodies(pen, scene, frame, ends, 0.8 * theme.size, theme);
+    nameBodies(
+      pen,
+      scene,
+      frame,
+      ends,
+      0.7 * theme.size,
+      theme,
+      now <= 0
+        ? ({ approach }) =>
+            approach === null ? "" : `, ${quantity(approach, "m/s", 3)}`
+        : null,
+    );
+    drawArrows(pen, scene, strip, now, theme);
+    if (now <= 0) drawLengths(pen, scene, strip, theme);
     for (const contact of scene.contacts)
       drawContact(pen, strip, contact, now, theme);
     for (const { body, fraction } of scene.gauges) {
@@ -101,7 +115,8 @@ function slice(scene, t, places = scene.place) {
   const pieces = [];
   for (let i = 0; i < scene.tiling.body.length; i += 1) {
     const [low, high] = chord(scene, i, t, places);
-    if (high > low) pieces.push({ polygon: i, low, high });
+    if (high - low > 1e-9 * scene.length)
+      pieces.push({ polygon: i, low, high });
   }
   return pieces.sort((a, b) => a.low - b.low);
 }
@@ -179,20 +194,133 @@ function drawSlices(
   }
 }
 
+/** Velocity of each rod and mass as a whole: an arrow above it; before they meet it can be dragged. */
+function drawArrows(
+  pen,
+  scene,
+  { frame, middle, half, ends, arrows },
+  now,
+  theme,
+) {
+  const y = Math.min(
+    1.75 * theme.size,
+    middle - half * (1 + THICKER) - 0.3 * theme.size,
+  );
+  if (!shown.held)
+    shown.arrow = (ARROW * frame.width) / (scene.own.velocity || 1);
+  const h = 0.004 * (scene.end - scene.begin);
+  let k = 0;
+  scene.bodies.forEach(({ kind, approach }, body) => {
+    if (kind === "wall") return;
+    const path = scene.centres[k++];
+    const [from, to] = [
+      Math.max(path.t[0], now - h),
+      Math.min(path.t.at(-1), now + h),
+    ];
+    const mean =
+      scene.row.frame +
+      (valueAt(path, to) - valueAt(path, from)) /
+        (to - from) /
+        scene.row.magnification;
+    const velocity = now <= 0 && approach !== null ? approach : mean;
+    const x = frame.across((ends.get(body)[0] + ends.get(body)[1]) / 2);
+    const [tip, w] = [x + shown.arrow * velocity, 0.36 * theme.size];
+    const way = Math.sign(tip - x);
+    if (Math.abs(tip - x) < 3) {
+      if (now <= 0) pen.disc(x, y, w, theme.series[0]);
+    } else {
+      pen.line(
+        [
+          [x, y],
+          [tip - way * w, y],
+        ],
+        theme.series[0],
+        2.4,
+      );
+      pen.polygon(
+        [
+          [tip + way * w, y],
+          [tip - way * w, y - w],
+          [tip - way * w, y + w],
+        ],
+        theme.series[0],
+        null,
+      );
+    }
+    if (now <= 0 && approach !== null) arrows.push({ body, tip, y });
+  });
+}
+
+/** Lengths of the rods below them, between marks, where there is room. */
+function drawLengths(pen, scene, { frame, middle, half, ends }, theme) {
+  const [y, w, size] = [
+    middle + half * (1 + THICKER) + 0.9 * theme.size,
+    0.3 * theme.size,
+    0.8 * theme.size,
+  ];
+  scene.bodies.forEach(({ kind, title }, body) => {
+    if (kind !== "rod") return;
+    const [x0, x1] = ends.get(body).map(frame.across);
+    const long = quantity(scene.lengths[body], "m");
+    const text = [`l${lowered(title.replace(/\D+/, ""))} = ${long}`, long].find(
+      (said) => 0.72 * size * said.length < x1 - x0 - 5 * w,
+    );
+    pen.line(
+      [
+        [x0, y],
+        [x1, y],
+      ],
+      theme.faint,
+      1,
+    );
+    for (const [x, side] of [
+      [x0, 1],
+      [x1, -1],
+    ])
+      pen.polygon(
+        [
+          [x, y],
+          [x + side * 2 * w, y - w],
+          [x + side * 2 * w, y + w],
+        ],
+        theme.faint,
+        null,
+      );
+    if (!text) return;
+    const [half, centre] = [0.36 * size * text.length, (x0 + x1) / 2];
+    pen.polygon(
+      [
+        [centre - half, y - size],
+        [centre + half, y - size],
+        [centre + half, y + size],
+        [centre - half, y + size],
+      ],
+      theme.paper,
+      null,
+    );
+    pen.text(centre, y, text, { size, colour: theme.ink, align: "center" });
+  });
+}
+
 /** Names above the rods; numbers where names would overlap, and of those only what has room. */
-function nameBodies(pen, scene, frame, ends, y, theme) {
+function nameBodies(pen, scene, frame, ends, y, theme, more = null) {
   let [size, reached] = [0.8 * theme.size, -Infinity]; // reached: the right end of the label before
   const seen = scene.bodies.map((_, i) => {
     const [x0, x1] = ends.get(i).map(frame.across);
     return [Math.max(x0, frame.x), Math.min(x1, frame.right)];
   });
-  const fit = scene.bodies.every(
-    ({ path, title }, i) =>
-      path || 0.6 * size * title.length < seen[i][1] - seen[i][0],
-  );
-  scene.bodies.forEach(({ title }, i) => {
+  const fits = (name) =>
+    scene.bodies.every(
+      (body, i) =>
+        body.path || 0.6 * size * name(body).length < seen[i][1] - seen[i][0],
+    );
+  const short = ({ title }) => title.replace(/\D+/, "");
+  const whole = (body) =>
+    body.title + (more && body.kind !== "wall" ? more(body) : "");
+  const name = [whole, ({ title }) => title].find(fits) || short;
+  scene.bodies.forEach((body, i) => {
     const [from, to] = seen[i];
-    const text = fit ? title : title.replace(/\D+/, "");
+    const text = name(body);
     const half = 0.3 * size * text.length;
     const middle = Math.max(
       frame.x + half,

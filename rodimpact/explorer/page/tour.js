@@ -34,12 +34,20 @@ const TOUR = [
     "Rods of different length: the short rod stops when its wave is back, but the long one keeps waves that run up and down. That energy is lost to its motion as a whole, so e = l₁/l₂ < 1, though nothing is lost in the material.",
   ],
 ];
-let tourStep = -1;
+let [tourStep, own] = [-1, null]; // own: what was shown before the tour
 
 function showTour(k) {
+  if (tourStep < 0 && k >= 0)
+    own = { design: structuredClone(design), share: shown.share };
+  const ended = tourStep >= 0 && k < 0;
   tourStep = k;
   byId("tour").hidden = k < 0;
   byId("tour-open").setAttribute("aria-pressed", String(k >= 0));
+  if (ended) {
+    const { share } = own;
+    begin(own.design, () => setShare(share));
+    byId("tour-open").focus();
+  }
   if (k < 0) return;
   hideResult(false); // the tour tells e
   const [key, moment, text] = TOUR[k];
@@ -68,4 +76,7 @@ function connectTour() {
     showTour(tourStep + 1 < TOUR.length ? tourStep + 1 : -1),
   );
   byId("tour-end").addEventListener("click", () => showTour(-1));
+  addEventListener("keydown", ({ key }) => {
+    if (key === "Escape" && tourStep >= 0) showTour(-1);
+  });
 }
