@@ -21,7 +21,13 @@ MOMENTS, FEW = 100, 30  # of the energy: of a solution, and of a draft
 MOST_TIMES = 400  # of the energy, with those at which something changes
 SAME = 1e-9  # of the run: times that are one
 POINTS = 32  # of a segment, for its strain energy
-KINDS = ["moving as a whole", "vibration", "strain", "total", "in compliant contacts"]
+KINDS = [
+    "moving as a whole",
+    "vibration, kinetic part",
+    "strain",
+    "total",
+    "in compliant contacts",
+]
 """Of energy, in the order of `energies_at`."""
 
 

@@ -3,6 +3,8 @@
 Plain Python around the kernels, which the page has as JavaScript.
 """
 
+import math
+from time import monotonic
 from typing import Any
 
 from ..methods.compiling import blank
@@ -29,6 +31,12 @@ from .known import errors_of, outcome_told
 from .motion import curve_of, grids_of
 
 ROOM = 512  # of the log at first
+LOG_GROWTH = 256  # rows that logs grow by; whenever they grow, the deadline is checked
+TOO_MUCH_WORK = (
+    "This collision takes too long for the page. Usually one rod is very much shorter than "
+    "another, or a contact is very stiff. Make the shortest rod longer or that contact softer; or "
+    "solve the collision with Python: rodimpact run CASE.toml"
+)
 
 
 def clock_of(row: Any, until: Any) -> Any:
@@ -69,8 +77,18 @@ def waves_at_start(row: Any, clock: Clock) -> Any:
     return pieces, outside
 
 
-def run_of(row: Any, asked: Any, tolerance: float, keep: bool, earlier: Any) -> Any:
+def run_of(
+    row: Any,
+    asked: Any,
+    tolerance: float,
+    keep: bool,
+    earlier: Any,
+    deadline: float = math.inf,
+) -> Any:
     """Run a row; like an `earlier` run at a finer tolerance, where there is one.
+
+    A run that is not over when the clock `monotonic` reaches its deadline, s, is a problem: steps
+    alone do not bound its time, since each proof of finality reads all waves that are under way.
 
     Returns
     -------
@@ -99,8 +117,10 @@ def run_of(row: Any, asked: Any, tolerance: float, keep: bool, earlier: Any) -> 
     while (
         march.follow(runs, node, link, mass, line, part, log, turn, matrix) == Stop.FULL
     ):
-        log.extend(blank(len(log), PIECE))
-        turn.extend(blank(len(turn), TURN))
+        if monotonic() > deadline:
+            return {"problem": ("", TOO_MUCH_WORK)}
+        log.extend(blank(LOG_GROWTH, PIECE))
+        turn.extend(blank(LOG_GROWTH, TURN))
     if run.stop == Stop.STUCK:
         message = "a rigid mass is squeezed between walls; give a contact there a compliant law"
         return {"problem": ("contacts", message)}
@@ -116,17 +136,17 @@ def run_of(row: Any, asked: Any, tolerance: float, keep: bool, earlier: Any) -> 
     }
 
 
-def solved(row: Any, asked: Any, tolerance: float) -> Any:
+def solved(row: Any, asked: Any, tolerance: float, deadline: float) -> Any:
     """A run, as of `run_of`, with the stated ``errors`` of the `MEASURES`, and their ``goal``."""
-    fine, coarser = (
-        run_of(row, asked, tolerance, True, None),
-        accuracy.COARSER * tolerance,
-    )
+    fine = run_of(row, asked, tolerance, True, None, deadline)
+    coarser = accuracy.COARSER * tolerance
     errors = [0.0 for _ in range(5)]
     if "problem" in fine:
         return fine
     while all(error == 0 for error in errors) and coarser <= accuracy.COARSEST:
-        coarse = run_of(row, asked, coarser, False, fine)
+        coarse = run_of(row, asked, coarser, False, fine, deadline)
+        if "problem" in coarse:
+            return coarse
         errors = accuracy.apart(fine["ended"], coarse["ended"])
         coarser *= accuracy.COARSER  # the same steps tell nothing
     left = max(
@@ -205,10 +225,15 @@ def sentence_of(run: Any) -> str:
     )
 
 
-def solved_by_pieces(system: Any, asked: Any, tolerance: float) -> Any:
-    """A collision as `solved.shown_of` takes it; or a ``problem``, path and sentence."""
+def solved_by_pieces(
+    system: Any, asked: Any, tolerance: float, seconds: float = math.inf
+) -> Any:
+    """A collision as `solved.shown_of` takes it; or a ``problem``, path and sentence.
+
+    It is a problem as well if the runs take longer than so many seconds.
+    """
     row = walk(system)
-    run = solved(row, asked, tolerance)
+    run = solved(row, asked, tolerance, monotonic() + seconds)
     if "problem" in run:
         return run
     outcome = outcome_of(run, run["errors"], sentence_of(run))

@@ -32,7 +32,9 @@ def reason_of(known: Any, e: str) -> list[str]:
         if outcome["contacts"][i].episodes > 0
     ]
     if len(pressed) == 0:
-        happened = "No contact that can open presses."
+        happened = (
+            "No bodies collide: the force stays zero at every contact that can open."
+        )
     elif len(outcome["able"]) > 1:
         happened = of_chain(known, pressed)
     else:
@@ -116,7 +118,7 @@ def of_contact(known: Any, contact: Any) -> str:
         pair_of(known, contact),
     )
     if len(presses) == 0:
-        return "The contact presses for too short a time to be shown."
+        return "The contact force lasts for too short a time to be shown."
     begun, ended, force = presses[0]["from"], presses[-1]["to"], contact["force"]
     lasted = ended - begun
     if spells[-1]["state"] == "pressing":
@@ -235,7 +237,8 @@ def result_of(known: Any, pressed: list[Any], e: str) -> str:
         text = f"The mean {word} {when}: {speeds}"
     if energy <= 0:
         return f"{text}."
-    return f"{text}; {clean(100 * vibration / energy, 100.0):.3g} % of the energy is vibration."
+    share = clean(100 * vibration / energy, 100.0)
+    return f"{text}; {share:.3g} % of the energy is vibration energy."
 
 
 def ratio_named(known: Any) -> str:

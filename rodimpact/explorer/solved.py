@@ -3,6 +3,8 @@
 Plain Python, which the page has as JavaScript.
 """
 
+import math
+from time import monotonic
 from typing import Any
 
 from ..methods.fronts.family_layout import lay_out_family
@@ -18,10 +20,17 @@ from .tables import asked_of, is_smooth, system_of
 QUICK = 1e-6  # tolerance of pieces for curves and maps
 
 
-def scene_of(case: Any, gauges: Any, library: Any, tolerance: float = RTOL) -> Any:
+def scene_of(
+    case: Any,
+    gauges: Any,
+    library: Any,
+    tolerance: float = RTOL,
+    seconds: float = math.inf,
+) -> Any:
     """All that the page shows of a case without mistakes that it can solve.
 
     Waves between compliant contacts are pieces of this tolerance; the errors say what it does.
+    Runs that take longer than so many seconds are given up.
 
     Returns
     -------
@@ -30,7 +39,7 @@ def scene_of(case: Any, gauges: Any, library: Any, tolerance: float = RTOL) -> A
     """
     system, asked = system_of(case, library), asked_of(case)
     if is_smooth(case):
-        found = pieces.solved_by_pieces(system, asked, tolerance)
+        found = pieces.solved_by_pieces(system, asked, tolerance, seconds)
     else:
         found = fronts.solved_by_fronts(system, asked)
     return found if "problem" in found else shown_of(system, gauges, found)
@@ -59,11 +68,15 @@ def shown_of(system: Any, gauges: Any, found: Any) -> Any:
     return picture(system, found, paths, records, energy)
 
 
-def e_of(case: Any, library: Any) -> Any:
-    """e of a case, as quickly as a curve needs it; None where there is none."""
+def e_of(case: Any, library: Any, seconds: float = math.inf) -> Any:
+    """e of a case, as quickly as a curve needs it.
+
+    None where there is no e, and where its run takes longer than so many seconds.
+    """
     row, asked = walk(system_of(case, library)), asked_of(case)
     if is_smooth(case):
-        run = pieces.run_of(row, asked, QUICK, False, None)
+        deadline = monotonic() + seconds
+        run = pieces.run_of(row, asked, QUICK, False, None, deadline)
         if "problem" in run:
             return None
         return pieces.outcome_of(run, [0.0 for _ in range(5)], "")["restitution"]

@@ -6,6 +6,7 @@ again on a coarser clock.
 """
 
 import functools
+from time import monotonic
 
 from ..methods.compiling import blank
 from ..model.numbering import body_numbers, contact_names
@@ -44,6 +45,7 @@ KNOWN = {
     blank: "py.blank",
     extremes: "py.extremes",
     Steps: "py.steps",
+    monotonic: "py.monotonic",
 }
 """What the page writes in its own way."""
 

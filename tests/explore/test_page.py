@@ -389,7 +389,7 @@ def test_a_spring_keeps_the_faces_apart_and_the_film_begins_before_contact(
     assert page.evaluate(
         "shown.scene.centres.every(({ t }) => t[0] === shown.scene.begin)"
     )
-    sync_api.expect(page.locator("#sentence")).to_contain_text("Rod 1 comes with 1")
+    sync_api.expect(page.locator("#sentence")).to_contain_text("Rod 1 moves at 1")
     assert page.evaluate(
         "shown.scene.grids.map((g) => g.rows * g.across).reduce((a, b) => a + b)"
         " === shown.scene.cells"
@@ -404,7 +404,7 @@ def test_a_sentence_follows_the_events(visit):
     for words in (
         "Rod 1 and rod 2 meet",
         "left end of rod 1 and turns back",
-        "the force between rod 1 and rod 2 ends; touching, not pressing",
+        "the force between rod 1 and rod 2 ends; they still touch, without force",
     ):
         page.click("#event-after")
         sync_api.expect(sentence).to_contain_text(words)
@@ -449,7 +449,7 @@ def test_a_guess_comes_before_e(visit):
     assert [where for where in TELLING if page.locator(where).is_visible()] == []
     asked = page.locator("#asked")
     sync_api.expect(asked).to_contain_text(
-        "rod 2 rests. How fast do they part, as a share of"
+        "rod 2 is at rest. How fast do they part, as a share of"
     )
     assert asked.inner_text().count("?") == 1
     page.wait_for_timeout(60)
@@ -525,7 +525,7 @@ def test_rods_and_masses_are_numbered_from_the_left_and_walls_are_not(visit, sol
     sync_api.expect(page.locator("#plot-force")).to_contain_text("contact wall-1")
     page.locator("#time").fill("0")
     sentence = sync_api.expect(page.locator("#sentence"))
-    sentence.to_contain_text("The wall rests, rod 1 rests, mass 2 comes")
+    sentence.to_contain_text("The wall is at rest, rod 1 is at rest, mass 2 moves")
 
 
 def test_the_picture_is_displaced_and_its_dashed_lines_have_the_slopes_of_the_velocities(
@@ -796,3 +796,86 @@ def test_a_map_of_compliant_contacts_is_made_of_solutions(visit, solved):
         bodies=[left, HERTZ.bodies[1]], contacts=[ri.Hertz(stiffness * 1e9)]
     )
     assert e == pytest.approx(ri.solve(row).outcome.restitution, abs=1e-6)
+
+
+def test_a_collision_that_takes_too_long_is_told_and_the_page_goes_on(visit, solved):
+    left, right = PRESETS["unequal"].system.bodies
+    middle = right.replace(length=0.1)
+    contacts = [ri.Rigid(), ri.Hertz(1e10)]
+    page = visit(solved(ri.System([left, middle, right], contacts=contacts)))
+    page.evaluate("Object.assign(PATIENCE, { scene: 0.2, draft: 0.1 })")  # s
+    field(page, "bodies.1.length").fill("0.001")
+    message = sync_api.expect(page.locator("#message"))
+    message.to_contain_text("This collision takes too long for the page.")
+    message.to_contain_text("Make the shortest rod longer")
+    assert not page.locator("#results").is_visible()
+    page.evaluate("PATIENCE.scene = 60")
+    field(page, "bodies.1.length").fill("100")
+    sync_api.expect(page.locator("#results")).to_be_visible()
+    message.to_be_hidden()
+
+
+def test_a_curve_of_other_rods_is_grey_until_it_is_solved(visit, solved):
+    page = visit(solved(HERTZ))
+    page.wait_for_function("() => shown.scene.roundness.outdated === false")
+    outdated = page.evaluate("""() => [0.4, 0.55].map((length) => {
+        const other = structuredClone(design);
+        other.case.bodies[0].length = length;
+        return sceneOf(other).data.roundness.outdated;
+    })""")
+    assert outdated == [False, True]
+    colours = page.evaluate("""() => {
+        const seen = [];
+        const { line } = CanvasPen.prototype;
+        CanvasPen.prototype.line = function (points, stroke, ...rest) {
+            if (points.length === 20) seen.push(stroke);
+            line.call(this, points, stroke, ...rest);
+        };
+        for (const outdated of [true, false])
+            drawCurve("roundness", { ...shown.scene.roundness, outdated, name: "", title: "" },
+                      shown.scene, shown.theme);
+        CanvasPen.prototype.line = line;
+        return [seen, [shown.theme.line, shown.theme.series[0]]];
+    }""")
+    assert colours[0] == colours[1]
+
+
+def test_the_legend_names_the_values_that_occur(visit):
+    page = visit()
+    legend = sync_api.expect(page.locator(".bar .legend"))
+    legend.to_have_text("0 m/s+1 m/s")  # no rod moves to the left
+    page.check("input[value=stress]")
+    low, high = page.evaluate("shown.scene.range.stress")
+    assert low == pytest.approx(-high)  # the wave turns back at free ends
+    legend.to_have_text("−19.8 MPa, compressed+19.8 MPa")  # noqa: RUF001
+    field(page, "bodies.0.velocity").fill("0")
+    field(page, "bodies.1.velocity").fill("-2")
+    page.check("input[value=velocity]")
+    legend.to_have_text("−2 m/s0 m/s")  # noqa: RUF001
+
+
+def test_no_line_ends_between_a_number_and_its_unit(visit):
+    page = visit()
+    for key in ("unequal", "chain", "wall"):
+        page.select_option("#preset", key)
+        page.wait_for_function("() => !shown.asked && !shown.due")
+        for told in ("#reason", "#sentence", "#theory", "#remark", "#notes"):
+            text = page.locator(told).text_content()
+            assert re.findall(r"\d (?:%|[nµmkMG]?(?:m|s|N|J|Pa)\b)| = ", text) == []
+
+
+def test_facts_of_engineers_are_notes(visit):
+    page = visit()
+    wait_for_e(page, "0.4")
+    notes = page.inner_text("#notes").replace("\u00a0", " ")
+    for fact in ("solved at 80 ratios", 'The method is "fronts".', "to 12 digits"):
+        assert fact in notes
+        assert fact not in page.inner_text("#top").replace("\u00a0", " ")
+
+
+def test_a_question_is_explained_where_it_is_written(visit):
+    page = visit()
+    open_menu(page)
+    page.click("#ask")
+    described = page.locator("#question").get_attribute("aria-describedby")
+    assert "for your class" in page.inner_text(f"#{described}")

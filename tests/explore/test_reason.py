@@ -91,7 +91,7 @@ SYSTEMS = {
         [rod(0.4, -1.0), rod(1.0)],
         {},
         {},
-        ["No contact that can open presses."],
+        ["No bodies collide: the force stays zero at every contact that can open."],
     ),
 }
 

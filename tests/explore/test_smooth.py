@@ -201,7 +201,7 @@ def test_the_picture_is_that_of_the_solution(name):
     for curve in energy:
         kind = {
             "moving as a whole": "kinetic",
-            "vibration": "vibrational_kinetic",
+            "vibration, kinetic part": "vibrational_kinetic",
             "in compliant contacts": "contact",
         }.get(curve["name"], curve["name"])
         off = (

@@ -12,9 +12,15 @@ function filmSpan() {
   };
 }
 
-/** One scale of colours for both. */
+/** One scale of colours for both, and one legend. */
 function shareReach() {
   for (const scene of compared()) {
+    scene.range = Object.fromEntries(
+      Object.keys(UNITS).map((name) => [
+        name,
+        rangeIn(compared().flatMap(({ ownRange }) => ownRange[name])),
+      ]),
+    );
     scene.reach = Object.fromEntries(
       Object.keys(UNITS).map((name) => [
         name,
@@ -37,7 +43,7 @@ function keepBeside(on) {
       restitution.value === null
         ? events.at(-1).text
         : `e = ${minus(restitution.text)}`;
-    byId("other-text").textContent = `Kept: ${e}`;
+    byId("other-text").textContent = unbroken(`Kept: ${e}`);
   }
   shareReach();
   showLegend();

@@ -1,7 +1,7 @@
 "use strict";
 // The film: it plays, pauses, steps from event to event, and holds at the end.
 
-const REAL = 1e5; // how much slower than the collision "real / 100,000" is
+const REAL = 1e5; // how much slower than the collision the pace "100,000 × slower" is
 
 /** How long the whole film lasts, in s. */
 function filmTime() {
@@ -22,7 +22,7 @@ function namePaces() {
     if (seconds)
       write(
         option,
-        `${seconds} s: real/${String(Number((seconds / (end - begin)).toPrecision(2))).replace(/\B(?=(\d{3})+$)/g, ",")}`,
+        `${seconds} s: ${String(Number((seconds / (end - begin)).toPrecision(2))).replace(/\B(?=(\d{3})+$)/g, ",")} × slower`,
       );
   }
 }

@@ -10,6 +10,13 @@ const APPROACH = { way: 0.12, time: 0.2 }; // at most: in lengths of the row, in
 const largestOf = (values) =>
   values.reduce((most, v) => Math.max(most, Math.abs(v)), 0);
 
+/** The least and the largest of some values. */
+const rangeIn = (values) =>
+  values.reduce(
+    ([low, high], value) => [Math.min(low, value), Math.max(high, value)],
+    [Infinity, -Infinity],
+  );
+
 /** What a contact does at a time: it is open, it touches, or it presses. */
 function stateAt(contact, t) {
   const spell =
@@ -32,6 +39,10 @@ function prepare(scene) {
   scene.own = {
     velocity: largestOf(tiling.velocity),
     stress: largestOf(tiling.stress),
+  };
+  scene.ownRange = {
+    velocity: rangeIn(tiling.velocity),
+    stress: rangeIn(tiling.stress),
   };
   scene.lengths = lengthsOf(scene);
   row.left = scene.lengths.map((_, i) =>
@@ -59,10 +70,7 @@ function prepare(scene) {
       ? [0, scene.lengths[i]].flatMap((x) => pathOf(scene, i, x, path).y)
       : [],
   );
-  row.span = [...scene.place, ...solids].reduce(
-    ([low, high], at) => [Math.min(low, at), Math.max(high, at)],
-    [Infinity, -Infinity],
-  );
+  row.span = rangeIn([...scene.place, ...solids]);
   for (const contact of scene.contacts) {
     contact.spells = fronts.spells_of(contact);
     contact.faces = [

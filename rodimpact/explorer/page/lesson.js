@@ -30,8 +30,8 @@ function beginning(scene) {
     approach === null
       ? `${name} is in motion already`
       : approach === 0
-        ? `${name} rests`
-        : `${name} comes with ${quantity(approach, "m/s")}`,
+        ? `${name} is at rest`
+        : `${name} moves at ${quantity(approach, "m/s")}`,
   );
   return `${capital(moves.join(", "))}.`;
 }
@@ -73,7 +73,10 @@ function contactEvents(scene, contact) {
       0,
     );
     return [
-      { t: from, text: `${capital(pair)} ${begin}, harder and harder.` },
+      {
+        t: from,
+        text: `${capital(pair)} ${begin}; the contact force grows from zero.`,
+      },
       {
         t: force.t[peak],
         text: `The force between ${pair} reaches its peak: ${quantity(force.y[peak], "N", 3)}.`,
@@ -84,7 +87,7 @@ function contactEvents(scene, contact) {
 
 function released(scene, pair, before, state) {
   if (before === "touching") return `The gap opens: ${pair} part.`;
-  const end = `force between ${pair} ends; ${state === "open" ? "they part" : "touching, not pressing"}.`;
+  const end = `force between ${pair} ends; ${state === "open" ? "they part" : "they still touch, without force"}.`;
   if (!scene.exact) return `The ${end}`;
   return `${scene.contacts.length > 1 ? "A wave arrives" : "The wave is back"} at the contact: the ${end}`;
 }
@@ -130,7 +133,7 @@ const eventAt = (scene, t) =>
 /** Show the sentence of the moment; a screen reader hears it when it changes. */
 function showLesson(scene, t) {
   const { t: at, text } = scene.events[Math.max(0, eventAt(scene, t))];
-  if (write(byId("sentence"), `${quantity(at, "s")}: ${text}`))
+  if (write(byId("sentence"), unbroken(`${quantity(at, "s")}: ${text}`)))
     markEvent(scene, t);
 }
 
@@ -146,8 +149,8 @@ function markEvent(scene, t) {
 function listEvents() {
   const { scene } = shown;
   if (!byId("all-events").open || !scene) return;
-  const texts = scene.events.map(
-    ({ t, text }) => `${quantity(t, "s")}: ${text}`,
+  const texts = scene.events.map(({ t, text }) =>
+    unbroken(`${quantity(t, "s")}: ${text}`),
   );
   if (byId("events").dataset.shown === texts.join()) return;
   byId("events").dataset.shown = texts.join();

@@ -45,8 +45,7 @@ function readTheme() {
     shown.theme[`${name}s`] = shown.theme[name]
       .match(/\w\w/g)
       .map((pair) => parseInt(pair, 16));
-  byId("colours").style.background =
-    `linear-gradient(to right, ${shown.theme.stops.map(css).join(",")})`;
+  if (shown.scene) showLegend();
 }
 
 function now() {
@@ -71,6 +70,7 @@ function redraw() {
 /** Ask for the scene of the design as it is now; what is under way for the one before ends. */
 function askScene(draft = false) {
   clearTimeout(resting);
+  curveTurn += 1;
   stopMap();
   Object.assign(shown, { asked: true, draft });
   redraw();
@@ -99,20 +99,49 @@ function draw() {
   document.documentElement.dataset.frames = shown.frames;
 }
 
+/** Name the values that occur, from the least to the largest, beside their colours. */
 function showLegend() {
-  const [unit, reach] = [
-    UNITS[shown.quantity],
-    quantity(shown.scene.reach[shown.quantity], UNITS[shown.quantity], 3),
-  ];
-  byId("least").textContent = `−${reach}${unit === "Pa" ? ", compressed" : ""}`;
-  byId("most").textContent = `+${reach}`;
+  const { scene, theme, quantity: name } = shown;
+  const reach = scene.reach[name];
+  const [least, most] = scene.range[name].map((value) =>
+    Math.abs(value) < FAINT * reach ? 0 : value,
+  );
+  const said = (value) =>
+    `${value > 0 ? "+" : ""}${quantity(value, UNITS[name], 3)}`;
+  const compressed = name === "stress" && least < 0 ? ", compressed" : "";
+  write(byId("least"), least < most ? said(least) + compressed : "");
+  write(byId("most"), said(most));
+  const colours = Array.from({ length: 9 }, (_, k) =>
+    css(colourOf((least + ((most - least) * k) / 8) / (reach || 1), theme)),
+  );
+  byId("colours").style.background =
+    `linear-gradient(to right, ${colours.join(",")})`;
 }
 
 /** A sentence as the page has it: with µ, and without what only Python can be asked for. */
 const plainly = (text) =>
-  text
-    .replace(/ us\b/g, " µs")
-    .replace(/[.;] [^.;]*(max_events|until=)[^.]*\./g, ".");
+  unbroken(
+    text
+      .replace(/ us\b/g, " µs")
+      .replace(/[.;] [^.;]*(max_events|until=)[^.]*\./g, "."),
+  );
+
+/** What an engineer asks: how the run ended, the method, how close e is to its closed form, points of curves. */
+function notesOf({ notes, method, restitution, curve, roundness }) {
+  const { closed_form: known, value: e } = restitution;
+  const found = [...notes, `The method is "${method}".`];
+  if (e !== null && known) {
+    const apart = Math.abs(e - known.restitution);
+    found.push(
+      apart < 1e-12
+        ? "e agrees with its closed form to 12 digits."
+        : `e differs from its closed form by ${plainNumber(apart, 1)}.`,
+    );
+  }
+  if (curve) found.push(`The curve of e over l₁/l₂ is ${curve.source}.`);
+  if (roundness) found.push(`The curve of e over κ is ${roundness.source}.`);
+  return found.map(plainly);
+}
 
 /** The velocities in the end, short. */
 function afterwards({ results }) {
@@ -143,7 +172,7 @@ function showNumbers(scene) {
   write(byId("after"), e.value !== null ? "" : afterwards(scene));
   write(
     byId("now-text"),
-    e.value === null ? "Now" : `Now: e = ${minus(e.text)}`,
+    unbroken(e.value === null ? "Now" : `Now: e = ${minus(e.text)}`),
   );
   if (e.value === null) hideResult(false);
   askOrJudge(scene);
@@ -151,18 +180,10 @@ function showNumbers(scene) {
   const beside = known
     ? `Closed form (${known.source}): ${plainNumber(known.restitution, 6)}`
     : "";
-  const apart = Math.abs(e.value - (known || {}).restitution);
-  const off =
-    e.value === null || !known
-      ? ""
-      : apart < 1e-12
-        ? ", the same to 12 digits"
-        : `; difference ${plainNumber(apart, 1)}`;
-  byId("theory").textContent =
-    (e.why ? `${plainly(e.why)}. ` : "") + beside + off;
+  byId("theory").textContent = (e.why ? `${plainly(e.why)}. ` : "") + beside;
   fillTable(byId("results"), scene.results);
   write(byId("reason"), minus(plainly(scene.reason.join(" "))));
-  const notes = scene.notes.map(plainly);
+  const notes = notesOf(scene);
   if (byId("notes").dataset.shown !== notes.join()) {
     byId("notes").dataset.shown = notes.join();
     byId("notes").replaceChildren(...notes.map((text) => make("p", {}, text)));
@@ -281,7 +302,7 @@ function showPreset() {
     (preset) => JSON.stringify(preset.design) === text,
   );
   byId("preset").value = same ? same.key : "";
-  byId("remark").textContent = same ? same.remark : "";
+  byId("remark").textContent = unbroken(same ? same.remark : "");
 }
 
 function offerPresets() {
@@ -311,7 +332,8 @@ function saveSvg() {
   const pen = new SvgPen(900, 640);
   const { scene, theme } = shown;
   const frame = drawDiagram(pen, scene, shown, null, null, theme);
-  const colours = `colours: ${shown.quantity}, blue ${byId("least").textContent}, yellow ${byId("most").textContent}`;
+  const said = ["least", "most"].map((id) => byId(id).textContent);
+  const colours = `colours: ${shown.quantity}, ${said.filter(Boolean).join(" to ")}; blue below 0, yellow above`;
   pen.text(frame.x, frame.bottom + 2.3 * theme.size, colours, {
     size: 0.8 * theme.size,
     colour: theme.faint,

@@ -25,6 +25,13 @@ function powerFor(size, unit) {
 /** A number with the sign that is printed, also in its exponent. */
 const minus = (text) => text.replace(/(^|e|\s)-(?=\d)/g, "$1−");
 
+/** A text in which no line ends between a number and its unit, or beside an equals sign. */
+const unbroken = (text) =>
+  text
+    .replace(/(\d) (?=%|[nµmkMG]?(?:N|J|m|s|Pa|kg)\b)/g, "$1\u00a0")
+    .replace(/N s\b/g, "N\u00a0s")
+    .replace(/ ([=×]) /g, "\u00a0$1\u00a0");
+
 /** Digits as an index. */
 const lowered = (text) => text.replace(/\d/g, (digit) => "₀₁₂₃₄₅₆₇₈₉"[digit]);
 

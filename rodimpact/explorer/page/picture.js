@@ -22,6 +22,7 @@ const UNITS = { velocity: "m/s", stress: "Pa" };
 const SPARSE = 80; // polygons, to write values into
 const SHADES = 256; // of a smooth picture
 const [EDGE, WALL] = [0.02, 0.055]; // beside the row, and where a wall is drawn: in its lengths
+const FAINT = 1e-9; // of the largest value: the legend calls it 0
 const CROWDED = 400; // polygons from which lines would hide the colours
 
 /** Colour of a number from -1 to 1. */

@@ -155,17 +155,14 @@ function drawCurve(id, curve, { restitution }, theme) {
   const {
     ratios,
     values,
-    source,
+    outdated,
     here,
     from = ratios[0],
     title,
     name,
     said,
   } = curve;
-  caption(byId(`plot-${id}`).firstElementChild, title, [
-    [said, theme.wrong],
-    [source, theme.series[0]],
-  ]);
+  caption(byId(`plot-${id}`).firstElementChild, title, [[said, theme.wrong]]);
   const pen = new CanvasPen(byId(id));
   if (!ratios.length) return;
   const right = ratios.at(-1);
@@ -182,8 +179,8 @@ function drawCurve(id, curve, { restitution }, theme) {
     if (values[i] === null) strokes.push((points = []));
     else points.push([frame.across(ratio), frame.up(values[i])]);
   });
-  for (const stroke of strokes)
-    if (stroke.length) pen.line(stroke, theme.series[0], 2);
+  const colour = outdated ? theme.line : theme.series[0];
+  for (const stroke of strokes) if (stroke.length) pen.line(stroke, colour, 2);
   const beyond = 0.01 * (right - from); // a slider at its end may be a rounding outside
   if (
     restitution.value !== null &&

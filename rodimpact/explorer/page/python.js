@@ -26,6 +26,7 @@ const py = {
     if (b < 0) throw new RangeError(`${a} >> ${b}`);
     return Math.floor(a / 2 ** b) + 0;
   },
+  monotonic: () => performance.now() / 1000,
   blank(count, fields) {
     const all = [],
       lists = Object.keys(fields).filter((key) => Array.isArray(fields[key]));

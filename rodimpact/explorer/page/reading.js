@@ -15,7 +15,7 @@ function showReading() {
   write(
     byId("readout"),
     mark
-      ? `t = ${quantity(mark.t, "s")}: ${said}`
+      ? unbroken(`t = ${quantity(mark.t, "s")}: ${said}`)
       : "Drag the red line, the ends of the rods, or their arrows. Point at the diagram to read values.",
   );
 }

@@ -20,13 +20,27 @@ const FEW = 20; // points of a curve of e; four times as many of fronts
 const QUIET = 150; // ms after which sliders rest
 const DRAFT = [1e-5, 1e-4]; // tolerances while a slider moves, of pairs and of chains; their errors are shown
 const AWAKE = 30; // ms of work between two looks at what the user does
+const PATIENCE = { scene: 3, draft: 0.7, e: 0.4 }; // s of work at most for a scene, for a draft of it, for one e
 let resting = 0;
+let curveTurn = 0; // counts scenes: curves of an earlier one are not solved on
 const kept = {}; // curves that take long, as they were last
 
 /** e of a case in which numbers are set at some paths; null where there is none. */
 function eWith(copy, ...numbers) {
   for (const [path, number] of numbers) setAt(copy, path, number);
-  return fronts.e_of(copy, start.materials);
+  return fronts.e_of(copy, start.materials, PATIENCE.e);
+}
+
+/** A function that lets the page wake up, if the work since it was last awake was long enough. */
+function restingPoint() {
+  let rested = performance.now();
+  return async () => {
+    if (performance.now() - rested < AWAKE) return;
+    await new Promise((resolve) => {
+      setTimeout(resolve);
+    });
+    rested = performance.now();
+  };
 }
 
 /** Curves of e, to be solved: over l1/l2 of two uniform rods, and over the roundness of their ends, which meet by Hertz's law. */
@@ -38,15 +52,25 @@ function curvesOf({ case: tables }, { ratio, method, bodies }) {
   );
   const curve = (count, placeOf, source, asked, path, numberAt) => {
     const ratios = Array.from({ length: count }, (_, k) => placeOf(k));
-    const solve = (copy = structuredClone(asked)) => ({
-      ratios,
-      values: ratios.map((ratio) => eWith(copy, [path, numberAt(ratio)])),
-    });
+    const copy = structuredClone(asked);
+    const eAt = (ratio) => eWith(copy, [path, numberAt(ratio)]);
+    setAt(copy, path, null);
     return {
       ratios: [],
       values: [],
       source: `solved at ${count} ${source}`,
-      solve,
+      row: JSON.stringify([ratios, copy]), // two rows with one text have one curve
+      solve: () => ({ ratios, values: ratios.map(eAt) }),
+      solveAwake: async (isOver) => {
+        const values = [];
+        const rest = restingPoint();
+        for (const ratio of ratios) {
+          values.push(eAt(ratio));
+          await rest();
+          if (isOver()) return null;
+        }
+        return { ratios, values };
+      },
     };
   };
   const found = {};
@@ -93,21 +117,33 @@ function curvesOf({ case: tables }, { ratio, method, bodies }) {
   return found;
 }
 
-/** Solve what takes long once the sliders rest; until then curves before are shown, and a draft. */
-function solveAtRest(scene, asked, draft) {
-  const late = Object.entries(curvesOf(asked, scene)).filter(([key, curve]) => {
+/** Give a scene its curves; one of other rods is `outdated`. Returns the curves that are to be solved. */
+function addCurves(scene, asked) {
+  return Object.entries(curvesOf(asked, scene)).filter(([key, curve]) => {
     const quick = key === "curve" && scene.method === "fronts";
-    scene[key] = { ...curve, ...(quick ? curve.solve() : kept[key]) };
-    return !quick;
+    const before = kept[key];
+    const outdated = !quick && (!before || before.row !== curve.row);
+    scene[key] = { ...curve, ...(quick ? curve.solve() : before), outdated };
+    return outdated;
   });
-  if (late.length || draft)
-    resting = setTimeout(() => {
-      if (draft) receive(sceneOf(design));
-      clearTimeout(resting);
-      for (const [key, curve] of late)
-        Object.assign(shown.scene[key], (kept[key] = curve.solve()));
-      redraw();
-    }, QUIET);
+}
+
+/** Solve curves of the scene shown, one after the other, while the page stays awake. */
+async function solveCurves(curves) {
+  const turn = curveTurn;
+  for (const [key, { row, solveAwake }] of curves) {
+    const solved = await solveAwake(() => turn !== curveTurn);
+    if (!solved) return;
+    kept[key] = { row, ...solved };
+    Object.assign(shown.scene[key], solved, { outdated: false });
+    redraw();
+  }
+}
+
+/** Do at rest what takes long: a draft is solved in full; then curves are solved. */
+function solveAtRest(draft, curves) {
+  if (draft) resting = setTimeout(() => receive(sceneOf(design)), QUIET);
+  else if (curves.length) resting = setTimeout(solveCurves, QUIET, curves);
 }
 
 /** The scene of a design as `data`, or its `problems`; a draft of compliant contacts is quicker. */
@@ -119,13 +155,18 @@ function sceneOf(asked, draft = false) {
       asked.case,
       listOf(asked.gauges),
       start.materials,
-      ...(draft ? [DRAFT[asked.case.bodies.length > 3 ? 1 : 0]] : []),
+      draft ? DRAFT[asked.case.bodies.length > 3 ? 1 : 0] : undefined,
+      draft ? PATIENCE.draft : PATIENCE.scene,
     );
-    if (!problem)
-      solveAtRest(data, asked, draft && data.method === "characteristics");
-    return problem
-      ? { problems: [{ path: problem[0], message: problem[1] }] }
-      : { data };
+    if (draft && problem && problem[0] === "") {
+      solveAtRest(true, []); // a draft that took too long: in full it may take longer
+      return {};
+    }
+    if (problem)
+      return { problems: [{ path: problem[0], message: problem[1] }] };
+    const curves = addCurves(data, asked);
+    solveAtRest(draft && data.method === "characteristics", curves);
+    return { data };
   } catch (error) {
     return {
       problems: [
@@ -138,16 +179,12 @@ function sceneOf(asked, draft = false) {
 /** e over two numbers of a design, row by row; the page stays awake. */
 async function* mapOf(design, [xPath, xs], [yPath, ys]) {
   const copy = structuredClone(design.case);
-  let rested = performance.now();
+  const rest = restingPoint();
   for (const y of ys) {
     const row = [];
     for (const x of xs) {
       row.push(eWith(copy, [yPath, y], [xPath, x]));
-      if (performance.now() - rested < AWAKE) continue;
-      await new Promise((resolve) => {
-        setTimeout(resolve);
-      });
-      rested = performance.now();
+      await rest();
     }
     yield row;
   }

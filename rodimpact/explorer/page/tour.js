@@ -6,7 +6,7 @@ const TOUR = [
   [
     "identical",
     -1,
-    "Two identical rods. The left one comes at speed v, the right one is still. No force acts yet.",
+    "Two identical rods. Rod 1 moves at speed v, rod 2 is at rest. No force acts yet.",
   ],
   [
     "identical",
@@ -16,12 +16,12 @@ const TOUR = [
   [
     "identical",
     0.5,
-    "The fronts reach the far ends: both rods are compressed everywhere and move with v/2. From the free ends the waves come back as relief.",
+    "The fronts reach the far ends: both rods are compressed everywhere and move with v/2. At the free ends each wave of compression turns back as a wave that takes the compression away.",
   ],
   [
     "identical",
     1,
-    "The waves meet at the contact, and the rods part. The left rod stands still, the right one has v, and no vibration is left: e = 1.",
+    "The waves meet at the contact, and the rods part. Rod 1 is at rest, rod 2 moves at v, and no vibration is left: e = 1.",
   ],
   [
     "wall",
@@ -31,7 +31,7 @@ const TOUR = [
   [
     "unequal",
     1,
-    "Rods of different length: the short rod stops when its wave is back, but the long one keeps waves that run up and down. That energy is lost to its motion as a whole, so e = l₁/l₂ < 1, though nothing is lost in the material.",
+    "Rods of different length: rod 1, the short one, stops when its wave is back. In rod 2 waves keep running from end to end. Their vibration energy is missing from the motion of rod 2 as a whole, so e = l₁/l₂ < 1, though no energy is lost in the material.",
   ],
 ];
 let [tourStep, own] = [-1, null]; // own: what was shown before the tour
@@ -51,7 +51,9 @@ function showTour(k) {
   if (k < 0) return;
   hideResult(false); // the tour tells e
   const [key, moment, text] = TOUR[k];
-  byId("tour-text").textContent = `${k + 1} of ${TOUR.length}. ${text}`;
+  byId("tour-text").textContent = unbroken(
+    `${k + 1} of ${TOUR.length}. ${text}`,
+  );
   byId("tour-back").disabled = k === 0;
   byId("tour-next").textContent = k === TOUR.length - 1 ? "End" : "Next";
   begin(start.presets.find((preset) => preset.key === key).design, () => {
