@@ -30,6 +30,7 @@ SCRIPTS = (
     "controls.js",
     "map.js",
     "build.js",
+    "handles.js",
     "address.js",
     "main.js",
 )

@@ -88,6 +88,7 @@ def picture(system: Any, found: Any, paths: Any, records: Any, energy: Any) -> A
         "ratio": ratio_of(known),
         "reason": reason_of(known, e["text"] if e["why"] == "" else ""),
         "results": results_of(known),
+        "by_contact": contacts_told(known),
     }
 
 
@@ -175,8 +176,36 @@ def restitution_of(known: Any) -> Any:
     }
 
 
+def contact_told(known: Any, i: int) -> Any:
+    """Name and text of each number of a contact; a blow of rigid bodies has the peak force "-"."""
+    contact, errors = known["outcome"]["contacts"][i], known["outcome"]["errors"]
+    rows = []
+    for what, key, value, unit in (
+        ("impulse", "impulse", contact.impulse, "N s"),
+        ("peak force", "peak_force", contact.peak_force, "N"),
+        ("force duration", "duration", contact.duration, "s"),
+    ):
+        text = "-"
+        if value == value:  # no peak force is nan
+            text = written(value, unit, 5)
+            text = stated(text, value, 5, errors.get(key, 0.0), unit)
+        rows.append((what, text))
+    return rows
+
+
+def contacts_told(known: Any) -> Any:
+    """Rows of the table of several contacts: the name, and the numbers of `contact_told`."""
+    able = known["outcome"]["able"]
+    rows: list[Any] = []
+    for i in able:
+        if len(able) > 1:
+            texts = [text for _, text in contact_told(known, i)]
+            rows.append([known["contacts"][i]["name"], *texts])
+    return rows
+
+
 def results_of(known: Any) -> Any:
-    """What the collision did, in words and numbers."""
+    """What the collision did, in words and numbers; several contacts are in `contacts_told`."""
     o, digits = known["outcome"], 6 if known["method"] == "fronts" else 4
     errors, rows = o["errors"], []
     fastest = max([abs(v) for v in [*o["before"], *o["after"]]])
@@ -186,21 +215,10 @@ def results_of(known: Any) -> Any:
             v = clean(o["after"][i], fastest)
             text = stated(f"{v:.{digits}g} m/s", v, digits, errors["velocity"], "m/s")
             rows.append((f"velocity of {body['name']} {after}", text))
-    for i in o["able"]:
-        c, name = (
-            o["contacts"][i],
-            f" {known['contacts'][i]['name']}" if len(o["able"]) > 1 else "",
-        )
-        for what, key, value, unit in (
-            ("impulse", "impulse", c.impulse, "N s"),
-            ("peak force", "peak_force", c.peak_force, "N"),
-            ("force duration", "duration", c.duration, "s"),
-        ):
-            if value == value:  # a blow of rigid bodies has no peak force
-                text = stated(
-                    written(value, unit, 5), value, 5, errors.get(key, 0.0), unit
-                )
-                rows.append((f"{what}{name}", text))
+    if len(o["able"]) == 1:
+        for what, text in contact_told(known, o["able"][0]):
+            if text != "-":
+                rows.append((what, text))
     vibration = clean(o["vibration_after"], o["energy_before"])
     text = stated(
         written(vibration, "J", 5), vibration, 5, errors.get("energy", 0.0), "J"

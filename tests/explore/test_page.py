@@ -1,5 +1,6 @@
 """The page in a browser: what a person sees and does."""
 
+import itertools
 import os
 import re
 import shutil
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 import rodimpact as ri
+from rodimpact.explorer.design import tables_of, with_gauges
 from rodimpact.explorer.presets import presets
 
 sync_api = pytest.importorskip(
@@ -50,8 +52,9 @@ def solved(tmp_path):
     """Writes the page of a system; its address."""
 
     def write(system, **solve):
-        ri.explore(ri.Case(system, solve)).save(tmp_path / "page.html")
-        return (tmp_path / "page.html").as_uri()
+        path = tmp_path / f"page-{len([*tmp_path.iterdir()])}.html"
+        ri.explore(ri.Case(system, solve)).save(path)
+        return path.as_uri()
 
     return write
 
@@ -879,3 +882,351 @@ def test_a_question_is_explained_where_it_is_written(visit):
     page.click("#ask")
     described = page.locator("#question").get_attribute("aria-describedby")
     assert "for your class" in page.inner_text(f"#{described}")
+
+
+# The layout
+
+
+def steel_rod(length, velocity=0.0):
+    return ri.Rod(length, area=1e-4, material=ri.materials.steel, velocity=velocity)
+
+
+LESSONS = {
+    "two rigid rods": PRESETS["unequal"].system,
+    "two Hertz rods": HERTZ,
+    "rod, rod and wall": ri.System(
+        [steel_rod(0.5, 1.0), steel_rod(1.0), ri.Wall()],
+        contacts=[ri.Spring(1e8), ri.Spring(1e8)],
+    ),
+    "chain of five": PRESETS["chain"].system,
+}
+INPUTS = (
+    LENGTH,
+    "bodies.0.velocity",
+    "contacts.0.law",
+    "bodies.1.length",
+    "bodies.1.velocity",
+)
+
+
+def begin(page, case):
+    """Let a page begin with a case, and wait until it is solved in full."""
+    page.evaluate("(design) => begin(design)", tables_of(with_gauges(case)))
+    page.wait_for_function("() => !shown.asked && !shown.due && !shown.draft")
+
+
+def hidden_parts(page, selectors):
+    """Those of the selectors whose element is not whole on the first screen, or is covered."""
+    return page.evaluate(
+        """(selectors) => selectors.filter((selector) => {
+            const element = document.querySelector(selector);
+            const { left, top, right, bottom, width } = element.getBoundingClientRect();
+            const inside = left >= 0 && top >= 0 && right <= innerWidth && bottom <= innerHeight;
+            const there = document.elementFromPoint((left + right) / 2, top + 4);
+            const open = there && (element.contains(there) || there.contains(element));
+            return !(width > 0 && inside && open);
+        })""",
+        list(selectors),
+    )
+
+
+@pytest.mark.parametrize(("width", "height"), [(1440, 900), (1024, 768)])
+def test_inputs_e_and_reason_are_on_the_first_screen(visit, width, height):
+    page = visit(viewport={"width": width, "height": height})
+    for name, system in LESSONS.items():
+        begin(page, ri.Case(system))
+        has_e = page.evaluate("shown.scene.restitution.value !== null")
+        told = "#restitution" if has_e else "#after"
+        inputs = [f"[id='{path}']" for path in INPUTS]
+        assert hidden_parts(page, [*inputs, told, "#reason"]) == [], name
+        assert page.evaluate("scrollY") == 0
+
+
+@pytest.mark.parametrize("name", ["two rigid rods", "two Hertz rods"])
+def test_a_phone_shows_all_inputs_first_and_the_reason_next(visit, solved, name):
+    page = visit(solved(LESSONS[name]), viewport={"width": 390, "height": 844})
+    inputs = [f"[id='{path}']" for path in INPUTS]
+    assert hidden_parts(page, [*inputs, "#restitution", "#play"]) == []
+    last = field(page, "bodies.1.velocity").bounding_box()
+    assert page.locator("#reason").bounding_box()["y"] < last["y"] + 60
+
+
+def test_tools_stand_in_one_row_on_the_narrowest_phone(visit):
+    page = visit(viewport={"width": 360, "height": 700})
+    tops = page.evaluate("""() => [...document.querySelectorAll(".tools > *")]
+        .filter((e) => e.getClientRects().length)
+        .map((e) => Math.round(e.getBoundingClientRect().top))""")
+    assert len(tops) == 5
+    assert len(set(tops)) == 1
+
+
+def test_the_page_opens_still_at_the_start(visit):
+    page = visit()
+    assert page.evaluate("[now() === shown.scene.begin, shown.playing]") == [
+        True,
+        False,
+    ]
+    assert page.evaluate("shown.scene.begin") < 0
+    assert page.inner_text("#play") == "Play"
+
+
+def random_row(rng):
+    """A row of rods and masses, maybe beside a wall, in rigid and compliant contact."""
+    bodies = []
+    for _ in range(rng.integers(1, 4)):
+        velocity = float(rng.uniform(-3, 3))
+        if rng.random() < 0.75:
+            bodies.append(steel_rod(float(rng.uniform(0.1, 1.5)), velocity))
+        else:
+            bodies.append(ri.RigidMass(float(rng.uniform(0.1, 3)), velocity=velocity))
+    bodies.insert(int(rng.integers(0, len(bodies) + 1)), steel_rod(0.5, 2.0))
+    if rng.random() < 0.4:
+        bodies.append(ri.Wall())
+    if rng.random() < 0.2:
+        bodies.insert(0, ri.Wall())
+    laws, gaps = [], []
+    for left, right in itertools.pairwise(bodies):
+        waves = isinstance(left, ri.Rod) or isinstance(right, ri.Rod)
+        kind = rng.integers(0 if waves else 1, 3)
+        laws.append([ri.Rigid(), ri.Spring(1e8), ri.Hertz(1e10)][kind])
+        gaps.append(float(rng.choice([0.0, 2e-4])))
+    return ri.System(bodies, contacts=laws, gaps=gaps)
+
+
+def test_the_whole_row_is_inside_the_picture(visit):
+    page = visit()
+    rng = np.random.default_rng(43)
+    for _ in range(50):
+        design = tables_of(with_gauges(ri.Case(random_row(rng), {"max_events": 300})))
+        outside = page.evaluate(
+            """(design) => {
+            const { case: asked, gauges } = design;
+            const scene = prepare(fronts.scene_of(asked, gauges, start.materials, 1e-4));
+            const kept = [shown.scene, shown.displaced];
+            shown.scene = scene;
+            const outside = [];
+            for (const displaced of [true, false]) {
+                shown.displaced = displaced;
+                const view = wholeView(scene);
+                for (let k = 0; k <= 20; k += 1) {
+                    const t = scene.begin + ((scene.end - scene.begin) * k) / 20;
+                    for (const [i, [low, high]] of endsAt(scene, t, { view, displaced })) {
+                        const isWall = scene.bodies[i].kind === "wall";
+                        const left = isWall && i === 0 ? high : low;  // the face of a wall
+                        const right = isWall && i > 0 ? low : high;
+                        if (left < view.left || right > view.right) outside.push([i, t]);
+                    }
+                }
+            }
+            [shown.scene, shown.displaced] = kept;
+            return outside;
+        }""",
+            design,
+        )
+        assert outside == [], design
+
+
+def test_escape_ends_the_tour_and_gives_all_back(visit):
+    page = visit()
+    field(page, LENGTH).fill("700")
+    wait_for_e(page, "0.7")
+    page.locator("#time").fill("640")
+    page.click("#tour-open")
+    sync_api.expect(page.locator("#tour-text")).to_contain_text("1 of 6")
+    page.click("#tour-next")
+    page.wait_for_function("() => !shown.asked && !arrived")
+    assert page.input_value("#preset") == "identical"
+    page.keyboard.press("Escape")
+    wait_for_e(page, "0.7")
+    page.wait_for_function("() => !shown.asked && !arrived && !shown.due")
+    assert field(page, LENGTH).input_value() == "700"
+    assert page.evaluate("shown.share") == pytest.approx(0.64)
+    assert page.evaluate("document.activeElement.id") == "tour-open"
+    assert not page.locator("#tour").is_visible()
+
+
+def test_an_arrow_is_dragged_and_undone(visit):
+    page = visit()
+    page.locator("#time").fill("0")
+    arrow = "[shown.strip.arrows[{}].tip, shown.strip.arrows[{}].y]"
+    speed = field(page, "bodies.0.velocity")
+    per_pixel = page.evaluate("1 / shown.arrow")
+    drag(page, arrow.format(0, 0), 40)
+    assert float(speed.input_value()) == pytest.approx(1 + 40 * per_pixel, abs=0.06)
+    drag(page, arrow.format(1, 1), -20)
+    second = float(field(page, "bodies.1.velocity").input_value())
+    assert second < 0
+    sync_api.expect(page.locator("#sentence")).to_contain_text(
+        f"rod 2 moves at \u2212{-second:g}"
+    )
+    page.click("#undo")
+    page.click("#undo")
+    assert speed.input_value() == "1"
+    assert field(page, "bodies.1.velocity").input_value() == "0"
+
+
+def test_ends_and_arrows_are_moved_by_keys(visit):
+    page = visit()
+    page.locator("#time").fill("0")
+    page.wait_for_function("() => !shown.due")
+    handles = page.locator("#handles [role=slider]")
+    assert handles.evaluate_all("all => all.map((one) => one.ariaLabel)") == [
+        "Velocity of rod 1",
+        "Length of rod 1",
+        "Velocity of rod 2",
+        "Length of rod 2",
+    ]
+    handles.nth(1).focus()
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("PageUp")
+    assert field(page, LENGTH).input_value() == "411"
+    wait_for_e(page, "0.411")
+    assert handles.nth(1).get_attribute("aria-valuetext") == "411 mm"
+    assert page.evaluate("document.activeElement.ariaLabel") == "Length of rod 1"
+    handles.nth(2).focus()
+    page.keyboard.press("ArrowLeft")
+    assert field(page, "bodies.1.velocity").input_value() == "-0.1"
+    page.wait_for_function("() => !shown.asked && !shown.due")
+    places = page.evaluate("""() => [...document.querySelectorAll("#handles > *")].map((one) => {
+        const { left, width, top, height } = one.getBoundingClientRect();
+        const origin = byId("rods").getBoundingClientRect();
+        return [left + width / 2 - origin.left, top + height / 2 - origin.top];
+    })""")
+    tip, end = page.evaluate("""[[shown.strip.arrows[1].tip, shown.strip.arrows[1].y],
+        [shown.strip.frame.across(shown.strip.ends.get(1)[1]), shown.strip.middle]]""")
+    assert places[2] == pytest.approx(tip, abs=1)
+    assert places[3] == pytest.approx(end, abs=1)
+    page.locator("#time").fill("500")
+    page.wait_for_function("() => !shown.due")
+    assert handles.count() == 0  # the set-up is no longer seen
+
+
+def lines_drawn(page, do):
+    """Colour and points of each line of pens while some JavaScript runs."""
+    return page.evaluate(f"""() => {{
+        const lines = [];
+        const {{ line }} = CanvasPen.prototype;
+        CanvasPen.prototype.line = function (points, colour, ...rest) {{
+            lines.push([colour, points]);
+            line.call(this, points, colour, ...rest);
+        }};
+        {do};
+        CanvasPen.prototype.line = line;
+        return lines;
+    }}""")
+
+
+def test_the_force_stands_beside_the_diagram_on_its_time_axis(visit):
+    page = visit()
+    page.locator("#time").fill("300")
+    page.wait_for_function("() => !shown.due")
+    lines = lines_drawn(page, "draw()")
+    frame = page.evaluate(
+        """(({ x, right, force }) => ({ x, right, force }))(shown.frame)"""
+    )
+    wrong, blue = page.evaluate("[shown.theme.wrong, shown.theme.series[0]]")
+    T = 0.4 / ri.materials.steel.wave_speed
+    up = page.evaluate("([a, b, c]) => [a, b, c].map(shown.frame.up)", [0, T, 2 * T])
+    red = [points for colour, points in lines if colour == wrong]
+    across = [points for points in red if points[0][0] == frame["x"]]
+    assert across[0][1][0] == frame["force"]["right"]  # one line crosses both
+    beside = [
+        points
+        for colour, points in lines
+        if colour == blue and points[0][0] >= frame["force"]["x"]
+    ]
+    places = dict.fromkeys(y for _, y in beside[0])
+    assert [y for y in places if min(abs(y - at) for at in (up[0], up[2])) < 0.01]
+    jump = max(x for x, y in beside[0]) - min(x for x, y in beside[0])
+    assert jump > 0.8 * (frame["force"]["right"] - frame["force"]["x"])
+
+
+def test_a_chain_is_told_contact_by_contact(visit):
+    page = visit()
+    page.select_option("#preset", "chain")
+    rows = page.locator("#by-contact tbody tr")
+    sync_api.expect(rows).to_have_count(4)
+    outcome = ri.solve(PRESETS["chain"].system).outcome
+    for k, contact in enumerate(outcome.contacts):
+        cells = rows.nth(k).locator("th, td").all_inner_texts()
+        impulse, force, duration = (text.replace("\u00a0", " ") for text in cells[1:])
+        assert cells[0] == f"{k + 1}-{k + 2}"
+        assert impulse == f"{1e3 * contact.impulse:.5g} mN s"
+        assert force == f"{1e-3 * contact.peak_force:.5g} kN"
+        assert duration == f"{1e6 * contact.duration:.5g} µs"
+    assert page.locator("#results tr").count() == 7  # five velocities, two energies
+    page.select_option("#preset", "unequal")
+    sync_api.expect(page.locator("#by-contact")).to_be_hidden()
+
+
+def test_a_label_without_room_leaves_the_others(visit, solved):
+    short = ri.System([steel_rod(0.05, 1.0), steel_rod(0.05), steel_rod(1.0)])
+    page = visit(solved(short), viewport={"width": 390, "height": 844})
+    page.locator("#time").fill("0")
+    page.wait_for_function("() => !shown.due")
+    texts = page.evaluate("""() => {
+        const texts = [];
+        const { text } = CanvasPen.prototype;
+        CanvasPen.prototype.text = function (x, y, said, look) { texts.push(said); };
+        drawRods(new CanvasPen(byId("rods")), shown.scene, shown, now(), shown.theme);
+        CanvasPen.prototype.text = text;
+        return texts;
+    }""")
+    assert "Rod 3, 0\u00a0m/s" in texts
+    assert not [text for text in texts if text.startswith("Rod 2,")]
+
+
+def test_a_lesson_on_paper(visit):
+    page = visit(viewport={"width": 1280, "height": 800})
+    open_menu(page)
+    page.click("#ask")
+    page.locator("#question").fill("What happens?")
+    page.locator("#time").fill("700")
+    page.emulate_media(media="print")
+    page.wait_for_function("() => shown.printing && !shown.due")
+    assert page.evaluate("shown.strip.arrows.length") == 2  # the set-up
+    tops = [
+        page.locator(part).bounding_box()["y"]
+        for part in ("#question", "#given", "#rods", "#diagram", "#plots")
+    ]
+    assert tops == sorted(tops)
+    given = page.inner_text("#given").replace("\u00a0", " ")
+    assert given.startswith(
+        "Rod 1: 400 mm long, 100 mm², steel; 1 m/s. Contact 1-2: ri"
+    )
+    assert page.locator("#reason").is_visible()
+    assert not page.locator("#lines").is_visible()
+    charts = page.locator("#plots canvas").evaluate_all(
+        "all => all.map((one) => [one.clientWidth, one.parentElement.clientWidth])"
+    )
+    assert all(chart == column for chart, column in charts)
+    page.emulate_media(media="screen")
+    page.click("#guess-first")
+    page.emulate_media(media="print")
+    page.wait_for_function("() => shown.printing && !shown.due")
+    assert page.locator("#lines p").count() > 8
+    for part in ("#lines", "#question", "#asked", "#rods", "#diagram"):
+        assert page.locator(part).is_visible(), part
+    for part in ("#reason", "#facts", "#plots", ".restitution", "#notes", "button"):
+        assert not page.locator(part).first.is_visible(), part
+
+
+def test_numbers_shown_are_those_of_the_api(visit):
+    rng = np.random.default_rng(3)
+    page = visit()
+    for _ in range(12):
+        system = random_row(rng)
+        limit = {"max_events": 1000}
+        begin(page, ri.Case(system, limit))
+        outcome = ri.solve(system, **limit).outcome
+        rows = page.evaluate("shown.scene.results")
+        assert rows[0][0].endswith(" after" if outcome.final else " at the end")
+        if not outcome.final:
+            continue
+        shown = [float(text.split()[0]) for name, text in rows if "velocity" in name]
+        solids = zip(outcome.bodies, outcome.velocities_after, strict=True)
+        wanted = [v for kind, v in solids if kind != "wall"]
+        digits = 6 if page.evaluate("shown.scene.method") == "fronts" else 4
+        rounded = [float(f"{v:.{digits}g}") for v in wanted]
+        fastest = max(map(abs, [*outcome.velocities_before, *wanted]))
+        assert shown == pytest.approx(rounded, rel=1e-12, abs=1e-12 * fastest), system

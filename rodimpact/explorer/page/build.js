@@ -193,6 +193,11 @@ class History {
     this.button.disabled = this.states.length === 0;
   }
 
+  /** The next change of a number is another one. */
+  begin() {
+    this.last = -Infinity;
+  }
+
   back() {
     this.now = null;
     return JSON.parse(this.states.pop());
@@ -250,13 +255,8 @@ function connectDragging(changed) {
     held = shown.strip && holdAt(event.offsetX, event.offsetY);
     if (!held) return;
     strip.setPointerCapture(event.pointerId);
-    const segments = listOf(design.case.bodies[held.body].segments);
-    const piece = segments.length
-      ? `.segments.${held.side < 0 ? 0 : segments.length - 1}`
-      : "";
-    const path = held.arrow
-      ? `bodies.${held.body}.velocity`
-      : `bodies.${held.body}${piece}.length`;
+    past.begin();
+    const path = draggedPath(held.body, held.arrow, held.side);
     Object.assign(held, {
       x: event.offsetX,
       path,

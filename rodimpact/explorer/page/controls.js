@@ -287,7 +287,7 @@ class Controls {
 
   gauges() {
     const [block, rest] = [
-      make("fieldset"),
+      make("fieldset", { class: "gauges" }),
       make("div", { id: "rest:gauges" }),
     ];
     const rods = listOf(this.state.case.bodies).flatMap((body, i) =>

@@ -36,6 +36,7 @@ function setShare(share) {
   Object.assign(shown, {
     share: Math.max(0, Math.min(1, share)),
     fresh: false,
+    mark: null,
   });
   redraw();
   keepAddress();
@@ -47,7 +48,7 @@ function play(on) {
   byId("play").setAttribute("aria-pressed", String(on));
   if (!on) return;
   if (shown.share >= 1 || shown.fresh) shown.share = 0;
-  shown.fresh = false;
+  Object.assign(shown, { fresh: false, mark: null });
   let last = performance.now();
   const { scene } = shown;
   const next =

@@ -3,6 +3,7 @@
 
 const SAME = 1e-6; // of the film: events that are one
 const MOST_EVENTS = 24; // with those at free ends
+const MANY = 3; // bodies at rest that are named together
 
 const capital = (text) => text[0].toUpperCase() + text.slice(1);
 
@@ -25,15 +26,53 @@ function eventsOf(scene) {
   return events;
 }
 
-function beginning(scene) {
-  const moves = scene.bodies.map(({ approach, name }) =>
+function beginning({ bodies }) {
+  const resting = bodies.filter(({ approach }) => approach === 0);
+  const named =
+    resting.length < MANY
+      ? bodies
+      : bodies.filter((body) => !resting.includes(body));
+  const moves = named.map(({ approach, name }) =>
     approach === null
       ? `${name} is in motion already`
       : approach === 0
         ? `${name} is at rest`
         : `${name} moves at ${quantity(approach, "m/s")}`,
   );
+  if (named !== bodies)
+    moves.push(
+      named.length ? "all others are at rest" : "all bodies are at rest",
+    );
   return `${capital(moves.join(", "))}.`;
+}
+
+/** The numbers of the set-up in one line, for paper: bodies and contacts from left to right. */
+function givenOf({ bodies, contacts }) {
+  const [numbers, names] = namesIn(bodies);
+  const told = (key, value) =>
+    typeof value === "number"
+      ? `${toShown(value, FIELDS[key].power)} ${FIELDS[key].unit}`
+      : `${FIELDS[key].name}: a profile`;
+  const ofRod = ({ length, area, material }) =>
+    `${told("length", length)} long, ${told("area", area)}, ${material}`;
+  return bodies
+    .flatMap((body, i) => {
+      const pieces = body.kind === "rod" ? body.segments || [body] : [];
+      const parts = pieces.map(ofRod);
+      if (body.kind === "mass") parts.push(told("mass", body.mass));
+      parts.push(told("velocity", body.velocity || 0));
+      const name = fronts.name_of(body.kind, numbers[i]);
+      const { law = "rigid", gap = 0, stiffness } = listOf(contacts)[i] || {};
+      const between = [LAW_NAMES[law] || law];
+      if (stiffness !== undefined)
+        between.push(told(stiffnessField(law), stiffness));
+      if (gap) between.push(`gap ${told("gap", gap)}`);
+      const found = [`${capital(name)}: ${parts.join("; ")}.`];
+      if (i + 1 < bodies.length)
+        found.push(`Contact\u00a0${names[i]}: ${between.join(", ")}.`);
+      return found;
+    })
+    .join(" ");
 }
 
 function ending(scene) {
@@ -204,7 +243,7 @@ function hideResult(on) {
 /** Let the question tell of the collision that is shown, and a verdict go with the e it judged. */
 function askOrJudge(scene) {
   const question =
-    "How fast do they part, as a share of the speed at which they meet? e =";
+    "How fast do they part, as a share of the speed at which they meet?";
   if (shown.guessing) write(byId("asked"), `${beginning(scene)} ${question}`);
   else if (shown.judged !== scene.restitution.text) write(byId("verdict"), "");
 }

@@ -78,7 +78,8 @@ function askScene(draft = false) {
 
 function draw() {
   const { scene, theme } = shown;
-  const t = Math.max(scene.begin, Math.min(scene.end, now()));
+  const moment = shown.printing ? scene.begin : now(); // paper has the set-up
+  const t = Math.max(scene.begin, Math.min(scene.end, moment));
   shown.frame = drawDiagram(
     new CanvasPen(byId("diagram")),
     scene,
@@ -88,6 +89,7 @@ function draw() {
     theme,
   );
   shown.strip = drawRods(new CanvasPen(byId("rods")), scene, shown, t, theme);
+  placeHandles(shown.strip);
   drawBeside(now(), theme);
   drawPlots(byId("plots"), scene, t, theme);
   byId("time").value = 1000 * shown.share;
@@ -159,6 +161,21 @@ function afterwards({ results }) {
     .join(", ");
 }
 
+/** Numbers of several contacts, a row for each. */
+function showContacts(rows) {
+  byId("by-contact").hidden = rows.length === 0;
+  byId("by-contact").tBodies[0].replaceChildren(
+    ...rows.map(([name, ...values]) =>
+      make(
+        "tr",
+        {},
+        make("th", { scope: "row" }, name),
+        ...values.map((value) => make("td", {}, minus(value))),
+      ),
+    ),
+  );
+}
+
 function showNumbers(scene) {
   const { restitution: e } = scene;
   const [said, error] = minus(e.text).split(" ± ");
@@ -176,12 +193,14 @@ function showNumbers(scene) {
   );
   if (e.value === null) hideResult(false);
   askOrJudge(scene);
+  write(byId("given"), unbroken(givenOf(design.case)));
   const { closed_form: known } = e;
   const beside = known
     ? `Closed form (${known.source}): ${plainNumber(known.restitution, 6)}`
     : "";
   byId("theory").textContent = (e.why ? `${plainly(e.why)}. ` : "") + beside;
   fillTable(byId("results"), scene.results);
+  showContacts(scene.by_contact);
   write(byId("reason"), minus(plainly(scene.reason.join(" "))));
   const notes = notesOf(scene);
   if (byId("notes").dataset.shown !== notes.join()) {

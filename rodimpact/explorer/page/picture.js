@@ -22,6 +22,7 @@ const UNITS = { velocity: "m/s", stress: "Pa" };
 const SPARSE = 80; // polygons, to write values into
 const SHADES = 256; // of a smooth picture
 const [EDGE, WALL] = [0.02, 0.055]; // beside the row, and where a wall is drawn: in its lengths
+const FORCE = { from: 40, width: 7.5 }; // the force stands beside a diagram so wide, so wide: in heights of letters
 const FAINT = 1e-9; // of the largest value: the legend calls it 0
 const CROWDED = 400; // polygons from which lines would hide the colours
 
@@ -64,12 +65,19 @@ function frameOf(pen, view, size, scene = null) {
     scene && pen.named ? 1.6 : 0.6,
     scene && scene.marks.length ? 2.9 : 0.8,
   ];
+  const beside =
+    scene && pen.width > FORCE.from * size ? FORCE.width * size : 0;
   const frame = {
     x: 4.2 * size,
     y: top * size,
-    right: pen.width - edge * size,
+    right: pen.width - edge * size - beside,
     bottom: pen.height - 3.2 * size,
   };
+  if (beside)
+    frame.force = {
+      x: pen.width - beside + 0.6 * size,
+      right: pen.width - 0.9 * size,
+    };
   frame.width = Math.max(1, frame.right - frame.x);
   frame.height = Math.max(1, frame.bottom - frame.y);
   frame.across = (place) =>
@@ -210,7 +218,8 @@ function displacedImage(scene, grid, image, frame) {
           (scene.place[high] - scene.place[low]) * (share * grid.rows - row),
       ) - frame.x;
     const [x0, x1] = [between(first, first + 3), between(last + 1, last + 2)];
-    const from = Math.min(smooth.height - 1, (1 - share) * smooth.height);
+    const inside = Math.max(4, (1 - share) * smooth.height); // edges of a scaled picture fade
+    const from = Math.min(smooth.height - 5, inside);
     pen.drawImage(smooth, 0, from, smooth.width, 1, x0, y, x1 - x0, 1);
   }
   return canvas;
@@ -250,18 +259,15 @@ function drawGrids(pen, scene, frame, name, theme) {
 /** Polygons of one colour each, with lines between them where they are few. */
 function drawPolygons(pen, scene, frame, name, theme, from) {
   const count = scene.tiling.body.length;
-  const draw = (line) => {
+  const draw = (lineOf) => {
     for (let i = from; i < count; i += 1) {
-      pen.polygon(
-        cornersOf(scene, i, frame),
-        css(colourOf(shareOf(scene, name, i), theme)),
-        line,
-        0.7,
-      );
+      const fill = css(colourOf(shareOf(scene, name, i), theme));
+      pen.polygon(cornersOf(scene, i, frame), fill, lineOf(fill), 0.7);
     }
   };
-  if (count > CROWDED) pen.seamless(() => draw(null));
-  else draw(theme.ink);
+  if (scene.grids) draw((fill) => fill);
+  else if (count > CROWDED) pen.seamless(() => draw(() => null));
+  else draw(() => theme.ink);
 }
 
 /** Edges of rods that stay where they are. */
@@ -364,17 +370,19 @@ function drawDiagram(pen, scene, look, now, mark, theme) {
     }
     if (scene.tiling.body.length <= SPARSE)
       writeValues(pen, scene, frame, name, theme);
-    if (now !== null && !shown.printing)
-      pen.line(
-        [
-          [frame.x, frame.up(now)],
-          [frame.right, frame.up(now)],
-        ],
-        theme.wrong,
-        2,
-      );
     if (mark) drawMark(pen, frame, mark, theme);
   });
+  if (frame.force && !shown.guessing)
+    drawForceBeside(pen, scene, frame, view, theme);
+  if (now !== null && !shown.printing && now >= view.from && now <= view.to)
+    pen.line(
+      [
+        [frame.x, frame.up(now)],
+        [(frame.force || frame).right, frame.up(now)],
+      ],
+      theme.wrong,
+      2,
+    );
   if (shown.guessing)
     pen.inside(frame.x, 0, pen.width, frame.bottom, () =>
       hideFuture(pen, scene, frame, theme),
@@ -407,6 +415,68 @@ function drawDiagram(pen, scene, look, now, mark, theme) {
   if (now !== null && !shown.printing)
     drawGrip(pen, frame.x, frame.up(now), theme);
   return frame;
+}
+
+/** Contact forces beside the diagram: time runs upward on its axis, so that one line crosses both. */
+function drawForceBeside(pen, scene, frame, view, theme) {
+  const { x, right } = frame.force;
+  const [y, bottom, size] = [frame.y, frame.bottom, 0.85 * theme.size];
+  const forces = scene.contacts.map(({ force }) => force);
+  const [low, high] = rangeOf({ series: forces });
+  const across = (force) => x + ((force - low) / (high - low)) * (right - x);
+  const ink = { size, colour: theme.faint };
+  const rule = (from, to) => pen.line([from, to], theme.line, 1);
+  rule([across(0), y], [across(0), bottom]);
+  for (const { t } of scene.marks)
+    if (t >= view.from && t <= view.to)
+      pen.line(
+        [
+          [x, frame.up(t)],
+          [right, frame.up(t)],
+        ],
+        theme.faint,
+        0.8,
+        [2, 3],
+      );
+  pen.inside(x - 1, y, right - x + 2, bottom - y, () =>
+    forces.forEach((force, k) =>
+      pen.line(
+        force.t.map((t, i) => [across(force.y[i]), frame.up(t)]),
+        theme.series[k % theme.series.length],
+        2,
+        k >= theme.series.length ? [6, 3] : [],
+      ),
+    ),
+  );
+  pen.line(
+    [
+      [x, bottom],
+      [right, bottom],
+    ],
+    theme.faint,
+    1,
+  );
+  const { ticks, unit } = labelledTicks(low, high, 2, "N");
+  for (const [value, label] of ticks) {
+    pen.line(
+      [
+        [across(value), bottom],
+        [across(value), bottom + 4],
+      ],
+      theme.faint,
+      1,
+    );
+    pen.text(across(value), bottom + 6, label, {
+      ...ink,
+      align: "center",
+      baseline: "top",
+    });
+  }
+  pen.text((x + right) / 2, bottom + 1.5 * theme.size, `force, ${unit}`, {
+    ...ink,
+    align: "center",
+    baseline: "top",
+  });
 }
 
 /** What the time is dragged by. */
@@ -443,6 +513,7 @@ function hideFuture(pen, { contacts }, frame, theme) {
     theme.paper,
     null,
   );
+  if (shown.printing) return; // a pupil draws the waves there
   pen.text((frame.x + frame.right) / 2, (frame.y + y) / 2, "?", {
     size: 5 * theme.size,
     colour: theme.faint,

@@ -244,7 +244,9 @@ function drawPlots(holder, scene, now, theme) {
       text,
       plot.title,
       plot.series.map((series, k) => [
-        `${series.name}: ${told(valueAt(series, now))}`,
+        shown.printing
+          ? series.name
+          : `${series.name}: ${told(valueAt(series, now))}`,
         theme.series[k % theme.series.length],
       ]),
     );

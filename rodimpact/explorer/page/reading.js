@@ -12,6 +12,7 @@ function showReading() {
     ? "no rod here"
     : `${scene.bodies[found.body].title}, x = ${quantity(found.x, "m")} from its left end: ` +
       `velocity ${quantity(velocity[found.polygon], "m/s")}, stress ${quantity(stress[found.polygon], "Pa")}`;
+  document.documentElement.toggleAttribute("data-marked", Boolean(mark));
   write(
     byId("readout"),
     mark
@@ -155,8 +156,10 @@ function goToNearest(y) {
 function connectDiagram() {
   const diagram = byId("diagram");
   let [held, timed] = [null, false];
-  const atTime = ({ offsetY }) =>
-    shown.frame && Math.abs(shown.frame.up(now()) - offsetY) < 8;
+  const atTime = ({ offsetX, offsetY }) =>
+    shown.frame &&
+    (Math.abs(shown.frame.up(now()) - offsetY) < 8 ||
+      (shown.frame.force && offsetX > shown.frame.force.x));
   const follow = ({ offsetY }) =>
     setShare(shareOfTime(shown.frame.timeAt(offsetY)));
   diagram.addEventListener(
@@ -177,6 +180,7 @@ function connectDiagram() {
     if (atTime(event)) {
       timed = true;
       play(false);
+      follow(event);
       diagram.setPointerCapture(event.pointerId);
       return;
     }

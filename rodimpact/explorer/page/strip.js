@@ -263,7 +263,7 @@ function drawLengths(pen, scene, { frame, middle, half, ends }, theme) {
     const [x0, x1] = ends.get(body).map(frame.across);
     const long = quantity(scene.lengths[body], "m");
     const text = [`l${lowered(title.replace(/\D+/, ""))} = ${long}`, long].find(
-      (said) => 0.72 * size * said.length < x1 - x0 - 5 * w,
+      (said) => 0.6 * size * said.length < x1 - x0 - 6 * w,
     );
     pen.line(
       [
@@ -287,7 +287,7 @@ function drawLengths(pen, scene, { frame, middle, half, ends }, theme) {
         null,
       );
     if (!text) return;
-    const [half, centre] = [0.36 * size * text.length, (x0 + x1) / 2];
+    const [half, centre] = [0.32 * size * text.length, (x0 + x1) / 2];
     pen.polygon(
       [
         [centre - half, y - size],
@@ -302,33 +302,31 @@ function drawLengths(pen, scene, { frame, middle, half, ends }, theme) {
   });
 }
 
-/** Names above the rods; numbers where names would overlap, and of those only what has room. */
+/** Names above the rods: each as much of its name as there is room for. */
 function nameBodies(pen, scene, frame, ends, y, theme, more = null) {
-  let [size, reached] = [0.8 * theme.size, -Infinity]; // reached: the right end of the label before
+  const size = 0.8 * theme.size;
+  const wide = (text) => 0.58 * size * text.length;
   const seen = scene.bodies.map((_, i) => {
     const [x0, x1] = ends.get(i).map(frame.across);
     return [Math.max(x0, frame.x), Math.min(x1, frame.right)];
   });
-  const fits = (name) =>
-    scene.bodies.every(
-      (body, i) =>
-        body.path || 0.6 * size * name(body).length < seen[i][1] - seen[i][0],
-    );
-  const short = ({ title }) => title.replace(/\D+/, "");
-  const whole = (body) =>
-    body.title + (more && body.kind !== "wall" ? more(body) : "");
-  const name = [whole, ({ title }) => title].find(fits) || short;
+  const centres = seen.map(([from, to]) => (from + to) / 2);
   scene.bodies.forEach((body, i) => {
     const [from, to] = seen[i];
-    const text = name(body);
-    const half = 0.3 * size * text.length;
-    const middle = Math.max(
-      frame.x + half,
-      Math.min(frame.right - half, (from + to) / 2),
-    );
-    if (to < from || middle - half < reached) return;
-    pen.text(middle, y, text, { size, colour: theme.faint, align: "center" });
-    reached = middle + half;
+    if (to < from) return;
+    const left = i > 0 ? (centres[i - 1] + centres[i]) / 2 : 0;
+    const last = i === centres.length - 1;
+    const right = last ? pen.width : (centres[i] + centres[i + 1]) / 2;
+    const { kind, title } = body;
+    const whole = title + (more && kind !== "wall" ? more(body) : "");
+    for (const text of [whole, title, title.replace(/\D+/, "")]) {
+      const half = wide(text) / 2;
+      const inside = Math.min(centres[i], frame.right - half);
+      const x = Math.max(inside, frame.x + half);
+      if (x - half - size / 2 < left || x + half + size / 2 > right) continue;
+      pen.text(x, y, text, { size, colour: theme.faint, align: "center" });
+      return;
+    }
   });
 }
 
