@@ -14,7 +14,7 @@ from ..methods.run import MAX_EVENTS
 from ..methods.walk import walk
 from ..model import System
 from ..model.frozen import InvalidModel, defaults_of, refusal
-from ..storage.casefile import Case
+from ..storage.casefile import Case, parse_case
 from ..storage.writing import PathLike, write_text
 from ..units import shown
 from ..version import __version__
@@ -32,6 +32,8 @@ class Page:
     """A collision to play with in a browser: one file, made by `explore`.
 
     A notebook shows it. The page solves what its sliders say, and asks no network for anything.
+    With the extra ``notebook`` (``pip install 'rodimpact[notebook]'``) a page that a notebook shows
+    also gives back what its sliders say: see `system`.
 
     Attributes
     ----------
@@ -47,10 +49,26 @@ class Page:
     >>> page = ri.explore(ri.System([left, right]))
     >>> page.html.startswith("<!DOCTYPE html>")
     True
+    >>> page.system.bodies[0].length
+    0.4
     """
 
-    def __init__(self, html: str) -> None:
+    def __init__(self, html: str, system: System) -> None:
         self.html = html
+        self._system = system
+        self._widget: Any = None  # made when a notebook first shows the page
+
+    @property
+    def system(self) -> System:
+        """The system that the page shows.
+
+        In a notebook with the extra ``notebook`` it is what the sliders say. A number that is no
+        valid entry, such as a length below 0, is passed over until it is mended. Without the extra,
+        and outside a notebook, it is the system that the page was made of.
+        """
+        if self._widget is None or self._widget.case == "":
+            return self._system
+        return parse_case(self._widget.case).system
 
     def save(self, path: PathLike, *, force: bool = False) -> None:
         """Write the page.
@@ -81,6 +99,16 @@ class Page:
             webbrowser.open(path.as_uri())
         return str(path)
 
+    def _repr_mimebundle_(self, **asked: Any) -> Any:
+        """What a notebook shows: the widget if anywidget is installed, else the frame alone."""
+        if self._widget is None:
+            try:
+                from .notebook import PageWidget
+            except ModuleNotFoundError:
+                return {"text/html": self._repr_html_(), "text/plain": repr(self)}
+            self._widget = PageWidget(page=self.html)
+        return self._widget._repr_mimebundle_(**asked)
+
     def _repr_html_(self) -> str:
         inside = html.escape(self.html)
         return f'<iframe srcdoc="{inside}" style="{FRAME}" title="Elastic rods collide"></iframe>'
@@ -100,7 +128,8 @@ def explore(case: System | Case) -> Page:
     Returns
     -------
     Page
-        A notebook shows it; `Page.open` opens it in the browser, `Page.save` writes it.
+        A notebook shows it; `Page.open` opens it in the browser, `Page.save` writes it. In a
+        notebook `Page.system` is what the sliders say, with the extra ``notebook``.
 
     Raises
     ------
@@ -135,7 +164,7 @@ def explore(case: System | Case) -> Page:
         "presets": examples,
     }
     name = os.fsencode(Path(case.path).stem).decode(errors="replace")
-    return Page(standalone(begin, name or "Elastic rods collide"))
+    return Page(standalone(begin, name or "Elastic rods collide"), case.system)
 
 
 def check_solvable(case: Case, tables: dict[str, Any]) -> None:

@@ -1,6 +1,7 @@
 """The page in a browser: what a person sees and does."""
 
 import itertools
+import json
 import os
 import re
 import shutil
@@ -12,6 +13,7 @@ import pytest
 
 import rodimpact as ri
 from rodimpact.explorer.design import tables_of, with_gauges
+from rodimpact.explorer.page_files import read
 from rodimpact.explorer.presets import presets
 
 sync_api = pytest.importorskip(
@@ -1230,3 +1232,41 @@ def test_numbers_shown_are_those_of_the_api(visit):
         rounded = [float(f"{v:.{digits}g}") for v in wanted]
         fastest = max(map(abs, [*outcome.velocities_before, *wanted]))
         assert shown == pytest.approx(rounded, rel=1e-12, abs=1e-12 * fastest), system
+
+
+HOLDER = """<!DOCTYPE html><html data-frames="1"><body><script>
+window.sent = [];
+const values = { page: PAGE, case: "" };
+const model = {
+    get: (key) => values[key],
+    set: (key, value) => { values[key] = value; },
+    save_changes: () => sent.push(values.case),
+};
+import("data:text/javascript," + encodeURIComponent(WIDGET)).then(({ default: widget }) => {
+    window.close_output = widget.render({ model, el: document.body });
+});
+</script></body></html>"""
+
+
+def test_a_notebook_is_told_what_the_sliders_say(visit, tmp_path):
+    html = json.dumps(ri.explore(HERTZ).html).replace("<", "\\u003c")
+    widget = json.dumps(read("notebook.js"))
+    text = HOLDER.replace("WIDGET", widget).replace("PAGE", html)
+    (tmp_path / "holder.html").write_text(text, encoding="utf-8")
+    page = visit((tmp_path / "holder.html").as_uri())
+    inside = page.frame_locator("iframe")
+    sync_api.expect(inside.locator("#results")).to_contain_text("velocity of rod 2")
+    length = inside.locator(f'[id="{LENGTH}"]')
+    length.fill("700")
+    length.fill("-3")  # a mistake is not sent
+    sync_api.expect(inside.locator(".problem:not(:empty)")).to_have_count(1)
+    length.fill("650")
+    page.wait_for_function("() => sent.length && sent.at(-1).includes('0.65')")
+    assert all(
+        "-" not in text.split("[[bodies]]")[1] for text in page.evaluate("sent") if text
+    )
+    left, right = HERTZ.bodies
+    system = ri.parse_case(page.evaluate("sent.at(-1)")).system
+    assert system == HERTZ.replace(bodies=[left.replace(length=0.65), right])
+    inside.locator("#undo").click()
+    page.wait_for_function("() => sent.at(-1) === ''")

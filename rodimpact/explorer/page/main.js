@@ -296,6 +296,15 @@ function receive({ data, problems = [] }) {
   arrived = null;
   controls.showDerived(data.bodies);
   showMap();
+  tellFrame();
+}
+
+/** Tell the frame around the page, such as a notebook, the case file of what is shown; "" of the first design. */
+function tellFrame() {
+  if (parent === window) return;
+  const first = JSON.stringify(design) === JSON.stringify(start.design);
+  const rodimpact = first ? "" : tomlOf(design, start.materials);
+  parent.postMessage({ rodimpact }, "*");
 }
 
 function changed(rebuild) {
