@@ -530,13 +530,14 @@ function inUnit(message, { unit, power }) {
 /** Rows of names and values; only what has changed is written. */
 function fillTable(rows, entries) {
   while (rows.children.length > entries.length) rows.lastElementChild.remove();
-  entries.forEach(([name, value], i) => {
+  entries.forEach(([name, ...values], i) => {
     const row =
       rows.children[i] ||
-      rows.appendChild(
-        make("tr", {}, make("th", { scope: "row" }), make("td")),
-      );
+      rows.appendChild(make("tr", {}, make("th", { scope: "row" })));
     write(row.children[0], name);
-    write(row.children[1], minus(value));
+    values.forEach((value, k) => {
+      const cell = row.children[k + 1] || row.appendChild(make("td"));
+      write(cell, minus(value));
+    });
   });
 }

@@ -6,7 +6,7 @@ const PAGE = 10; // steps of a page key
 /** Path of the number that dragging a part of a body changes: its velocity, or the length of its outermost segment. */
 function draggedPath(body, isArrow, side) {
   if (isArrow) return `bodies.${body}.velocity`;
-  const segments = listOf(design.case.bodies[body].segments);
+  const segments = listOf(getAt(design.case.bodies, [body, "segments"]));
   const last = side < 0 ? 0 : segments.length - 1;
   const segment = segments.length ? `.segments.${last}` : "";
   return `bodies.${body}${segment}.length`;
@@ -31,6 +31,7 @@ function offeredHandles({ arrows, ends, frame, middle }) {
         y: middle,
       });
   }
+  // the strip shows an earlier row while the row of the form cannot be solved
   return found.filter(({ path }) => byId(path));
 }
 

@@ -161,21 +161,6 @@ function afterwards({ results }) {
     .join(", ");
 }
 
-/** Numbers of several contacts, a row for each. */
-function showContacts(rows) {
-  byId("by-contact").hidden = rows.length === 0;
-  byId("by-contact").tBodies[0].replaceChildren(
-    ...rows.map(([name, ...values]) =>
-      make(
-        "tr",
-        {},
-        make("th", { scope: "row" }, name),
-        ...values.map((value) => make("td", {}, minus(value))),
-      ),
-    ),
-  );
-}
-
 function showNumbers(scene) {
   const { restitution: e } = scene;
   const [said, error] = minus(e.text).split(" ± ");
@@ -200,7 +185,8 @@ function showNumbers(scene) {
     : "";
   byId("theory").textContent = (e.why ? `${plainly(e.why)}. ` : "") + beside;
   fillTable(byId("results"), scene.results);
-  showContacts(scene.by_contact);
+  byId("by-contact").hidden = scene.by_contact.length === 0;
+  fillTable(byId("by-contact").tBodies[0], scene.by_contact);
   write(byId("reason"), minus(plainly(scene.reason.join(" "))));
   const notes = notesOf(scene);
   if (byId("notes").dataset.shown !== notes.join()) {
