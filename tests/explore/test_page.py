@@ -168,6 +168,7 @@ def test_presets_show_their_collisions_to_the_end(visit):
     page = visit()
     for key, preset in PRESETS.items():
         page.select_option("#preset", key)
+        page.wait_for_function("() => !shown.asked && !shown.due")
         outcome = ri.solve(preset.system).outcome
         wait_for_e(page, "-" if outcome.why_no_restitution() else shown_e(outcome))
         last = f"{outcome.velocities_after[-1]:.6g} m/s".replace("-0 ", "0 ")
@@ -472,6 +473,7 @@ def test_a_guess_comes_before_e(visit):
     for words in ("Rod 1's wave returns", "The impulse of 314", "so e = 0.4 = l₁/l₂"):
         sync_api.expect(page.locator("#reason")).to_contain_text(words)
     assert page.evaluate("shown.playing && now() < 0.2 * shown.scene.end")
+    assert page.evaluate("document.activeElement.id") == "play"
     assert page.locator("#restitution").is_visible()
     field(page, LENGTH).fill("700")  # of another e nothing was said
     wait_for_e(page, "0.7")

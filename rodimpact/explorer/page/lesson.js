@@ -258,6 +258,7 @@ function reveal() {
   shown.judged = text;
   byId("verdict").textContent =
     `You said ${guess}; e is ${minus(text)}: ${off < 0.005 ? "right!" : `off by ${plainNumber(off, 2)}.`}`;
+  byId("play").focus(); // the field of the guess is gone
   play(true);
 }
 

@@ -372,13 +372,13 @@ function drawDiagram(pen, scene, look, now, mark, theme) {
       writeValues(pen, scene, frame, name, theme);
     if (mark) drawMark(pen, frame, mark, theme);
   });
-  if (frame.force && !shown.guessing)
-    drawForceBeside(pen, scene, frame, view, theme);
+  const across = shown.guessing ? frame : frame.force || frame;
+  if (across === frame.force) drawForceBeside(pen, scene, frame, view, theme);
   if (now !== null && !shown.printing && now >= view.from && now <= view.to)
     pen.line(
       [
         [frame.x, frame.up(now)],
-        [(frame.force || frame).right, frame.up(now)],
+        [across.right, frame.up(now)],
       ],
       theme.wrong,
       2,
