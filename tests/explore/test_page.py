@@ -740,6 +740,9 @@ def test_compliant_contacts_and_masses_are_solved_while_a_slider_moves(visit, so
         left = HERTZ.bodies[0].replace(length=mm / 1000)
         outcome = ri.solve(HERTZ.replace(bodies=[left, HERTZ.bodies[1]])).outcome
         wait_for_e(page, f"{outcome.restitution:.5g}")
+    page.wait_for_function(
+        "() => [shown.scene.curve, shown.scene.roundness].every((c) => c.outdated === false)"
+    )
     count = "shown.scene.{}.values.filter((e) => e !== null).length"
     page.wait_for_function(count.format("curve") + " === 20")
     page.wait_for_function(count.format("roundness") + " === 20")
