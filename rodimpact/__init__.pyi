@@ -70,6 +70,8 @@ from .records.together import signals_to_xarray as signals_to_xarray
 from .records.together import write_signals as write_signals
 from .results.contacts import ContactHistory as ContactHistory
 from .results.energy import EnergyLedger as EnergyLedger
+from .results.extreme_stress import ExtremeStress as ExtremeStress
+from .results.extreme_stress import StressPeak as StressPeak
 from .results.gauges import Gauge as Gauge
 from .results.gauges import gauges_to_csv as gauges_to_csv
 from .results.outcome import Outcome as Outcome

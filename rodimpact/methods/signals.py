@@ -155,6 +155,10 @@ class Pieces:
             return self.values[i]
         return _polynomials(self.coefficients, i, self._own_time(i, ticks))
 
+    def at_own_time(self, pieces: Ints, y: Floats) -> Floats:
+        """Values of pieces at their own variable y, from -1 at the start to 1 at the stop."""
+        return _polynomials(self.coefficients, pieces, y)
+
     def inside(self, starts: ArrayLike, stops: ArrayLike, shares: Floats) -> Floats:
         """Values at shares of [n] intervals, each of which lies in one piece.
 

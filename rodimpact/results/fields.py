@@ -16,6 +16,7 @@ from ..methods.signals import Floats, Ints, Pieces, Side
 from ..model import Rod
 from ..model.arguments import array, demand, one_of
 from ..model.frozen import refusal
+from .extreme_stress import ExtremeStress
 
 
 class Profile(NamedTuple):
@@ -122,8 +123,8 @@ class Fields(Protocol):
     def energy(self, body: int, tick: int, velocity: float) -> tuple[float, float]:
         """Kinetic energy of the motion relative to `velocity`, and strain energy; J, of a rod."""
 
-    def largest_stress(self, body: int) -> float:
-        """Largest absolute stress anywhere in a rod at any time, Pa."""
+    def extreme_stress(self, body: int) -> ExtremeStress:
+        """Largest tension and compression in a rod, with place and time."""
 
     def profile(self, body: int, tick: int) -> Profile:
         """State just after `tick`, in pieces of constant velocity and strain."""

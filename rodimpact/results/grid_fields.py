@@ -10,16 +10,19 @@ negative.
 """
 
 import itertools
+from collections.abc import Iterator
 from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..methods.grid.measures import largest_force
 from ..methods.grid.mesh import STEP_TICKS, GridMotion
 from ..methods.signals import Floats, Ints, Pieces, Side
 from ..model import Segment
 from ..model.profiles import Samples
+from .extreme_stress import ExtremeStress, StressPeak, strongest
 from .fields import Fields, Profile
 
 Tables: TypeAlias = dict[int, tuple[Floats, Floats]]
@@ -254,14 +257,57 @@ class GridFields(Fields):
         )
         return self.motion.energies(nodes, mass, place, v, self.step)
 
-    def largest_stress(self, body: int) -> float:
-        """Of the states that were kept."""
-        segments, (strains, rates) = self.rods[body].segments, self._stretched
+    def extreme_stress(self, body: int) -> ExtremeStress:
+        peaks = [*self._state_peaks(body), *self._end_peaks(body)]
+        tensions = [peak for peak in peaks if peak.stress > 0]
+        compressions = [peak for peak in peaks if peak.stress < 0]
+        return ExtremeStress(strongest(tensions), strongest(compressions))
+
+    def _state_peaks(self, body: int) -> Iterator[StressPeak]:
+        """Highest and lowest stress in a rod of the states that are kept."""
+        segments = self.rods[body].segments
+        moduli = np.array([_moduli(segment) for segment in segments])
         counts = [len(x) + 1 for x in self._places(body)]
-        E, eta = (
-            np.repeat(of, counts) for of in zip(*map(_moduli, segments), strict=True)
+        E, eta = np.repeat(moduli, counts, axis=0).T
+        strains, rates = self._stretched
+        places, strain = strains[body]
+        stress = E * strain + eta * rates[body][1]
+        for extreme in (stress.argmax(), stress.argmin()):
+            state, place = np.unravel_index(extreme, stress.shape)
+            t = float(self.known[state]) * self.clock.tick
+            yield StressPeak(float(stress[state, place]), float(places[place]), t)
+
+    def _end_peaks(self, body: int) -> Iterator[StressPeak]:
+        """Stress by the largest push and pull on each end of a rod, of all time steps.
+
+        Lateral inertia takes a share of the force on an end.
+        """
+        segments = self.rods[body].segments
+        ends = ((segments[0], 0, 0.0), (segments[-1], -1, self.edges(body)[-1]))
+        forces = self._forces_on(body)
+        for (segment, last, x), force in zip(ends, forces, strict=True):
+            if force is None or segment.lateral_inertia is not None:
+                continue
+            area = segment.area
+            if isinstance(area, Samples):
+                area = area.values[last]
+            for sign in (1.0, -1.0):
+                means = sign * force
+                t = (int(np.argmax(means)) + 0.5) * self.step
+                stress = -sign * largest_force(means) / float(area)
+                yield StressPeak(stress, float(x), t)
+
+    def _forces_on(self, body: int) -> tuple[Floats | None, Floats | None]:
+        """Mean push in each step on the left and on the right end of a rod, N."""
+        contacts = [contact.force for contact in self.signals.contacts]
+        outside = [side and side.push for side in self.signals.outside]
+        pushes = [outside[0], *contacts, outside[1]]
+        left = pushes[body]
+        right = pushes[body + 1]
+        return (
+            None if left is None else left.values,
+            None if right is None else right.values,
         )
-        return float(np.abs(E * strains[body][1] + eta * rates[body][1]).max())
 
     def damped(self, ticks: Ints) -> Floats:
         place = np.searchsorted(self.motion.when, ticks // STEP_TICKS)

@@ -17,6 +17,7 @@ from ..model.numbering import body_names
 from ..storage.case_writing import save_case
 from .contacts import ContactHistory
 from .energy import EnergyLedger, bonded_groups, ledger, totals_of
+from .extreme_stress import ExtremeStress
 from .fields import Fields
 from .gauges import Gauge
 from .grid_fields import GridFields
@@ -184,6 +185,50 @@ class Solution(Shown):
     ) -> Floats:
         """Stress times area in N, positive in tension; arguments as in `velocity`."""
         return self.stress(body, x, t, side) * self._along(body, x, "area")
+
+    @_FAINT
+    def extreme_stress(self, body: int) -> ExtremeStress:
+        """Largest tension and largest compression in a rod, at any place and time of the run.
+
+        The waves of the methods "fronts" and "characteristics" are constants and polynomials of
+        time, whose extremes are found exactly. On a grid the extremes are those of the states that
+        are kept, see `snapshots`, and of the forces at the ends in all time steps.
+
+        Parameters
+        ----------
+        body : int
+            A rod, counted from the left, walls included.
+
+        Returns
+        -------
+        ExtremeStress
+            ``tension`` and ``compression``, each with ``stress`` in Pa, positive in tension, the
+            place ``x`` in m from the left end of the rod, and the time ``t`` in s.
+
+        Raises
+        ------
+        ValueError
+            If the body is not a rod.
+
+        Examples
+        --------
+        A triangular pulse, which begins with its front of 100 MPa, comes back from the free end of
+        a bar as tension. Where half of the pulse is reflected, its front meets no compression:
+
+        >>> import rodimpact as ri
+        >>> steel = ri.materials.steel
+        >>> c = steel.wave_speed
+        >>> strain = 100e6 / steel.youngs_modulus
+        >>> pulse = ri.Samples([-strain, 0.0], step=0.2 / c)               # 0.2 m long
+        >>> rod = ri.Rod(1.0, area=1e-4, material=steel)
+        >>> bar = ri.System([rod], ends=(ri.Incoming(pulse), ri.Free()))
+        >>> tension = ri.solve(bar, until=1.5 / c).extreme_stress(0).tension
+        >>> round(tension.stress / 1e6, 6), round(tension.x, 6), round(tension.t * c, 6)
+        (100.0, 0.9, 1.1)
+        """
+        index = self._index(body)
+        self.fields.locate(index, 0.0)
+        return self.fields.extreme_stress(index)
 
     @_FAINT
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:

@@ -5,6 +5,7 @@ strain = (b - a)/(2c), with a and b the end signals delayed. Their integrals giv
 momentum and energy. Times are rounded to the nearest tick, so that one-sided limits are defined.
 """
 
+import math
 from collections.abc import Callable, Iterator
 from functools import cached_property
 from itertools import accumulate, pairwise
@@ -14,10 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods.signals import Floats, Ints, Pieces, Side, each_once, quadrature
+from .extreme_stress import ExtremeStress, StressPeak, strongest
 from .fields import Fields, Profile
+from .wave_extremes import Meeting, extreme_differences
 
 FAR = 1 << 61  # ticks: before all fronts
-SLIVER = 64  # ticks: waves that last no longer come of round-off
 
 Seen: TypeAlias = Callable[[int, Pieces, Pieces, Ints, Ints], Floats]
 """A value, of the segment, the waves that leave its two ends, and the ticks at which what meets
@@ -192,32 +194,37 @@ class WaveFields(Fields):
             energies += np.array(squares) * (a.impedance[s] * a.tick / 8)
         return float(energies[0]), float(energies[1])
 
-    def largest_stress(self, body: int) -> float:
-        largest, segments = [0.0], self.rods[body].segments
-        for (s, T, *waves), segment in zip(self.along(body), segments, strict=True):
-            (p, right), (q, left) = (self._lasting(wave, -T) for wave in waves)
-            # waves that leave the ends at p and q meet at (p + q + T)/2 if |p - q| < T
-            first = q[1:].searchsorted(np.maximum(p[:-1] - T, -T - p[1:]), "right")
-            last = q[:-1].searchsorted(
-                np.minimum(p[1:] + T, self.end - T + (self.end - p[:-1]))
-            )
-            meeting = np.stack((first, last), axis=1).ravel()
-            most, least = (
-                extreme.reduceat(np.append(left, np.nan), meeting)[::2]
-                for extreme in (np.fmax, np.fmin)
-            )
-            parted = np.fmax.reduce(np.fmax(most - right, right - least), initial=0.0)
-            strain = float(parted / (2 * self.clock.wave_speed[s]))
-            largest.append(float(segment.material.youngs_modulus) * strain)
-        return max(largest)
+    def extreme_stress(self, body: int) -> ExtremeStress:
+        tensions = []
+        compressions = []
+        segments = self.rods[body].segments
+        for i, (s, T, A, B) in enumerate(self.along(body)):
+            modulus = float(segments[i].material.youngs_modulus)
+            per_wave = modulus / (2 * self.clock.wave_speed[s])
+            highest, lowest = extreme_differences(A, B, T, self.end)
+            if highest is not None:
+                tensions.append(self._peak(body, s, highest, per_wave))
+            if lowest is not None:
+                compressions.append(self._peak(body, s, lowest, per_wave))
+        return ExtremeStress(strongest(tensions), strongest(compressions))
 
-    def _lasting(self, wave: Pieces, start: int) -> tuple[Ints, Floats]:
-        """Steps that follow a wave closely, [n + 1] ticks and [n] values; nan of slivers."""
-        marks = wave.marks
-        edges = np.concatenate(
-            ([start], marks[(marks > start) & (marks < self.end)], [self.end])
-        )
-        return edges, np.where(np.diff(edges) > SLIVER, wave.at(edges[:-1]), np.nan)
+    def _peak(
+        self, body: int, segment: int, meeting: Meeting, per_wave: float
+    ) -> StressPeak:
+        """The stress where two waves meet in a segment.
+
+        `per_wave` is the stress for a unit difference of the waves, Pa s/m.
+        """
+        first, last = self.clock.spans[body]
+        T = self.clock.ticks[segment]
+        left = float(self.edges(body)[segment - first])
+        # On whole ticks, so that a field asked for there sees the same waves.
+        offset = min((meeting.q - meeting.p + T + 1) // 2, T)
+        tick = (meeting.p + meeting.q + T + 1) // 2
+        x = left + self.clock.length[segment] * (offset / T)
+        if offset == T and segment < last:
+            x = math.nextafter(x, left)  # a border belongs to the segment on its right
+        return StressPeak(per_wave * meeting.difference, x, tick * self.clock.tick)
 
     def profile(self, body: int, tick: int) -> Profile:
         a, parts = self.clock, []

@@ -141,7 +141,7 @@ COLUMNS: dict[str, tuple[str, Callable[[Solution, Any], Any]]] = {
     "status": ("row", lambda run, _: STATUS.index(run.stopped_by)),
     "dissipated": ("row", lambda run, _: run.outcome.dissipated),
     "set": ("yielding", _set),
-    "largest_stress": ("rod", lambda run, i: run.fields.largest_stress(i)),
+    "largest_stress": ("rod", lambda run, i: run.extreme_stress(i).largest),
     "displacement": ("body", _moved),
     "accuracy": ("row", lambda run, _: largest_error(run.accuracy)),
 }

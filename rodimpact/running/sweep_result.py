@@ -75,10 +75,9 @@ class SweepResult(Shown, OnlyContact[Any]):
         before. A number that does not exist is nan. If `sweep` was asked for them (`also`), there
         are ``dissipated``, energy lost in contacts, J; ``set.K``, how far contact K has yielded for
         good, m; ``displacement.I`` of the centre of mass of body I at the end of the run, m; and
-        ``largest_stress.I``, the largest absolute stress anywhere in rod I, Pa. The method
-        "finite-difference" takes it from the states that it keeps; beside a jump its waves
-        overshoot. ``accuracy`` is the largest stated error of velocities, impulses and peak forces,
-        relative to the largest of each.
+        ``largest_stress.I``, the largest absolute stress anywhere in rod I at any time, Pa, as
+        `Solution.extreme_stress` finds it. ``accuracy`` is the largest stated error of velocities,
+        impulses and peak forces, relative to the largest of each.
     readings : Readings
         The `gauges`, the `times` at which they are read, and what was asked for in `also`.
     strain : array or None

@@ -1,0 +1,86 @@
+"""The largest tension and compression in a rod, with place and time."""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+EQUAL_STRESS_RTOL = 1e-12
+"""Stresses that differ by less, relative to the larger one, are equal but for round-off."""
+
+
+class StressPeak(NamedTuple):
+    """A stress, and the first time and the place at which a rod reaches it.
+
+    Attributes
+    ----------
+    stress : float
+        Pa, positive in tension.
+    x : float
+        m from the left end of the rod; nan if the rod never has stress of this sign.
+    t : float
+        s; nan likewise.
+
+    Examples
+    --------
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> rod = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    >>> peak = ri.solve(ri.System([rod, ri.Wall()])).extreme_stress(0).compression
+    >>> round(peak.stress / (steel.density * steel.wave_speed), 12), peak.x, peak.t
+    (-1.0, 0.4, 0.0)
+    """
+
+    stress: float
+    x: float
+    t: float
+
+
+NO_STRESS = StressPeak(0.0, float("nan"), float("nan"))
+
+
+class ExtremeStress(NamedTuple):
+    """Largest tension and largest compression in a rod, at any place and time of the run.
+
+    Attributes
+    ----------
+    tension : StressPeak
+        The highest stress; 0 if the rod is never in tension.
+    compression : StressPeak
+        The lowest stress, which is negative; 0 if the rod is never in compression.
+
+    Examples
+    --------
+    The shorter rod is compressed by rho c v/2. Where the longer one is in tension first, both
+    reflected waves meet:
+
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> left = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
+    >>> right = ri.Rod(1.0, area=1e-4, material=steel)
+    >>> extreme = ri.solve(ri.System([left, right])).extreme_stress(1)
+    >>> unit = steel.density * steel.wave_speed
+    >>> round(extreme.compression.stress / unit, 12), round(extreme.tension.stress / unit, 12)
+    (-0.5, 0.5)
+    >>> round(extreme.tension.x, 12), round(extreme.tension.t * steel.wave_speed, 12)
+    (0.6, 1.4)
+    """
+
+    tension: StressPeak
+    compression: StressPeak
+
+    @property
+    def largest(self) -> float:
+        """The largest absolute stress, Pa."""
+        return max(self.tension.stress, -self.compression.stress)
+
+
+def strongest(peaks: Iterable[StressPeak]) -> StressPeak:
+    """The peak of largest absolute stress; the earliest one where several are equal."""
+    candidates = [NO_STRESS, *peaks]
+    largest = max(abs(peak.stress) for peak in candidates)
+    if largest == 0:
+        return NO_STRESS
+    equal = []
+    for peak in candidates:
+        if abs(peak.stress) >= largest * (1 - EQUAL_STRESS_RTOL):
+            equal.append(peak)
+    return min(equal, key=lambda peak: (peak.t, peak.x))
