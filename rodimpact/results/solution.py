@@ -70,8 +70,10 @@ class Solution(Shown):
         steps times contacts and ends.
     accuracy : dict of str to float
         Stated relative error of velocities, impulses, peak forces, durations and times. Empty
-        where the method is exact, or where cells or the step were given. On a grid two of them may
-        exceed rtol: the duration, which depends on weak forces, and the peak force, which
+        where the method is exact, or where cells or the step were given. On a grid velocities are
+        those after the collision, and of each body at a given end (`until`). The impulse of a bond
+        or a joint up to there is compared with the largest one on the way. On a grid two of them
+        may exceed rtol: the duration, which depends on weak forces, and the peak force, which
         overshoots beside jumps. inf means that a finer grid always finds a larger force.
     fields : Fields
     method : str

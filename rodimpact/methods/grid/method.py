@@ -24,6 +24,7 @@ from .mesh import Mesh, crossing_time, most_cells, stable_step
 from .proof import finality_time
 from .run import GridRun
 from .signals import hand_over
+from .smoothness import order_of
 
 RTOL = 1e-3
 COURANT = 0.999
@@ -112,12 +113,13 @@ def follow(
         run, estimates = refinement.refined(
             level,
             refinement.measures_of,
-            refinement.order_of(row),
+            order_of(row),
             goal,
             FINEST // max(counts),
         )
         run.rtol, run.estimates = goal, estimates
-        estimates[PEAK_FORCE] += run.peak_error
+        if PEAK_FORCE in estimates:
+            estimates[PEAK_FORCE] += run.peak_error
     else:
         run = level(1)
     if run.stopped_by == "final":

@@ -6,11 +6,12 @@ from itertools import takewhile
 
 import numpy as np
 
-from ...model import Fixed, Steps, laws
 from ..laws import Law
 from ..memory import TooLong
-from ..row import Array, Row
+from ..row import Array
 from ..run import DURATION, IMPULSE, PEAK_FORCE, VELOCITY
+from ..signals import ROUND_OFF
+from .forces import contact_forces, outside_of
 from .measures import largest_force
 from .run import GridRun
 
@@ -27,7 +28,6 @@ FAINT = (
 )  # times that for a duration: a faint force may be missed on all levels alike
 PART = 0.1  # of a step, to which times are known at best
 ROUGH = (PEAK_FORCE, DURATION)  # told, and not waited for: they hang on few steps
-GENTLE = laws.Spring | laws.Hertz | laws.HuntCrossley | laws.PowerLaw | laws.Plastic
 
 
 def refined(
@@ -109,59 +109,70 @@ def error_of(
     return error / latest if latest > 0 else error
 
 
-def order_of(row: Row) -> float:
-    """Power of the step with which errors fall at least: 1/2 where waves jump and stay steep.
-
-    Waves are smooth where all rods are damped, and where forces begin from 0 and nothing that is
-    given jumps.
-    """
-    system = row.system
-    if all(float(segment.material.viscosity) > 0 for segment in row.segments):
-        return 1.0
-    given = [
-        getattr(x, name, 0.0)
-        for x in (*system.bodies, *system.ends)
-        for name in ("velocity", "strain", "value")
-    ]
-    gentle = all(isinstance(law, GENTLE) for law in system.contacts)
-    held = any(isinstance(end, Fixed) for end in system.ends)
-    return (
-        1.0
-        if gentle and not held and not any(isinstance(x, Steps) for x in given)
-        else 0.5
-    )
-
-
 def measures_of(run: GridRun) -> dict[str, Array]:
-    """Velocities of what nothing holds; impulse, peak force and duration by contact that can open.
+    """What the outcome of a run consists of: velocities, impulses, peak forces and durations.
 
-    Restitution follows from the impulses. Impacts of rigid bodies have neither of the other two:
-    their impulse grows in jumps. A joint is never done: of it counts the impulse up to a given end,
-    beside the largest so far.
+    Restitution follows from the impulses. Only what the row has is among the measures.
     """
-    mesh, row, m, v = run.mesh, run.row, run.mesh.mass, run.grid.velocity
-    free = [
-        float(m[a : b + 1] @ v[a : b + 1] / m[a : b + 1].sum())
-        for a, b in mesh.groups
-        if not mesh.held[a : b + 1].any()
-    ]
-    impulses, peaks, durations = [], [], []
-    for k, link in row.by_law.items():
-        force, _ = run.contact(k)
-        if k in row.opening:
-            lasting = row.links[link].law != Law.IMPACT
-            begins, ends = run.spans(run.pressed(k))
-            impulses.append(force.sum() * run.step)
-            peaks.append(lasting * largest_force(force))
-            durations.append(lasting * (ends - begins).sum())
+    measures = {VELOCITY: velocities_of(run)}
+    impulses: list[float] = []
+    peaks: list[float] = []
+    durations: list[float] = []
+    forces = contact_forces(run, outside_of(run, 0))
+    for k, force in enumerate(forces):
+        if k in run.row.opening:
+            impulses.append(float(force.sum()) * run.step)
+            # Impacts of rigid bodies have no peak force and no duration: their impulse jumps.
+            if run.row.links[run.row.contact_link[k]].law != Law.IMPACT:
+                begins, ends = run.spans(run.pressed(k))
+                peaks.append(largest_force(force))
+                durations.append(float((ends - begins).sum()))
         elif run.stopped_by == "until":
-            passed = np.cumsum(force * run.step)
-            impulses += [*passed[-1:], np.abs(passed).max(initial=0.0)]
-    return {
-        VELOCITY: np.array(
-            [*free, row.scale]
-        ),  # so that round-off of bodies at rest is none
-        IMPULSE: np.array(impulses),
-        PEAK_FORCE: np.array(peaks),
-        DURATION: np.array(durations),
-    }
+            # A bond or joint is never done: its impulse counts up to the given end, and
+            # so does the largest one on the way, beside which that may be small.
+            passed = np.cumsum(force) * run.step
+            impulses.extend(passed[-1:])
+            impulses.append(float(np.abs(passed).max(initial=0.0)))
+            peaks.append(float(force.max(initial=0.0)))
+    # Beside these, what differs by round-off alone is the same.
+    round_off = round_off_of(run) * float(run.mesh.mass.sum())
+    if impulses:
+        measures[IMPULSE] = np.array([*impulses, round_off])
+    if peaks:
+        transit = run.clock.longest * run.clock.tick
+        measures[PEAK_FORCE] = np.array([*peaks, round_off / transit])
+    if durations:
+        measures[DURATION] = np.array(durations)
+    return measures
+
+
+def round_off_of(run: GridRun) -> float:
+    """Velocities of this size or less may be round-off, m/s."""
+    return ROUND_OFF * (abs(float(run.row.frame)) + float(run.row.scale))
+
+
+def velocities_of(run: GridRun) -> Array:
+    """Velocities at the end of a run, and their scale, so that round-off at rest is none.
+
+    Groups of bodies that hang together and are not held keep theirs after the last contact. The
+    bodies of a group swing on, so that each body has a velocity of its own at a given end only.
+    """
+    mesh = run.mesh
+    v = run.grid.velocity
+    velocities = [max(float(run.row.scale), round_off_of(run))]
+    for first, last in mesh.groups:
+        nodes = slice(first, last + 1)
+        if not mesh.held[nodes].any():
+            velocities.append(
+                float(mesh.mass[nodes] @ v[nodes] / mesh.mass[nodes].sum())
+            )
+    if run.stopped_by == "until":
+        for start, stop in run.row.spans:
+            if stop > 0:
+                first = mesh.first[start]
+                last = mesh.last[stop]
+                halves = mesh.cell_mass[first + 1 : last + 1] / 2
+                momentum = halves @ v[first:last] + halves @ v[first + 1 : last + 1]
+                velocities.append(float(momentum / (2 * halves.sum())))
+        velocities.extend(v[mesh.node_of_mass])
+    return np.array(velocities)

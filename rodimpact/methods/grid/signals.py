@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 
 from ...units import format_si
-from ..groups import fill_bonds
-from ..run import INWARD, ContactSignal, ContactTally, Outside, Run, Signals
+from ..run import INWARD, ContactSignal, ContactTally, Run, Signals
 from ..signals import Floats, Pieces
 from ..status import ending, last_contact, proof_sentence, strain_warning
+from .forces import contact_forces, outside_of, over_steps
 from .measures import largest_force, touchings
 from .mesh import STEP_TICKS
 from .refinement import ROUGH
@@ -20,8 +20,9 @@ LARGE_CHANGE = 1e-2  # of the peak force, from which it is said
 
 def hand_over(run: GridRun, until: float | None) -> Run:
     """What every method hands back, of a run to `until`, s."""
-    outside, size = (_outside(run, 0), _outside(run, 1)), sum(run.mesh.counts)
-    forces = _forces(run, outside[0].push.values if outside[0] else np.zeros(run.steps))
+    outside = outside_of(run, 0), outside_of(run, 1)
+    size = sum(run.mesh.counts)
+    forces = contact_forces(run, outside[0])
     pressed = [run.pressed(k) for k in range(len(forces))]
     contacts = tuple(
         _tally(run, k, *of) for k, of in enumerate(zip(forces, pressed, strict=True))
@@ -78,11 +79,11 @@ def _own_peak(run: GridRun) -> str:
 
 
 def _accuracy(run: GridRun) -> str:
-    """How wrong the outcome may be, where contacts follow laws, and what makes it less.
+    """How wrong the outcome may be, and what makes it less.
 
     Durations may stay rough: they hang on where faint forces begin and end.
     """
-    if not run.estimates or not run.row.by_law:
+    if not run.estimates:
         return ""
     errors = ", ".join(
         f"{name} {error:.1g}"
@@ -97,21 +98,6 @@ def _accuracy(run: GridRun) -> str:
             f" Not converged to {run.rtol:g}. Take a larger rtol, or give more cells."
         )
     return told
-
-
-def _forces(run: GridRun, pushed: Floats) -> list[Floats]:
-    """Mean force of each contact in each step, N; `pushed` is that of what is on the far left."""
-    row = run.row
-    known = [
-        run.contact(k)[0] if k in row.by_law else None if link < 0 else run.bond(link)
-        for k, link in enumerate(row.contact_link)
-    ]
-
-    def spent(body: int) -> Floats:
-        mass = float(row.system.bodies[body].mass)
-        return np.asarray(mass * np.diff(run.speed(row.mass_of[body])) / run.step)
-
-    return fill_bonds(row.system, known, spent, pushed)
 
 
 def _tally(run: GridRun, k: int, force: Floats, pressed: Floats) -> ContactTally:
@@ -136,37 +122,6 @@ def _tally(run: GridRun, k: int, force: Floats, pressed: Floats) -> ContactTally
     )
 
 
-def _outside(run: GridRun, side: int) -> Outside | None:
-    """What acted on the left or right end, in the laboratory, and its velocity."""
-    row, link, kind = (
-        run.row,
-        (0, len(run.row.links) - 1)[side],
-        run.row.outside[side][0],
-    )
-    if kind == "none" or not run.steps:
-        return None
-    v = run.velocity(run.mesh.ends[side])
-    speed, force = (v[:-1] + v[1:]) / 2, run.track.given[:, side]
-    if link in run.mesh.touching:
-        force = run.entered(link, "force")
-    elif kind == "velocity":
-        force = run.bond(link)
-    elif kind == "absorbing":
-        end = run.grid.end[side]
-        force = INWARD[side] * (end["impedance"] * (end["rest"] + force - speed))
-    fall = row.system.gravity * run.step * (np.arange(run.steps) + 0.5)
-    return Outside(
-        row.outside_name(side),
-        _over(run, np.ascontiguousarray(force)),
-        _over(run, speed + row.frame + fall),
-    )
-
-
-def _over(run: GridRun, means: Floats) -> Pieces:
-    """A signal with these means over steps."""
-    return Pieces(run.edges[:-1], means) if run.steps else Pieces([0], [0.0])
-
-
 def _signals(
     run: GridRun, forces: list[Floats], pressed: list[Floats], outside: Any
 ) -> Signals:
@@ -178,9 +133,9 @@ def _signals(
             gap, closing = run.contact(k)[1], run.entered(link, "closing")
         contacts.append(
             ContactSignal(
-                _over(run, force),
+                over_steps(run, force),
                 Pieces.through(edges, gap),
-                _over(run, closing),
+                over_steps(run, closing),
                 touchings(pressed[k]),
             )
         )

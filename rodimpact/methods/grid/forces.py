@@ -1,0 +1,63 @@
+"""Forces between bodies and on the ends of the row, as means over the steps of a run."""
+
+import numpy as np
+
+from ..groups import fill_bonds
+from ..run import INWARD, Outside
+from ..signals import Floats, Pieces
+from .run import GridRun
+
+
+def contact_forces(run: GridRun, left: Outside | None) -> list[Floats]:
+    """Mean force of each contact in each step, N; `left` acts on the left end of the row."""
+    row = run.row
+    known: list[Floats | None] = []
+    for k, link in enumerate(row.contact_link):
+        if k in row.by_law:
+            known.append(run.contact(k)[0])
+        elif link < 0:
+            known.append(None)  # between rigid bodies: it follows from their momenta
+        else:
+            known.append(run.bond(link))
+
+    def spent(body: int) -> Floats:
+        mass = float(row.system.bodies[body].mass)
+        gained = np.diff(run.speed(row.mass_of[body]))
+        return np.asarray(mass * gained / run.step)
+
+    pushed: Floats = np.zeros(run.steps)
+    if left is not None:
+        pushed = left.push.values
+    return fill_bonds(row.system, known, spent, pushed)
+
+
+def outside_of(run: GridRun, side: int) -> Outside | None:
+    """What acts on the left or right end, in the laboratory, and its velocity."""
+    row = run.row
+    link = (0, len(row.links) - 1)[side]
+    kind, _ = row.outside[side]
+    if kind == "none" or not run.steps:
+        return None
+    v = run.velocity(run.mesh.ends[side])
+    speed = (v[:-1] + v[1:]) / 2
+    force = run.track.given[:, side]
+    if link in run.mesh.touching:
+        force = run.entered(link, "force")
+    elif kind == "velocity":
+        force = run.bond(link)
+    elif kind == "absorbing":
+        end = run.grid.end[side]
+        force = INWARD[side] * (end["impedance"] * (end["rest"] + force - speed))
+    fall = row.system.gravity * run.step * (np.arange(run.steps) + 0.5)
+    return Outside(
+        row.outside_name(side),
+        over_steps(run, np.ascontiguousarray(force)),
+        over_steps(run, speed + row.frame + fall),
+    )
+
+
+def over_steps(run: GridRun, means: Floats) -> Pieces:
+    """A signal with these means over steps."""
+    if run.steps == 0:
+        return Pieces([0], [0.0])
+    return Pieces(run.edges[:-1], means)

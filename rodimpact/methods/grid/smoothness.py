@@ -1,0 +1,156 @@
+"""Whether waves jump: a mesh finds a jump more slowly than what is smooth.
+
+Waves jump where flat ends meet, where something that is given jumps, and at t = 0 where two bodies
+that are joined move with different velocities or press with different forces.
+"""
+
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...model import (
+    Absorbing,
+    Bonded,
+    Fixed,
+    Free,
+    Incoming,
+    Joint,
+    Moved,
+    Pushed,
+    Rod,
+    Samples,
+    Steps,
+    laws,
+)
+from ...model.profiles import extremes
+from ..row import Row
+
+SMALL_JUMP_RTOL = 1e-6
+"""A jump of less, relative to the scale of velocities, is none."""
+GENTLE_LAWS = (
+    laws.Spring | laws.Hertz | laws.HuntCrossley | laws.PowerLaw | laws.Plastic
+)
+"""Laws by which the force begins from 0."""
+
+
+class Face(NamedTuple):
+    """State of one end of a body at t = 0."""
+
+    velocity: float  # m/s
+    force: float | None  # tension, N; None in a rigid body, which takes any force
+
+
+def order_of(row: Row) -> float:
+    """Power of the step with which errors fall at least: 1/2 where waves jump and stay steep.
+
+    Damping makes jumps smooth.
+    """
+    if all(float(segment.material.viscosity) > 0 for segment in row.segments):
+        return 1.0
+    if waves_jump(row):
+        return 0.5
+    return 1.0
+
+
+def waves_jump(row: Row) -> bool:
+    """Whether any wave jumps: from t = 0 on, or later on."""
+    system = row.system
+    for thing in (*system.bodies, *system.ends):
+        for name in ("velocity", "strain", "value"):
+            if isinstance(getattr(thing, name, 0.0), Steps):
+                return True
+    for law in system.contacts:
+        if law.opens and not isinstance(law, GENTLE_LAWS):
+            return True
+    return _jumps_at_joints(row) or _jumps_at_ends(row) or _jumps_at_steps(row)
+
+
+def _jumps_at_joints(row: Row) -> bool:
+    """Whether neighbours move or press differently at t = 0."""
+    system = row.system
+    for k, (left_body, right_body) in enumerate(pairwise(system.bodies)):
+        law = system.contacts[k]
+        left = _face(left_body, -1)
+        right = _face(right_body, 0)
+        if isinstance(law, Bonded):
+            if _differ(row, left.velocity, right.velocity):
+                return True
+            if left.force is not None and _forces_differ(row, right, left.force):
+                return True
+        else:
+            force = 0.0
+            if isinstance(law, Joint):
+                rate = right.velocity - left.velocity
+                force = float(law.stiffness * law.stretch + law.damping * rate)
+            elif float(system.gaps[k]) < 0:
+                return True  # it presses from the start
+            if _forces_differ(row, left, force) or _forces_differ(row, right, force):
+                return True
+    return False
+
+
+def _jumps_at_ends(row: Row) -> bool:
+    """Whether what is outside moves or presses differently at t = 0."""
+    bodies = row.system.bodies
+    faces = _face(bodies[0], 0), _face(bodies[-1], -1)
+    for face, end in zip(faces, row.system.ends, strict=True):
+        if isinstance(end, Free) and _forces_differ(row, face, 0.0):
+            return True
+        if isinstance(end, Fixed) and _differ(row, face.velocity, 0.0):
+            return True
+        if isinstance(end, Moved) and _differ(row, face.velocity, _value(end.value, 0)):
+            return True
+        if isinstance(end, Pushed) and _forces_differ(row, face, -_value(end.value, 0)):
+            return True
+        if isinstance(end, Incoming):
+            wave = _value(end.value, 0)
+        elif isinstance(end, Absorbing):
+            wave = 0.0
+        else:
+            continue
+        if wave != 0:
+            return True
+    return False
+
+
+def _jumps_at_steps(row: Row) -> bool:
+    """Whether a rod is strained where its stiffness jumps."""
+    for body in row.system.bodies:
+        if isinstance(body, Rod) and len(body.segments) > 1:
+            if any(np.any(value != 0) for value in extremes(body.strain)):
+                return True
+    return False
+
+
+def _face(body: Any, last: int) -> Face:
+    """The left end of a body, 0, or its right end, -1."""
+    velocity = _value(body.velocity, last)
+    if not isinstance(body, Rod):
+        return Face(velocity, None)
+    segment = body.segments[last]
+    modulus = float(segment.material.youngs_modulus)
+    force = modulus * _value(segment.area, last) * _value(body.strain, last)
+    return Face(velocity, force)
+
+
+def _value(profile: Any, last: int) -> float:
+    """First value of a profile, 0, or its last one, -1; no profile of steps."""
+    if isinstance(profile, Samples):
+        return float(profile.values[last])
+    return float(profile)
+
+
+def _differ(row: Row, one: float, other: float) -> bool:
+    """Whether two velocities differ by more than round-off."""
+    return abs(one - other) > SMALL_JUMP_RTOL * float(row.scale)
+
+
+def _forces_differ(row: Row, face: Face, force: float) -> bool:
+    """Whether a force differs from that in the end of a rod by more than round-off."""
+    if face.force is None:
+        return False
+    impedance = max(
+        float(segment.mass / segment.transit_time) for segment in row.segments
+    )
+    return abs(face.force - force) > SMALL_JUMP_RTOL * impedance * float(row.scale)

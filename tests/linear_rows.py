@@ -1,0 +1,246 @@
+"""Rows that are bonded, jointed and driven, and an independent solver for them.
+
+Nothing here uses the package to solve. Transit times are multiples of a unit, so that waves that
+leave an end in one interval arrive in another one. In each interval all signals are polynomials of
+high degree, given by their values at Gauss-Legendre points. With the rightgoing part f and the
+leftgoing part g of the velocity, v = f + g and the tension is N = Z (g - f). So at the right end of
+a rod N = Z (v - 2 f), at the left end N = Z (2 g - v), and a mass between them obeys
+m v' = N_right - N_left. A joint of stretch s obeys s' = v_right - v_left and N = k s + c s'.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+import rodimpact as ri
+
+UNIT_TIME = 1 / 16
+POINTS, WEIGHTS = np.polynomial.legendre.leggauss(16)
+SHARES = (POINTS + 1) / 2
+WEIGHTS = WEIGHTS / 2
+
+
+def _integration():
+    """Matrix from values at the points to integrals from the start of the interval to them."""
+    columns = np.eye(len(SHARES))
+    matrix = np.empty((len(SHARES), len(SHARES)))
+    for j, values in enumerate(columns):
+        series = np.polynomial.legendre.legfit(POINTS, values, len(POINTS) - 1)
+        primitive = np.polynomial.legendre.legint(series, lbnd=-1)
+        matrix[:, j] = np.polynomial.legendre.legval(POINTS, primitive) / 2
+    return matrix
+
+
+INTEGRATION = _integration()
+
+
+class Piece(NamedTuple):
+    """A rod (impedance, units of transit time, velocity), or a mass (mass, 0, velocity)."""
+
+    inertia: float
+    units: int
+    velocity: float
+
+
+class LinearRow(NamedTuple):
+    """Pieces; joints between them, None for a bond or (k, c); drives of the two ends.
+
+    A drive is None (free), ("velocity", function) or ("force", function): to the right on the left
+    end, to the left on the right end.
+    """
+
+    pieces: list
+    joints: list
+    drives: list
+
+
+class Motion(NamedTuple):
+    """Mean velocities of the pieces at the end, and impulses through the joints (pushes)."""
+
+    velocities: list
+    impulses: list
+
+
+def random_linear_row(seed):
+    """A row of one to four rods and masses whose ends are free, pushed or moved."""
+    rng = np.random.default_rng([seed, 45])
+    count = int(rng.integers(1, 5))
+    jumping = rng.random() < 0.3
+    pieces = []
+    joints = []
+    for i in range(count):
+        after_mass = i > 0 and pieces[-1].units == 0
+        velocity = (
+            float(rng.uniform(-1, 1)) if jumping or i == 0 else pieces[0].velocity
+        )
+        joint = None
+        if i > 0 and rng.random() < 0.4:
+            joint = (float(rng.uniform(0.5, 20)), float(rng.choice([0.0, 0.3])))
+        if i > 0 and rng.random() < 0.3 and not after_mass:
+            if joint is None:
+                velocity = pieces[-1].velocity if not jumping else velocity
+            pieces.append(Piece(float(rng.uniform(0.1, 2)), 0, velocity))
+        else:
+            pieces.append(
+                Piece(float(rng.uniform(0.5, 3)), int(rng.integers(6, 20)), velocity)
+            )
+        if i > 0:
+            joints.append(joint)
+    drives = []
+    for side in (0, -1):
+        kind = rng.choice(["none", "velocity", "force"])
+        if pieces[side].units == 0 or kind == "none":
+            drives.append(None)
+            continue
+        rate = float(rng.uniform(1, 4))
+        size = float(rng.uniform(-0.7, 0.7))
+        start = pieces[side].velocity if kind == "velocity" and not jumping else 0.0
+        drives.append((str(kind), _sine(start, size, rate)))
+    return LinearRow(pieces, joints, drives)
+
+
+def _sine(start, size, rate):
+    return lambda t: start + size * np.sin(rate * t)
+
+
+def system_of(row, until):
+    """The same row for the package: wave speed 1, so that area and impedance are equal."""
+    unit = ri.Material("unit", youngs_modulus=1.0, density=1.0)
+    bodies = []
+    for piece in row.pieces:
+        if piece.units == 0:
+            bodies.append(ri.RigidMass(piece.inertia, velocity=piece.velocity))
+        else:
+            length = piece.units * UNIT_TIME
+            bodies.append(
+                ri.Rod(
+                    length, area=piece.inertia, material=unit, velocity=piece.velocity
+                )
+            )
+    contacts = []
+    for joint in row.joints:
+        contacts.append(ri.Bonded() if joint is None else ri.Joint(*joint))
+    ends = []
+    for drive in row.drives:
+        if drive is None:
+            ends.append(ri.Free())
+        else:
+            kind = {"velocity": ri.Moved, "force": ri.Pushed}[drive[0]]
+            ends.append(kind(drive[1], duration=until))
+    return ri.System(bodies, contacts=contacts, ends=tuple(ends))
+
+
+def solve_linear_row(row, intervals):
+    """Solve a row over so many unit intervals.
+
+    Every interval is one set of linear equations: for the velocities of both faces of each piece,
+    and the forces between and outside them, at all points.
+    """
+    n = len(SHARES)
+    count = len(row.pieces)
+    speeds = [piece.velocity for piece in row.pieces]
+    # Outgoing parts by piece: leaving the left end (rightgoing), leaving the right end.
+    leaving = [([], []) for _ in row.pieces]
+    stretches = [0.0 for _ in row.joints]
+    impulses = [0.0 for _ in row.joints]
+    identity = np.eye(n)
+    for interval in range(intervals):
+        times = (interval + SHARES) * UNIT_TIME
+        size = 2 * count * n + (count + 1) * n
+        matrix = np.zeros((size, size))
+        right = np.zeros(size)
+        equation = 0
+
+        def face(piece, side, n=n):
+            start = (2 * piece + side) * n
+            return slice(start, start + n)
+
+        def force(link, n=n):  # tension in front of piece `link`
+            start = (2 * count + link) * n
+            return slice(start, start + n)
+
+        arriving = []
+        for i, piece in enumerate(row.pieces):
+            rows = slice(equation, equation + n)
+            if piece.units == 0:
+                # v - (integral of the difference of the tensions)/m = v at the start
+                matrix[rows, face(i, 0)] = identity
+                step = UNIT_TIME / piece.inertia * INTEGRATION
+                matrix[rows, force(i + 1)] = -step
+                matrix[rows, force(i)] = step
+                right[rows] = speeds[i]
+                equation += n
+                rows = slice(equation, equation + n)
+                matrix[rows, face(i, 0)] = identity
+                matrix[rows, face(i, 1)] = -identity
+                equation += n
+                arriving.append(None)
+                continue
+            back = interval - piece.units
+            initial = np.full(n, piece.velocity / 2)
+            f = leaving[i][0][back] if back >= 0 else initial
+            g = leaving[i][1][back] if back >= 0 else initial
+            arriving.append((f, g))
+            # left end: N + Z v = 2 Z g; right end: N - Z v = -2 Z f
+            matrix[rows, force(i)] = identity
+            matrix[rows, face(i, 0)] = piece.inertia * identity
+            right[rows] = 2 * piece.inertia * g
+            equation += n
+            rows = slice(equation, equation + n)
+            matrix[rows, force(i + 1)] = identity
+            matrix[rows, face(i, 1)] = -piece.inertia * identity
+            right[rows] = -2 * piece.inertia * f
+            equation += n
+        for j, joint in enumerate(row.joints):
+            rows = slice(equation, equation + n)
+            if joint is None:
+                matrix[rows, face(j, 1)] = identity
+                matrix[rows, face(j + 1, 0)] = -identity
+            else:
+                k, c = joint
+                law = k * UNIT_TIME * INTEGRATION + c * identity
+                matrix[rows, force(j + 1)] = identity
+                matrix[rows, face(j + 1, 0)] = -law
+                matrix[rows, face(j, 1)] = law
+                right[rows] = k * stretches[j]
+            equation += n
+        for side, drive in enumerate(row.drives):
+            rows = slice(equation, equation + n)
+            link = (0, count)[side]
+            if drive is None:
+                matrix[rows, force(link)] = identity
+            elif drive[0] == "force":
+                matrix[rows, force(link)] = identity
+                right[rows] = -drive[1](times)
+            else:
+                matrix[rows, face((0, count - 1)[side], side)] = identity
+                right[rows] = drive[1](times)
+            equation += n
+        solution = np.linalg.solve(matrix, right)
+        for i, piece in enumerate(row.pieces):
+            if piece.units == 0:
+                gained = solution[force(i + 1)] - solution[force(i)]
+                speeds[i] += UNIT_TIME / piece.inertia * float(WEIGHTS @ gained)
+            else:
+                f, g = arriving[i]
+                leaving[i][0].append(solution[face(i, 0)] - g)
+                leaving[i][1].append(solution[face(i, 1)] - f)
+        for j in range(len(row.joints)):
+            impulses[j] -= UNIT_TIME * float(WEIGHTS @ solution[force(j + 1)])
+            closing = solution[face(j + 1, 0)] - solution[face(j, 1)]
+            stretches[j] += UNIT_TIME * float(WEIGHTS @ closing)
+    velocities = []
+    for i, piece in enumerate(row.pieces):
+        if piece.units == 0:
+            velocities.append(speeds[i])
+            continue
+        total = 0.0
+        for back in range(1, piece.units + 1):
+            interval = intervals - back
+            for line in leaving[i]:
+                mean = piece.velocity / 2
+                if interval >= 0:
+                    mean = float(WEIGHTS @ line[interval])
+                total += mean
+        velocities.append(total / piece.units)
+    return Motion(velocities, impulses)

@@ -1,0 +1,148 @@
+"""Stated errors of a grid for rows that are bonded, jointed and driven: none is too small."""
+
+import math
+
+import numpy as np
+import pytest
+from exhaustive import few_of
+from linear_rows import UNIT_TIME, random_linear_row, solve_linear_row, system_of
+from networks import UNIT, unit_rod
+
+import rodimpact as ri
+from rodimpact.methods.grid.smoothness import waves_jump
+from rodimpact.methods.row import Row
+
+METHOD = "finite-difference"
+INTERVALS = 48
+
+
+def moved_rod(until):
+    """Mean velocity at `until` of a unit rod of velocity 1, its right end at -.7 sin 2.8 t.
+
+    The waves that leave the left and the right end are A(t) = B(t - 1) and
+    B(t) = 2 f(t) - A(t - 1), by d'Alembert, so that B(t) = 2 f(t) - B(t - 2).
+    """
+
+    def passed(t):  # integral of B from 0 to t
+        if t <= 0:
+            return t
+        drive = -0.7 * (1 - math.cos(2.8 * t)) / 2.8
+        return 2 * drive - passed(t - 2) + passed(-2.0)
+
+    # The integral of A is that of B one transit earlier.
+    return (passed(until) - passed(until - 2)) / 2
+
+
+@pytest.mark.parametrize("mass", [None, 0.25])
+def test_a_driven_rod_without_a_contact_has_an_error(mass):
+    """The stated error was 0.0, and one of 3.5e-7 for the rod alone was not seen."""
+    bodies = [unit_rod(1.0, 2.0, velocity=1.0)]
+    contacts = []
+    if mass is not None:
+        bodies.insert(0, ri.RigidMass(mass, velocity=1.0))
+        contacts.append(ri.Bonded())
+    drive = ri.Moved(lambda t: -0.7 * math.sin(2.8 * t), duration=5.0)
+    system = ri.System(bodies, contacts=contacts, ends=(ri.Free(), drive))
+    solution = ri.solve(system, 4.37, METHOD)
+    velocity = solution.outcome.velocities_after[-1]
+    if mass is None:
+        exact = moved_rod(4.37)
+        assert exact == pytest.approx(0.40211153, abs=1e-8)
+    else:
+        exact = ri.solve(system, 4.37, rtol=1e-11).outcome.velocities_after[-1]
+        assert exact == pytest.approx(0.9701634, abs=1e-7)
+    error = abs(velocity - exact) / solution.fields.clock.scale
+    assert 0 < error <= solution.accuracy["velocity"] <= 1e-3
+    assert "Stated relative error: velocity" in solution.status
+
+
+@pytest.mark.parametrize("seed", few_of(range(300), range(10)))
+def test_stated_errors_of_bodies_and_joints_are_not_too_small(seed):
+    row = random_linear_row(seed)
+    until = INTERVALS * UNIT_TIME
+    exact = solve_linear_row(row, INTERVALS)
+    solution = ri.solve(system_of(row, until), until, METHOD, rtol=1e-2)
+    largest = max(np.abs(exact.velocities).max(), solution.fields.clock.scale)
+    for body, velocity in enumerate(exact.velocities):
+        error = abs(float(solution.mean_velocity(body, until)) - velocity)
+        assert error <= (solution.accuracy["velocity"] + 1e-12) * largest
+    t = np.linspace(0, until, 400)
+    passed = [np.abs(contact.impulse_until(t)).max() for contact in solution.contacts]
+    for contact, impulse in enumerate(exact.impulses):
+        error = abs(solution.outcome.contacts[contact].impulse - impulse)
+        stated = solution.accuracy["impulse"]
+        assert error <= stated * max(passed) + 1e-12 * largest
+
+
+def test_rigid_motion_is_exact():
+    """Differences by round-off are none, and refine nothing."""
+    rods = [unit_rod(0.5, velocity=0.3), unit_rod(0.7, 2.0, velocity=0.3)]
+    solution = ri.solve(ri.System(rods, contacts=[ri.Bonded()]), 2.0, METHOD)
+    assert max(solution.accuracy.values()) <= 1e-3
+    assert sum(solution.fields.motion.counts) <= 2000
+
+
+# Where waves jump ---------------------------------------------------------------------
+
+STRAINED = {"velocity": 0.0, "strain": 0.1}
+SMOOTH = {
+    "at rest": ri.System([unit_rod()]),
+    "a spring": ri.System(
+        [unit_rod(velocity=1.0), unit_rod()], contacts=[ri.Spring(1)]
+    ),
+    "held at rest": ri.System([unit_rod()], ends=(ri.Fixed(), ri.Free())),
+    "driven from its velocity": ri.System(
+        [unit_rod(velocity=0.5)], ends=(ri.Moved(0.5), ri.Free())
+    ),
+    "pushed as it is strained": ri.System(
+        [unit_rod(1.0, 2.0, **STRAINED)], ends=(ri.Pushed(-0.2), ri.Pushed(-0.2))
+    ),
+    "a joint stretched as the rods": ri.System(
+        [unit_rod(**STRAINED), unit_rod(**STRAINED)],
+        contacts=[ri.Joint(2.0, stretch=0.05)],
+        ends=(ri.Absorbing(), ri.Absorbing()),
+    ),
+    "a mass": ri.System(
+        [ri.RigidMass(1.0, velocity=0.5), unit_rod(velocity=0.5)],
+        contacts=[ri.Bonded()],
+    ),
+}
+JUMPS = {
+    "flat ends": ri.System([unit_rod(velocity=1.0), unit_rod()]),
+    "steps": ri.System([unit_rod(velocity=ri.Steps([1.0, 0.0], [0.5]))]),
+    "held in motion": ri.System([unit_rod(velocity=1.0)], ends=(ri.Fixed(), ri.Free())),
+    "driven": ri.System([unit_rod(velocity=1.0)], ends=(ri.Moved(0.5), ri.Free())),
+    "let go": ri.System([unit_rod(**STRAINED)]),
+    "pushed": ri.System([unit_rod()], ends=(ri.Pushed(0.2), ri.Free())),
+    "a wave from its front": ri.System(
+        [unit_rod()], ends=(ri.Incoming(0.1), ri.Free())
+    ),
+    "bonded in motion": ri.System(
+        [unit_rod(velocity=1.0), unit_rod()], contacts=[ri.Bonded()]
+    ),
+    "a dashpot": ri.System(
+        [unit_rod(velocity=1.0), unit_rod()], contacts=[ri.Joint(1.0, 1.0)]
+    ),
+    "a stretched joint": ri.System(
+        [unit_rod(), unit_rod()], contacts=[ri.Joint(1.0, stretch=0.1)]
+    ),
+    "strained over a step": ri.System(
+        [
+            ri.Rod(
+                segments=[ri.Segment(1.0, 1.0, UNIT), ri.Segment(1.0, 2.0, UNIT)],
+                strain=0.1,
+            )
+        ],
+        ends=(ri.Absorbing(), ri.Absorbing()),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SMOOTH)
+def test_waves_that_do_not_jump(name):
+    assert not waves_jump(Row(SMOOTH[name]))
+
+
+@pytest.mark.parametrize("name", JUMPS)
+def test_waves_that_jump(name):
+    assert waves_jump(Row(JUMPS[name]))
