@@ -24,8 +24,8 @@ stiffness. Contacts are the links of `contact_kernel` between the last node of a
 first of the next, with the discrete inertia seen there. Their w is the mean closing velocity of a
 step. A rigid contact does not update its gap while it is shut: the two nodes move on with one
 velocity. The energy that the nodes lose as it shuts is of the size of a cell. Viscous ends that
-shut before the first kick are not let into each other until then: all that follows would be as much
-too late, half a step where they touch from the start.
+touch at t = 0 have already begun to slow down, see `start.slow_down`: all that follows would be
+half a step too late.
 """
 
 import math
@@ -248,8 +248,10 @@ def record(run: Any, v: Any, link: Any, signal: Any) -> None:
         entry.force, entry.gap, entry.closing = at.force, at.gap, before - at.gap
         if at.law == Law.RIGID or at.law == Law.YIELD:
             entry.closing = at.closing
-        if at.law == Law.RIGID and run.step == 0 and at.force > 0:
-            entry.closing = (at.early + at.force * at.closing) / at.force
+        if run.step == 0 and at.early_force > 0:
+            work = at.early_loss + at.force * at.closing
+            entry.force = at.force + at.early_force
+            entry.closing = work / entry.force
 
 
 def dissipate(v: Any, old: Any, viscous: Any, lost: Any) -> None:

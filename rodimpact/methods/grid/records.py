@@ -59,10 +59,9 @@ LINK = np.dtype(
         ("slope", "f8"),  # dF/dw, -1 where the closing w is fixed
         ("kept", "f8"),  # force before a Newton step
         ("upper", "f8"),  # for the elimination
-        (
-            "early",
-            "f8",
-        ),  # energy that a rigid contact has lost as it shut before the first kick
+        # mean force over a step, and energy lost, as a rigid contact shut before the first kick
+        ("early_force", "f8"),
+        ("early_loss", "f8"),
     ],
     align=True,
 )

@@ -23,6 +23,7 @@ GAP_RESOLUTION = (
 )
 RINGING = 8  # steps in which waves beside a jump swing about their mean
 ROUND = 0.25  # s between two looks at the clock
+FEWEST_IN_THREES = 12  # kept states, from which they come in threes in damped rods
 STATES_BYTES = 64 << 20  # of kept states, where their number is not given
 CELL_TIMES = 7e-10, 8e-7
 """Time of a cell and a step, s, compiled and in plain Python, where nothing is implicit."""
@@ -75,7 +76,9 @@ class GridRun:
         else:
             at = np.array(snapshots) / step
             self._chosen = np.concatenate((np.floor(at), np.ceil(at), [0.0]))
-            self._most = len(self._chosen)
+            self._most = 3 * len(self._chosen)
+        # States of damped rods are smoothed with the states one step before and after.
+        self._in_threes = bool(mesh.viscous.any()) and self._most >= FEWEST_IN_THREES
         self._ask(room or 4 * self.round_trip)
         self._when(
             self.room
@@ -84,7 +87,7 @@ class GridRun:
         kick = start.begin(mesh, step, self.grid)
         self.track = self._blank(0, 0)
         self.advance(0)
-        start.part(mesh, step, self.grid, kick)
+        start.slow_down(mesh, step, self.grid, kick)
 
     @property
     def steps(self) -> int:
@@ -132,10 +135,23 @@ class GridRun:
     def _when(self, end: int) -> Array:
         """Steps at whose ends states are kept, of a run to step `end`."""
         if self._chosen is not None:
-            return np.union1d(self._chosen[self._chosen <= end], end).astype(int)
-        while end // self._stride + 2 > self._most:
-            self._stride *= 2
-        return np.append(np.arange(0, end, self._stride), end)
+            steps = self._chosen[self._chosen <= end].astype(int)
+        else:
+            while self._states(end) > self._most:
+                self._stride *= 2
+            steps = np.arange(0, end, self._stride)
+        last = np.array([end])
+        if self._in_threes:
+            steps = np.concatenate((steps - 1, steps, steps + 1))
+            last = end - np.arange(3)
+        steps = np.union1d(steps, last)
+        return np.asarray(steps[(steps >= 0) & (steps <= end)])
+
+    def _states(self, end: int) -> int:
+        """Upper bound of the number of states that are kept of a run to step `end`."""
+        if self._in_threes and self._stride > 1:
+            return 3 * (end // self._stride + 2)
+        return end // self._stride + 2
 
     def _blank(self, steps: int, states: int) -> Track:
         """Room for what the kernel enters."""

@@ -7,8 +7,6 @@ that are joined move with different velocities or press with different forces.
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from ...model import (
     Absorbing,
     Bonded,
@@ -117,9 +115,11 @@ def _jumps_at_ends(row: Row) -> bool:
 def _jumps_at_steps(row: Row) -> bool:
     """Whether a rod is strained where its stiffness jumps."""
     for body in row.system.bodies:
-        if isinstance(body, Rod) and len(body.segments) > 1:
-            if any(np.any(value != 0) for value in extremes(body.strain)):
-                return True
+        if not isinstance(body, Rod) or len(body.segments) == 1:
+            continue
+        smallest, largest = extremes(body.strain)
+        if smallest != 0 or largest != 0:
+            return True
     return False
 
 

@@ -11,9 +11,6 @@ from .mesh import Mesh, quotient
 from .records import Grid
 
 LITTLE_RETARDATION = 1 / 64  # eta/E in steps, where ends shut with half of the delay
-MOST_RETARDATION = (
-    1 / 64
-)  # eta/E over the longest transit, up to which ends shut without delay
 
 
 def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
@@ -104,30 +101,48 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
     return scheme.answered(multipliers, np.where(mesh.held == 1, 0.0, force / 2))
 
 
-def part(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
-    """Put ends apart that shut before the first kick, the lighter one more.
+def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
+    """Slow ends down that shut before the first kick, as a step before t = 0 would have done.
 
-    The cells there are strained by half the velocity by which the ends then close, `kick` with it,
-    where they touch at t = 0, and links lose what that takes; by nothing where they meet at the
-    kick, nor where viscosity rules: strain would linger there. Without viscosity all follows half a
-    step late, but a sharp front that comes back to a contact at a kick, as it left it, opens it as
-    it shut: ends get back what they lost.
+    An end that shuts inside a step is stopped over two of them, so that the mean force is right
+    from then on. Where ends touch at t = 0 the first of them would begin before. It takes half of
+    the velocity by which they close, or what closes beyond a small gap; `kick` is what forces give.
+    Links and damped cells lose what that takes. Without viscosity all follows half a step late: a
+    sharp front that comes back to a contact at a kick, as it left it, opens it as it shut, and ends
+    get back what they lost.
     """
-    v, force, link = grid.velocity, grid.force, grid.link
-    l, r = link["left"], link["right"]
-    closing, parting = v[l] - v[r], kick[r] - kick[l]
-    overlap = (closing - parting) / 2 - link["gap"]
-    ease = quotient(mesh.held == 0, mesh.mass)
-    late = (link["law"] == Law.RIGID) & (link["shut"] == 1) & (ease[l] + ease[r] > 0)
-    late &= (overlap > grid.run["tolerance"]) & (closing > 2 * parting)
-    retardation = quotient(mesh.viscous, mesh.stiffness)[[l, r + 1]].max(axis=0)
-    late &= retardation <= MOST_RETARDATION * max(mesh.counts) * step
-    overlap *= retardation / (retardation + LITTLE_RETARDATION * step)
+    v = grid.velocity
+    force = grid.force
+    links = grid.link
+    left = links["left"]
+    right = links["right"]
+    closing = v[left] - v[right]
+    parting = kick[right] - kick[left]
+    excess = (closing - parting) / 2 - links["gap"]
+    late = (links["law"] == Law.RIGID) & (links["shut"] == 1) & (links["own"] > 0)
+    late &= (excess > grid.run["tolerance"]) & (closing > 2 * parting)
+    retardation = quotient(mesh.viscous, mesh.stiffness)[[left, right + 1]].max(axis=0)
+    share = retardation / (retardation + LITTLE_RETARDATION * step)
+    late &= share > 0
     for i in np.flatnonzero(late):
-        share = overlap[i] / (ease[l[i]] + ease[r[i]])
-        for node, cell in ((l[i], l[i]), (r[i], r[i] + 1)):
-            if mesh.stiffness[cell] > 0:
-                k, stretch = grid.stiffness[cell], -ease[node] * share
-                tension = force[cell] + k * (v[cell] - v[cell - 1]) / 2
-                link["early"][i] -= stretch * (tension + k * stretch / 2)
-                force[cell] += k * stretch
+        link = links[i]
+        before = v.copy()
+        push = share[i] * excess[i] / (2 * link["own"])
+        nodes = slice(link["leftmost"], link["left"] + 1)
+        v[nodes] -= grid.by_last[nodes] * push
+        nodes = slice(link["right"], link["rightmost"] + 1)
+        v[nodes] += grid.by_first[nodes] * push
+        gained = v - before
+        grid.piece["place"] += gained[mesh.starts] / 2
+        # What the kinetic energy, and the strain energy of forces that are there, lose.
+        mean = (v + before) / 2
+        stretching = np.diff(mean, prepend=0.0, append=0.0)
+        faster = np.diff(gained, prepend=0.0, append=0.0)
+        stretching[[0, -1]] = 0.0
+        faster[[0, -1]] = 0.0
+        gain = mesh.mass @ (mean * gained) + mesh.lateral @ (stretching * faster)
+        gain = gain / step + force @ faster / 2
+        heat = grid.viscous * stretching**2
+        grid.lost[:] += heat
+        link["early_force"] = push
+        link["early_loss"] = -gain - heat.sum()
