@@ -66,7 +66,7 @@ def modes() -> Rows:
                 ri.System([rod], ends=ends),
                 method=METHOD,
                 dt=dt,
-                until=float(times[-1]),
+                until=float(times[-1]) + dt,
                 snapshots=times,
             )
             crest = 0.0 if shape is np.cos else math.pi / 2 / k

@@ -107,16 +107,17 @@ class GridFields(Fields):
         centred = np.flatnonzero(follows[:-1] & follows[1:]) + 1
         mean = (raw[centred - 1] + 2 * raw[centred] + raw[centred + 1]) / 4
         smooth[np.ix_(centred, damped)] = mean
-        # From two steps on one side: after t = 0, where velocities may jump, and at the end.
+        # From one side, with the same error: after t = 0, where velocities may jump, and at the end.
         sides = []
-        if when[0] == 0 and follows[:3].all() and len(when) > 3:
+        if when[0] == 0 and len(when) > 4 and follows[:4].all():
             sides.append((1, 1))
-        if follows[-2:].all():
+        if len(when) > 3 and follows[-3:].all():
             sides.append((len(when) - 1, -1))
         for state, onward in sides:
-            near = raw[state + onward]
-            far = raw[state + 2 * onward]
-            smooth[state, damped] = (3 * raw[state] + 2 * near - far) / 4
+            second = raw[state + onward]
+            third = raw[state + 2 * onward]
+            fourth = raw[state + 3 * onward]
+            smooth[state, damped] = raw[state] + (second - 2 * third + fourth) / 4
         return smooth
 
     @cached_property

@@ -143,7 +143,7 @@ class GridRun:
         last = np.array([end])
         if self._in_threes:
             steps = np.concatenate((steps - 1, steps, steps + 1))
-            last = end - np.arange(3)
+            last = end - np.arange(4)
         steps = np.union1d(steps, last)
         return np.asarray(steps[(steps >= 0) & (steps <= end)])
 
