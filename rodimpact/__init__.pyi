@@ -72,6 +72,7 @@ from .results.contacts import ContactHistory as ContactHistory
 from .results.energy import EnergyLedger as EnergyLedger
 from .results.extreme_stress import ExtremeStress as ExtremeStress
 from .results.extreme_stress import StressPeak as StressPeak
+from .results.field_error import FieldError as FieldError
 from .results.gauges import Gauge as Gauge
 from .results.gauges import gauges_to_csv as gauges_to_csv
 from .results.outcome import Outcome as Outcome

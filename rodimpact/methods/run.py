@@ -4,6 +4,8 @@ Totals are known when the run ends; signals are made when they are asked for, so
 outcome alone does not wait for them.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -264,6 +266,24 @@ def stopped_by(refused: Any, final: Any, capped: Any, until: float | None) -> In
     )
 
 
+class Coarser(NamedTuple):
+    """The same collision on a coarser mesh, with which fields are compared.
+
+    Attributes
+    ----------
+    share : float
+        Error of a field on the finer mesh over its difference from that on this one, at most.
+    steep : bool
+        Whether waves jump and stay steep, so that no mesh has the velocity and the stress there.
+    make_run : function
+        Makes the `Run`.
+    """
+
+    share: float
+    steep: bool
+    make_run: Callable[[], Run]
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Run:
     """A finished run of any method.
@@ -293,6 +313,8 @@ class Run:
     accuracy : dict of str to float
         Stated error of those of `MEASURES` that the method knows, relative to the largest value of
         each, where the method is not exact.
+    coarser : tuple of Coarser
+        None where a single mesh was asked for, in a file, or where the method has none.
     make_signals : function
     """
 
@@ -309,6 +331,7 @@ class Run:
     totals: Totals | None = None
     groups: GroupTotals | None = None
     accuracy: Mapping[str, float] = field(default_factory=dict)
+    coarser: tuple[Coarser, ...] = ()
     make_signals: Callable[[], Signals]
     t_proved: float = math.nan
 
@@ -331,4 +354,4 @@ class Run:
         return made
 
     def __getstate__(self) -> dict[str, Any]:
-        return {"signals": self.signals, **vars(self)}
+        return {"signals": self.signals, **vars(self), "coarser": ()}

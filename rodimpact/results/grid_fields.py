@@ -107,7 +107,8 @@ class GridFields(Fields):
         centred = np.flatnonzero(follows[:-1] & follows[1:]) + 1
         mean = (raw[centred - 1] + 2 * raw[centred] + raw[centred + 1]) / 4
         smooth[np.ix_(centred, damped)] = mean
-        # From one side, with the same error: after t = 0, where velocities may jump, and at the end.
+        # From one side, with the same error: after t = 0, where velocities may jump, and at
+        # the end.
         sides = []
         if when[0] == 0 and len(when) > 4 and follows[:4].all():
             sides.append((1, 1))

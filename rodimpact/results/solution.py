@@ -1,5 +1,7 @@
 """A solution is a function, not a grid: ask it for any field at any place and time."""
 
+from __future__ import annotations
+
 import os
 from functools import cached_property
 from typing import Any
@@ -8,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods.registry import Options
-from ..methods.run import Run, Totals, Waves
+from ..methods.run import Coarser, Run, Totals, Waves
 from ..methods.signals import Floats, Side, each_once
 from ..model import Rod, Samples, Steps, System
 from ..model.arguments import array, demand, of_kind, single, whole
@@ -18,6 +20,7 @@ from ..storage.case_writing import save_case
 from .contacts import ContactHistory
 from .energy import EnergyLedger, bonded_groups, ledger, totals_of
 from .extreme_stress import ExtremeStress
+from .field_error import FieldError, field_error
 from .fields import Fields
 from .gauges import Gauge
 from .grid_fields import GridFields
@@ -231,6 +234,47 @@ class Solution(Shown):
         index = self._index(body)
         self.fields.locate(index, 0.0)
         return self.fields.extreme_stress(index)
+
+    @_FAINT
+    def field_error(self, t: ArrayLike) -> FieldError:
+        """Stated errors of velocity, stress and displacement anywhere in the row at times t in s.
+
+        A grid whose mesh was searched for compares its fields with those of coarser meshes. In the
+        first steps after a jump the error is as large as the jump. The fields of other methods are
+        as accurate as their waves, see `accuracy`.
+
+        Returns
+        -------
+        FieldError
+            ``velocity`` in m/s, ``stress`` in Pa and ``displacement`` in m, each like t.
+
+        Raises
+        ------
+        ValueError
+            If the fields were not found on several meshes, or a time lies outside the solution.
+
+        Examples
+        --------
+        >>> import rodimpact as ri
+        >>> steel = ri.materials.steel.damped(loss_factor=0.02, frequency=1e3)
+        >>> rod = ri.Rod(0.5, area=1e-4, material=steel, velocity=1.0)
+        >>> row = ri.System([rod, ri.Wall()], gaps=[1e-5])
+        >>> solution = ri.solve(row, until=4e-4)
+        >>> bool(solution.field_error(3e-4).velocity < 0.02)
+        True
+        """
+        self.fields.to_ticks(t)
+        message = (
+            "is stated where a grid has searched for its mesh; solve with method="
+            '"finite-difference", without cells and dt'
+        )
+        demand(len(self.run.coarser) > 0, "field_error", message)
+        return field_error(self, self._coarser, array("t", t, "s"))
+
+    @cached_property
+    def _coarser(self) -> list[tuple[Coarser, Solution]]:
+        """Solutions on coarser meshes."""
+        return [(mesh, Solution(mesh.make_run())) for mesh in self.run.coarser]
 
     @_FAINT
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:

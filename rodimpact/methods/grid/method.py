@@ -98,6 +98,8 @@ def follow(
         step = until / math.ceil(until / step * (1 - 1e-12))
 
     searching = cells is None and dt is None and stepping
+    order = order_of(row)
+    runs: list[GridRun] = []
 
     def level(factor: int) -> GridRun:
         mesh, h = Mesh(row, [factor * N for N in counts]), step / factor
@@ -106,6 +108,7 @@ def follow(
         )
         run = GridRun(mesh, h, snapshots, None if until is None else max(1, last))
         _go(run, last, until is not None, report)
+        runs.append(run)
         return run
 
     if searching:
@@ -113,11 +116,12 @@ def follow(
         run, estimates = refinement.refined(
             level,
             refinement.measures_of,
-            order_of(row),
+            order,
             goal,
             FINEST // max(counts),
         )
         run.rtol, run.estimates = goal, estimates
+        run.coarser = refinement.comparable_runs(runs, run, order)
         if PEAK_FORCE in estimates:
             estimates[PEAK_FORCE] += run.peak_error
     else:

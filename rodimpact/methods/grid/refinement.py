@@ -13,7 +13,7 @@ from ..run import DURATION, IMPULSE, PEAK_FORCE, VELOCITY
 from ..signals import ROUND_OFF
 from .forces import contact_forces, outside_of
 from .measures import largest_force
-from .run import GridRun
+from .run import STATES_BYTES, GridRun
 
 FACTORS = (1, *(k << n for n in range(60) for k in (2, 3)))
 """By how much the step is divided on each level: not by powers of two only.
@@ -107,6 +107,21 @@ def error_of(
         )  # of a step: where forces jump, all levels may ring
         error = max(FAINT * error, within * h if latest > 0 else 0.0)
     return error / latest if latest > 0 else error
+
+
+def comparable_runs(
+    runs: Sequence[GridRun], finest: GridRun, order: float
+) -> list[tuple[float, GridRun]]:
+    """The last coarser runs, with the share of differences of fields that bounds the error.
+
+    None where there are too few, or where they would take too much memory.
+    """
+    coarser = [run for run in runs if run.step > finest.step][-LOOK_BACK:]
+    if len(coarser) + 1 < FEWEST:
+        return []
+    if sum(run.states_bytes for run in coarser) > STATES_BYTES:
+        return []
+    return [(DOUBT / ((run.step / finest.step) ** order - 1), run) for run in coarser]
 
 
 def measures_of(run: GridRun) -> dict[str, Array]:

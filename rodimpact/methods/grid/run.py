@@ -51,6 +51,8 @@ class GridRun:
         empty where the step was given.
     rtol : float
         What they were to come to.
+    coarser : list of (float, GridRun)
+        Runs on coarser meshes, with the share of the differences of fields that bounds the error.
     """
 
     proved = -1
@@ -66,6 +68,7 @@ class GridRun:
     ) -> None:
         self.mesh, self.step, self.row = mesh, step, mesh.row
         self.clock, self.estimates = clock_on(mesh, step), dict[str, float]()
+        self.coarser: list[tuple[float, GridRun]] = []
         self._chosen, self._stride = (
             None,
             1,
@@ -300,6 +303,11 @@ class GridRun:
         pulled = force + mesh.viscous[cell] * stretch[:-1] + bound
         gained = mesh.cell_mass[cell] / 2 / self.step * np.diff(v)
         return np.asarray(-pulled - sign * gained)
+
+    @property
+    def states_bytes(self) -> int:
+        """Memory of the states that are kept."""
+        return sum(getattr(self.track, name).nbytes for name in PER_STATE)
 
     @property
     def largest_strain(self) -> float:

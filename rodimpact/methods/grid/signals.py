@@ -1,12 +1,13 @@
 """From a run on a grid to what every method hands back: signals, tallies, and a status."""
 
 import math
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from ...units import format_si
-from ..run import INWARD, ContactSignal, ContactTally, Run, Signals
+from ..run import INWARD, Coarser, ContactSignal, ContactTally, Run, Signals
 from ..signals import Floats, Pieces
 from ..status import ending, last_contact, proof_sentence, strain_warning
 from .forces import contact_forces, outside_of, over_steps
@@ -14,6 +15,7 @@ from .measures import largest_force, touchings
 from .mesh import STEP_TICKS
 from .refinement import ROUGH
 from .run import RINGING, GridRun
+from .smoothness import order_of
 
 LARGE_CHANGE = 1e-2  # of the peak force, from which it is said
 
@@ -48,6 +50,10 @@ def hand_over(run: GridRun, until: float | None) -> Run:
         status += " The run ends before half a step, and none was taken. More cells shorten it."
         end = math.ceil(until / run.clock.tick)
     status += _accuracy(run) + _own_peak(run) + strain_warning(run.largest_strain)
+    steep = bool(run.coarser) and order_of(run.row) < 1
+    coarser = []
+    for share, other in run.coarser:
+        coarser.append(Coarser(share, steep, partial(hand_over, other, until)))
     return Run(
         method="finite-difference",
         until=until,
@@ -61,6 +67,7 @@ def hand_over(run: GridRun, until: float | None) -> Run:
         events=events,
         contacts=contacts,
         accuracy=run.estimates,
+        coarser=tuple(coarser),
         make_signals=lambda: _signals(run, forces, pressed, outside),
     )
 
