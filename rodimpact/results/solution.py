@@ -274,7 +274,9 @@ class Solution(Shown):
     @cached_property
     def _coarser(self) -> list[tuple[Coarser, Solution]]:
         """Solutions on coarser meshes."""
-        return [(mesh, Solution(mesh.make_run())) for mesh in self.run.coarser]
+        return [
+            (mesh, Solution(mesh.make_run(), self.options)) for mesh in self.run.coarser
+        ]
 
     @_FAINT
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
