@@ -28,6 +28,9 @@ from ..units import format_si
 from .known import outcome_told
 
 ROOM = 32  # rows of the log at first
+FIRST_HORIZON_SHARE = 1.0
+"""Share of the default horizon that the first clock counts. The page's clock has fewer bits and begins
+with less, so that its ticks are fine; a run that outlasts its clock is made again."""
 MOST_REGIONS = 3000  # that are drawn
 TOO_FAR_APART = (
     "times too far apart for the clock of this page; rodimpact run may solve it"
@@ -48,8 +51,17 @@ def run_of(asked: Any, further: bool, space: Any) -> Any:
     run = space["run"]
     run.max_events = asked.max_events
     run.run_past_proof = further
-    run.until = asked.until
+    if asked.until >= 0:
+        run.until = asked.until
+        go(space)
+        return space
+    share = FIRST_HORIZON_SHARE
+    run.until = -share
     go(space)
+    while run.stop_reason == Stop.CLOCK and share < 1:
+        share = min(4 * share, 1.0)
+        run.until = -share
+        go(space)
     return space
 
 

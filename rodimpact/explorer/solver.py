@@ -22,9 +22,9 @@ CONSTANTS = {
     "CLOCK_BITS": 52,
     "NEVER": 1 << 52,
     "IDLE": (1 << 53) - 1,
-    "LEAST_UNIT": 2.0**34,
-    "MOST_PARTS": 1 << 32,
-    "FINE": 2.0**-7,
+    "MIN_UNIT": 2.0**34,
+    "MAX_PARTS": 1 << 32,
+    "FIRST_HORIZON_SHARE": 2.0**-7,
 }
 """Constants of the kernels on the page's clock."""
 FUNCTIONS = (

@@ -14,6 +14,7 @@ from networks import random_network
 from systems import random_system
 
 import rodimpact as ri
+from rodimpact.explorer import fronts as explorer_fronts
 from rodimpact.explorer.design import LIBRARY, tables_of, with_gauges
 from rodimpact.explorer.fronts import outcome_of, run_of, space_of
 from rodimpact.explorer.javascript import Untranslatable, javascript
@@ -23,9 +24,11 @@ from rodimpact.explorer.solved import scene_of
 from rodimpact.explorer.solver import CONSTANTS, KNOWN
 from rodimpact.explorer.tables import RULES, asked_of, system_of
 from rodimpact.methods import compiling, tick_rule
+from rodimpact.methods.fronts import records as front_records
 from rodimpact.methods.fronts.family_layout import lay_out_family
 from rodimpact.methods.laws import Stop
 from rodimpact.methods.pieces import driver, finality, layout, march
+from rodimpact.methods.pieces import records as piece_records
 from rodimpact.methods.row import Row
 from rodimpact.methods.walk import walk
 from rodimpact.storage.casefile import case_from
@@ -307,6 +310,13 @@ def solved_by_the_page(cases):
       return {{ ...outcome, events: run.run.events, rounded }};
     }});"""
     return run(script, {"cases": cases, "library": LIBRARY})
+
+
+def test_the_clock_of_the_page_sets_constants_that_there_are():
+    """A constant that was renamed would leave the page on the clock of Python."""
+    modules = (tick_rule, front_records, piece_records, explorer_fronts)
+    names = {name for module in modules for name in vars(module)}
+    assert set(CONSTANTS) <= names
 
 
 @needs_node

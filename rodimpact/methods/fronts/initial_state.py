@@ -171,7 +171,7 @@ def default_horizon(state: State, values: Values) -> float:
         if node.contact != NONE and run.velocity_scale > 0:
             flight_time += values[gap_index(n, node.contact)] / run.velocity_scale
     horizon: float = max(
-        rule.HORIZON * run.longest_transit_time,
+        -run.until * rule.HORIZON * run.longest_transit_time,
         MIN_ROW_CROSSINGS * crossing_time,
         MIN_FLIGHTS * flight_time,
     )

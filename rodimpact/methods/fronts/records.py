@@ -167,7 +167,8 @@ class Run:
     """The request for a run, its clock, and its progress."""
 
     # Request
-    until: float  # end, s; negative: none is given
+    until: float  # end, s; if negative none is given, and -until is the share of the
+    # default horizon that the clock counts: 1, or less on the page
     max_events: int
     record_max_stress: int  # 1: `Segment.max_wave_difference` is found
     run_past_proof: int  # 1: run one round trip on, and measure what balances need
