@@ -29,8 +29,11 @@ from .known import outcome_told
 
 ROOM = 32  # rows of the log at first
 FIRST_HORIZON_SHARE = 1.0
-"""Share of the default horizon that the first clock counts. The page's clock has fewer bits and begins
-with less, so that its ticks are fine; a run that outlasts its clock is made again."""
+"""Share of the default horizon that the first clock counts.
+
+The page's clock has fewer bits and begins with less, so that its ticks are fine. A run that
+outlasts its clock is made again.
+"""
 MOST_REGIONS = 3000  # that are drawn
 TOO_FAR_APART = (
     "times too far apart for the clock of this page; rodimpact run may solve it"
