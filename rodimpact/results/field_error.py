@@ -77,9 +77,9 @@ def field_error(
             if not compared.any():
                 continue
             apart = _difference(name, fine, solution, times[compared])
-            known = largest[compared]
-            known = np.where(np.isinf(known), 0.0, known)
-            largest[compared] = np.maximum(known, mesh.share * apart)
+            before = largest[compared]
+            before[np.isinf(before)] = 0.0
+            largest[compared] = np.maximum(before, mesh.share * apart)
         errors[name] = largest.reshape(t.shape)
     if any(mesh.steep for mesh, _ in coarser):
         errors["velocity"] = np.full(t.shape, np.inf)
@@ -94,8 +94,8 @@ def _difference(name: str, fine: Any, coarse: Any, times: Floats) -> Floats:
         if not isinstance(rod, Rod):
             continue
         x = np.linspace(0.0, float(rod.length), PLACES)[:, None]
-        one = getattr(fine, name)(body, x, times.ravel())
-        other = getattr(coarse, name)(body, x, times.ravel())
-        apart = np.abs(one - other).max(axis=0).reshape(times.shape)
+        fine_values = getattr(fine, name)(body, x, times.ravel())
+        coarse_values = getattr(coarse, name)(body, x, times.ravel())
+        apart = np.abs(fine_values - coarse_values).max(axis=0).reshape(times.shape)
         largest = np.maximum(largest, apart.max(axis=1))
     return largest

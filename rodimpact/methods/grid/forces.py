@@ -11,14 +11,14 @@ from .run import GridRun
 def contact_forces(run: GridRun, left: Outside | None) -> list[Floats]:
     """Mean force of each contact in each step, N; `left` acts on the left end of the row."""
     row = run.row
-    known: list[Floats | None] = []
+    forces: list[Floats | None] = []
     for k, link in enumerate(row.contact_link):
         if k in row.by_law:
-            known.append(run.contact(k)[0])
+            forces.append(run.contact(k)[0])
         elif link < 0:
-            known.append(None)  # between rigid bodies: it follows from their momenta
+            forces.append(None)  # between rigid bodies: it follows from their momenta
         else:
-            known.append(run.bond(link))
+            forces.append(run.bond(link))
 
     def spent(body: int) -> Floats:
         mass = float(row.system.bodies[body].mass)
@@ -28,7 +28,7 @@ def contact_forces(run: GridRun, left: Outside | None) -> list[Floats]:
     pushed: Floats = np.zeros(run.steps)
     if left is not None:
         pushed = left.push.values
-    return fill_bonds(row.system, known, spent, pushed)
+    return fill_bonds(row.system, forces, spent, pushed)
 
 
 def outside_of(run: GridRun, side: int) -> Outside | None:

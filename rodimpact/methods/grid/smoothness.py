@@ -61,7 +61,7 @@ def waves_jump(row: Row) -> bool:
     for law in system.contacts:
         if law.opens and not isinstance(law, GENTLE_LAWS):
             return True
-    return _jumps_at_joints(row) or _jumps_at_ends(row) or _jumps_at_steps(row)
+    return any((_jumps_at_joints(row), _jumps_at_ends(row), _jumps_at_steps(row)))
 
 
 def _jumps_at_joints(row: Row) -> bool:
@@ -141,9 +141,9 @@ def _value(profile: Any, last: int) -> float:
     return float(profile)
 
 
-def _differ(row: Row, one: float, other: float) -> bool:
+def _differ(row: Row, left: float, right: float) -> bool:
     """Whether two velocities differ by more than round-off."""
-    return abs(one - other) > SMALL_JUMP_RTOL * float(row.scale)
+    return abs(left - right) > SMALL_JUMP_RTOL * float(row.scale)
 
 
 def _forces_differ(row: Row, face: Face, force: float) -> bool:

@@ -21,43 +21,49 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
     array
         Velocities that half a kick by the forces at t = 0 gives.
     """
-    v, strain = grid.velocity, np.zeros(len(grid.force))
+    v = grid.velocity
+    strain = np.zeros(len(grid.force))
     v[:] = _velocities(mesh, strain)
     v += _dragged(mesh, step, grid)
     radial = quotient(-mesh.cells.coupling, mesh.cells.radial) * strain
     grid.strain[:] = radial / step
     tension = mesh.stiffness * strain + mesh.cells.coupling * radial
     kick = _first_kick(mesh, step, grid, tension)
-    grid.force[:] = (
-        tension + grid.stiffness * np.diff(kick - v, prepend=0.0, append=0.0) / 2
-    )
+    stretching = np.diff(kick - v, prepend=0.0, append=0.0)
+    grid.force[:] = tension + grid.stiffness * stretching / 2
     grid.piece["place"] = kick[mesh.starts] / 2
-    # v - F/Z, seen from the row, comes from an endless bar; carried on to the end itself from means
-    # over half a cell and over a cell
-    nodes, cells = np.array((mesh.ends, mesh.end_cells))
+    # v - F/Z, seen from the row, comes from an endless bar. It is carried on to the end from
+    # means over half a cell and over a cell.
+    nodes = np.array(mesh.ends)
+    cells = np.array(mesh.end_cells)
     pull = tension[cells] - (tension[cells + INWARD] - tension[cells]) / 2
     speed = v[nodes] - (v[nodes + INWARD] - v[nodes]) / 3
     grid.end["rest"] = speed - INWARD * quotient(pull, grid.end["impedance"])
-    link = grid.link  # what closes before the first kick is shut
-    link["shut"][link["gap"] <= (v[link["left"]] - v[link["right"]]) / 2] = 1
+    # Contacts that close before the first kick are shut.
+    link = grid.link
+    closing = v[link["left"]] - v[link["right"]]
+    link["shut"][link["gap"] <= closing / 2] = 1
     return kick
 
 
 def _velocities(mesh: Mesh, strain: Array) -> Array:
     """Velocities of nodes; enters the strains of cells, as changes of length."""
-    row, v = mesh.row, np.zeros(len(mesh.mass))
+    row = mesh.row
+    v = np.zeros(len(mesh.mass))
     for body, (start, stop) in zip(row.system.bodies, row.spans, strict=True):
         left = 0.0
         for s in range(start, stop + 1):
-            a, b, L = mesh.first[s], mesh.last[s], float(row.segments[s - 1].length)
+            first = mesh.first[s]
+            last = mesh.last[s]
+            L = float(row.segments[s - 1].length)
             N = mesh.counts[s - 1]
             edges = left + L * np.arange(2 * N + 1) / (2 * N)  # of half cells
             halves = averages(body.velocity, edges, float(body.length))
-            m = np.repeat(mesh.cell_mass[a + 1 : b + 1] / 2, 2)
-            v[a : b + 1] += np.bincount((np.arange(2 * N) + 1) // 2, m * halves)
-            strain[a + 1 : b + 1] = (
-                averages(body.strain, edges[::2], float(body.length)) * L / N
-            )
+            masses = np.repeat(mesh.cell_mass[first + 1 : last + 1] / 2, 2)
+            nodes = (np.arange(2 * N) + 1) // 2
+            v[first : last + 1] += np.bincount(nodes, masses * halves)
+            strains = averages(body.strain, edges[::2], float(body.length))
+            strain[first + 1 : last + 1] = strains * L / N
             left += L
     v[mesh.node_of_mass] += np.multiply(row.masses, row.mass_velocity)
     return np.where(mesh.mass > 0, quotient(v, mesh.mass) - row.frame, 0.0)
@@ -65,13 +71,12 @@ def _velocities(mesh: Mesh, strain: Array) -> Array:
 
 def _dragged(mesh: Mesh, step: float, grid: Grid) -> Array:
     """Changes of velocity where held ends jump: lateral inertia takes neighbours along."""
-    jump, bound = np.zeros(len(mesh.mass)), mesh.lateral / step
+    jump = np.zeros(len(mesh.mass))
+    bound = mesh.lateral / step
     for node, (kind, value) in zip(mesh.ends, mesh.row.outside, strict=True):
         if kind == "velocity":
-            jump[node] = (
-                scheme.moved(mesh.row, step, value, np.zeros(1))[0]
-                - grid.velocity[node]
-            )
+            start = scheme.moved(mesh.row, step, value, np.zeros(1))[0]
+            jump[node] = start - grid.velocity[node]
     return scheme.answered(scheme.eliminated(mesh, mesh.mass / step, bound), jump)
 
 
@@ -81,22 +86,25 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
     In the middle of the first step nodes are where these bring them: a force that begins at t = 0
     lies between two kicks, and would leave a wave from node to node otherwise.
     """
-    row, force = mesh.row, np.diff(tension)
+    row = mesh.row
+    force = np.diff(tension)
     for side, (kind, _) in enumerate(row.outside):
+        node = mesh.ends[side]
         if kind == "force":
-            force[mesh.ends[side]] += (
-                INWARD[side] * scheme.driven(mesh, step, side, 1)[0]
-            )
+            force[node] += INWARD[side] * scheme.driven(mesh, step, side, 1)[0]
         elif kind == "absorbing":
             wave = scheme.driven(mesh, step, side, 1)[0]
-            force[mesh.ends[side]] = grid.end["impedance"][side] * wave
-    for at in grid.link:
-        left, right = at["left"], at["right"]
-        if at["law"] == Law.RIGID and at["gap"] == 0 and force[left] > force[right]:
-            force[left] = force[right] = 0.0
-        elif at["law"] == Law.JOINT:
-            force[left] += at["stiffness"] * at["gap"]
-            force[right] -= at["stiffness"] * at["gap"]
+            force[node] = grid.end["impedance"][side] * wave
+    for link in grid.link:
+        left = link["left"]
+        right = link["right"]
+        touches = link["law"] == Law.RIGID and link["gap"] == 0
+        if touches and force[left] > force[right]:
+            force[left] = 0.0
+            force[right] = 0.0
+        elif link["law"] == Law.JOINT:
+            force[left] += link["stiffness"] * link["gap"]
+            force[right] -= link["stiffness"] * link["gap"]
     multipliers = grid.into, grid.inverse, grid.back
     return scheme.answered(multipliers, np.where(mesh.held == 1, 0.0, force / 2))
 
