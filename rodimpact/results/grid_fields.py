@@ -101,12 +101,16 @@ class GridFields(Fields):
         when = self.motion.when
         if not damped.any() or len(when) < 3:
             return velocity
-        smooth = velocity.copy()
-        raw = velocity[:, damped]
+        places = np.flatnonzero(damped)
+        nodes = slice(int(places[0]), int(places[-1]) + 1)
+        raw = velocity[:, nodes]
+        smooth = raw.copy()
         follows = np.diff(when) == 1
-        centred = np.flatnonzero(follows[:-1] & follows[1:]) + 1
-        mean = (raw[centred - 1] + 2 * raw[centred] + raw[centred + 1]) / 4
-        smooth[np.ix_(centred, damped)] = mean
+        inside = follows[:-1] & follows[1:]
+        mean = raw[:-2] + raw[2:]
+        mean += 2 * raw[1:-1]
+        mean /= 4
+        np.copyto(smooth[1:-1], mean, where=inside[:, None])
         # From one side, with the same error: after t = 0, where velocities may jump, and at
         # the end.
         sides = []
@@ -118,8 +122,12 @@ class GridFields(Fields):
             second = raw[state + onward]
             third = raw[state + 2 * onward]
             fourth = raw[state + 3 * onward]
-            smooth[state, damped] = raw[state] + (second - 2 * third + fourth) / 4
-        return smooth
+            smooth[state] = raw[state] + (second - 2 * third + fourth) / 4
+        if damped.all():
+            return smooth
+        velocities = velocity.copy()
+        velocities[:, damped] = smooth[:, damped[nodes]]
+        return velocities
 
     @cached_property
     def _moving(self) -> Tables:
