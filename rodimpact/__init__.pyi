@@ -48,6 +48,7 @@ from .model.laws import Spring as Spring
 from .model.laws import SpringDashpot as SpringDashpot
 from .model.laws import Tabulated as Tabulated
 from .model.laws import Yielding as Yielding
+from .model.profiles import Polynomials as Polynomials
 from .model.profiles import Samples as Samples
 from .model.profiles import Steps as Steps
 from .model.system import System as System

@@ -23,6 +23,7 @@ from ..methods.pieces.totals import (
     tally_of,
     told_of,
     why_stopped,
+    why_stuck,
 )
 from ..methods.status import strain_warning
 from ..methods.walk import frame_of, largest, scale_of, walk, wave_of_strain
@@ -122,8 +123,11 @@ def run_of(
         log.extend(blank(LOG_GROWTH, PIECE))
         turn.extend(blank(LOG_GROWTH, TURN))
     if run.stop == Stop.STUCK:
-        message = "a rigid mass is squeezed between walls; give a contact there a compliant law"
-        return {"problem": ("contacts", message)}
+        stuck = node[0]
+        for one in node:
+            if one.now < stuck.now:
+                stuck = one
+        return {"problem": why_stuck(row, stuck, clock.tick * stuck.now)}
     return {
         "row": row,
         "clock": clock,
@@ -139,23 +143,21 @@ def run_of(
 def solved(row: Any, asked: Any, tolerance: float, deadline: float) -> Any:
     """A run, as of `run_of`, with the stated ``errors`` of the `MEASURES`, and their ``goal``."""
     fine = run_of(row, asked, tolerance, True, None, deadline)
-    coarser = accuracy.COARSER * tolerance
-    errors = [0.0 for _ in range(5)]
     if "problem" in fine:
         return fine
-    while all(error == 0 for error in errors) and coarser <= accuracy.COARSEST:
+    coarser = accuracy.COARSER * tolerance
+    apart = [0.0 for _ in range(5)]
+    while max(apart) == 0 and coarser <= accuracy.COARSEST:
         coarse = run_of(row, asked, coarser, False, fine, deadline)
         if "problem" in coarse:
             return coarse
-        errors = accuracy.apart(fine["ended"], coarse["ended"])
+        apart = accuracy.differences(fine["ended"], coarse["ended"])
         coarser *= accuracy.COARSER  # the same steps tell nothing
-    left = max(
-        [
-            accuracy.left_open(fine["ended"].run, 0.0),
-            *[1 / T for T in fine["clock"].transits],
-        ]
-    )  # which are rounded to whole ticks
-    return {**fine, "errors": [error + left for error in errors], "goal": tolerance}
+    rounding = max([1 / T for T in fine["clock"].transits])  # to whole ticks
+    stated = accuracy.stated(fine["ended"], apart)
+    left = accuracy.left_open(fine["ended"], 0.0)
+    errors = [stated[i] + max(left[i], rounding) for i in range(len(stated))]
+    return {**fine, "errors": errors, "goal": tolerance}
 
 
 def outcome_of(run: Any, errors: list[float], status: str) -> Any:

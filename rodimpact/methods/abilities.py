@@ -52,7 +52,7 @@ def _of_rod(rod: model.Rod) -> list[tuple[str, str]]:
     found = [
         (name, SMOOTH_STATES)
         for name, v in states.items()
-        if isinstance(v, model.Samples)
+        if isinstance(v, model.Samples | model.Polynomials)
     ]
     for j, segment in enumerate(rod.segments):
         place = f"segments.{j}." if len(rod.segments) > 1 else ""

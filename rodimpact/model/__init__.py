@@ -4,7 +4,7 @@ from .bodies import Body, Material, RigidMass, Rod, Segment, Wall
 from .ends import Absorbing, End, Fixed, Free, Incoming, Moved, Pushed
 from .frozen import InvalidModel
 from .laws import Bonded, ContactLaw, Joint, Law, Plastic, Rigid, Tabulated, Yielding
-from .profiles import Samples, Steps
+from .profiles import Polynomials, Samples, Steps
 from .system import GAP, SIDES, System
 
 __all__ = [
@@ -24,6 +24,7 @@ __all__ = [
     "Material",
     "Moved",
     "Plastic",
+    "Polynomials",
     "Pushed",
     "Rigid",
     "RigidMass",

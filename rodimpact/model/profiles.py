@@ -1,7 +1,7 @@
 """Values along a rod, or over time: jumps, samples and functions.
 
-A profile is a number, `Steps`, `Samples`, or a function, which becomes `Samples` when the body or
-the drive is made: what is stored and compared are numbers only.
+A profile is a number, `Steps`, `Samples`, `Polynomials`, or a function, which becomes `Samples`
+when the body or the drive is made: what is stored and compared are numbers only.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from itertools import pairwise
 from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
 from ..units import one_line, shown
@@ -115,8 +116,87 @@ class Samples(Declared):
         return {"samples": given.pop("values"), **given}
 
 
-Profile: TypeAlias = "Number | Steps | Samples"
-ProfileLike: TypeAlias = "ArrayLike | Steps | Samples | Callable[[Any], Any]"
+class Polynomials(Declared):
+    """A profile of polynomials along a rod, between places where it may jump or bend.
+
+    `Solution.system_at` makes it of smooth waves, exactly. In an interval of width w that begins at
+    x0, the n values belong to the places x_k = x0 + w (1 - cos(pi k/(n - 1)))/2, k = 0 to n - 1, so
+    that the first and the last one are those at its ends.
+
+    Parameters
+    ----------
+    values : sequence of numbers, shape (intervals * n,)
+        Values interval by interval from left to right, as many in each, at least two.
+    at : sequence of numbers, shape (intervals - 1,), optional
+        Borders of the intervals, m from the left end of the rod, increasing; None for one interval.
+    error : float
+        How far the values are from what they stand for, in their unit: the stated error of the run
+        that they come from. Results of "characteristics" count it.
+
+    Raises
+    ------
+    InvalidModel
+        When the counts do not fit, the borders do not increase, or a value is not a number.
+
+    Examples
+    --------
+    A rod of 1 m whose left half rests, and whose right half moves the faster the farther right:
+
+    >>> Polynomials([0.0, 0.0, 0.0, 0.5], at=[0.5])
+    Polynomials(values=array(4,), at=array(1,))
+    """
+
+    values: Any = quantity("", "sampled")
+    at: Any = quantity("", "sampled", default=None)
+    _: KW_ONLY
+    error: float = 0.0
+    _whole: ClassVar[tuple[str, ...]] = ("values", "at", "error")
+
+    def _check(self, problems: Problems) -> None:
+        if problems:
+            return
+        inner = self.inner
+        intervals = len(inner) + 1
+        count = np.size(self.values)
+        if count % intervals or count < 2 * intervals:
+            message = (
+                f"needs two values or more, as many for each of {intervals} intervals"
+            )
+            problems.append(("values", f"{message}, got {count}"))
+        frozen.increasing(problems, "at", inner)
+
+    @property
+    def inner(self) -> list[float]:
+        """Borders between intervals, m, none for one interval."""
+        if self.at is None:
+            return []
+        borders: list[float] = np.ravel(self.at).tolist()
+        return borders
+
+    def coefficients(self) -> Floats:
+        """Chebyshev coefficients of each interval, [interval, degree], of y from -1 to 1."""
+        table = np.asarray(self.values, dtype=float).reshape(len(self.inner) + 1, -1)
+        count = table.shape[1]
+        places = -np.cos(np.pi * np.arange(count) / (count - 1))
+        inverse = np.linalg.inv(chebyshev.chebvander(places, count - 1))
+        found: Floats = table @ inverse.T
+        return found
+
+    def _parameters(self) -> dict[str, Any]:
+        given = super()._parameters()
+        if not self.error:
+            given.pop("error", None)
+        return given
+
+    def to_dict(self) -> dict[str, Any]:  # noqa: D102
+        given = super().to_dict()
+        return {"polynomials": given.pop("values"), **given}
+
+
+Profile: TypeAlias = "Number | Steps | Samples | Polynomials"
+ProfileLike: TypeAlias = (
+    "ArrayLike | Steps | Samples | Polynomials | Callable[[Any], Any]"
+)
 
 
 def along_rod(
@@ -129,13 +209,18 @@ def along_rod(
     """
     held: Profile = value
     if type(value) is float or not (
-        isinstance(value, Steps | Samples) or callable(value)
+        isinstance(value, Steps | Samples | Polynomials) or callable(value)
     ):
         held = field.checked(problems, path, value)
-    elif isinstance(value, Steps):
-        if value.at and length is not None:
-            frozen.family_shape([("length", length), *value._numbers(path)])
-            last, end = f"{path}.at.{len(value.at) - 1}", value.at[-1]
+    elif isinstance(value, Steps | Polynomials):
+        if isinstance(value, Steps):
+            borders = value.at
+        else:
+            borders = value.inner
+        if borders and length is not None:
+            if isinstance(value, Steps):
+                frozen.family_shape([("length", length), *value._numbers(path)])
+            last, end = f"{path}.at.{len(borders) - 1}", borders[-1]
             message = "must lie inside the rod of length {0!r}, got {1!r}"
             frozen.require(
                 problems, np.asarray(end) < length, last, message, length, end
@@ -195,7 +280,7 @@ def in_time(value: Any, field: Field, duration: Any) -> Profile:
 
 def negative(profile: Profile) -> Profile:
     """Return minus the profile."""
-    if isinstance(profile, Steps | Samples):
+    if isinstance(profile, Steps | Samples | Polynomials):
         return profile.replace(values=[-v for v in profile.values])
     return -profile
 
@@ -204,6 +289,11 @@ def flipped(profile: Profile, length: Number) -> Profile:
     """Return the profile along a rod of that length, m, seen from the other end."""
     if isinstance(profile, Samples):
         return profile.replace(values=profile.values[::-1])
+    if isinstance(profile, Polynomials):
+        borders = None
+        if profile.at is not None:
+            borders = np.asarray(length) - profile.at[::-1]
+        return profile.replace(values=profile.values[::-1], at=borders)
     if not isinstance(profile, Steps):
         return profile
     # next to the other end two places may round to one; the piece between them has no width
@@ -213,8 +303,11 @@ def flipped(profile: Profile, length: Number) -> Profile:
 
 
 def extremes(profile: Profile) -> list[Any]:
-    """Smallest and largest value of a profile, of each member of a family."""
-    if isinstance(profile, Samples):
+    """Smallest and largest value of a profile, of each member of a family.
+
+    Polynomials may be a little larger between their places.
+    """
+    if isinstance(profile, Samples | Polynomials):
         return [float(np.min(profile.values)), float(np.max(profile.values))]
     values: Any = profile.values if isinstance(profile, Steps) else [profile]
     return [reduce(np.minimum, values), reduce(np.maximum, values)]
@@ -241,6 +334,8 @@ def averages(profile: Any, edges: Any, length: float) -> Floats:
     >>> averages(Samples([0.0, 1.0, 4.0]), np.array([0.0, 0.5, 2.0]), length=2.0).round(9).tolist()
     [0.25, 1.916666667]
     """
+    if isinstance(profile, Polynomials):
+        return _averages_of_polynomials(profile, edges, length)
     if not isinstance(profile, Samples):
         steps = profile if isinstance(profile, Steps) else Steps([profile], [])
         at, values = (
@@ -272,10 +367,33 @@ def averages(profile: Any, edges: Any, length: float) -> Floats:
     return np.asarray(np.diff(integral) / np.diff(edges))
 
 
+def _averages_of_polynomials(
+    profile: Polynomials, edges: Floats, length: float
+) -> Floats:
+    borders = np.concatenate(([0.0], profile.inner, [length]))
+    widths = np.diff(borders)
+    primitives = chebyshev.chebint(profile.coefficients(), lbnd=-1, axis=1)
+    whole = primitives.sum(axis=1) * widths / 2
+    before = np.concatenate(([0.0], np.cumsum(whole)))
+    places = np.clip(edges, 0.0, length)
+    interval = np.clip(
+        np.searchsorted(borders, places, "right") - 1, 0, len(widths) - 1
+    )
+    y = 2 * (places - borders[interval]) / widths[interval] - 1
+    inside = chebyshev.chebval(y, primitives[interval].T, tensor=False)
+    integral = before[interval] + inside * widths[interval] / 2
+    means: Floats = np.diff(integral) / np.diff(edges)
+    return means
+
+
 def profile_from(data: Any) -> Any:
     """Make the profile that `to_dict` described; what is none stays as it is."""
     if not isinstance(data, dict):
         return data
+    if "polynomials" in data:
+        return Polynomials(
+            data["polynomials"], data.get("at"), error=data.get("error", 0.0)
+        )
     if "samples" in data:
         return Samples(
             **{"values" if key == "samples" else key: v for key, v in data.items()}

@@ -1,35 +1,35 @@
 """The state of a rod at one time as profiles with which a system can begin.
 
-Waves that are constant between fronts make `Steps`, exactly. Others make `Samples`, as many as
-straight lines between them need. A sample is the mean over the distance of two samples, so that
-momentum and stretch are kept where the state jumps, too.
+Waves that are constant between fronts make `Steps`, others `Polynomials`. Both are the waves
+themselves: a run that goes on from them is as exact as one that did not stop.
 """
 
-import math
 from typing import Any
 
 import numpy as np
 
-from ..methods.signals import Floats
-from ..model import Samples, Steps
+from ..methods.signals import Floats, Ints, Pieces, each_once
+from ..model import Polynomials, Steps
 from ..model.frozen import Number
 from .fields import Fields
+from .wave_extremes import SLIVER_TICKS
 from .wave_fields import WaveFields
 
-ACCURACY = (
-    1e-10  # of the largest wave, to which samples follow the state where it is smooth
-)
-FEWEST, MOST = 1 << 10, 1 << 16  # distances between samples of a rod
 FLAT = 1e-14  # change within a piece, of the largest wave, that is round-off
 
 
-def state_profiles(fields: Fields, body: int, tick: int) -> dict[str, Any]:
-    """Velocity, m/s, and strain of a rod just after `tick`, as profiles, by name."""
-    count, scale = 0, 0.0
+def state_profiles(
+    fields: Fields, body: int, tick: int, error: float
+) -> dict[str, Any]:
+    """Velocity, m/s, and strain of a rod just after `tick`, as profiles, by name.
+
+    `error` is the stated error of velocities, m/s.
+    """
+    scale = 0.0
     if isinstance(fields, WaveFields) and not fields.constant_between_fronts:
-        count, scale = _distances(fields, body, tick)
-        if count:
-            return _samples(fields, body, tick, count)
+        scale, swing = _sizes(fields, body, tick)
+        if swing > FLAT * scale:
+            return _polynomials(fields, body, tick, error)
     profile = fields.profile(body, tick)
     alike = FLAT * scale
     return {
@@ -40,51 +40,71 @@ def state_profiles(fields: Fields, body: int, tick: int) -> dict[str, Any]:
     }
 
 
-def _distances(fields: WaveFields, body: int, tick: int) -> tuple[int, float]:
-    """How many distances between samples the waves in a rod need, 0 if none; the largest wave."""
-    a, length = fields.clock, float(fields.edges(body)[-1])
-    waves = [
-        (wave.within(tick - T, tick), T / a.length[s])  # with its speed, ticks a m
-        for s, T, *both in fields.along(body)
-        for wave in both
-    ]
-    scale = max(float(np.abs(wave.coefficients).sum(axis=1).max()) for wave, _ in waves)
-    swing = max(
-        float(np.abs(wave.coefficients[:, 1:]).sum(axis=1).max()) for wave, _ in waves
-    )
-    bend = max(
-        float((w.bends * (2 * speed / w.widths) ** 2).max()) for w, speed in waves
-    )
-    if swing <= FLAT * scale:
-        return 0, scale
-    # a straight line over h is off by h^2/8 of the second derivative, a mean over h by h^2/24
-    needed = length * math.sqrt(bend / (6 * ACCURACY * scale))
-    return int(min(max(FEWEST, math.ceil(needed)), MOST)), scale
+def _sizes(fields: WaveFields, body: int, tick: int) -> tuple[float, float]:
+    """Largest wave in a rod, and largest change within a piece of a wave, m/s."""
+    scale = 0.0
+    swing = 0.0
+    for _, transit, *waves in fields.along(body):
+        for wave in waves:
+            sizes = np.abs(wave.within(tick - transit, tick).coefficients)
+            scale = max(scale, float(sizes.sum(axis=1).max()))
+            swing = max(swing, float(sizes[:, 1:].sum(axis=1).max()))
+    return scale, swing
 
 
-def _samples(fields: WaveFields, body: int, tick: int, count: int) -> dict[str, Any]:
-    """Means around even places; at the ends the values there."""
-    a, corners = fields.clock, fields.edges(body)
-    borders = corners[-1] / count * (np.arange(count + 2) - 0.5)
-    borders[[0, -1]] = 0.0, corners[-1]
-    moved = stretched = np.zeros(count + 2)
-    for (s, T, *waves), corner in zip(fields.along(body), corners, strict=False):
-        share = (borders - corner) / a.length[s]
-        offset = np.rint(np.clip(share, 0.0, 1.0) * T).astype(np.int64)
-        A, B = (wave.within(tick - T, tick) for wave in waves)
-        right, left = (
-            A.integral(tick - offset, tick),
-            B.integral(tick - T, tick - T + offset),
-        )
-        moved = moved + (left + right) / 2 * (a.length[s] / T)
-        stretched = stretched + (left - right) / 2 * (a.length[s] / T / a.wave_speed[s])
-    velocity, strain = (
-        np.diff(total) / np.diff(borders) for total in (moved, stretched)
+def _polynomials(
+    fields: WaveFields, body: int, tick: int, error: float
+) -> dict[str, Any]:
+    """Both profiles, in intervals in which both waves are single polynomials."""
+    clock = fields.clock
+    corners = fields.edges(body)
+    fall = clock.frame + clock.gravity * tick * clock.tick
+    count = max(
+        2, *(wave.size for _, _, *waves in fields.along(body) for wave in waves)
     )
-    velocity += a.frame + a.gravity * tick * a.tick
-    for values, field in ((velocity, fields.velocity), (strain, fields.strain)):
-        values[[0, -1]] = field(body, corners[[0, -1]], tick * a.tick)
-    return {"velocity": Samples(velocity), "strain": Samples(strain)}
+    shares = (1 - np.cos(np.pi * np.arange(count) / (count - 1))) / 2
+    borders: list[float] = []
+    velocities = []
+    strains = []
+    for (s, transit, right, left), corner in zip(
+        fields.along(body), corners, strict=False
+    ):
+        edges = _edges_of_waves(right, left, tick, transit)
+        # what is at `edge` ticks from the left end left that end so many ticks ago
+        a = right.inside(tick - edges[1:], tick - edges[:-1], shares)[:, ::-1]
+        b = left.inside(tick - transit + edges[:-1], tick - transit + edges[1:], shares)
+        ones = np.ones(count)
+        velocities.append((a + b) / 2 * ones + fall)
+        strains.append((b - a) / (2 * clock.wave_speed[s]) * ones)
+        places = corner + clock.length[s] * (edges / transit)
+        borders.extend(places[:-1].tolist())
+    inner = None
+    if len(borders) > 1:
+        inner = borders[1:]
+    slowest = min(clock.wave_speed[s] for s, *_ in fields.along(body))
+    return {
+        "velocity": Polynomials(np.concatenate(velocities).ravel(), inner, error=error),
+        "strain": Polynomials(
+            np.concatenate(strains).ravel(), inner, error=error / slowest
+        ),
+    }
+
+
+def _edges_of_waves(right: Pieces, left: Pieces, tick: int, transit: int) -> Ints:
+    """Places in a segment at which one of its waves breaks, ticks from its left end.
+
+    Intervals that last no longer than a sliver come of round-off, and are left out.
+    """
+    start = tick - transit
+    from_right = tick - right.breaks_in(start, tick)
+    from_left = left.breaks_in(start, tick) - start
+    edges = each_once([0], from_right, from_left, [transit])
+    kept = [0]
+    for edge in edges[1:-1].tolist():
+        if edge - kept[-1] > SLIVER_TICKS and transit - edge > SLIVER_TICKS:
+            kept.append(edge)
+    kept.append(int(transit))
+    return np.array(kept)
 
 
 def _steps(edges: Floats, values: Floats, alike: float) -> Number | Steps:

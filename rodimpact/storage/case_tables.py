@@ -15,7 +15,7 @@ from typing import Any
 
 from .. import units
 from ..model.frozen import MOST_TOLD, REQUIRED, Field, InvalidModel, listed, nearest
-from ..model.profiles import Samples, Steps
+from ..model.profiles import Polynomials, Samples, Steps
 from ..units import shown
 from .grids import Grid
 
@@ -26,6 +26,11 @@ PROFILES = {  # how a profile is written along a rod, and in time
 SAMPLE_KEYS = {r"^values\[(\d+)\]": r"samples.\1", "^values": "samples"}
 """Keys of a profile of samples, where the model has other names: pattern and replacement."""
 SAMPLE_STEP = Samples.fields["step"]._replace(default=REQUIRED)
+POLYNOMIAL_KEYS = {
+    r"^values\[(\d+)\]": r"polynomials.\1",
+    "^values": "polynomials",
+}
+"""Keys of a profile of polynomials, where the model has other names."""
 CURVE_KEYS = ("smooth", "error")
 """Keys of a profile of samples that say how the curve runs between them."""
 
@@ -156,7 +161,7 @@ class Table:
         return numbers
 
     def profile(self, key: str, field: Field) -> Any:
-        """`Steps` or `Samples` along a rod or in time; 1 if they have mistakes."""
+        """`Steps` or `Samples`, or `Polynomials` along a rod; 1 if they have mistakes."""
         table = self.table(key)
         if table.has("samples"):
             entries = {"values": table.numbers("samples", field.dimension, vary=False)}
@@ -167,6 +172,16 @@ class Table:
                 if table.has(name):
                     entries[name] = table.get(name)
             profile = table.make(Samples, SAMPLE_KEYS, **entries)
+        elif table.has("polynomials") and field.along == "length":
+            entries = {
+                "values": table.numbers("polynomials", field.dimension, vary=False)
+            }
+            if table.has("at"):
+                entries["at"] = table.numbers("at", field.along, vary=False)
+            if table.has("error"):
+                error = table.get("error")
+                entries["error"] = table.quantity("error", error, field.dimension)
+            profile = table.make(Polynomials, POLYNOMIAL_KEYS, **entries)
         else:
             values = table.numbers("values", field.dimension)
             jumps = table.numbers("at", field.along)

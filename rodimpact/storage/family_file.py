@@ -17,13 +17,14 @@ from ..model.bodies import BODIES, Material, Segment
 from ..model.ends import ENDS
 from ..model.frozen import Frozen
 from ..model.laws import CONTACT_LAWS
-from ..model.profiles import Samples, Steps
+from ..model.profiles import Polynomials, Samples, Steps
 from .writing import Arrays
 
 MODEL_CLASSES: tuple[Any, ...] = (
     System,
     Material,
     Segment,
+    Polynomials,
     Samples,
     Steps,
     *BODIES.values(),

@@ -66,6 +66,7 @@ EXAMPLES = [
     ri.Moved(1.0),
     ri.Incoming(0.0),
     ri.Samples([0.0, 1.0], step=1.0),
+    ri.Polynomials([0.0, 1.0, 2.0, 3.0], [0.5]),
     ri.Steps([1.0], []),
 ]
 SINGLE = [

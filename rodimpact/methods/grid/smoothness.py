@@ -15,6 +15,7 @@ from ...model import (
     Incoming,
     Joint,
     Moved,
+    Polynomials,
     Pushed,
     Rod,
     Samples,
@@ -56,7 +57,7 @@ def waves_jump(row: Row) -> bool:
     system = row.system
     for thing in (*system.bodies, *system.ends):
         for name in ("velocity", "strain", "value"):
-            if isinstance(getattr(thing, name, 0.0), Steps):
+            if isinstance(getattr(thing, name, 0.0), Steps | Polynomials):
                 return True
     for law in system.contacts:
         if law.opens and not isinstance(law, GENTLE_LAWS):

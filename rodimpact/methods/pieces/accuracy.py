@@ -13,17 +13,18 @@ COARSER = 5.0  # tolerance of the run that the first is compared with, over its 
 COARSER_FLOOR = 2  # its floor, if breaks come too densely to be followed
 COARSEST = 1e-2
 ROUND_OFF = 1e-14
-DOUBT, SHARED = (
-    2.2,
-    0.5,
-)  # times what two runs are apart; share of the worst that all may be off
-FAINT = 3.0  # times more for times, which may hang on faint forces
-SMOOTH, ORDER = (
-    5000.0,
-    1.8,
-)  # times tail^1.8: what both runs leave open if they took the same steps
+DIFFERENCE_FACTOR = 3.0  # stated error over the difference of two runs
+TIME_FACTOR = 1.5  # times more for times, which may hang on faint forces
+LEAST_SHARE = 0.1  # share of the worst difference that all measures may be off
+LEAST_SHARE_OF_TIMES = 0.05
+SHARED_FACTOR = 2.0  # over the estimate for steps that both runs took alike
+SHARED_PEAK_FACTOR = 3.0  # for peak forces, which are values and no integrals
+PEAK_FACTOR = 0.01  # over the tail of the force around its peak
+LOOSE_FACTOR = 2e7  # times tail^2.5: errors of loose tolerances do not fall evenly
+LOOSE_POWER = 2.5
 MISSED = 4.0  # times by how much pieces miss a function that was given
 SHOWN = 3  # measures that are not times: their errors fall evenly
+PEAK_FORCE = 2  # its place among the measures
 
 
 class Ended(NamedTuple):
@@ -46,10 +47,21 @@ def compare(fine: Any, coarse: Any) -> None:
     coarse.floor = np.where(fine.rough > 0, COARSER_FLOOR * coarse.floor, coarse.floor)
 
 
-def left_open(run: Any, fit: float) -> float:
-    """Relative error that a second run does not show."""
-    smooth: float = (run.roughest / run.scale) ** ORDER
-    return ROUND_OFF + SMOOTH * smooth + MISSED * fit
+def left_open(fine: Ended, fit: float) -> list[float]:
+    """Relative error of each of the `MEASURES` that a second run does not show.
+
+    With large tails, errors are not small enough to fall evenly from run to run. A peak lies
+    between points, where a force is known to about the tail of its polynomial.
+    """
+    run = fine.run
+    loose = LOOSE_FACTOR * (run.roughest / run.scale) ** LOOSE_POWER
+    common = ROUND_OFF + loose + MISSED * fit
+    found = [common, common, common, common, common]
+    peak = size_of([it.peak for it in fine.link])
+    if peak > 0:
+        tail = size_of([it.peak_tail for it in fine.link])
+        found[PEAK_FORCE] += PEAK_FACTOR * tail / peak
+    return found
 
 
 def measured(r: Ended) -> list[list[float]]:
@@ -70,26 +82,43 @@ def measured(r: Ended) -> list[list[float]]:
     ]
 
 
-def apart(fine: Ended, coarse: Ended) -> list[float]:
-    """Error of each of the `MEASURES`, from how far two runs are apart, over its largest value.
+def differences(fine: Ended, coarse: Ended) -> list[float]:
+    """How far two runs are apart in each of the `MEASURES`, over its largest value."""
+    found = []
+    other = measured(coarse)
+    for i, values in enumerate(measured(fine)):
+        whole = size_of(values)
+        if i == 0 and whole > 0:
+            whole = fine.run.scale
+        off = size_of([a - b for a, b in zip(values, other[i], strict=True)])
+        found.append(off / whole if whole > 0 else 0.0)
+    return found
+
+
+def stated(fine: Ended, apart: list[float]) -> list[float]:
+    """Error of each of the `MEASURES`, from how far two runs are apart.
 
     Errors fall by five or more from one run to the other. Where two numbers agree by chance, others
-    do not: none is said to be much better known than the worst.
+    do not: none is said to be much better known than the worst. Both runs take the same steps where
+    these are as long as breaks allow, and share their errors: `run.shared` estimates the largest.
     """
-    found, sizes, other = [], [], measured(coarse)
+    estimate = fine.run.shared / fine.run.scale
+    worst = max(apart[0], apart[1], apart[2])
+    found = []
     for i, values in enumerate(measured(fine)):
-        size = size_of(values)
-        sizes.append(size)
-        off = size_of([a - b for a, b in zip(values, other[i], strict=True)])
-        whole = fine.run.scale if i == 0 else size
-        found.append(off / whole if whole > 0 else 0.0)
-    least = SHARED * max(found[0], found[1], found[2])
-    return [
-        DOUBT * (FAINT if i >= SHOWN else 1.0) * max(off, least)
-        if sizes[i] != 0
-        else 0.0
-        for i, off in enumerate(found)
-    ]
+        share = LEAST_SHARE
+        factor = DIFFERENCE_FACTOR
+        shared = SHARED_FACTOR * estimate
+        if i == PEAK_FORCE:
+            shared = SHARED_PEAK_FACTOR * estimate
+        if i >= SHOWN:
+            share = LEAST_SHARE_OF_TIMES
+            factor *= TIME_FACTOR
+        error = 0.0
+        if size_of(values) > 0:
+            error = max(factor * max(apart[i], share * worst), shared)
+        found.append(error)
+    return found
 
 
 def size_of(values: list[float]) -> float:

@@ -58,6 +58,8 @@ class Members:
         Pieces that are known at t = 0.
     fit : float
         By how much samples miss the functions that they stand for, relative to the velocity scale.
+    carried : float
+        Stated error of the run from whose state this one goes on, relative to the velocity scale.
     own : tuple of (int, function)
         Laws of the user, by link.
     log, turn : array
@@ -74,7 +76,9 @@ class Members:
         self.clock, jumps = clock_of(row, asked.until)
         known = Known(row, self.clock, jumps, asked)
         laid = layout.lay_out(row, self.clock, asked, known.lines, known.outside)
-        self.first, self.fit = np.concatenate(known.log, axis=1), known.fit
+        self.first = np.concatenate(known.log, axis=1)
+        self.fit = known.fit
+        self.carried = known.carried
         self.run, self.node, self.link, self.mass, self.line, self.part = (
             as_family(objects, kind, row)
             for kind, objects in zip(RECORDS.values(), laid, strict=True)

@@ -12,6 +12,9 @@ SETTLED = 1e-15  # of the velocities, below which a sweep changes nothing
 NEAR = (
     0.9  # of the peak force: what is less at all points does not reach it between them
 )
+LONGEST_START = (
+    16  # a start that is this part of the shortest transit may still be smooth
+)
 SLOWEST = 1e-8  # of the velocity scale: rigid bodies that part more slowly come to rest
 
 
@@ -24,11 +27,16 @@ def happen(
     it.status, it.order, it.bend = status, 1, 0.0
     if status == Status.OPEN or old == Status.OPEN:
         it.overlap = 0.0
+    # the event is rounded to a tick: forces at which a law changes are exact all the same
     if old == Status.PLASTIC:
+        if status == Status.PLASTIC:
+            it.overlap = it.knots[it.knot] / it.stiffness
         it.strength = it.stiffness * it.overlap
         if status == Status.PLASTIC:
             it.hardening = it.shares[it.knot]
             it.knot += 1
+    elif status == Status.PLASTIC:
+        it.overlap = it.strength / it.stiffness
     if old == Status.OPEN:
         if it.law == Law.RIGID or (it.law == Law.SPRING and it.damping > 0):
             it.order = 0
@@ -129,18 +137,24 @@ def record(
         before = it.closing[N - 1] - it.mobility * it.force[N - 1]
         it.bend = 2 * (it.rate - before) / (h * (X[N] - X[N - 1]))
         touch = Status.OPEN.value if it.status == Status.OPEN else Status.GRAZE.value
+        start = at.now
         if it.status != Status.OPEN and it.status != Status.GRAZE:
             it.impulse += 0.5 * h * series.integral(it.force)
             top = series.largest(it.force)
             if (
                 ticks > run.window and top > NEAR * it.peak
             ):  # shorter is where breaks nearly meet
-                it.peak = max(it.peak, series.maximum(it.force, at.series, it.peak))
+                peak = series.maximum(it.force, at.series, it.peak)
+                if peak > it.peak:
+                    it.peak = peak
+                    it.peak_tail = series.tail(it.force)
             if it.status >= Status.PRESS and presses(run, it, top):
                 touch = Status.PRESS.value
-                it.pressed += ticks
+                start -= max(it.faint, 0)
+                it.pressed += at.now + ticks - start
         if it.law >= Law.RIGID and touch != it.touch:
-            change(run, turn, it, at.first + q, at.now, touch)
+            change(run, turn, it, at.first + q, start, touch)
+        it.faint = faint_ticks(run, it, touch, ticks)
     for i in range(at.links - 1):
         body = mass[at.mass + i]
         if run.keep:
@@ -158,6 +172,23 @@ def presses(run: Any, it: Any, top: float) -> bool:
             and series.largest(it.overlaps) > run.graze * run.shortest * run.tick
         )
     return top * it.ease > run.graze
+
+
+def faint_ticks(run: Any, it: Any, touch: int, ticks: int) -> int:
+    """Ticks for which a compliant contact has been closed, up to now, with a force that is none.
+
+    A force that starts smoothly is none at first; once it presses, it has begun when the contact
+    closed. What stays faint for long is round-off: then NONE is returned until the contact opens.
+    """
+    faint = it.faint
+    closed = it.law >= Law.SPRING and it.status >= Status.PRESS
+    if touch == Status.PRESS or not closed:
+        faint = 0
+    elif faint != NONE and series.largest(it.force) > 0:
+        faint += ticks
+        if faint > run.shortest // LONGEST_START:
+            faint = NONE
+    return int(faint)
 
 
 def change(run: Any, turn: Any, it: Any, i: int, tick: int, touch: int) -> None:

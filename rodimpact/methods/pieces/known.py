@@ -6,13 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from ...model import Samples, Steps
+from ...model import Polynomials, Samples, Steps
 from ..row import Row
 from ..signals import Ints, Pieces
 from ..walk import wave_of_strain
 from . import layout, waves
 from .layout import Asked, Clock
 from .records import HARD, NONE, PIECE
+
+EXACT_FIT = 2.0**-48  # of the velocity scale
 
 
 def segments_of(row: Row) -> Iterator[tuple[Any, int, Any]]:
@@ -38,7 +40,9 @@ def jumps_of(row: Row) -> list[tuple[int, float]]:
 
 def varies(*profiles: Any) -> bool:
     """Whether one of these is no number."""
-    return any(isinstance(profile, Steps | Samples) for profile in profiles)
+    return any(
+        isinstance(profile, Steps | Samples | Polynomials) for profile in profiles
+    )
 
 
 def as_family(objects: list[Any], record: Any, row: Row) -> Any:
@@ -72,13 +76,18 @@ class Known:
     fit : float
         By how much the pieces miss what was given, or samples the functions that they stand for,
         relative to the velocity scale.
+    carried : float
+        Stated error of the run from whose state this one goes on, relative to the velocity scale.
     """
 
     def __init__(
         self, row: Row, clock: Clock, jumps: dict[tuple[int, float], int], asked: Asked
     ) -> None:
         self._row, self._clock, self._jumps, self._asked = row, clock, jumps, asked
-        self.log, self.lines, self.fit = list[Any](), list[tuple[int, int, int]](), 0.0
+        self.log = list[Any]()
+        self.lines = list[tuple[int, int, int]]()
+        self.fit = 0.0
+        self.carried = 0.0
         for rod, s, begin in segments_of(row):
             self._under_way(s, rod, begin)
         self.outside = [self._from_outside(side) for side in (0, 1)]
@@ -101,13 +110,18 @@ class Known:
     ) -> Any:
         """A signal between two ticks as pieces; it is made of profiles times factors."""
         scale = float(self._clock.scale)
-        made, missed = waves.in_pieces(
-            signal, start, stop, self._asked.tolerance * scale / 4
-        )
-        misses = [
-            abs(factor) * p.error for p, factor in given if isinstance(p, Samples)
-        ]
-        self.fit = max(self.fit, max([missed, *misses]) / scale)
+        tolerance = self._asked.tolerance * scale / 4
+        fit = tolerance
+        if any(isinstance(profile, Polynomials) for profile, _ in given):
+            fit = EXACT_FIT * scale  # waves of an earlier run, as they were
+        made, missed = waves.in_pieces(signal, start, stop, tolerance, fit)
+        self.fit = max(self.fit, missed / scale)
+        for profile, factor in given:
+            if isinstance(profile, Samples):
+                self.fit = max(self.fit, abs(factor) * profile.error / scale)
+            elif isinstance(profile, Polynomials):
+                error = abs(factor) * profile.error / scale
+                self.carried = max(self.carried, error)
         return made
 
     def _under_way(self, s: int, rod: Any, begin: Any) -> None:

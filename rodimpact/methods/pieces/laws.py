@@ -121,6 +121,14 @@ def guard(
     return d / length, Status.OPEN.value
 
 
+def jumps_with_waves(it: Any, which: int) -> bool:
+    """Whether a guard depends on the closing rate, and so jumps where an incoming wave does."""
+    if it.status == Status.OPEN:
+        return False
+    dashpot = it.law == Law.SPRING and it.damping > 0 and it.status == Status.PRESS
+    return bool(which == 1 or it.law == Law.RIGID or dashpot)
+
+
 def smooths(it: Any, order: int) -> int:
     """Order of the break in a force that a break in the velocity beside the link makes."""
     if it.status == Status.OPEN or it.status == Status.GRAZE:

@@ -158,12 +158,19 @@ def append(
 def send(
     run: Any, line: Any, log: Any, l: int, at: Any, ticks: int, order: int
 ) -> None:
-    """Append what leaves an end, with a break of this order."""
+    """Append what leaves an end, with a break of this order.
+
+    A constant wave that starts to change makes a hard break, however smooth the start is. So no
+    piece of any node reaches across the arrival of this wave, and nothing moves before it arrives.
+    """
     old = line[l].tail
     i = append(run, line, log, l, at.now, ticks, at.leaving, at.series)
     if i != NONE and order <= HARD:
         log[i].order = order
         judge(run, line, log, old, i)
+    if i != NONE and log[i].order > HARD and log[old].degree == 0 and log[i].degree > 0:
+        log[i].order = HARD
+        line[l].hard += 1
 
 
 def judge(run: Any, line: Any, log: Any, old: int, i: int) -> None:

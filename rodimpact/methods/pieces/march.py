@@ -94,7 +94,10 @@ def advance(
         return False
     full = ticks
     if which != NONE:
-        ticks = max(1, int(0.5 * (where + 1) * full + 0.5))
+        rounding = 0.5
+        if status == Status.PLASTIC:
+            rounding = 0.0  # the force stays below that at which the contact yields
+        ticks = max(1, int(0.5 * (where + 1) * full + rounding))
         if full - ticks <= run.window and link[which].status == Status.OPEN:
             ticks = full  # and with what arrives at the end
         if (
@@ -104,10 +107,19 @@ def advance(
             nodes.collocate(run, link, mass, at, ticks * run.tick, G)
         elif ticks < full:
             nodes.cut(link, mass, at, 2 * ticks / full - 1)
+    limited = at.rough == 1 or (
+        full == end - tick and full < at.length
+    )  # and not by smoothness
+    if at.rough == 0 and full > SHORTEST:
+        run.roughest = max(run.roughest, worst)
+    if at.rough == 0 and limited:
+        # a run at another tolerance takes the same step, and does not show its error;
+        # values decide when an event is, integrals all else
+        error = nodes.remainder(link, at, which == NONE)
+        run.shared = max(run.shared, ticks / run.shortest * error)
+    nodes.forbid_pulling(link, at)
     leave(run, link, line, log, at, ticks, left, right)
     events.record(run, link, mass, line, log, turn, at, ticks)
-    if not at.rough and full > SHORTEST:
-        run.roughest = max(run.roughest, worst)
     if at.rough:
         run.rough += 1
         if run.first_rough == NONE:
@@ -123,9 +135,6 @@ def advance(
     at.now = tick + ticks
     grow = 4.0 if worst <= 0 else min(4.0, 0.9 * (run.tolerance / worst) ** (1 / N))
     wish = int(full * max(0.25, grow)) + 1
-    limited = at.rough == 1 or (
-        full == end - tick and full < at.length
-    )  # and not by smoothness
     at.length = max(at.length, wish) if limited else wish
     return True
 

@@ -14,17 +14,27 @@ from typing import Any
 
 import numpy as np
 
+from ...model.frozen import InvalidModel
 from ...progress import Report, no_report
 from .. import abilities as physics
+from .. import compiling
 from .. import run as runs
 from ..clock import clock_of
 from ..groups import groups, movable, velocities_in_group
 from ..laws import Law, Stop
-from ..row import Row, squeezed
+from ..row import Row
 from ..run import ContactTally, Run
 from ..status import rounding, strain_warning
 from . import totals
-from .accuracy import COARSER, COARSEST, SHOWN, apart, compare, left_open
+from .accuracy import (
+    COARSER,
+    COARSEST,
+    SHOWN,
+    compare,
+    differences,
+    left_open,
+    stated,
+)
 from .driver import Members
 from .layout import Asked
 from .records import Part
@@ -53,7 +63,10 @@ def solve(
     fine = Members(row, Asked(until, tolerance_of(rtol), max_events, keep=True))
     fine.go(report=report)
     if fine.run_of(0).stop == Stop.STUCK:
-        raise squeezed(float(fine.clock.tick * fine.node["now"].min()))
+        nodes = compiling.as_objects(fine.node[0])
+        stuck = min(nodes, key=lambda node: node.now)
+        seconds = float(fine.clock.tick * stuck.now)
+        raise InvalidModel([totals.why_stuck(row, stuck, seconds)])
     (errors,) = stated_errors(fine, np.array([0]), COARSEST, report=report).tolist()
     accuracy = dict(zip(runs.MEASURES, errors, strict=True))
     return _hand_over(fine, accuracy, RTOL if rtol is None else rtol)
@@ -121,17 +134,24 @@ def stated_errors(
 
     Other runs tell, at tolerances up to the coarsest: those that took the same steps tell nothing.
     """
-    errors, alike = np.full((len(fine.run), len(runs.MEASURES)), math.nan), members
+    count = len(fine.run)
+    apart = np.zeros((count, len(runs.MEASURES)))
+    alike = members
     tolerance = COARSER * fine.asked.tolerance
     while len(alike) and tolerance <= coarsest:
         coarse = Members(fine.row, fine.asked._replace(tolerance=tolerance, keep=False))
         compare(fine.run.view(np.recarray), coarse.run.view(np.recarray))
         coarse.run_all(alike, stop, report)
         for m in alike:
-            errors[m] = apart(fine.ended(m), coarse.ended(m))
-        alike, tolerance = alike[~errors[alike].any(axis=1)], COARSER * tolerance
+            apart[m] = differences(fine.ended(m), coarse.ended(m))
+        alike = alike[~apart[alike].any(axis=1)]
+        tolerance *= COARSER
+    errors = np.full_like(apart, math.nan)
     for m in members:
-        errors[m] += left_open(fine.run_of(m), fine.fit)
+        ended = fine.ended(m)
+        errors[m] = stated(ended, apart[m].tolist())
+        errors[m] += left_open(ended, fine.fit)
+        errors[m] += fine.carried
     return errors
 
 

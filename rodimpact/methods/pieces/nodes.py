@@ -19,7 +19,15 @@ FELT = 0.1  # of the velocity that a force makes in the shortest transit: what a
 QUADRATIC = (
     1e-7  # by which forces miss their laws, relative: after the next step by round-off
 )
+CANCELLED = 1e-6  # force over its terms: less than that cannot be told more precisely
 ROUND_OFF = 1e-13  # by which the start of a piece may break what keeps a status
+CLEAR_OF_ZERO = (
+    0.1  # of the largest value at the points: no swing of a smooth force is so deep
+)
+SWING_FACTOR = 1.1  # over the deepest swing that samples show
+FORCE_ROUND_OFF = (
+    8e-15  # of the largest force: what evaluating a polynomial may add to a swing
+)
 SOON = 1e-3  # of the way to the next point: where what starts at 0 is seen to rise
 
 
@@ -95,7 +103,9 @@ def follow(link: Any, mass: Any, at: Any, h: float) -> None:
 def linearise(it: Any, h: float, first: bool) -> float:
     """Set F = base + by_overlap d + by_closing closing; return by how much forces miss the law.
 
-    At first it is taken where the overlap comes to if it goes on as it went before.
+    At first it is taken where the overlap comes to if it goes on as it went before. The miss is
+    relative to the largest force, or to the round-off of the terms that cancel in it: a law with
+    damping has almost no force where bodies part almost as fast as it lets go.
     """
     missed = top = 0.0
     for j in range(1, POINTS):
@@ -104,7 +114,8 @@ def linearise(it: Any, h: float, first: bool) -> float:
             d = it.overlap + u * (it.rate + 0.5 * u * it.bend)
         F, it.by_overlap[j], it.by_closing[j] = laws.force(it, d, closing)
         it.base[j] = F - it.by_overlap[j] * d - it.by_closing[j] * closing
-        missed, top = max(missed, abs(F - it.force[j])), max(top, abs(F))
+        missed = max(missed, abs(F - it.force[j]))
+        top = max(top, abs(F), CANCELLED * abs(it.base[j]))
     return missed / top if top > 0 else 0.0
 
 
@@ -213,6 +224,29 @@ def collocate(run: Any, link: Any, mass: Any, at: Any, h: float, G: Any) -> bool
     return True
 
 
+def forbid_pulling(link: Any, at: Any) -> None:
+    """Let no contact of a node pull, at any time in the piece, with the same impulse as before.
+
+    Where a force falls to 0 its polynomial may swing below 0 by about the tolerance. With m > 0 at
+    least as large as the swing, and J the integral of F over the piece of duration h,
+    F := (F + m) J/(J + m h) is never negative and has the integral J.
+    """
+    for q in range(at.links):
+        it = link[at.first + q]
+        top = series.largest(it.force)
+        least = series.smallest(it.force)
+        if it.status >= Status.PRESS and least < CLEAR_OF_ZERO * top:
+            series.coefficients(it.force, at.series)
+            swing = SWING_FACTOR * -series.minimum(at.series) + FORCE_ROUND_OFF * top
+            impulse = series.integral(it.force)
+            if swing > 0:
+                share = 0.0
+                if impulse > 0:
+                    share = impulse / (impulse + 2 * swing)
+                for j in range(POINTS):
+                    it.force[j] = max(0.0, (it.force[j] + swing) * share)
+
+
 def set_leaving(link: Any, at: Any, side: int) -> None:
     """What leaves a node: to the left a - 2 F/Z of its first link, to the right b + 2 F/Z."""
     F, y = (
@@ -248,11 +282,58 @@ def roughness(link: Any, mass: Any, at: Any) -> float:
     return worst
 
 
+def remainder(link: Any, at: Any, integrated: bool) -> float:
+    """Estimate of the error of the waves of a piece, or of their integrals over it, m/s."""
+    largest = 0.0
+    for side in range(2):
+        largest = max(largest, series.remainder(at.incoming[side], integrated))
+        if at.mobility[side] > 0:
+            set_leaving(link, at, side)
+            largest = max(largest, series.remainder(at.leaving, integrated))
+    return largest
+
+
+def crossing(at: Any, j: int) -> float:
+    """Where a guard, given at the points, falls below 0: it is negative at point j, the first.
+
+    It is -1 if the guard does so at once.
+    """
+    series.coefficients(at.rate, at.series)
+    low = X[j - 1]
+    zero = -1.0
+    if at.rate[j - 1] <= 0:
+        low += SOON * (X[j] - X[j - 1])
+    if series.value(at.series, low) > 0:
+        zero = series.first_zero(at.series, low, X[j])
+    elif j > 1:
+        zero = X[j - 1]
+    return zero
+
+
+def dip(at: Any, depth: float) -> float:
+    """Where a guard falls below 0 between two points; 2 if it does not, or by less than `depth`.
+
+    A contact may close or let go for a shorter time than points are apart.
+    """
+    zero = 2.0
+    least = series.smallest(at.rate)
+    if least < CLEAR_OF_ZERO * series.largest(at.rate):
+        j = 0
+        while at.rate[j] > least:
+            j += 1
+        low = X[max(j - 1, 0)]
+        series.coefficients(at.rate, at.series)
+        bottom = series.lowest(at.series, low, X[min(j + 1, N)])
+        if bottom > low and series.value(at.series, bottom) < -depth:
+            zero = series.first_zero(at.series, low, bottom)
+    return zero
+
+
 def next_event(run: Any, link: Any, at: Any, h: float) -> tuple[float, int, int]:
     """First event of a piece: where, -1 if at once and 1 if none; in which link; its new status.
 
-    The first point alone decides nothing, as round-off does there: what falls below 0 at a later
-    point did so at once if the series does not rise before.
+    Round-off at the first point decides nothing: what falls below 0 at a later point did so at once
+    if the series does not rise before.
     """
     where, which, status = 1.0, NONE, 0
     for q in range(at.links):
@@ -273,16 +354,16 @@ def next_event(run: Any, link: Any, at: Any, h: float) -> tuple[float, int, int]
             j = 1
             while j < POINTS and at.rate[j] >= -ROUND_OFF:
                 j += 1
-            if j == POINTS:
+            least = run.tolerance / run.scale
+            zero = 2.0
+            if at.rate[0] < -least and laws.jumps_with_waves(it, i):
+                zero = -1.0  # for a shorter time than to the first point, perhaps
+            elif j == POINTS:
+                zero = dip(at, least)
+            else:
+                zero = crossing(at, j)
+            if zero > 1:
                 continue
-            series.coefficients(at.rate, at.series)
-            low, zero = X[j - 1], -1.0
-            if at.rate[j - 1] <= 0:
-                low += SOON * (X[j] - X[j - 1])
-            if series.value(at.series, low) > 0:
-                zero = series.first_zero(at.series, low, X[j])
-            elif j > 1:
-                zero = X[j - 1]
             if which == NONE or zero < where:
                 where, which, status = zero, at.first + q, to
     return where, which, status

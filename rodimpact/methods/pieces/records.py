@@ -107,11 +107,13 @@ LINK = np.dtype(
         ("unknown", "i8"),
         ("impulse", "f8"),
         ("peak", "f8"),
+        ("peak_tail", "f8"),  # of the force in the piece with the peak, N
         ("first", "i8"),
         ("last", "i8"),
         ("apart", "i8"),
         ("opened", "i8"),
         ("pressed", "i8"),
+        ("faint", "i8"),  # ticks since it closed, with a force that is none yet
         ("episodes", "i8"),
         ("overlaps", "f8", (POINTS,)),
         ("closing", "f8", (POINTS,)),
@@ -193,6 +195,10 @@ RUN = np.dtype(
         ("rough", "i8"),
         ("first_rough", "i8"),
         ("roughest", "f8"),  # largest tail that was accepted, m/s
+        (
+            "shared",
+            "f8",
+        ),  # largest error of a piece that any tolerance makes alike, m/s
         ("rested", "i8"),
         ("stop", "i8"),
         ("graze", "f8"),  # m/s; forces that move no faster are none

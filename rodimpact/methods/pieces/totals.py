@@ -94,3 +94,21 @@ def told_of(run: Any) -> str:
             " Rigid bodies that parted very slowly were set at rest against each other."
         )
     return told
+
+
+def why_stuck(row: Any, node: Any, seconds: float) -> tuple[str, str]:
+    """What to refuse where no forces in the links of a node satisfy their laws: path, sentence."""
+    time = format_si(seconds, "s")
+    if node.links > 1 and node.mobility[0] == 0 and node.mobility[1] == 0:
+        return (
+            "contacts",
+            f"two walls squeeze a rigid mass at {time}; give one of its contacts a compliant law",
+        )
+    path = "contacts"
+    for k, link in enumerate(row.contact_link):
+        if node.first <= link < node.first + node.links:
+            path = f"contacts.{k}"
+    return (
+        path,
+        f"no force satisfies the law at {time}; its numbers may be out of range: give others",
+    )

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ...model import Samples, Steps
+from ...model import Polynomials, Samples, Steps
 from ..signals import ROUND_OFF, Floats, Ints, Pieces, each_once
 from .lines import EXACT
-from .records import PIECE, SMOOTH
+from .records import HARD, PIECE, SMOOTH
 from .series import POINTS, SERIES, N, X
 
 LEVELS = 12  # pieces of at most 2^12 intervals
@@ -26,6 +26,8 @@ def signal_of(profile: Any, length: float, ticks_of: Callable[[Any], Ints]) -> P
     if isinstance(profile, Steps):
         at = np.array([0.0, *map(float, profile.at)])
         return Pieces(ticks_of(at), [*map(float, profile.values)])
+    if isinstance(profile, Polynomials):
+        return _from_polynomials(profile, length, ticks_of)
     if not isinstance(profile, Samples):
         return Pieces([0], [float(profile)])
     y = np.asarray(profile.values, dtype=float)
@@ -42,14 +44,33 @@ def signal_of(profile: Any, length: float, ticks_of: Callable[[Any], Ints]) -> P
     return Pieces(ticks[:-1], values @ series.T, ticks[-1])
 
 
+def _from_polynomials(
+    profile: Polynomials, length: float, ticks_of: Callable[[Any], Ints]
+) -> Pieces:
+    ticks = ticks_of(np.array([0.0, *profile.inner, length]))
+    lasting = np.diff(ticks) > 0
+    starts = ticks[:-1][lasting]
+    return Pieces(starts, profile.coefficients()[lasting], int(ticks[-1]))
+
+
 def in_pieces(
-    signal: Pieces, start: int, stop: int, tolerance: float
+    signal: Pieces, start: int, stop: int, tolerance: float, fit: float
 ) -> tuple[Any, float]:
-    """A signal between two ticks as pieces that are as long as they fit to a tolerance.
+    """A signal between two ticks as pieces that are as long as they fit.
 
     Pieces begin at breaks of the signal. A kink is one if it changes values by more than the
     tolerance until the next break: straight lines between close samples of a smooth curve have
-    none.
+    none. So does what is constant at first or at last: no piece reaches into it, as nothing may
+    move before a wave arrives.
+
+    Parameters
+    ----------
+    signal : Pieces
+    start, stop : int
+    tolerance : float
+        Smallest change of values that makes a break.
+    fit : float
+        Largest miss of a piece in place of several.
 
     Returns
     -------
@@ -58,12 +79,13 @@ def in_pieces(
         By how much they miss the signal at most.
     """
     edges = each_once([start], signal.breaks_in(start, stop), [stop])
-    least = ROUND_OFF * np.abs(signal.coefficients).max()
+    least = min(ROUND_OFF, fit) * np.abs(signal.coefficients).max()
     jumps = (
         np.abs(signal.at(edges[1:], "left") - signal.at(edges[1:]))
         > EXACT * tolerance + least
     )
-    first, own, missed = _merged(signal, edges, jumps, tolerance)
+    borders = _borders_of_rest(signal, edges, least)
+    first, own, missed = _merged(signal, edges, jumps | borders[1:], fit)
     own[np.abs(own[:, 1:]).sum(axis=1) <= least, 1:] = 0.0  # a constant stays one
     ends, inner = edges[np.append(first[1:], -1)], first[1:]
     widths, k = (ends - edges[first]) * 1.0, np.arange(POINTS)
@@ -75,9 +97,24 @@ def in_pieces(
     made["order"][1:] = np.where(
         jumps[inner - 1], 0, np.where(bends > tolerance + least, 1, SMOOTH)
     )
+    starting = borders[first[1:]]
+    made["order"][1:] = np.where(
+        starting, np.minimum(made["order"][1:], HARD), made["order"][1:]
+    )
     made["degree"] = np.where(own[:, 1:].any(axis=1), N, 0)
     made["coefficient"] = own
     return made, missed
+
+
+def _borders_of_rest(signal: Pieces, edges: Ints, least: float) -> Any:
+    """Whether an edge borders the constant stretch at the start or at the end, [edge]."""
+    held = signal.cut(edges[:-1], int(edges[-1])).coefficients
+    changing = np.flatnonzero(np.abs(held[:, 1:]).sum(axis=1) > least)
+    borders = np.zeros(len(edges), bool)
+    if len(changing):
+        borders[changing[0]] = changing[0] > 0
+        borders[changing[-1] + 1] = True
+    return borders
 
 
 def _merged(

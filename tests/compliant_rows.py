@@ -1,0 +1,77 @@
+"""Random rows for comparison with the method of steps: uniform rods, masses, walls, all laws."""
+
+from itertools import pairwise
+
+import numpy as np
+
+import rodimpact as ri
+
+SLOW = ri.Material("slow", youngs_modulus=1.0, density=1.0)
+QUICK = ri.Material("quick", youngs_modulus=3.0, density=1.5)
+KINDS = ("power", "dashpot", "yielding", "mixed")
+
+
+def between(rng, low, high):
+    """A random number between two, its logarithm evenly distributed."""
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+def random_contact(rng, kind):
+    """A contact law of a kind, for rods with impedances and transit times of the order of 1."""
+    stiffness = between(rng, 0.05, 300.0)
+    choice = rng.integers(3)
+    if kind == "power":
+        if choice == 0:
+            return ri.Spring(stiffness)
+        if choice == 1:
+            return ri.Hertz(stiffness)
+        return ri.PowerLaw(stiffness, exponent=float(rng.uniform(1.0, 4.0)))
+    if kind == "dashpot":
+        if choice < 2:
+            return ri.SpringDashpot(stiffness, damping=between(rng, 0.02, 5.0))
+        return ri.HuntCrossley(stiffness, damping=between(rng, 0.05, 2.0))
+    hardening = float(rng.choice([0.0, 0.1, 0.6])) * stiffness
+    return ri.Yielding(stiffness, between(rng, 0.03, 0.5), hardening)
+
+
+def random_body(rng, speed):
+    return ri.Rod(
+        length=float(rng.uniform(0.3, 1.0)),
+        area=between(rng, 0.3, 3.0),
+        material=SLOW if rng.random() < 0.7 else QUICK,
+        velocity=speed,
+    )
+
+
+def random_row(kind, seed):
+    """A row of a kind, and the time to which to run it, s.
+
+    Bodies on the left are faster, so that something meets.
+    """
+    rng = np.random.default_rng([KINDS.index(kind), seed])
+    bodies = []
+    for i in range(rng.integers(2, 4)):
+        speed = float(rng.choice([0.0, 1.0 if i == 0 else -0.5, rng.uniform(-1, 1)]))
+        if i == 0:
+            speed = 1.0
+        bodies.append(random_body(rng, speed))
+    if kind == "mixed" and rng.random() < 0.5:
+        mass = ri.RigidMass(between(rng, 0.1, 2.0), velocity=float(rng.uniform(-1, 1)))
+        bodies.insert(rng.integers(len(bodies) + 1), mass)
+    if rng.random() < 0.25:
+        bodies.append(ri.Wall())
+    contacts = []
+    gaps = []
+    for before, behind in pairwise(bodies):
+        own = kind
+        if kind == "mixed":
+            own = str(rng.choice(["power", "dashpot", "yielding", "rigid"]))
+        beside_rod = isinstance(before, ri.Rod) or isinstance(behind, ri.Rod)
+        if own == "rigid" and beside_rod:
+            contacts.append(ri.Rigid())
+        elif own == "rigid":
+            contacts.append(random_contact(rng, "power"))
+        else:
+            contacts.append(random_contact(rng, own))
+        gaps.append(float(rng.uniform(0, 0.3)) if rng.random() < 0.4 else 0.0)
+    return ri.System(bodies, gaps, contacts), float(rng.uniform(2.0, 5.0))

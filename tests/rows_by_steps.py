@@ -1,0 +1,619 @@
+"""The method of steps: an independent solver for rows of uniform rods, masses and walls.
+
+No code of the package is used here. A rod is two delay lines. Between two rods stands a node: a
+chain of links with masses between them. In the node an ordinary differential equation holds for
+the overlaps d of the links and the velocities v of the masses,
+
+    d' = velocity on the left - velocity on the right,    m v' = force on the left - on the right,
+
+where the end of a rod moves with its incoming wave minus or plus F/Z. The equation is solved cell
+by cell, by collocation at Gauss points, with three rules that make the solution a reference:
+
+* **Defect.** A cell is accepted if the equation holds at 41 further points, to `tolerance` of the
+  velocity scale. So the solution is exact for a system that is perturbed by no more than that.
+* **Events.** A change of a law (touch, opening, yielding) is found as a root, and ends the cell.
+* **Breakpoints.** What an event or the start changes at a tick is sent along as a breakpoint. No
+  cell of any node reaches across a breakpoint of an incoming wave.
+"""
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import chebyshev, legendre
+
+import rodimpact as ri
+
+STAGES = 14
+GAUSS, WEIGHTS = legendre.leggauss(STAGES)
+CHECKS = np.cos(np.pi * np.arange(40, -1, -1) / 40)  # -1 to 1, closer at both ends
+PLACES = np.sort(np.concatenate((GAUSS, CHECKS)))
+IS_GAUSS = np.isin(PLACES, GAUSS)
+FROM_VALUES = np.linalg.inv(chebyshev.chebvander(GAUSS, STAGES - 1))
+AT_CHECKS = chebyshev.chebvander(CHECKS, STAGES - 1) @ FROM_VALUES
+CHECK_SERIES = np.linalg.pinv(chebyshev.chebvander(CHECKS, 2 * STAGES))
+
+
+def evaluate(coefficients, places):
+    """Sum of the Chebyshev series at places from -1 to 1: c_k cos(k arccos(y))."""
+    angles = np.arccos(np.minimum(1.0, np.maximum(-1.0, places)))
+    return (
+        np.cos(np.multiply.outer(angles, np.arange(len(coefficients)))) @ coefficients
+    )
+
+
+def integration_matrix(points):
+    """Matrix from values at the Gauss points to integrals from -1 to `points`."""
+    columns = []
+    for column in FROM_VALUES.T:
+        integral = chebyshev.chebint(column, lbnd=-1)
+        columns.append(evaluate(integral, points))
+    return np.array(columns).T
+
+
+TO_GAUSS = integration_matrix(GAUSS)
+TO_CHECKS = integration_matrix(CHECKS)
+TO_END = integration_matrix(np.array([1.0]))
+
+ITERATIONS = 15  # of Newton's method
+ROUND_OFF = 3e-15
+SHORTEST = 2e-14  # cell, over the longest transit time: accepted as it is
+GUARD_TOLERANCE = 1e-12  # a guard that is less negative than this has not changed sign
+CHANGES = 200  # of laws without progress in time
+HARDEST = 1e-7  # step of differences, relative
+
+OPEN, PRESSED, SLACK, PLASTIC = range(4)
+
+
+class Cell(NamedTuple):
+    """One cell of a line: times in s, Chebyshev coefficients, and whether a break starts it."""
+
+    start: float
+    stop: float
+    coefficients: np.ndarray
+    breaks: bool
+
+
+class Line:
+    """What left one end of a rod, m/s, as cells; it arrives at the other end a transit later."""
+
+    def __init__(self, transit, value):
+        coefficients = np.zeros(STAGES)
+        coefficients[0] = value
+        self.transit = transit
+        self.cells = [Cell(-transit, 0.0, coefficients, False)]
+        self.reading = 0
+
+    def known_until(self):
+        return self.cells[-1].stop + self.transit
+
+    def move_on(self, time):
+        """Let reading begin with the cell that arrives just after `time`."""
+        last = len(self.cells) - 1
+        while self.reading < last and self.cells[self.reading].stop <= time - (
+            self.transit
+        ):
+            self.reading += 1
+
+    def next_break(self, time, end):
+        """Arrival of the next breakpoint after `time`, or `end`."""
+        for cell in self.cells[self.reading :]:
+            arrival = cell.start + self.transit
+            if arrival >= end:
+                break
+            if cell.breaks and arrival > time:
+                return arrival
+        return end
+
+    def breaks_at(self, time):
+        cell = self.cells[self.reading]
+        return cell.breaks and cell.start + self.transit == time
+
+    def values(self, times):
+        """Incoming wave at increasing times, which begin with the cell that is being read."""
+        sent = times - self.transit
+        found = np.empty(len(times))
+        begin = 0
+        place = self.reading
+        while begin < len(times):
+            cell = self.cells[place]
+            end = len(times)
+            if place + 1 < len(self.cells):
+                end = int(np.searchsorted(sent, cell.stop, "right"))
+            if end > begin:
+                share = 2 * (sent[begin:end] - cell.start) / (cell.stop - cell.start)
+                found[begin:end] = evaluate(cell.coefficients, share - 1)
+                begin = end
+            place += 1
+        return found
+
+
+class Link:
+    """One contact: its law, its state, and the totals of its force."""
+
+    def __init__(self, law, gap):
+        self.law = law
+        self.kind = type(law).__name__
+        self.stiffness = getattr(law, "stiffness", 0.0)
+        self.exponent = getattr(law, "exponent", 1.0)
+        self.damping = getattr(law, "damping", 0.0)
+        self.strength = getattr(law, "yield_force", np.inf)
+        self.mobility = 0.0
+        self.overlap = -gap
+        self.state = OPEN
+        self.impulse = 0.0
+        self.peak = 0.0
+        self.duration = 0.0
+        self.first = np.nan
+        self.last = np.nan
+        self.opening = np.nan
+        self.faint = 0.0
+
+    @property
+    def rigid(self):
+        return self.kind == "Rigid"
+
+    def force(self, overlap, closing):
+        """Force at an overlap, m, and the closing rate without the own force, m/s.
+
+        With the own force F the rate is `closing` - Y F, so that laws with damping are solved
+        for F: F = (k d + c closing)/(1 + c Y), and F = g (1 + c closing)/(1 + g c Y) with
+        g = k d^p.
+        """
+        if self.state in (OPEN, SLACK):
+            return np.zeros_like(overlap)
+        if self.rigid:
+            return closing / self.mobility
+        if self.kind == "SpringDashpot":
+            top = self.stiffness * overlap + self.damping * closing
+            return top / (1 + self.damping * self.mobility)
+        power = np.sign(overlap) * np.abs(overlap) ** self.exponent
+        elastic = self.stiffness * power
+        if self.kind != "HuntCrossley":
+            return elastic
+        top = elastic * (1 + self.damping * closing)
+        return top / (1 + np.abs(elastic) * self.damping * self.mobility)
+
+    def overlap_rate(self, closing, force):
+        if self.rigid and self.state == PRESSED:
+            return np.zeros_like(closing)
+        rate = closing - self.mobility * force
+        if self.state == PLASTIC:  # the overlap that is counted is the elastic part
+            return rate * (self.law.hardening / self.stiffness)
+        return rate
+
+    def drive(self, overlap, closing):
+        """A dashpot presses where this is positive, of the order of the velocity."""
+        if self.kind == "SpringDashpot":
+            return self.stiffness * overlap / self.damping + closing
+        return 1 / self.damping + closing
+
+    def guards(self, overlap, closing, force, speed, length):
+        """Numbers that stay positive while the state lasts, each with the next state."""
+        damped = self.damping > 0
+        if self.state == OPEN:
+            return [(-overlap / length, PRESSED)]
+        if self.rigid:
+            return [(force * self.mobility / speed, OPEN)]
+        if self.state == PLASTIC:
+            return [((closing - self.mobility * force) / speed, PRESSED)]
+        left = (overlap / length, OPEN)
+        if self.state == SLACK:
+            return [left, (-self.drive(overlap, closing) / speed, PRESSED)]
+        if damped:
+            return [left, (self.drive(overlap, closing) / speed, SLACK)]
+        if self.kind == "Yielding":
+            return [left, (1 - force / self.strength, PLASTIC)]
+        return [left]
+
+    def change_to(self, state, time, force):
+        if self.state == PLASTIC:
+            self.strength = force
+        if state == OPEN:
+            self.opening = time
+        if OPEN in (state, self.state):
+            self.overlap = 0.0
+        self.state = state
+
+
+class Node:
+    """A chain of links, with a rod, a mass, a wall or nothing on each side of each."""
+
+    def __init__(self, links, masses, speeds):
+        self.links = links
+        self.masses = masses  # None where the body is no mass
+        self.speeds = speeds  # of the bodies: of masses and walls
+        self.incoming = [None, None]  # lines from the left and from the right rod
+        self.leaving = [None, None]  # lines into these
+        self.mobility = [0.0, 0.0]
+        self.time = 0.0
+        self.length = np.inf
+        self.broken = True  # whether a breakpoint is at `time`
+
+    def moving(self):
+        return [i for i, mass in enumerate(self.masses) if mass is not None]
+
+    def state(self):
+        own = [link.overlap for link in self.links]
+        return np.array(own + [self.speeds[i] for i in self.moving()])
+
+    def unpack(self, states, waves):
+        """Overlaps, closing rates without own forces, and forces of all links."""
+        count = len(self.links)
+        moving = self.moving()
+        velocities = []
+        for i in range(len(self.masses)):
+            if i == 0 and self.incoming[0]:
+                velocities.append(waves[0])
+            elif i == count and self.incoming[1]:
+                velocities.append(waves[1])
+            elif i in moving:
+                velocities.append(states[:, count + moving.index(i)])
+            else:
+                velocities.append(np.full(len(states), self.speeds[i]))
+        closings = [before - behind for before, behind in pairwise(velocities)]
+        forces = []
+        for i, link in enumerate(self.links):
+            forces.append(link.force(states[:, i], closings[i]))
+        return closings, forces
+
+    def rates(self, states, waves):
+        closings, forces = self.unpack(states, waves)
+        found = np.empty_like(states)
+        for i, link in enumerate(self.links):
+            found[:, i] = link.overlap_rate(closings[i], forces[i])
+        for column, i in enumerate(self.moving(), len(self.links)):
+            before = forces[i - 1] if i > 0 else 0.0
+            behind = forces[i] if i < len(forces) else 0.0
+            found[:, column] = (before - behind) / self.masses[i]
+        return found
+
+
+class Totals(NamedTuple):
+    """Outcome of a row: m/s by body, and of each contact N s, N and s.
+
+    `faint` is the time for which a contact was closed with a force that moves a rod by less than
+    1e-11 of the velocity scale: the force duration of such a contact is ill-conditioned.
+    """
+
+    velocities: np.ndarray
+    impulses: np.ndarray
+    peaks: np.ndarray
+    durations: np.ndarray
+    firsts: np.ndarray
+    lasts: np.ndarray
+    openings: np.ndarray
+    faint: np.ndarray
+
+
+class Row:
+    """A row on its way; `run` carries it to a time, `totals` says what it came to.
+
+    Parameters
+    ----------
+    system : rodimpact.System
+        Uniform rods that move evenly and may be strained evenly, masses and walls; free ends; no
+        gravity. Contacts: `Rigid` beside a rod, `Spring`, `SpringDashpot`, `Hertz`, `PowerLaw`,
+        `HuntCrossley`, `Yielding`.
+    tolerance : float
+        Largest defect, over the velocity scale.
+    """
+
+    def __init__(self, system, tolerance=1e-12):
+        self.system = system
+        self.tolerance = tolerance
+        self.links = []
+        for law, gap in zip(system.contacts, system.gaps, strict=True):
+            self.links.append(Link(law, float(gap)))
+        self._make_nodes()
+        transits = [line.transit for line in self.lines]
+        self.transit = max(transits)
+        speeds = [0.0]
+        for line in self.lines:
+            speeds.append(line.cells[0].coefficients[0])
+        for body in system.bodies:
+            if not isinstance(body, ri.Rod):
+                speeds.append(body.velocity)
+        self.speed = max(speeds) - min(speeds)
+        self.mobility = max(max(node.mobility) for node in self.nodes)
+
+    def _make_nodes(self):
+        self.nodes = []
+        self.lines = []
+        masses = []
+        speeds = []
+        links = []
+        entering = None  # rod on the left of the node that is being made
+        for i, body in enumerate(self.system.bodies):
+            if i > 0:
+                links.append(self.links[i - 1])
+            rod = isinstance(body, ri.Rod)
+            masses.append(body.mass if isinstance(body, ri.RigidMass) else None)
+            speeds.append(0.0 if rod else body.velocity)
+            if rod:
+                node = Node(links, masses, speeds)
+                self._join(node, entering, self._lines_of(body))
+                entering = self.lines[-2], self.lines[-1], node.mobility[1]
+                masses = [None]
+                speeds = [0.0]
+                links = []
+        self._join(Node(links, masses, speeds), entering, None)
+        for node in self.nodes:
+            if node.links:
+                node.links[0].mobility += node.mobility[0]
+                node.links[-1].mobility += node.mobility[1]
+
+    def _lines_of(self, rod):
+        (segment,) = rod.segments
+        speed = segment.material.wave_speed
+        transit = segment.length / speed
+        impedance = segment.material.density * segment.area * speed
+        to_right = Line(transit, rod.velocity - speed * rod.strain)
+        to_left = Line(transit, rod.velocity + speed * rod.strain)
+        self.lines += [to_right, to_left]
+        return to_right, to_left, 1 / impedance
+
+    def _join(self, node, before, behind):
+        if before:
+            node.incoming[0], node.leaving[0], node.mobility[0] = before
+        if behind:
+            node.leaving[1], node.incoming[1], node.mobility[1] = behind
+        self.nodes.append(node)
+
+    def run(self, until):
+        """Carry all nodes to a time, s; return the row."""
+        while True:
+            node = min(self.nodes, key=lambda node: node.time)
+            if node.time >= until:
+                return self
+            self._advance(node, until)
+
+    def _advance(self, node, until):
+        """Take one cell of a node."""
+        start = node.time
+        end = until
+        breaks = node.broken
+        for line in filter(None, node.incoming):
+            line.move_on(start)
+            end = min(end, line.known_until())
+            end = line.next_break(start, end)
+            breaks = breaks or line.breaks_at(start)
+        stop = end if start + 1.1 * node.length >= end else start + node.length
+        changes = 0
+        event = None
+        while True:
+            solved = self._solve(node, start, stop)
+            width = stop - start
+            if width <= SHORTEST * self.transit:
+                break  # two breakpoints that rounding has parted
+            if not solved.accepted:
+                stop = start + 0.4 * width
+                event = None
+                continue
+            found = self._first_event(node, start, stop, solved)
+            if found is None:
+                break
+            where, link, state = found
+            if where <= start + SHORTEST * self.transit:
+                changes += 1
+                assert changes < CHANGES, "laws change without end"
+                force = solved.forces_at_checks[node.links.index(link)][0]
+                link.change_to(state, start, float(force))
+                breaks = True
+                event = None
+                continue
+            if event and where >= stop - 1e-14 * self.transit:
+                break
+            stop = where
+            event = link, state
+        self._enter(node, start, stop, solved, breaks)
+        node.broken = False
+        if event:
+            link, state = event
+            link.change_to(state, stop, float(solved.forces_at_checks[0][-1]))
+            node.broken = True
+        growth = 3.0 if solved.defect < 0.02 * self.tolerance * self.speed else 1.3
+        node.length = (
+            growth * (stop - start)
+            if stop < end
+            else max(node.length, growth * (stop - start))
+        )
+
+    def _solve(self, node, start, stop):
+        half = 0.5 * (stop - start)
+        times = start + half * (1 + PLACES)
+        at_gauss = [None, None]
+        at_checks = [None, None]
+        for side, line in enumerate(node.incoming):
+            if line:
+                values = line.values(times)
+                at_gauss[side] = values[IS_GAUSS]
+                at_checks[side] = values[~IS_GAUSS]
+        first = node.state()
+        rates, converged = self._collocate(node, first, half, at_gauss)
+        states = first + half * (TO_CHECKS @ rates)
+        closings, forces = node.unpack(states, at_checks)
+        _, own = node.unpack(first + half * (TO_GAUSS @ rates), at_gauss)
+        defect = 0.0
+        if len(first):
+            wanted = node.rates(states, at_checks)
+            defect = float(np.abs(wanted - AT_CHECKS @ rates).max())
+        for force, values in zip(forces, own, strict=True):
+            missed = float(np.abs(force - AT_CHECKS @ values).max())
+            defect = max(defect, missed * self.mobility)
+        for here, there in zip(at_gauss, at_checks, strict=True):
+            if here is not None:
+                missed = float(np.abs(there - AT_CHECKS @ here).max())
+                defect = max(defect, missed)
+        return Solved(
+            accepted=converged and defect <= self.tolerance * self.speed,
+            defect=defect,
+            waves=at_gauss,
+            forces=own,
+            states_at_checks=states,
+            closings_at_checks=closings,
+            forces_at_checks=forces,
+            last=(first + half * (TO_END @ rates))[0],
+        )
+
+    def _collocate(self, node, first, half, waves):
+        """Rates at the Gauss points, by Newton's method."""
+        size = len(first)
+        rates = np.zeros((STAGES, size))
+        if not size:
+            return rates, True
+        rates[:] = node.rates(np.tile(first, (STAGES, 1)), waves)
+        for _ in range(ITERATIONS):
+            states = first + half * (TO_GAUSS @ rates)
+            here = node.rates(states, waves)
+            jacobian = np.zeros((STAGES, size, STAGES, size))
+            for column in range(size):
+                step = HARDEST * max(np.abs(states[:, column]).max(), half * self.speed)
+                moved = states.copy()
+                moved[:, column] += step
+                slope = (node.rates(moved, waves) - here) / step
+                jacobian[:, :, :, column] -= (
+                    half * slope[:, :, None] * TO_GAUSS[:, None, :]
+                )
+            matrix = jacobian.reshape(STAGES * size, STAGES * size)
+            matrix += np.eye(STAGES * size)
+            change = np.linalg.solve(matrix, (here - rates).ravel())
+            rates += change.reshape(rates.shape)
+            largest = max(np.abs(rates).max(), self.speed)
+            if np.abs(change).max() <= ROUND_OFF * 10 * largest:
+                return rates, True
+        return rates, bool(np.abs(change).max() <= 1e-13 * largest)
+
+    def _first_event(self, node, start, stop, solved):
+        """Time, link and next state of the first guard that changes its sign; None if none."""
+        found = None
+        half = 0.5 * (stop - start)
+        length = self.speed * self.transit
+        for i, link in enumerate(node.links):
+            guards = link.guards(
+                solved.states_at_checks[:, i],
+                solved.closings_at_checks[i],
+                solved.forces_at_checks[i],
+                self.speed,
+                length,
+            )
+            for values, state in guards:
+                tolerance = GUARD_TOLERANCE
+                if link.state == OPEN and starts_softly(values):
+                    tolerance = 0.0
+                negative = np.flatnonzero(values < -tolerance)
+                if not len(negative):
+                    continue
+                positive = np.flatnonzero(values[: negative[0]] > GUARD_TOLERANCE)
+                where = start
+                if len(positive):
+                    k = positive[-1]
+                    where = start + half * (1 + root(values, k, negative[0]))
+                if found is None or where < found[0]:
+                    found = where, link, state
+        return found
+
+    def _enter(self, node, start, stop, solved, breaks):
+        """Send what leaves, and add up what the links and masses did."""
+        half = 0.5 * (stop - start)
+        for side in (0, 1):
+            if not node.leaving[side]:
+                continue
+            values = solved.waves[side]
+            if node.links:
+                force = solved.forces[-side]
+                values = values + (4 * side - 2) * node.mobility[side] * force
+            cell = Cell(start, stop, FROM_VALUES @ values, breaks)
+            node.leaving[side].cells.append(cell)
+        for i, link in enumerate(node.links):
+            link.overlap = float(solved.last[i])
+            link.impulse += half * float(WEIGHTS @ solved.forces[i])
+            largest = float(solved.forces_at_checks[i].max())
+            resolved = stop - start > 2 * SHORTEST * self.transit
+            if resolved and largest > 0.99 * link.peak:
+                link.peak = max(link.peak, maximum(solved.forces[i]))
+            pressed = link.state in (PRESSED, PLASTIC)
+            if link.rigid:  # it may be closed without force
+                pressed = pressed and largest * self.mobility > 1e-12 * self.speed
+            if pressed and largest * self.mobility < 1e-11 * self.speed:
+                link.faint += stop - start
+            if pressed:
+                link.duration += stop - start
+                link.last = stop
+                if np.isnan(link.first):
+                    link.first = start
+        for column, i in enumerate(node.moving(), len(node.links)):
+            node.speeds[i] = float(solved.last[column])
+        node.time = stop
+
+    def totals(self):
+        impulses = [link.impulse for link in self.links]
+        pushes = [0.0, *impulses, 0.0]
+        velocities = []
+        for i, body in enumerate(self.system.bodies):
+            gained = 0.0
+            if not isinstance(body, ri.Wall):
+                gained = (pushes[i] - pushes[i + 1]) / body.mass
+            velocities.append(body.velocity + gained)
+        columns = [velocities, impulses]
+        for name in ("peak", "duration", "first", "last", "opening", "faint"):
+            columns.append([getattr(link, name) for link in self.links])
+        return Totals(*map(np.array, columns))
+
+
+class Solved(NamedTuple):
+    """A cell that is solved; it is accepted if its defect is small."""
+
+    accepted: bool
+    defect: float
+    waves: list
+    forces: list
+    states_at_checks: np.ndarray
+    closings_at_checks: list
+    forces_at_checks: list
+    last: np.ndarray
+
+
+def starts_softly(values):
+    """Whether a gap that is closed starts to close further, like a power of time.
+
+    It has closed at the start of the cell, though its overlap exceeds round-off only later.
+    """
+    closed = abs(values[0]) < 1e-18
+    return bool(closed and np.all(values[5:] < 0) and values[-1] < -1e-17)
+
+
+def root(values, low, high):
+    """Zero of the polynomial through the values at the check points, between two of these."""
+    coefficients = CHECK_SERIES @ values
+    left = CHECKS[low]
+    right = CHECKS[high]
+    for _ in range(60):
+        middle = 0.5 * (left + right)
+        if evaluate(coefficients, middle) > 0:
+            left = middle
+        else:
+            right = middle
+    return right
+
+
+def maximum(values):
+    """Largest value of the polynomial with these values at the Gauss points."""
+    coefficients = FROM_VALUES @ values
+    places = np.linspace(-1, 1, 400)
+    best = int(np.argmax(evaluate(coefficients, places)))
+    low = places[max(best - 1, 0)]
+    high = places[min(best + 1, 399)]
+    for _ in range(50):
+        third = (high - low) / 3
+        ends = evaluate(coefficients, np.array([low + third, high - third]))
+        if ends[0] < ends[1]:
+            low += third
+        else:
+            high -= third
+    return float(evaluate(coefficients, np.array([low, high])).max())
+
+
+def solve_by_steps(system, until, tolerance=1e-12):
+    """Outcome of a row at `until`, s, by the method of steps: `Totals`."""
+    return Row(system, tolerance).run(until).totals()
