@@ -158,9 +158,9 @@ def test_a_sweep_takes_no_more_memory_with_more_threads(monkeypatch):
     share, solution, turns = memory.share, sweeping.Solution, []
     monkeypatch.setattr(memory, "share", lambda threads: share(10**9 * threads))
 
-    def watched(run):
+    def watched(run, options):
         turns.append(memory._turn.locked())
-        return solution(run)
+        return solution(run, options)
 
     monkeypatch.setattr(sweeping, "Solution", watched)
     result = ri.sweep(family, "finite-difference", cells=200, workers=4)
