@@ -54,6 +54,21 @@ def test_the_tail_is_that_of_the_last_two_coefficients():
     )
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_the_smallest_value_of_a_series_is_found(seed):
+    c = drawn(seed)
+    c[0] = 0.0
+    least = chebyshev.chebval(np.linspace(-1, 1, 100_001), c).min()
+    assert series.minimum(c.tolist()) == pytest.approx(least, abs=1e-6)
+
+
+@pytest.mark.parametrize("end", [-1.0, 1.0])
+def test_slopes_at_the_ends_of_a_piece(end):
+    c = drawn(7)
+    wanted = chebyshev.chebval(end, chebyshev.chebder(c))
+    assert series.slope_at_end(c.tolist(), end) == pytest.approx(wanted, rel=1e-12)
+
+
 @pytest.mark.parametrize("y", [-0.9, 0.1, 1.0])
 def test_a_part_of_a_piece_is_the_same_polynomial(y):
     c = drawn(6)

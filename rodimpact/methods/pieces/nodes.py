@@ -323,9 +323,15 @@ def dip(at: Any, depth: float) -> float:
             j += 1
         low = X[max(j - 1, 0)]
         series.coefficients(at.rate, at.series)
-        bottom = series.lowest(at.series, low, X[min(j + 1, N)])
-        if bottom > low and series.value(at.series, bottom) < -depth:
-            zero = series.first_zero(at.series, low, bottom)
+        monotonic = False  # from the end of the piece at which it is lowest
+        if j == 0:
+            monotonic = series.slope_at_end(at.series, -1.0) >= 0
+        elif j == N:
+            monotonic = series.slope_at_end(at.series, 1.0) <= 0
+        if not monotonic:
+            bottom = series.lowest(at.series, low, X[min(j + 1, N)])
+            if bottom > low and series.value(at.series, bottom) < -depth:
+                zero = series.first_zero(at.series, low, bottom)
     return zero
 
 

@@ -13,7 +13,7 @@ from numpy.polynomial import chebyshev, legendre
 
 N = 8  # degree of a piece, and number of stages
 POINTS = N + 1
-SAMPLES = 64  # intervals in which the smallest value of a series is looked for
+SAMPLES = 32  # intervals in which the smallest value of a series is looked for
 NEXT_INTEGRAL = 0.01  # integral of the Chebyshev polynomial of the next degree, about
 THIRDS = 36  # steps to an extremum, each of which leaves two thirds of the width
 _LAST = legendre.Legendre.basis(N - 1) - legendre.Legendre.basis(N)
@@ -44,6 +44,16 @@ def value(c: Any, y: float) -> float:
     for m in range(N, 0, -1):
         b1, b2 = y2 * b1 - b2 + c[m], b1
     return y * b1 - b2 + c[0]
+
+
+def slope_at_end(c: Any, end: float) -> float:
+    """Derivative of the series c by y at an end of the piece, -1 or 1."""
+    s = 0.0
+    sign = end
+    for m in range(1, POINTS):
+        sign *= end
+        s += sign * m * m * c[m]
+    return s
 
 
 def coefficients(f: Any, c: Any) -> None:
