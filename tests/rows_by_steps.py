@@ -410,7 +410,8 @@ class Row:
         node.broken = False
         if event:
             link, state = event
-            link.change_to(state, stop, float(solved.forces_at_checks[0][-1]))
+            force = solved.forces_at_checks[node.links.index(link)][-1]
+            link.change_to(state, stop, float(force))
             node.broken = True
         growth = 3.0 if solved.defect < 0.02 * self.tolerance * self.speed else 1.3
         node.length = (

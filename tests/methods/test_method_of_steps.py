@@ -11,7 +11,8 @@ from rows_by_steps import solve_by_steps
 
 import rodimpact as ri
 
-ORACLE = 3e-12  # relative error of the method of steps
+ORACLE = 3e-12  # relative error of the method of steps, in integrals
+ORACLE_PEAK = 3e-11  # of its forces, which miss their laws by its tolerance
 ORACLE_TIME = 5e-9  # and of its times, where a dashpot starts softly
 LONGEST = 1.6  # s: until then the random rows are run
 FAINTEST = 1e-9  # s: a longer time with almost no force makes the force duration ill-conditioned
@@ -65,6 +66,8 @@ def test_random_rows_are_right_to_the_stated_error(row):
         if name in ("duration", "time") and ill_conditioned:
             continue
         allowed = ORACLE
+        if name == "peak force":
+            allowed = ORACLE_PEAK
         if name in ("duration", "time"):
             allowed = ORACLE_TIME
         assert error <= solution.accuracy[name] + allowed, name
