@@ -32,12 +32,12 @@ def pair(length=0.4, other=1.0, area=1e-4, velocity=1.0):
 def random_row(seed):
     """Rods that approach each other, some stepped or strained, some apart, some before a wall.
 
-    Runs of more than 400 events are left out for the time that they take.
+    Runs of more than 5,000 events are left out for the time that they take.
     """
     rng = np.random.default_rng([18, seed])
     while True:
         system = _any_row(rng, seed)
-        if ri.solve(system, method="fronts").events <= 400:
+        if ri.solve(system, method="fronts").events <= 5_000:
             return system
 
 
@@ -123,14 +123,15 @@ def test_without_a_gap_there_is_one_side():
     assert np.isnan(g[path])
 
 
-@pytest.mark.parametrize("seed", few_of(range(20), range(3)))
+@pytest.mark.parametrize("seed", few_of(range(12), range(2)))
 def test_scaling(seed):
     system = random_row(seed)
     lengths, gaps = fields(system, "length"), fields(system, "gap")
     areas, motion = fields(system, "area"), fields(system, "velocity", "strain")
     paths = [*lengths, *gaps, *areas, *motion]
     for of, of_size in (("velocity_after.0", 0), ("impulse.0", 1), ("duration.0", 1)):
-        g = ri.gradient(system, of, paths)
+        with kernels.forced(True):
+            g = ri.gradient(system, of, paths)
         assert not g.kinks.keys()
         for chosen, power in (
             ([*lengths, *gaps], of_size),
