@@ -58,6 +58,7 @@ from .records.calibration import Calibration as Calibration
 from .records.calibration import calibrate as calibrate
 from .records.comparison import Misfit as Misfit
 from .records.comparison import Pulse as Pulse
+from .records.doubts import DoubtfulReduction as DoubtfulReduction
 from .records.reading import ClippedSignal as ClippedSignal
 from .records.reading import read_signals as read_signals
 from .records.reduction import Reduction as Reduction

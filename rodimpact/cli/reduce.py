@@ -9,9 +9,10 @@ of a gauge is the name of its channel in the record.
 """
 
 import argparse
+import warnings
 from typing import Any
 
-from .. import BarGauge, Specimen, reduce
+from .. import BarGauge, DoubtfulReduction, Specimen, reduce
 from ..storage.tables import as_json
 from . import record_options
 from .asking import Given, drawn, number
@@ -86,7 +87,9 @@ def run(given: Given) -> tuple[str, int]:
         with given.naming(f"--gauge {name}"):
             gauges[body - first].append(BarGauge(signals[name], far))
     names = dict.fromkeys(("", "input_gauges", "output_gauges"), "--gauge")
-    with given.naming(names={"bars": case.path, **names}):
+    with given.naming(names={"bars": case.path, **names}), warnings.catch_warnings():
+        # the table and the JSON contain the same sentences
+        warnings.simplefilter("ignore", DoubtfulReduction)
         found = reduce(
             *gauges,
             bars,
@@ -100,4 +103,10 @@ def run(given: Given) -> tuple[str, int]:
     if not given.json:
         return str(found), status
     columns = {name: signal.values.tolist() for name, signal in found.signals.items()}
-    return as_json(shifts=found.shifts, time=found.times.tolist(), **columns), status
+    text = as_json(
+        shifts=found.shifts,
+        doubts=list(found.doubts),
+        time=found.times.tolist(),
+        **columns,
+    )
+    return text, status

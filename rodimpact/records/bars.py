@@ -100,8 +100,8 @@ class Side(NamedTuple):
     """One bar with its gauges: compressive strains at equal time steps, all at the same times.
 
     `strains` has the shape (gauge, sample). `quiet` is the number of samples before the pulse.
-    `front` is the first pulse at the first gauge. It runs towards the specimen in the input bar,
-    away from it in the output bar; there the side is `leaving`.
+    `fronts` are the first pulses at the gauges, in the order of their arrival. They run towards the
+    specimen in the input bar, away from it in the output bar; there the side is `leaving`.
     """
 
     rod: Rod
@@ -111,7 +111,13 @@ class Side(NamedTuple):
     times: Floats
     dt: float
     quiet: int
-    front: Pulse
+    gauges: tuple[BarGauge, ...]
+    fronts: tuple[Pulse, ...]
+
+    @property
+    def front(self) -> Pulse:
+        """The first pulse at the first gauge."""
+        return self.fronts[0]
 
     @property
     def speed(self) -> float:
@@ -289,11 +295,10 @@ def _side_of(name: str, given: Any, rod: Rod, leaving: bool, compression: str) -
     read = []
     for gauge, strain in zip(gauges, strains, strict=True):
         values = SIGNS[compression] * np.asarray(strain.at(np.minimum(times, end)))
-        read.append(
-            (_front_of(name, times, values, compression), gauge.distance, values)
-        )
-    read.sort(key=lambda each: each[0].start)
-    front = read[0][0]
+        front = _front_of(name, times, values, compression)
+        read.append(_Station(gauge, front, values))
+    read.sort(key=lambda station: station.front.start)
+    front = read[0].front
     quiet = int((front.start - 1.5 * front.rise - start) / dt)
     if quiet < QUIET:
         message = f"the record begins {front.start - start:.3g} s before the pulse"
@@ -303,13 +308,22 @@ def _side_of(name: str, given: Any, rod: Rod, leaving: bool, compression: str) -
     return Side(
         rod,
         leaving,
-        np.array([distance for _, distance, _ in read]),
-        np.array([values - values[:quiet].mean() for _, _, values in read]),
+        np.array([station.gauge.distance for station in read]),
+        np.array([each.strain - each.strain[:quiet].mean() for each in read]),
         times,
         dt,
         quiet,
-        front,
+        tuple(station.gauge for station in read),
+        tuple(station.front for station in read),
     )
+
+
+class _Station(NamedTuple):
+    """One gauge, its first pulse, and its compressive strain at the times of its side."""
+
+    gauge: BarGauge
+    front: Pulse
+    strain: Floats
 
 
 def _front_of(name: str, times: Floats, strain: Floats, compression: str) -> Pulse:

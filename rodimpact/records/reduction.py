@@ -15,6 +15,7 @@ calibration. Both go through the same linear steps as the curve.
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any, NamedTuple
@@ -30,6 +31,7 @@ from ..storage.tables import align
 from ..units import format_si, shown
 from .bars import QUIET, Compression, Side, sides_of
 from .calibration import Calibration
+from .doubts import DoubtfulReduction, doubts_of
 from .signal import Signal
 from .together import signals_to_xarray, write_signals
 
@@ -147,6 +149,10 @@ class Reduction(Curve):
     specimen : Specimen
     disperses : bool
         Whether the waves were propagated with the exact first mode.
+    doubts : tuple of str
+        Where the records contradict what was given: gauges of one bar that disagree, waves that
+        arrive too early or too late, shifts at the limit of `align_within`, forces out of balance.
+        One sentence each, with its number and a remedy; empty for a shot without contradictions.
 
     Examples
     --------
@@ -171,6 +177,7 @@ class Reduction(Curve):
     one_sample: Floats
     shifts: tuple[float, float]
     disperses: bool
+    doubts: tuple[str, ...]
 
     def __repr__(self) -> str:
         return f"<Reduction of {len(self.times)} samples, strain up to {self.strain.max():.3g}>"
@@ -254,7 +261,7 @@ class Reduction(Curve):
         return signals_to_xarray(self.signals)
 
     def __str__(self) -> str:
-        """Table of stress at several strains, then alignment and energy."""
+        """Table of stress at several strains, then alignment, energy and doubts."""
         strain = np.maximum.accumulate(self.strain[self.loading])
         rows = [
             ["strain", "strain rate", "stress", "+-", "one sample", "(F1 - F2)/mean"]
@@ -273,11 +280,13 @@ class Reduction(Curve):
             )
         way = "with the exact first mode" if self.disperses else "without dispersion"
         reflected, transmitted = (f"{1e6 * shift:.3g} us" for shift in self.shifts)
+        doubts = "".join(f"\ndoubtful: {doubt}" for doubt in self.doubts)
         return align(rows) + (
             f"\nstress from the transmitted wave; waves propagated {way}; reflected wave moved "
             f"{reflected} earlier, transmitted wave {transmitted}\n"
             f"energy absorbed: {format_si(self.energy[self.loading][-1], 'J', 3)}; the waves are "
             f"separated until {1e6 * (self.times[-1] - self.times[0]):.4g} us after they arrive"
+            f"{doubts}"
         )
 
 
@@ -324,6 +333,11 @@ def reduce(
     ValueError
         If the incident and the reflected wave overlap at the only gauge of the bar.
 
+    Warns
+    -----
+    DoubtfulReduction
+        For each of `Reduction.doubts`.
+
     Examples
     --------
     The incident strain, 1e-3, is transmitted fully: the force is E A 1e-3, the specimen strain 0.
@@ -344,13 +358,13 @@ def reduce(
     of_kind("specimen", specimen, Specimen, "ri.Specimen(length=5e-3, diameter=8e-3)")
     limit = single("align_within", align_within, "s", "non-negative")
     known = bars if isinstance(bars, Calibration) else None
-    sides: tuple[Side, ...] = sides_of(
+    recorded: tuple[Side, ...] = sides_of(
         input_gauges, output_gauges, known.bars if known else bars, compression
     )
     # from the arrival at the specimen as long as the records separate the waves
-    first = sides[0]
+    first = recorded[0]
     start = first.foot + float(first.distances[0]) / first.speed
-    end = min(side.clean_until() for side in sides)
+    end = min(side.clean_until() for side in recorded)
     count = int((end - start) / first.dt)
     if count < QUIET:
         message = f"the wave reaches the specimen at {start:.6g} s, but from {end:.6g} s on the"
@@ -359,8 +373,9 @@ def reduce(
             f"{message} records do not separate the waves; use longer "
             "records or bars, and check the distances",
         )
+    sides = recorded
     if known:
-        sides = known.applied(sides)
+        sides = known.applied(recorded)
     shot = _Shot(sides, specimen, start + first.dt * np.arange(count, dtype=float))
     with Progress(progress, "reduce", "curves") as report:
         if limit:
@@ -368,6 +383,9 @@ def reduce(
         curve = shot.curve()
         stress_band, strain_band = shot.bands(curve, known, report)
     disperses = all(side.mode for side in shot.sides)
+    doubts = doubts_of(recorded, curve, shot.shifts, limit)
+    for doubt in doubts:
+        warnings.warn(doubt, DoubtfulReduction, stacklevel=2)
     return Reduction(
         **vars(curve),
         stress_band=stress_band,
@@ -375,6 +393,7 @@ def reduce(
         one_sample=shot.one_sample(curve),
         shifts=shot.shifts,
         disperses=disperses,
+        doubts=doubts,
     )
 
 

@@ -76,13 +76,27 @@ def test_it_says_what_the_function_says(capsys):
 def test_it_writes_a_table_and_a_figure(refuses):
     assert (
         reduced(
-            *ALL, "--csv", "shot.csv", "--save", "shot.svg", "--align-within", "1us"
+            *ALL, "--csv", "shot.csv", "--save", "shot.svg", "--align-within", "2us"
         )
         == 0
     )
     assert "stress" in ri.read_signals("shot.csv")
     assert Path("shot.svg").read_text().startswith("<?xml")
     refuses(["reduce", "bars.toml", RECORD, *ALL, "--csv", "shot.csv"], "--force")
+
+
+def test_it_says_what_is_doubtful_once(capsys):
+    near = ["--gauge", "incident=0:562mm", *GAUGES[2:]]  # 200 mm from the specimen
+    options = [*near, *ALL[len(GAUGES) :]]
+    assert reduced(*options) == 0
+    told = capsys.readouterr()
+    assert told.err == ""
+    lines = told.out.splitlines()
+    doubts = [line for line in lines if line.startswith("doubtful: ")]
+    assert "the reflected wave arrives 156 us after the incident wave" in doubts[0]
+    assert reduced(*options, "--json") == 0
+    told = json.loads(capsys.readouterr().out)
+    assert [f"doubtful: {doubt}" for doubt in told["doubts"]] == doubts
 
 
 @pytest.mark.parametrize(

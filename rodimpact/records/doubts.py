@@ -1,0 +1,343 @@
+"""Doubts about a reduction: where the records contradict what was said about the shot.
+
+Four things are checked: gauges of one bar agree, each wave arrives when distances and wave speeds
+say, no alignment ends at the limit of its search, and the forces on both faces of the specimen
+balance. A doubt is a sentence with its number, its limit and a remedy. The curve stays as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ..model.quantities import Floats
+from ..units import format_si
+from .bars import QUIET, BarGauge, Side
+from .comparison import NEAR_TOP, Pulse, pulse_of
+
+if TYPE_CHECKING:
+    from .reduction import Curve
+
+OPPOSITE_LEAST_RATIO = 0.6
+"""Bounds the strain of a gauge over that of the gauge opposite to it, on average over a pulse.
+
+Bending of a tenth of the axial strain leaves 0.8; a bridge or gain that is wrong by a factor of two
+leaves 0.5, a dead gauge 0.
+"""
+STATION_LEAST_RATIO = 0.8
+"""Bounds the smaller over the larger strain of one pulse at two distances on a bar.
+
+Such gauges differ by some percent, and by a tenth each if bending is not cancelled.
+"""
+TRAVEL_RTOL = 0.05
+"""Bounds the difference of an arrival from its prediction, over the predicted travel time.
+
+Wave speeds from tables are off by 2 or 3 %, and distances by 1 % with the length of a gauge.
+"""
+TENTH = 0.1
+"""The part of its plateau at which `Pulse.start` is."""
+TENTHS_BEFORE = 2.5
+"""Bounds the time from the begin of a pulse to a tenth of its plateau, over that from there to a
+fifth: a straight rise needs 1, one with the square of time 2.4."""
+SLOWEST_SPECIMEN = 500.0
+"""Bounds the time of a wave in the specimen: a foam has some 500 m/s, every metal is faster."""
+REFLECTED_LEAST = 0.1
+"""Bounds the reflected over the incident strain: a weaker wave does not stand out of the ringing
+that follows a pulse in a bar."""
+SHIFT_LIMIT_RTOL = 0.01
+"""Bounds the distance of a shift from the limit of its search, over that limit."""
+BALANCE_LIMIT = 0.15
+"""Bounds the median of |F1 - F2| over the plateau, over that of (|F1| + |F2|)/2, so 2 is the most.
+
+Shots in equilibrium stay below a tenth.
+"""
+INPUT_FORCE_RTOL = 0.02
+"""Bounds the error of F1 over the incident force, which adds to `BALANCE_LIMIT`.
+
+F1 is the difference of two waves, whose strains are right to 1 or 2 %. Between bars and a soft
+specimen it is much smaller than either of them.
+"""
+
+
+class DoubtfulReduction(UserWarning):
+    """The records of a shot contradict the distances, wave speeds or gains that were given.
+
+    `Reduction.doubts` holds the same sentences.
+
+    Examples
+    --------
+    The output gauge lies 0.5 m from the specimen, but 0.2 m is given:
+
+    >>> import warnings, numpy as np, rodimpact as ri
+    >>> shape = 1e-3 * np.clip(np.minimum(np.arange(400) - 100, 250 - np.arange(400)) / 10, 0, 1)
+    >>> incident = ri.Signal(-shape, dt=1e-6)
+    >>> transmitted = incident.shifted(2e-4).extended(before=2e-4)
+    >>> bar = ri.Rod(1.5, area=1e-4, material=ri.Material("m", youngs_modulus=2e11, density=8000))
+    >>> gauges = ri.BarGauge(incident, 0.5), ri.BarGauge(transmitted, 0.2)
+    >>> with warnings.catch_warnings(record=True) as told:
+    ...     warnings.simplefilter("always")
+    ...     found = ri.reduce(*gauges, bar, ri.Specimen(5e-3, area=1e-4))
+    >>> {each.category.__name__ for each in told}
+    {'DoubtfulReduction'}
+    >>> print(found.doubts[0].split(";")[0])
+    the transmitted wave arrives 200 us after the incident wave
+    """
+
+
+def doubts_of(
+    sides: tuple[Side, ...], curve: Curve, shifts: tuple[float, float], limit: float
+) -> tuple[str, ...]:
+    """Sentences on all doubts about a curve, aligned by `shifts` within `limit`, s.
+
+    The sides hold the strains as recorded, without the gains of a calibration.
+    """
+    doubts: list[str] = []
+    for side in sides:
+        doubts += _unlike_opposite_gauges(side)
+        doubts += _unlike_stations(side)
+        doubts += _second_gauge_off_time(side)
+    first, second = sides
+    doubts += _reflected_wave_off_time(first)
+    doubts += _transmitted_wave_off_time(first, second, curve.specimen.length)
+    doubts += _shifts_at_limit(shifts, limit)
+    doubts += _forces_out_of_balance(curve, first.stiffness / first.speed)
+    return tuple(doubts)
+
+
+def _bar_name(side: Side) -> str:
+    return "output bar" if side.leaving else "input bar"
+
+
+def _percent(ratio: float) -> str:
+    return f"{100 * ratio:.0f} %"
+
+
+# Gauges of one bar that disagree
+
+
+def _unlike_opposite_gauges(side: Side) -> Iterator[str]:
+    """Compare the gauges on opposite sides of the bar over the first pulse."""
+    for gauge, front in zip(side.gauges, side.fronts, strict=True):
+        if gauge.opposite is None:
+            continue
+        one, other = _in_first_pulse(gauge, front)
+        mean = (one + other) / 2
+        one_share = float(one @ mean)
+        other_share = float(other @ mean)
+        if one_share > other_share:
+            weaker = "opposite"
+            stronger = "signal"
+            ratio = other_share / one_share
+        else:
+            weaker = "signal"
+            stronger = "opposite"
+            ratio = one_share / other_share
+        if ratio < OPPOSITE_LEAST_RATIO:
+            yield (
+                f"of the gauges on opposite sides of the {_bar_name(side)}, "
+                f"{format_si(gauge.distance, 'm', 3)} from the specimen, `{weaker}` records "
+                f"{_percent(ratio)} of the strain of `{stronger}`; at least "
+                f"{_percent(OPPOSITE_LEAST_RATIO)} is expected; check its bridge and gain, or give "
+                f"the record of `{stronger}` alone, ri.BarGauge({stronger}, distance)"
+            )
+
+
+def _in_first_pulse(gauge: BarGauge, front: Pulse) -> tuple[Floats, Floats]:
+    """Both records of a gauge during the first pulse, from the rest before it."""
+    assert gauge.opposite is not None
+    times = gauge.signal.times
+    before = times < front.start - front.rise
+    pulse = (times >= front.start) & (times <= front.start + front.width)
+    one = gauge.signal.values - gauge.signal.values[before].mean()
+    other = gauge.opposite.values - gauge.opposite.values[before].mean()
+    return one[pulse], other[pulse]
+
+
+def _unlike_stations(side: Side) -> Iterator[str]:
+    """Compare the first pulse at two distances, while no other wave is at either gauge."""
+    if len(side.distances) < 2:
+        return
+    first, second = side.distances
+    apart = abs(first - second)
+    carried = side.carried(side.strains[0], apart)
+    arrival = side.foot + apart / side.speed
+    until = arrival + _alone_at_second_gauge(side)
+    alone = (side.times >= arrival) & (side.times < until)
+    if alone.sum() < QUIET:
+        return
+    recorded = side.strains[1][alone]
+    expected = carried[alone]
+    ratio = float(recorded @ expected) / float(expected @ expected)
+    most = 1 / STATION_LEAST_RATIO
+    if not STATION_LEAST_RATIO <= ratio <= most:
+        yield (
+            f"of the two gauges of the {_bar_name(side)}, the one "
+            f"{format_si(second, 'm', 3)} from the specimen records {_percent(ratio)} of the pulse "
+            f"that passes the one at {format_si(first, 'm', 3)}; at least "
+            f"{_percent(STATION_LEAST_RATIO)} and at most {_percent(most)} is expected; check "
+            "bridges and gains of both"
+        )
+
+
+def _alone_at_second_gauge(side: Side) -> float:
+    """Time for which the first pulse is alone at the second gauge, s."""
+    distance = float(side.distances[1])
+    if side.leaving:
+        distance = float(side.rod.length) - distance
+    return 2 * distance / side.speed
+
+
+# Waves that arrive too early or too late
+
+
+class _Onset(NamedTuple):
+    """Times between which a pulse began, s; at the latest it is a tenth of its plateau."""
+
+    earliest: float
+    latest: float
+
+
+def _onset(times: Floats, strain: Floats, pulse: Pulse) -> _Onset:
+    """The time from a tenth to a fifth of the plateau bounds the time before the tenth."""
+    fifth = 2 * TENTH * abs(pulse.plateau)
+    above = (times > pulse.start) & (np.abs(strain) >= fifth)
+    next_tenth = float(times[np.argmax(above)]) - pulse.start
+    return _Onset(pulse.start - TENTHS_BEFORE * next_tenth, pulse.start)
+
+
+def _first_onset(side: Side, gauge: int = 0) -> _Onset:
+    return _onset(side.times, side.strains[gauge], side.fronts[gauge])
+
+
+class _Delay(NamedTuple):
+    """Time between the onsets of two pulses, s: the least, the most, and at a tenth of each."""
+
+    least: float
+    most: float
+    middle: float
+
+    def contradicts(self, travel: float, later: float = 0.0) -> bool:
+        """Whether no onsets are apart by the travel time, s, or up to `later` more."""
+        slack = TRAVEL_RTOL * travel
+        return travel + slack + later < self.least or self.most < travel - slack
+
+
+def _delay(before: _Onset, after: _Onset) -> _Delay:
+    return _Delay(
+        after.earliest - before.latest,
+        after.latest - before.earliest,
+        after.latest - before.latest,
+    )
+
+
+def _second_gauge_off_time(side: Side) -> Iterator[str]:
+    """Compare the time from the first gauge of a bar to the second with their distance."""
+    if len(side.distances) < 2:
+        return
+    apart = abs(float(side.distances[1] - side.distances[0]))
+    delay = _delay(_first_onset(side, 0), _first_onset(side, 1))
+    if delay.contradicts(apart / side.speed):
+        yield (
+            f"the pulse takes {format_si(delay.middle, 's', 3)} from the first gauge of the "
+            f"{_bar_name(side)} to the second; their distance, {format_si(apart, 'm', 3)}, "
+            f"and the bar speed, {side.speed:.0f} m/s, say "
+            f"{format_si(apart / side.speed, 's', 3)}; check both distances (the delay fits "
+            f"{format_si(delay.middle * side.speed, 'm', 3)} between the gauges) and the bar speed"
+        )
+
+
+def _reflected_wave_off_time(side: Side) -> Iterator[str]:
+    """Compare the time from the incident to the reflected wave at a single input gauge."""
+    if len(side.distances) > 1:
+        return
+    reflected = _reflected_onset(side)
+    if reflected is None:
+        return
+    distance = float(side.distances[0])
+    travel = 2 * distance / side.speed
+    delay = _delay(_first_onset(side), reflected)
+    if delay.contradicts(travel):
+        fitting = delay.middle * side.speed / 2
+        yield (
+            f"the reflected wave arrives {format_si(delay.middle, 's', 3)} after the incident "
+            f"wave; the distance of the input gauge, {format_si(distance, 'm', 3)}, and the bar "
+            f"speed, {side.speed:.0f} m/s, say {format_si(travel, 's', 3)}; check the distance "
+            f"(the delay fits {format_si(fitting, 'm', 3)}) and the bar speed, which "
+            "ri.calibrate measures"
+        )
+
+
+def _reflected_onset(side: Side) -> _Onset | None:
+    """Onset of the largest wave at the input gauge before a wave returns from the struck end.
+
+    None without a wave that stands out, or if the record cuts it off.
+    """
+    passed = side.front.start + side.front.width + side.front.rise
+    returned = side.foot + 2 * float(side.rod.length) / side.speed
+    between = (side.times > passed) & (side.times < returned)
+    strain = side.strains[0][between]
+    times = side.times[between]
+    if len(strain) < QUIET:
+        return None
+    if np.abs(strain).max() < REFLECTED_LEAST * abs(side.front.plateau):
+        return None
+    try:
+        pulse = pulse_of(times, strain)
+    except ValueError:
+        return None
+    return _onset(times, strain, pulse)
+
+
+def _transmitted_wave_off_time(
+    first: Side, second: Side, length: float
+) -> Iterator[str]:
+    """Compare the time from the input gauge to the output gauge with their distances."""
+    before = float(first.distances[0])
+    behind = float(second.distances[0])
+    travel = before / first.speed + behind / second.speed
+    delay = _delay(_first_onset(first), _first_onset(second))
+    if delay.contradicts(travel, length / SLOWEST_SPECIMEN):
+        yield (
+            f"the transmitted wave arrives {format_si(delay.middle, 's', 3)} after the incident "
+            f"wave; the distances of the gauges from the specimen, {format_si(before, 'm', 3)} and "
+            f"{format_si(behind, 'm', 3)}, and the bar speeds, {first.speed:.0f} m/s and "
+            f"{second.speed:.0f} m/s, say {format_si(travel, 's', 3)}; check the distances, that "
+            "both records have one zero of time, and the bar speeds, which ri.calibrate measures"
+        )
+
+
+# Alignment and forces
+
+
+def _shifts_at_limit(shifts: tuple[float, float], limit: float) -> Iterator[str]:
+    if limit == 0:
+        return
+    for wave, shift in zip(("reflected", "transmitted"), shifts, strict=True):
+        if abs(shift) >= (1 - SHIFT_LIMIT_RTOL) * limit:
+            yield (
+                f"the alignment moves the {wave} wave by {format_si(shift, 's', 3)}, the limit of "
+                "its search, and would move it further; give a larger align_within than "
+                f"{format_si(limit, 's', 3)}, or correct distances and bar speeds"
+            )
+
+
+def _forces_out_of_balance(curve: Curve, impedance: float) -> Iterator[str]:
+    """Compare the forces on both faces while the output force is on its plateau."""
+    size = np.abs(curve.output_force)
+    plateau = size >= NEAR_TOP * size.max()
+    input_force = curve.input_force[plateau]
+    output_force = curve.output_force[plateau]
+    mean = float(np.median(np.abs(input_force) + np.abs(output_force))) / 2
+    difference = float(np.median(np.abs(input_force - output_force)))
+    incident_force = (curve.input_force + impedance * curve.input_velocity) / 2
+    limit = BALANCE_LIMIT * mean + INPUT_FORCE_RTOL * np.abs(incident_force).max()
+    if difference > limit:
+        yield (
+            f"the forces on the two faces differ by {_percent(difference / mean)} of their mean "
+            f"size on the plateau; at most {_percent(limit / mean)} is expected; check distances "
+            "and gains (ri.calibrate finds gains from a shot with the bars together); if they are "
+            "right, the specimen was not in equilibrium: use a shorter specimen or a slower rise "
+            "of the pulse"
+        )
