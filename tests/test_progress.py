@@ -334,6 +334,7 @@ else:
 sys.modules["ipykernel.zmqshell"] = types.ModuleType("zmqshell")
 from rodimpact import progress
 progress.APPEARS_AFTER = 0.0
+progress.REDRAWN_AFTER = 0.0
 assert progress.is_watched()
 with progress.Progress(True, "sweep", "collisions") as report:
     report(1, 50)
