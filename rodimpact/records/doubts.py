@@ -270,7 +270,7 @@ def _reflected_wave_off_time(side: Side) -> Iterator[str]:
 
 
 def _reflected_onset(side: Side) -> _Onset | None:
-    """Onset of the largest wave at the input gauge before a wave returns from the struck end.
+    """Onset of the first wave at the input gauge before one returns from the struck end.
 
     None without a wave that stands out, or if the record cuts it off.
     """
@@ -279,10 +279,16 @@ def _reflected_onset(side: Side) -> _Onset | None:
     between = (side.times > passed) & (side.times < returned)
     strain = side.strains[0][between]
     times = side.times[between]
-    if len(strain) < QUIET:
+    distinct = np.abs(strain) >= REFLECTED_LEAST * abs(side.front.plateau)
+    if not distinct.any():
         return None
-    if np.abs(strain).max() < REFLECTED_LEAST * abs(side.front.plateau):
-        return None
+    first = int(np.argmax(distinct))
+    # a second wave of the other sign, as the specimen unloads, may be the larger one
+    turned = strain[first:] * strain[first] < 0
+    if turned.any():
+        end = first + int(np.argmax(turned))
+        strain = np.append(strain[:end], 0.0)
+        times = times[: end + 1]
     try:
         pulse = pulse_of(times, strain)
     except ValueError:

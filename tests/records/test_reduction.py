@@ -723,3 +723,20 @@ def test_noise_of_a_soft_specimen_is_not_doubted():
     pressed = found.output_force > 0.7 * found.output_force.max()
     assert np.median(np.abs(found.equilibrium[pressed])) > 0.15
     assert found.doubts == ()
+
+
+def test_a_reflected_wave_with_a_second_part_as_large_is_not_doubted():
+    """A stiff specimen reflects a short wave as it is loaded, and another as it unloads."""
+    metal = ri.Material("metal", youngs_modulus=2e11, density=8000)
+    bar = ri.Rod(2.0, area=1e-4, material=metal)
+    striker = ri.Rod(0.2, area=1e-4, material=metal, velocity=10.0)
+    law = ri.Yielding(stiffness=3e9, yield_force=30e3, hardening=4e6)
+    row = ri.System([striker, bar, bar], contacts=[ri.Rigid(), law])
+    run = ri.solve(row, until=9e-4)
+    gauges = []
+    for body in (1, 2):
+        record = run.gauge(body, 1.0).signal(5e-7).extended(before=5e-5)
+        gauges.append(ri.BarGauge(record, 1.0))
+    reflected = -gauges[0].signal.window(4.1e-4, 7e-4).values
+    assert reflected.max() == pytest.approx(-reflected.min())
+    assert ri.reduce(*gauges, bar, ri.Specimen(5e-3, area=5e-5)).doubts == ()
