@@ -46,6 +46,8 @@ SLOWEST_SPECIMEN = 500.0
 REFLECTED_LEAST = 0.1
 """Bounds the reflected over the incident strain: a weaker wave does not stand out of the ringing
 that follows a pulse in a bar."""
+FIRST_WAVE_LEAST = 0.4
+"""Bounds the first part of the reflected wave over its largest: a smaller one may be ringing."""
 SHIFT_LIMIT_RTOL = 0.01
 """Bounds the distance of a shift from the limit of its search, over that limit."""
 BALANCE_LIMIT = 0.15
@@ -279,10 +281,15 @@ def _reflected_onset(side: Side) -> _Onset | None:
     between = (side.times > passed) & (side.times < returned)
     strain = side.strains[0][between]
     times = side.times[between]
-    distinct = np.abs(strain) >= REFLECTED_LEAST * abs(side.front.plateau)
-    if not distinct.any():
+    faint = np.abs(strain) < REFLECTED_LEAST * abs(side.front.plateau)
+    # the fall of the incident wave is not yet the reflected one
+    fallen = np.logical_or.accumulate(faint)
+    if faint[fallen].all():
         return None
-    first = int(np.argmax(distinct))
+    strain = strain[fallen]
+    times = times[fallen]
+    size = np.abs(strain)
+    first = int(np.argmax(size >= FIRST_WAVE_LEAST * size.max()))
     # a second wave of the other sign, as the specimen unloads, may be the larger one
     turned = strain[first:] * strain[first] < 0
     if turned.any():
