@@ -8,7 +8,7 @@ balance. A doubt is a sentence with its number, its limit and a remedy. The curv
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,9 +16,6 @@ from ..model.quantities import Floats
 from ..units import format_si
 from .bars import QUIET, BarGauge, Side
 from .comparison import NEAR_TOP, Pulse, pulse_of
-
-if TYPE_CHECKING:
-    from .reduction import Curve
 
 OPPOSITE_LEAST_RATIO = 0.6
 """Bounds the strain of a gauge over that of the gauge opposite to it, on average over a pulse.
@@ -88,10 +85,19 @@ class DoubtfulReduction(UserWarning):
     """
 
 
+class Faces(NamedTuple):
+    """Forces and velocity at the faces of the specimen, [time]."""
+
+    length: float  # length of the specimen, m
+    input_force: Floats  # N, compression is positive
+    output_force: Floats
+    input_velocity: Floats  # m/s, towards the specimen
+
+
 def doubts_of(
-    sides: tuple[Side, ...], curve: Curve, shifts: tuple[float, float], limit: float
+    sides: tuple[Side, ...], faces: Faces, shifts: tuple[float, float], limit: float
 ) -> tuple[str, ...]:
-    """Sentences on all doubts about a curve, aligned by `shifts` within `limit`, s.
+    """Sentences on all doubts about a shot, aligned by `shifts` within `limit`, s.
 
     The sides hold the strains as recorded, without the gains of a calibration.
     """
@@ -102,9 +108,9 @@ def doubts_of(
         doubts += _second_gauge_off_time(side)
     first, second = sides
     doubts += _reflected_wave_off_time(first)
-    doubts += _transmitted_wave_off_time(first, second, curve.specimen.length)
+    doubts += _transmitted_wave_off_time(first, second, faces.length)
     doubts += _shifts_at_limit(shifts, limit)
-    doubts += _forces_out_of_balance(curve, first.stiffness / first.speed)
+    doubts += _forces_out_of_balance(faces, first.stiffness / first.speed)
     return tuple(doubts)
 
 
@@ -336,15 +342,15 @@ def _shifts_at_limit(shifts: tuple[float, float], limit: float) -> Iterator[str]
             )
 
 
-def _forces_out_of_balance(curve: Curve, impedance: float) -> Iterator[str]:
+def _forces_out_of_balance(faces: Faces, impedance: float) -> Iterator[str]:
     """Compare the forces on both faces while the output force is on its plateau."""
-    size = np.abs(curve.output_force)
+    size = np.abs(faces.output_force)
     plateau = size >= NEAR_TOP * size.max()
-    input_force = curve.input_force[plateau]
-    output_force = curve.output_force[plateau]
+    input_force = faces.input_force[plateau]
+    output_force = faces.output_force[plateau]
     mean = float(np.median(np.abs(input_force) + np.abs(output_force))) / 2
     difference = float(np.median(np.abs(input_force - output_force)))
-    incident_force = (curve.input_force + impedance * curve.input_velocity) / 2
+    incident_force = (faces.input_force + impedance * faces.input_velocity) / 2
     limit = BALANCE_LIMIT * mean + INPUT_FORCE_RTOL * np.abs(incident_force).max()
     if difference > limit:
         yield (

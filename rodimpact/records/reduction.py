@@ -31,7 +31,7 @@ from ..storage.tables import align
 from ..units import format_si, shown
 from .bars import QUIET, Compression, Side, sides_of
 from .calibration import Calibration
-from .doubts import DoubtfulReduction, doubts_of
+from .doubts import DoubtfulReduction, Faces, doubts_of
 from .signal import Signal
 from .together import signals_to_xarray, write_signals
 
@@ -383,7 +383,13 @@ def reduce(
         curve = shot.curve()
         stress_band, strain_band = shot.bands(curve, known, report)
     disperses = all(side.mode for side in shot.sides)
-    doubts = doubts_of(recorded, curve, shot.shifts, limit)
+    faces = Faces(
+        curve.specimen.length,
+        curve.input_force,
+        curve.output_force,
+        curve.input_velocity,
+    )
+    doubts = doubts_of(recorded, faces, shot.shifts, limit)
     for doubt in doubts:
         warnings.warn(doubt, DoubtfulReduction, stacklevel=2)
     return Reduction(
