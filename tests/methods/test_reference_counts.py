@@ -85,7 +85,9 @@ def test_fronts_count_references_once_a_call():
     assert decrements <= 25
 
 
-@pytest.mark.xfail(reason="172 decrements: exact first forces brought six more than 166")
+@pytest.mark.xfail(
+    reason="172 decrements: exact first forces brought six more than 166"
+)
 def test_characteristics_count_no_more_references_than_they_did():
     increments, decrements = reference_counts("characteristics")["follow"]
     assert increments <= 78
