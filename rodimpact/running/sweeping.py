@@ -123,8 +123,8 @@ def sweep(
     A member that cannot be solved, or that the cap on events or the clock stops, keeps its `status`
     and the results that are known; `SweepResult.incomplete` and `SweepResult.explain` tell more.
 
-    Each worker gets about eight jobs, with a checkpoint a hundred, at most two at a time. An
-    interrupt cancels jobs that wait. Jobs that run end within seconds, or with their present
+    Each of several workers gets about eight jobs, with a checkpoint a hundred, at most two at a
+    time. An interrupt cancels jobs that wait. Jobs that run end within seconds, or with their present
     member.
 
     Processes, dask, and MPI, started by ``mpiexec -n 65 python -m mpi4py.futures program.py``::
@@ -228,11 +228,12 @@ def run_jobs(
         more = size - stop  # members that follow in this process
         return pool.executor.submit(run_chunk, chunk, pool.stop, more)
 
-    per_worker = JOBS_A_WORKER
+    jobs_a_worker = JOBS_A_WORKER
+    if pool.workers == 1 and together:
+        jobs_a_worker = 1  # no other worker has to end at the same time
     if keep.path is not None:
-        per_worker = JOBS_A_WORKER_TO_KEEP
-    count = per_worker * pool.workers
-    jobs = cut(missing, job_size(to_do, row, count, most))
+        jobs_a_worker = JOBS_A_WORKER_TO_KEEP
+    jobs = cut(missing, job_size(to_do, row, jobs_a_worker * pool.workers, most))
     return results_of(jobs, submit, pool.workers)
 
 

@@ -221,7 +221,7 @@ def test_a_long_member_goes_on_in_machine_code(monkeypatch):
     )
     assert same(ri.sweep(system, until=0.02, workers=1), plain)
     assert asked[1:4] == sorted(asked[1:4])  # as the log of the member grows
-    assert len(compiled) > 1
+    assert len(compiled) == 1  # all members run in one block, which began in Python
 
 
 def test_a_single_collision_is_a_family_too():
