@@ -7,7 +7,7 @@ import pytest
 from systems import rod
 
 import rodimpact as ri
-from rodimpact.running import sweeping
+from rodimpact.running import chunks
 
 PAIR = ri.System([rod(0.4, 1.0), rod(1.0, area=2e-4)])
 
@@ -94,13 +94,13 @@ def test_an_interrupted_sweep_does_not_wait_for_the_members_that_run(monkeypatch
         begun.set()
         going_on.wait(30)
         ended.set()
-        raise sweeping.Stopped
+        raise chunks.Stopped
 
     def interrupt(*_):
         if begun.is_set():
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(sweeping, "run_chunk", member)
+    monkeypatch.setattr(chunks, "run_chunk", member)
     family = ri.System([rod(np.array([0.4, 0.5]), 1.0), rod(1.0)])
     with pytest.raises(KeyboardInterrupt):
         ri.sweep(family, workers=1, progress=interrupt)

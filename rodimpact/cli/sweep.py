@@ -15,7 +15,8 @@ from .. import Case, sweep
 from ..methods.abilities import driven
 from ..methods.run import ALSO
 from ..model.paths import suggestion
-from ..running.columns import Readings, arrays_of
+from ..running.columns import layout_of
+from ..running.readings import Readings
 from ..running.sweep_report import sweep_json, sweep_table
 from . import INCOMPLETE
 from .asking import Given, add_run_options, drawn, number
@@ -120,7 +121,7 @@ def _check_case(given: Given, case: Case) -> None:
         )
     if given.plot is None:
         return
-    known = arrays_of(case.system, Readings())
+    known = layout_of(case.system, Readings())
     if given.quantity not in known:
         message = f"there is no {given.quantity!r}; {suggestion(given.quantity, known)}"
         given.note("--quantity", message)

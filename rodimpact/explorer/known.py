@@ -10,9 +10,9 @@ from typing import Any
 from ..methods.abilities import driven
 from ..methods.groups import unilateral
 from ..methods.pieces.accuracy import size_of
+from ..methods.restitution import effective_restitution, no_restitution
 from ..model.numbering import body_numbers
 from ..model.profiles import extremes
-from ..results.outcome import effective_restitution, no_restitution
 from ..units import format_si
 from .texts import capital, name_of, written
 

@@ -18,7 +18,7 @@ from ..model.arguments import of_kind, single
 from ..model.frozen import Problems, raise_noted, refusal
 from ..model.quantities import Floats
 from ..progress import Progress, ProgressFunction, check_progress
-from ..running.sweeping import readings_of
+from ..running.readings import check_readings
 from ..units import shown
 from .measured import Measured
 from .objective import Objective
@@ -129,7 +129,7 @@ def fit(
     problems: Problems = []
     begins = count(problems, "starts", starts)
     check_progress(problems, progress)
-    readings_of(problems, system, [m.gauge for m in records], np.zeros(1))
+    check_readings(problems, system, [m.gauge for m in records], np.zeros(1))
     raise_noted(problems)
     ours = {path: ends for path, ends in vary.items() if str(path).startswith(HEAD)}
     parameters = parameters_of(system, {p: e for p, e in vary.items() if p not in ours})

@@ -14,12 +14,13 @@ from ..model.frozen import Declared, Problems, quantity, raise_noted, refusal
 from ..progress import Report, no_report
 from ..units import shown
 from . import abilities
+from .family import Columns
 from .fronts import families as front_families
 from .fronts import method as fronts
 from .grid import method as grid
 from .pieces import method as pieces
 from .row import Row
-from .run import MAX_EVENTS, READ, FamilyRun, Run
+from .run import MAX_EVENTS, READ, Run
 
 Needs = list[tuple[str, str]]
 """Path and name of physics that a system has."""
@@ -31,7 +32,7 @@ class Method(NamedTuple):
     lacks: Sequence[str]
     takes: tuple[str, ...]
     run: Callable[..., Run]
-    family: Callable[..., FamilyRun] | None = None  # runs many members in one call
+    family: Callable[..., Columns] | None = None  # runs many members in one call
     members_per_call: Callable[[Row], int] = lambda _: 0  # 0: each member runs alone
     also: tuple[
         str, ...

@@ -1,4 +1,4 @@
-"""What every method hands back: a `Run`, or a `FamilyRun`, in plain numbers and arrays.
+"""What every method hands back of a collision: a `Run`, in plain numbers and arrays.
 
 Totals are known when the run ends; signals are made when they are asked for, so that who wants the
 outcome alone does not wait for them.
@@ -11,8 +11,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
-
-import numpy as np
 
 from ..model import System
 from .clock import Clock
@@ -235,35 +233,6 @@ class GroupTotals(NamedTuple):
 
 class Stopped(Exception):
     """A run was told to stop."""
-
-
-class FamilyRun(NamedTuple):
-    """Totals of every member, in C order and SI units; nan where a member was refused.
-
-    before, after : by body, velocity; vibration : energy left in all bodies together;
-    contacts : by the names of `ContactTally`, by contact;
-    final : whether it is proved that nothing meets again; stopped_by : place in `STOPPED_BY`;
-    further : columns of what was asked for of `ALSO`, by name: ``"dissipated"``; ``"set.k"`` of
-    contact k if it yields; ``"largest_stress.i"`` of body i if it is a rod; ``"displacement.i"``;
-    ``"accuracy"``.
-    """
-
-    before: Sequence[Floats]
-    after: Sequence[Floats]
-    vibration: Floats
-    contacts: Mapping[str, Sequence[Floats]]
-    final: Floats
-    stopped_by: Ints
-    further: Mapping[str, Floats] = {}
-
-
-def stopped_by(refused: Any, final: Any, capped: Any, until: float | None) -> Ints:
-    """Place in `STOPPED_BY` of each member: it was refused, is final, or had too many events."""
-    reasons = [refused, final & (until is None), capped]
-    places = [STOPPED_BY.index(name) for name in ("refused", "final", "max_events")]
-    return np.select(
-        reasons, places, STOPPED_BY.index("clock" if until is None else "until")
-    )
 
 
 class Coarser(NamedTuple):

@@ -104,6 +104,20 @@ class ContactHistory:
         """W."""
         return self.push * self._closing
 
+    def permanent_set(self) -> float:
+        """How far the contact has yielded for good at the end of the run, m.
+
+        Its gap counts from the faces as they are: it grows by this more than the faces part.
+        """
+        fields = self._fields
+        times = [0.0, fields.end * fields.clock.tick]
+        left_body = fields.clock.system.bodies[self.index]
+        right_end = getattr(left_body, "length", 0.0)  # rigid masses have none
+        left_face = fields.displacement(self.index, right_end, times)
+        right_face = fields.displacement(self.index + 1, 0.0, times)
+        start, end = self.gap(times) - (right_face - left_face)
+        return max(0.0, float(end - start))
+
     def __repr__(self) -> str:
         return (
             f"<contact {self.index} ({type(self.law).__name__}): {len(self.episodes)} episodes, "

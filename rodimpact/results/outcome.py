@@ -4,25 +4,16 @@ The totals of a run have their names here. Bodies joined together move, for an o
 common velocity.
 """
 
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar, cast
 
-import numpy as np
-
 from ..methods.abilities import driven
 from ..methods.groups import unilateral
+from ..methods.restitution import effective_restitution, no_restitution
 from ..methods.run import ContactTally, Run, Totals
 from ..model.frozen import plain
 from ..rigid import RigidCollision, collide
 from .notebook import as_table
-
-ROUND_OFF = 2.0**-40
-"""Parting velocity, over closing velocity, up to which bodies count as staying together: 256 times
-the `TOLERANCE` of a front, and a fifth of the least ratio of two transit times that a clock holds,
-so of the least e of a pair."""
-
 
 UNBALANCED = 1e-6
 """Share of momentum or energy from which it is said that it is missing."""
@@ -239,84 +230,6 @@ class Outcome(OnlyContact[float]):
         return outcome_table(self)
 
     _repr_html_ = as_table
-
-
-def no_restitution(
-    able: Sequence[int],
-    before: Sequence[float],
-    contacts: Sequence[ContactTally],
-    driven: bool,
-    final: bool,
-    status: str,
-) -> str:
-    """Why there is no coefficient of restitution; empty if there is one.
-
-    Parameters
-    ----------
-    able : list of int
-        Contacts that can open.
-    before : list of float
-        Velocities of the bodies, m/s.
-    contacts : list of ContactTally
-    driven : bool
-        Whether velocities change besides at contacts.
-    final : bool
-    status : str
-        Why the run ended.
-    """
-    if len(able) == 0:
-        return "restitution is undefined: no contact of this row can open"
-    if len(able) != 1:
-        return (
-            f"restitution is defined for one contact, this row has {len(able)}; "
-            "read velocities_after instead"
-        )
-    k = able[0]
-    episodes, closing = contacts[k].episodes, before[k] - before[k + 1]
-    reasons = [
-        (
-            driven,
-            "gravity or a driven end changes the velocities too; read impulse and velocities "
-            "instead",
-        ),
-        (episodes == 0 and closing < 0, "nothing collided; the bodies move apart"),
-        (
-            episodes == 0 and closing <= 0,
-            "nothing collided; the bodies do not approach each other",
-        ),
-        (episodes == 0, f"nothing collided; {status}"),
-        (not final, f"the collision is not over. {status}"),
-        (
-            closing <= 0,
-            "the centres of mass did not approach each other; only vibration brought "
-            "the bodies together",
-        ),
-    ]
-    why = [f"restitution is undefined: {reason}" for holds, reason in reasons if holds]
-    return why[0] if len(why) > 0 else ""
-
-
-def effective_restitution(
-    final: Any, episodes: Any, before: Sequence[Any], after: Sequence[Any]
-) -> Any:
-    """e = (V2+ - V1+)/(V1- - V2-) of one contact, nan where there is none; arrays broadcast.
-
-    After their last contact bodies do not approach each other: where they seem to, or part by no
-    more than round-off, as when a bar without end is pushed for ever, they stay together: e is 0.
-
-    Parameters
-    ----------
-    final, episodes
-        Whether the collision is over, and how often the contact pressed.
-    before, after : pair
-        Velocities of the left and of the right centre of mass, m/s.
-    """
-    closing, parting = before[0] - before[1], after[1] - after[0]
-    e = parting / np.where(closing > 0, closing, 1.0)
-    largest = np.maximum(np.abs(after[0]), np.abs(after[1]))
-    parted = (e > ROUND_OFF) * (parting > 2 * np.spacing(largest))
-    defined = final * (episodes > 0) * (closing > 0)
-    return np.where(defined, np.where(parted, e, 0.0), math.nan)
 
 
 def outcome_of(run: Run, totals: Totals) -> Outcome:

@@ -1,7 +1,7 @@
-"""Columns of a family: what is read of each of its members, when it has run.
+"""Columns of a family: their names, and how each is read of a finished member.
 
-A column has one entry a collision; which columns there are follows from the system, and from what
-was asked for besides.
+A column has one entry a collision. Which columns there are follows from the system, and from what
+was asked for besides: a name of `COLUMNS` for the whole row, ``name.i`` for a body or a contact i.
 """
 
 import math
@@ -10,15 +10,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..methods.run import ALSO, INWARD, STOPPED_BY, largest_error
+from ..methods.family import Columns
+from ..methods.run import ALSO, STOPPED_BY, largest_error
 from ..model import Plastic, Rod, System
+from ..results.centre_of_mass import final_displacement
 from ..results.solution import Solution
+from .readings import Readings
 
 STATUS = STOPPED_BY
 """Why each run stopped; the column ``status`` holds places in this tuple."""
 ENDED = [STATUS.index("final"), STATUS.index("until")]
-
-Columns = dict[str, Any]
 
 
 class ContactColumns(NamedTuple):
@@ -30,123 +31,169 @@ class ContactColumns(NamedTuple):
     episodes: Any
 
 
-class Readings(NamedTuple):
-    """What is read of each member beside its outcome.
-
-    Strain gauges, (body, m from its left end), the times at which they are read, s, and what was
-    asked for of `ALSO`.
-    """
-
-    gauges: tuple[tuple[int, float], ...] = ()
-    times: Any = np.zeros(0)
-    also: tuple[str, ...] = ()
+# How columns are read -------------------------------------------------------------------------
 
 
-def columns_of(
-    system: System, names: Iterable[str]
-) -> dict[str, tuple[str, int | None]]:
-    """Columns of these names of `COLUMNS`, each with its name there and its body or contact."""
-    bodies = range(len(system.bodies))
-    contacts = range(len(system.contacts))
-    owners: dict[str, Iterable[int | None]] = {
-        "row": [None],
-        "body": bodies,
-        "contact": contacts,
-        "rod": [i for i in bodies if isinstance(system.bodies[i], Rod)],
-        "yielding": [k for k in contacts if isinstance(system.contacts[k], Plastic)],
-    }
-    return {
-        name if owner is None else f"{name}.{owner}": (name, owner)
-        for name in names
-        for owner in owners[COLUMNS[name][0]]
-    }
+def _restitution(solution: Solution, _: int) -> float:
+    if solution.outcome.why_no_restitution():
+        return math.nan
+    return solution.outcome.restitution
 
 
-def arrays_of(
-    system: System, readings: Readings
-) -> dict[str, tuple[Any, tuple[int, ...]]]:
-    """Columns that each member has, with types and shapes beyond the family's, by name."""
-    columns = columns_of(system, (*ALWAYS, *readings.also)).items()
-    arrays: dict[str, Any] = {
-        column: (KINDS.get(name, np.float64), ()) for column, (name, _) in columns
-    }
-    if readings.gauges:
-        arrays["strain"] = np.float64, (len(readings.gauges), len(readings.times))
-    return arrays
+def _velocity_after(solution: Solution, body: int) -> float:
+    return solution.outcome.velocities_after[body]
 
 
-def row_of(solution: Solution, readings: Readings) -> Columns:
-    """Columns of a member, by name."""
-    columns = columns_of(solution.system, (*ALWAYS, *readings.also)).items()
-    row = {
-        column: COLUMNS[name][1](solution, owner) for column, (name, owner) in columns
-    }
-    if readings.gauges:
-        inside = readings.times <= solution.t_end * (1 + 1e-12)
-        row["strain"] = np.full((len(readings.gauges), len(inside)), math.nan)
-        for g, gauge in enumerate(readings.gauges):
-            row["strain"][g, inside] = solution.gauge(*gauge).strain_at(
-                readings.times[inside]
-            )
-    return row
+def _impulse(solution: Solution, contact: int) -> float:
+    return solution.outcome.contacts[contact].impulse
+
+
+def _peak_force(solution: Solution, contact: int) -> float:
+    return solution.outcome.contacts[contact].peak_force
+
+
+def _duration(solution: Solution, contact: int) -> float:
+    return solution.outcome.contacts[contact].duration
+
+
+def _episodes(solution: Solution, contact: int) -> int:
+    return solution.outcome.contacts[contact].episodes
+
+
+def _vibration(solution: Solution, _: int) -> float:
+    return sum(solution.outcome.vibration_after)
+
+
+def _final(solution: Solution, _: int) -> bool:
+    return solution.outcome.final
+
+
+def _status(solution: Solution, _: int) -> int:
+    return STATUS.index(solution.stopped_by)
+
+
+def _dissipated(solution: Solution, _: int) -> float:
+    return solution.outcome.dissipated
 
 
 def _set(solution: Solution, contact: int) -> float:
-    """How far a contact has yielded for good, m: its gap counts from the faces as they are."""
-    times = [0.0, solution.fields.end * solution.fields.clock.tick]
-    length = getattr(
-        solution.system.bodies[contact], "length", 0.0
-    )  # rigid masses have none
-    left = solution.displacement(contact, length, times)
-    right = solution.displacement(contact + 1, 0.0, times)
-    start, end = solution.contacts[contact].gap(times) - (right - left)
-    return max(0.0, float(end - start))
+    return solution.contacts[contact].permanent_set()
 
 
-def _moved(solution: Solution, body: int) -> float:
-    """How far the centre of mass of a body has moved at the end, m."""
-    signals = solution.run.signals
-    end = solution.fields.end
-    tick = solution.fields.clock.tick
-    time = end * tick
-    if not isinstance(solution.system.bodies[body], Rod):
-        return float(solution.displacement(body, 0.0, time))
-    left, right = (side and side.push for side in signals.outside)
-    pushes = [left, *(contact.force for contact in signals.contacts), right]
-    # by the forces on its two faces: Newton's law, integrated twice
-    moved = sum(
-        sign * float(push.integrated_twice(end)) * tick * tick
-        for push, sign in zip(pushes[body : body + 2], INWARD, strict=True)
-        if push
-    )
-    start = float(solution.mean_velocity(body, 0.0)) * time
-    fallen = float(solution.system.gravity) * time * time / 2
-    return start + moved / solution.fields.clock.mass(body) + fallen
+def _largest_stress(solution: Solution, body: int) -> float:
+    return solution.extreme_stress(body).largest
 
 
-COLUMNS: dict[str, tuple[str, Callable[[Solution, Any], Any]]] = {
-    "restitution": (
-        "row",
-        lambda run, _: (
-            math.nan if run.outcome.why_no_restitution() else run.outcome.restitution
-        ),
-    ),
-    "velocity_after": ("body", lambda run, i: run.outcome.velocities_after[i]),
-    "impulse": ("contact", lambda run, k: run.outcome.contacts[k].impulse),
-    "peak_force": ("contact", lambda run, k: run.outcome.contacts[k].peak_force),
-    "duration": ("contact", lambda run, k: run.outcome.contacts[k].duration),
-    "episodes": ("contact", lambda run, k: run.outcome.contacts[k].episodes),
-    "vibration": ("row", lambda run, _: sum(run.outcome.vibration_after)),
-    "final": ("row", lambda run, _: run.outcome.final),
-    "status": ("row", lambda run, _: STATUS.index(run.stopped_by)),
-    "dissipated": ("row", lambda run, _: run.outcome.dissipated),
-    "set": ("yielding", _set),
-    "largest_stress": ("rod", lambda run, i: run.extreme_stress(i).largest),
-    "displacement": ("body", _moved),
-    "accuracy": ("row", lambda run, _: largest_error(run.accuracy)),
+def _displacement(solution: Solution, body: int) -> float:
+    return final_displacement(solution.run, solution.fields, body)
+
+
+def _accuracy(solution: Solution, _: int) -> float:
+    return largest_error(solution.accuracy)
+
+
+# Which columns there are ----------------------------------------------------------------------
+
+
+class Column(NamedTuple):
+    """A result of each member.
+
+    Attributes
+    ----------
+    owner : str
+        What has one each: "row", "body", "contact", "rod", or "yielding" for contacts that yield.
+    read : function
+        Reads it of a finished member; the second argument is the index of the owner.
+    dtype : type
+    """
+
+    owner: str
+    read: Callable[[Solution, int], Any]
+    dtype: Any = np.float64
+
+
+COLUMNS = {
+    "restitution": Column("row", _restitution),
+    "velocity_after": Column("body", _velocity_after),
+    "impulse": Column("contact", _impulse),
+    "peak_force": Column("contact", _peak_force),
+    "duration": Column("contact", _duration),
+    "episodes": Column("contact", _episodes, np.int32),
+    "vibration": Column("row", _vibration),
+    "final": Column("row", _final, np.bool_),
+    "status": Column("row", _status, np.int8),
+    "dissipated": Column("row", _dissipated),
+    "set": Column("yielding", _set),
+    "largest_stress": Column("rod", _largest_stress),
+    "displacement": Column("body", _displacement),
+    "accuracy": Column("row", _accuracy),
 }
-"""For each name: what has one each, and how it is read of a finished member."""
-KINDS: dict[str, Any] = {"episodes": np.int32, "final": np.bool_, "status": np.int8}
-"""Types of columns, where they are not numbers."""
 ALWAYS = [name for name in COLUMNS if name not in ALSO]
 """Names of the columns that every family has."""
+
+
+class Source(NamedTuple):
+    """Name in `COLUMNS` of what a column holds, and the body or contact; 0 of a whole row."""
+
+    name: str
+    owner: int
+
+
+class Layout(NamedTuple):
+    """Type of a column, and the shape of the entry of one member."""
+
+    dtype: Any
+    member_shape: tuple[int, ...]
+
+
+def columns_of(system: System, names: Iterable[str]) -> dict[str, Source]:
+    """Columns of these names of `COLUMNS`, by the names that users read."""
+    owners = {
+        "body": list(range(len(system.bodies))),
+        "contact": list(range(len(system.contacts))),
+        "rod": [i for i, body in enumerate(system.bodies) if isinstance(body, Rod)],
+        "yielding": [
+            k for k, law in enumerate(system.contacts) if isinstance(law, Plastic)
+        ],
+    }
+    sources = {}
+    for name in names:
+        owner = COLUMNS[name].owner
+        if owner == "row":
+            sources[name] = Source(name, 0)
+        else:
+            for i in owners[owner]:
+                sources[f"{name}.{i}"] = Source(name, i)
+    return sources
+
+
+def layout_of(system: System, readings: Readings) -> dict[str, Layout]:
+    """Types and shapes of the columns that each member has, by name."""
+    layout = {}
+    for column, source in columns_of(system, (*ALWAYS, *readings.also)).items():
+        layout[column] = Layout(COLUMNS[source.name].dtype, ())
+    if readings.gauges:
+        member_shape = (len(readings.gauges), len(readings.times))
+        layout["strain"] = Layout(np.float64, member_shape)
+    return layout
+
+
+def row_of(solution: Solution, readings: Readings) -> Columns:
+    """Entries of a finished member in all columns, by name."""
+    row: Columns = {}
+    sources = columns_of(solution.system, (*ALWAYS, *readings.also))
+    for column, source in sources.items():
+        row[column] = COLUMNS[source.name].read(solution, source.owner)
+    if readings.gauges:
+        row["strain"] = _strain(solution, readings)
+    return row
+
+
+def _strain(solution: Solution, readings: Readings) -> Any:
+    """Strain at the gauges, [gauge, time]; nan after the end of the run."""
+    inside = readings.times <= solution.t_end * (1 + 1e-12)
+    strain = np.full((len(readings.gauges), len(inside)), math.nan)
+    for g, (body, x) in enumerate(readings.gauges):
+        gauge = solution.gauge(body, x)
+        strain[g, inside] = gauge.strain_at(readings.times[inside])
+    return strain

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..methods.family import Columns
 from ..methods.groups import unilateral
 from ..methods.registry import Options
 from ..model import System
@@ -31,12 +32,11 @@ from ..units import shown
 from .columns import (
     ENDED,
     STATUS,
-    Columns,
     ContactColumns,
-    Readings,
-    arrays_of,
     columns_of,
+    layout_of,
 )
+from .readings import Readings
 
 
 class Axis(NamedTuple):
@@ -210,8 +210,10 @@ class SweepResult(Shown, OnlyContact[Any]):
         """Columns of that name by body or contact, 0 where it is of the whole row."""
         if name not in self.readings.also:
             raise refusal(name, f'was not asked for; give sweep(..., also=["{name}"])')
-        asked = columns_of(self.system, [name]).items()
-        return {owner or 0: self.columns[column] for column, (_, owner) in asked}
+        by_owner = {}
+        for column, source in columns_of(self.system, [name]).items():
+            by_owner[source.owner] = self.columns[column]
+        return by_owner
 
     def explain(self, index: Any) -> str:
         """Say of one member why it ended as it did, and why it has no restitution if it has none.
@@ -254,16 +256,13 @@ class SweepResult(Shown, OnlyContact[Any]):
         """Make again what `save` wrote."""
         system, options, (gauges, times, also) = restore(document, arrays)
         readings = Readings(tuple(map(tuple, gauges)), times, tuple(also))
-        of = arrays_of(system, readings)
-        columns = {name: arrays[name] for name in of}
-        if any(
-            columns[name].shape != (*system.shape, *beyond)
-            for name, (_, beyond) in of.items()
-        ):
-            raise ValueError("columns do not have the family's shape")
-        return cls(
-            system, Options(**options), columns, readings, columns.pop("strain", None)
-        )
+        columns = {}
+        for name, layout in layout_of(system, readings).items():
+            columns[name] = arrays[name]
+            if columns[name].shape != (*system.shape, *layout.member_shape):
+                raise ValueError("columns do not have the family's shape")
+        strain = columns.pop("strain", None)
+        return cls(system, Options(**options), columns, readings, strain)
 
     def table(self, start: int = 0, stop: int | None = None) -> Columns:
         """Varied numbers and results of the members `start` to `stop` in C order, by name."""

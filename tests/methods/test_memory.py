@@ -14,7 +14,7 @@ from systems import rod
 import rodimpact as ri
 from rodimpact.methods import kernels, memory
 from rodimpact.methods.fronts import batch
-from rodimpact.running import sweeping
+from rodimpact.running import chunks
 
 HERTZ = ri.Hertz(1e10)
 
@@ -155,14 +155,14 @@ def test_a_sweep_takes_no_more_memory_with_more_threads(monkeypatch):
         [rod(np.linspace(0.3, 0.5, 20), velocity=even), rod()], contacts=[HERTZ]
     )
     alone = ri.sweep(family, "finite-difference", cells=200, workers=1)
-    share, solution, turns = memory.share, sweeping.Solution, []
+    share, solution, turns = memory.share, chunks.Solution, []
     monkeypatch.setattr(memory, "share", lambda threads: share(10**9 * threads))
 
     def watched(run, options):
         turns.append(memory._turn.locked())
         return solution(run, options)
 
-    monkeypatch.setattr(sweeping, "Solution", watched)
+    monkeypatch.setattr(chunks, "Solution", watched)
     result = ri.sweep(family, "finite-difference", cells=200, workers=4)
     assert turns == [True] * 20
     assert not memory._turn.locked()

@@ -9,7 +9,7 @@ from runs import tracked
 
 import rodimpact as ri
 from rodimpact.methods.fronts.method import make_run, totals_of
-from rodimpact.results.outcome import effective_restitution
+from rodimpact.methods.restitution import effective_restitution
 from rodimpact.results.outcome import outcome_of as read
 
 UNIT = ri.Material(

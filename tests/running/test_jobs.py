@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import rodimpact as ri
-from rodimpact.running import jobs, sweeping
-from rodimpact.running.columns import arrays_of
+from rodimpact.running import chunks, jobs
+from rodimpact.running.columns import layout_of
 
 STEEL = ri.materials.steel
 
@@ -55,12 +55,12 @@ def clock(monkeypatch):
         clock.now += cost.sum()
         columns = {
             name: np.zeros((len(cost), *beyond), kind)
-            for name, (kind, beyond) in arrays_of(system, chunk.readings).items()
+            for name, (kind, beyond) in layout_of(system, chunk.readings).items()
         }
         columns["restitution"] += cost
         return columns
 
-    monkeypatch.setattr(sweeping, "run_chunk", run_chunk)
+    monkeypatch.setattr(chunks, "run_chunk", run_chunk)
     return clock
 
 

@@ -184,7 +184,7 @@ def test_members_of_random_rows_of_characteristics_equal_one_at_a_time(seed):
 @pytest.mark.parametrize("most", [5, 8, 14])
 def test_members_of_any_chunk_are_those_of_the_family(monkeypatch, most):
     monkeypatch.setattr("rodimpact.methods.fronts.families.MAX_MEMBERS_PER_CALL", most)
-    monkeypatch.setattr("rodimpact.running.sweeping.JOBS_A_WORKER", 1)
+    monkeypatch.setattr("rodimpact.running.chunks.JOBS_A_WORKER", 1)
     assert_equal_to_one_at_a_time(ri.sweep(small_map(), workers=1))
 
 
@@ -262,7 +262,7 @@ def test_blocks_may_run_in_plain_python_and_then_compiled(monkeypatch):
         asked.append(ahead)
         return len(asked) % 2 == 0
 
-    monkeypatch.setattr("rodimpact.running.sweeping.JOBS_A_WORKER", 1)
+    monkeypatch.setattr("rodimpact.running.chunks.JOBS_A_WORKER", 1)
     monkeypatch.setattr("rodimpact.methods.fronts.driver.BLOCK_TIME", 0.0)
     monkeypatch.setattr("rodimpact.methods.fronts.driver.FIRST_BLOCK_SIZE", 8)
     monkeypatch.setattr(kernels, "worth_compiling", in_turns)

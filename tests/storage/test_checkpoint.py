@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import rodimpact as ri
+from rodimpact.running import chunks
 from rodimpact.storage import checkpoint
 from rodimpact.storage.checkpoint import Checkpoint
 
@@ -38,7 +39,7 @@ def family(count=30, area=1e-4):
 
 @pytest.fixture(autouse=True)
 def small_chunks(monkeypatch):
-    monkeypatch.setattr("rodimpact.running.sweeping.JOBS_A_WORKER_TO_KEEP", 8)
+    monkeypatch.setattr("rodimpact.running.chunks.JOBS_A_WORKER_TO_KEEP", 8)
     monkeypatch.setattr("rodimpact.methods.fronts.families.MAX_MEMBERS_PER_CALL", 4)
 
 
@@ -59,10 +60,10 @@ def done_in(path):
 @contextlib.contextmanager
 def counted(monkeypatch):
     """Families of the members that are run meanwhile, a chunk each."""
-    runs, work = [], ri.sweep.__globals__["run_chunk"]
+    runs, work = [], chunks.run_chunk
     with monkeypatch.context() as patch:
         patch.setattr(
-            "rodimpact.running.sweeping.run_chunk",
+            "rodimpact.running.chunks.run_chunk",
             lambda *given: runs.append(given[0].system) or work(*given),
         )
         yield runs
@@ -105,13 +106,13 @@ import sys, time
 sys.path.extend({[os.path.dirname(__file__), os.path.dirname(exhaustive.__file__)]})
 import rodimpact as ri
 from rodimpact.methods.fronts import families
-from rodimpact.running import sweeping
+from rodimpact.running import chunks
 from rodimpact.storage import checkpoint
 from test_checkpoint import MANY, family
 families.MAX_MEMBERS_PER_CALL, checkpoint.EVERY, checkpoint.SHARE = 4, 0.0, 0.0
 def progress(done, total):
     {then}
-sweeping.JOBS_A_WORKER_TO_KEEP = 8
+chunks.JOBS_A_WORKER_TO_KEEP = 8
 print("ready", flush=True)
 sys.stdin.readline()
 ri.sweep(family(MANY), checkpoint={str(path)!r}, progress=progress)

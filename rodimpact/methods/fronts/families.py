@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .. import run as runs
 from ..abilities import driven
+from ..family import CONTACT_COLUMNS, Columns, family_columns, status_column
 from ..groups import body_velocities, heads
 from ..laws import Stop
 from ..row import Array, Row
@@ -18,7 +18,6 @@ from .family_layout import lay_out_family
 
 MAX_MEMBERS_PER_CALL = 16384
 MAX_BYTES_PER_CALL = 1 << 24  # values and results of the members of a call
-CONTACT_COLUMNS = ("impulse", "peak_force", "duration", "episodes")
 WAVE_COLUMNS = {"displacement", "largest_stress"}  # columns that need all waves
 
 
@@ -55,8 +54,8 @@ def solve_family(
     should_stop: Callable[[], bool] = lambda: False,
     later_members: int = 0,
     also: Sequence[str] = (),
-) -> runs.FamilyRun:
-    """Outcomes of every member, and the columns of `runs.READ` named in `also`.
+) -> Columns:
+    """Columns of every member, and those of `READ` that are named in `also`.
 
     The other arguments are those of `driver.solve_many`.
     """
@@ -86,18 +85,19 @@ def solve_family(
             contacts[name] = [columns[name, k] for k in layout.contacts]
         else:
             contacts[name] = [results.of(name, k) for k in layout.contacts]
-    extra_columns = {"dissipated": results.masked(np.zeros(row.members))}
-    if needs_waves:
-        extra_columns |= wave_columns(row, results)
-    return runs.FamilyRun(
+    family = family_columns(
+        row.system,
         before=body_columns(row, results, "velocity_before", group_segments),
         after=body_columns(row, results, "velocity_after", group_segments),
         vibration=results.of("vibration_energy", 0),
         contacts=contacts,
         final=is_final,
-        stopped_by=runs.stopped_by(is_refused, is_final, is_capped, until),
-        further=extra_columns,
+        status=status_column(is_refused, is_final, is_capped, until),
     )
+    family["dissipated"] = results.masked(np.zeros(row.members))
+    if needs_waves:
+        family |= wave_columns(row, results)
+    return family
 
 
 def body_columns(

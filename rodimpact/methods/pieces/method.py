@@ -20,6 +20,7 @@ from .. import abilities as physics
 from .. import compiling
 from .. import run as runs
 from ..clock import clock_of
+from ..family import Columns, family_columns, status_column
 from ..groups import groups, movable, velocities_in_group
 from ..laws import Law, Stop
 from ..row import Row
@@ -90,8 +91,8 @@ def solve_family(
     should_stop: Callable[[], bool] = lambda: False,
     later_members: int = 0,  # noqa: ARG001 - an argument of every method's family
     also: Sequence[str] = (),
-) -> runs.FamilyRun:
-    """Totals of every member.
+) -> Columns:
+    """Columns of every member.
 
     Parameters
     ----------
@@ -116,11 +117,12 @@ def solve_family(
     tolerance, members = tolerance_of(rtol), np.flatnonzero(~refused)
     fine = Members(row, Asked(until, tolerance, max_events, keep=False))
     fine.run_all(members, should_stop)
-    found = _family_run(fine, refused.ravel() | (fine.run["stop"][:, 0] == Stop.STUCK))
-    if "accuracy" not in also:
-        return found
-    errors = stated_errors(fine, members, COARSER * tolerance, should_stop)
-    return found._replace(further={"accuracy": errors[:, :SHOWN].max(axis=1)})
+    is_stuck = fine.run["stop"][:, 0] == Stop.STUCK
+    columns = _columns_of(fine, refused.ravel() | is_stuck)
+    if "accuracy" in also:
+        errors = stated_errors(fine, members, COARSER * tolerance, should_stop)
+        columns["accuracy"] = errors[:, :SHOWN].max(axis=1)
+    return columns
 
 
 def stated_errors(
@@ -280,8 +282,8 @@ def vibration_of(family: Members) -> list[Any]:
     return found
 
 
-def _family_run(family: Members, refused: Any) -> runs.FamilyRun:
-    """What the members came to."""
+def _columns_of(family: Members, refused: Any) -> Columns:
+    """Columns of members that have run."""
     row, run, link = family.row, family.run[:, 0], family.link
     system, until, unknown = (
         row.system,
@@ -309,7 +311,12 @@ def _family_run(family: Members, refused: Any) -> runs.FamilyRun:
         "episodes": [it["episodes"].copy() for it in links],
     }
     final = (run["proved"] >= 0) & ~refused
-    stopped_by = runs.stopped_by(refused, final, run["stop"] == Stop.CAP, until)
-    return runs.FamilyRun(
-        before, after, sum(vibration_of(family), unknown), contacts, final, stopped_by
+    return family_columns(
+        system,
+        before=before,
+        after=after,
+        vibration=sum(vibration_of(family), unknown),
+        contacts=contacts,
+        final=final,
+        status=status_column(refused, final, run["stop"] == Stop.CAP, until),
     )

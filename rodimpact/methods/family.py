@@ -1,0 +1,78 @@
+"""Columns of a family of collisions, by the names that users read; one entry a member.
+
+A method that runs many members in one call hands these columns back. Those of a member that was
+refused are nan, and 0 where they are whole numbers.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..model import System
+from .groups import unilateral
+from .restitution import effective_restitution
+from .run import STOPPED_BY
+from .signals import Floats, Ints
+
+Columns = dict[str, Any]
+"""Arrays by name: [member], or in the shape of the family."""
+
+CONTACT_COLUMNS = ("impulse", "peak_force", "duration", "episodes")
+"""Totals of a contact, as `ContactTally` and users name them."""
+
+
+def family_columns(
+    system: System,
+    *,
+    before: Sequence[Floats],
+    after: Sequence[Floats],
+    vibration: Floats,
+    contacts: Mapping[str, Sequence[Any]],
+    final: Any,
+    status: Ints,
+) -> Columns:
+    """Columns that every family has.
+
+    Parameters
+    ----------
+    system : System
+    before, after : list of [member] arrays
+        Velocities of the bodies, m/s.
+    vibration : [member] array
+        Energy left in all bodies together, J.
+    contacts : mapping
+        By each name of `CONTACT_COLUMNS`, a list of [member] arrays, one a contact.
+    final : [member] array of bool
+        Whether it is proved that nothing meets again.
+    status : [member] array of int
+        Places in `STOPPED_BY`.
+    """
+    restitution = np.full(len(final), math.nan)
+    opening = unilateral(system)
+    if len(opening) == 1:
+        k = opening[0]
+        restitution = effective_restitution(
+            final, contacts["episodes"][k], before[k : k + 2], after[k : k + 2]
+        )
+    columns: Columns = {
+        "restitution": restitution,
+        "vibration": vibration,
+        "final": final,
+        "status": status,
+    }
+    for i, velocity in enumerate(after):
+        columns[f"velocity_after.{i}"] = velocity
+    for name in CONTACT_COLUMNS:
+        for k, values in enumerate(contacts[name]):
+            columns[f"{name}.{k}"] = values
+    return columns
+
+
+def status_column(refused: Any, final: Any, capped: Any, until: float | None) -> Ints:
+    """Place in `STOPPED_BY` of each member: it was refused, is final, or had too many events."""
+    reasons = [refused, final & (until is None), capped]
+    places = [STOPPED_BY.index(name) for name in ("refused", "final", "max_events")]
+    otherwise = "clock" if until is None else "until"
+    return np.select(reasons, places, STOPPED_BY.index(otherwise))

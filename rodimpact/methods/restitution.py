@@ -1,0 +1,99 @@
+"""The effective coefficient of restitution of a single contact, or why there is none.
+
+The page has this as JavaScript.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+PARTING_RTOL = 2.0**-40
+"""Parting velocity, over closing velocity, up to which bodies count as staying together.
+
+It is 256 times the tolerance of a front, and a fifth of the least ratio of two transit times
+that a clock holds, so of the least e of a pair.
+"""
+
+
+def no_restitution(
+    able: Sequence[int],
+    before: Sequence[float],
+    contacts: Sequence[Any],
+    driven: bool,
+    final: bool,
+    status: str,
+) -> str:
+    """Why there is no coefficient of restitution; empty if there is one.
+
+    Parameters
+    ----------
+    able : list of int
+        Contacts that can open.
+    before : list of float
+        Velocities of the bodies, m/s.
+    contacts : list of ContactTally
+    driven : bool
+        Whether velocities change besides at contacts.
+    final : bool
+        Whether the collision is over.
+    status : str
+        Why the run ended.
+    """
+    if len(able) == 0:
+        return "restitution is undefined: no contact of this row can open"
+    if len(able) != 1:
+        return (
+            f"restitution is defined for one contact, this row has {len(able)}; "
+            "read velocities_after instead"
+        )
+    k = able[0]
+    closing = before[k] - before[k + 1]
+    reason = ""
+    if driven:
+        reason = (
+            "gravity or a driven end changes the velocities too; read impulse and "
+            "velocities instead"
+        )
+    elif contacts[k].episodes == 0:
+        if closing < 0:
+            reason = "nothing collided; the bodies move apart"
+        elif closing <= 0:
+            reason = "nothing collided; the bodies do not approach each other"
+        else:
+            reason = f"nothing collided; {status}"
+    elif not final:
+        reason = f"the collision is not over. {status}"
+    elif closing <= 0:
+        reason = (
+            "the centres of mass did not approach each other; only vibration brought "
+            "the bodies together"
+        )
+    if reason == "":
+        return ""
+    return f"restitution is undefined: {reason}"
+
+
+def effective_restitution(
+    final: Any, episodes: Any, before: Sequence[Any], after: Sequence[Any]
+) -> Any:
+    """e = (V2+ - V1+)/(V1- - V2-) of one contact, nan where there is none; arrays broadcast.
+
+    After their last contact bodies do not approach each other: where they seem to, or part by no
+    more than round-off, as when a bar without end is pushed for ever, they stay together: e is 0.
+
+    Parameters
+    ----------
+    final, episodes
+        Whether the collision is over, and how often the contact pressed.
+    before, after : pair
+        Velocities of the left and of the right centre of mass, m/s.
+    """
+    closing = before[0] - before[1]
+    parting = after[1] - after[0]
+    e = parting / np.where(closing > 0, closing, 1.0)
+    largest = np.maximum(np.abs(after[0]), np.abs(after[1]))
+    parted = (e > PARTING_RTOL) * (parting > 2 * np.spacing(largest))
+    defined = final * (episodes > 0) * (closing > 0)
+    return np.where(defined, np.where(parted, e, 0.0), math.nan)
