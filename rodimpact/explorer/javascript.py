@@ -91,6 +91,8 @@ CALLS: dict[Any, str] = {
     max: "py.most",
     min: "py.least",
     isinstance: "py.isinstance",
+    getattr: "{}[{}]",
+    setattr: "{}[{}]={}",
     bisect_left: "py.bisect_left",
     bisect_right: "py.bisect_right",
     math.sqrt: "Math.sqrt",

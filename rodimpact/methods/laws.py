@@ -5,9 +5,6 @@ In files and in kernels these are whole numbers; only their order here has a mea
 
 from enum import IntEnum
 
-KNOTS = 18  # of what yields: forces from which on it has another hardening; those not used are
-UNREACHED = 2.0**1000  # N
-
 
 class Law(IntEnum):
     """What acts in a link."""

@@ -47,7 +47,7 @@ class Row(Walk):
     mass_of : list of int
         Mass of each body; len(masses) + 0 or 1 if bonded to the left or right wall, -1 for a rod or
         a wall.
-    links : list of walk.LINK
+    links : list of link.Link
     contact_link : list of int
         Link of each contact, -1 where it joins rigid bodies for good.
     outside : list of (str, value)

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..model.profiles import extremes
-from .compiling import blank
-from .laws import KNOTS, UNREACHED, Law
+from .laws import Law
+from .link import link_of, link_of_contact
 
 ENDS = {
     "free": "none",
@@ -20,38 +20,6 @@ ENDS = {
     "incoming": "absorbing",
 }
 """What is outside the ends of a row, by their kind."""
-
-LAWS = {
-    "bonded": Law.BOND,
-    "joint": Law.JOINT,
-    "rigid": Law.RIGID,
-    "spring": Law.SPRING,
-    "spring-dashpot": Law.SPRING,
-    "hertz": Law.POWER,
-    "power": Law.POWER,
-    "own": Law.OWN,
-    "hunt-crossley": Law.POWER,
-    "yielding": Law.YIELD,
-    "tabulated": Law.YIELD,
-}
-"""What acts in a contact, by the name of its law; an impact where a rigid one has a restitution."""
-
-LINK = np.dtype(
-    [
-        ("law", "i8"),
-        ("stiffness", "f8"),
-        ("exponent", "f8"),
-        ("strength", "f8"),
-        (
-            "damping",
-            "f8",
-        ),  # the restitution of an impact; the hardening, as a share of the stiffness
-        ("gap", "f8"),  # of a joint its stretch
-        ("knots", "f8", (KNOTS,)),
-        ("shares", "f8", (KNOTS,)),  # forces of other hardenings, and these
-    ]
-)
-"""A link of a row; in a family numbers are arrays."""
 
 
 class Walk(NamedTuple):
@@ -87,7 +55,8 @@ def walk(system: Any) -> Walk:
         i, body = block[0], bodies[block[0]]
         if i > 0:
             row.contact_link.append(len(row.links))
-            add_contact(row, system.contacts[i - 1], system.gaps[i - 1])
+            link = link_of_contact(system.contacts[i - 1], system.gaps[i - 1])
+            row.links.append(link)
         elif body.kind != "wall":
             add_end(row, 0, system.ends[0])
         if body.kind == "rod":
@@ -138,40 +107,10 @@ def add_rod(row: Walk, path: str, rod: Any) -> None:
     row.spans.append((len(row.segments) + 1, len(row.segments) + len(rod.segments)))
     for j, segment in enumerate(rod.segments):
         if j > 0:
-            add(row, Law.BOND)
+            row.links.append(link_of(Law.BOND))
         row.segments.append(segment)
         row.paths.append(f"{path}.segments.{j}" if len(rod.segments) > 1 else path)
         row.first.append(len(row.masses))
-
-
-def add(row: Walk, law: Any) -> Any:
-    """Add a link, and return it."""
-    it = blank(1, LINK)[0]
-    it.law, it.exponent = law, 1.0
-    row.links.append(it)
-    return it
-
-
-def add_contact(row: Walk, law: Any, gap: Any) -> None:
-    """Add the link of a contact."""
-    it = add(row, LAWS[law.law])
-    it.gap = law.stretch if it.law == Law.JOINT else gap
-    if it.law == Law.OWN:
-        it.damping = 1.0  # whatever it is, it may depend on the rate
-    elif it.law == Law.RIGID:
-        if law.restitution is not None:
-            it.law, it.damping = Law.IMPACT, law.restitution
-    elif it.law != Law.BOND:
-        it.stiffness = law.stiffness
-    if law.law in ("joint", "spring-dashpot", "hunt-crossley"):
-        it.damping = law.damping
-    if it.law == Law.POWER:
-        it.exponent = law.exponent
-    elif it.law == Law.YIELD:
-        it.damping, it.strength = law.hardening / law.stiffness, law.yield_force
-        it.knots = [UNREACHED for _ in range(KNOTS)]
-        for j, entry in enumerate(law.table if law.law == "tabulated" else []):
-            it.knots[j], it.shares[j] = entry[0], entry[1]
 
 
 def add_end(row: Walk, side: int, end: Any) -> None:
@@ -180,7 +119,8 @@ def add_end(row: Walk, side: int, end: Any) -> None:
     driven = end.kind in ("velocity", "force", "incoming")
     row.outside[side] = (kind, end.value if driven else 0.0)
     push = Law.PUSH_RIGHT if side > 0 else Law.PUSH_LEFT
-    add(row, push if kind in ("none", "force") else Law.BOND)
+    is_pushed = kind in ("none", "force")
+    row.links.append(link_of(push if is_pushed else Law.BOND))
 
 
 # Scales: in a family numbers are arrays, so nothing here is decided by one of them ----------------
@@ -247,7 +187,7 @@ def scale_of(row: Any) -> Any:
             )
     for it in row.links:
         if it.law == Law.JOINT:
-            pushed.append(abs(it.stiffness * it.gap))
+            pushed.append(abs(it.stiffness * it.stretch))
         elif it.law >= Law.SPRING:  # it may be given with an overlap
             pushed.append(it.stiffness * np.maximum(0.0 - it.gap, 0.0) ** it.exponent)
     fall = abs(row.system.gravity) * largest([s.transit_time for s in row.segments])

@@ -32,6 +32,8 @@ from .frozen import (
 FACE = Field("m", "positive or infinite", default=np.inf)
 """The radius of a face, infinite for a flat one."""
 MOST = 16  # points of a table
+KNOTS = MOST + 2  # places for forces at which a contact goes on with another hardening
+UNREACHED = 2.0**1000  # N; in the places that are not used
 ROUND_OFF = 1e-12  # relative, of slopes
 SOON = 1e-6  # of the first force of a table
 
@@ -40,6 +42,10 @@ class _Law(Declared):
     """A contact law, described by its name and its numbers."""
 
     opens: ClassVar[bool] = True
+    acts_as: ClassVar[str]
+    """Branch of the kernels that has its force: the name of a `methods.laws.Law`."""
+    fills_link: ClassVar[tuple[str, ...]] = ()
+    """Its attributes that are numbers of a `methods.link.Link`, by the same names."""
 
 
 class _Compliant(_Law):
@@ -66,6 +72,26 @@ class _Linear(_Compliant):
 
 class Plastic(_Linear):
     """A spring that yields: its faces move for good, and d counts from where they are then."""
+
+    acts_as = "yield"
+    fills_link = ("stiffness", "yield_force", "hardening_share", "knots", "shares")
+
+    @property
+    def hardening_share(self) -> Number:
+        """Slope of the force while it yields, over the stiffness."""
+        law: Any = self
+        share: Number = law.hardening / law.stiffness
+        return share
+
+    @property
+    def knots(self) -> list[Number]:
+        """Forces at which the slope changes again, N, in `KNOTS` places."""
+        return [UNREACHED for _ in range(KNOTS)]
+
+    @property
+    def shares(self) -> list[Number]:
+        """Slopes from these forces on, over the stiffness, in `KNOTS` places."""
+        return [0.0 for _ in range(KNOTS)]
 
 
 class Rigid(_Law, law="rigid"):
@@ -95,6 +121,7 @@ class Rigid(_Law, law="rigid"):
     Rigid()
     """
 
+    acts_as = "rigid"
     restitution: NumericOrNone = quantity(
         "", "[0, 1]", "coefficient of restitution", default=None
     )
@@ -115,6 +142,7 @@ class Bonded(_Law, law="bonded"):
     """
 
     opens: ClassVar[bool] = False
+    acts_as = "bond"
 
 
 class Joint(_Linear, law="joint"):
@@ -145,6 +173,8 @@ class Joint(_Linear, law="joint"):
     """
 
     opens: ClassVar[bool] = False
+    acts_as = "joint"
+    fills_link = ("stiffness", "damping", "stretch")
     stiffness: Numeric = quantity("N/m", "non-negative")
     damping: Numeric = quantity("N s/m", "non-negative", default=0.0)
     stretch: Numeric = quantity("m", default=0.0)
@@ -179,6 +209,8 @@ class Spring(_Linear, law="spring"):
     0.005
     """
 
+    acts_as = "spring"
+    fills_link = ("stiffness",)
     stiffness: Numeric = quantity("N/m", "positive")
 
 
@@ -203,6 +235,8 @@ class SpringDashpot(_Linear, law="spring-dashpot"):
     SpringDashpot(stiffness=100000000.0, damping=2000.0)
     """
 
+    acts_as = "spring"
+    fills_link = ("stiffness", "damping")
     stiffness: Numeric = quantity("N/m", "positive")
     damping: Numeric = quantity("N s/m", "non-negative")
 
@@ -226,6 +260,8 @@ class Hertz(_Compliant, law="hertz"):
     0.4
     """
 
+    acts_as = "power"
+    fills_link = ("stiffness", "exponent")
     exponent = 1.5
     stiffness: Numeric = quantity("N/m^1.5", "positive")
 
@@ -323,6 +359,8 @@ class HuntCrossley(_Compliant, law="hunt-crossley"):
     1.5
     """
 
+    acts_as = "power"
+    fills_link = ("stiffness", "exponent", "damping")
     exponent = 1.5
     stiffness: Numeric = quantity("N/m^1.5", "positive")
     damping: Numeric = quantity("s/m", "non-negative")
@@ -352,6 +390,8 @@ class PowerLaw(_Compliant, law="power"):
     1.0
     """
 
+    acts_as = "power"
+    fills_link = ("stiffness", "exponent")
     stiffness: Numeric = quantity("N/m^p", "positive")
     exponent: Numeric = quantity("", "[1, inf)")
 
@@ -490,12 +530,20 @@ class Tabulated(Plastic, law="tabulated"):
         return self.slopes[0]
 
     @property
-    def table(self) -> list[tuple[Number, Number]]:
-        """Forces at which lines begin, N, and stiffnesses along them as shares of the unloading."""
-        return [
-            (F, slope / self.stiffness)
-            for F, slope in zip(self.force, self.slopes[1:], strict=False)
-        ]
+    def knots(self) -> list[Number]:
+        """Forces at which lines of the table begin, N, in `KNOTS` places."""
+        knots = super().knots
+        for j in range(len(self.slopes) - 1):
+            knots[j] = self.force[j]
+        return knots
+
+    @property
+    def shares(self) -> list[Number]:
+        """Slopes along these lines, over the unloading stiffness, in `KNOTS` places."""
+        shares = super().shares
+        for j, slope in enumerate(self.slopes[1:]):
+            shares[j] = slope / self.stiffness
+        return shares
 
     def hardened(self, force: Any) -> Tabulated:
         """The law after a peak force, N, for compressions from where the faces are then."""
@@ -544,6 +592,9 @@ class Law(_Law, law="own"):
     True
     """
 
+    acts_as = "own"
+    fills_link = ("damping",)
+    damping: ClassVar[float] = 1.0  # it may depend on the rate: as if damped
     force: Callable[[float, float], float]
 
     def _check(self, problems: Problems) -> None:

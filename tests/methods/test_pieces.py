@@ -360,7 +360,8 @@ def test_what_ends_a_status(law, status, d, closing, to):
         status=status,
         stiffness=10.0,
         exponent=1.0,
-        strength=2.0,
+        yield_force=2.0,
+        resting_force=2.0,
         mobility=0.1,
         damping=0.5 if law == Law.POWER else 0.0,
     )

@@ -10,8 +10,8 @@ import rodimpact as ri
 from rodimpact.methods import compiling
 from rodimpact.methods.grid import contact_kernel as ck
 from rodimpact.methods.grid.records import LINK
-from rodimpact.methods.laws import UNREACHED, Law
-from rodimpact.model.laws import CONTACT_LAWS
+from rodimpact.methods.laws import Law
+from rodimpact.model.laws import CONTACT_LAWS, UNREACHED
 from rodimpact.model.system import restored
 
 STEEL = ri.materials.steel
@@ -259,14 +259,14 @@ def test_what_yields_meets_its_mean_force_on_any_table():
             10 ** rng.uniform(-4, 2),
             rng.integers(6),
         )
-        at.law, at.stiffness, at.strength, at.own = (
+        at.law, at.stiffness, at.yield_force, at.own = (
             Law.YIELD,
             k,
             strength,
             10 ** rng.uniform(-4, 4),
         )
         at.knots = [*(strength + np.cumsum(10 ** rng.uniform(-3, 2, count))), UNREACHED]
-        at.damping, *at.shares = rng.uniform(0, 1, count + 1)
+        at.hardening_share, *at.shares = rng.uniform(0, 1, count + 1)
         x0 = strength / k * min(1.0, rng.uniform(-3, 2))
         c = (
             rng.choice([1, -1])

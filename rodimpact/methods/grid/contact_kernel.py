@@ -8,7 +8,7 @@ Laws: a compliant contact has the indentation x, and over a step the force (U(x1
 of its stored energy U (discrete gradient: Gonzalez, J. Nonlinear Sci. 6, 1996), the dashpot's mean
 over the same path, and pulls nowhere; this is convex and increasing in x1, so Newton's method falls
 on the root from the right. A joint is a spring and a dashpot that pull as well. What yields is a
-spring up to its strength; x counts from where its faces have moved to. A rigid contact takes the
+spring up to its yield force; x counts from where its faces have moved to. A rigid contact takes the
 force that keeps its closing below a limit. An impact of rigid bodies takes the force that leaves a
 closing velocity of at most -e times the one before (Moreau, CISM 302, 1988).
 
@@ -65,19 +65,19 @@ def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
 
 
 def loaded(at: Any, x0: float, x1: float) -> tuple[float, float, int]:
-    """What yields, pressed from x0 to x1 past its strength, along the lines of its table.
+    """What yields, pressed from x0 to x1 past its yield force, along the lines of its table.
 
     Returns
     -------
     float
-        Force at x1, which is its strength from then on.
+        Force at x1, which is its yield force from then on.
     float
         Work on the way.
     int
         The next knot.
     """
-    k, force, knot = at.stiffness, at.strength, at.knot
-    x, start, slope = force / k, max(x0, 0.0), at.damping * k
+    k, force, knot = at.stiffness, at.yield_force, at.knot
+    x, start, slope = force / k, max(x0, 0.0), at.hardening_share * k
     work = (x - start) * (force + k * start) / 2
     while force + slope * (x1 - x) > at.knots[knot]:
         part = (at.knots[knot] - force) / slope
@@ -101,7 +101,7 @@ def mean_force(at: Any, x0: float, x1: float) -> tuple[float, float]:
         F, dF = mean_power(k, at.exponent, x0, x1)
         stretch = 1 + d * w
         F, dF = F * stretch, dF * stretch + F * d
-    elif at.law == Law.YIELD and x1 > at.strength / k:
+    elif at.law == Law.YIELD and x1 > at.yield_force / k:
         end, work, _ = loaded(at, x0, x1)
         F = work / w
         dF = max((end - F) / w, 0.0)
@@ -135,7 +135,7 @@ def solve_link(at: Any, c: float) -> tuple[float, float, float]:
     if (
         at.law == Law.YIELD
     ):  # the mean force bends both ways, its work only up: from the right
-        most = at.strength / at.stiffness
+        most = at.yield_force / at.stiffness
         yields = most - top + y * mean_force(at, x0, most)[0] < 0
         x = top if yields else min(most, top)
     F = slope = 0.0
@@ -249,7 +249,7 @@ def start_impacts(link: Any, first: int, last: int, tol: float) -> bool:
         at, w = link[i], pushed(link, i) - link[i].force * link[i].own
         if at.limit == math.inf and at.gap - w < -tol:
             u = at.before
-            at.limit = 0.0 if u <= tol else (1 - at.damping) * u / 2
+            at.limit = 0.0 if u <= tol else (1 - at.restitution) * u / 2
             struck = True
     return struck
 
@@ -267,10 +267,10 @@ def settle(at: Any, w: float, tol: float) -> float:
             rest = 0.0
     elif at.law == Law.IMPACT and at.force <= 0 and at.gap <= 0 and abs(w) <= tol:
         rest = at.gap
-    elif at.law == Law.YIELD and at.place > at.strength / at.stiffness:
+    elif at.law == Law.YIELD and at.place > at.yield_force / at.stiffness:
         # it hardens, and its faces move for good
-        at.strength, _, knot = loaded(at, -at.gap, at.place)
+        at.yield_force, _, knot = loaded(at, -at.gap, at.place)
         if knot > at.knot:
-            at.knot, at.damping = knot, at.shares[knot - 1]
-        rest = -at.strength / at.stiffness
+            at.knot, at.hardening_share = knot, at.shares[knot - 1]
+        rest = -at.yield_force / at.stiffness
     return rest

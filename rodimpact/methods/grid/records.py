@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .. import walk
+from .. import link
 
 NONE = -1
 FAR = (
@@ -33,8 +33,8 @@ PIECE = np.dtype(
     [("start", "i8"), ("place", "f8")], align=True
 )  # first node, its displacement
 LINK = np.dtype(
-    [  # a contact or joint, with its gap, and of YIELD the strength and hardening now
-        *walk.LINK.descr,
+    [  # a contact or joint; its `gap` is that of now, or the stretch
+        *link.LINK.descr,
         (
             "knot",
             "i8",

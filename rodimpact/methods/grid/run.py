@@ -11,6 +11,7 @@ import numpy as np
 from .. import compiling, kernels
 from ..clock import Clock, clock_of
 from ..laws import Law
+from ..link import initial_gap
 from ..memory import ask
 from ..row import Array, squeezed
 from . import grid_kernel, scheme, start
@@ -265,7 +266,7 @@ class GridRun:
         link = self.row.contact_link[contact]
         gap = self.entered(link, "gap") * self.step
         return self.entered(link, "force"), np.append(
-            float(self.row.links[link].gap), gap
+            float(initial_gap(self.row.links[link])), gap
         )
 
     def pressed(self, contact: int) -> Array:

@@ -9,6 +9,7 @@ from ...model.profiles import averages
 from .. import walk
 from ..compiling import as_records
 from ..laws import Beyond
+from ..link import LINK
 from ..row import Array, Row
 from . import elimination_kernel as elimination
 from . import records
@@ -119,9 +120,10 @@ def answered(multipliers: tuple[Array, ...], push: Any) -> Array:
 
 def _links(mesh: Mesh, h: float, by_first: Array, by_last: Array) -> Array:
     """Links, each between two neighbouring pieces."""
-    given = as_records([mesh.row.links[i] for i in mesh.touching], walk.LINK)
+    given = as_records([mesh.row.links[i] for i in mesh.touching], LINK)
     count, k, p = len(given), given["stiffness"], given["exponent"]
-    stiffness, gap = k * h**p, given["gap"] / h
+    stiffness = k * h**p
+    gap = (given["gap"] + given["stretch"]) / h  # one of them is 0
     for i in np.flatnonzero((k > 0) & (stiffness < LEAST)):
         message = f"a force of {float(k[i])!r} times the indentation to the {p[i]:g} vanishes in"
         raise InvalidModel(

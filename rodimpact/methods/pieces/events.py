@@ -31,12 +31,12 @@ def happen(
     if old == Status.PLASTIC:
         if status == Status.PLASTIC:
             it.overlap = it.knots[it.knot] / it.stiffness
-        it.strength = it.stiffness * it.overlap
+        it.yield_force = it.stiffness * it.overlap
         if status == Status.PLASTIC:
-            it.hardening = it.shares[it.knot]
+            it.hardening_share = it.shares[it.knot]
             it.knot += 1
     elif status == Status.PLASTIC:
-        it.overlap = it.strength / it.stiffness
+        it.overlap = it.yield_force / it.stiffness
     if old == Status.OPEN:
         if it.law == Law.RIGID or (it.law == Law.SPRING and it.damping > 0):
             it.order = 0

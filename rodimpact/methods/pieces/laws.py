@@ -3,7 +3,8 @@
 import math
 from typing import Any
 
-from ..laws import UNREACHED, Law, Status
+from ...model.laws import UNREACHED
+from ..laws import Law, Status
 
 ROUNDS, ENOUGH = (
     20,
@@ -92,13 +93,13 @@ def guard(
     """What must not fall below 0 for the status to last, without dimension, and the next status.
 
     A dashpot lets go while there is still overlap: SLACK, until that is gone or it presses again.
-    What yields goes on as elastic, with a new strength, once it no longer closes; at a knot of its
-    table it goes on with another hardening.
+    What yields goes on as elastic, with a new yield force, once it no longer closes; at a knot of
+    its table it goes on with another hardening.
     """
     if it.status == Status.OPEN:
         return -d / length, Status.PRESS.value
     if it.status == Status.REST:
-        return F / it.strength, Status.OPEN.value
+        return F / it.resting_force, Status.OPEN.value
     if it.status == Status.PLASTIC and which == 1:
         return 1 - F / it.knots[it.knot], Status.PLASTIC.value
     if it.status == Status.PLASTIC:
@@ -115,7 +116,7 @@ def guard(
     if it.status == Status.GRAZE and which == 1:
         return -drive, Status.PRESS.value
     if it.law == Law.YIELD and which == 1:
-        return 1 - F / it.strength, Status.PLASTIC.value
+        return 1 - F / it.yield_force, Status.PLASTIC.value
     if it.status == Status.PRESS and (which == 1 or dashpot):
         return drive, Status.GRAZE.value
     return d / length, Status.OPEN.value

@@ -12,6 +12,7 @@ from .. import tick_rule as rule
 from ..abilities import driven
 from ..compiling import blank
 from ..laws import Law, Status
+from ..link import FIELDS, initial_gap
 from ..walk import largest
 from .records import LINE, LINK, MASS, NEVER, NODE, NONE, PART, PIECE, RUN, SMOOTH, Part
 from .series import POINTS, N
@@ -233,7 +234,7 @@ def links_of(row: Any, clock: Clock, node: list[Any], time: Any) -> list[Any]:
             for m in range(max(q - 1, 0), q if last else q + 1):
                 it.ease = it.ease + time / row.masses[at.mass + m]
             if it.law == Law.IMPACT:
-                it.strength = clock.scale / it.ease  # the force that is one
+                it.resting_force = clock.scale / it.ease
             elif it.law == Law.OWN:
                 it.near, it.near_rate = NEAR * clock.scale * time, NEAR * clock.scale
     return link
@@ -242,18 +243,14 @@ def links_of(row: Any, clock: Clock, node: list[Any], time: Any) -> list[Any]:
 def set_law(it: Any, given: Any, i: int) -> None:
     """Set the law of link i of a row, its numbers and its status."""
     it.left_group = it.right_group = it.first = it.last = it.apart = NONE
-    it.order, it.opened, it.law, it.function = SMOOTH, 1, int(given.law), i
+    it.order, it.opened, it.function = SMOOTH, 1, i
     it.status, it.touch = Status.BOND.value, Status.OPEN.value
-    it.stiffness, it.exponent = given.stiffness, given.exponent
-    it.strength, it.overlap = given.strength, -given.gap
+    for name in FIELDS:
+        setattr(it, name, getattr(given, name))
+    it.overlap = -initial_gap(given)
     if it.law == Law.IMPACT:  # what touches is struck by the first look at it
-        it.restitution, it.status = given.damping, Status.OPEN.value
-        return
-    if it.law == Law.YIELD:
-        it.hardening, it.knots, it.shares = given.damping, given.knots, given.shares
-    else:
-        it.damping = given.damping
-    if it.law >= Law.RIGID:
+        it.status = Status.OPEN.value
+    elif it.law >= Law.RIGID:
         it.status = np.where(given.gap > 0, Status.OPEN.value, Status.PRESS.value)
 
 

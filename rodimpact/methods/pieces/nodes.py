@@ -43,7 +43,7 @@ def deforms(it: Any) -> bool:
 
 def share(it: Any) -> float:
     """Part of the closing that is elastic: what yields hardens with the rest."""
-    return it.hardening if it.status == Status.PLASTIC else 1.0
+    return it.hardening_share if it.status == Status.PLASTIC else 1.0
 
 
 def set_forces(link: Any, at: Any) -> int:

@@ -10,7 +10,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from ..laws import KNOTS
+from .. import link
 from .series import POINTS
 
 
@@ -73,25 +73,18 @@ NODE = np.dtype(
 )
 LINK = np.dtype(
     [
-        ("law", "i8"),
+        *link.LINK.descr,
         ("status", "i8"),
         ("order", "i8"),  # of the break that its own event makes
         ("function", "i8"),
         ("near", "f8"),
         ("near_rate", "f8"),  # of a law of the user: m, m/s
-        ("stiffness", "f8"),
-        ("exponent", "f8"),
-        ("damping", "f8"),
-        ("strength", "f8"),
-        ("restitution", "f8"),
-        ("hardening", "f8"),
+        ("resting_force", "f8"),  # scale of forces between bodies that rest, N
         ("mobility", "f8"),
         (
             "knot",
             "i8",
         ),  # the next of these forces, from which on what yields has another hardening
-        ("knots", "f8", (KNOTS,)),
-        ("shares", "f8", (KNOTS,)),
         ("overlap", "f8"),
         ("rate", "f8"),
         ("bend", "f8"),  # and derivatives, as the last piece ended

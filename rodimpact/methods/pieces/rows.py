@@ -62,8 +62,9 @@ def velocity_scale(row: Row, time: Any) -> Any:
         if (
             it.law == Law.JOINT or it.law >= Law.SPRING
         ):  # what it stores at t = 0 moves a mass
-            gap = np.asarray(it.gap)
-            d = np.abs(gap) if it.law == Law.JOINT else np.maximum(-gap, 0.0)
+            d = np.maximum(-np.asarray(it.gap), 0.0)
+            if it.law == Law.JOINT:
+                d = np.abs(it.stretch)
             scale = scale + np.sqrt(it.stiffness * d ** (it.exponent + 1) / least)
     return np.where(scale > 0, scale, 1.0)
 

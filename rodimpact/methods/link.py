@@ -1,0 +1,73 @@
+"""The link of a row: a contact, a joint, a bond, or the push on an end, as numbers for kernels.
+
+A link has the numbers of its law, each with one meaning, whatever the method. A contact law states
+in its class which of them it fills, and by which branch of the kernels it acts (`acts_as`). Methods
+append fields of their own to `LINK`: what a link does during a run.
+"""
+
+from typing import Annotated, Any
+
+from ..model import laws as contact_laws
+from ..model.laws import CONTACT_LAWS, KNOTS
+from .compiling import blank, dtype_of
+from .laws import Law
+
+
+class Link:
+    """Numbers of a link; in a family they are arrays.
+
+    Of what yields, the numbers are those of now: yielding raises the yield force, and goes on along
+    the next line of a table.
+    """
+
+    law: int  # kind of law, `laws.Law`: the branch of the kernels
+    gap: float  # distance of the two faces at t = 0, m; below 0 an overlap
+    stretch: float  # s of a joint at t = 0, m
+    stiffness: float  # k, N/m; N/m^p for a power
+    exponent: float  # p of the force k d^p
+    damping: float  # c of a dashpot, N s/m; chi of Hunt and Crossley, s/m
+    restitution: float  # e of an impact between rigid bodies
+    yield_force: float  # force from which on the contact yields, N
+    hardening_share: float  # slope of the force while it yields, over the stiffness
+    knots: Annotated[list[float], f"{KNOTS}f8"]  # forces at which lines begin, N
+    shares: Annotated[list[float], f"{KNOTS}f8"]  # their slopes, over the stiffness
+
+
+LINK = dtype_of(Link)
+
+FIELDS = list(Link.__annotations__)
+ALL_LAWS: dict[str, Any] = {**CONTACT_LAWS, contact_laws.Law.law: contact_laws.Law}
+
+KINDS = {name: Law[law.acts_as.upper()] for name, law in ALL_LAWS.items()}
+"""Kind of law of a link, by the name of the contact law."""
+
+FILLED = {name: law.fills_link for name, law in ALL_LAWS.items()}
+"""Fields of the link that are attributes of the contact law, by the name of the law."""
+
+
+def link_of(law: int) -> Any:
+    """A link of this kind of law, without a gap and without force."""
+    link = blank(1, LINK)[0]
+    link.law = law
+    link.exponent = 1.0
+    return link
+
+
+def link_of_contact(law: Any, gap: Any) -> Any:
+    """The link of a contact with this law; `gap` in m. The page has this as JavaScript."""
+    link = link_of(KINDS[law.law])
+    link.gap = gap
+    for name in FILLED[law.law]:
+        setattr(link, name, getattr(law, name))
+    # Between rods the waves decide; a restitution is that of two rigid bodies.
+    if link.law == Law.RIGID and law.restitution is not None:
+        link.law = Law.IMPACT
+        link.restitution = law.restitution
+    return link
+
+
+def initial_gap(link: Any) -> Any:
+    """Gap of a contact or stretch of a joint at t = 0, m."""
+    if link.law == Law.JOINT:
+        return link.stretch
+    return link.gap
