@@ -10,15 +10,15 @@ from rodimpact.methods.fronts.run import FrontRun
 from rodimpact.methods.grid import method as grid
 from rodimpact.methods.grid.run import GridRun
 from rodimpact.methods.registry import Options
-from rodimpact.methods.row import Row
 from rodimpact.methods.run import MAX_EVENTS
+from rodimpact.methods.walk import walk
 from rodimpact.results.solution import Solution
 
 MAKERS = {FrontRun: fronts.make_run, GridRun: grid.hand_over}
 
 
 def tracked(system, until=None, max_events=MAX_EVENTS):
-    return fronts.run_fronts(Row(system), until, max_events)
+    return fronts.run_fronts(walk(system), until, max_events)
 
 
 def solution_of(run, until=None):

@@ -20,6 +20,7 @@ from ..methods.groups import grounds, groups, unilateral
 from ..methods.laws import Status, Stop
 from ..methods.registry import count
 from ..methods.row import Row
+from ..methods.walk import walk
 from ..model import Bonded, Free, Rod, Steps, System, Wall
 from ..model.arguments import of_kind
 from ..model.frozen import InvalidModel, Problems, raise_noted
@@ -117,7 +118,7 @@ def exact(
     """
     check(system)
     check_arguments(max_events=max_events)
-    row, places = Row(system), places_of(system)
+    row, places = walk(system), places_of(system)
     given = {
         place: value
         for path, value in fractions_of(values).items()

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
-from ..methods.row import Row
+from ..methods.walk import walk
 from ..model import System
 from ..model.frozen import InvalidModel
 from ..model.paths import places_of, suggestion
@@ -60,7 +60,7 @@ class Naming:
         ):
             message = f"must be a list of paths or words, such as ['length'], got {shown(symbols)}"
             raise InvalidModel([("symbols", message)])
-        self.row, self.symbols = Row(system), list(symbols)
+        self.row, self.symbols = walk(system), list(symbols)
         self.paths: dict[str, str] = {}
         self.base: dict[str, Fraction] = {}
         self.speeds: dict[str, tuple[Any, Any]] = {}

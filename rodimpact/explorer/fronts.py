@@ -20,8 +20,9 @@ from ..methods.laws import Stop
 from ..methods.pieces import reading
 from ..methods.pieces.layout import piece_of
 from ..methods.pieces.records import NEVER
+from ..methods.scales import smallest
 from ..methods.status import rounding, strain_warning
-from ..methods.walk import smallest, walk
+from ..methods.walk import walk
 from ..results.front_polygons import count_of, polygons_of, wave_of
 from ..theory import pair_numbers, pair_restitution
 from ..units import format_si

@@ -11,6 +11,7 @@ are joined by unpacking, and no index from the end is assigned to: tests of the 
 
 import ast
 import builtins
+import dataclasses
 import inspect
 import json
 import math
@@ -168,6 +169,13 @@ def javascript(
         _Translator(function, program).text() for function in program.functions
     ]  # they grow
     return "\n".join([*program.tables, *texts])
+
+
+def field_names(record: Any) -> list[str]:
+    """Names of the fields of a named tuple or a dataclass; none of anything else."""
+    if isinstance(record, type) and dataclasses.is_dataclass(record):
+        return [field.name for field in dataclasses.fields(record)]
+    return list(getattr(record, "_fields", ()))
 
 
 class _Program:
@@ -408,7 +416,7 @@ class _Translator(ast.NodeVisitor):
             )
         if called in (min, max) and len(given) > 1:
             return reduce(lambda text, other: f"py.{name}({text},{other})", given)
-        if fields := getattr(called, "_fields", ()):
+        if fields := field_names(called):
             return f"({{{','.join(map(':'.join, zip(fields, given, strict=True)))}}})"
         if called in calls:
             text = calls[called]

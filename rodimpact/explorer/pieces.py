@@ -25,8 +25,9 @@ from ..methods.pieces.totals import (
     why_stopped,
     why_stuck,
 )
+from ..methods.scales import frame_of, largest, scale_of, wave_of_strain
 from ..methods.status import strain_warning
-from ..methods.walk import frame_of, largest, scale_of, walk, wave_of_strain
+from ..methods.walk import walk
 from .fronts import TOO_FAR_APART
 from .known import errors_of, outcome_told
 from .motion import curve_of, grids_of

@@ -21,6 +21,7 @@ from .grid import method as grid
 from .pieces import method as pieces
 from .row import Row
 from .run import MAX_EVENTS, READ, Run
+from .walk import walk
 
 Needs = list[tuple[str, str]]
 """Path and name of physics that a system has."""
@@ -190,7 +191,7 @@ class Options(Declared):
         """
         own = {name: getattr(self, name) for name in METHODS[method].takes}
         run = METHODS[method].run(
-            Row(system), self.until, self.max_events, **own, report=report
+            walk(system), self.until, self.max_events, **own, report=report
         )
         slower = self.method == "auto" and method != next(iter(METHODS))
         why = self._why(method, system) if slower else ""

@@ -29,7 +29,6 @@ from rodimpact.methods.fronts.family_layout import lay_out_family
 from rodimpact.methods.laws import Stop
 from rodimpact.methods.pieces import driver, finality, layout, march
 from rodimpact.methods.pieces import records as piece_records
-from rodimpact.methods.row import Row
 from rodimpact.methods.walk import walk
 from rodimpact.storage.casefile import case_from
 
@@ -232,7 +231,7 @@ KERNEL = march.follow
 
 def recorded(system, until):
     """The records of a system on the clock of the page, as objects."""
-    records = driver.Members(Row(system), layout.Asked(until, 1e-8, 400, True)).start()
+    records = driver.Members(walk(system), layout.Asked(until, 1e-8, 400, True)).start()
     for name in ("log", "turn"):
         records[name] = np.concatenate([records[name]] * 4)
     return {

@@ -10,7 +10,7 @@ from networks import UNIT, unit_rod
 
 import rodimpact as ri
 from rodimpact.methods.grid.smoothness import waves_jump
-from rodimpact.methods.row import Row
+from rodimpact.methods.walk import walk
 
 METHOD = "finite-difference"
 INTERVALS = 48
@@ -140,9 +140,9 @@ JUMPS = {
 
 @pytest.mark.parametrize("name", SMOOTH)
 def test_waves_that_do_not_jump(name):
-    assert not waves_jump(Row(SMOOTH[name]))
+    assert not waves_jump(walk(SMOOTH[name]))
 
 
 @pytest.mark.parametrize("name", JUMPS)
 def test_waves_that_jump(name):
-    assert waves_jump(Row(JUMPS[name]))
+    assert waves_jump(walk(JUMPS[name]))

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from ...model import Steps
 from ..compiling import blank
 from ..laws import Beyond, Law, Status
-from ..walk import frame_of, scale_of
+from ..scales import frame_of, scale_of
 from . import event_queue
 from .records import (
     CACHED_DURATION,

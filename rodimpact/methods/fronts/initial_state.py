@@ -31,7 +31,7 @@ from .records import (
 
 FRONT_VELOCITY_RTOL = 2.0**-48
 """Smallest change of a wave that counts as a front, relative to the velocity scale
-(`walk.scale_of`: the spread of the velocities, plus wave speed times strain, plus force
+(`scales.scale_of`: the spread of the velocities, plus wave speed times strain, plus force
 over impedance). The same tolerance decides
 whether contacts press or graze. The error of a wave is at most this tolerance times
 the number of ends that it has passed."""

@@ -19,6 +19,7 @@ from ...progress import Report, no_report
 from .. import abilities as physics
 from ..row import Row
 from ..run import PEAK_FORCE, Run
+from ..scales import check_scales
 from . import refinement
 from .mesh import Mesh, crossing_time, most_cells, stable_step
 from .proof import finality_time
@@ -91,7 +92,7 @@ def follow(
     TooLong
         If the run takes too much memory.
     """
-    row.check_scales()
+    check_scales(row)
     counts, step = _mesh_size(row, cells, dt, until)
     stepping = until is None or 2 * until > step
     if until is not None and stepping:

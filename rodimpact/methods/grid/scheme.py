@@ -6,11 +6,11 @@ import numpy as np
 
 from ...model.frozen import InvalidModel
 from ...model.profiles import averages
-from .. import walk
 from ..compiling import as_records
 from ..laws import Beyond
 from ..link import LINK
 from ..row import Array, Row
+from ..scales import wave_of_strain
 from . import elimination_kernel as elimination
 from . import records
 from .mesh import Mesh, quotient
@@ -172,9 +172,9 @@ def driven(mesh: Mesh, step: float, side: int, steps: int) -> Array:
     pushes = np.asarray(
         (around[:-3:2] + around[1:-2:2] + around[2:-1:2] + around[3::2]) / 4
     )
-    return (
-        walk.wave_of_strain(mesh.row, side) * pushes if kind == "absorbing" else pushes
-    )
+    if kind == "absorbing":
+        return np.asarray(wave_of_strain(mesh.row, side) * pushes)
+    return pushes
 
 
 def moved(row: Row, step: float, value: Any, t: Array) -> Array:

@@ -8,8 +8,8 @@ import numpy as np
 
 from ...model import Polynomials, Samples, Steps
 from ..row import Row
+from ..scales import wave_of_strain
 from ..signals import Ints, Pieces
-from ..walk import wave_of_strain
 from . import layout, waves
 from .layout import Asked, Clock
 from .records import HARD, NONE, PIECE

@@ -13,7 +13,7 @@ from ..abilities import driven
 from ..compiling import blank
 from ..laws import Law, Status
 from ..link import FIELDS, initial_gap
-from ..walk import largest
+from ..scales import largest
 from .records import LINE, LINK, MASS, NEVER, NODE, NONE, PART, PIECE, RUN, SMOOTH, Part
 from .series import POINTS, N
 

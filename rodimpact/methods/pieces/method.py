@@ -25,6 +25,7 @@ from ..groups import groups, movable, velocities_in_group
 from ..laws import Law, Stop
 from ..row import Row
 from ..run import ContactTally, Run
+from ..scales import beyond_scales, check_scales
 from ..status import rounding, strain_warning
 from . import totals
 from .accuracy import (
@@ -60,7 +61,7 @@ def solve(
 ) -> Run:
     """Run a single collision to `until`, s, or to its proof of finality and one round trip more."""
     if row.segments:
-        row.check_scales()
+        check_scales(row)
     fine = Members(row, Asked(until, tolerance_of(rtol), max_events, keep=True))
     fine.go(report=report)
     if fine.run_of(0).stop == Stop.STUCK:
@@ -112,8 +113,9 @@ def solve_family(
         If `should_stop` said so.
     """
     refused = np.zeros(row.system.shape, bool)
-    for bad, _, _ in row.beyond_scales() if row.segments else ():
-        refused |= bad
+    if row.segments:
+        for is_beyond, _, _ in beyond_scales(row):
+            refused |= is_beyond
     tolerance, members = tolerance_of(rtol), np.flatnonzero(~refused)
     fine = Members(row, Asked(until, tolerance, max_events, keep=False))
     fine.run_all(members, should_stop)

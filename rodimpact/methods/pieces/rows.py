@@ -6,12 +6,10 @@ import numpy as np
 
 from ... import model
 from ...model.frozen import InvalidModel
-from ...model.profiles import extremes
 from ..clock import too_long, too_short
 from ..compiling import Functions
-from ..laws import Law
 from ..row import Row
-from ..walk import largest, smallest, velocities_of
+from ..scales import largest, scale_without_rods, smallest, velocities_of
 from . import layout
 from .known import jumps_of, segments_of, varies
 from .layout import Clock
@@ -51,21 +49,9 @@ def reference_time(row: Row, until: float | None) -> Any:
 def velocity_scale(row: Row, time: Any) -> Any:
     """Scale of velocities, m/s; 1 where nothing moves."""
     if row.segments:
-        return np.where(np.asarray(row.scale) > 0, row.scale, 1.0)
-    speeds, scale = velocities_of(row), np.abs(row.system.gravity) * time
-    least = smallest(row.masses or [np.inf])  # all of it may be bonded to walls
-    for kind, value in row.outside:
-        if kind == "force":
-            scale = scale + largest(np.abs(extremes(value))) * time / least
-    scale = scale + largest(speeds) - smallest(speeds)
-    for it in row.links:
-        if (
-            it.law == Law.JOINT or it.law >= Law.SPRING
-        ):  # what it stores at t = 0 moves a mass
-            d = np.maximum(-np.asarray(it.gap), 0.0)
-            if it.law == Law.JOINT:
-                d = np.abs(it.stretch)
-            scale = scale + np.sqrt(it.stiffness * d ** (it.exponent + 1) / least)
+        scale = np.asarray(row.scale)
+    else:
+        scale = scale_without_rods(row, time)
     return np.where(scale > 0, scale, 1.0)
 
 

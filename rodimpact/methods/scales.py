@@ -1,0 +1,195 @@
+"""Scales of a row: the frame and the scale in which methods count velocities, and their bounds.
+
+In a family numbers are arrays, so nothing here is decided by one of them. The page has the
+functions without numpy's errors as JavaScript.
+"""
+
+import sys
+from typing import Any
+
+import numpy as np
+
+from ..model import InvalidModel
+from ..model.profiles import extremes
+from .laws import Law
+
+SMALLEST_FLOAT = sys.float_info.min
+LARGEST_FLOAT = sys.float_info.max
+SUM_MARGIN = 2.0**60  # distance from both, for sums over steps and cells
+LARGEST_STIFFNESS = 2.0**80
+"""Stiffness of a contact, times transit time over impedance, beyond which it is rigid."""
+
+
+def largest(values: Any) -> Any:
+    """Largest of some numbers, for each member of a family."""
+    result = values[0]
+    for value in values[1:]:
+        if isinstance(value, float) and isinstance(result, float):
+            result = max(result, value)
+        else:
+            result = np.maximum(result, value)
+    return result
+
+
+def smallest(values: Any) -> Any:
+    """Smallest of some numbers, for each member of a family."""
+    return -largest([-value for value in values])
+
+
+def velocities_of(row: Any) -> list[Any]:
+    """Velocities of all that moves at t = 0 or is moved, m/s."""
+    velocities = [*row.mass_velocity]
+    for body in row.system.bodies:
+        if body.kind != "mass":
+            velocities.extend(extremes(body.velocity))
+    for kind, value in row.outside:
+        if kind == "velocity":
+            velocities.extend(extremes(value))
+    return velocities
+
+
+def frame_of(row: Any) -> Any:
+    """Velocity of the frame, m/s: that of the walls, else the middle of all velocities."""
+    walls = [body.velocity for body in row.system.bodies if body.kind == "wall"]
+    if len(walls) == 0:
+        velocities = velocities_of(row)
+        return smallest(velocities) / 2 + largest(velocities) / 2
+    return sum(walls) / len(walls)
+
+
+def wave_of_strain(row: Any, side: int) -> Any:
+    """The wave that comes in through an end is this, m/s, times its strain."""
+    end_segment = row.segments[side * (len(row.segments) - 1)]
+    return (4 * side - 2) * end_segment.wave_speed
+
+
+def least_impedance(row: Any) -> Any:
+    """Smallest impedance, kg/s."""
+    impedances = []
+    for s in row.segments:
+        least_area = extremes(s.area)[0]
+        impedances.append(s.material.density * s.wave_speed * least_area)
+    return smallest(impedances)
+
+
+def scale_of(row: Any) -> Any:
+    """Scale of velocities of a row with rods, m/s.
+
+    It is the spread of the velocities, and what strains, forces and gravity make of it.
+    """
+    strained = [0.0]  # wave speed times strain, m/s
+    for body in row.system.bodies:
+        if body.kind == "rod":
+            c = largest([s.wave_speed for s in body.segments])
+            strained.extend([c * abs(strain) for strain in extremes(body.strain)])
+    pushed = [0.0]  # forces, N
+    for side, (kind, value) in enumerate(row.outside):
+        if kind == "force":
+            pushed.extend([abs(force) for force in extremes(value)])
+        elif kind == "absorbing":
+            factor = wave_of_strain(row, side)
+            strained.extend([abs(strain * factor) for strain in extremes(value)])
+    for link in row.links:
+        if link.law == Law.JOINT:
+            pushed.append(abs(link.stiffness * link.stretch))
+        elif link.law >= Law.SPRING:  # it may begin with an overlap
+            overlap = np.maximum(0.0 - link.gap, 0.0)
+            pushed.append(link.stiffness * overlap**link.exponent)
+    transit = largest([s.transit_time for s in row.segments])
+    fall = abs(row.system.gravity) * transit
+    velocities = velocities_of(row)
+    spread = largest(velocities) - smallest(velocities)
+    return spread + largest(strained) + largest(pushed) / least_impedance(row) + fall
+
+
+def scale_without_rods(row: Any, time: Any) -> Any:
+    """Scale of velocities of a row of masses, m/s: what they have, and what forces give in a time.
+
+    Parameters
+    ----------
+    row : Row
+    time : float or array
+        Time in which forces act, s.
+    """
+    least_mass = smallest(row.masses or [np.inf])  # all of it may be bonded to walls
+    scale = np.abs(row.system.gravity) * time
+    for kind, value in row.outside:
+        if kind == "force":
+            scale = scale + largest(np.abs(extremes(value))) * time / least_mass
+    velocities = velocities_of(row)
+    scale = scale + largest(velocities) - smallest(velocities)
+    for link in row.links:
+        if link.law == Law.JOINT:
+            extension = np.abs(link.stretch)
+        elif link.law >= Law.SPRING:
+            extension = np.maximum(-np.asarray(link.gap), 0.0)
+        else:
+            continue
+        # what the link stores at t = 0 moves a mass
+        stored = link.stiffness * extension ** (link.exponent + 1)
+        scale = scale + np.sqrt(stored / least_mass)
+    return scale
+
+
+# Bounds -------------------------------------------------------------------------------
+
+
+def beyond_scales(row: Any) -> list[tuple[Any, str, str]]:
+    """Where steps overflow, vanish, or lose an indentation in round-off.
+
+    Returns
+    -------
+    list of (bool or array, str, str)
+        Whether that is so, path and sentence.
+    """
+    scale: Any = row.scale
+    segments = row.segments
+    heaviest: Any = largest([*row.masses, *(s.mass for s in segments)])
+    transit: Any = largest([s.transit_time for s in segments])
+    impedances = []
+    for s in segments:
+        largest_area = extremes(s.area)[1]
+        impedances.append(s.material.density * s.wave_speed * largest_area)
+    with np.errstate(over="ignore", invalid="ignore", under="ignore"):
+        force = scale * largest(impedances)
+        energy = scale * scale * heaviest
+        force_squared = force * force
+        is_above = np.less(
+            SMALLEST_FLOAT * SUM_MARGIN, np.minimum(energy, force_squared)
+        )
+        is_below = np.less(
+            np.maximum(energy, force_squared), LARGEST_FLOAT / SUM_MARGIN
+        )
+        message = (
+            f"velocities and strains of {np.max(scale):.6g} m/s make energies or forces "
+            "that overflow or vanish; use smaller or larger ones"
+        )
+        is_beyond = np.not_equal(scale, 0) & ~(is_above & is_below)
+        beyond = [(is_beyond, "bodies", message)]
+        for k, i in row.by_law.items():
+            link = row.links[i]
+            stiffness = (
+                link.stiffness
+                * (transit / least_impedance(row))
+                * np.power(scale * transit, np.asarray(link.exponent) - 1)
+            )
+            rigid = "Bonded" if link.law == Law.JOINT else "Rigid"
+            message = (
+                f"is as good as rigid beside these rods, got {link.stiffness!r}; use "
+                f"{rigid}()"
+            )
+            is_rigid = ~np.less_equal(stiffness, LARGEST_STIFFNESS)
+            beyond.append((is_rigid, f"contacts.{k}.stiffness", message))
+    return beyond
+
+
+def check_scales(row: Any) -> None:
+    """Raise InvalidModel where steps overflow, vanish, or lose an indentation in round-off."""
+    problems = []
+    for is_beyond, path, message in beyond_scales(row):
+        if is_beyond:
+            problems.append((path, message))
+    if problems and problems[0][0] == "bodies":
+        raise InvalidModel(problems[:1])
+    if problems:
+        raise InvalidModel(problems)
