@@ -417,7 +417,8 @@ class _Translator(ast.NodeVisitor):
         if called in (min, max) and len(given) > 1:
             return reduce(lambda text, other: f"py.{name}({text},{other})", given)
         if fields := field_names(called):
-            return f"({{{','.join(map(':'.join, zip(fields, given, strict=True)))}}})"
+            given_fields = zip(fields, given, strict=False)  # the last have defaults
+            return f"({{{','.join(map(':'.join, given_fields))}}})"
         if called in calls:
             text = calls[called]
         elif isinstance(called, FunctionType) and called.__module__.startswith(

@@ -7,12 +7,13 @@ import math
 from time import monotonic
 from typing import Any
 
+from ..methods.clock import MIN_TRANSIT, Clock, count_ticks, default_horizon
 from ..methods.compiling import blank
 from ..methods.groups import body_velocities
 from ..methods.laws import Law, Stop
 from ..methods.pieces import accuracy, layout, march, reading
 from ..methods.pieces.accuracy import Ended, size_of
-from ..methods.pieces.layout import Asked, Clock
+from ..methods.pieces.layout import Asked
 from ..methods.pieces.method import RTOL
 from ..methods.pieces.records import NONE, PIECE, TURN
 from ..methods.pieces.series import N
@@ -43,14 +44,20 @@ TOO_MUCH_WORK = (
 
 def clock_of(row: Any, until: Any) -> Any:
     """The clock of a row with rods; None where times are too far apart for it."""
-    transits, scale = [s.transit_time for s in row.segments], scale_of(row)
-    reference, scale = largest(transits), scale if scale > 0 else 1.0
-    end = layout.horizon_of(row, reference, scale) if until is None else until
-    total, made = layout.count_ticks(transits, reference, end)
-    if total == 0 or any(ticks <= 4096 for ticks in made):
+    transits = [s.transit_time for s in row.segments]
+    reference = largest(transits)
+    scale = scale_of(row)
+    if not scale > 0:
+        scale = 1.0
+    end = until
+    if until is None:
+        end = default_horizon(row, reference, scale)
+    total, ticks = count_ticks(transits, reference, end)
+    if total == 0 or any(transit <= MIN_TRANSIT for transit in ticks):
         return None
     tick = reference / total
-    return Clock(tick, made, round(end / tick), reference, frame_of(row), scale)
+    last_tick = round(end / tick)
+    return Clock(row, tick, ticks, frame_of(row), scale, reference, last_tick)
 
 
 def waves_at_start(row: Any, clock: Clock) -> Any:

@@ -1,54 +1,96 @@
-"""A row of bodies on a clock of whole ticks: what fields need to know of any method's run."""
+"""The clock of a row: how time and velocities are measured, in whole ticks and in a moving frame.
+
+One class serves all methods, fields and the page. In a family its numbers are arrays.
+"""
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
+
+import numpy as np
 
 from ..model import System
 from . import tick_rule as rule
+from .compiling import blank
 from .row import Row
 
+MIN_TRANSIT = 4096
+"""Ticks that a transit time must exceed: the window of a closing is a share of it."""
 
-@dataclass(frozen=True, kw_only=True)
+
+@dataclass(frozen=True, eq=False)
 class Clock:
-    """Segments 1 to n from left to right; index 0 and n + 1 of a segment list are the outside.
+    """A row on a clock of whole ticks.
+
+    Lists by segment with the outside have the index 0 for what lies left of the row, and n + 1 for
+    what lies right of it.
 
     Attributes
     ----------
-    system : System
-    spans : tuple of (int, int)
-        First and last segment of each body; (1, 0) for a wall or a rigid mass.
-    wave_speed, impedance, length : list of float
-        By segment, SI.
-    ticks : list of int
-        Transit times by segment.
+    row : Row
     tick : float
         s.
+    transits : list of int
+        Transit times of the segments from left to right, ticks.
     frame : float
         Velocity of the frame in which waves are given, m/s, at t = 0.
-    gravity : float
-        Acceleration of that frame, m/s^2.
     scale : float
-        Of velocities, m/s; 0 where totals are exact.
+        Scale of velocities, m/s; 0 where totals are exact.
+    reference : float
+        The longest transit time, or what stands for it in a row without rods, s.
+    last_tick : int
+        Tick at which the clock ends.
+    impedance : list of float
+        By segment with the outside, kg/s: impedance times transit time is mass.
     transit_error : float
         Largest relative change of a transit time by its rounding to the clock.
     worst : str
         Path of the segment with that error.
     """
 
-    system: System
-    spans: tuple[tuple[int, int], ...]
-    wave_speed: list[float]
-    impedance: list[float]
-    length: list[float]
-    ticks: list[int]
+    row: Row
     tick: float
+    transits: Sequence[int]
     frame: float
-    gravity: float = 0.0
     scale: float = 0.0
+    reference: float = 0.0
+    last_tick: int = 0
+    impedance: Sequence[float] = ()
     transit_error: float = 0.0
     worst: str = ""
+
+    @property
+    def system(self) -> System:
+        """The system of the row."""
+        system: System = self.row.system
+        return system
+
+    @property
+    def spans(self) -> list[tuple[int, int]]:
+        """First and last segment of each body; (1, 0) for a wall or a rigid mass."""
+        return self.row.spans
+
+    @property
+    def gravity(self) -> float:
+        """Acceleration of the frame, m/s^2."""
+        return float(self.row.system.gravity)
+
+    @cached_property
+    def ticks(self) -> list[int]:
+        """Transit times by segment with the outside, which has none."""
+        return [0, *self.transits, 0]
+
+    @cached_property
+    def wave_speed(self) -> list[float]:
+        """Wave speeds by segment with the outside, m/s."""
+        return [0.0, *(float(s.wave_speed) for s in self.row.segments), 0.0]
+
+    @cached_property
+    def length(self) -> list[float]:
+        """Lengths by segment with the outside, m."""
+        return [0.0, *(float(s.length) for s in self.row.segments), 0.0]
 
     @property
     def longest(self) -> int:
@@ -60,44 +102,94 @@ class Clock:
         first, last = self.spans[body]
         if last == 0:
             return float(getattr(self.system.bodies[body], "mass", math.inf))
-        return (
-            sum(self.impedance[s] * self.ticks[s] for s in range(first, last + 1))
-            * self.tick
+        mass_in_ticks = sum(
+            self.impedance[s] * self.ticks[s] for s in range(first, last + 1)
         )
+        return mass_in_ticks * self.tick
 
 
-def clock_of(row: Row, ticks: Sequence[int], tick: float, **known: Any) -> Clock:
-    """The clock of a row whose segments take so many ticks; `known` is what a method says itself.
+def clock_of(
+    row: Row,
+    transits: Sequence[int],
+    tick: float,
+    *,
+    frame: float | None = None,
+    scale: float = 0.0,
+    impedance: Sequence[float] | None = None,
+    is_mesh: bool = False,
+) -> Clock:
+    """The clock of a single row whose segments take so many ticks.
 
     Parameters
     ----------
     row : Row
-    ticks : sequence of int
-        Transit times by segment, without the outside.
+    transits : sequence of int
+        Transit times by segment, ticks.
     tick : float
         s.
-    **known
-        Attributes of a `Clock`, for those that follow from the row.
+    frame : float, optional
+        By default that of the row.
+    scale : float
+    impedance : sequence of float, optional
+        By default those of the segments, and 0 outside.
+    is_mesh : bool
+        Whether the ticks are those of a mesh, to which transit times are not rounded.
     """
-    for name in ("wave_speed", "impedance", "length"):
-        if name not in known:
-            known[name] = [
-                0.0,
-                *(float(getattr(piece, name)) for piece in row.segments),
-                0.0,
-            ]
-    if "frame" not in known:  # which takes longer than all else here
-        known["frame"] = float(row.frame)
-    error, worst = most_rounded(row, ticks, tick)
-    known = {"gravity": float(row.system.gravity), "transit_error": error, **known}
+    if frame is None:  # which takes longer than all else here
+        frame = float(row.frame)
+    if impedance is None:
+        impedance = [0.0, *(float(s.impedance) for s in row.segments), 0.0]
+    error, worst = most_rounded(row, transits, tick)
+    if is_mesh:
+        error = 0.0
     return Clock(
-        system=row.system,
-        spans=tuple(row.spans),
-        ticks=[0, *ticks, 0],
-        tick=tick,
+        row,
+        tick,
+        transits,
+        frame,
+        scale,
+        impedance=impedance,
+        transit_error=error,
         worst=worst,
-        **known,
     )
+
+
+def default_horizon(row: Any, reference: Any, scale: Any) -> Any:
+    """Time that the clock of a run without a given end must be able to count, s.
+
+    Parameters
+    ----------
+    row : Row
+    reference : float or array
+        The longest transit time, or what stands for it, s.
+    scale : float or array
+        Scale of velocities, m/s.
+    """
+    crossing_time = 0.0
+    for segment in row.segments:
+        crossing_time = crossing_time + segment.transit_time
+    flight_length = 0.0
+    for link in row.links:
+        flight_length = flight_length + np.maximum(link.gap, 0.0)
+    flight_time = flight_length / scale
+    return rule.default_horizon(reference, crossing_time, flight_time, 1.0)
+
+
+def count_ticks(
+    durations: list[float], longest: float, end: float
+) -> tuple[int, list[int]]:
+    """Ticks of the longest transit and of all durations of one member.
+
+    There are none if the clock cannot count to the end.
+    """
+    bits = rule.clock_bits(end / longest)
+    if bits < rule.MIN_TRANSIT_BITS:
+        return 0, []
+    counted = blank(len(durations), rule.DURATION)
+    for i in range(len(counted)):
+        counted[i].time = durations[i]
+    total = rule.assign_ticks(counted, bits) if len(counted) > 0 else 1 << bits
+    return total, [duration.ticks for duration in counted]
 
 
 def most_rounded(row: Any, ticks: Any, tick: float) -> tuple[float, str]:
@@ -115,7 +207,7 @@ def most_rounded(row: Any, ticks: Any, tick: float) -> tuple[float, str]:
 
 def too_long(end: float, longest: float) -> tuple[str, str]:
     """Path and sentence for a run to `end`, s, which no clock counts; `longest` transit time, s."""
-    most = longest * 2.0 ** (rule.CLOCK_BITS - 1 - rule.MIN_TRANSIT_BITS)
+    most = rule.countable_time(longest)
     return "until", (
         f"a run of {end:g} s is {end / longest:.3g} times the longest transit time {longest:g} s, "
         f"more than the clock can count; stop before {most:.3g} s"

@@ -10,6 +10,9 @@ all durations in a simple ratio to the leader.
 
 import math
 from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
 
 from .compiling import dtype_of
 
@@ -22,7 +25,12 @@ DIVISIBLE = (
 MIN_UNIT = 2.0**40  # ticks in a part of a further class: its rounding is below 2^-41
 
 CLOCK_BITS = 62  # ticks end at 2^62
-HORIZON = 4096  # a clock without a given end can count so many longest transits
+
+# A clock without a given end can count at least so many times these durations.
+HORIZON = 4096  # longest transits
+MIN_ROW_CROSSINGS = 16
+MIN_FLIGHTS = 4
+
 MAX_TRANSIT_BITS = 50  # the longest transit has at most 2^50 ticks, or a few more
 MIN_TRANSIT_BITS = 20  # and at least 2^20
 
@@ -194,3 +202,29 @@ def clock_bits(ratio: float) -> int:
     if mantissa > 0.5:  # ratio is no power of two: round up
         bits -= 1
     return min(MAX_TRANSIT_BITS, bits)
+
+
+def default_horizon(
+    longest: Any, crossing_time: Any, flight_time: Any, share: float
+) -> Any:
+    """Time that the clock of a run without a given end must be able to count, s.
+
+    Parameters
+    ----------
+    longest : float or array
+        The longest transit time, s.
+    crossing_time : float or array
+        Time to cross the whole row, s.
+    flight_time : float or array
+        Time to cross all gaps at the velocity scale, s.
+    share : float
+        Share of `HORIZON` that is counted.
+    """
+    wanted = np.maximum(share * HORIZON * longest, MIN_ROW_CROSSINGS * crossing_time)
+    wanted = np.maximum(wanted, MIN_FLIGHTS * flight_time)
+    return np.minimum(wanted, countable_time(longest))
+
+
+def countable_time(longest: Any) -> Any:
+    """Longest time that a clock can count beside this longest transit time, s."""
+    return longest * 2.0 ** (CLOCK_BITS - 1 - MIN_TRANSIT_BITS)

@@ -19,7 +19,7 @@ OUTSIDE = {
     "incoming": "absorbing",
 }
 """What is outside an end of the row, by the kind of the end."""
-DRIVEN = ("velocity", "force", "incoming")
+DRIVEN = ["velocity", "force", "incoming"]
 """Kinds of ends that have a value."""
 
 

@@ -15,6 +15,7 @@ import rodimpact as ri
 from rodimpact.methods.clock import Clock
 from rodimpact.methods.run import Run, Signals, Waves
 from rodimpact.methods.signals import Pieces
+from rodimpact.methods.walk import walk
 from rodimpact.model.profiles import averages
 from rodimpact.results.solution import Solution
 
@@ -42,16 +43,12 @@ def pieces_of(function, marks):
 def solved(system, a, b, end):
     """The solution of a rod from the waves that leave its ends."""
     clock = Clock(
-        system=system,
-        spans=((1, 1),),
-        wave_speed=[0.0, C, 0.0],
-        scale=SPEED,
+        walk(system),
+        TICK,
+        [TICKS],
+        DRIFT,
+        SPEED,
         impedance=[0.0, Z, 0.0],
-        length=[0.0, 2.0, 0.0],
-        ticks=[0, TICKS, 0],
-        tick=TICK,
-        frame=DRIFT,
-        gravity=float(system.gravity),
     )
     signals = Signals(Waves([None, None, a, b, None, None]), (), (None, None), None, {})
     return Solution(

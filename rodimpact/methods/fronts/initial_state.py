@@ -42,10 +42,6 @@ CLOSING_WINDOW_BITS = 40
 otherwise round-off between both makes waves one tick wide, which multiply."""
 MIN_TRANSIT_WINDOWS = 4  # a transit must exceed so many closing windows
 
-# A clock without a given end must count at least so many times these durations.
-MIN_ROW_CROSSINGS = 16
-MIN_FLIGHTS = 4
-
 
 def frame_index(n: int) -> int:
     """Index of the velocity of the frame among the values of a row of n segments."""
@@ -170,15 +166,8 @@ def default_horizon(state: State, values: Values) -> float:
     for node in state.nodes:
         if node.contact != NONE and run.velocity_scale > 0:
             flight_time += values[gap_index(n, node.contact)] / run.velocity_scale
-    horizon: float = max(
-        -run.until * rule.HORIZON * run.longest_transit_time,
-        MIN_ROW_CROSSINGS * crossing_time,
-        MIN_FLIGHTS * flight_time,
-    )
-    countable = run.longest_transit_time * 2.0 ** (
-        rule.CLOCK_BITS - 1 - rule.MIN_TRANSIT_BITS
-    )
-    return min(horizon, countable)
+    longest = run.longest_transit_time
+    return float(rule.default_horizon(longest, crossing_time, flight_time, -run.until))
 
 
 def drive_jumps(outside: Segment) -> int:

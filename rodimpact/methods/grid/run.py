@@ -363,5 +363,5 @@ def clock_on(mesh: Mesh, step: float) -> Clock:
         tick,
         impedance=[0.0, *impedance, 0.0],
         scale=row.scale,
-        transit_error=0.0,
+        is_mesh=True,
     )

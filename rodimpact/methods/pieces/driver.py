@@ -19,7 +19,7 @@ from .accuracy import Ended
 from .known import Known, as_family
 from .layout import Asked
 from .records import LINE, LINK, MASS, NEVER, NODE, PART, PIECE, RUN, TURN
-from .rows import clock_of, own_laws
+from .rows import family_clock, own_laws
 from .series import N
 
 RECORDS = {
@@ -73,7 +73,7 @@ class Members:
 
     def __init__(self, row: Row, asked: Asked) -> None:
         self.row, self.asked, self.own = row, asked, own_laws(row)
-        self.clock, jumps = clock_of(row, asked.until)
+        self.clock, jumps = family_clock(row, asked.until)
         known = Known(row, self.clock, jumps, asked)
         laid = layout.lay_out(row, self.clock, asked, known.lines, known.outside)
         self.first = np.concatenate(known.log, axis=1)

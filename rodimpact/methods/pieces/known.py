@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 
 from ...model import Polynomials, Samples, Steps
+from ..clock import Clock
 from ..row import Row
 from ..scales import wave_of_strain
 from ..signals import Ints, Pieces
 from . import layout, waves
-from .layout import Asked, Clock
+from .layout import Asked
 from .records import HARD, NONE, PIECE
 
 EXACT_FIT = 2.0**-48  # of the velocity scale

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .. import tick_rule as rule
 from ..abilities import driven
+from ..clock import Clock
 from ..compiling import blank
 from ..laws import Law, Status
 from ..link import FIELDS, initial_gap
@@ -25,31 +25,6 @@ NEAR = (
 GRAZE = 2.0**-40  # of the velocity scale: forces that move no faster are none
 
 
-class Clock(NamedTuple):
-    """How time and velocities of a row are measured.
-
-    Attributes
-    ----------
-    tick : float
-        s.
-    transits : list of int
-        Transit times by segment, ticks.
-    last : int
-        Tick at which the clock ends.
-    reference : float
-        The longest transit time, or what stands for it in a row without rods, s.
-    frame, scale : float
-        Velocity of the frame, and scale of velocities, m/s.
-    """
-
-    tick: Any
-    transits: Any
-    last: Any
-    reference: Any
-    frame: Any
-    scale: Any
-
-
 class Asked(NamedTuple):
     """What a run is asked for: its end, s, if any; tolerance; cap on steps; what to keep."""
 
@@ -57,40 +32,6 @@ class Asked(NamedTuple):
     tolerance: Any  # relative to the velocity scale
     limit: int
     keep: bool  # forces, overlaps and velocities of masses
-
-
-# The clock ----------------------------------------------------------------------------------------
-
-
-def horizon_of(row: Any, reference: Any, scale: Any) -> Any:
-    """Time for which the clock has room where no end is asked for, s."""
-    total, flight = 0.0, 0.0
-    for segment in row.segments:
-        total = total + segment.transit_time
-    for it in row.links:
-        flight = flight + np.maximum(it.gap, 0.0)
-    horizon = np.maximum(rule.HORIZON * reference, 16 * total)
-    horizon = np.maximum(horizon, 4 * flight / scale)
-    return np.minimum(
-        horizon, reference * 2.0 ** (rule.CLOCK_BITS - 1 - rule.MIN_TRANSIT_BITS)
-    )
-
-
-def count_ticks(
-    durations: list[float], longest: float, end: float
-) -> tuple[int, list[int]]:
-    """Ticks of the longest transit and of all durations of one member.
-
-    There are none if the clock cannot count to the end.
-    """
-    bits = rule.clock_bits(end / longest)
-    if bits < rule.MIN_TRANSIT_BITS:
-        return 0, []
-    span = blank(len(durations), rule.DURATION)
-    for i in range(len(span)):
-        span[i].time = durations[i]
-    total = rule.assign_ticks(span, bits) if len(span) > 0 else 1 << bits
-    return total, [one.ticks for one in span]
 
 
 # Waves at t = 0, and from outside -----------------------------------------------------------------
@@ -191,7 +132,7 @@ def run_of(row: Any, clock: Clock, asked: Asked, shortest: Any, known: Any) -> A
     run.floor = np.maximum(shortest // (FLOORS + 4 * breaks), 64)
     run.shortest, run.graze = shortest, GRAZE * clock.scale
     run.window = np.maximum(np.rint(clock.reference / clock.tick * WINDOW), 1)
-    run.end, run.limit, run.keep = clock.last, asked.limit, 1 if asked.keep else 0
+    run.end, run.limit, run.keep = clock.last_tick, asked.limit, 1 if asked.keep else 0
     run.proved = run.first_rough = run.surveyed = NONE
     run.check = NEVER if driven(row.system) else shortest
     run.held = 0 if all(law.opens for law in row.system.contacts) else 1

@@ -6,13 +6,18 @@ import numpy as np
 
 from ... import model
 from ...model.frozen import InvalidModel
-from ..clock import too_long, too_short
+from ..clock import (
+    MIN_TRANSIT,
+    Clock,
+    count_ticks,
+    default_horizon,
+    too_long,
+    too_short,
+)
 from ..compiling import Functions
 from ..row import Row
 from ..scales import largest, scale_without_rods, smallest, velocities_of
-from . import layout
 from .known import jumps_of, segments_of, varies
-from .layout import Clock
 
 
 def own_laws(row: Row) -> Functions:
@@ -55,38 +60,37 @@ def velocity_scale(row: Row, time: Any) -> Any:
     return np.where(scale > 0, scale, 1.0)
 
 
-def clock_of(
+def family_clock(
     row: Row, until: float | None
 ) -> tuple[Clock, dict[tuple[int, float], int]]:
     """The clock, and the times in ticks from ends of rods to jumps inside."""
-    reference, transits = (
-        reference_time(row, until),
-        [s.transit_time for s in row.segments],
-    )
-    scale, jumps, n = velocity_scale(row, reference), jumps_of(row), len(transits)
-    end = layout.horizon_of(row, reference, scale) if until is None else until
-    durations = [
-        *transits,
-        *(share * transits[s] for s, share in jumps),
-        reference,
-        end,
-    ]
-    found, ticks, made = (
-        np.zeros(row.members),
-        np.zeros((n, row.members), np.int64),
-        list[int](),
-    )
-    table = np.array([row.of(duration) for duration in durations]).T.tolist()
-    for m, (*times, longest, stop) in enumerate(table):
-        total, made = layout.count_ticks(times, longest, stop)
-        if total == 0:
+    transits = [s.transit_time for s in row.segments]
+    reference = reference_time(row, until)
+    scale = velocity_scale(row, reference)
+    jumps = jumps_of(row)
+    end = until
+    if until is None:
+        end = default_horizon(row, reference, scale)
+    jump_times = [share * transits[s] for s, share in jumps]
+    durations = [*transits, *jump_times, reference, end]
+    by_member = np.array([row.of(duration) for duration in durations]).T.tolist()
+    segments = len(transits)
+    tick: Any = np.zeros(row.members)
+    ticks = np.zeros((segments, row.members), np.int64)
+    counted: list[int] = []
+    for m, (*times, longest, stop) in enumerate(by_member):
+        longest_ticks, counted = count_ticks(times, longest, stop)
+        if longest_ticks == 0:
             raise InvalidModel([too_long(stop, longest)])
-        found[m], ticks[:, m] = longest / total, made[:n]
-        if n and min(made[:n]) <= 4096:
+        tick[m] = longest / longest_ticks
+        ticks[:, m] = counted[:segments]
+        if segments and min(counted[:segments]) <= MIN_TRANSIT:
             s = int(ticks[:, m].argmin())
             raise InvalidModel([too_short(row.paths[s + 1], times[s], max(times))])
-    tick, shape = found.reshape(row.system.shape), (n, *row.system.shape)
-    clock = Clock(
-        tick, [*ticks.reshape(shape)], np.rint(end / tick), reference, row.frame, scale
-    )
-    return clock, dict(zip(jumps, made[n:], strict=True))
+    shape = row.system.shape
+    tick = tick.reshape(shape)
+    last_tick: Any = np.rint(end / tick)
+    by_segment: Any = [*ticks.reshape((segments, *shape))]
+    clock = Clock(row, tick, by_segment, row.frame, scale, reference, last_tick)
+    # Only a single row, not a family, has states that jump.
+    return clock, dict(zip(jumps, counted[segments:], strict=True))
