@@ -15,7 +15,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .model.arguments import Array, Number, array, demand, plain, together
+from .model.arguments import (
+    Array,
+    Number,
+    array,
+    broadcast_arguments,
+    demand,
+    float_or_array,
+)
 
 _MASS = "kg", "positive or infinite"
 _VELOCITY = "m/s", "any"
@@ -109,11 +116,11 @@ def contact_mass(m1: ArrayLike, m2: ArrayLike) -> Number:
     >>> contact_mass(2.0, 6.0), contact_mass(2.0, float("inf"))
     (1.5, 2.0)
     """
-    M1, M2 = together(m1=(m1, *_MASS), m2=(m2, *_MASS))
+    M1, M2 = broadcast_arguments(m1=(m1, *_MASS), m2=(m2, *_MASS))
     message = "must be finite where m1 is infinite: at most one body can be immovable, got {0!r}"
     demand(np.isfinite(M1) | np.isfinite(M2), "m2", message, M2)
     light, heavy = np.minimum(M1, M2), np.maximum(M1, M2)
-    return plain(light / (1 + light / heavy))
+    return float_or_array(light / (1 + light / heavy))
 
 
 def collide(
@@ -162,7 +169,7 @@ def collide(
     >>> after.impulse, after.velocity_1, after.velocity_2
     (23.625, 2.625, 4.625)
     """
-    M1, V1, M2, V2, e = together(
+    M1, V1, M2, V2, e = broadcast_arguments(
         m1=(m1, *_MASS),
         v1=(v1, *_VELOCITY),
         m2=(m2, *_MASS),
@@ -184,7 +191,7 @@ def collide(
     W1, W2 = V_cm - share_2 * after, V_cm + share_1 * after
     return RigidCollision(
         *map(
-            plain,
+            float_or_array,
             (
                 W1,
                 W2,
@@ -229,14 +236,14 @@ def restitution_from_velocities(
     >>> restitution_from_velocities(10.0, 5.0, 6.0, 7.0)
     0.2
     """
-    before_1, before_2, after_1, after_2 = together(
+    before_1, before_2, after_1, after_2 = broadcast_arguments(
         v1_before=(v1_before, *_VELOCITY),
         v2_before=(v2_before, *_VELOCITY),
         v1_after=(v1_after, *_VELOCITY),
         v2_after=(v2_after, *_VELOCITY),
     )
     demand(before_1 > before_2, "v1_before", _APART, before_1, before_2)
-    return plain((after_2 - after_1) / (before_1 - before_2))
+    return float_or_array((after_2 - after_1) / (before_1 - before_2))
 
 
 def restitution_from_heights(drop: ArrayLike, rebound: ArrayLike) -> Number:
@@ -267,14 +274,14 @@ def restitution_from_heights(drop: ArrayLike, rebound: ArrayLike) -> Number:
     >>> restitution_from_heights(10.0, 6.4)
     0.8
     """
-    fall, rise = together(
+    fall, rise = broadcast_arguments(
         drop=(drop, "m", "positive"), rebound=(rebound, "m", "non-negative")
     )
     message = (
         "must be at most the drop, {1!r}, got {0!r}: a ball from rest rises no higher"
     )
     demand(rise <= fall, "rebound", message, rise, fall)
-    return plain(np.sqrt(rise / fall))
+    return float_or_array(np.sqrt(rise / fall))
 
 
 def stack_drop(
@@ -321,7 +328,7 @@ def stack_drop(
     """
     M = np.atleast_1d(array("masses", masses, "kg", "positive"))
     e = np.atleast_1d(array("restitutions", restitutions, "", "[0, 1]"))
-    h, g = together(
+    h, g = broadcast_arguments(
         height=(height, "m", "positive"), gravity=(gravity, "m/s^2", "positive")
     )
     balls = M.shape[-1]
@@ -338,7 +345,8 @@ def stack_drop(
         after = collide(M[..., i], v[..., i], M[..., j], v[..., j], e[..., j])
         v[..., i], v[..., j] = after.velocity_1, after.velocity_2
     return StackDrop(
-        velocities=v, top_height=plain(np.maximum(v[..., -1], 0.0) ** 2 / (2 * g))
+        velocities=v,
+        top_height=float_or_array(np.maximum(v[..., -1], 0.0) ** 2 / (2 * g)),
     )
 
 

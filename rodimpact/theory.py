@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .model.arguments import Array, Number, array, plain, together
+from .model.arguments import Array, Number, array, broadcast_arguments, float_or_array
 from .rigid import contact_mass
 
 EQUAL_IMPEDANCES = 2.0**-48
@@ -220,7 +220,7 @@ def saint_venant_force(
     )
     k = np.floor(np.clip(t, 0.0, pair.duration) / (2 * short_time))
     pressing = (t >= 0) & (t < pair.duration)
-    return plain(np.where(pressing, pair.peak_force * np.exp(k * log_q), 0.0))
+    return float_or_array(np.where(pressing, pair.peak_force * np.exp(k * log_q), 0.0))
 
 
 def rod_on_wall(
@@ -353,7 +353,7 @@ def horn_amplification(area_0: ArrayLike, area_1: ArrayLike) -> Number:
     2.0
     """
     A0, A1 = _checked(area_0=area_0, area_1=area_1)
-    return plain(np.sqrt(A0 / A1))
+    return float_or_array(np.sqrt(A0 / A1))
 
 
 def horn_frequency(
@@ -392,7 +392,7 @@ def horn_frequency(
     10.0
     """
     c, k, beta = _checked(wave_speed=wave_speed, wave_number=wave_number, taper=taper)
-    return plain(c * np.hypot(k, beta))
+    return float_or_array(c * np.hypot(k, beta))
 
 
 def kelvin_voigt_decay(
@@ -435,7 +435,7 @@ def kelvin_voigt_decay(
         viscosity=viscosity,
         angular_frequency=angular_frequency,
     )
-    return plain(eta * omega * omega / (2 * E))
+    return float_or_array(eta * omega * omega / (2 * E))
 
 
 def rayleigh_love_speed(
@@ -484,13 +484,13 @@ def rayleigh_love_speed(
         poisson_ratio=poisson_ratio,
         wave_number=wave_number,
     )
-    return plain(c / np.hypot(1.0, nu * kappa * k))
+    return float_or_array(c / np.hypot(1.0, nu * kappa * k))
 
 
 def _collision(**found: Any) -> PairCollision:
     """Arrays without dimensions become floats."""
     return PairCollision(
-        **{name: plain(np.asarray(entry)) for name, entry in found.items()}
+        **{name: float_or_array(np.asarray(entry)) for name, entry in found.items()}
     )
 
 
@@ -524,7 +524,7 @@ def pair_restitution(
 
 def _checked(**given: ArrayLike) -> tuple[Array, ...]:
     """The arguments as arrays that are broadcast, each of its unit and sign."""
-    return together(
+    return broadcast_arguments(
         **{
             name: (
                 value,

@@ -23,7 +23,14 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 from scipy.special import i0e, i1e, j0, j1
 
-from .model.arguments import Array, Number, array, demand, plain, together
+from .model.arguments import (
+    Array,
+    Number,
+    array,
+    broadcast_arguments,
+    demand,
+    float_or_array,
+)
 from .model.bodies import Rod, Segment
 from .model.frozen import Declared, Problems, quantity, raise_noted, refusal
 from .model.lateral_inertia import INERTIA, radial_moduli
@@ -132,7 +139,7 @@ class Bar(Declared):
         ValueError
             If a frequency is negative or not finite.
         """
-        return plain(self.wave_speed * self._ratio(frequency))
+        return float_or_array(self.wave_speed * self._ratio(frequency))
 
     def group_velocity(self, frequency: ArrayLike) -> Number:
         """Group velocity d(omega)/dk of the first mode; as `phase_velocity`.
@@ -162,12 +169,12 @@ class Bar(Declared):
         slope = np.divide(
             up - down, 2 * h * G, out=np.ones(np.shape(G)), where=np.asarray(G) > 0
         )
-        return plain(self.wave_speed * slope)
+        return float_or_array(self.wave_speed * slope)
 
     def wavenumber(self, frequency: ArrayLike) -> Number:
         """Wave number k = omega/c of the first mode, rad/m; as `phase_velocity`."""
         f = array("frequency", frequency, "Hz")
-        return plain(2 * math.pi * f / self.wave_speed / self._ratio(f))
+        return float_or_array(2 * math.pi * f / self.wave_speed / self._ratio(f))
 
     @property
     def cut_off(self) -> float:
@@ -199,7 +206,7 @@ class Bar(Declared):
         message = f"must be from 0 to {self.cut_off!r} Hz, got {{0!r}}"
         demand((f >= 0) & (f <= room), "frequency", message, f)
         lag = _slowness(self.poisson_ratio)(f * self.radius / self.wave_speed)
-        return plain(lag / self.wave_speed)
+        return float_or_array(lag / self.wave_speed)
 
     def _ratio(self, frequency: ArrayLike) -> Array:
         f = array("frequency", frequency, "Hz", "non-negative")
@@ -240,14 +247,14 @@ def first_mode(
     >>> first_mode([0.0, 0.1, 0.3], 0.29).round(5).tolist()
     [1.0, 0.99113, 0.87299]
     """
-    s, nu = together(
+    s, nu = broadcast_arguments(
         radius_over_wavelength=(radius_over_wavelength, "", "non-negative"),
         poisson_ratio=(poisson_ratio, "", "[0, 0.5]"),
     )
     problems: Problems = []
     check_progress(problems, progress)
     raise_noted(problems)
-    return plain(
+    return float_or_array(
         _each(lambda g, _: g, 2 * math.pi * np.minimum(s, SHORTEST), nu, progress)
     )
 
@@ -288,7 +295,7 @@ def mindlin_herrmann(
     >>> slow.round(5).tolist(), fast.round(5).tolist()
     ([1.0, 0.98863, 0.87005], [inf, 3.47427, 1.42475])
     """
-    s, nu = together(
+    s, nu = broadcast_arguments(
         radius_over_wavelength=(radius_over_wavelength, "", "non-negative"),
         poisson_ratio=(poisson_ratio, "", "(-1, 0.5)"),
     )
@@ -300,7 +307,7 @@ def mindlin_herrmann(
         both = (moduli.axial + slowest) * short + cut_off * long
         product = moduli.axial * slowest * short + cut_off * long
         larger = both + np.sqrt(both * both - 4 * product * short)
-        return plain(np.sqrt(2 * product / larger)), plain(
+        return float_or_array(np.sqrt(2 * product / larger)), float_or_array(
             np.sqrt(larger / (2 * short))
         )
 
@@ -329,7 +336,7 @@ def rayleigh_speed(poisson_ratio: ArrayLike) -> Number:
         r = brentq(lambda x: float(np.polyval(cubic, x)), 0.5, 1.0)
         return math.sqrt(r / (2 + 2 * v))
 
-    return plain(np.vectorize(root, otypes=[float])(nu))
+    return float_or_array(np.vectorize(root, otypes=[float])(nu))
 
 
 def _each(

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from ..model import InvalidModel, Wall
-from ..model.arguments import plain
+from ..model.arguments import float_or_array
 from .laws import Law
 from .scales import frame_of, scale_of
 
@@ -76,12 +76,12 @@ class Row:
     @cached_property
     def frame(self) -> Any:
         """Velocity of the frame in which methods other than fronts count velocities, m/s."""
-        return plain(np.asarray(frame_of(self)))
+        return float_or_array(np.asarray(frame_of(self)))
 
     @cached_property
     def scale(self) -> Any:
         """Scale of velocities, m/s."""
-        return plain(np.asarray(scale_of(self)))
+        return float_or_array(np.asarray(scale_of(self)))
 
     # Neighbours -----------------------------------------------------------------------
 

@@ -1,4 +1,7 @@
-"""Arguments of functions are checked as the numbers of the model are, and refused alike."""
+"""Checks of the arguments of functions: the rules and the messages of the model's numbers.
+
+Each check names the argument that it refuses, as `frozen.InvalidModel` has it.
+"""
 
 from collections.abc import Collection
 from numbers import Integral
@@ -24,35 +27,50 @@ Array: TypeAlias = Floats
 
 
 def array(name: str, value: ArrayLike, unit: str, sign: str = "") -> Array:
-    """The argument as an array in that unit; InvalidModel if it has none.
+    """Return an argument as an array of floats in its unit.
 
-    `unit` and `sign` are those of a `Field`; without a sign any float will do, nan too.
+    Parameters
+    ----------
+    name : str
+        Name of the argument, for the message.
+    value : float or array
+        The argument, in `unit` or with a unit that converts to it.
+    unit, sign : str
+        Those of a `Field`; without a sign any float will do, NaN too.
+
+    Raises
+    ------
+    InvalidModel
+        If the value is no number, or one of another sign.
     """
     try:
-        x = floats(value, unit)
+        numbers = floats(value, unit)
     except ValueError as error:
         raise refusal(name, str(error)) from None
     if sign:
         field = Field(unit, sign)
-        demand(field.holds(x), name, field.wanted, x)
-    return x
+        demand(field.holds(numbers), name, field.wanted, numbers)
+    return numbers
 
 
 def single(name: str, value: Any, unit: str, sign: str = "any") -> float:
-    """The argument as a number; InvalidModel if it is none, or several."""
-    x = array(name, value, unit, sign)
-    if x.ndim:
+    """Return an argument as a float; InvalidModel if it is no number, or several."""
+    number = array(name, value, unit, sign)
+    if number.ndim:
         raise refusal(name, f"must be a single number, got {shown(value)}")
-    return x.item()
+    return number.item()
 
 
-def together(**arguments: tuple[Any, str, str]) -> tuple[Array, ...]:
-    """Arguments, each with its unit and sign, as arrays that are broadcast."""
+def broadcast_arguments(**arguments: tuple[Any, str, str]) -> tuple[Array, ...]:
+    """Return arguments, each given with its unit and sign, as arrays of one shape.
+
+    InvalidModel with the mistakes of all arguments, or if they do not broadcast.
+    """
     problems: Problems = []
     arrays = {}
-    for name, given in arguments.items():
+    for name, (value, unit, sign) in arguments.items():
         try:
-            arrays[name] = array(name, *given)
+            arrays[name] = array(name, value, unit, sign)
         except InvalidModel as error:
             problems += error.problems
     raise_noted(problems)
@@ -60,43 +78,45 @@ def together(**arguments: tuple[Any, str, str]) -> tuple[Array, ...]:
     return np.broadcast_arrays(*arrays.values())
 
 
-def demand(good: Any, name: str, message: str, *values: Number) -> None:
-    """InvalidModel where something does not hold, with the message and values of `require`."""
+def demand(condition: Any, name: str, message: str, *values: Number) -> None:
+    """Raise InvalidModel where a condition does not hold.
+
+    The message may show the values at the first such place, as in `frozen.require`.
+    """
     problems: Problems = []
-    require(problems, good, name, message, *values)
+    require(problems, condition, name, message, *values)
     raise_noted(problems)
 
 
 def of_kind(name: str, value: Any, kind: type, example: str) -> None:
-    """InvalidModel if the argument is not of that class; the example says how to come by one."""
-    if not isinstance(value, kind):
-        article = "an" if kind.__name__[0] in "AEIOU" else "a"
-        message = (
-            f"must be {article} {kind.__name__}, such as {example}, got {shown(value)}"
-        )
-        raise refusal(name, message)
+    """Raise InvalidModel if an argument is not of a class; the example names an instance."""
+    if isinstance(value, kind):
+        return
+    article = "a"
+    if kind.__name__[0] in "AEIOU":
+        article = "an"
+    wanted = f"must be {article} {kind.__name__}, such as {example}"
+    raise refusal(name, f"{wanted}, got {shown(value)}")
 
 
 def one_of(name: str, value: Any, choices: Collection[str]) -> None:
-    """InvalidModel if the argument is none of these words."""
+    """Raise InvalidModel if an argument is none of these words."""
     if not isinstance(value, str) or value not in choices:
-        known = ", ".join(map(repr, choices))
-        raise refusal(name, f"must be one of {known}, got {shown(value)}")
+        words = ", ".join(map(repr, choices))
+        raise refusal(name, f"must be one of {words}, got {shown(value)}")
 
 
 def whole(name: str, value: Any, low: int, high: int) -> int:
-    """The argument as a whole number from `low` to `high`; InvalidModel if it is none."""
-    if (
-        isinstance(value, bool)
-        or not isinstance(value, Integral)
-        or not low <= int(value) <= high
-    ):
-        raise refusal(
-            name, f"must be a whole number from {low} to {high}, got {shown(value)}"
-        )
+    """Return an argument as a whole number from `low` to `high`; else InvalidModel."""
+    is_whole = isinstance(value, Integral) and not isinstance(value, bool)
+    if not is_whole or not low <= int(value) <= high:
+        wanted = f"must be a whole number from {low} to {high}"
+        raise refusal(name, f"{wanted}, got {shown(value)}")
     return int(value)
 
 
-def plain(value: Array) -> Number:
-    """A Python float instead of an array without dimensions."""
-    return value if value.ndim else value.item()
+def float_or_array(value: Array) -> Number:
+    """Return an array without dimensions as a Python float, any other as it is."""
+    if value.ndim:
+        return value
+    return value.item()

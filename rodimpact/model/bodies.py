@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from ..units import shown
 from . import frozen, profiles
-from .arguments import array, demand, of_kind, together, whole
+from .arguments import array, broadcast_arguments, demand, of_kind, whole
 from .frozen import (
     Declared,
     Frozen,
@@ -126,7 +126,7 @@ class Material(Declared):
         >>> round(rubber.damped(loss_factor=0.1, frequency=1e3).viscosity, 3)
         79.577
         """
-        tangent, f, E = together(
+        tangent, f, E = broadcast_arguments(
             loss_factor=(loss_factor, "", "non-negative"),
             frequency=(frequency, "Hz", "positive"),
             youngs_modulus=(self.youngs_modulus, "Pa", ""),

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import frozen
-from .arguments import array, demand, together
+from .arguments import array, broadcast_arguments, demand
 from .bodies import Material
 from .frozen import (
     Declared,
@@ -54,7 +54,7 @@ class _Compliant(_Law):
     def stored(self, indentation: ArrayLike) -> Any:
         """Energy stored at an indentation d >= 0, m: k d^(p+1)/(p+1), J; ValueError at others."""
         law: Any = self
-        d, k, p = together(
+        d, k, p = broadcast_arguments(
             indentation=(indentation, "m", "non-negative"),
             stiffness=(law.stiffness, "", ""),
             exponent=(law.exponent, "", ""),

@@ -18,7 +18,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import units
-from ..model.arguments import Array, array, demand, of_kind, one_of, plain, single
+from ..model.arguments import (
+    Array,
+    array,
+    demand,
+    float_or_array,
+    of_kind,
+    one_of,
+    single,
+)
 from ..model.bodies import Rod, Segment
 from ..model.frozen import Frozen, Number, refusal
 from ..model.quantities import Floats
@@ -163,7 +171,7 @@ class Signal(Frozen):
         room = 1e-9 * (self.end - self.start)
         message = f"must be from {self.start!r} to {self.end!r} s, as the signal is, got {{0!r}}"
         demand((t >= self.start - room) & (t <= self.end + room), "t", message, t)
-        return plain(np.interp(t, self.times, self.values))
+        return float_or_array(np.interp(t, self.times, self.values))
 
     def resampled(
         self, dt: float | None = None, *, times: ArrayLike | None = None
