@@ -1,21 +1,24 @@
-"""Waves in round bars as they are: the exact first mode of Pochhammer (1876) and Chree (1889).
+"""Waves in round bars: the exact first mode of Pochhammer (1876) and Chree (1889).
 
-A bar of radius a carries a wave of wavelength l at the phase velocity c; below, G = 2 pi a/l::
+A bar of radius a carries a wave of wavelength l at the phase velocity c. With
+G = 2 pi a/l the equation of frequencies is::
 
     2 A^2 (B^2 + G^2) j(A) j(B) - (B^2 - G^2)^2 J0(A) j(B) - 4 G^2 A^2 j(A) J0(B) = 0
     A^2 = G^2 (c^2/c1^2 - 1),  B^2 = G^2 (c^2/c2^2 - 1),  j(x) = J1(x)/x
 
-with the dilatational and the shear speed c1 and c2. This is the equation as K. F. Graff has it,
-Wave Motion in Elastic Solids, divided by A B, so that c = c1 and c = c2 solve it no more; where A
-or B is imaginary, J becomes I. Long waves run at c0 = sqrt(E/rho), c/c0 = 1 - nu^2 G^2/4, short
-ones at the speed of Rayleigh's surface waves. `mindlin_herrmann` is an approximation to it.
+with the dilatational speed c1 and the shear speed c2. This is the equation as K. F. Graff
+has it, Wave Motion in Elastic Solids, divided by A B, so that c = c1 and c = c2 are no
+roots. If A or B is imaginary, J becomes I. Long waves run at c0 = sqrt(E/rho), with
+c/c0 = 1 - nu^2 G^2/4, short ones at the speed of Rayleigh's surface waves.
+`mindlin_herrmann` is an approximation to the first mode.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import lru_cache
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,18 +41,37 @@ from .progress import Progress, ProgressFunction, check_progress
 from .units import shown
 
 CUT_OFF = 0.2619
-"""f a/c0 beyond which the first mode alone does not describe a bar, at a wavelength of some
-a/0.3: A. Tyas and D. J. Pope, Measurement Science and Technology 16 (2005) 642."""
-SCAN = 2.0**-7  # of c0: between the speeds at which the lowest root is looked for
-SHORTEST = (
-    1e15  # a/l from which on waves run at the speed of surface waves, to the last digit
-)
-BLOCK = 128  # values at a time, so that memory is bounded and progress is heard of
-KNOTS = 257  # of the curve of wave numbers up to the cut-off
+"""f a/c0 beyond which the first mode alone does not describe a bar.
+
+The wavelength there is about a/0.3: A. Tyas and D. J. Pope, Measurement Science and
+Technology 16 (2005) 642.
+"""
+CUT_OFF_RTOL = 1e-12
+"""A frequency may exceed the cut-off by this fraction, its round-off."""
+SPEED_STEP = 2.0**-7
+"""Distance of the speeds c/c0 between which the lowest root is bracketed."""
+ROOT_ATOL = 1e-15
+"""Error of a root c/c0."""
+MAX_RADIUS_OVER_WAVELENGTH = 1e15
+"""Shorter waves run at the speed of surface waves, to the last digit."""
+DIFFERENCE_STEP = 2.0**-13
+"""Relative step of the difference quotient that gives the group velocity.
+
+Its error is the step squared, plus round-off over the step.
+"""
+VALUES_PER_BLOCK = 128
+"""Roots that are found at a time, so that memory is bounded and progress is reported."""
+SLOWNESS_KNOTS = 257
+"""Knots of the curve of delays from frequency 0 to the cut-off."""
+SERIES_LIMIT = 1e-8
+"""Below this argument J1(x)/x is 1/2 to the last digit."""
+
+WavenumberFunction: TypeAlias = Callable[[Any, Any], Any]
+"""Dimensionless wave number G from a given number of a wave and its speed c/c0."""
 
 
 class Bar(Declared):
-    """What of a round bar decides how pulses change their shape along it.
+    """Round bar, described by the numbers that change the shape of pulses along it.
 
     Parameters
     ----------
@@ -58,7 +80,7 @@ class Bar(Declared):
     poisson_ratio : float
         nu, from 0 to 0.5.
     radius : float
-        m; for a section that is not round the equivalent radius that you choose.
+        a, m; for a section that is not round the equivalent radius that you choose.
 
     Raises
     ------
@@ -85,16 +107,20 @@ class Bar(Declared):
         Parameters
         ----------
         rod : Rod or Segment
-            Uniform, of a material with a `poisson_ratio`, and given by its diameter, unless a
-            radius is given.
+            A uniform one, of a material with a `poisson_ratio`, and given by its diameter,
+            unless a radius is given.
         radius : float, optional
             Equivalent radius of a section that is not round, m.
+
+        Returns
+        -------
+        Bar
 
         Raises
         ------
         InvalidModel
-            If the rod has no single section, its section is not said to be round, or its material
-            has no Poisson ratio.
+            If the rod has no single section, its section is not said to be round, or its
+            material has no Poisson ratio.
 
         Examples
         --------
@@ -103,23 +129,21 @@ class Bar(Declared):
         >>> round(Bar.of(rod).radius, 12)
         0.01
         """
-        pieces: Any = rod.segments if isinstance(rod, Rod) else [rod]
-        if len(pieces) != 1 or not isinstance(pieces[0], Segment) or pieces[0].tapered:
-            message = (
-                f"must be a uniform Rod or Segment, or a waves.Bar, got {shown(rod)}"
-            )
-            raise refusal("bar", message)
-        (piece,) = pieces
-        material = piece.material
+        segment = _uniform_segment(rod)
+        material = segment.material
         if material.poisson_ratio is None:
             message = f"is missing in {shown(material.name)}; dispersion needs it"
             raise refusal("bar.material.poisson_ratio", message)
-        if radius is None and not piece.solid_round:
-            message = "is not said to be round; give the rod its diameter in place of the area, or "
-            message += "radius=, the equivalent radius in m"
+        if radius is not None:
+            return cls(material.wave_speed, material.poisson_ratio, radius)
+        if not segment.solid_round:
+            message = (
+                "is not said to be round; give the rod its diameter in place of the area, "
+                "or radius=, the equivalent radius in m"
+            )
             raise refusal("bar.section", message)
-        a = np.sqrt(piece.area / math.pi) if radius is None else radius
-        return cls(material.wave_speed, material.poisson_ratio, a)
+        round_radius = np.sqrt(segment.area / math.pi)
+        return cls(material.wave_speed, material.poisson_ratio, round_radius)
 
     def phase_velocity(self, frequency: ArrayLike) -> Number:
         """Phase velocity c of the first mode.
@@ -127,22 +151,45 @@ class Bar(Declared):
         Parameters
         ----------
         frequency : float or array
-            Hz, 0 or more.
+            f, 0 or more, Hz.
 
         Returns
         -------
         float or array
-            m/s.
+            c, m/s, of the shape of `frequency`.
 
         Raises
         ------
         ValueError
             If a frequency is negative or not finite.
+
+        Examples
+        --------
+        >>> bar = Bar(wave_speed=5000.0, poisson_ratio=0.3, radius=0.01)
+        >>> bar.phase_velocity([0.0, 150e3]).round().tolist()
+        [5000.0, 3885.0]
         """
-        return float_or_array(self.wave_speed * self._ratio(frequency))
+        return float_or_array(self.wave_speed * self._speed_ratio(frequency))
 
     def group_velocity(self, frequency: ArrayLike) -> Number:
-        """Group velocity d(omega)/dk of the first mode; as `phase_velocity`.
+        """Group velocity d(omega)/dk of the first mode.
+
+        With omega a/c0 = G x(G), x = c/c0, it is c0 d(G x)/dG, by a central difference.
+
+        Parameters
+        ----------
+        frequency : float or array
+            f, 0 or more, Hz.
+
+        Returns
+        -------
+        float or array
+            m/s, of the shape of `frequency`.
+
+        Raises
+        ------
+        ValueError
+            If a frequency is negative or not finite.
 
         Examples
         --------
@@ -150,31 +197,46 @@ class Bar(Declared):
         >>> bar.group_velocity([0.0, 150e3]).round().tolist()
         [5000.0, 1975.0]
         """
-        c = self._ratio(frequency)
-        G = (
-            2
-            * math.pi
-            * self.radius
-            / self.wave_speed
-            * array("frequency", frequency, "Hz")
-            / c
+        c = self._speed_ratio(frequency)
+        f = array("frequency", frequency, "Hz")
+        G = 2 * math.pi * self.radius / self.wave_speed * f / c
+        above = self._scaled_frequency(G * (1 + DIFFERENCE_STEP))
+        below = self._scaled_frequency(G * (1 - DIFFERENCE_STEP))
+        ratio = np.divide(
+            above - below,
+            2 * DIFFERENCE_STEP * G,
+            out=np.ones(np.shape(G)),  # the limit of long waves
+            where=np.asarray(G) > 0,
         )
-        h = (
-            2.0**-13
-        )  # the quotient of differences is off by its square, and by round-off over it
-        up, down = (
-            G * f * first_mode(G * f / (2 * math.pi), self.poisson_ratio)
-            for f in (1 + h, 1 - h)
-        )
-        slope = np.divide(
-            up - down, 2 * h * G, out=np.ones(np.shape(G)), where=np.asarray(G) > 0
-        )
-        return float_or_array(self.wave_speed * slope)
+        return float_or_array(self.wave_speed * ratio)
 
     def wavenumber(self, frequency: ArrayLike) -> Number:
-        """Wave number k = omega/c of the first mode, rad/m; as `phase_velocity`."""
+        """Wave number k = omega/c of the first mode.
+
+        Parameters
+        ----------
+        frequency : float or array
+            f, 0 or more, Hz.
+
+        Returns
+        -------
+        float or array
+            k, rad/m, of the shape of `frequency`.
+
+        Raises
+        ------
+        ValueError
+            If a frequency is negative or not finite.
+
+        Examples
+        --------
+        >>> bar = Bar(wave_speed=5000.0, poisson_ratio=0.3, radius=0.01)
+        >>> bar.wavenumber([0.0, 150e3]).round(2).tolist()
+        [0.0, 242.6]
+        """
         f = array("frequency", frequency, "Hz")
-        return float_or_array(2 * math.pi * f / self.wave_speed / self._ratio(f))
+        k = 2 * math.pi * f / self.wave_speed / self._speed_ratio(f)
+        return float_or_array(k)
 
     @property
     def cut_off(self) -> float:
@@ -182,36 +244,49 @@ class Bar(Declared):
         return CUT_OFF * self.wave_speed / self.radius
 
     def delays(self, frequency: ArrayLike) -> Number:
-        """Seconds a metre by which waves are later than long ones, 1/c - 1/c0.
+        """Delay of waves behind long ones for each metre of bar, 1/c - 1/c0.
 
-        From a curve through exact values, for the many frequencies of a record.
+        A curve through exact values gives it, for the many frequencies of a record.
 
         Parameters
         ----------
         frequency : float or array
-            From 0 to the cut-off, Hz.
+            f, from 0 to the cut-off, Hz.
 
         Returns
         -------
         float or array
-            s/m.
+            1/c - 1/c0, s/m, of the shape of `frequency`.
 
         Raises
         ------
         ValueError
             If a frequency is out of this range.
+
+        Examples
+        --------
+        >>> bar = Bar(wave_speed=5000.0, poisson_ratio=0.3, radius=0.01)
+        >>> (1e6 * bar.delays([0.0, 100e3])).round(2).tolist()  # us/m
+        [0.0, 11.1]
         """
         f = array("frequency", frequency, "Hz")
-        room = self.cut_off * (1 + 1e-12)
+        highest = self.cut_off * (1 + CUT_OFF_RTOL)
         message = f"must be from 0 to {self.cut_off!r} Hz, got {{0!r}}"
-        demand((f >= 0) & (f <= room), "frequency", message, f)
-        lag = _slowness(self.poisson_ratio)(f * self.radius / self.wave_speed)
-        return float_or_array(lag / self.wave_speed)
+        demand((f >= 0) & (f <= highest), "frequency", message, f)
+        slowness = _slowness_curve(self.poisson_ratio)
+        delay = slowness(f * self.radius / self.wave_speed)
+        return float_or_array(delay / self.wave_speed)
 
-    def _ratio(self, frequency: ArrayLike) -> Array:
+    def _speed_ratio(self, frequency: ArrayLike) -> Array:
+        """c/c0 at frequencies in Hz."""
         f = array("frequency", frequency, "Hz", "non-negative")
         W = 2 * math.pi * f * self.radius / self.wave_speed
-        return _each(lambda w, x: w / x, W, np.full(f.shape, self.poisson_ratio))
+        poisson_ratios = np.full(f.shape, self.poisson_ratio)
+        return _lowest_roots(_wavenumber_of_frequency, W, poisson_ratios)
+
+    def _scaled_frequency(self, G: Array) -> Any:
+        """omega a/c0 at dimensionless wave numbers G."""
+        return G * first_mode(G / (2 * math.pi), self.poisson_ratio)
 
 
 def first_mode(
@@ -222,15 +297,17 @@ def first_mode(
 ) -> Number:
     """Phase velocity of the first mode over that of long waves, c/c0.
 
+    It is the lowest root of the equation at the head of this module.
+
     Parameters
     ----------
     radius_over_wavelength : float or array
-        0 or more, 1.
+        a/l, 0 or more.
     poisson_ratio : float or array
-        From 0 to 0.5, 1.
+        nu, from 0 to 0.5.
     progress : bool or function
-        Whether a bar may show how far long work is. A function is called with the values that are
-        done, and how many there are.
+        Whether a bar may show the progress of long work. A function is called with the
+        number of values that are done, and the number of all.
 
     Returns
     -------
@@ -247,42 +324,43 @@ def first_mode(
     >>> first_mode([0.0, 0.1, 0.3], 0.29).round(5).tolist()
     [1.0, 0.99113, 0.87299]
     """
-    s, nu = broadcast_arguments(
+    ratio, nu = broadcast_arguments(
         radius_over_wavelength=(radius_over_wavelength, "", "non-negative"),
         poisson_ratio=(poisson_ratio, "", "[0, 0.5]"),
     )
     problems: Problems = []
     check_progress(problems, progress)
     raise_noted(problems)
-    return float_or_array(
-        _each(lambda g, _: g, 2 * math.pi * np.minimum(s, SHORTEST), nu, progress)
-    )
+    G = 2 * math.pi * np.minimum(ratio, MAX_RADIUS_OVER_WAVELENGTH)
+    return float_or_array(_lowest_roots(_same_wavenumber, G, nu, progress))
 
 
 def mindlin_herrmann(
     radius_over_wavelength: ArrayLike, poisson_ratio: ArrayLike
 ) -> tuple[Number, Number]:
-    """Phase velocities of both branches by Mindlin and Herrmann over that of long waves, c/c0.
+    """Phase velocities of both branches by Mindlin and Herrmann, c/c0.
 
-    The roots x = c^2/c0^2 of a quadratic equation, with the moduli of the theory over E and
-    G = 2 pi a/l::
+    The roots x = c^2/c0^2 of a quadratic equation, with the moduli of the theory over E
+    and G = 2 pi a/l::
 
         (x - axial) (x - shear/m - 2 radial/(m G^2)) = 2 coupling^2/(m G^2)
 
-    The slow branch stands for `first_mode`; along the fast one, which starts at a cut-off
-    frequency, mostly the radius swings. See `rodimpact.model.lateral_inertia` for the theory.
+    The slow branch stands for `first_mode`. In the fast branch, which starts at a cut-off
+    frequency, it is mostly the radius that swings. See `rodimpact.model.lateral_inertia`
+    for the theory and its source.
 
     Parameters
     ----------
     radius_over_wavelength : float or array
-        0 or more, 1.
+        a/l, 0 or more.
     poisson_ratio : float or array
-        Above -1 and below 0.5, 1.
+        nu, above -1 and below 0.5.
 
     Returns
     -------
     slow, fast : float or array
-        c/c0, of the broadcast shape of the arguments; the fast one is infinite for long waves.
+        c/c0, of the broadcast shape of the arguments; the fast one is infinite for long
+        waves.
 
     Raises
     ------
@@ -295,21 +373,26 @@ def mindlin_herrmann(
     >>> slow.round(5).tolist(), fast.round(5).tolist()
     ([1.0, 0.98863, 0.87005], [inf, 3.47427, 1.42475])
     """
-    s, nu = broadcast_arguments(
+    ratio, nu = broadcast_arguments(
         radius_over_wavelength=(radius_over_wavelength, "", "non-negative"),
         poisson_ratio=(poisson_ratio, "", "(-1, 0.5)"),
     )
     moduli = radial_moduli(1.0, nu)
-    slowest, cut_off = moduli.shear / INERTIA, 2 * moduli.radial / INERTIA
+    shear = moduli.shear / INERTIA
+    cut_off = 2 * moduli.radial / INERTIA
     with np.errstate(divide="ignore", over="ignore"):
-        square = (2 * math.pi * s) ** 2
-        long, short = 1 / (1 + square), 1 / (1 + 1 / square)  # the equation times short
-        both = (moduli.axial + slowest) * short + cut_off * long
-        product = moduli.axial * slowest * short + cut_off * long
-        larger = both + np.sqrt(both * both - 4 * product * short)
-        return float_or_array(np.sqrt(2 * product / larger)), float_or_array(
-            np.sqrt(larger / (2 * short))
-        )
+        G_squared = (2 * math.pi * ratio) ** 2
+        # The quadratic equation is multiplied by G^2/(1 + G^2): both limits are finite.
+        long = 1 / (1 + G_squared)
+        short = 1 / (1 + 1 / G_squared)
+        root_sum = (moduli.axial + shear) * short + cut_off * long
+        root_product = moduli.axial * shear * short + cut_off * long
+        discriminant = root_sum * root_sum - 4 * root_product * short
+        # Twice the larger root; the smaller one follows without cancellation.
+        larger = root_sum + np.sqrt(discriminant)
+        slow = np.sqrt(2 * root_product / larger)
+        fast = np.sqrt(larger / (2 * short))
+    return float_or_array(slow), float_or_array(fast)
 
 
 def rayleigh_speed(poisson_ratio: ArrayLike) -> Number:
@@ -317,10 +400,23 @@ def rayleigh_speed(poisson_ratio: ArrayLike) -> Number:
 
     The root c < c2 of (2 - c^2/c2^2)^2 = 4 sqrt(1 - c^2/c1^2) sqrt(1 - c^2/c2^2).
 
+    Source: Lord Rayleigh, On waves propagated along the plane surface of an elastic solid,
+    Proc. London Math. Soc. 17 (1885) 4.
+
     Parameters
     ----------
     poisson_ratio : float or array
-        From 0 to 0.5, 1.
+        nu, from 0 to 0.5.
+
+    Returns
+    -------
+    float or array
+        c/c0, of the shape of `poisson_ratio`.
+
+    Raises
+    ------
+    ValueError
+        If a Poisson ratio is out of its range.
 
     Examples
     --------
@@ -328,56 +424,114 @@ def rayleigh_speed(poisson_ratio: ArrayLike) -> Number:
     0.581481
     """
     nu = array("poisson_ratio", poisson_ratio, "", "[0, 0.5]")
-
-    def root(v: float) -> float:
-        kappa = (1 - 2 * v) / (2 - 2 * v)  # (c2/c1)^2
-        # in r = (c/c2)^2, squared and divided by r
-        cubic = [1.0, -8.0, 24.0 - 16.0 * kappa, 16.0 * (kappa - 1.0)]
-        r = brentq(lambda x: float(np.polyval(cubic, x)), 0.5, 1.0)
-        return math.sqrt(r / (2 + 2 * v))
-
-    return float_or_array(np.vectorize(root, otypes=[float])(nu))
+    speeds = np.vectorize(_rayleigh_speed, otypes=[float])
+    return float_or_array(speeds(nu))
 
 
-def _each(
-    wave: Any,
-    given: Array,
-    poisson_ratio: Array,
+def _rayleigh_speed(nu: float) -> float:
+    """c/c0 of surface waves for one Poisson ratio.
+
+    With r = (c/c2)^2, Rayleigh's equation is squared and divided by r.
+    """
+    kappa = (1 - 2 * nu) / (2 - 2 * nu)  # (c2/c1)^2
+    cubic = [1.0, -8.0, 24.0 - 16.0 * kappa, 16.0 * (kappa - 1.0)]
+    r = brentq(lambda x: float(np.polyval(cubic, x)), 0.5, 1.0)
+    return math.sqrt(r / (2 + 2 * nu))
+
+
+def _uniform_segment(rod: Any) -> Segment:
+    """The only segment of a uniform rod; InvalidModel for any other argument."""
+    segments = [rod]
+    if isinstance(rod, Rod):
+        segments = list(rod.segments)
+    segment = segments[0]
+    if len(segments) != 1 or not isinstance(segment, Segment) or segment.tapered:
+        wanted = "must be a uniform Rod or Segment, or a waves.Bar"
+        raise refusal("bar", f"{wanted}, got {shown(rod)}")
+    return segment
+
+
+def _same_wavenumber(G: Any, x: Any) -> Any:  # noqa: ARG001
+    """G of a wave that is given by G."""
+    return G
+
+
+def _wavenumber_of_frequency(W: Any, x: Any) -> Any:
+    """G of a wave that is given by W = omega a/c0."""
+    return W / x
+
+
+def _lowest_roots(
+    wavenumber: WavenumberFunction,
+    given_numbers: Array,
+    poisson_ratios: Array,
     progress: bool | ProgressFunction = True,
 ) -> Array:
-    """Lowest roots x = c/c0 of the equation, where G is `wave` of what is given and of x."""
-    known = given.ravel()
-    nu = poisson_ratio.ravel()
-    roots = np.ones(given.size)
+    """Lowest roots x = c/c0 of the equation of frequencies.
+
+    Parameters
+    ----------
+    wavenumber : function
+        Gives G of a wave from its given number and x.
+    given_numbers : array
+        Numbers that describe the waves; the root of 0 is 1, as for long waves.
+    poisson_ratios : array
+        The same shape.
+    progress : bool or function
+
+    Returns
+    -------
+    array
+        The same shape.
+    """
+    numbers = given_numbers.ravel()
+    nu = poisson_ratios.ravel()
+    roots = np.ones(numbers.size)
     with Progress(progress, "first mode", "values") as report:
-        for start in range(0, known.size, BLOCK):
-            part = slice(start, start + BLOCK)
-            roots[part] = _roots(wave, known[part], nu[part])
-            report(min(start + BLOCK, known.size), known.size)
-    return roots.reshape(given.shape)
+        for start in range(0, numbers.size, VALUES_PER_BLOCK):
+            end = start + VALUES_PER_BLOCK
+            roots[start:end] = _roots_of_block(
+                wavenumber, numbers[start:end], nu[start:end]
+            )
+            report(min(end, numbers.size), numbers.size)
+    return roots.reshape(given_numbers.shape)
 
 
-def _roots(wave: Any, known: Array, nu: Array) -> Array:
-    """Roots of some values."""
-    roots = np.ones(known.size)
-    least = 0.9 * np.min(rayleigh_speed(nu), initial=1.0)
-    grid = np.arange(least, 1.0 + 2 * SCAN, SCAN)
-    sign = np.sign(_equation(wave(known[:, None], grid), grid, nu[:, None]))
-    turns = sign[:, 1:] != sign[:, :1]
-    first = turns.argmax(axis=1)
-    for i in np.flatnonzero((known > 0) & turns.any(axis=1)):
-        g, v, ends = float(known[i]), float(nu[i]), grid[first[i] : first[i] + 2]
+def _roots_of_block(wavenumber: WavenumberFunction, numbers: Array, nu: Array) -> Array:
+    """Lowest roots of some waves, each bracketed by a scan and found by Brent's method."""
+    roots = np.ones(numbers.size)
+    slowest = 0.9 * np.min(rayleigh_speed(nu), initial=1.0)
+    speeds = np.arange(slowest, 1.0 + 2 * SPEED_STEP, SPEED_STEP)
+    values = _equation(wavenumber(numbers[:, None], speeds), speeds, nu[:, None])
+    signs = np.sign(values)
+    has_changed = signs[:, 1:] != signs[:, :1]
+    first_change = has_changed.argmax(axis=1)
+    for i in np.flatnonzero((numbers > 0) & has_changed.any(axis=1)):
+        low = speeds[first_change[i]]
+        high = speeds[first_change[i] + 1]
+        wave = float(numbers[i]), float(nu[i])
         roots[i] = brentq(
-            lambda x, g=g, v=v: _equation(wave(g, x), x, v), *ends, xtol=1e-15
+            _equation_of_wave, low, high, args=(wavenumber, *wave), xtol=ROOT_ATOL
         )
     return roots
 
 
+def _equation_of_wave(
+    x: float, wavenumber: WavenumberFunction, number: float, nu: float
+) -> Any:
+    """Left-hand side of the equation of one wave at the speed x."""
+    return _equation(wavenumber(number, x), x, nu)
+
+
 def _equation(G: Any, x: Any, nu: Any) -> Any:
-    """Left-hand side of the equation at c = x c0, over G^4 and the growth of the I functions."""
-    A2 = x * x * (1 + nu) * (1 - 2 * nu) / (1 - nu) - 1  # over G^2
-    B2 = x * x * (2 + 2 * nu) - 1
-    A, B = G * np.sqrt(np.abs(A2)), G * np.sqrt(np.abs(B2))
+    """Left-hand side of the equation at c = x c0.
+
+    It is divided by G^4, and by the growth of the functions I.
+    """
+    A2 = x * x * (1 + nu) * (1 - 2 * nu) / (1 - nu) - 1  # (A/G)^2
+    B2 = x * x * (2 + 2 * nu) - 1  # (B/G)^2
+    A = G * np.sqrt(np.abs(A2))
+    B = G * np.sqrt(np.abs(B2))
     J0A, jA = _bessel(A, A2)
     J0B, jB = _bessel(B, B2)
     square = (B2 - 1) * (B2 - 1)
@@ -385,16 +539,18 @@ def _equation(G: Any, x: Any, nu: Any) -> Any:
 
 
 def _bessel(x: Any, sign: Any) -> tuple[Any, Any]:
-    """J0 and J1/x of a real argument, or the scaled I0 and I1/x where `sign` is negative."""
-    imaginary = sign < 0
-    small = x < 1e-8
-    y = np.where(small, 1.0, x)
-    over = np.where(imaginary, i1e(y), j1(y)) / y
-    return np.where(imaginary, i0e(x), j0(x)), np.where(small, 0.5, over)
+    """J0(x) and J1(x)/x; where `sign` is negative, the scaled I0 and I1/x."""
+    is_imaginary = sign < 0
+    is_small = x < SERIES_LIMIT
+    divisor = np.where(is_small, 1.0, x)
+    first_order = np.where(is_imaginary, i1e(divisor), j1(divisor))
+    order_0 = np.where(is_imaginary, i0e(x), j0(x))
+    return order_0, np.where(is_small, 0.5, first_order / divisor)
 
 
 @lru_cache(maxsize=64)
-def _slowness(poisson_ratio: float) -> Any:
+def _slowness_curve(poisson_ratio: float) -> Any:
     """Curve of c0/c - 1 over f a/c0, up to the cut-off."""
-    knots = np.linspace(0.0, CUT_OFF, KNOTS)
-    return CubicSpline(knots, 1 / Bar(1.0, poisson_ratio, 1.0)._ratio(knots) - 1)
+    frequencies = np.linspace(0.0, CUT_OFF, SLOWNESS_KNOTS)
+    unit_bar = Bar(1.0, poisson_ratio, 1.0)
+    return CubicSpline(frequencies, 1 / unit_bar._speed_ratio(frequencies) - 1)
