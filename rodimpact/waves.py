@@ -439,7 +439,7 @@ def _rayleigh_speed(nu: float) -> float:
     return math.sqrt(r / (2 + 2 * nu))
 
 
-def _uniform_segment(rod: Any) -> Segment:
+def _uniform_segment(rod: Any) -> Any:
     """The only segment of a uniform rod; InvalidModel for any other argument."""
     segments = [rod]
     if isinstance(rod, Rod):
