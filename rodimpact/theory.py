@@ -1,16 +1,19 @@
 """Closed forms for elastic rods: collisions, horns, damping and lateral inertia.
 
-Two rods that meet at closing speed V press with the force V Z1 Z2/(Z1 + Z2), Z = rho A c being
-the impedance, until a wave returns from a far end, two transit times T = L/c later. The rod of
-shorter transit time is heard first. Of lower impedance than the long rod, it lets go; of higher
-impedance, it goes on pushing with the fraction q of the force before, round trip after round
-trip, until the wave of the long rod ends the contact:
+Two rods that meet at closing speed V press with the force V Z1 Z2/(Z1 + Z2), Z = rho A
+c being the impedance, until a wave returns from a far end, two transit times T = L/c
+later. The rod of shorter transit time is heard first. Of lower impedance than the long
+rod, it lets go; of higher impedance, it goes on pushing with the fraction q of the
+force before, round trip after round trip, until the wave of the long rod ends the
+contact:
 
     q = (Z_short - Z_long)/(Z_short + Z_long)      short, long: by transit time
 
-Tapers, damping and lateral inertia break d'Alembert's solution; what is known of them is here too.
+Tapers, damping and lateral inertia break d'Alembert's solution; this module has some
+exact results for them, too.
 
-Arguments broadcast as in NumPy; results are floats where every argument is a single number.
+Arguments broadcast as in NumPy; results are floats where every argument is a single
+number.
 """
 
 from typing import Any, NamedTuple
@@ -21,26 +24,25 @@ from numpy.typing import ArrayLike
 from .model.arguments import Array, Number, array, broadcast_arguments, float_or_array
 from .rigid import contact_mass
 
-EQUAL_IMPEDANCES = 2.0**-48
+EQUAL_IMPEDANCES_RTOL = 2.0**-48
 """Impedances that differ by less than this fraction count as equal, up to round-off."""
-UNITS = {
-    "impedance": "kg/s",
-    "transit_time": "s",
-    "mass": "kg",
-    "speed": "m/s",
-    "closing_speed": "m/s",
-    "area": "m^2",
-    "wave_speed": "m/s",
-    "youngs_modulus": "Pa",
-    "viscosity": "Pa s",
-    "angular_frequency": "rad/s",
-    "gyration_radius": "m",
-    "wave_number": "rad/m",
-    "taper": "1/m",
-    "poisson_ratio": "",
+RULES = {
+    "impedance": ("kg/s", "positive"),
+    "transit_time": ("s", "positive"),
+    "mass": ("kg", "positive"),
+    "speed": ("m/s", "positive"),
+    "closing_speed": ("m/s", "positive"),
+    "area": ("m^2", "positive"),
+    "wave_speed": ("m/s", "positive"),
+    "youngs_modulus": ("Pa", "positive"),
+    "viscosity": ("Pa s", "positive"),
+    "angular_frequency": ("rad/s", "positive"),
+    "gyration_radius": ("m", "positive"),
+    "wave_number": ("rad/m", "any"),
+    "taper": ("1/m", "any"),
+    "poisson_ratio": ("", "any"),
 }
-"""Units of the arguments."""
-OF_EITHER_SIGN = ("wave_number", "taper", "poisson_ratio")
+"""Unit and sign of each argument, by its name without the number of the body."""
 
 
 class PairCollision(NamedTuple):
@@ -57,14 +59,14 @@ class PairCollision(NamedTuple):
     opening : float or array
         Time from first contact until the ends move apart [s].
     peak_force : float or array
-        Largest contact force [N].
+        Peak of the contact force [N].
     vibration_energy : float or array
         Energy that stays behind as vibration [J].
 
     Examples
     --------
-    >>> found = saint_venant(1.0, 1.0, 1.0, 2.0, closing_speed=3.0)
-    >>> found.restitution, found.impulse
+    >>> pair = saint_venant(1.0, 1.0, 1.0, 2.0, closing_speed=3.0)
+    >>> pair.restitution, pair.impulse
     (0.5, 3.0)
     """
 
@@ -89,22 +91,23 @@ def saint_venant(
     With q = (Z_short - Z_long)/(Z_short + Z_long), short and long by transit time,
     x = T_short/T_long, and T_long = (K + f) T_short, K whole and 0 <= f < 1::
 
-        Z_long >= Z_short:  e = |q| + (1 - |q|) x                     force ends at 2 T_short
-        Z_long < Z_short:   e = (1 + q) x g - q^K (1 - (1 - q) f)     force ends at 2 T_long
-                            g = (1 - q^K)/(1 - q) + q^K f
+        Z_long >= Z_short:  e = |q| + (1 - |q|) x                force ends at 2 T_short
+        Z_long < Z_short:   e = (1 + q) x g - q^K (1 - (1 - q) f)
+                            g = (1 - q^K)/(1 - q) + q^K f        force ends at 2 T_long
 
-    This is ``e = J (1/m1 + 1/m2)/V - 1`` with m = Z T and J the integral of `saint_venant_force`,
-    rearranged so that nothing cancels: e keeps its digits at any ratio of impedances. Equal
-    transit times give e = 1 whatever the impedances, equal impedances give e = x.
+    This is ``e = J (1/m1 + 1/m2)/V - 1`` with m = Z T and J the integral of
+    `saint_venant_force`, rearranged so that nothing cancels: e keeps its digits at any
+    ratio of impedances. Equal transit times give e = 1 whatever the impedances, equal
+    impedances give e = x.
 
-    The ends part when the force ends, with one exception: rods of equal impedance then touch
-    without force and move on together until the wave of the long rod parts them, at 2 T_long.
-    No second contact follows. Where Z_long passes Z_short, e and J are continuous, but the
-    duration jumps between 2 T_short and 2 T_long.
+    The ends part when the force ends, with one exception: rods of equal impedance then
+    touch without force and move on together until the wave of the long rod parts them,
+    at 2 T_long. No second contact follows. Where Z_long passes Z_short, e and J are
+    continuous, but the duration jumps between 2 T_short and 2 T_long.
 
-    Source: B. de Saint-Venant, Sur le choc longitudinal de deux barres élastiques, Journal de
-    mathématiques pures et appliquées 12 (1867); S. P. Timoshenko and J. N. Goodier, Theory of
-    Elasticity, longitudinal impact of bars.
+    Source: B. de Saint-Venant, Sur le choc longitudinal de deux barres élastiques,
+    Journal de mathématiques pures et appliquées 12 (1867); S. P. Timoshenko and J. N.
+    Goodier, Theory of Elasticity, longitudinal impact of bars.
 
     Parameters
     ----------
@@ -129,9 +132,11 @@ def saint_venant(
     --------
     Equal impedances, one rod twice as long: the force ends at 2, the gap opens at 4.
 
-    >>> saint_venant(1.0, 1.0, 1.0, 2.0)
-    PairCollision(restitution=0.5, impulse=1.0, duration=2.0, opening=4.0, peak_force=0.5, \
-vibration_energy=0.25)
+    >>> pair = saint_venant(1.0, 1.0, 1.0, 2.0)
+    >>> pair.restitution, pair.duration, pair.opening
+    (0.5, 2.0, 4.0)
+    >>> pair.impulse, pair.peak_force, pair.vibration_energy
+    (1.0, 0.5, 0.25)
 
     A short rod of five times the impedance:
 
@@ -145,14 +150,14 @@ vibration_energy=0.25)
         transit_time_2=transit_time_2,
         closing_speed=closing_speed,
     )
-    short_time, long_time, q, p, log_q = pair_numbers(Z1, T1, Z2, T2)
-    low, high = np.minimum(Z1, Z2), np.maximum(Z1, Z2)
-    m, e = (
-        contact_mass(Z1 * T1, Z2 * T2),
-        pair_restitution(short_time, long_time, q, p, log_q),
-    )
-    duration = 2 * np.where(q > 0, long_time, short_time)
-    opening = np.where(q == 0, 2 * long_time, duration)
+    numbers = pair_numbers(Z1, T1, Z2, T2)
+    e = pair_restitution(numbers)
+    m = contact_mass(Z1 * T1, Z2 * T2)
+    low = np.minimum(Z1, Z2)
+    high = np.maximum(Z1, Z2)
+    q = numbers.q
+    duration = 2 * np.where(q > 0, numbers.long_time, numbers.short_time)
+    opening = np.where(q == 0, 2 * numbers.long_time, duration)
     return _collision(
         restitution=e,
         impulse=(1 + e) * m * V,
@@ -174,11 +179,11 @@ def saint_venant_force(
 ) -> Number:
     """Contact force of two uniform free rods, each moving uniformly.
 
-    ``F = V Z1 Z2/(Z1 + Z2) q^k`` for 2 k T_short <= t < 2 (k + 1) T_short while t < duration,
-    otherwise 0; q and the duration are those of `saint_venant`, and k goes beyond 0 only if
-    Z_long < Z_short. At a jump the value is the one after it.
+    ``F = V Z1 Z2/(Z1 + Z2) q^k`` for 2 k T_short <= t < 2 (k + 1) T_short while t <
+    duration, otherwise 0; q and the duration are those of `saint_venant`, and k goes
+    beyond 0 only if Z_long < Z_short. At a jump the value is the one after it.
 
-    Source: as `saint_venant`.
+    Source: that of `saint_venant`.
 
     Parameters
     ----------
@@ -210,17 +215,18 @@ def saint_venant_force(
     pair = saint_venant(
         impedance_1, transit_time_1, impedance_2, transit_time_2, closing_speed
     )
-    short_time, _, _, _, log_q = pair_numbers(
-        *_checked(
-            impedance_1=impedance_1,
-            transit_time_1=transit_time_1,
-            impedance_2=impedance_2,
-            transit_time_2=transit_time_2,
-        )
+    Z1, T1, Z2, T2 = _checked(
+        impedance_1=impedance_1,
+        transit_time_1=transit_time_1,
+        impedance_2=impedance_2,
+        transit_time_2=transit_time_2,
     )
-    k = np.floor(np.clip(t, 0.0, pair.duration) / (2 * short_time))
-    pressing = (t >= 0) & (t < pair.duration)
-    return float_or_array(np.where(pressing, pair.peak_force * np.exp(k * log_q), 0.0))
+    numbers = pair_numbers(Z1, T1, Z2, T2)
+    round_trips = np.clip(t, 0.0, pair.duration) / (2 * numbers.short_time)
+    k = np.floor(round_trips)
+    force = pair.peak_force * np.exp(k * numbers.log_q)
+    is_pressing = (t >= 0) & (t < pair.duration)
+    return float_or_array(np.where(is_pressing, force, 0.0))
 
 
 def rod_on_wall(
@@ -228,8 +234,8 @@ def rod_on_wall(
 ) -> PairCollision:
     """Collision of a uniform free rod, moving uniformly, with a rigid wall.
 
-    ``F = Z V for a time 2 T``: the wave runs to the free end and back, and the rod leaves with
-    the speed it came with and without vibration.
+    ``F = Z V for a time 2 T``: the wave runs to the free end and back, and the rod
+    leaves with the speed it came with and without vibration.
 
     Source: textbook section 10.5, box 10.4.
 
@@ -254,9 +260,9 @@ def rod_on_wall(
 
     Examples
     --------
-    >>> rod_on_wall(impedance=40.0, transit_time=2.0e-4, speed=3.0)
-    PairCollision(restitution=1.0, impulse=0.048, duration=0.0004, opening=0.0004, \
-peak_force=120.0, vibration_energy=0.0)
+    >>> collision = rod_on_wall(impedance=40.0, transit_time=2.0e-4, speed=3.0)
+    >>> collision.restitution, collision.impulse, collision.peak_force
+    (1.0, 0.048, 120.0)
     """
     Z, T, V = _checked(impedance=impedance, transit_time=transit_time, speed=speed)
     return _collision(
@@ -272,14 +278,15 @@ peak_force=120.0, vibration_energy=0.0)
 def mass_on_rod(
     mass: ArrayLike, impedance: ArrayLike, transit_time: ArrayLike, speed: ArrayLike
 ) -> PairCollision:
-    """Collision of a rigid mass with the end of a uniform free rod that does not vibrate.
+    """Collision of a rigid mass with the end of a uniform free rod without vibration.
 
-    The rod resists like a dashpot, ``F = Z V exp(-Z t/M)``, until the wave has come back from its
-    free end after 2 T. With mu the mass of the rod over that of the body,
+    The rod resists like a dashpot, ``F = Z V exp(-Z t/M)``, until the wave has come
+    back from its free end after 2 T. With mu the mass of the rod over that of the body,
     ``e = (1 - exp(-2 mu))/mu - exp(-2 mu)``.
 
-    Source: J. Boussinesq's solution for a struck rod, in S. P. Timoshenko and J. N. Goodier, Theory
-    of Elasticity, section on longitudinal impact of bars; the free rod follows from balances.
+    Source: J. Boussinesq's solution for a struck rod, in S. P. Timoshenko and J. N.
+    Goodier, Theory of Elasticity, section on longitudinal impact of bars; the free rod
+    follows from balances.
 
     Parameters
     ----------
@@ -304,18 +311,20 @@ def mass_on_rod(
 
     Examples
     --------
-    >>> round(mass_on_rod(mass=2.0, impedance=40.0, transit_time=0.05, speed=3.0).restitution, 6)
+    >>> collision = mass_on_rod(mass=2.0, impedance=40.0, transit_time=0.05, speed=3.0)
+    >>> round(collision.restitution, 6)
     0.729329
     """
     M, Z, T, V = _checked(
         mass=mass, impedance=impedance, transit_time=transit_time, speed=speed
     )
     mu = Z * T / M
-    lost = -np.expm1(-2 * mu)  # share of its momentum that the mass hands over
-    e = lost / mu - 1 + lost
+    # fraction of its momentum that the mass hands over
+    momentum_fraction = -np.expm1(-2 * mu)
+    e = momentum_fraction / mu - 1 + momentum_fraction
     return _collision(
         restitution=e,
-        impulse=M * V * lost,
+        impulse=M * V * momentum_fraction,
         duration=2 * T,
         opening=2 * T,
         peak_force=Z * V,
@@ -324,13 +333,13 @@ def mass_on_rod(
 
 
 def horn_amplification(area_0: ArrayLike, area_1: ArrayLike) -> Number:
-    """Growth of a jump of velocity or stress on its way from one cross-section to another.
+    """Growth of a jump of velocity or stress from one cross-section to another.
 
-    ``(A0/A1)^(1/2)``: behind the front a taper scatters waves back, but the front itself, too sharp
-    to feel it, carries its energy on.
+    ``(A0/A1)^(1/2)``: behind the front a taper scatters waves back, but the front
+    itself, too sharp to feel it, carries its energy on.
 
-    Source: G. B. Whitham, Linear and Nonlinear Waves, Wiley 1974, chapter 7, on tubes of rays in
-    geometrical optics.
+    Source: G. B. Whitham, Linear and Nonlinear Waves, Wiley 1974, chapter 7, on tubes
+    of rays in geometrical optics.
 
     Parameters
     ----------
@@ -361,11 +370,11 @@ def horn_frequency(
 ) -> Number:
     """Angular frequency of a wave in an exponential horn, A = A0 exp(2 beta x).
 
-    ``omega = c (k^2 + beta^2)^(1/2)``, of ``u ~ exp(-beta x) cos(k x - omega t)``: below c beta no
-    wave runs.
+    ``omega = c (k^2 + beta^2)^(1/2)``, of ``u ~ exp(-beta x) cos(k x - omega t)``:
+    below c beta no wave runs.
 
-    Source: A. G. Webster, Acoustical impedance, and the theory of horns and of the phonograph,
-    Proc. Natl. Acad. Sci. USA 5 (1919) 275-282.
+    Source: A. G. Webster, Acoustical impedance, and the theory of horns and of the
+    phonograph, Proc. Natl. Acad. Sci. USA 5 (1919) 275-282.
 
     Parameters
     ----------
@@ -400,10 +409,11 @@ def kelvin_voigt_decay(
 ) -> Number:
     """Rate at which a mode of a rod of Kelvin-Voigt material dies out.
 
-    ``eta omega^2/(2 E)``: the amplitude a of a mode obeys a'' + (eta/E) omega^2 a' + omega^2 a = 0.
+    ``eta omega^2/(2 E)``: the amplitude a of a mode obeys a'' + (eta/E) omega^2 a' +
+    omega^2 a = 0.
 
-    Source: as for any mode with viscous damping proportional to stiffness; Lord Rayleigh, The
-    Theory of Sound, arts. 81 and 45.
+    Source: Lord Rayleigh, The Theory of Sound, arts. 81 and 45, on modes with viscous
+    damping proportional to stiffness.
 
     Parameters
     ----------
@@ -417,8 +427,8 @@ def kelvin_voigt_decay(
     Returns
     -------
     float or array
-        Rate r of the amplitude exp(-r t), as long as the mode oscillates, r < omega; its energy
-        falls at twice the rate [1/s].
+        Rate r of the amplitude exp(-r t), as long as the mode oscillates, r < omega;
+        its energy falls at twice the rate [1/s].
 
     Raises
     ------
@@ -448,8 +458,8 @@ def rayleigh_love_speed(
 
     ``c/(1 + nu^2 kappa^2 k^2)^(1/2)``, from u_tt - nu^2 kappa^2 u_xxtt = c^2 u_xx.
 
-    Source: A. E. H. Love, A Treatise on the Mathematical Theory of Elasticity, 4th ed., 1927, art.
-    278; Lord Rayleigh, The Theory of Sound, art. 157.
+    Source: A. E. H. Love, A Treatise on the Mathematical Theory of Elasticity, 4th ed.,
+    1927, art. 278; Lord Rayleigh, The Theory of Sound, art. 157.
 
     Parameters
     ----------
@@ -458,8 +468,8 @@ def rayleigh_love_speed(
     poisson_ratio : float or array
         nu [1].
     gyration_radius : float or array
-        kappa = (I_p/A)^(1/2), I_p the polar second moment of the cross-section; of a solid round
-        rod its diameter over 8^(1/2) [m].
+        kappa = (I_p/A)^(1/2), I_p the polar second moment of the cross-section; of a
+        solid round rod its diameter over 8^(1/2) [m].
     wave_number : float or array
         k [rad/m].
 
@@ -475,7 +485,9 @@ def rayleigh_love_speed(
 
     Examples
     --------
-    >>> rayleigh_love_speed(5000.0, poisson_ratio=0.25, gyration_radius=3.0, wave_number=1.0)
+    >>> rayleigh_love_speed(
+    ...     5000.0, poisson_ratio=0.25, gyration_radius=3.0, wave_number=1.0
+    ... )
     4000.0
     """
     c, kappa, nu, k = _checked(
@@ -487,50 +499,68 @@ def rayleigh_love_speed(
     return float_or_array(c / np.hypot(1.0, nu * kappa * k))
 
 
-def _collision(**found: Any) -> PairCollision:
-    """Arrays without dimensions become floats."""
-    return PairCollision(
-        **{name: float_or_array(np.asarray(entry)) for name, entry in found.items()}
-    )
+class PairNumbers(NamedTuple):
+    """Dimensionless numbers of a collision of two rods, and their transit times.
+
+    The short and the long rod are those of shorter and of longer transit time.
+    """
+
+    short_time: Array  # T of the short rod, s
+    long_time: Array  # T of the long rod, s
+    q: Array  # (Z_short - Z_long)/(Z_short + Z_long)
+    p: Array  # 1 - |q|, without cancellation
+    log_q: Array  # log(q) where q > 0, else 0
 
 
-def pair_numbers(Z1: Array, T1: Array, Z2: Array, T2: Array) -> tuple[Array, ...]:
-    """Short and long time, q, 1 - |q| and log q of `saint_venant`; the last is 0 where q <= 0."""
-    low, high = np.minimum(Z1, Z2), np.maximum(Z1, Z2)
-    equal = high - low <= EQUAL_IMPEDANCES * high
-    short_is_higher = np.where(equal, False, np.where(Z1 > Z2, T1 < T2, T2 < T1))
-    q = np.where(equal, 0.0, (high - low) / (high + low))
-    return (
+def pair_numbers(Z1: Array, T1: Array, Z2: Array, T2: Array) -> PairNumbers:
+    """Numbers of `saint_venant` from impedances, kg/s, and transit times, s.
+
+    The page has this function and `pair_restitution` as JavaScript.
+    """
+    low = np.minimum(Z1, Z2)
+    high = np.maximum(Z1, Z2)
+    is_equal = high - low <= EQUAL_IMPEDANCES_RTOL * high
+    is_short_higher = np.where(Z1 > Z2, T1 < T2, T2 < T1)
+    is_short_higher = np.where(is_equal, False, is_short_higher)
+    abs_q = np.where(is_equal, 0.0, (high - low) / (high + low))
+    low_over_high = np.where(is_short_higher, low / high, 0.0)
+    return PairNumbers(
         np.minimum(T1, T2),
         np.maximum(T1, T2),
-        np.where(short_is_higher, q, -q),
-        np.where(equal, 1.0, 2 * low / (high + low)),
-        -2 * np.arctanh(np.where(short_is_higher, low / high, 0.0)),
+        np.where(is_short_higher, abs_q, -abs_q),
+        np.where(is_equal, 1.0, 2 * low / (high + low)),
+        -2 * np.arctanh(low_over_high),
     )
 
 
-def pair_restitution(
-    short_time: Array, long_time: Array, q: Array, p: Array, log_q: Array
-) -> Array:
-    """e of `saint_venant`."""
-    x, trips = short_time / long_time, long_time / short_time
+def pair_restitution(numbers: PairNumbers) -> Array:
+    """Coefficient of restitution of `saint_venant`, with its letters."""
+    q = numbers.q
+    p = numbers.p
+    x = numbers.short_time / numbers.long_time
+    trips = numbers.long_time / numbers.short_time
     K = np.floor(trips)
     f = trips - K
-    q_K = np.exp(K * log_q)
-    g = -np.expm1(K * log_q) / p + q_K * f
-    e: Array = np.where(q > 0, (1 + q) * x * g - q_K * (1 - p * f), np.abs(q) + p * x)
+    q_K = np.exp(K * numbers.log_q)
+    g = -np.expm1(K * numbers.log_q) / p + q_K * f
+    if_long_higher = np.abs(q) + p * x
+    if_short_higher = (1 + q) * x * g - q_K * (1 - p * f)
+    e: Array = np.where(q > 0, if_short_higher, if_long_higher)
     return np.minimum(e, 1.0)
 
 
-def _checked(**given: ArrayLike) -> tuple[Array, ...]:
-    """The arguments as arrays that are broadcast, each of its unit and sign."""
-    return broadcast_arguments(
-        **{
-            name: (
-                value,
-                UNITS[name.rstrip("_012")],
-                "any" if name in OF_EITHER_SIGN else "positive",
-            )
-            for name, value in given.items()
-        }
-    )
+def _collision(**entries: Any) -> PairCollision:
+    """Result of arrays; an array without dimensions becomes a float."""
+    values = {}
+    for name, entry in entries.items():
+        values[name] = float_or_array(np.asarray(entry))
+    return PairCollision(**values)
+
+
+def _checked(**arguments: ArrayLike) -> tuple[Array, ...]:
+    """Arguments as arrays of one shape, each checked for its unit and sign."""
+    with_rules = {}
+    for name, value in arguments.items():
+        unit, sign = RULES[name.rstrip("_012")]
+        with_rules[name] = (value, unit, sign)
+    return broadcast_arguments(**with_rules)

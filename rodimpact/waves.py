@@ -6,10 +6,10 @@ G = 2 pi a/l the equation of frequencies is::
     2 A^2 (B^2 + G^2) j(A) j(B) - (B^2 - G^2)^2 J0(A) j(B) - 4 G^2 A^2 j(A) J0(B) = 0
     A^2 = G^2 (c^2/c1^2 - 1),  B^2 = G^2 (c^2/c2^2 - 1),  j(x) = J1(x)/x
 
-with the dilatational speed c1 and the shear speed c2. This is the equation as K. F. Graff
-has it, Wave Motion in Elastic Solids, divided by A B, so that c = c1 and c = c2 are no
-roots. If A or B is imaginary, J becomes I. Long waves run at c0 = sqrt(E/rho), with
-c/c0 = 1 - nu^2 G^2/4, short ones at the speed of Rayleigh's surface waves.
+with the dilatational speed c1 and the shear speed c2. This is the equation as K. F.
+Graff has it, Wave Motion in Elastic Solids, divided by A B, so that c = c1 and c = c2
+are no roots. If A or B is imaginary, J becomes I. Long waves run at c0 = sqrt(E/rho),
+with c/c0 = 1 - nu^2 G^2/4, short ones at the speed of Rayleigh's surface waves.
 `mindlin_herrmann` is an approximation to the first mode.
 """
 
@@ -60,7 +60,7 @@ DIFFERENCE_STEP = 2.0**-13
 Its error is the step squared, plus round-off over the step.
 """
 VALUES_PER_BLOCK = 128
-"""Roots that are found at a time, so that memory is bounded and progress is reported."""
+"""Roots found at a time: memory is bounded, and progress is reported in between."""
 SLOWNESS_KNOTS = 257
 """Knots of the curve of delays from frequency 0 to the cut-off."""
 SERIES_LIMIT = 1e-8
@@ -107,8 +107,8 @@ class Bar(Declared):
         Parameters
         ----------
         rod : Rod or Segment
-            A uniform one, of a material with a `poisson_ratio`, and given by its diameter,
-            unless a radius is given.
+            A uniform one, of a material with a `poisson_ratio`, and given by its
+            diameter, unless a radius is given.
         radius : float, optional
             Equivalent radius of a section that is not round, m.
 
@@ -119,8 +119,8 @@ class Bar(Declared):
         Raises
         ------
         InvalidModel
-            If the rod has no single section, its section is not said to be round, or its
-            material has no Poisson ratio.
+            If the rod has no single section, its section is not said to be round, or
+            its material has no Poisson ratio.
 
         Examples
         --------
@@ -138,8 +138,8 @@ class Bar(Declared):
             return cls(material.wave_speed, material.poisson_ratio, radius)
         if not segment.solid_round:
             message = (
-                "is not said to be round; give the rod its diameter in place of the area, "
-                "or radius=, the equivalent radius in m"
+                "is not said to be round; give the rod its diameter in place of the "
+                "area, or radius=, the equivalent radius in m"
             )
             raise refusal("bar.section", message)
         round_radius = np.sqrt(segment.area / math.pi)
@@ -345,9 +345,9 @@ def mindlin_herrmann(
 
         (x - axial) (x - shear/m - 2 radial/(m G^2)) = 2 coupling^2/(m G^2)
 
-    The slow branch stands for `first_mode`. In the fast branch, which starts at a cut-off
-    frequency, it is mostly the radius that swings. See `rodimpact.model.lateral_inertia`
-    for the theory and its source.
+    The slow branch stands for `first_mode`. In the fast branch, which starts at a
+    cut-off frequency, it is mostly the radius that swings. See
+    `rodimpact.model.lateral_inertia` for the theory and its source.
 
     Parameters
     ----------
@@ -400,8 +400,8 @@ def rayleigh_speed(poisson_ratio: ArrayLike) -> Number:
 
     The root c < c2 of (2 - c^2/c2^2)^2 = 4 sqrt(1 - c^2/c1^2) sqrt(1 - c^2/c2^2).
 
-    Source: Lord Rayleigh, On waves propagated along the plane surface of an elastic solid,
-    Proc. London Math. Soc. 17 (1885) 4.
+    Source: Lord Rayleigh, On waves propagated along the plane surface of an elastic
+    solid, Proc. London Math. Soc. 17 (1885) 4.
 
     Parameters
     ----------
@@ -498,7 +498,7 @@ def _lowest_roots(
 
 
 def _roots_of_block(wavenumber: WavenumberFunction, numbers: Array, nu: Array) -> Array:
-    """Lowest roots of some waves, each bracketed by a scan and found by Brent's method."""
+    """Lowest roots of some waves: a scan brackets each, Brent's method finds it."""
     roots = np.ones(numbers.size)
     slowest = 0.9 * np.min(rayleigh_speed(nu), initial=1.0)
     speeds = np.arange(slowest, 1.0 + 2 * SPEED_STEP, SPEED_STEP)

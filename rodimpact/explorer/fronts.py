@@ -285,9 +285,8 @@ def closed_form_of(system: Any, before: list[float]) -> Any:
     if any(body.kind == "wall" for body in bodies):
         return {"restitution": 1.0, "source": "textbook, box 10.4"}
     left, right = [body.segments[0] for body in bodies]
-    e = pair_restitution(
-        *pair_numbers(
-            left.impedance, left.transit_time, right.impedance, right.transit_time
-        )
+    numbers = pair_numbers(
+        left.impedance, left.transit_time, right.impedance, right.transit_time
     )
+    e = pair_restitution(numbers)
     return {"restitution": e * 1.0, "source": "Saint-Venant 1867"}
