@@ -1,15 +1,15 @@
-"""Rigid-body collisions on a line: momentum is kept, a coefficient of restitution says the rest.
+"""Rigid-body collisions on a line, from momentum and a coefficient of restitution.
 
-What happens inside two colliding bodies is summed up in one number, the impulse P. Momentum
-balance leaves P open; the restitution e closes the equations by stating how fast the bodies part
-compared with how fast they met. Stacks of balls follow from repeating that one law, `collide`.
+One number sums up the collision of two bodies, the impulse P. The momentum balance
+leaves P open; the restitution e closes the equations by stating how fast the bodies
+part compared with how fast they met. Stacks of balls follow from repeating that one
+law, `collide`.
 
-Arguments broadcast as in NumPy; results are floats where every argument is a single number.
-Velocities are positive to the right and body 1 is the left one. Equation numbers and problems are
-those of the textbook section 10.5, "Collisions in 1D".
+Arguments broadcast as in NumPy; results are floats where every argument is a single
+number. Velocities are positive to the right and body 1 is the left one. Equation
+numbers and problems are those of the textbook section 10.5, "Collisions in 1D".
 """
 
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -24,11 +24,11 @@ from .model.arguments import (
     float_or_array,
 )
 
-_MASS = "kg", "positive or infinite"
-_VELOCITY = "m/s", "any"
-_APART = (
-    "must be above the velocity of body 2, {1!r}, got {0!r}: the bodies do not approach; body 1 is "
-    "on the left"
+_MASS = ("kg", "positive or infinite")
+_VELOCITY = ("m/s", "any")
+_NOT_APPROACHING = (
+    "must be above the velocity of body 2, {1!r}, got {0!r}: the bodies do not "
+    "approach; body 1 is on the left"
 )
 
 
@@ -44,17 +44,21 @@ class RigidCollision(NamedTuple):
     centre_of_mass_velocity : float or array
         The same before and after [m/s].
     relative_velocity_before, relative_velocity_after : float or array
-        Velocity of body 2 minus that of body 1: negative before, positive after a bounce [m/s].
+        Velocity of body 2 minus that of body 1: negative before, positive after a
+        bounce [m/s].
     energy_before, energy_after : float or array
-        Kinetic energy of both bodies; an immovable body has 0 if at rest, else infinity [J].
+        Kinetic energy of both bodies; an immovable body has 0 if at rest, else infinity
+        [J].
     energy_lost : float or array
         Kinetic energy lost, finite also with an immovable body [J].
 
     Examples
     --------
+    Equal masses exchange velocities:
+
     >>> import rodimpact as ri
-    >>> found = ri.rigid.collide(1.0, 2.0, 1.0, 0.0, 1.0)     # equal masses exchange velocities
-    >>> found.velocity_1, found.velocity_2, found.energy_lost
+    >>> collision = ri.rigid.collide(1.0, 2.0, 1.0, 0.0, 1.0)
+    >>> collision.velocity_1, collision.velocity_2, collision.energy_lost
     (0.0, 2.0, 0.0)
     """
 
@@ -81,9 +85,11 @@ class StackDrop(NamedTuple):
 
     Examples
     --------
+    A light ball on a heavy one:
+
     >>> import rodimpact as ri
-    >>> found = ri.rigid.stack_drop([1.0, 1e-9], [1.0, 1.0], height=1.0)     # light on heavy
-    >>> round(float(found.top_height), 6)
+    >>> drop = ri.rigid.stack_drop([1.0, 1e-9], [1.0, 1.0], height=1.0)
+    >>> round(float(drop.top_height), 6)
     9.0
     """
 
@@ -117,9 +123,13 @@ def contact_mass(m1: ArrayLike, m2: ArrayLike) -> Number:
     (1.5, 2.0)
     """
     M1, M2 = broadcast_arguments(m1=(m1, *_MASS), m2=(m2, *_MASS))
-    message = "must be finite where m1 is infinite: at most one body can be immovable, got {0!r}"
+    message = (
+        "must be finite where m1 is infinite: at most one body can be immovable, "
+        "got {0!r}"
+    )
     demand(np.isfinite(M1) | np.isfinite(M2), "m2", message, M2)
-    light, heavy = np.minimum(M1, M2), np.maximum(M1, M2)
+    light = np.minimum(M1, M2)
+    heavy = np.maximum(M1, M2)
     return float_or_array(light / (1 + light / heavy))
 
 
@@ -134,10 +144,11 @@ def collide(
 ) -> RigidCollision:
     """Collision of two rigid bodies.
 
-    The centre of mass keeps its velocity, and the relative velocity v2 - v1 turns into -e times
-    itself (eq. 10.56), so that ``P = (1 + e) m_coll (v1 - v2)`` and the energy lost is
-    ``(1 - e^2) m_coll (v1 - v2)^2/2``. With e = 0 the bodies stay together, as when one captures
-    the other; with e = 1 no energy is lost; a negative e lets them pass through each other.
+    The centre of mass keeps its velocity, and the relative velocity v2 - v1 turns into
+    -e times itself (eq. 10.56), so that ``P = (1 + e) m_coll (v1 - v2)`` and the energy
+    lost is ``(1 - e^2) m_coll (v1 - v2)^2/2``. With e = 0 the bodies stay together, as
+    when one captures the other; with e = 1 no energy is lost; a negative e lets them
+    pass through each other.
 
     Parameters
     ----------
@@ -158,8 +169,8 @@ def collide(
     Raises
     ------
     ValueError
-        If a mass is not positive or both are infinite, a velocity or e is not finite, the bodies
-        do not approach, or abs(e) > 1 without `allow_energy_release`.
+        If a mass is not positive or both are infinite, a velocity or e is not finite,
+        the bodies do not approach, or abs(e) > 1 without `allow_energy_release`.
 
     Examples
     --------
@@ -176,34 +187,34 @@ def collide(
         v2=(v2, *_VELOCITY),
         restitution=(restitution, "", "any"),
     )
-    demand(V1 > V2, "v1", _APART, V1, V2)
+    demand(V1 > V2, "v1", _NOT_APPROACHING, V1, V2)
     if not allow_energy_release:
-        message = "must lie in [-1, 1], got {0!r}, which adds energy; set allow_energy_release=True"
-        demand(np.abs(e) <= 1, "restitution", f"{message} if that is meant", e)
+        message = (
+            "must lie in [-1, 1], got {0!r}, which adds energy; set "
+            "allow_energy_release=True if that is meant"
+        )
+        demand(np.abs(e) <= 1, "restitution", message, e)
     M = np.asarray(contact_mass(M1, M2))
-    share_1, share_2 = (
-        M / M2,
-        M / M1,
-    )  # of the total mass: m1/(m1 + m2) and m2/(m1 + m2)
-    V_cm = share_1 * V1 + share_2 * V2
+    mass_fraction_1 = M / M2  # m1/(m1 + m2)
+    mass_fraction_2 = M / M1  # m2/(m1 + m2)
+    V_cm = mass_fraction_1 * V1 + mass_fraction_2 * V2
     before = V2 - V1
     after = -e * before
-    W1, W2 = V_cm - share_2 * after, V_cm + share_1 * after
+    W1 = V_cm - mass_fraction_2 * after
+    W2 = V_cm + mass_fraction_1 * after
+    energy_before = _kinetic_energy(M1, V1) + _kinetic_energy(M2, V2)
+    energy_after = _kinetic_energy(M1, W1) + _kinetic_energy(M2, W2)
+    energy_lost = (1 - e) * (1 + e) * _kinetic_energy(M, before)
     return RigidCollision(
-        *map(
-            float_or_array,
-            (
-                W1,
-                W2,
-                M * (after - before),
-                V_cm,
-                before,
-                after,
-                _kinetic_energy(M1, V1) + _kinetic_energy(M2, V2),
-                _kinetic_energy(M1, W1) + _kinetic_energy(M2, W2),
-                (1 - e) * (1 + e) * _kinetic_energy(M, before),
-            ),
-        )
+        velocity_1=float_or_array(W1),
+        velocity_2=float_or_array(W2),
+        impulse=float_or_array(M * (after - before)),
+        centre_of_mass_velocity=float_or_array(V_cm),
+        relative_velocity_before=float_or_array(before),
+        relative_velocity_after=float_or_array(after),
+        energy_before=float_or_array(energy_before),
+        energy_after=float_or_array(energy_after),
+        energy_lost=float_or_array(energy_lost),
     )
 
 
@@ -212,7 +223,8 @@ def restitution_from_velocities(
 ) -> Number:
     """Coefficient of restitution measured from velocities (eq. 10.56).
 
-    ``e = (v2_after - v1_after)/(v1_before - v2_before)``; with abs(e) > 1 energy was released.
+    ``e = (v2_after - v1_after)/(v1_before - v2_before)``; with abs(e) > 1 energy was
+    released.
 
     Parameters
     ----------
@@ -236,21 +248,21 @@ def restitution_from_velocities(
     >>> restitution_from_velocities(10.0, 5.0, 6.0, 7.0)
     0.2
     """
-    before_1, before_2, after_1, after_2 = broadcast_arguments(
+    V1, V2, W1, W2 = broadcast_arguments(
         v1_before=(v1_before, *_VELOCITY),
         v2_before=(v2_before, *_VELOCITY),
         v1_after=(v1_after, *_VELOCITY),
         v2_after=(v2_after, *_VELOCITY),
     )
-    demand(before_1 > before_2, "v1_before", _APART, before_1, before_2)
-    return float_or_array((after_2 - after_1) / (before_1 - before_2))
+    demand(V1 > V2, "v1_before", _NOT_APPROACHING, V1, V2)
+    return float_or_array((W2 - W1) / (V1 - V2))
 
 
 def restitution_from_heights(drop: ArrayLike, rebound: ArrayLike) -> Number:
     """Coefficient of restitution of a dropped ball with the ground.
 
-    ``e = sqrt(rebound/drop)``, as speeds grow with the square root of the height (problems 10.5.2
-    and 10.5.4).
+    ``e = sqrt(rebound/drop)``, as speeds grow with the square root of the height
+    (problems 10.5.2 and 10.5.4).
 
     Parameters
     ----------
@@ -290,19 +302,20 @@ def stack_drop(
     height: ArrayLike,
     gravity: ArrayLike = 9.81,
 ) -> StackDrop:
-    """Stack of balls dropped on the floor, hardly apart, so that they collide one after another.
+    """Stack of balls dropped on the floor, which collide one after another.
 
-    The bottom ball bounces off the floor, meets the second one, which is still falling, and so on
-    upwards (sample 10.21 and problem 10.5.10). One upward sweep is followed: a ball that comes
-    back to the one below it does not meet it again.
+    The balls fall hardly apart. The bottom ball bounces off the floor, meets the second
+    one, which is still falling, and so on upwards (sample 10.21 and problem 10.5.10).
+    One upward sweep is followed: a ball that comes back to the one below it does not
+    meet it again.
 
     Parameters
     ----------
     masses : array, shape (..., balls)
         Finite masses from the bottom to the top [kg].
     restitutions : array, shape (..., balls)
-        Coefficient of restitution of each ball with what is below it, from 0 to 1; the floor's
-        comes first [1].
+        Coefficient of restitution of each ball with what is below it, from 0 to 1; the
+        floor's comes first [1].
     height : float or array, shape (...)
         Height of the release [m].
     gravity : float or array, shape (...)
@@ -316,8 +329,8 @@ def stack_drop(
     Raises
     ------
     ValueError
-        If the numbers of masses and restitutions differ, a mass, `height` or `gravity` is not
-        positive and finite, or a restitution is not from 0 to 1.
+        If the numbers of masses and restitutions differ, a mass, `height` or `gravity`
+        is not positive and finite, or a restitution is not from 0 to 1.
 
     Examples
     --------
@@ -331,23 +344,25 @@ def stack_drop(
     h, g = broadcast_arguments(
         height=(height, "m", "positive"), gravity=(gravity, "m/s^2", "positive")
     )
-    balls = M.shape[-1]
-    if balls != e.shape[-1] or balls == 0:
+    n_balls = M.shape[-1]
+    n_restitutions = e.shape[-1]
+    if n_balls != n_restitutions or n_balls == 0:
         raise ValueError(
-            f"masses has {balls} balls and restitutions {e.shape[-1]}: give at least one ball, "
-            "and for each ball the restitution with what is below it, the floor's first"
+            f"masses has {n_balls} balls and restitutions {n_restitutions}: give at "
+            "least one ball, and for each ball the restitution with what is below it, "
+            "the floor's first"
         )
     drop_speed = np.sqrt(2 * g * h)
     shape = np.broadcast_shapes(M.shape[:-1], e.shape[:-1], drop_speed.shape)
-    v = np.full((*shape, balls), -drop_speed[..., np.newaxis])
+    v = np.full((*shape, n_balls), -drop_speed[..., np.newaxis])
     v[..., 0] = e[..., 0] * drop_speed
-    for i, j in pairwise(range(balls)):
-        after = collide(M[..., i], v[..., i], M[..., j], v[..., j], e[..., j])
-        v[..., i], v[..., j] = after.velocity_1, after.velocity_2
-    return StackDrop(
-        velocities=v,
-        top_height=float_or_array(np.maximum(v[..., -1], 0.0) ** 2 / (2 * g)),
-    )
+    for i in range(1, n_balls):
+        below = i - 1
+        after = collide(M[..., below], v[..., below], M[..., i], v[..., i], e[..., i])
+        v[..., below] = after.velocity_1
+        v[..., i] = after.velocity_2
+    rise_speed = np.maximum(v[..., -1], 0.0)
+    return StackDrop(velocities=v, top_height=float_or_array(rise_speed**2 / (2 * g)))
 
 
 def _kinetic_energy(mass: Array, velocity: Array) -> Array:
