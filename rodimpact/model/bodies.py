@@ -1,7 +1,7 @@
-"""What a row is made of: rods of elastic material, rigid masses and walls.
+"""The bodies of a row: rods of elastic material, rigid masses and walls.
 
-Axis x points to the right; velocity is positive to the right, strain positive in tension; SI units.
-Any number may be an array, which makes a family.
+Axis x points to the right; velocity is positive to the right, strain positive in
+tension; SI units. Any number may be an array, which makes a family.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import KW_ONLY
-from itertools import pairwise
 from typing import Any, ClassVar, TypeAlias, get_args
 
 import numpy as np
@@ -31,11 +30,14 @@ from .frozen import (
 from .lateral_inertia import MINDLIN_HERRMANN, RAYLEIGH_LOVE, THEORIES
 from .profiles import Floats, Profile, ProfileLike, Samples, Steps
 
-NOTHING: Any = None
+LEFT_OUT: Any = None
+"""Default of an argument that may be left out, or that the check of a class demands."""
 Area: TypeAlias = "Taken[Number | Samples, ProfileLike | None]"
 Moment: TypeAlias = "Taken[Number | str | None, ArrayLike | str | None]"
-MOST_STEPS = 100_000  # of a taper
-CIRCULAR = "circular"  # the cross-section is a solid disc
+MAX_STEPS_PER_TAPER = 100_000
+"""Number of uniform segments that may stand for a tapered one, at most."""
+CIRCULAR = "circular"
+"""Polar moment of a solid round section, in words."""
 
 
 class Material(Declared):
@@ -44,17 +46,19 @@ class Material(Declared):
     Parameters
     ----------
     name : str
-        How it is called in tables.
+        Name in tables and case files.
     youngs_modulus : float or array
         E, Pa.
     density : float or array
         rho, kg/m^3.
     poisson_ratio : float or array, optional
-        nu, between -1 and 0.5, for rods with `lateral_inertia`, for exact waves in round bars
-        (`rodimpact.waves`), and for `Hertz.from_radii`; other waves do not depend on it.
+        nu, between -1 and 0.5, for rods with `lateral_inertia`, for exact waves in
+        round bars (`rodimpact.waves`), and for `Hertz.from_radii`; other waves do not
+        depend on it.
     viscosity : float or array
-        Kelvin-Voigt viscosity eta of sigma = E eps + eta d(eps)/dt, Pa s; `damped` finds it from a
-        loss factor. Only the method "finite-difference" takes other than 0.
+        Kelvin-Voigt viscosity eta of sigma = E eps + eta d(eps)/dt, Pa s; `damped`
+        finds it from a loss factor. Only the method "finite-difference" takes a
+        viscosity above 0.
 
     Raises
     ------
@@ -80,36 +84,42 @@ class Material(Declared):
     def _check(self, problems: Problems) -> None:
         if not isinstance(self.name, str) or not self.name:
             problems.insert(0, ("name", f"must be a word, got {shown(self.name)}"))
-        if not problems:
-            E, rho = self.youngs_modulus, self.density
-            message = "gives no finite wave speed with density {1!r}, got {0!r}"
-            frozen.require(
-                problems, frozen.in_range(E / rho), "youngs_modulus", message, E, rho
-            )
+        if problems:
+            return
+        E = self.youngs_modulus
+        rho = self.density
+        is_speed_finite = frozen.in_range(E / rho)
+        message = "gives no finite wave speed with density {1!r}, got {0!r}"
+        frozen.require(problems, is_speed_finite, "youngs_modulus", message, E, rho)
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
-        described = super().to_dict()
-        described.setdefault("poisson_ratio", None)  # as digests on disk have it
-        return described
+        description = super().to_dict()
+        # Digests on disk are those of descriptions that always have this entry.
+        description.setdefault("poisson_ratio", None)
+        return description
 
     @property
     def wave_speed(self) -> Number:
         """Bar speed c = sqrt(E/rho), m/s."""
-        ratio = self.youngs_modulus / self.density
-        return math.sqrt(ratio) if isinstance(ratio, float) else np.sqrt(ratio)
+        speed_squared = self.youngs_modulus / self.density
+        if isinstance(speed_squared, float):
+            return math.sqrt(speed_squared)
+        return np.sqrt(speed_squared)
 
     def damped(self, loss_factor: ArrayLike, frequency: ArrayLike) -> Material:
         """Return the same material with the viscosity that gives it a loss factor.
 
-        eta = E tan(delta)/(2 pi f): the loss factor tan(delta) of a Kelvin-Voigt material is
-        proportional to frequency, so a measured one holds at its own frequency and near it.
+        eta = E tan(delta)/(2 pi f): the loss factor tan(delta) of a Kelvin-Voigt
+        material is proportional to frequency, so a measured one holds at its own
+        frequency and near it.
 
         Parameters
         ----------
         loss_factor : float or array
-            tan(delta), of a stress that oscillates and the strain that follows it, 1.
+            tan(delta), with delta the phase by which the strain lags the stress of an
+            oscillation, 1.
         frequency : float or array
-            f at which it is this, Hz.
+            f at which the loss factor is this one, Hz.
 
         Returns
         -------
@@ -131,10 +141,9 @@ class Material(Declared):
             frequency=(frequency, "Hz", "positive"),
             youngs_modulus=(self.youngs_modulus, "Pa", ""),
         )
-        with np.errstate(
-            all="ignore"
-        ):  # what is out of range, the material will refuse
-            return self.replace(viscosity=E * tangent / (2 * math.pi * f))
+        with np.errstate(all="ignore"):  # the material refuses what is out of range
+            viscosity = E * tangent / (2 * math.pi * f)
+        return self.replace(viscosity=viscosity)
 
 
 class Segment(Declared):
@@ -145,19 +154,20 @@ class Segment(Declared):
     length : float or array
         m.
     area : float, array, Samples or function
-        Cross-section, m^2. `Samples` make the segment tapered; so does a function of the distance
-        from its left end, m, which is sampled at 1025 places from end to end.
+        Cross-sectional area, m^2. `Samples` make the segment tapered; so does a
+        function of the distance from its left end, m, which is sampled at 1025 places
+        from end to end.
     material : Material
     diameter : float or array
-        Of a solid round section, m, in place of the area.
+        Diameter of a solid round section, m, in place of the area.
     polar_moment : float, array or "circular", optional
-        Polar second moment I_p of the cross-section about the axis, m^4, for lateral inertia.
-        ``"circular"`` is that of a solid round section, I_p = A^2/(2 pi), along a taper too. A
-        diameter says the same, and takes no other.
+        Polar second moment I_p of the cross-section about the axis, m^4, for lateral
+        inertia. ``"circular"`` is that of a solid round section, I_p = A^2/(2 pi),
+        along a taper too. A diameter means the same, and excludes another polar moment.
     lateral_inertia : "rayleigh-love" or "mindlin-herrmann", optional
         Theory of the motion sideways; None: this motion has no inertia. See
-        `rodimpact.model.lateral_inertia`. It needs a diameter or a polar moment, and a material
-        with a `poisson_ratio`.
+        `rodimpact.model.lateral_inertia`. It needs a diameter or a polar moment, and a
+        material with a `poisson_ratio`.
 
     Raises
     ------
@@ -180,99 +190,127 @@ class Segment(Declared):
     }
     length: Numeric = quantity("m", "positive")
     area: Area = quantity("m^2", "positive", default=None, along="length")
-    material: Taken[Material, Material | None] = NOTHING
+    material: Taken[Material, Material | None] = LEFT_OUT
     _: KW_ONLY
     diameter: NumericOrNone = quantity("m", "positive", default=None)
     polar_moment: Moment = quantity("m^4", "positive", default=None, word=CIRCULAR)
     lateral_inertia: str | None = None
 
     def _check(self, problems: Problems) -> None:
-        held = self.__dict__
-        L, material, area = held["length"], held["material"], held["area"]
-        if self.diameter is not None:
-            if area is not None:
-                problems.append(("diameter", "give either area or diameter, not both"))
-            area = 1.0 if problems else math.pi * self.diameter * self.diameter / 4
-        if area is None:
-            problems.append(
-                ("area", "is missing; give it, or the diameter of a round rod")
-            )
-        elif isinstance(area, Steps):
-            message = "jumps inside a segment; give Rod(area=Steps(...)), or a segment for each"
-            problems.append(("area", f"{message} of its values"))
-        else:
-            known = None if problems else L
-            area = profiles.along_rod(
-                problems, "area", area, self.fields["area"], known
-            )
+        area = self._checked_area(problems)
         self._set(area=area)
         if self.lateral_inertia is not None or self.polar_moment is not None:
-            self._check_inertia(problems)
-        of_kind("material", material, Material, "materials.steel")
+            self._check_lateral_inertia(problems)
+        of_kind("material", self.material, Material, "materials.steel")
         frozen.raise_noted(problems)
         if isinstance(area, Samples):
-            for bound in profiles.extremes(area):
-                Segment(L, bound, material)
+            # A taper is sound if uniform segments of its extreme areas are.
+            for extreme in profiles.extremes(area):
+                Segment(self.length, extreme, self.material)
             return
         if self._varies:
             frozen.family_shape(self._numbers())
-        c = material.wave_speed
-        with np.errstate(all="ignore"):
-            Z, T = material.density * area * c, L / c
-            good = frozen.in_range(Z) & frozen.in_range(T) & frozen.in_range(Z * T)
-        if good is not True:
-            message = (
-                "length {0!r} and area {1!r} of this material make an impedance, a transit time or "
-                f"a mass outside {frozen.SMALLEST:g} to {frozen.LARGEST:g}; use consistent units"
-            )
-            demand(
-                good, "area" if self.diameter is None else "diameter", message, L, area
-            )
+        self._check_magnitudes(area)
 
-    def _check_inertia(self, problems: Problems) -> None:
-        """Note what is wrong with the theory of the motion sideways, and what it lacks."""
-        theory, moment, material = (
-            self.lateral_inertia,
-            self.polar_moment,
-            self.material,
+    def _checked_area(self, problems: Problems) -> Any:
+        """Area from the area or the diameter, m^2; a mistake is noted in `problems`."""
+        area: Any = self.area
+        if self.diameter is not None:
+            if area is not None:
+                problems.append(("diameter", "give either area or diameter, not both"))
+            area = 1.0
+            if not problems:
+                area = math.pi * self.diameter * self.diameter / 4
+        if area is None:
+            message = "is missing; give it, or the diameter of a round rod"
+            problems.append(("area", message))
+        elif isinstance(area, Steps):
+            message = (
+                "jumps inside a segment; give Rod(area=Steps(...)), or a segment for "
+                "each of its values"
+            )
+            problems.append(("area", message))
+        else:
+            length = None
+            if not problems:
+                length = self.length
+            field = self.fields["area"]
+            area = profiles.along_rod(problems, "area", area, field, length)
+        return area
+
+    def _check_magnitudes(self, area: Number) -> None:
+        """Refuse a uniform segment whose impedance, transit time or mass is extreme."""
+        L = self.length
+        c = self.material.wave_speed
+        with np.errstate(all="ignore"):
+            Z = self.material.density * area * c
+            T = L / c
+            are_sound = frozen.in_range(Z) & frozen.in_range(T) & frozen.in_range(Z * T)
+        if are_sound is True:
+            return
+        message = (
+            "length {0!r} and area {1!r} of this material make an impedance, a transit "
+            f"time or a mass outside {frozen.SMALLEST:g} to {frozen.LARGEST:g}; use "
+            "consistent units"
         )
-        said_round = self.diameter is not None
-        if not isinstance(moment, str | None) and (said_round or self.tapered):
+        name = "area"
+        if self.diameter is not None:
+            name = "diameter"
+        demand(are_sound, name, message, L, area)
+
+    def _check_lateral_inertia(self, problems: Problems) -> None:
+        """Note mistakes in the lateral inertia, and numbers that it lacks."""
+        theory = self.lateral_inertia
+        moment = self.polar_moment
+        has_diameter = self.diameter is not None
+        is_number = not isinstance(moment, str | None)
+        if is_number and (has_diameter or self.tapered):
             message = (
                 f'must be "{CIRCULAR}" along a taper and with a diameter, or left out'
             )
             frozen.note(problems, "polar_moment", message, moment)
         if theory is None:
-            message = f'has no effect by itself; give lateral_inertia="{RAYLEIGH_LOVE}" too, or '
-            problems.append(("polar_moment", f"{message}leave polar_moment out"))
-        elif moment is None and not said_round:
+            message = (
+                f'has no effect by itself; give lateral_inertia="{RAYLEIGH_LOVE}" too, '
+                "or leave polar_moment out"
+            )
+            problems.append(("polar_moment", message))
+        elif moment is None and not has_diameter:
             message = (
                 "needs the diameter of a round rod, or a polar_moment; give one of them"
             )
             problems.append(("lateral_inertia", message))
         elif not isinstance(theory, str) or theory not in THEORIES:
-            message = (
-                f"unknown theory {shown(theory)}; {frozen.nearest(theory, THEORIES)}"
-            )
+            nearest = frozen.nearest(theory, THEORIES)
+            message = f"unknown theory {shown(theory)}; {nearest}"
             problems.append(("lateral_inertia", message))
-        elif isinstance(material, Material):
-            nu, path = material.poisson_ratio, "material.poisson_ratio"
-            if nu is None:
-                message = f"is missing in {shown(material.name)}; lateral inertia needs it: give "
-                problems.append(
-                    (path, f"{message}the material one, or leave lateral_inertia out")
-                )
-            elif theory == MINDLIN_HERRMANN:
-                message = f'must be below 0.5 for "{theory}", got {{0!r}}'
-                frozen.require(problems, nu < 0.5, path, message, nu)
-        if said_round:
-            self._set(polar_moment=None)  # the diameter says it
+        elif isinstance(self.material, Material):
+            self._check_poisson_ratio(problems)
+        if has_diameter:
+            self._set(polar_moment=None)  # the diameter implies "circular"
+
+    def _check_poisson_ratio(self, problems: Problems) -> None:
+        """Note a Poisson ratio that the theory of lateral inertia cannot take."""
+        material = self.material
+        path = "material.poisson_ratio"
+        if material.poisson_ratio is None:
+            message = (
+                f"is missing in {shown(material.name)}; lateral inertia needs it: give "
+                "the material one, or leave lateral_inertia out"
+            )
+            problems.append((path, message))
+        elif self.lateral_inertia == MINDLIN_HERRMANN:
+            is_compressible = material.poisson_ratio < 0.5
+            message = f'must be below 0.5 for "{MINDLIN_HERRMANN}", got {{0!r}}'
+            frozen.require(
+                problems, is_compressible, path, message, material.poisson_ratio
+            )
 
     def _parameters(self) -> dict[str, Any]:
-        given = super()._parameters()
+        parameters = super()._parameters()
         if self.diameter is not None:
-            del given["area"]
-        return given
+            del parameters["area"]
+        return parameters
 
     @property
     def solid_round(self) -> bool:
@@ -286,9 +324,10 @@ class Segment(Declared):
 
     @property
     def ideal(self) -> bool:
-        """Whether waves keep their shape: no taper, no viscosity, no lateral inertia."""
-        damped = np.any(self.material.viscosity)
-        return not (self.tapered or self.lateral_inertia is not None or damped)
+        """Whether waves keep their shape: no taper, viscosity or lateral inertia."""
+        if self.tapered or self.lateral_inertia is not None:
+            return False
+        return not np.any(self.material.viscosity)
 
     @property
     def wave_speed(self) -> Number:
@@ -306,7 +345,8 @@ class Segment(Declared):
         """
         if isinstance(self.area, Samples):
             raise ValueError(
-                "the impedance varies along a tapered segment; take those of rod.in_steps(n)"
+                "the impedance varies along a tapered segment; take those of "
+                "rod.in_steps(n)"
             )
         return self.material.density * self.area * self.material.wave_speed
 
@@ -319,16 +359,17 @@ class Segment(Declared):
     def mass(self) -> Number:
         """Integral of rho A dx, kg; exact for straight lines between samples."""
         if isinstance(self.area, Samples):
-            return self.material.density * self._mean_areas(1)[0] * self.length
+            (mean_area,) = self._mean_areas(1)
+            return self.material.density * mean_area * self.length
         return self.impedance * self.transit_time
 
     def area_between(self, edges: ArrayLike) -> Floats:
-        """Mean areas between places; exact for straight lines between samples.
+        """Mean areas between edges; exact for straight lines between samples.
 
         Parameters
         ----------
         edges : [n + 1] array
-            Increasing places, m from the left end of the segment.
+            Increasing distances from the left end of the segment, m.
 
         Returns
         -------
@@ -338,59 +379,87 @@ class Segment(Declared):
         Raises
         ------
         ValueError
-            If these are not two places or more.
+            If there are not two edges or more.
+
+        Examples
+        --------
+        >>> steel = Material("steel", youngs_modulus=200e9, density=7850)
+        >>> wedge = Segment(0.5, Samples([1e-4, 3e-4]), steel)
+        >>> wedge.area_between([0.0, 0.25, 0.5]).round(9).tolist()
+        [0.00015, 0.00025]
         """
-        places = array("edges", edges, "m")
-        if places.ndim != 1 or places.size < 2:
+        x = array("edges", edges, "m")
+        if x.ndim != 1 or x.size < 2:
             raise ValueError(
                 f"edges: must be two places or more in a row, got {shown(edges)}"
             )
-        return profiles.averages(self.area, places, float(self.length))
+        return profiles.averages(self.area, x, float(self.length))
 
     def polar_moments(self, areas: ArrayLike) -> Floats:
         """Polar second moments of the segment where its cross-section has these areas.
 
+        I_p = A^2/(2 pi) for a solid round section, else the given polar moment.
+
         Parameters
         ----------
         areas : array
-            m^2.
+            A, m^2.
 
         Returns
         -------
         array
-            m^4, of the same shape; 0 without lateral inertia.
+            I_p, m^4, of the same shape; 0 without lateral inertia.
+
+        Raises
+        ------
+        ValueError
+            If an area is no number.
+
+        Examples
+        --------
+        >>> steel = Material("s", youngs_modulus=2e11, density=8e3, poisson_ratio=0.29)
+        >>> round_rod = Segment(
+        ...     1.0, diameter=0.1, material=steel, lateral_inertia="rayleigh-love"
+        ... )
+        >>> round_rod.polar_moments([round_rod.area]).round(12).tolist()  # pi d^4/32
+        [9.817477e-06]
         """
         A = array("areas", areas, "m^2")
         if self.lateral_inertia is None:
             return np.zeros(A.shape)
-        return (
-            A**2 / (2 * math.pi)
-            if self.solid_round
-            else np.full(A.shape, self.polar_moment)
-        )
+        if self.solid_round:
+            return A**2 / (2 * math.pi)
+        return np.full(A.shape, self.polar_moment)
 
     def mirrored(self) -> Segment:
-        """Return the segment seen in a mirror."""
+        """Return the segment with left and right exchanged."""
         if not self.tapered:
             return self
         return self.replace(area=profiles.flipped(self.area, self.length))
 
     def in_steps(self, n: int) -> list[Segment]:
-        """Uniform segments of equal lengths, each of the volume of its piece of the taper.
+        """Uniform segments of equal lengths that stand for a taper.
 
-        A uniform segment stays as it is.
+        Parameters
+        ----------
+        n : int
+            Number of segments; a uniform segment stays as it is.
+
+        Returns
+        -------
+        list of Segment
+            Each has the volume of its piece of the taper.
         """
         if not self.tapered:
             return [self]
-        return [
-            self.replace(length=self.length / n, area=area)
-            for area in self._mean_areas(n)
-        ]
+        length = self.length / n
+        return [self.replace(length=length, area=A) for A in self._mean_areas(n)]
 
     def _mean_areas(self, n: int) -> list[float]:
-        """Mean areas of `n` pieces of equal length, whatever that is, m^2."""
-        edges = np.linspace(0.0, 1.0, n + 1)
-        return profiles.averages(self.area, edges, 1.0).tolist()  # type: ignore[no-any-return]
+        """Mean areas of `n` pieces of equal length, m^2."""
+        edges = np.linspace(0.0, 1.0, n + 1)  # fractions of the length
+        areas: list[float] = profiles.averages(self.area, edges, 1.0).tolist()
+        return areas
 
 
 class Rod(Frozen, kind="rod"):
@@ -403,22 +472,25 @@ class Rod(Frozen, kind="rod"):
     length : float or array
         m.
     area : float, array, Steps, Samples or function
-        Cross-section, m^2. `Steps` make a stepped rod, with a segment for each value; `Samples`, or
-        a function of the distance from the left end, m, a tapered one.
+        Cross-sectional area, m^2. `Steps` make a stepped rod, with a segment for each
+        value; `Samples`, or a function of the distance from the left end, m, a tapered
+        one.
     material : Material
     diameter : float or array
-        Of a solid round section, m, in place of the area.
+        Diameter of a solid round section, m, in place of the area.
     polar_moment : float, array or "circular", optional
-        m^4, for lateral inertia, as in `Segment`.
+        Polar second moment of the cross-section, m^4, for lateral inertia; see
+        `Segment`.
     lateral_inertia : "rayleigh-love" or "mindlin-herrmann", optional
-        As in `Segment`.
+        Theory of the motion sideways; see `Segment`.
     segments : sequence of Segment
         Pieces of a stepped rod, from left to right.
     velocity : float, array, Steps, Samples or function
-        Initial velocity, m/s; a function of the distance from the left end, m, is sampled at 1025
-        places from end to end.
+        Initial velocity, m/s; a function of the distance from the left end, m, is
+        sampled at 1025 places from end to end.
     strain : float, array, Steps, Samples or function
-        Initial strain, positive in tension; a function as for the velocity.
+        Initial strain, positive in tension; a function is sampled like that of the
+        velocity.
 
     Raises
     ------
@@ -460,8 +532,7 @@ class Rod(Frozen, kind="rod"):
         strain: ProfileLike = 0.0,
     ) -> None:
         problems: Problems = []
-        pieces: tuple[Segment, ...] = ()
-        shape: dict[str, Any] = {
+        shape = {
             "length": length,
             "area": area,
             "diameter": diameter,
@@ -469,20 +540,18 @@ class Rod(Frozen, kind="rod"):
             "polar_moment": polar_moment,
             "lateral_inertia": lateral_inertia,
         }
+        pieces: tuple[Segment, ...] = ()
         try:
-            if segments is not None:
-                pieces = _joined(segments, shape)
-            elif isinstance(area, Steps):
-                pieces = _between_jumps(area, shape)
-            else:
-                pieces = (Segment(**shape),)
+            pieces = _segments(segments, shape)
         except frozen.InvalidModel as error:
             problems += error.problems
         if len(pieces) > 1:
             frozen.family_shape(
                 (f"segments.{i}.length", s.length) for i, s in enumerate(pieces)
             )
-        total = None if problems else sum(s.length for s in pieces)
+        total: Number | None = None
+        if not problems:
+            total = sum(s.length for s in pieces)
         v = profiles.along_rod(
             problems, "velocity", velocity, self.fields["velocity"], total
         )
@@ -493,8 +562,10 @@ class Rod(Frozen, kind="rod"):
     def _parameters(self) -> dict[str, Any]:
         if len(self.segments) > 1:
             return super()._parameters()
-        shape = self.segments[0]._parameters()
-        return {**shape, "velocity": self.velocity, "strain": self.strain}
+        parameters = self.segments[0]._parameters()
+        parameters["velocity"] = self.velocity
+        parameters["strain"] = self.strain
+        return parameters
 
     @property
     def length(self) -> Number:
@@ -503,12 +574,12 @@ class Rod(Frozen, kind="rod"):
 
     @property
     def mass(self) -> Number:
-        """kg."""
+        """Mass of all segments together, kg."""
         return sum(s.mass for s in self.segments)
 
     @property
     def transit_time(self) -> Number:
-        """Time a wave takes from one end to the other, s."""
+        """Time that a wave takes from one end to the other, s."""
         return sum(s.transit_time for s in self.segments)
 
     @property
@@ -522,8 +593,9 @@ class Rod(Frozen, kind="rod"):
         Parameters
         ----------
         n : int
-            Pieces of each tapered segment: of equal lengths, and each of the volume, and so of the
-            mass, of its piece of the taper. Uniform segments stay as they are.
+            Number of pieces of each tapered segment. They have equal lengths, and each
+            has the volume, and so the mass, of its piece of the taper. Uniform segments
+            stay as they are.
 
         Returns
         -------
@@ -543,16 +615,25 @@ class Rod(Frozen, kind="rod"):
         >>> len(steps.segments), abs(steps.mass / cone.mass - 1) < 1e-14
         (200, True)
         """
-        count = whole("n", n, 1, MOST_STEPS)
-        pieces = [
-            piece for segment in self.segments for piece in segment.in_steps(count)
-        ]
+        count = whole("n", n, 1, MAX_STEPS_PER_TAPER)
+        pieces = []
+        for segment in self.segments:
+            pieces.extend(segment.in_steps(count))
         return self.replace(segments=pieces)
 
 
-def _joined(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ...]:
-    """Segments as given; InvalidModel also where the shape is told in another way, too."""
-    if any(v is not None for v in shape.values()):
+def _segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ...]:
+    """Segments of a rod from the arguments of `Rod`; InvalidModel if there are none."""
+    if segments is not None:
+        return _checked_segments(segments, shape)
+    if isinstance(shape["area"], Steps):
+        return _segments_between_jumps(shape)
+    return (Segment(**shape),)
+
+
+def _checked_segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ...]:
+    """Segments as given; InvalidModel also if a part of the shape is given too."""
+    if any(value is not None for value in shape.values()):
         message = (
             "give either segments or length, area, material and polar_moment, not both"
         )
@@ -560,34 +641,35 @@ def _joined(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ...]:
     if not isinstance(segments, list | tuple) or not segments:
         message = f"must be a list of at least one Segment, got {shown(segments)}"
         raise frozen.refusal("segments", message)
-    frozen.raise_noted(
-        [
-            (f"segments.{i}", f"must be a Segment, got {shown(segment)}")
-            for i, segment in enumerate(segments)
-            if not isinstance(segment, Segment)
-        ]
-    )
+    problems: Problems = []
+    for i, segment in enumerate(segments):
+        if not isinstance(segment, Segment):
+            frozen.note(problems, f"segments.{i}", "must be a Segment", segment)
+    frozen.raise_noted(problems)
     return tuple(segments)
 
 
-def _between_jumps(area: Steps, shape: dict[str, Any]) -> tuple[Segment, ...]:
+def _segments_between_jumps(shape: dict[str, Any]) -> tuple[Segment, ...]:
     """Segments of a rod whose area jumps; InvalidModel with the mistakes of all."""
+    area = shape["area"]
     problems: Problems = []
-    pieces: list[Segment] = []
     L = Segment.fields["length"].checked(problems, "length", shape["length"])
-    profiles.along_rod(
-        problems, "area", area, Segment.fields["area"], None if problems else L
-    )
+    known_length = None
+    if not problems:
+        known_length = L
+    profiles.along_rod(problems, "area", area, Segment.fields["area"], known_length)
     frozen.raise_noted(problems)
-    ends = pairwise((0.0, *area.at, L))
-    for i, (A, (start, end)) in enumerate(zip(area.values, ends, strict=True)):
+    edges = (0.0, *area.at, L)
+    pieces: list[Segment] = []
+    for i, A in enumerate(area.values):
+        piece = dict(shape)
+        piece["length"] = edges[i + 1] - edges[i]
+        piece["area"] = A
         try:
-            pieces.append(Segment(**{**shape, "length": end - start, "area": A}))
+            pieces.append(Segment(**piece))
         except frozen.InvalidModel as error:
-            problems += [
-                (path.replace("area", f"area.values.{i}"), message)
-                for path, message in error.problems
-            ]
+            for path, message in error.problems:
+                problems.append((path.replace("area", f"area.values.{i}"), message))
     frozen.raise_noted(problems)
     return tuple(pieces)
 
@@ -598,9 +680,9 @@ class RigidMass(Declared, kind="mass"):
     Parameters
     ----------
     mass : float or array
-        kg.
+        Mass, kg.
     velocity : float or array
-        Initial velocity, m/s.
+        Initial velocity, m/s, positive to the right.
 
     Raises
     ------
@@ -624,11 +706,16 @@ class Wall(Declared, kind="wall"):
     Parameters
     ----------
     velocity : float or array
-        m/s.
+        Velocity for all times, m/s, positive to the right.
+
+    Raises
+    ------
+    InvalidModel
+        If the velocity is no finite number.
 
     Examples
     --------
-    A rod at rest is hit by a wall that comes at 1 m/s, and leaves at twice that:
+    A wall comes at 1 m/s and hits a rod at rest, which leaves at twice the velocity:
 
     >>> import rodimpact as ri
     >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel)

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from ..units import shown
 from . import frozen
 from .arguments import demand
-from .bodies import BODIES, NOTHING, Body, Material, RigidMass, Rod, Segment, Wall
+from .bodies import BODIES, LEFT_OUT, Body, Material, RigidMass, Rod, Segment, Wall
 from .ends import ENDS, FREE, Absorbing, End, Free, Moved, Pushed
 from .frozen import (
     Declared,
@@ -75,11 +75,11 @@ class System(Declared):
     """
 
     bodies: Taken[tuple[Body, ...], Sequence[Body]]
-    gaps: Taken[tuple[Number, ...], Sequence[ArrayLike] | None] = NOTHING
-    contacts: Taken[tuple[ContactLaw, ...], Sequence[ContactLaw] | None] = NOTHING
+    gaps: Taken[tuple[Number, ...], Sequence[ArrayLike] | None] = LEFT_OUT
+    contacts: Taken[tuple[ContactLaw, ...], Sequence[ContactLaw] | None] = LEFT_OUT
     _: KW_ONLY
     gravity: Numeric = quantity("m/s^2", default=0.0)
-    ends: Taken[tuple[End, End], Sequence[End] | None] = NOTHING
+    ends: Taken[tuple[End, End], Sequence[End] | None] = LEFT_OUT
     _shape: ClassVar[tuple[int, ...]] = ()
 
     def _check(self, problems: Problems) -> None:
