@@ -1,7 +1,7 @@
-"""The two ends of a row: free, held, endless or driven.
+"""Boundary conditions at the two ends of a row: free, fixed, absorbing or driven.
 
-A driven end, and a wave that comes in, follow a profile in time. SI units; a number may be an
-array, which makes a family.
+A prescribed force, a prescribed velocity and an incoming wave follow a profile in time.
+SI units; a number may be an array, which makes a family.
 """
 
 from typing import TypeAlias, get_args
@@ -23,11 +23,11 @@ class Free(Frozen, kind="free"):
 
 
 class Fixed(Frozen, kind="fixed"):
-    """The end of a rod is held at rest, in tension too.
+    """A fixed end: the end of a rod is held at rest, in tension too.
 
     Examples
     --------
-    A rod whose right end is held swings for ever:
+    A rod whose right end is fixed swings for ever:
 
     >>> import rodimpact as ri
     >>> rod = ri.Rod(1.0, area=1e-4, material=ri.materials.steel, velocity=1.0)
@@ -38,13 +38,13 @@ class Fixed(Frozen, kind="fixed"):
 
 
 class Absorbing(Frozen, kind="absorbing"):
-    """The rod goes on for ever: waves leave and none comes back.
+    """An absorbing end: the rod goes on for ever, waves leave and none comes back.
 
     The wave that comes in from outside keeps the value that it has there at t = 0.
 
     Examples
     --------
-    A pulse runs out of the right end, and the rod is at rest:
+    A pulse leaves through the right end, and the rod is at rest:
 
     >>> import rodimpact as ri
     >>> short = ri.Rod(0.1, area=1e-4, material=ri.materials.steel, velocity=1.0)
@@ -56,7 +56,7 @@ class Absorbing(Frozen, kind="absorbing"):
 
 
 class _Driven(Frozen):
-    """An end at which something follows a profile in time."""
+    """An end at which a force, a velocity or a wave follows a profile in time."""
 
     value: Profile
 
@@ -65,16 +65,17 @@ class _Driven(Frozen):
 
 
 class Pushed(_Driven, kind="force"):
-    """A force pushes on the end of a rod or on a mass.
+    """A prescribed force on the end of a rod or on a mass.
 
     Parameters
     ----------
     value : float, array, Steps, Samples or function
-        N over time, s; positive pushes into the row, which compresses it, at both ends. `Steps`
-        take times for `at`, `Samples` need their `step`; a function of time is sampled.
+        Force over time, N; a positive force pushes into the row, which compresses it,
+        at both ends. `Steps` take times for `at`, `Samples` need their `step`; a
+        function of time, s, is sampled.
     duration : float, optional
-        s, for a function only: it is sampled at 4097 times from 0 to this, and its last value holds
-        on.
+        Time for which a function is sampled, s; no other value takes it. The function
+        is sampled at 4097 times from 0 to the duration, and its last value holds on.
 
     Raises
     ------
@@ -92,16 +93,18 @@ class Pushed(_Driven, kind="force"):
 
 
 class Moved(_Driven, kind="velocity"):
-    """The end of a rod moves as prescribed, whatever force that takes, in tension too.
+    """A prescribed velocity of the end of a rod, whatever force that takes.
+
+    The force may be a tension.
 
     Parameters
     ----------
     value : float, array, Steps, Samples or function
-        m/s over time, s, positive to the right at both ends. `Steps` take times for `at`, `Samples`
-        need their `step`; a function of time is sampled.
+        Velocity over time, m/s, positive to the right at both ends. `Steps` take times
+        for `at`, `Samples` need their `step`; a function of time, s, is sampled.
     duration : float, optional
-        s, for a function only: it is sampled at 4097 times from 0 to this, and its last value holds
-        on.
+        Time for which a function is sampled, s; no other value takes it. The function
+        is sampled at 4097 times from 0 to the duration, and its last value holds on.
 
     Raises
     ------
@@ -119,20 +122,20 @@ class Moved(_Driven, kind="velocity"):
 
 
 class Incoming(_Driven, Absorbing, kind="incoming"):
-    """The rod goes on for ever, and a wave comes in from there, such as a measured pulse.
+    """An absorbing end through which a wave comes in, such as a measured pulse.
 
-    The wave is added to the initial state of the rod. Waves that reach the end leave the rod, as at
-    an absorbing end.
+    The wave is added to the initial state of the rod. Waves that reach the end leave
+    the rod, as they do at an absorbing end.
 
     Parameters
     ----------
     value : float, array, Steps, Samples or function
-        Strain of the incoming wave alone, at the end, over time in s: negative for a pulse that
-        compresses, at both ends. `Steps` take times
-        for `at`, `Samples` need their `step`; a function of time is sampled.
+        Strain of the incoming wave alone, at the end, over time: negative for a pulse
+        that compresses, at both ends. `Steps` take times for `at`, `Samples` need their
+        `step`; a function of time, s, is sampled.
     duration : float, optional
-        s, for a function only: it is sampled at 4097 times from 0 to this, and its last value holds
-        on.
+        Time for which a function is sampled, s; no other value takes it. The function
+        is sampled at 4097 times from 0 to the duration, and its last value holds on.
 
     Raises
     ------

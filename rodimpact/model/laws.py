@@ -1,16 +1,15 @@
-"""Contact laws: what acts between two neighbours of a row.
+"""Contact laws: the forces between two neighbours of a row.
 
-A contact pushes and never pulls, but for `Bonded` and `Joint`. Compliant laws give the force F, N,
-from the indentation d, by which the bodies overlap, m, and its rate d', m/s. Any number may be an
-array, which makes a family; SI units.
+A contact pushes and never pulls; only `Bonded` and `Joint` pull, too. A compliant law
+gives the force F, N, from the overlap d of the bodies, m, and its rate d', m/s. Any
+number may be an array, which makes a family; SI units.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import reduce
-from itertools import pairwise
-from typing import Any, ClassVar, Self, TypeAlias, get_args
+from typing import Any, ClassVar, NamedTuple, Self, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,19 +28,27 @@ from .frozen import (
     quantity,
 )
 
-FACE = Field("m", "positive or infinite", default=np.inf)
-"""The radius of a face, infinite for a flat one."""
-MOST = 16  # points of a table
-KNOTS = MOST + 2  # places for forces at which a contact goes on with another hardening
-UNREACHED = 2.0**1000  # N; in the places that are not used
-ROUND_OFF = 1e-12  # relative, of slopes
-SOON = 1e-6  # of the first force of a table
+FACE_RADIUS = Field("m", "positive or infinite", default=np.inf)
+"""Radius of a face, infinite for a flat one."""
+MAX_TABLE_POINTS = 16
+"""Points of a table that a user may give; a hardened law may have one more."""
+KNOTS = MAX_TABLE_POINTS + 2
+"""Places of a link for the forces at which the slope of its force changes."""
+UNREACHED = 2.0**1000
+"""Force in places of a link that are not used, N."""
+SLOPE_RTOL = 1e-12
+"""Slopes of a table that differ by less than this fraction count as equal."""
+FIRST_YIELD_FRACTION = 1e-6
+"""Force at which a table is first followed, as a fraction of its first force."""
+TRIAL_STATES = ((0.0, 0.0), (1e-6, 0.0), (1e-6, 1e-3))
+"""Overlaps, m, and rates, m/s, at which the function of a `Law` is tried."""
 
 
 class _Law(Declared):
     """A contact law, described by its name and its numbers."""
 
     opens: ClassVar[bool] = True
+    """Whether the contact is unilateral: it can open, and never pulls."""
     acts_as: ClassVar[str]
     """Branch of the kernels that has its force: the name of a `methods.laws.Law`."""
     fills_link: ClassVar[tuple[str, ...]] = ()
@@ -52,7 +59,23 @@ class _Compliant(_Law):
     """A law whose elastic part is k d^p, k its `stiffness` and p its `exponent`."""
 
     def stored(self, indentation: ArrayLike) -> Any:
-        """Energy stored at an indentation d >= 0, m: k d^(p+1)/(p+1), J; ValueError at others."""
+        """Elastic energy at an overlap, k d^(p+1)/(p+1).
+
+        Parameters
+        ----------
+        indentation : float or array
+            Overlap d, 0 or more, m.
+
+        Returns
+        -------
+        float or array
+            J, of the broadcast shape of the overlap and the numbers of the law.
+
+        Raises
+        ------
+        ValueError
+            If an overlap is negative.
+        """
         law: Any = self
         d, k, p = broadcast_arguments(
             indentation=(indentation, "m", "non-negative"),
@@ -71,7 +94,7 @@ class _Linear(_Compliant):
 
 
 class Plastic(_Linear):
-    """A spring that yields: its faces move for good, and d counts from where they are then."""
+    """A spring that yields: its faces move for good, d counts from their new place."""
 
     acts_as = "yield"
     fills_link = ("stiffness", "yield_force", "hardening_share", "knots", "shares")
@@ -86,25 +109,25 @@ class Plastic(_Linear):
     @property
     def knots(self) -> list[Number]:
         """Forces at which the slope changes again, N, in `KNOTS` places."""
-        return [UNREACHED for _ in range(KNOTS)]
+        return [UNREACHED] * KNOTS
 
     @property
     def shares(self) -> list[Number]:
         """Slopes from these forces on, over the stiffness, in `KNOTS` places."""
-        return [0.0 for _ in range(KNOTS)]
+        return [0.0] * KNOTS
 
 
 class Rigid(_Law, law="rigid"):
     """Unilateral contact without compliance: gap >= 0, force >= 0, force times gap = 0.
 
-    Where a rod takes part its waves decide what follows. Two rigid bodies have no waves: between
-    them a coefficient of restitution must be given.
+    The waves of a rod decide its contact. Two rigid bodies have no waves: the contact
+    between them needs a coefficient of restitution.
 
     Parameters
     ----------
     restitution : float or array, optional
-        Relative velocity after an impact over that before it, 0 to 1; between two masses or a mass
-        and a wall, and only there.
+        Relative velocity after an impact over that before it, 0 to 1. Contacts between
+        two masses, or a mass and a wall, need it; contacts of rods refuse it.
 
     Raises
     ------
@@ -146,10 +169,11 @@ class Bonded(_Law, law="bonded"):
 
 
 class Joint(_Linear, law="joint"):
-    """Two neighbours joined for good by a spring and a dashpot side by side: glue, a bolt.
+    """Two neighbours joined for good by a spring and a dashpot: glue, a bolt.
 
-    It pulls as well as it pushes: F = -(k s + c s'), s the stretch and s' its rate. The gap of the
-    contact is the stretch, below 0 where it is compressed.
+    The spring and the dashpot stand side by side. The joint pulls as well as it pushes:
+    F = -(k s + c s'), with the stretch s and its rate s'. The stretch, which is
+    negative in compression, is the gap of the contact.
 
     Parameters
     ----------
@@ -180,14 +204,32 @@ class Joint(_Linear, law="joint"):
     stretch: Numeric = quantity("m", default=0.0)
 
     def _check(self, problems: Problems) -> None:
-        if not problems:
-            joins = np.add(self.stiffness, self.damping) > 0
-            message = "must be positive where the damping is 0, got {0!r}"
-            frozen.require(problems, joins, "stiffness", message, self.stiffness)
+        if problems:
+            return
+        has_force = np.add(self.stiffness, self.damping) > 0
+        message = "must be positive where the damping is 0, got {0!r}"
+        frozen.require(problems, has_force, "stiffness", message, self.stiffness)
 
     def stored(self, indentation: ArrayLike) -> Any:
-        """Energy stored at a stretch or an indentation, m, of either sign: k s^2/2, J."""
-        return super().stored(np.abs(array("indentation", indentation, "m")))
+        """Elastic energy at a stretch or an overlap, k s^2/2.
+
+        Parameters
+        ----------
+        indentation : float or array
+            Stretch s or overlap, of either sign, m.
+
+        Returns
+        -------
+        float or array
+            J, of the broadcast shape of the stretch and the numbers of the joint.
+
+        Raises
+        ------
+        ValueError
+            If a stretch is no number.
+        """
+        stretch = array("indentation", indentation, "m")
+        return super().stored(np.abs(stretch))
 
 
 class Spring(_Linear, law="spring"):
@@ -205,7 +247,7 @@ class Spring(_Linear, law="spring"):
 
     Examples
     --------
-    >>> round(float(Spring(stiffness=1e8).stored(1e-5)), 12)     # J, pressed in by 10 um
+    >>> round(float(Spring(stiffness=1e8).stored(1e-5)), 12)  # J, pressed in by 10 um
     0.005
     """
 
@@ -247,7 +289,7 @@ class Hertz(_Compliant, law="hertz"):
     Parameters
     ----------
     stiffness : float or array
-        k, N/m^1.5; `Hertz.from_radii` finds it from the faces.
+        k, N/m^1.5; `Hertz.from_radii` computes it from the faces.
 
     Raises
     ------
@@ -273,17 +315,22 @@ class Hertz(_Compliant, law="hertz"):
         left_material: Material | None,
         right_material: Material | None,
     ) -> Self:
-        """Find the stiffness from the radii and the materials of two spherical faces.
+        """Hertz contact of two spherical faces, from their radii and materials.
 
-        k = (4/3) E* sqrt(R*), 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, 1/R* = 1/R1 + 1/R2: K. L.
-        Johnson, Contact Mechanics, Cambridge University Press 1985, section 4.2.
+        k = (4/3) E* sqrt(R*), 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, 1/R* = 1/R1 +
+        1/R2: K. L. Johnson, Contact Mechanics, Cambridge University Press 1985, section
+        4.2.
 
         Parameters
         ----------
         left_radius, right_radius : float or array
             R1 and R2, m; ``math.inf`` for a flat face, but not for both.
         left_material, right_material : Material or None
-            With a `poisson_ratio`; None for a rigid face, but not for both.
+            Materials with a `poisson_ratio`; None for a rigid face, but not for both.
+
+        Returns
+        -------
+        Hertz
 
         Raises
         ------
@@ -300,46 +347,63 @@ class Hertz(_Compliant, law="hertz"):
         '1.4558e+10'
         """
         problems: Problems = []
-        meeting: dict[str, Number] = {}
-        yielding = []
-        faces: Any = (
-            ("left", left_radius, left_material),
-            ("right", right_radius, right_material),
-        )
-        for side, radius, material in faces:
-            R, path = f"{side}_radius", f"{side}_material"
-            meeting[R] = FACE.checked(problems, R, radius)
-            if isinstance(material, Material) and material.poisson_ratio is not None:
-                E, nu = material.youngs_modulus, material.poisson_ratio
-                meeting |= {f"{path}.youngs_modulus": E, f"{path}.poisson_ratio": nu}
-                yielding.append((E, nu))
-            elif material is not None:
-                message = (
-                    "must be a Material with a poisson_ratio, or None for a rigid face"
-                )
-                note(problems, path, message, material)
-        if left_material is right_material is None:
+        faces = [
+            _checked_face(problems, "left", left_radius, left_material),
+            _checked_face(problems, "right", right_radius, right_material),
+        ]
+        if left_material is None and right_material is None:
             message = (
                 "is None, and so is the left one; one of the faces must be elastic"
             )
             problems.append(("right_material", message))
         frozen.raise_noted(problems)
-        frozen.family_shape(meeting.items())
-        curvature = 1 / meeting["left_radius"] + 1 / meeting["right_radius"]
+        numbers: dict[str, Number] = {}
+        for face in faces:
+            numbers |= face.numbers
+        frozen.family_shape(numbers.items())
+        curvature = 1 / faces[0].radius + 1 / faces[1].radius  # 1/R*
         message = (
             "is infinite, and so is the left one; two flat faces make no Hertz contact"
         )
         demand(curvature > 0, "right_radius", message)
-        with np.errstate(all="ignore"):  # what is out of range, the law will refuse
-            compliance: Number = sum(1 / (E / (1 - nu**2)) for E, nu in yielding)
+        with np.errstate(all="ignore"):  # the law refuses what is out of range
+            compliance: Number = faces[0].compliance + faces[1].compliance  # 1/E*
             return cls(np.divide(4 / 3, compliance * curvature**0.5))
+
+
+class _Face(NamedTuple):
+    """One of the two faces of a Hertz contact."""
+
+    radius: Number  # m, infinite for a flat face
+    compliance: Number  # (1 - nu^2)/E, 1/Pa; 0 for a rigid face
+    numbers: dict[str, Number]  # all numbers of the face by their paths
+
+
+def _checked_face(problems: Problems, side: str, radius: Any, material: Any) -> _Face:
+    """Face of a Hertz contact from arguments; mistakes are noted in `problems`."""
+    radius_path = f"{side}_radius"
+    material_path = f"{side}_material"
+    R = FACE_RADIUS.checked(problems, radius_path, radius)
+    numbers: dict[str, Number] = {radius_path: R}
+    compliance: Number = 0.0
+    if isinstance(material, Material) and material.poisson_ratio is not None:
+        E = material.youngs_modulus
+        nu = material.poisson_ratio
+        numbers[f"{material_path}.youngs_modulus"] = E
+        numbers[f"{material_path}.poisson_ratio"] = nu
+        with np.errstate(all="ignore"):
+            compliance = 1 / (E / (1 - nu**2))
+    elif material is not None:
+        message = "must be a Material with a poisson_ratio, or None for a rigid face"
+        note(problems, material_path, message, material)
+    return _Face(R, compliance, numbers)
 
 
 class HuntCrossley(_Compliant, law="hunt-crossley"):
     """Hertz contact with losses: F = k d^(3/2) max(0, 1 + chi d').
 
-    K. H. Hunt and F. R. E. Crossley, Coefficient of restitution interpreted as damping in
-    vibroimpact, J. Appl. Mech. 42 (1975) 440-445.
+    K. H. Hunt and F. R. E. Crossley, Coefficient of restitution interpreted as damping
+    in vibroimpact, J. Appl. Mech. 42 (1975) 440-445.
 
     Parameters
     ----------
@@ -369,7 +433,8 @@ class HuntCrossley(_Compliant, law="hunt-crossley"):
 class PowerLaw(_Compliant, law="power"):
     """Elastic contact whose force is a power of the indentation: F = k d^p.
 
-    The exponent p is near 1 for faces that fit together, 3/2 for round ones and 2 for pointed ones.
+    The exponent p is near 1 for faces that fit together, 3/2 for round ones and 2 for
+    pointed ones.
 
     Parameters
     ----------
@@ -399,23 +464,25 @@ class PowerLaw(_Compliant, law="power"):
 class Yielding(Plastic, law="yielding"):
     """A spring that yields: specimens, pulse shapers and soft ends.
 
-    F = k d up to the yield force. Beyond it the slope of F over d is `hardening`. Unloading and
-    loading again follow the stiffness k, up to the peak force so far. The yielding is permanent: d
-    and the gap of the contact count from the new place of the faces.
+    F = k d up to the yield force. Beyond it the slope of F over d is `hardening`.
+    Unloading and loading again follow the stiffness k, up to the peak force so far. The
+    yielding is permanent: d and the gap of the contact count from the new place of the
+    faces.
 
     Parameters
     ----------
     stiffness : float or array
         k, N/m.
     yield_force : float or array
-        Force at which it first yields, N.
+        Force at which the spring first yields, N.
     hardening : float or array, optional
-        Stiffness while it yields, N/m, less than k.
+        Stiffness while the spring yields, N/m, less than k; default 0.
 
     Raises
     ------
     InvalidModel
-        If a number is not positive, or the hardening negative or not less than the stiffness.
+        If a number is not positive, or the hardening negative or not less than the
+        stiffness.
 
     Examples
     --------
@@ -434,43 +501,47 @@ class Yielding(Plastic, law="yielding"):
     hardening: Numeric = quantity("N/m", "non-negative", default=0.0)
 
     def _check(self, problems: Problems) -> None:
-        if not problems:
-            k, less = self.stiffness, np.less(self.hardening, self.stiffness)
-            message = "must be less than the stiffness {0!r}, got {1!r}"
-            frozen.require(problems, less, "hardening", message, k, self.hardening)
+        if problems:
+            return
+        k = self.stiffness
+        is_softer = np.less(self.hardening, k)
+        message = "must be less than the stiffness {0!r}, got {1!r}"
+        frozen.require(problems, is_softer, "hardening", message, k, self.hardening)
 
     def hardened(self, force: Any) -> Yielding:
-        """The law after a peak force, N."""
+        """Law of the spring after a peak force, N."""
         return self.replace(yield_force=max(self.yield_force, force))
 
 
 class Tabulated(Plastic, law="tabulated"):
-    """A specimen or contact by table: force over compression on loading, a stiffness on unloading.
+    """A specimen or contact whose force on loading is given by a table.
 
-    On loading F follows straight lines from 0 through the points of the table, and beyond the last
-    point the last of these lines. What unloads follows the unloading stiffness, and what loads
-    again follows it back up to the peak force so far, from where it goes on along the table. The
-    faces have moved for good then, as those of `Yielding` do, which is a table of one point.
+    On loading F follows straight lines from 0 through the points of the table, and
+    beyond the last point the last of these lines. Unloading follows the unloading
+    stiffness. Loading again follows it back to the peak force so far, and then the
+    table. The faces have moved for good, as those of `Yielding` do, which is a table of
+    one point.
 
     Parameters
     ----------
     compression : sequence of numbers
-        By how much the faces have come nearer on loading, m, increasing; at most 16 points.
+        Approach of the faces on loading, m, increasing; at most 16 points.
     force : sequence of numbers
-        At each compression, N, increasing.
+        Force at each compression, N, increasing.
     unloading : float or array, optional
-        Stiffness on unloading, N/m, at least that of the steepest line of the table; by default
-        just that.
+        Stiffness on unloading, N/m, at least the slope of the steepest line of the
+        table, which is the default.
 
     Raises
     ------
     InvalidModel
-        If the points are not as many forces as compressions, do not increase, or a line is steeper
-        than the unloading.
+        If there are not as many forces as compressions, they do not increase, or a line
+        is steeper than the unloading.
 
     Examples
     --------
-    A foam: stiff at first, then a long plateau, then stiff again when its cells are closed.
+    A foam: stiff at first, then a long plateau, then stiff again when its cells are
+    closed.
 
     >>> import rodimpact as ri
     >>> foam = ri.Tabulated([1e-4, 1e-3, 1.2e-3], [1e3, 1.2e3, 6e3], unloading=5e7)
@@ -487,42 +558,55 @@ class Tabulated(Plastic, law="tabulated"):
     def _check(self, problems: Problems) -> None:
         if problems:
             return
-        counts = len(self.compression), len(self.force)
-        if counts[0] != counts[1] or not 1 <= counts[0] <= MOST + 1:
+        n_compressions = len(self.compression)
+        n_forces = len(self.force)
+        # `hardened` adds a point to a full table.
+        fits = 1 <= n_compressions <= MAX_TABLE_POINTS + 1
+        if n_compressions != n_forces or not fits:
             message = (
-                f"must be 1 to {MOST} numbers, as many as forces, got {counts[0]} for"
+                f"must be 1 to {MAX_TABLE_POINTS} numbers, as many as forces, got "
+                f"{n_compressions} for {n_forces}"
             )
-            raise frozen.refusal("compression", f"{message} {counts[1]}")
+            raise frozen.refusal("compression", message)
         frozen.increasing(problems, "compression", self.compression)
         frozen.increasing(problems, "force", self.force)
         if not problems and self.unloading is not None:
-            steepest, k = reduce(np.maximum, self.slopes), np.asarray(self.unloading)
+            steepest = self._steepest_slope()
+            k = np.asarray(self.unloading)
+            is_steeper = k >= steepest * (1 - SLOPE_RTOL)
             message = "must be at least that of the steepest line, {0!r}, got {1!r}"
-            enough = k >= steepest * (1 - ROUND_OFF)
             frozen.require(
-                problems, enough, "unloading", message, steepest, self.unloading
+                problems, is_steeper, "unloading", message, steepest, self.unloading
             )
 
     @property
     def slopes(self) -> list[Number]:
-        """Stiffness on loading, N/m, along the line before each point."""
-        points = [(0.0, 0.0), *zip(self.compression, self.force, strict=True)]
-        return [(F - f) / (x - d) for (d, f), (x, F) in pairwise(points)]
+        """Stiffness on loading along the line before each point, N/m."""
+        slopes = []
+        d_before: Number = 0.0
+        F_before: Number = 0.0
+        for d, F in zip(self.compression, self.force, strict=True):
+            slopes.append((F - F_before) / (d - d_before))
+            d_before = d
+            F_before = F
+        return slopes
+
+    def _steepest_slope(self) -> Number:
+        """Slope of the steepest line, N/m, of each member of a family."""
+        return reduce(np.maximum, self.slopes)
 
     @property
     def stiffness(self) -> Number:
-        """That of the unloading, N/m."""
-        return (
-            reduce(np.maximum, self.slopes)
-            if self.unloading is None
-            else self.unloading
-        )
+        """Stiffness on unloading, N/m."""
+        if self.unloading is None:
+            return self._steepest_slope()
+        return self.unloading
 
     @property
     def yield_force(self) -> Number:
         """Force from which on the table is followed, N: almost from the first."""
-        first: Number = self.force[0]
-        return SOON * first
+        first_force: Number = self.force[0]
+        return FIRST_YIELD_FRACTION * first_force
 
     @property
     def hardening(self) -> Number:
@@ -546,39 +630,51 @@ class Tabulated(Plastic, law="tabulated"):
         return shares
 
     def hardened(self, force: Any) -> Tabulated:
-        """The law after a peak force, N, for compressions from where the faces are then."""
-        k, last = self.stiffness, self.slopes[-1]
-        reached: Any
-        points = list(zip(self.compression, self.force, strict=True))
+        """Law after a peak force, N; compressions start where the faces then are."""
+        k = self.stiffness
+        last_slope = self.slopes[-1]
+        compressions = list(self.compression)
+        forces = list(self.force)
+        peak_compression: Any
         if force >= self.force[-1]:  # the last line goes on
-            reached = self.compression[-1] + (force - self.force[-1]) / last
-            points.append((reached + force / last, 2 * force))
+            excess = (force - self.force[-1]) / last_slope
+            peak_compression = self.compression[-1] + excess
+            compressions.append(peak_compression + force / last_slope)
+            forces.append(2 * force)
         else:
-            reached = np.interp(force, (0.0, *self.force), (0.0, *self.compression))
-        if force <= 0 or force >= k * reached * (1 - ROUND_OFF):  # nothing has yielded
+            peak_compression = np.interp(force, (0.0, *forces), (0.0, *compressions))
+        is_elastic = force <= 0 or force >= k * peak_compression * (1 - SLOPE_RTOL)
+        if is_elastic:
             return self
-        rest = [(x - reached + force / k, F) for x, F in points if force < F]
-        compression, forces = zip((force / k, force), *rest, strict=True)
-        return Tabulated(compression, forces, k)
+        elastic_compression = force / k
+        new_compressions = [elastic_compression]
+        new_forces = [force]
+        for d, F in zip(compressions, forces, strict=True):
+            if force < F:
+                new_compressions.append(d - peak_compression + elastic_compression)
+                new_forces.append(F)
+        return Tabulated(new_compressions, new_forces, k)
 
 
 class Law(_Law, law="own"):
-    """A law of one's own: a Python function gives the force.
+    """A law of the user's own: a Python function gives the force.
 
-    The method "characteristics" takes it. In plain Python each call of the function takes its time;
-    a function that numba has compiled (``numba.njit``) runs compiled where that pays. No file keeps
-    a function.
+    The method "characteristics" takes it. In plain Python each call of the function
+    takes its time; a function that numba has compiled (``numba.njit``) runs compiled
+    where that pays. No file keeps a function.
 
     Parameters
     ----------
     force : function
-        F(d, d'), N, of the indentation d >= 0, m, and its rate d', m/s. It is smooth, 0 at d = 0
-        and rest, and does not fall with d or d'. Where it is negative, the contact does not push.
+        F(d, d'), N, from the overlap d >= 0, m, and its rate d', m/s. F is smooth, 0
+        for d = d' = 0, and falls neither with d nor with d'. If F is negative, the
+        contact does not push.
 
     Raises
     ------
     InvalidModel
-        If `force` is no function, or gives no finite number, or a force without an indentation.
+        If `force` is no function, gives no finite number, or a force without an
+        overlap.
 
     Examples
     --------
@@ -602,42 +698,61 @@ class Law(_Law, law="own"):
         if not callable(force):
             note(problems, "force", "must be a function of d and d'", force)
             return
-        for d, rate in ((0.0, 0.0), (1e-6, 0.0), (1e-6, 1e-3)):
-            there = f"at d = {d:g} m, d' = {rate:g} m/s"
+        for d, rate in TRIAL_STATES:
+            state = f"at d = {d:g} m, d' = {rate:g} m/s"
             try:
                 F = float(force(d, rate))
             except Exception as error:  # whatever the user's function raises
-                raise frozen.refusal("force", f"fails {there}: {error!r}") from None
-            if not np.isfinite(F) or (d == 0 and F != 0):
-                wanted = "a finite number" if d else "0"
-                problems.append(("force", f"must be {wanted} {there}, got {F!r}"))
+                raise frozen.refusal("force", f"fails {state}: {error!r}") from None
+            if d == 0 and F != 0:
+                problems.append(("force", f"must be 0 {state}, got {F!r}"))
+            elif not np.isfinite(F):
+                message = f"must be a finite number {state}, got {F!r}"
+                problems.append(("force", message))
 
     def stored(self, indentation: ArrayLike) -> Any:
-        """Energy at an indentation d >= 0, m: the integral of F(x, 0) from 0 to d, J."""
+        """Elastic energy at an overlap, the integral of F(x, 0) from 0 to d.
+
+        Parameters
+        ----------
+        indentation : float or array
+            Overlap d, 0 or more, m.
+
+        Returns
+        -------
+        float or array
+            J, of the shape of the overlap.
+
+        Raises
+        ------
+        ValueError
+            If an overlap is negative.
+        """
         from scipy.integrate import quad
 
-        d = array("indentation", indentation, "m", "non-negative")
-        return np.vectorize(
-            lambda x: quad(self.force, 0.0, x, (0.0,))[0], otypes=[float]
-        )(d)[()]
+        def energy_at(d: float) -> float:
+            energy: float = quad(self.force, 0.0, d, (0.0,))[0]
+            return energy
+
+        overlaps = array("indentation", indentation, "m", "non-negative")
+        return np.vectorize(energy_at, otypes=[float])(overlaps)[()]
 
     def to_dict(self) -> dict[str, Any]:
-        """Return a description: the same for the same function, but no file can make it again."""
-        own: Any = getattr(self.force, "py_func", self.force)
-        code, cells = (
-            getattr(own, "__code__", None),
-            getattr(own, "__closure__", None) or (),
-        )
-        said = [
-            getattr(own, "__qualname__", repr(own)),
-            *(repr(c.cell_contents) for c in cells),
-        ]
-        said += (
-            [code.co_code.hex(), repr(code.co_consts), repr(code.co_names)]
-            if code
-            else []
-        )
-        return self._tag | {"force": " ".join(said)}
+        """Return a description that equal functions share; no file can restore the law.
+
+        It holds the function's name, the values that it closes over, and its code.
+        """
+        function: Any = getattr(self.force, "py_func", self.force)
+        code = getattr(function, "__code__", None)
+        cells = getattr(function, "__closure__", None)
+        parts = [getattr(function, "__qualname__", repr(function))]
+        for cell in cells or ():
+            parts.append(repr(cell.cell_contents))
+        if code is not None:
+            parts.append(code.co_code.hex())
+            parts.append(repr(code.co_consts))
+            parts.append(repr(code.co_names))
+        return self._tag | {"force": " ".join(parts)}
 
 
 ContactLaw: TypeAlias = (
@@ -656,4 +771,5 @@ ContactLaw: TypeAlias = (
 CONTACT_LAWS: dict[str, type[ContactLaw]] = {
     law.law: law for law in get_args(ContactLaw) if law is not Law
 }
+"""Laws that a case file may name, by their words."""
 RIGID = Rigid()

@@ -19,7 +19,7 @@ from ..model.bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from ..model.ends import ENDS, FREE, End
 from ..model.frozen import Field, InvalidModel, defaults_of, refusal
 from ..model.lateral_inertia import THEORIES
-from ..model.laws import CONTACT_LAWS, FACE, ContactLaw, Hertz, Rigid, Spring
+from ..model.laws import CONTACT_LAWS, FACE_RADIUS, ContactLaw, Hertz, Rigid, Spring
 from ..model.paths import FIELDS, SPEED, suggestion
 from ..units import shown
 from .case import SCHEMA, Case, GaugePlace
@@ -255,7 +255,7 @@ def read_faces(
         radius = f"{side}_radius"
         faces[radius] = math.inf
         if table.gives(radius):
-            faces[radius] = table.number(radius, FACE)
+            faces[radius] = table.number(radius, FACE_RADIUS)
         stuff = f"{side}_material"
         faces[stuff] = None  # rigid
         if table.has(stuff):

@@ -16,7 +16,7 @@ from rodimpact.model.bodies import BODIES
 from rodimpact.model.ends import ENDS
 from rodimpact.model.frozen import REQUIRED
 from rodimpact.model.lateral_inertia import THEORIES
-from rodimpact.model.laws import CONTACT_LAWS, FACE
+from rodimpact.model.laws import CONTACT_LAWS, FACE_RADIUS
 from rodimpact.storage.casefile import case_from
 from rodimpact.units import UNITS, parse
 
@@ -165,7 +165,7 @@ def test_units_and_signs_of_numbers_that_belong_to_no_class():
     assert gap.unit == GAP.unit
     hertz = TABLES['[[contacts]] law = "hertz"'].keys
     for side in ("left", "right"):
-        assert hertz[f"{side}_radius"].takes == SIGNS[FACE.sign]
+        assert hertz[f"{side}_radius"].takes == SIGNS[FACE_RADIUS.sign]
 
 
 def test_words_are_those_that_are_known():
