@@ -1,7 +1,8 @@
-"""Values along a rod, or over time: jumps, samples and functions.
+"""Profiles of a quantity along a rod or over time: jumps, samples and functions.
 
-A profile is a number, `Steps`, `Samples`, `Polynomials`, or a function, which becomes `Samples`
-when the body or the drive is made: what is stored and compared are numbers only.
+A profile is a number, `Steps`, `Samples`, `Polynomials`, or a function. A function
+becomes `Samples` when the body or the end is made, so that only numbers are stored and
+compared.
 """
 
 from __future__ import annotations
@@ -9,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY
 from functools import reduce
-from itertools import pairwise
 from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
@@ -22,9 +22,16 @@ from .frozen import Declared, Field, Number, NumericOrNone, Problems, note, quan
 from .quantities import Floats as Floats
 from .quantities import floats
 
-ALONG_ROD = 1025  # places at which a function along a rod is sampled
-IN_TIME = 4097  # times at which a function of time is sampled
+SAMPLES_ALONG_ROD = 1025
+"""Number of places at which a function along a rod is sampled."""
+SAMPLES_IN_TIME = 4097
+"""Number of times at which a function of time is sampled."""
+SPLINE_DEGREE = 5
+"""Degree of the spline through smooth samples."""
 ERROR = Field(sign="non-negative", single=True)
+"""Error of the values of a profile."""
+DURATION = Field("s", "positive", default=None, single=True)
+"""Time for which a function of time is sampled."""
 
 
 class Steps(Declared):
@@ -35,13 +42,14 @@ class Steps(Declared):
     values : sequence of numbers
         One value for each piece, from left to right or from t = 0 on.
     at : sequence of numbers
-        Where the jumps are, increasing: m from the left end of the rod, or s after t = 0; one fewer
-        than values.
+        Places of the jumps, m from the left end of the rod, or their times, s after t =
+        0. They increase, and are one fewer than the values.
 
     Raises
     ------
     InvalidModel
-        When the counts do not fit, the positions do not increase, or a value is not a number.
+        When the counts do not fit, the positions do not increase, or a value is not a
+        number.
 
     Examples
     --------
@@ -55,18 +63,26 @@ class Steps(Declared):
     at: Sequence[Any] = quantity("", "positive", many=True)
 
     def _check(self, problems: Problems) -> None:
-        if not problems and len(self.values) != len(self.at) + 1:
-            message = f"needs one value more than jumps, got {len(self.values)} values"
-            problems.append(("values", f"{message} for {len(self.at)} jumps"))
-        if not problems:
+        if problems:
+            return
+        n_values = len(self.values)
+        n_jumps = len(self.at)
+        if n_values == n_jumps + 1:
             frozen.increasing(problems, "at", self.at)
+        else:
+            message = (
+                f"needs one value more than jumps, got {n_values} values for "
+                f"{n_jumps} jumps"
+            )
+            problems.append(("values", message))
 
 
 class Samples(Declared):
-    """A profile of values at equal distances, with straight lines or a smooth curve between them.
+    """A profile of values at equal distances.
 
-    Along a rod the values run from its left end to its right end. In time they begin at t = 0, and
-    the last one holds on. A function becomes samples, with a smooth curve where that fits better.
+    Straight lines or a smooth curve run between the values. Along a rod the values run
+    from its left end to its right end. In time they begin at t = 0, and the last one
+    holds on. A function becomes samples, with a smooth curve where that fits better.
 
     Parameters
     ----------
@@ -75,10 +91,11 @@ class Samples(Declared):
     step : float or array, optional
         Time between neighbouring values, s; None along a rod.
     smooth : bool
-        Whether a spline of degree 5 runs through the values, for the method "characteristics".
+        Whether a spline of degree 5 runs through the values, for the method
+        "characteristics".
     error : float
-        How far the curve is from what the samples stand for, in the unit of the values. Results of
-        "characteristics" count it.
+        Distance of the curve from the function for which the samples stand, in the unit
+        of the values. The stated errors of "characteristics" count it.
 
     Raises
     ------
@@ -99,7 +116,8 @@ class Samples(Declared):
     _whole: ClassVar[tuple[str, ...]] = ("values", "error")
 
     def _check(self, problems: Problems) -> None:
-        if not problems and not (np.ndim(self.values) == 1 and len(self.values) > 1):
+        is_list = np.ndim(self.values) == 1 and len(self.values) > 1
+        if not problems and not is_list:
             wanted = "must be a list of at least two numbers"
             note(problems, "values", wanted, frozen.plain(self.values))
         smooth: Any = self.smooth
@@ -108,39 +126,46 @@ class Samples(Declared):
         self._set(error=ERROR.checked(problems, "error", self.error))
 
     def _parameters(self) -> dict[str, Any]:
-        given = super()._parameters().items()
-        return {name: v for name, v in given if name not in ("smooth", "error") or v}
+        parameters = super()._parameters()
+        for name in ("smooth", "error"):
+            if not parameters.get(name):
+                parameters.pop(name, None)
+        return parameters
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
-        given = super().to_dict()
-        return {"samples": given.pop("values"), **given}
+        return _renamed(super().to_dict(), "samples")
 
 
 class Polynomials(Declared):
     """A profile of polynomials along a rod, between places where it may jump or bend.
 
-    `Solution.system_at` makes it of smooth waves, exactly. In an interval of width w that begins at
-    x0, the n values belong to the places x_k = x0 + w (1 - cos(pi k/(n - 1)))/2, k = 0 to n - 1, so
-    that the first and the last one are those at its ends.
+    `Solution.system_at` makes polynomials of smooth waves, exactly. In an interval of
+    width w that begins at x0, the n values belong to the places x_k = x0 + w (1 -
+    cos(pi k/(n - 1)))/2, k = 0 to n - 1. The first and the last value are those at the
+    ends of the interval.
 
     Parameters
     ----------
     values : sequence of numbers, shape (intervals * n,)
-        Values interval by interval from left to right, as many in each, at least two.
+        Values interval by interval from left to right, equally many in each, at least
+        two.
     at : sequence of numbers, shape (intervals - 1,), optional
-        Borders of the intervals, m from the left end of the rod, increasing; None for one interval.
+        Borders of the intervals, m from the left end of the rod, increasing; None for
+        one interval.
     error : float
-        How far the values are from what they stand for, in their unit: the stated error of the run
-        that they come from. Results of "characteristics" count it.
+        Error of the values, in their unit: the stated error of the run that they come
+        from. The stated errors of "characteristics" count it.
 
     Raises
     ------
     InvalidModel
-        When the counts do not fit, the borders do not increase, or a value is not a number.
+        When the counts do not fit, the borders do not increase, or a value is not a
+        number.
 
     Examples
     --------
-    A rod of 1 m whose left half rests, and whose right half moves the faster the farther right:
+    A rod of 1 m whose left half rests, and whose right half moves the faster the
+    farther right:
 
     >>> Polynomials([0.0, 0.0, 0.0, 0.5], at=[0.5])
     Polynomials(values=array(4,), at=array(1,))
@@ -155,15 +180,14 @@ class Polynomials(Declared):
     def _check(self, problems: Problems) -> None:
         if problems:
             return
-        inner = self.inner
-        intervals = len(inner) + 1
-        count = np.size(self.values)
-        if count % intervals or count < 2 * intervals:
+        n_intervals = len(self.inner) + 1
+        n_values = np.size(self.values)
+        if n_values % n_intervals != 0 or n_values < 2 * n_intervals:
             message = (
-                f"needs two values or more, as many for each of {intervals} intervals"
+                f"needs two values or more, as many for each of {n_intervals} intervals"
             )
-            problems.append(("values", f"{message}, got {count}"))
-        frozen.increasing(problems, "at", inner)
+            problems.append(("values", f"{message}, got {n_values}"))
+        frozen.increasing(problems, "at", self.inner)
 
     @property
     def inner(self) -> list[float]:
@@ -174,23 +198,30 @@ class Polynomials(Declared):
         return borders
 
     def coefficients(self) -> Floats:
-        """Chebyshev coefficients of each interval, [interval, degree], of y from -1 to 1."""
-        table = np.asarray(self.values, dtype=float).reshape(len(self.inner) + 1, -1)
-        count = table.shape[1]
-        places = -np.cos(np.pi * np.arange(count) / (count - 1))
-        inverse = np.linalg.inv(chebyshev.chebvander(places, count - 1))
-        found: Floats = table @ inverse.T
-        return found
+        """Chebyshev coefficients, [interval, degree], over y from -1 to 1 in each."""
+        n_intervals = len(self.inner) + 1
+        values = np.asarray(self.values, dtype=float).reshape(n_intervals, -1)
+        n = values.shape[1]
+        y = -np.cos(np.pi * np.arange(n) / (n - 1))
+        values_to_coefficients = np.linalg.inv(chebyshev.chebvander(y, n - 1))
+        coefficients: Floats = values @ values_to_coefficients.T
+        return coefficients
 
     def _parameters(self) -> dict[str, Any]:
-        given = super()._parameters()
+        parameters = super()._parameters()
         if not self.error:
-            given.pop("error", None)
-        return given
+            parameters.pop("error", None)
+        return parameters
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
-        given = super().to_dict()
-        return {"polynomials": given.pop("values"), **given}
+        return _renamed(super().to_dict(), "polynomials")
+
+
+def _renamed(description: dict[str, Any], key: str) -> dict[str, Any]:
+    """Description of a profile with its values under a key that names its kind."""
+    renamed = {key: description.pop("values")}
+    renamed.update(description)
+    return renamed
 
 
 Profile: TypeAlias = "Number | Steps | Samples | Polynomials"
@@ -202,80 +233,121 @@ ProfileLike: TypeAlias = (
 def along_rod(
     problems: Problems, path: str, value: Any, field: Field, length: Number | None
 ) -> Profile:
-    """Return `value` as a profile along a rod of that length, m; note a mistake in `problems`.
+    """Check a value as a profile along a rod.
 
-    A function is sampled at `ALONG_ROD` places from end to end. Without a length, which a mistake
-    elsewhere leaves unknown, only what does not depend on it is checked. `Steps` bear any sign.
+    Parameters
+    ----------
+    problems : list
+        Mistakes are noted in it.
+    path : str
+        Path of the value.
+    value : object
+        A number, `Steps`, `Samples`, `Polynomials` or a function. A function is sampled
+        at `SAMPLES_ALONG_ROD` places from end to end.
+    field : Field
+        Unit and sign of the values; `Steps` may have any sign.
+    length : float or array, optional
+        Length of the rod, m; None if a mistake elsewhere leaves it unknown. Then only
+        what does not depend on it is checked.
+
+    Returns
+    -------
+    float, array, Steps, Samples or Polynomials
     """
-    held: Profile = value
-    if type(value) is float or not (
-        isinstance(value, Steps | Samples | Polynomials) or callable(value)
-    ):
-        held = field.checked(problems, path, value)
-    elif isinstance(value, Steps | Polynomials):
-        if isinstance(value, Steps):
-            borders = value.at
-        else:
-            borders = value.inner
-        if borders and length is not None:
-            if isinstance(value, Steps):
-                frozen.family_shape([("length", length), *value._numbers(path)])
-            last, end = f"{path}.at.{len(borders) - 1}", borders[-1]
-            message = "must lie inside the rod of length {0!r}, got {1!r}"
-            frozen.require(
-                problems, np.asarray(end) < length, last, message, length, end
-            )
+    profile: Profile = value
+    if isinstance(value, Steps | Polynomials):
+        if length is not None:
+            _check_inside(problems, path, value, length)
     elif isinstance(value, Samples):
         if value.step is not None:
-            message = "is for samples in time; those of a rod run from end to end; leave it out"
+            message = (
+                "is for samples in time; those of a rod run from end to end; leave it "
+                "out"
+            )
             problems.append((f"{path}.step", message))
         if field.sign != "any":
             field.checked(problems, f"{path}.values", value.values)
+    elif not callable(value):
+        profile = field.checked(problems, path, value)
     elif isinstance(length, np.ndarray):
-        message = "is a function, but the members of the family differ in length; give Samples"
+        message = (
+            "is a function, but the members of the family differ in length; give "
+            "Samples"
+        )
         problems.append((path, message))
     elif length is not None:
-        held = _curve(
-            problems, path, value, np.linspace(0.0, length, ALONG_ROD), field, None
-        )
-    return held
+        x = np.linspace(0.0, length, SAMPLES_ALONG_ROD)
+        profile = _samples_of(problems, path, value, x, field=field, step=None)
+    return profile
+
+
+def _check_inside(
+    problems: Problems, path: str, profile: Steps | Polynomials, length: Number
+) -> None:
+    """Note the last jump or border of a profile if it lies beyond the rod."""
+    if isinstance(profile, Steps):
+        places = list(profile.at)
+    else:
+        places = profile.inner
+    if not places:
+        return
+    if isinstance(profile, Steps):
+        frozen.family_shape([("length", length), *profile._numbers(path)])
+    last = places[-1]
+    is_inside = np.asarray(last) < length
+    message = "must lie inside the rod of length {0!r}, got {1!r}"
+    last_path = f"{path}.at.{len(places) - 1}"
+    frozen.require(problems, is_inside, last_path, message, length, last)
 
 
 def in_time(value: Any, field: Field, duration: Any) -> Profile:
-    """Return the `value` of a drive as a profile from t = 0 on; InvalidModel if it is none.
+    """Check the value of a driven end as a profile from t = 0 on.
 
-    A function is sampled at `IN_TIME` times from 0 to `duration`, s, which only a function has.
+    Parameters
+    ----------
+    value : object
+        A number, `Steps`, `Samples` or a function. A function is sampled at
+        `SAMPLES_IN_TIME` times from 0 to the duration.
+    field : Field
+        Unit and sign of the values.
+    duration : float, optional
+        Time for which a function is sampled, s; no other value has one.
+
+    Returns
+    -------
+    float, array, Steps or Samples
+
+    Raises
+    ------
+    InvalidModel
+        Naming every mistake.
     """
     problems: Problems = []
-    held: Profile = value
+    profile: Profile = value
     if callable(value):
         if duration is None:
             message = (
                 "is missing; give the seconds for which the function is to be sampled"
             )
             problems.append(("duration", message))
-        end = Field("s", "positive", default=None, single=True).checked(
-            problems, "duration", duration
-        )
+        end = DURATION.checked(problems, "duration", duration)
         if not problems:
-            times, step = np.linspace(0.0, end, IN_TIME), end / (IN_TIME - 1)
-            held = _curve(problems, "value", value, times, field, step)
+            times = np.linspace(0.0, end, SAMPLES_IN_TIME)
+            step = end / (SAMPLES_IN_TIME - 1)
+            profile = _samples_of(
+                problems, "value", value, times, field=field, step=step
+            )
     else:
         if duration is not None:
-            note(
-                problems,
-                "duration",
-                "belongs to a function of time; leave it out",
-                duration,
-            )
+            message = "belongs to a function of time; leave it out"
+            note(problems, "duration", message, duration)
         if isinstance(value, Samples) and value.step is None:
-            problems.append(
-                ("value.step", "is missing; give the seconds between two samples")
-            )
+            message = "is missing; give the seconds between two samples"
+            problems.append(("value.step", message))
         if not isinstance(value, Steps | Samples):
-            held = field.checked(problems, "value", value)
+            profile = field.checked(problems, "value", value)
     frozen.raise_noted(problems)
-    return held
+    return profile
 
 
 def negative(profile: Profile) -> Profile:
@@ -296,10 +368,20 @@ def flipped(profile: Profile, length: Number) -> Profile:
         return profile.replace(values=profile.values[::-1], at=borders)
     if not isinstance(profile, Steps):
         return profile
-    # next to the other end two places may round to one; the piece between them has no width
-    edges = [0.0, *(length - x for x in profile.at[::-1]), length]
-    kept = [i for i, (a, b) in enumerate(pairwise(edges)) if np.any(np.asarray(b) > a)]
-    return Steps([profile.values[::-1][i] for i in kept], [edges[i] for i in kept[1:]])
+    edges: list[Number] = [0.0]
+    for x in reversed(profile.at):
+        edges.append(length - x)
+    edges.append(length)
+    values = []
+    starts = []
+    for i, value in enumerate(reversed(profile.values)):
+        # Next to the other end two places may round to one. The piece between them has
+        # no width in any member, and is left out.
+        has_width = np.any(np.asarray(edges[i + 1]) > edges[i])
+        if has_width:
+            values.append(value)
+            starts.append(edges[i])
+    return Steps(values, starts[1:])
 
 
 def extremes(profile: Profile) -> list[Any]:
@@ -309,7 +391,9 @@ def extremes(profile: Profile) -> list[Any]:
     """
     if isinstance(profile, Samples | Polynomials):
         return [float(np.min(profile.values)), float(np.max(profile.values))]
-    values: Any = profile.values if isinstance(profile, Steps) else [profile]
+    values: Any = [profile]
+    if isinstance(profile, Steps):
+        values = profile.values
     return [reduce(np.minimum, values), reduce(np.maximum, values)]
 
 
@@ -318,50 +402,63 @@ def averages(profile: Any, edges: Any, length: float) -> Floats:
 
     Parameters
     ----------
-    profile : float, Steps or Samples
+    profile : float, Steps, Samples or Polynomials
     edges : [n + 1] array
         Increasing places, m, or times, s.
     length : float
-        Of the rod, m, for samples that run from end to end.
+        Length of the rod, m, for samples that run from end to end.
 
     Returns
     -------
     [n] array
-        Exact for jumps and for straight lines between samples.
+        Exact for jumps, polynomials, and straight lines between samples.
 
     Examples
     --------
-    >>> averages(Samples([0.0, 1.0, 4.0]), np.array([0.0, 0.5, 2.0]), length=2.0).round(9).tolist()
+    >>> edges = np.array([0.0, 0.5, 2.0])
+    >>> averages(Samples([0.0, 1.0, 4.0]), edges, length=2.0).round(9).tolist()
     [0.25, 1.916666667]
     """
     if isinstance(profile, Polynomials):
         return _averages_of_polynomials(profile, edges, length)
-    if not isinstance(profile, Samples):
-        steps = profile if isinstance(profile, Steps) else Steps([profile], [])
-        at, values = (
-            np.array(steps.at, dtype=float),
-            np.array(steps.values, dtype=float),
-        )
-        first, last = (
-            np.searchsorted(at, edges[:-1], "right"),
-            np.searchsorted(at, edges[1:]),
-        )
-        means: Floats = values[first]
-        for i in np.flatnonzero(last > first):
-            cuts = np.concatenate(([edges[i]], at[first[i] : last[i]], [edges[i + 1]]))
-            means[i] = np.sum(values[first[i] : last[i] + 1] * np.diff(cuts)) / (
-                edges[i + 1] - edges[i]
-            )
-        return means
-    values = np.asarray(profile.values, dtype=float)
-    width = length / (len(values) - 1) if profile.step is None else float(profile.step)
+    if isinstance(profile, Samples):
+        return _averages_of_samples(profile, edges, length)
+    if isinstance(profile, Steps):
+        return _averages_of_steps(profile, edges)
+    return _averages_of_steps(Steps([profile], []), edges)
+
+
+def _averages_of_steps(steps: Steps, edges: Floats) -> Floats:
+    """Mean values of steps between edges."""
+    jumps = np.array(steps.at, dtype=float)
+    values = np.array(steps.values, dtype=float)
+    first = np.searchsorted(jumps, edges[:-1], "right")
+    last = np.searchsorted(jumps, edges[1:])
+    means: Floats = values[first]
+    for i in np.flatnonzero(last > first):
+        jumps_inside = jumps[first[i] : last[i]]
+        cuts = np.concatenate(([edges[i]], jumps_inside, [edges[i + 1]]))
+        integral = np.sum(values[first[i] : last[i] + 1] * np.diff(cuts))
+        means[i] = integral / (edges[i + 1] - edges[i])
+    return means
+
+
+def _averages_of_samples(samples: Samples, edges: Floats, length: float) -> Floats:
+    """Mean values of straight lines between samples; both ends hold on outside."""
+    values = np.asarray(samples.values, dtype=float)
+    n_intervals = len(values) - 1
+    if samples.step is None:
+        width = length / n_intervals
+    else:
+        width = float(samples.step)
     knots = width * np.arange(len(values))
-    total = np.concatenate(([0.0], np.cumsum((values[1:] + values[:-1]) / 2) * width))
+    areas = (values[1:] + values[:-1]) / 2
+    integral_to_knot = np.concatenate(([0.0], np.cumsum(areas) * width))
     inside = np.clip(edges, 0.0, knots[-1])
-    i = np.clip((inside / width).astype(int), 0, len(values) - 2)
+    i = np.clip((inside / width).astype(int), 0, n_intervals - 1)
     s = inside - knots[i]
     slope = (values[i + 1] - values[i]) / width
-    integral = total[i] + values[i] * s + slope * s * s / 2
+    integral = integral_to_knot[i] + values[i] * s + slope * s * s / 2
     integral += values[-1] * np.maximum(edges - knots[-1], 0.0)
     integral += values[0] * np.minimum(edges, 0.0)
     return np.asarray(np.diff(integral) / np.diff(edges))
@@ -370,91 +467,116 @@ def averages(profile: Any, edges: Any, length: float) -> Floats:
 def _averages_of_polynomials(
     profile: Polynomials, edges: Floats, length: float
 ) -> Floats:
+    """Mean values of polynomials along a rod of that length, m."""
     borders = np.concatenate(([0.0], profile.inner, [length]))
     widths = np.diff(borders)
     primitives = chebyshev.chebint(profile.coefficients(), lbnd=-1, axis=1)
-    whole = primitives.sum(axis=1) * widths / 2
-    before = np.concatenate(([0.0], np.cumsum(whole)))
-    places = np.clip(edges, 0.0, length)
-    interval = np.clip(
-        np.searchsorted(borders, places, "right") - 1, 0, len(widths) - 1
-    )
-    y = 2 * (places - borders[interval]) / widths[interval] - 1
-    inside = chebyshev.chebval(y, primitives[interval].T, tensor=False)
-    integral = before[interval] + inside * widths[interval] / 2
+    # A series is the sum of its coefficients at y = 1, the end of its interval.
+    integrals = primitives.sum(axis=1) * widths / 2
+    integral_to_border = np.concatenate(([0.0], np.cumsum(integrals)))
+    x = np.clip(edges, 0.0, length)
+    i = np.searchsorted(borders, x, "right") - 1
+    i = np.clip(i, 0, len(widths) - 1)
+    y = 2 * (x - borders[i]) / widths[i] - 1
+    in_interval = chebyshev.chebval(y, primitives[i].T, tensor=False)
+    integral = integral_to_border[i] + in_interval * widths[i] / 2
     means: Floats = np.diff(integral) / np.diff(edges)
     return means
 
 
 def profile_from(data: Any) -> Any:
-    """Make the profile that `to_dict` described; what is none stays as it is."""
+    """Make the profile that `to_dict` described; other data stay as they are."""
     if not isinstance(data, dict):
         return data
     if "polynomials" in data:
-        return Polynomials(
-            data["polynomials"], data.get("at"), error=data.get("error", 0.0)
-        )
+        error = data.get("error", 0.0)
+        return Polynomials(data["polynomials"], data.get("at"), error=error)
     if "samples" in data:
-        return Samples(
-            **{"values" if key == "samples" else key: v for key, v in data.items()}
-        )
-    return Steps(**data) if "values" in data else data
+        parameters = dict(data)
+        values = parameters.pop("samples")
+        return Samples(values, **parameters)
+    if "values" in data:
+        return Steps(**data)
+    return data
 
 
-def _curve(
+def _samples_of(
     problems: Problems,
     path: str,
     function: Any,
     places: Floats,
+    *,
     field: Field,
-    step: Any,
+    step: float | None,
 ) -> Profile:
-    """Samples of a function, with the curve between them that is nearer to it half way."""
+    """Samples of a function at equal distances.
+
+    The curve between them is a spline or straight lines, whichever is nearer to the
+    function half way between the samples; that distance is the error of the samples.
+    A mistake is noted in `problems`.
+    """
     from scipy.interpolate import make_interp_spline
 
     middles = (places[1:] + places[:-1]) / 2
     try:
-        values, true = (_sampled(function, x, field) for x in (places, middles))
+        values = _values_of(function, places, field)
+        exact = _values_of(function, middles, field)
     except ValueError as error:
         problems.append((path, str(error)))
         return 0.0
-    curve, lines = (
-        make_interp_spline(places, values, 5)(middles),
-        (values[1:] + values[:-1]) / 2,
+    spline = make_interp_spline(places, values, SPLINE_DEGREE)(middles)
+    lines = (values[1:] + values[:-1]) / 2
+    spline_error = float(np.max(np.abs(spline - exact)))
+    lines_error = float(np.max(np.abs(lines - exact)))
+    return Samples(
+        values,
+        step,
+        smooth=spline_error < lines_error,
+        error=min(spline_error, lines_error),
     )
-    bent, straight = (float(np.max(np.abs(given - true))) for given in (curve, lines))
-    return Samples(values, step, smooth=bent < straight, error=min(bent, straight))
 
 
-def _sampled(function: Callable[[Any], Any], places: Floats, field: Field) -> Floats:
-    """Values of a function of arrays, or else of numbers; ValueError says why it has none."""
+def _values_of(function: Callable[[Any], Any], places: Floats, field: Field) -> Floats:
+    """Values of a function; ValueError says why it has none.
+
+    The function is called with the array of places, or if it cannot take that, with
+    each place.
+    """
     try:
         values = floats(function(places.copy()), field.unit)
     except Exception:
         values = np.zeros(0)
     if values.shape != places.shape:
-        try:
-            returned = [function(x) for x in places.tolist()]
-        except Exception as error:
-            reason = f"{type(error).__name__}: {one_line(str(error))}"
-            raise ValueError(
-                f"is a function that cannot be evaluated: {reason}"
-            ) from None
-        try:
-            values = floats(returned, field.unit)
-        except ValueError as error:
-            raise ValueError(
-                f"must be a function that returns numbers: {error}"
-            ) from None
+        values = _values_one_by_one(function, places, field)
+    is_allowed = (np.abs(values) <= frozen.LARGEST) & field.holds(values)
+    if not is_allowed.all():
+        x = float(places[~is_allowed][0])
+        value = float(values[~is_allowed][0])
+        kind = "finite"
+        if field.sign == "positive":
+            kind = "positive"
+        raise ValueError(
+            f"must be a function that returns {kind} numbers, got {value!r} at {x!r}"
+        )
+    return values
+
+
+def _values_one_by_one(
+    function: Callable[[Any], Any], places: Floats, field: Field
+) -> Floats:
+    """Values of a function of single numbers; ValueError says why it has none."""
+    try:
+        returned = [function(x) for x in places.tolist()]
+    except Exception as error:
+        reason = f"{type(error).__name__}: {one_line(str(error))}"
+        message = f"is a function that cannot be evaluated: {reason}"
+        raise ValueError(message) from None
+    try:
+        values = floats(returned, field.unit)
+    except ValueError as error:
+        message = f"must be a function that returns numbers: {error}"
+        raise ValueError(message) from None
     if values.shape != places.shape:
-        raise ValueError(
-            f"must be a function that returns numbers, got {shown(values[0])} at 0.0"
-        )
-    good = (np.abs(values) <= frozen.LARGEST) & field.holds(values)
-    if not good.all():
-        x, got = float(places[~good][0]), float(values[~good][0])
-        kind = "positive" if field.sign == "positive" else "finite"
-        raise ValueError(
-            f"must be a function that returns {kind} numbers, got {got!r} at {x!r}"
-        )
+        first = shown(values[0])
+        raise ValueError(f"must be a function that returns numbers, got {first} at 0.0")
     return values

@@ -11,8 +11,8 @@ from mistakes import assert_told
 
 import rodimpact as ri
 from rodimpact.model.profiles import (
-    ALONG_ROD,
-    IN_TIME,
+    SAMPLES_ALONG_ROD,
+    SAMPLES_IN_TIME,
     averages,
     extremes,
     profile_from,
@@ -22,7 +22,9 @@ STEEL = ri.materials.steel
 
 
 def rod(**changes):
-    return ri.Rod(**{"length": 2.0, "area": 1e-4, "material": STEEL, **changes})
+    parameters = {"length": 2.0, "area": 1e-4, "material": STEEL}
+    parameters.update(changes)
+    return ri.Rod(**parameters)
 
 
 # Samples
@@ -76,14 +78,18 @@ def test_functions_of_arrays_and_of_numbers_are_sampled_alike(function):
     samples = rod(velocity=function).velocity
     assert isinstance(samples, ri.Samples)
     assert samples.step is None
-    places = np.linspace(0, 2.0, ALONG_ROD)
+    places = np.linspace(0, 2.0, SAMPLES_ALONG_ROD)
     assert samples.values == pytest.approx(np.sin(places), rel=1e-15)
 
 
 def test_a_constant_function_and_one_with_a_branch():
-    assert rod(strain=lambda x: 1e-3).strain == ri.Samples(np.full(ALONG_ROD, 1e-3))
+    assert rod(strain=lambda x: 1e-3).strain == ri.Samples(
+        np.full(SAMPLES_ALONG_ROD, 1e-3)
+    )
     values = rod(strain=lambda x: 1 if x < 1.0 else 0).strain.values
-    assert values.tolist() == [1.0] * (ALONG_ROD // 2) + [0.0] * (ALONG_ROD // 2 + 1)
+    assert values.tolist() == [1.0] * (SAMPLES_ALONG_ROD // 2) + [0.0] * (
+        SAMPLES_ALONG_ROD // 2 + 1
+    )
 
 
 # In time
@@ -92,8 +98,10 @@ def test_a_constant_function_and_one_with_a_branch():
 @pytest.mark.parametrize("drive", [ri.Pushed, ri.Moved])
 def test_a_function_of_time_is_sampled(drive):
     value = drive(lambda t: 3 * t, duration=2e-3).value
-    assert value.step == 2e-3 / (IN_TIME - 1)
-    assert value.values == pytest.approx(np.linspace(0, 6e-3, IN_TIME), rel=1e-14)
+    assert value.step == 2e-3 / (SAMPLES_IN_TIME - 1)
+    assert value.values == pytest.approx(
+        np.linspace(0, 6e-3, SAMPLES_IN_TIME), rel=1e-14
+    )
 
 
 # Mistakes
