@@ -1,10 +1,12 @@
-"""The description of a collision: a row of bodies, the contacts between them, and its ends.
+"""The description of a collision: a row of bodies with its contacts and ends.
 
-Everything here is frozen and checked when it is made; nothing here moves. A `System` is the
-bodies from left to right with the gaps and contact laws between neighbours. Any number may be an
-array: the system is then a family of collisions whose `shape` is the NumPy broadcast of them all.
+A `System` holds the bodies from left to right, and the gaps and contact laws between
+neighbours. It is checked when it is made, and frozen. Any number may be an array: the
+system is then a family of collisions whose `shape` is the NumPy broadcast of all
+arrays.
 
-Axis x points to the right; velocity is positive to the right, strain positive in tension; SI units.
+Axis x points to the right; velocity is positive to the right, strain positive in
+tension; SI units.
 """
 
 from __future__ import annotations
@@ -36,9 +38,18 @@ from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Joint, Law, Plastic, 
 from .profiles import Floats, flipped, negative, profile_from
 
 SIDES = ("left", "right")
-BY_SIDE = {f"ends.{i}": f"ends.{side}" for i, side in enumerate(SIDES)}
-GAP, OVERLAP = Field("m", "non-negative", "gap", default=0.0), Field("m", label="gap")
-_BODIES, _LAWS, _ENDS = get_args(Body), get_args(ContactLaw), get_args(End)
+"""Names of the ends of a row in paths."""
+END_PATHS = {"ends.0": "ends.left", "ends.1": "ends.right"}
+"""Paths of the ends in case files."""
+GAP = Field("m", "non-negative", "gap", default=0.0)
+"""Gap of a contact that cannot begin pressed."""
+GAP_OR_OVERLAP = Field("m", label="gap")
+"""Gap of a compliant contact: minus the overlap where it begins pressed."""
+LOSSLESS = {"viscosity": 0, "damping": 0, "restitution": 1}
+"""Numbers of a motion without losses, which can be reversed in time."""
+_BODIES = get_args(Body)
+_LAWS = get_args(ContactLaw)
+_ENDS = get_args(End)
 
 
 class System(Declared):
@@ -49,17 +60,18 @@ class System(Declared):
     bodies : sequence of Rod, RigidMass or Wall
         At least one that is no wall; a wall may stand only at the ends of the row.
     gaps : sequence of numbers, optional
-        Initial distance between each body and its right neighbour, m, walls counted; default 0. A
-        compliant contact may begin pressed: its gap is minus the overlap.
+        Initial distance between each body and its right neighbour, m, walls counted;
+        default 0. A compliant contact may begin pressed: its gap is minus the overlap.
     contacts : sequence of contact laws, optional
-        What acts between each body and its right neighbour, walls counted; default `Rigid`.
-        Between rigid bodies a plain `Rigid` decides nothing and is refused.
+        Law of the contact between each body and its right neighbour, walls counted;
+        default `Rigid`. Between rigid bodies a `Rigid` without restitution is refused:
+        it leaves the impact undetermined.
     gravity : float or array, optional
         Acceleration of free bodies, m/s^2, positive to the right.
     ends : (End, End), optional
-        What happens at the left and at the right end of the row: `Free`, `Fixed`, `Absorbing`,
-        `Pushed`, `Moved` or `Incoming`; default `Free`, as it must be where a wall stands. A mass
-        takes `Free` and `Pushed` only.
+        Boundary conditions at the left and at the right end of the row: `Free`,
+        `Fixed`, `Absorbing`, `Pushed`, `Moved` or `Incoming`; default `Free`, which a
+        wall at the end requires. A mass takes `Free` and `Pushed` only.
 
     Raises
     ------
@@ -69,7 +81,8 @@ class System(Declared):
     Examples
     --------
     >>> import rodimpact as ri
-    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=[1.0, 2.0, 3.0])
+    >>> speeds = [1.0, 2.0, 3.0]
+    >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=speeds)
     >>> ri.System([rod, ri.Wall()]).shape
     (3,)
     """
@@ -84,75 +97,30 @@ class System(Declared):
 
     def _check(self, problems: Problems) -> None:
         bodies: Any = self.bodies
-        if not isinstance(bodies, list | tuple) or not bodies:
-            message = (
-                f"must be a list of at least one rod or rigid mass, got {shown(bodies)}"
-            )
-            raise frozen.refusal("bodies", message)
-        for i, body in enumerate[Any](bodies):
-            if type(body) not in _BODIES:
-                note(
-                    problems,
-                    f"bodies.{i}",
-                    "must be a Rod, a RigidMass or a Wall itself",
-                    body,
-                )
-            elif isinstance(body, Wall) and 0 < i < len(bodies) - 1:
-                message = "a wall may stand only at an end of the row; make two systems of this one"
-                problems.append((f"bodies.{i}", message))
-        pairs = len(bodies) - 1
-        laws = _per_pair(problems, "contacts", self.contacts, RIGID, pairs)
-        walls = sum(isinstance(body, Wall) for body in bodies)
-        apart = sum(not isinstance(law, Bonded) for law in laws)
-        if (
-            not problems
-            and walls > apart
-            and not any(isinstance(body, Rod) for body in bodies)
-        ):
-            message = "needs a rod or a rigid mass that is not bonded to a wall"
-            problems.append(("bodies", message))
-        given = _per_pair(problems, "gaps", self.gaps, 0.0, pairs)
-        widths = []
-        for i, law, width in zip(range(pairs), laws, given, strict=False):
-            known = type(law) in _LAWS
-            # what is compliant may begin pressed; a joint has its stretch instead
-            gap = (
-                OVERLAP
-                if known and not isinstance(law, Rigid | Bonded | Joint)
-                else GAP
-            )
-            widths.append(gap.checked(problems, f"gaps.{i}", width))
-            if not known:
-                message = "must be a contact law itself, one of "
-                message += ", ".join(kind.__name__ for kind in _LAWS)
-                note(problems, f"contacts.{i}", message, law)
-            elif not law.opens:
-                message = "must be 0 where bodies are joined, got {0!r}; a Joint takes a stretch"
-                frozen.require(
-                    problems, np.equal(widths[i], 0), f"gaps.{i}", message, widths[i]
-                )
-            elif isinstance(law, Rigid):
-                _check_rigid(problems, i, law, *bodies[i : i + 2])
-        both: Any = (FREE, FREE) if self.ends is None else self.ends
-        if not isinstance(both, list | tuple) or len(both) != 2:
-            note(
-                problems, "ends", "must be a pair, such as (Free(), Absorbing())", both
-            )
-        else:
-            for side, end, body in zip(
-                SIDES, both, (bodies[0], bodies[-1]), strict=True
-            ):
-                _check_end(problems, side, end, body)
+        _check_bodies(problems, bodies)
+        n_pairs = len(bodies) - 1
+        laws = _one_per_pair(problems, "contacts", self.contacts, RIGID, n_pairs)
+        if not problems:
+            _check_any_moves(problems, bodies, laws)
+        given_gaps = _one_per_pair(problems, "gaps", self.gaps, 0.0, n_pairs)
+        gaps = []
+        for i, law, gap in zip(range(n_pairs), laws, given_gaps, strict=False):
+            field = GAP
+            if type(law) in _LAWS and not isinstance(law, Rigid | Bonded | Joint):
+                field = GAP_OR_OVERLAP
+            gaps.append(field.checked(problems, f"gaps.{i}", gap))
+            _check_contact(problems, i, law, gaps[i], bodies[i : i + 2])
+        ends = _checked_ends(problems, self.ends, bodies)
         frozen.raise_noted(problems)
         self._set(
             bodies=tuple(bodies),
-            gaps=tuple(widths),
+            gaps=tuple(gaps),
             contacts=tuple(laws),
-            ends=tuple(both),
+            ends=tuple(ends),
         )
         if self._varies:
             self._set(_shape=frozen.family_shape(self._numbers()))
-        _check_joined(self)
+        _check_bonded_velocities(self)
 
     @property
     def kinds(self) -> list[str]:
@@ -168,72 +136,123 @@ class System(Declared):
     def parameters(self) -> dict[str, Any]:
         """Numbers in which the members of a family differ, by the paths of a case file.
 
-        Arrays as they were given: they broadcast to `shape`.
+        The arrays are those that were given; they broadcast to `shape`.
         """
         return {path: v for path, v in self._numbers() if isinstance(v, np.ndarray)}
 
     def _parts(self) -> Iterator[tuple[str, Any]]:
-        for name, value in super()._parts():
-            kind, _, place = name.partition(".")
+        for path, value in super()._parts():
+            kind, _, index = path.partition(".")
             if kind == "gaps":
-                name = f"contacts.{place}.gap"
-            yield BY_SIDE.get(name, name), value
+                path = f"contacts.{index}.gap"
+            yield END_PATHS.get(path, path), value
 
     def __getitem__(self, index: Any) -> System:
-        """Member of a family, or a smaller family, by NumPy's rules of indexing."""
+        """Member of a family, or a smaller family, by NumPy's rules of indexing.
+
+        Parameters
+        ----------
+        index : object
+            Index of an array of the `shape` of the family.
+
+        Returns
+        -------
+        System
+
+        Raises
+        ------
+        IndexError
+            If the index is out of range.
+
+        Examples
+        --------
+        >>> import rodimpact as ri
+        >>> mass = ri.RigidMass(0.4, velocity=[1.0, 2.0])
+        >>> family = ri.System([mass, ri.Wall()], contacts=[ri.Hertz(1e9)])
+        >>> family[1].bodies[0].velocity
+        2.0
+        """
 
         def pick(array: Floats) -> Number:
             view = np.broadcast_to(array, self.shape)[index]
-            # an array is kept along the axes along which it varies
-            lean = tuple(slice(None) if stride else slice(1) for stride in view.strides)
-            chosen = np.array(view[lean])
+            # Axes along which the array does not vary are reduced to one value.
+            first_only = [slice(None)] * view.ndim
+            for axis, stride in enumerate(view.strides):
+                if stride == 0:
+                    first_only[axis] = slice(1)
+            chosen = np.array(view[tuple(first_only)])
             chosen.flags.writeable = False
-            return chosen if chosen.ndim else chosen.item()
+            if chosen.ndim:
+                return chosen
+            number: float = chosen.item()
+            return number
 
         member = self._mapped(pick)
         member._set(_shape=np.broadcast_to(0.0, self.shape)[index].shape)
         return member
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
-        contacts = [
-            {"gap": plain(gap), **law.to_dict()}
-            for gap, law in zip(self.gaps, self.contacts, strict=True)
-        ]
-        described = {"bodies": plain(self.bodies), "contacts": contacts}
+        contacts = []
+        for gap, law in zip(self.gaps, self.contacts, strict=True):
+            contact = {"gap": plain(gap)}
+            contact.update(law.to_dict())
+            contacts.append(contact)
+        description = {"bodies": plain(self.bodies), "contacts": contacts}
         if not isinstance(self.gravity, float) or self.gravity:
-            described["gravity"] = plain(self.gravity)
+            description["gravity"] = plain(self.gravity)
         if self.ends != (FREE, FREE):
-            described["ends"] = dict(zip(SIDES, plain(self.ends), strict=True))
-        return described
+            left, right = self.ends
+            description["ends"] = {"left": plain(left), "right": plain(right)}
+        return description
 
     def check_file(self) -> None:
         """Raise InvalidModel where a law is a function, which no file keeps."""
-        functions = [
-            (
-                f"contacts.{k}",
-                "a law that is a Python function cannot be kept in a file; give its curve as "
-                "Tabulated, or keep results by to_xarray",
-            )
-            for k, law in enumerate(self.contacts)
-            if isinstance(law, Law)
-        ]
-        frozen.raise_noted(functions)
+        problems: Problems = []
+        for i, law in enumerate(self.contacts):
+            if isinstance(law, Law):
+                message = (
+                    "a law that is a Python function cannot be kept in a file; give "
+                    "its curve as Tabulated, or keep results by to_xarray"
+                )
+                problems.append((f"contacts.{i}", message))
+        frozen.raise_noted(problems)
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> System:
-        """Make the system that `to_dict` described; InvalidModel if that is none."""
+        """Make the system that `to_dict` described.
+
+        Parameters
+        ----------
+        data : dict
+            Description of a system.
+
+        Returns
+        -------
+        System
+
+        Raises
+        ------
+        InvalidModel
+            If the data describe no system.
+
+        Examples
+        --------
+        >>> import rodimpact as ri
+        >>> row = ri.System([ri.RigidMass(1.0, velocity=1.0), ri.RigidMass(2.0)],
+        ...     contacts=[ri.Rigid(restitution=0.5)])
+        >>> ri.System.from_dict(row.to_dict()) == row
+        True
+        """
         try:
             contacts = [dict(contact) for contact in data["contacts"]]
+            bodies = [restored(BODIES, "kind", body) for body in data["bodies"]]
+            gaps = [contact.pop("gap") for contact in contacts]
+            laws = [restored(CONTACT_LAWS, "law", contact) for contact in contacts]
+            gravity = data.get("gravity", 0.0)
             ends = data.get("ends")
-            return cls(
-                [restored(BODIES, "kind", body) for body in data["bodies"]],
-                gaps=[contact.pop("gap") for contact in contacts],
-                contacts=[
-                    restored(CONTACT_LAWS, "law", contact) for contact in contacts
-                ],
-                gravity=data.get("gravity", 0.0),
-                ends=ends and [restored(ENDS, "kind", ends[side]) for side in SIDES],
-            )
+            if ends:
+                ends = [restored(ENDS, "kind", ends[side]) for side in SIDES]
+            return cls(bodies, gaps, laws, gravity=gravity, ends=ends)
         except frozen.InvalidModel:
             raise
         except (LookupError, TypeError, ValueError, AttributeError):
@@ -241,61 +260,62 @@ class System(Declared):
             raise frozen.refusal("data", message) from None
 
     def reversed(self) -> System:
-        """Return the same state with every velocity turned round: the film run backwards.
+        """Return the same state with every velocity reversed: the motion runs
+        backwards.
+
+        Returns
+        -------
+        System
 
         Raises
         ------
         InvalidModel
             If the motion has losses or is driven, so it cannot be reversed in time:
             damping, a restitution below 1, absorbing or driven ends.
+
+        Examples
+        --------
+        >>> import rodimpact as ri
+        >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+        >>> ri.System([rod, ri.Wall()]).reversed().bodies[0].velocity
+        -1.0
         """
-        lossless = {"viscosity": 0, "damping": 0, "restitution": 1}
-        why = "; losses and driven ends cannot be reversed in time"
-        frozen.raise_noted(
-            [
-                *(
-                    (path, f"must be {kept}{why}")
-                    for path, value in self._numbers()
-                    if np.any(
-                        value != (kept := lossless.get(path.rpartition(".")[2], value))
-                    )
-                ),
-                *(
-                    (f"contacts.{i}", f"must not yield{why}")
-                    for i, law in enumerate(self.contacts)
-                    if isinstance(law, Plastic)
-                ),
-                *(
-                    (
-                        f"ends.{side}",
-                        f"must be Free() or Fixed(), not {type(end).__name__}{why}",
-                    )
-                    for side, end in zip(SIDES, self.ends, strict=True)
-                    if isinstance(end, Absorbing | Pushed | Moved)
-                ),
-            ]
-        )
-        bodies = [
-            body.replace(velocity=negative(body.velocity)) for body in self.bodies
-        ]
+        problems: Problems = []
+        reason = "losses and driven ends cannot be reversed in time"
+        for path, value in self._numbers():
+            name = path.rpartition(".")[2]
+            if name in LOSSLESS and np.any(value != LOSSLESS[name]):
+                problems.append((path, f"must be {LOSSLESS[name]}; {reason}"))
+        for i, law in enumerate(self.contacts):
+            if isinstance(law, Plastic):
+                problems.append((f"contacts.{i}", f"must not yield; {reason}"))
+        for side, end in zip(SIDES, self.ends, strict=True):
+            if isinstance(end, Absorbing | Pushed | Moved):
+                kind = type(end).__name__
+                message = f"must be Free() or Fixed(), not {kind}; {reason}"
+                problems.append((f"ends.{side}", message))
+        frozen.raise_noted(problems)
+        bodies = []
+        for body in self.bodies:
+            bodies.append(body.replace(velocity=negative(body.velocity)))
         return self.replace(bodies=bodies)
 
     def mirrored(self) -> System:
-        """Return the row seen in a mirror: right becomes left."""
-        bodies = [
-            body.replace(
-                segments=[segment.mirrored() for segment in reversed(body.segments)],
-                velocity=negative(flipped(body.velocity, body.length)),
-                strain=flipped(body.strain, body.length),
-            )
-            if isinstance(body, Rod)
-            else body.replace(velocity=-body.velocity)
-            for body in reversed(self.bodies)
-        ]
-        ends = [
-            Moved(negative(end.value)) if isinstance(end, Moved) else end
-            for end in reversed(self.ends)
-        ]
+        """Return the row with left and right exchanged.
+
+        Returns
+        -------
+        System
+
+        Examples
+        --------
+        >>> import rodimpact as ri
+        >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+        >>> ri.System([rod, ri.Wall()]).mirrored().kinds
+        ['wall', 'rod']
+        """
+        bodies = [_mirrored_body(body) for body in reversed(self.bodies)]
+        ends = [_mirrored_end(end) for end in reversed(self.ends)]
         return System(
             bodies,
             self.gaps[::-1],
@@ -305,71 +325,168 @@ class System(Declared):
         )
 
 
-def restored(classes: Mapping[str, Any], tag: str, data: dict[str, Any]) -> Any:
-    """Make the body, the contact law or the end that `to_dict` described."""
-    return classes[data[tag]](
-        **_entries({key: v for key, v in data.items() if key != tag})
+def _mirrored_body(body: Body) -> Body:
+    """Body with left and right exchanged."""
+    if not isinstance(body, Rod):
+        return body.replace(velocity=-body.velocity)
+    return body.replace(
+        segments=[segment.mirrored() for segment in reversed(body.segments)],
+        velocity=negative(flipped(body.velocity, body.length)),
+        strain=flipped(body.strain, body.length),
     )
 
 
-def _entries(data: dict[str, Any]) -> dict[str, Any]:
-    """What the constructor of a described object takes."""
-    entries = {key: profile_from(value) for key, value in data.items()}
-    if "material" in data:
-        entries["material"] = Material(**data["material"])
-    if "segments" in data:
-        entries["segments"] = [Segment(**_entries(piece)) for piece in data["segments"]]
-    return entries
+def _mirrored_end(end: End) -> End:
+    """End with left and right exchanged; a force keeps its sign: it pushes inwards."""
+    if isinstance(end, Moved):
+        return Moved(negative(end.value))
+    return end
 
 
-def _per_pair(
-    problems: Problems, name: str, items: Any, default: Any, pairs: int
+def restored(classes: Mapping[str, Any], tag: str, data: dict[str, Any]) -> Any:
+    """Make the body, the contact law or the end that `to_dict` described."""
+    description = dict(data)
+    kind = description.pop(tag)
+    return classes[kind](**_parameters_from(description))
+
+
+def _parameters_from(description: dict[str, Any]) -> dict[str, Any]:
+    """Parameters of the constructor of a described object."""
+    parameters = {}
+    for name, value in description.items():
+        parameters[name] = profile_from(value)
+    if "material" in description:
+        parameters["material"] = Material(**description["material"])
+    if "segments" in description:
+        segments = []
+        for segment in description["segments"]:
+            segments.append(Segment(**_parameters_from(segment)))
+        parameters["segments"] = segments
+    return parameters
+
+
+def _one_per_pair(
+    problems: Problems, name: str, items: Any, default: Any, n_pairs: int
 ) -> Any:
-    """What is given for each neighbouring pair; note what is not one thing for each."""
-    each = (default,) * pairs if items is None else items
-    listed = isinstance(each, list | tuple)
-    if not listed or len(each) != pairs:
+    """Items of the neighbouring pairs, or defaults; a wrong number of them is noted."""
+    if items is None:
+        return (default,) * n_pairs
+    is_list = isinstance(items, list | tuple)
+    if not is_list or len(items) != n_pairs:
         message = (
-            f"must be a list with one entry for each neighbouring pair, {pairs} in all"
+            "must be a list with one entry for each neighbouring pair, "
+            f"{n_pairs} in all"
         )
         note(problems, name, message, items)
-    return each if listed else ()
+    if is_list:
+        return items
+    return ()
 
 
-def _check_rigid(problems: Problems, i: int, law: Rigid, *pair: Any) -> None:
-    """Note a rigid contact that nothing decides, and one that two things would decide."""
+def _check_bodies(problems: Problems, bodies: Any) -> None:
+    """Note what is no body, and inner walls; InvalidModel if there is no list."""
+    if not isinstance(bodies, list | tuple) or not bodies:
+        message = "must be a list of at least one rod or rigid mass"
+        raise frozen.refusal("bodies", f"{message}, got {shown(bodies)}")
+    for i, body in enumerate[Any](bodies):
+        if type(body) not in _BODIES:
+            message = "must be a Rod, a RigidMass or a Wall itself"
+            note(problems, f"bodies.{i}", message, body)
+        elif isinstance(body, Wall) and 0 < i < len(bodies) - 1:
+            message = (
+                "a wall may stand only at an end of the row; make two systems of this "
+                "one"
+            )
+            problems.append((f"bodies.{i}", message))
+
+
+def _check_any_moves(problems: Problems, bodies: Any, laws: Any) -> None:
+    """Note a row of walls, and of masses that are all bonded to a wall."""
+    n_walls = sum(isinstance(body, Wall) for body in bodies)
+    n_not_bonded = sum(not isinstance(law, Bonded) for law in laws)
+    has_rod = any(isinstance(body, Rod) for body in bodies)
+    if n_walls > n_not_bonded and not has_rod:
+        message = "needs a rod or a rigid mass that is not bonded to a wall"
+        problems.append(("bodies", message))
+
+
+def _check_contact(
+    problems: Problems, i: int, law: Any, gap: Number, pair: Any
+) -> None:
+    """Note a law that is none, or that does not go with its gap or its two bodies."""
+    if type(law) not in _LAWS:
+        names = ", ".join(kind.__name__ for kind in _LAWS)
+        message = f"must be a contact law itself, one of {names}"
+        note(problems, f"contacts.{i}", message, law)
+    elif not law.opens:
+        message = (
+            "must be 0 where bodies are joined, got {0!r}; a Joint takes a stretch"
+        )
+        frozen.require(problems, np.equal(gap, 0), f"gaps.{i}", message, gap)
+    elif isinstance(law, Rigid):
+        _check_rigid(problems, i, law, pair)
+
+
+def _check_rigid(problems: Problems, i: int, law: Rigid, pair: Any) -> None:
+    """Note a rigid contact that is undetermined, and one that is determined twice."""
     kinds = {type(body) for body in pair}
-    if law.restitution is None and RigidMass in kinds and kinds <= {RigidMass, Wall}:
-        message = "no wave decides this contact: give Rigid(restitution=...) or a compliant law"
-        problems.append((f"contacts.{i}", f"{message} such as Hertz"))
-    elif law.restitution is not None and Rod in kinds and kinds <= {*_BODIES}:
-        message = "belongs between rigid bodies; the waves of a rod decide this contact: leave it"
-        problems.append((f"contacts.{i}.restitution", f"{message} out"))
+    has_mass = RigidMass in kinds
+    are_rigid = kinds <= {RigidMass, Wall}
+    if law.restitution is None and has_mass and are_rigid:
+        message = (
+            "no wave decides this contact: give Rigid(restitution=...) or a compliant "
+            "law such as Hertz"
+        )
+        problems.append((f"contacts.{i}", message))
+    elif law.restitution is not None and Rod in kinds and kinds <= set(_BODIES):
+        message = (
+            "belongs between rigid bodies; the waves of a rod decide this contact: "
+            "leave it out"
+        )
+        problems.append((f"contacts.{i}.restitution", message))
 
 
-def _check_joined(system: System) -> None:
-    """Refuse rigid bodies that are bonded and yet move apart."""
+def _check_bonded_velocities(system: System) -> None:
+    """Refuse rigid bodies that are bonded and have different velocities."""
     for i, law in enumerate(system.contacts):
-        left, right = system.bodies[i : i + 2]
-        if (
-            isinstance(law, Bonded)
-            and not isinstance(left, Rod)
-            and not isinstance(right, Rod)
-        ):
-            v, w = left.velocity, right.velocity
-            message = "must be {0!r}, that of the rigid body it is bonded to, got {1!r}"
-            demand(np.equal(v, w), f"bodies.{i + 1}.velocity", message, v, w)
+        left = system.bodies[i]
+        right = system.bodies[i + 1]
+        if not isinstance(law, Bonded):
+            continue
+        if isinstance(left, Rod) or isinstance(right, Rod):
+            continue
+        is_same = np.equal(left.velocity, right.velocity)
+        message = "must be {0!r}, that of the rigid body it is bonded to, got {1!r}"
+        path = f"bodies.{i + 1}.velocity"
+        demand(is_same, path, message, left.velocity, right.velocity)
+
+
+def _checked_ends(problems: Problems, ends: Any, bodies: Any) -> Any:
+    """Pair of ends, free by default; mistakes are noted in `problems`."""
+    if ends is None:
+        ends = (FREE, FREE)
+    if not isinstance(ends, list | tuple) or len(ends) != 2:
+        message = "must be a pair, such as (Free(), Absorbing())"
+        note(problems, "ends", message, ends)
+    else:
+        _check_end(problems, "left", ends[0], bodies[0])
+        _check_end(problems, "right", ends[1], bodies[-1])
+    return ends
 
 
 def _check_end(problems: Problems, side: str, end: Any, body: Any) -> None:
-    """Note what is no end, and one that does not go with the body there."""
-    path, name = f"ends.{side}", type(end).__name__
+    """Note what is no end, and an end that does not go with the body there."""
+    path = f"ends.{side}"
+    name = type(end).__name__
     if type(end) not in _ENDS:
-        known = ", ".join(kind.__name__ for kind in ENDS.values())
-        note(problems, path, f"must be an end itself, one of {known}", end)
+        names = ", ".join(kind.__name__ for kind in ENDS.values())
+        note(problems, path, f"must be an end itself, one of {names}", end)
     elif isinstance(body, Wall) and not isinstance(end, Free):
         message = f"{name} has no place beyond a wall; leave this end out, or the wall"
         problems.append((path, message))
     elif isinstance(body, RigidMass) and not isinstance(end, Free | Pushed):
-        message = f"{name} needs a rod, and a mass is there; put a Rod there, or a bonded Wall"
+        message = (
+            f"{name} needs a rod, and a mass is there; put a Rod there, or a bonded "
+            "Wall"
+        )
         problems.append((path, message))
