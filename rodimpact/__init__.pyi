@@ -9,8 +9,8 @@ from . import units as units
 from . import waves as waves
 from .algebra.atlas import Atlas as Atlas
 from .algebra.atlas import atlas as atlas
-from .algebra.exact import Exact as Exact
 from .algebra.exact import exact as exact
+from .algebra.exact_results import Exact as Exact
 from .algebra.formula import ClosedForm as ClosedForm
 from .algebra.formula import closed_form as closed_form
 from .explorer.exploring import Page as Page

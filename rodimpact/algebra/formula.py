@@ -1,10 +1,10 @@
 """closed_form(): a collision in symbols, and the cell in which the formula holds.
 
-The run is made on fractions that remember how they were made, a hair's breadth away from the
-numbers of the system, in a direction in which no two times or velocities that are unlike agree by
-chance. Its history, evaluated in symbols, is the formula. Where the system lies on the border of a
-cell, as commensurate transit times often do, the cells on all sides are found, and united where
-their formulas agree.
+The collision is run on traced fractions at a point very near the numbers of the system,
+in a direction in which no two different times or velocities agree by chance. Its
+history, evaluated in symbols, is the formula. A system may lie on the border of a cell,
+as it often does with commensurate transit times. Then the cells on all sides are found,
+and those with the same formula are united.
 """
 
 from __future__ import annotations
@@ -13,60 +13,36 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..model import System
 from ..model.frozen import InvalidModel, nearest
 from ..progress import ProgressFunction
-from .cell import Cell
-from .exact import Exact, check_arguments, check_final, each, fractions_of
-from .field import Field
-from .naming import Naming
+from .checks import check_arguments, check_final, fractions_of
+from .exact_results import Exact, map_numbers
+from .formula_cell import FormulaCell
+from .rational_functions import RationalFunctions
+from .symbolic_row import SymbolicRow
 
-SHORT = 1 << 24  # denominator of directions, so that fractions are short
-HAIR = Fraction(
-    1, 1 << 120
-)  # how far from the numbers of the system runs are made, of themselves
-DIRECTIONS = 512  # in which sides are looked for
-MOST_SIDES = 64
-FEW = 4  # other formulas, and borders, that are told in short
-NEAREST = 3  # conditions that are told beside a formula
-LINE = 160  # characters of a condition, and of another formula
-MANY = 10**6  # the largest denominator that is shown
-
-
-def sides_of(field: Field, max_events: int) -> tuple[list[Cell], bool]:
-    """Cells that meet at the numbers of the system, that in the first direction first.
-
-    Those in which the collision is not over after `max_events`, and those beyond `MOST_SIDES`,
-    are not among them; whether there are such is told. The first cannot be left out.
-    """
-    names = field.naming.free
-    directions = np.random.default_rng(1867).uniform(-1, 1, (DIRECTIONS, len(names)))
-    directions[0] = (
-        np.linspace(1, 2, len(names)) + directions[0] / 1000
-    )  # no two steps alike
-    directions = np.round(directions * SHORT) / SHORT
-    unseen = np.ones(DIRECTIONS, dtype=bool)
-    sides: list[Cell] = []
-    unsolved = False
-    while unseen.any() and len(sides) < MOST_SIDES:
-        i = int(np.flatnonzero(unseen)[0])
-        unseen[i] = False
-        values = dict(field.base)
-        for name, share in zip(names, directions[i], strict=True):
-            values[name] += (values[name] or 1) * HAIR * Fraction(share)
-        run = field.naming.run(values, max_events)
-        if not sides:
-            check_final(run, max_events)
-        unsolved |= not run.final
-        if run.final:
-            sides.append(Cell(field.naming, run, values, field))
-            slopes = np.reshape(sides[-1].slopes, (-1, len(names)))
-            unseen &= ~(directions @ slopes.T > 0).all(axis=1)
-    return sides, unsolved or bool(unseen.any())
+OFFSET = Fraction(1, 1 << 120)
+"""Distance of runs from the numbers of the system, relative to the numbers."""
+DIRECTION_DENOMINATOR = 1 << 24
+"""Denominator of the components of directions, so that fractions are short."""
+DIRECTIONS = 512
+"""Number of directions in which cells are looked for."""
+SEED = 1867
+MAX_CELLS = 64
+"""Largest number of cells around the numbers of the system."""
+MAX_LISTED = 4
+"""Other formulas, and borders, that a printed formula lists at most."""
+NEAREST_CONDITIONS = 3
+"""Conditions that are printed beside a formula."""
+MAX_LINE_LENGTH = 160
+"""Characters of a condition, and of another formula, at most."""
+MAX_DENOMINATOR = 10**6
+"""A value with a larger denominator is printed as a float."""
 
 
 def closed_form(
@@ -78,32 +54,38 @@ def closed_form(
 ) -> ClosedForm:
     """Solve a collision in symbols.
 
-    A system may lie on the border of several cells. Then the formula belongs to the cell that is
-    reached if the chosen numbers grow, each by a larger share than the one before it; the last
-    grows twice as fast as the first. The formulas of the other cells are the `sides`.
+    A system may lie on the border of several cells. Then the formula belongs to the
+    cell that is reached if the chosen numbers grow, each by a larger share than the one
+    before it; the last grows twice as fast as the first. The formulas of the other
+    cells are the `sides`.
 
     Parameters
     ----------
     system : System
-        Uniform or stepped rods, free or against walls, in rigid or bonded contact; no family.
+        Uniform or stepped rods, free or against walls, in rigid or bonded contact; no
+        family.
     symbols : sequence of str
-        Which numbers have names; the others keep their values. Paths of the case, such as
-        ``bodies.0.length``, or the last words of such paths, which name all of these:
-        ``transit_time`` T, ``impedance`` Z, ``length`` l, ``area`` A, ``youngs_modulus`` E,
-        ``density`` rho, ``velocity`` v, ``gap`` g. They are counted from left to right: segments,
-        materials, bodies (v) and contacts (g).
+        Which numbers have names; the others keep their values. Paths of the case, such
+        as ``bodies.0.length``, or the last words of such paths, which name all of
+        these: ``transit_time`` T, ``impedance`` Z, ``length`` l, ``area`` A,
+        ``youngs_modulus`` E, ``density`` rho, ``velocity`` v, ``gap`` g. They are
+        counted from left to right: segments, materials, bodies (v) and contacts (g).
     max_events : int
         Cap on the events of a run.
     progress : bool or function
-        Whether a bar may show that the work goes on, here and later when conditions are computed or
-        printed. A function is called with the number of steps that are done, and None: nobody knows
-        how many there are.
+        Whether a bar may show that the work goes on, here and later when conditions are
+        computed or printed. A function is called with the number of steps that are
+        done, and None, since the number of all steps is not known.
+
+    Returns
+    -------
+    ClosedForm
 
     Raises
     ------
     InvalidModel
-        If a symbol names nothing, or something acts of which this method knows nothing; if the
-        collision is not over after `max_events`; if the formula is too long.
+        If a symbol names nothing, or the system has physics that this method lacks; if
+        the collision is not over after `max_events`; if the formula is too long.
     ImportError
         Without SymPy, which the extra ``sympy`` brings.
 
@@ -119,19 +101,103 @@ def closed_form(
     if isinstance(symbols, str):
         symbols = [symbols]
     check_arguments(progress, max_events=max_events)
-    field = Field(Naming(system, symbols), progress)
-    groups: dict[Any, list[Cell]] = {}
-    with field.work():
-        sides, unsolved = sides_of(field, max_events)
-        for side in sides:
-            groups.setdefault(side.mark(times=True), []).append(side)
+    algebra = RationalFunctions(SymbolicRow(system, symbols), progress)
+    with algebra.work():
+        around = cells_around(algebra, max_events)
+        cells_by_formula: dict[Any, list[FormulaCell]] = {}
+        for cell in around.cells:
+            cells_by_formula.setdefault(cell.signature(), []).append(cell)
+    first_cells, *groups = cells_by_formula.values()
+    sides = []
+    for cells in groups:
+        sides.append(_form(algebra, cells, around, ()))
+    return _form(algebra, first_cells, around, tuple(sides))
 
-    def form(group: list[Cell], more: tuple[ClosedForm, ...] = ()) -> ClosedForm:
-        others = tuple(side for side in sides if side not in group)
-        return ClosedForm(field, tuple(group), others, more, unsolved)
 
-    first, *rest = groups.values()
-    return form(first, tuple(map(form, rest)))
+class CellsAround(NamedTuple):
+    """Cells that meet at the numbers of a system, that of the first direction first."""
+
+    cells: list[FormulaCell]
+    is_incomplete: (
+        bool  # a collision is not over after the cap, or there are more cells
+    )
+
+
+def cells_around(algebra: RationalFunctions, max_events: int) -> CellsAround:
+    """Cells that meet at the numbers of the system.
+
+    Each direction that no cell contains yet is tried.
+
+    Raises
+    ------
+    InvalidModel
+        If the collision in the first direction is not over after `max_events`.
+    """
+    row = algebra.row
+    directions = _directions(len(row.free_names))
+    is_open = np.ones(DIRECTIONS, dtype=bool)
+    cells: list[FormulaCell] = []
+    is_incomplete = False
+    while is_open.any() and len(cells) < MAX_CELLS:
+        i = int(np.flatnonzero(is_open)[0])
+        is_open[i] = False
+        values = _values_near(algebra, directions[i])
+        run = row.run(values, max_events)
+        if not cells:
+            check_final(run.is_final, max_events)
+        if not run.is_final:
+            is_incomplete = True
+            continue
+        cell = FormulaCell(algebra, run, values)
+        cells.append(cell)
+        normals = np.reshape(cell.tie_normals, (-1, len(row.free_names)))
+        is_inside = (directions @ normals.T > 0).all(axis=1)
+        is_open &= ~is_inside
+    if is_open.any():
+        is_incomplete = True
+    return CellsAround(cells, is_incomplete)
+
+
+def _directions(dimensions: int) -> Any:
+    """Directions from the numbers of the system, [direction, free name].
+
+    In the first one numbers grow, no two of them alike; the others are random.
+    """
+    rng = np.random.default_rng(SEED)
+    directions = rng.uniform(-1, 1, (DIRECTIONS, dimensions))
+    directions[0] = np.linspace(1, 2, dimensions) + directions[0] / 1000
+    return np.round(directions * DIRECTION_DENOMINATOR) / DIRECTION_DENOMINATOR
+
+
+def _values_near(algebra: RationalFunctions, direction: Any) -> dict[str, Fraction]:
+    """Values of all names near those of the system."""
+    values = dict(algebra.base)
+    for name, component in zip(algebra.row.free_names, direction, strict=True):
+        scale = values[name]
+        if scale == 0:
+            scale = Fraction(1)
+        values[name] += scale * OFFSET * Fraction(component)
+    return values
+
+
+def _form(
+    algebra: RationalFunctions,
+    cells: list[FormulaCell],
+    around: CellsAround,
+    sides: tuple[ClosedForm, ...],
+) -> ClosedForm:
+    """The formula that holds in some of the cells around the system."""
+    other_cells = [cell for cell in around.cells if cell not in cells]
+    return ClosedForm(
+        algebra, tuple(cells), tuple(other_cells), sides, around.is_incomplete
+    )
+
+
+class Ties(NamedTuple):
+    """Borders on which the numbers of the system lie."""
+
+    inner: set[Any]  # those between cells of the same formula
+    outer: set[Any]
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,10 +207,11 @@ class ClosedForm:
     Attributes
     ----------
     sides : tuple of ClosedForm
-        Formulas of the other cells, if the numbers of the system lie on a border between them.
+        Formulas of the other cells, if the numbers of the system lie on a border
+        between them.
     unsolved : bool
-        Whether there are more sides: cells in which the collision is not over after `max_events`,
-        or cells beyond the cap.
+        Whether there are more sides: cells in which the collision is not over after
+        `max_events`, or cells beyond the cap.
 
     Examples
     --------
@@ -158,23 +225,26 @@ class ClosedForm:
     where l1 < l2
     """
 
-    _field: Field
-    _cells: tuple[
-        Cell, ...
-    ]  # those of this formula that meet at the numbers of the system
-    _others: tuple[Cell, ...]
+    _algebra: RationalFunctions
+    _cells: tuple[FormulaCell, ...]  # cells of this formula around the system
+    _others: tuple[FormulaCell, ...]  # cells of the other formulas there
     sides: tuple[ClosedForm, ...]
     unsolved: bool
 
     @property
     def symbols(self) -> dict[str, str]:
-        """Paths of the numbers for which the symbols stand; of several the first."""
-        return dict(self._field.naming.paths)
+        """Path of the number of each symbol; of several numbers the first."""
+        return dict(self._algebra.row.paths)
 
     @property
     def values(self) -> dict[str, Fraction]:
-        """What the symbols are in the system, to 400 bits where a wave speed is irrational."""
-        return dict(self._field.naming.base)
+        """Values of the symbols in the system.
+
+        They are rounded to 400 bits where a wave speed is irrational.
+        """
+        return dict(self._algebra.row.base)
+
+    # The formula
 
     @property
     def restitution(self) -> Any:
@@ -183,160 +253,217 @@ class ClosedForm:
 
     @property
     def velocities_after(self) -> tuple[Any, ...]:
-        """Of the centres of mass, m/s."""
+        """Velocity of the centre of mass of each body, m/s."""
         return self._results.velocities_after
 
     @property
     def impulses(self) -> tuple[Any, ...]:
-        """At each contact, N s; at a bond its average, as vibration goes on."""
+        """Impulse of each contact, N s; that of a bond is the average."""
         return self._results.impulses
 
     @property
     def contact_times(self) -> tuple[tuple[tuple[Any, Any], ...], ...]:
-        """At each contact, when its force began and ended, s."""
+        """Start and end of the force of each contact, for each of its episodes, s."""
         return self._results.contact_times
 
     @cached_property
     def _results(self) -> Exact:
-        return each(self._cells[0].functions, self._field.quotient)
-
-    @cached_property
-    def cell(self) -> tuple[Any, ...]:
-        """Inequalities between the symbols; the formula holds where all are true."""
-        return tuple(map(self._field.inequality, self._borders))
-
-    @cached_property
-    def nearest(self) -> tuple[Any, ...]:
-        """Those of `cell` that end the formula first as the numbers of the system change.
-
-        The three whose borders are nearest, by the shares of the numbers that must change.
-        """
-        distances = list(map(self._field.distance, self._borders))
-        return tuple(
-            self.cell[i] for i in sorted(np.argsort(distances, kind="stable")[:NEAREST])
-        )
-
-    def where(self, remedy: str) -> str:
-        """The nearest conditions in a line; where there are more, how many, and what shows all."""
-        told = ", ".join(map(short, self.nearest)) or "always"
-        more = len(self.cell) - len(self.nearest)
-        return f"where {told}" + (f", and {more} more; {remedy}" if more else "")
-
-    @cached_property
-    def _borders(self) -> list[Any]:
-        """Borders of the cells together, without those between them; or those of the first."""
-        between, outer = self._tied
-        crossed = all(len(cell.slopes) == len(cell.ties) for cell in self._cells)
-        found = self._cells[0].borders
-        if crossed and all(
-            any(-p in outer for p in other.ties) for other in self._others
-        ):
-            others = {p for cell in self._cells for p in cell.borders}
-            found = [*others - between - outer, *outer]
-        return self._field.reduced(found)
-
-    @cached_property
-    def _tied(self) -> tuple[set[Any], set[Any]]:
-        """Borders on which the numbers of the system lie: those between the cells, and others."""
-        ties = {p for cell in self._cells for p in cell.ties}
-        between = {p for p in ties if -p in ties}
-        return between, ties - between
+        return map_numbers(self._cells[0].functions, self._algebra.expression)
 
     def at(self, **values: Any) -> Exact:
-        """Evaluate the formula in fractions; None for what is 0/0 there, but in a limit.
+        """Evaluate the formula in fractions; None for numbers that are 0/0 there.
+
+        They have a limit at most.
 
         Parameters
         ----------
         **values : Fraction, int, float or str
-            Of symbols; the others keep their values of the system. Floats are what they are
-            written as.
+            Values of symbols; the others keep their values of the system. A float is
+            taken as it is written: 0.1 is one tenth.
         """
-        known, at = self._values(values), self._field.at
+        point = self._point(values)
+        algebra = self._algebra
 
         def value(f: Any) -> Fraction | None:
-            under = at(f.denom, known)
-            return at(f.numer, known) / under if under else None
+            denominator = algebra.value(f.denom, point)
+            if denominator == 0:
+                return None
+            return algebra.value(f.numer, point) / denominator
 
-        return each(self._cells[0].functions, value)
+        return map_numbers(self._cells[0].functions, value)
+
+    # Where it holds
+
+    @cached_property
+    def cell(self) -> tuple[Any, ...]:
+        """Inequalities between the symbols; the formula holds where all are true."""
+        return tuple(map(self._algebra.inequality, self._borders))
+
+    @cached_property
+    def nearest(self) -> tuple[Any, ...]:
+        """Three of the inequalities in `cell`: those whose borders are nearest.
+
+        Distance is the relative change of the numbers of the system up to the border.
+        """
+        distances = [self._algebra.distance(border) for border in self._borders]
+        nearest_first = np.argsort(distances, kind="stable")
+        in_order = sorted(nearest_first[:NEAREST_CONDITIONS])
+        return tuple(self.cell[i] for i in in_order)
+
+    def where(self, remedy: str) -> str:
+        """The nearest conditions in a line, and how many more there are.
+
+        Parameters
+        ----------
+        remedy : str
+            What shows all conditions.
+        """
+        line = "where always"
+        if self.nearest:
+            line = "where " + ", ".join(map(shortened, self.nearest))
+        more = len(self.cell) - len(self.nearest)
+        if more:
+            line += f", and {more} more; {remedy}"
+        return line
 
     def holds(self, **values: Any) -> bool:
-        """Whether the formula holds for values as `at` takes them; on its outer borders not."""
-        known = self._values(values)
-        if any(x <= 0 for name, x in known.items() if name[0] != "v"):
-            return False
-        if any(cell.contains(known) for cell in self._cells):
+        """Whether the formula holds at values as in `at`; not on outer borders."""
+        point = self._point(values)
+        for name, value in point.items():
+            if value <= 0 and not name.startswith("v"):
+                return False
+        if any(cell.contains(point) for cell in self._cells):
             return True
-        return any(
-            cell.contains(known, self._tied[0]) for cell in self._cells
-        ) and not any(other.contains(known, other.borders) for other in self._others)
+        # A point on inner borders is in no cell. It belongs to the formula unless it
+        # lies in another cell or on its border.
+        inner = self._ties.inner
+        if not any(cell.contains(point, inner) for cell in self._cells):
+            return False
+        return not any(other.contains(point, other.borders) for other in self._others)
 
-    def _values(self, values: Mapping[str, Any]) -> dict[str, Fraction]:
-        names = self.symbols
-        unknown = [name for name in values if name not in names]
-        if unknown:
-            raise InvalidModel(
-                [(unknown[0], f"is no symbol here; {nearest(unknown[0], names)}")]
-            )
-        return self._field.naming.values(fractions_of(values))
+    @cached_property
+    def _borders(self) -> list[Any]:
+        """Borders of all cells of the formula together, or those of the first cell.
+
+        The cells are united if every other cell lies across an outer tie.
+        """
+        cells = self._cells
+        ties = self._ties
+        can_unite = True
+        for cell in cells:
+            if len(cell.tie_normals) != len(cell.ties):
+                can_unite = False
+        for other in self._others:
+            if not any(-p in ties.outer for p in other.ties):
+                can_unite = False
+        borders = cells[0].borders
+        if can_unite:
+            all_borders: set[Any] = set()
+            for cell in cells:
+                all_borders |= set(cell.borders)
+            borders = [*all_borders - ties.inner - ties.outer, *ties.outer]
+        return self._algebra.without_implied(borders)
+
+    @cached_property
+    def _ties(self) -> Ties:
+        ties: set[Any] = set()
+        for cell in self._cells:
+            ties |= set(cell.ties)
+        inner = {p for p in ties if -p in ties}
+        return Ties(inner, ties - inner)
+
+    def _point(self, values: Mapping[str, Any]) -> dict[str, Fraction]:
+        """Values of all names, some of them given."""
+        for name in values:
+            if name not in self.symbols:
+                message = f"is no symbol here; {nearest(name, self.symbols)}"
+                raise InvalidModel([(name, message)])
+        return self._algebra.row.values(fractions_of(values))
+
+    # Display
 
     def __str__(self) -> str:
-        lines = [f"{name} = {value}" for name, value in named(self._results)]
+        lines = []
+        for name, value in shown_results(self._results):
+            lines.append(f"{name} = {value}")
         lines.append(self.where(".cell has all"))
         if self.sides:
-            border = ", ".join(
-                short(f"{tie.lhs} = {tie.rhs}") for tie in self._ties[:FEW]
-            )
-            count = len(self.sides)
-            others = f"{count} other formulas" if count > 1 else "another formula"
-            e = self.at().restitution
-            here = (
-                "" if e is None else f" (e = {e if e.denominator < MANY else float(e)})"
-            )
-            lines.append(f"It meets {others} where {border}, as here{here}:")
-            lines += map(_line, self.sides[:FEW])
-            if len(self.sides) > FEW:
-                lines.append("... see the others in .sides")
+            lines += self._lines_of_sides()
         if self.unsolved:
             lines.append(
                 "There are more cells, left out by max_events or by the cap on cells."
             )
         return "\n".join(lines)
 
+    def _lines_of_sides(self) -> list[str]:
+        """Lines that tell where other formulas meet this one, and which they are."""
+        equations = []
+        for inequality in self._separating_inequalities[:MAX_LISTED]:
+            equations.append(shortened(f"{inequality.lhs} = {inequality.rhs}"))
+        border = ", ".join(equations)
+        neighbours = "another formula"
+        if len(self.sides) > 1:
+            neighbours = f"{len(self.sides)} other formulas"
+        e = self.at().restitution
+        value_here = ""
+        if e is not None:
+            if e.denominator >= MAX_DENOMINATOR:
+                e = float(e)
+            value_here = f" (e = {e})"
+        lines = [f"It meets {neighbours} where {border}, as here{value_here}:"]
+        for side in self.sides[:MAX_LISTED]:
+            lines.append(side._line())
+        if len(self.sides) > MAX_LISTED:
+            lines.append("... see the others in .sides")
+        return lines
+
+    def _line(self) -> str:
+        """The formula and where it holds, as a side of another formula."""
+        equations = []
+        for name, value in shown_results(self._results):
+            equations.append(f"{name} = {value}")
+        formula = ", ".join(equations)
+        inequalities = self._separating_inequalities[:MAX_LISTED]
+        where = ", ".join(map(shortened, inequalities))
+        return f"{shortened(formula)} where {where}"
+
     @property
-    def _ties(self) -> list[Any]:
-        """What tells the cell, or the first of them, from those beside it, the simplest first."""
-        beside = {p for other in self._others for p in other.ties}
-        return [self._field.inequality(p) for p in self._cells[0].ties if -p in beside]
+    def _separating_inequalities(self) -> list[Any]:
+        """Inequalities between the first cell and other formulas, simplest first."""
+        ties_of_others: set[Any] = set()
+        for other in self._others:
+            ties_of_others |= set(other.ties)
+        inequalities = []
+        for p in self._cells[0].ties:
+            if -p in ties_of_others:
+                inequalities.append(self._algebra.inequality(p))
+        return inequalities
 
     def _repr_latex_(self) -> str:
-        latex = self._field.sympy.latex
-        lines = [f"{name} &= {latex(value)}" for name, value in named(self._results)]
-        cell = ",\\ ".join(map(latex, self.nearest))
-        if len(self.cell) > NEAREST:
-            cell += f"\\ \\text{{and {len(self.cell) - NEAREST} more}}"
-        return (
-            "$$\\begin{aligned}"
-            + "\\\\".join(lines)
-            + "\\end{aligned}\\qquad "
-            + cell
-            + "$$"
-        )
+        latex = self._algebra.sympy.latex
+        equations = []
+        for name, value in shown_results(self._results):
+            equations.append(f"{name} &= {latex(value)}")
+        formula = "\\\\".join(equations)
+        conditions = ",\\ ".join(map(latex, self.nearest))
+        more = len(self.cell) - NEAREST_CONDITIONS
+        if more > 0:
+            conditions += f"\\ \\text{{and {more} more}}"
+        aligned = f"\\begin{{aligned}}{formula}\\end{{aligned}}"
+        return f"$${aligned}\\qquad {conditions}$$"
 
 
-def _line(form: ClosedForm) -> str:
-    """A formula beside another, in short."""
-    formula = ", ".join(f"{name} = {value}" for name, value in named(form._results))
-    return f"{short(formula)} where {', '.join(map(short, form._ties[:FEW]))}"
-
-
-def named(results: Exact) -> list[tuple[str, Any]]:
-    """What a formula tells: e, or where there is none the velocities after."""
+def shown_results(results: Exact) -> list[tuple[str, Any]]:
+    """Name and value of printed results: e, or the velocities where there is no e."""
     if results.restitution is not None:
         return [("e", results.restitution)]
     return [(f"V{i}", v) for i, v in enumerate(results.velocities_after, 1)]
 
 
-def short(told: Any) -> str:
-    """The beginning of what is too long for a line."""
-    text = str(told)
-    return text if len(text) <= LINE else text[:LINE].rsplit(" ", 1)[0] + " ..."
+def shortened(expression: Any) -> str:
+    """The beginning of a text that is too long for a line."""
+    text = str(expression)
+    if len(text) <= MAX_LINE_LENGTH:
+        return text
+    whole_words = text[:MAX_LINE_LENGTH].rsplit(" ", 1)[0]
+    return whole_words + " ..."

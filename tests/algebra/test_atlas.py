@@ -5,7 +5,7 @@ import pytest
 from networks import UNIT, unit_rod
 
 import rodimpact as ri
-from rodimpact.algebra import exact
+from rodimpact.algebra import exact_run
 from rodimpact.methods.fronts.simulation import start_simulation
 
 
@@ -86,7 +86,7 @@ def test_a_figure_shows_what_changes(pair):
 def test_runs_that_do_not_end_count_as_cells(pair, monkeypatch):
     begun = []
     monkeypatch.setattr(
-        exact,
+        exact_run,
         "start_simulation",
         lambda *args: begun.append(1) or start_simulation(*args),
     )

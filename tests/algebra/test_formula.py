@@ -105,7 +105,7 @@ def test_what_meets_the_formula_is_told():
 
 
 def test_that_a_cap_on_cells_leaves_out_sides_is_told(monkeypatch):
-    monkeypatch.setattr("rodimpact.algebra.formula.MOST_SIDES", 1)
+    monkeypatch.setattr("rodimpact.algebra.formula.MAX_CELLS", 1)
     form = ri.closed_form(row([1, 1], [1, 1]))
     assert form.unsolved
     assert str(form).endswith("cells, left out by max_events or by the cap on cells.")
@@ -288,7 +288,7 @@ def test_notebooks_show_latex():
 
 def test_a_formula_that_would_be_too_long_is_refused_with_a_remedy(monkeypatch):
     three = row([0.4, 1.0, 0.7], [1e-4, 2e-4, 3e-4])
-    monkeypatch.setattr("rodimpact.algebra.field.LARGEST_PRODUCT", 20)
+    monkeypatch.setattr("rodimpact.algebra.rational_functions.MAX_PRODUCT_TERMS", 20)
     with pytest.raises(ri.InvalidModel, match=r"symbols: a formula .* name fewer"):
         str(ri.closed_form(three))
     assert "l1" in str(ri.closed_form(three, ["bodies.0.length"]))

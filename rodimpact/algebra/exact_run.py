@@ -1,0 +1,238 @@
+"""A row on traced fractions: its numbers, and a run of the kernel of "fronts".
+
+The mechanics is made of transit times T and impedances Z. They follow from lengths,
+areas and materials, or are given themselves, as if they stood in the case:
+`bodies.0.transit_time`, `bodies.0.impedance`.
+"""
+
+import math
+from fractions import Fraction
+from typing import Any, NamedTuple, Protocol
+
+from ..methods.fronts import energy
+from ..methods.fronts.family_layout import lay_out_family
+from ..methods.fronts.simulation import Simulation, start_simulation
+from ..methods.groups import grounds, groups, unilateral
+from ..methods.laws import Status, Stop
+from ..methods.row import Row
+from ..model import Bonded, Segment
+from .exact_results import Exact
+from .traced_fraction import ZERO, TracedFraction
+
+TICKS_PER_SHORTEST_TRANSIT = 1 << 20
+"""Smallest number of ticks in a transit: the kernel waits a tick where it waits to
+prove finality, which must be short beside any transit time."""
+
+
+# Numbers of a row ---------------------------------------------------------------------
+
+
+class RowNumbers(NamedTuple):
+    """Numbers of a row that enter the mechanics."""
+
+    transit_times: list[TracedFraction]  # [segment], s
+    impedances: list[TracedFraction]  # [segment], kg/s
+    velocities: list[TracedFraction]  # [body], m/s
+    gaps: list[TracedFraction]  # [contact], m
+
+
+class WaveMaterial(NamedTuple):
+    """Properties of a material that waves depend on."""
+
+    wave_speed: TracedFraction  # m/s
+    density: TracedFraction  # kg/m^3
+
+
+class NumberSource(Protocol):
+    """Source of the numbers of a row, path by path."""
+
+    def number(self, path: str, value: Any) -> Any:
+        """Number at a path where the system has `value`.
+
+        None for a transit time or an impedance that follows from other numbers.
+        """
+
+    def material(self, path: str, segment: Segment) -> WaveMaterial:
+        """Wave speed and density of the segment at a path."""
+
+
+def read_numbers(row: Row, source: NumberSource) -> RowNumbers:
+    """Gather the numbers of a row."""
+    transit_times = []
+    impedances = []
+    for segment, path in zip(row.segments, row.paths[1:], strict=True):
+        T = source.number(f"{path}.transit_time", segment.transit_time)
+        Z = source.number(f"{path}.impedance", segment.impedance)
+        if T is None:
+            length = source.number(f"{path}.length", segment.length)
+            T = length / source.material(path, segment).wave_speed
+        if Z is None:
+            material = source.material(path, segment)
+            area = source.number(f"{path}.area", segment.area)
+            Z = material.density * area * material.wave_speed
+        transit_times.append(T)
+        impedances.append(Z)
+    velocities = []
+    for i, body in enumerate(row.system.bodies):
+        velocities.append(source.number(f"bodies.{i}.velocity", body.velocity))
+    gaps = []
+    for k, gap in enumerate(row.system.gaps):
+        gaps.append(source.number(f"contacts.{k}.gap", float(gap)))
+    return RowNumbers(transit_times, impedances, velocities, gaps)
+
+
+# Runs ---------------------------------------------------------------------------------
+
+
+class ExactRun(NamedTuple):
+    """A finished run of the kernel."""
+
+    row: Row
+    nodes: list[int]  # [contact]
+    numbers: RowNumbers
+    tick_rate: Fraction  # ticks in a unit of the model's time
+    simulation: Simulation  # its times are ticks
+    is_final: bool  # the collision was proved to be over
+    results: Exact  # of traced fractions
+
+
+class BodyMotion(NamedTuple):
+    """Velocity of the centre of mass of a body, m/s."""
+
+    before: TracedFraction
+    after: TracedFraction
+
+
+def run_exactly(row: Row, numbers: RowNumbers, max_events: int) -> ExactRun:
+    """Follow every front to the proof that the collision is final, or to the cap."""
+    layout = lay_out_family(row)
+    tick_rate = _tick_rate(numbers)
+    ticks = [T * tick_rate for T in numbers.transit_times]
+    simulation = start_simulation(
+        layout, _kernel_values(numbers), ticks, 1 / tick_rate, ZERO
+    )
+    is_final = simulation.run_to_proof(max_events, ZERO) == Stop.FINAL
+    energy.update_motion(simulation)
+    motions = []
+    velocities_after = []
+    for body in range(len(row.spans)):
+        motion = _motion(row, simulation, body)
+        motions.append(motion)
+        velocities_after.append(motion.after)
+    restitution = None
+    if is_final:
+        restitution = _restitution(row, layout.contacts, simulation, motions)
+    results = Exact(
+        restitution,
+        tuple(velocities_after),
+        _impulses(row, layout.contacts, numbers, simulation, motions, tick_rate),
+        _contact_times(layout.contacts, simulation, tick_rate),
+    )
+    return ExactRun(
+        row, layout.contacts, numbers, tick_rate, simulation, is_final, results
+    )
+
+
+def _tick_rate(numbers: RowNumbers) -> Fraction:
+    """Power of two that makes the shortest transit long enough in ticks."""
+    shortest = min(numbers.transit_times)
+    _, exponent = math.frexp(float(shortest))
+    return Fraction(2) ** (TICKS_PER_SHORTEST_TRANSIT.bit_length() - exponent)
+
+
+def _kernel_values(numbers: RowNumbers) -> list[Any]:
+    """Values of the member in the order of the kernel, see `initial_state`.
+
+    Waves run 1 m in 1 s there, so that transit times are lengths.
+    """
+    wave_speeds = [1] * len(numbers.transit_times)
+    frame = [ZERO, ZERO]
+    values: list[Any] = [
+        *wave_speeds,
+        *numbers.impedances,
+        *numbers.transit_times,
+        *frame,
+        *numbers.gaps,
+    ]
+    for velocity in numbers.velocities:
+        strain = ZERO
+        values += [velocity, strain]
+    return values
+
+
+def _motion(row: Row, simulation: Simulation, body: int) -> BodyMotion:
+    """Motion of a body: that of its bonded group, or of the wall that holds it."""
+    group = next(group for group in groups(row.system) if body in group)
+    if grounds(row.system, group):
+        line = simulation.lines[0 if group[0] == 0 else -1]
+        return BodyMotion(line.incoming_wave, line.incoming_wave)
+    first_segment, _ = row.spans[body]
+    segment = simulation.segments[first_segment]
+    return BodyMotion(segment.initial_group_velocity, segment.group_velocity)
+
+
+def _restitution(
+    row: Row, nodes: list[int], simulation: Simulation, motions: list[BodyMotion]
+) -> TracedFraction | None:
+    """Coefficient of restitution of the only contact that can open, if it collides."""
+    contacts = unilateral(row.system)
+    if len(contacts) != 1:
+        return None
+    k = contacts[0]
+    left = motions[k]
+    right = motions[k + 1]
+    if not simulation.nodes[nodes[k]].episodes or left.before <= right.before:
+        return None
+    return (right.after - left.after) / (left.before - right.before)
+
+
+def _impulses(
+    row: Row,
+    nodes: list[int],
+    numbers: RowNumbers,
+    simulation: Simulation,
+    motions: list[BodyMotion],
+    tick_rate: Fraction,
+) -> tuple[TracedFraction, ...]:
+    """Impulse of each contact; that of a bond, whose force goes on, is the average."""
+    impulses: list[TracedFraction] = []
+    impulse_from_left = ZERO
+    for i, law in enumerate(row.system.contacts):
+        impulse = simulation.nodes[nodes[i]].impulse / tick_rate
+        if isinstance(law, Bonded):
+            # the momentum that body i loses, and what it receives from its left
+            momentum_lost = _mass(row, numbers, i) * (
+                numbers.velocities[i] - motions[i].after
+            )
+            impulse = momentum_lost + impulse_from_left
+        impulses.append(impulse)
+        impulse_from_left = impulse
+    return tuple(impulses)
+
+
+def _mass(row: Row, numbers: RowNumbers, body: int) -> TracedFraction:
+    """Mass of a rod, the sum of T Z over its segments, kg."""
+    first, last = row.spans[body]
+    mass = ZERO
+    for s in range(first, last + 1):
+        mass = mass + numbers.transit_times[s - 1] * numbers.impedances[s - 1]
+    return mass
+
+
+def _contact_times(
+    nodes: list[int], simulation: Simulation, tick_rate: Fraction
+) -> tuple[Any, ...]:
+    """Start and end of the force of each contact, for each of its finished episodes."""
+    times: dict[int, list[TracedFraction]] = {node: [] for node in nodes}
+    for change in simulation.changes:
+        times_at_node = times[change.next_row]
+        is_pressing = change.value == Status.PRESS
+        has_pressed = len(times_at_node) % 2 == 1
+        if is_pressing != has_pressed:
+            times_at_node.append((change.tick + ZERO) / tick_rate)
+    episodes = []
+    for times_at_node in times.values():
+        starts = times_at_node[::2]
+        ends = times_at_node[1::2]
+        episodes.append(tuple(zip(starts, ends, strict=False)))
+    return tuple(episodes)

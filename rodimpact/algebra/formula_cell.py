@@ -1,0 +1,111 @@
+"""A cell in symbols: the formulas of a run, and polynomials that border its cell."""
+
+from collections.abc import Collection, Mapping
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from .conditions import cell_conditions
+from .exact_results import Exact, map_numbers, numbers_of
+from .exact_run import ExactRun
+from .rational_functions import RationalFunctions
+from .signatures import signature
+from .traced_fraction import Program, TracedFraction
+
+
+class FormulaCell:
+    """Results of a run as rational functions, and where they hold.
+
+    Parameters
+    ----------
+    algebra : RationalFunctions
+    run : ExactRun
+    values : dict of str to Fraction
+        Values of the names in the run.
+    """
+
+    def __init__(
+        self, algebra: RationalFunctions, run: ExactRun, values: Mapping[str, Fraction]
+    ) -> None:
+        self._algebra = algebra
+        self._results = run.results
+        self._values = values
+        self._conditions = cell_conditions(run, in_order=True)
+
+    def signature(self) -> tuple[Any, ...]:
+        """Values that are equal for cells with the same formulas."""
+        return signature(self._results, self._values, with_times=True)
+
+    @cached_property
+    def functions(self) -> Exact:
+        """The results as rational functions."""
+        functions = iter(self._algebra.functions_of(numbers_of(self._results)))
+        return map_numbers(self._results, lambda _: next(functions))
+
+    @cached_property
+    def borders(self) -> list[Any]:
+        """Polynomials that are positive inside the cell; where one is 0 it ends."""
+        factors = self._algebra.factors(self._conditions, self._values)
+        return self._algebra.without_implied(factors)
+
+    @cached_property
+    def ties(self) -> list[Any]:
+        """Borders on which the numbers of the system lie."""
+        algebra = self._algebra
+        base = algebra.base
+        factors = self._vanishing_factors(_values_of(self._conditions, base))
+        ties = [p for p in factors if algebra.value(p, base) == 0]
+        return algebra.without_implied(ties)
+
+    @cached_property
+    def tie_normals(self) -> list[Any]:
+        """Unit normals of the ties, towards the cell.
+
+        Components are along the free names, each relative to its value.
+        """
+        normals = []
+        for p in self.ties:
+            slope = self._algebra.slope(p)
+            if slope.any():
+                normals.append(slope / np.linalg.norm(slope))
+        return normals
+
+    def contains(
+        self, point: Mapping[str, Fraction], open_borders: Collection[Any] = ()
+    ) -> bool:
+        """Whether a point lies inside the cell, or on one of the `open_borders`."""
+        numbers = _values_of(self._conditions, point)
+        if any(x < 0 for x in numbers):
+            return False
+        for p in self._vanishing_factors(numbers):
+            if self._algebra.value(p, point) <= 0 and p not in open_borders:
+                return False
+        return True
+
+    def _vanishing_factors(self, numbers: list[Fraction]) -> list[Any]:
+        """Factors of the conditions whose `numbers` are 0."""
+        vanishing = []
+        for condition, number in zip(self._conditions, numbers, strict=True):
+            if number == 0:
+                vanishing.append(condition)
+        return self._algebra.factors(vanishing, self._values)
+
+
+def _values_of(
+    numbers: list[TracedFraction], point: Mapping[str, Fraction]
+) -> list[Fraction]:
+    """Values of traced fractions at a point; 0 for those that divide by 0 there.
+
+    They have a limit at most.
+    """
+    try:
+        return Program(numbers, Fraction)(point)
+    except ZeroDivisionError:
+        if len(numbers) == 1:
+            return [Fraction(0)]
+    values = []
+    for x in numbers:
+        values += _values_of([x], point)
+    return values

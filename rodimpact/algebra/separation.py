@@ -1,0 +1,143 @@
+"""Why a contact does not press again: the last conditions of a cell.
+
+There are three reasons. No front is in flight beside the contact, and its gap does not
+close. Or the waves beside it circulate in uniform bodies unchanged, and no velocity on
+its right is below one on its left. Or the mean motions go apart, and the gap between
+them is wider than vibration can bridge.
+"""
+
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+from ..methods.fronts import finality
+from ..methods.fronts.records import NONE
+from ..methods.fronts.simulation import Simulation
+from ..model import Wall
+from .exact_run import ExactRun
+from .traced_fraction import HALF, ZERO, TracedFraction
+
+
+class Separation(NamedTuple):
+    """Conditions under which a contact does not press again after a tick."""
+
+    conditions: list[TracedFraction]
+    uses_energy: bool  # whether they bound vibration by its energy
+
+
+def separation_of(run: ExactRun, contact: int, tick: Any) -> Separation:
+    """Conditions under which a contact does not press again after the tick of the run.
+
+    The tick is a traced fraction.
+    """
+    simulation = run.simulation
+    k = run.nodes[contact]
+    node = simulation.nodes[k]
+    left = simulation.segments[k]
+    right = simulation.segments[k + 1]
+    last = max(k, right.group_last)  # outside, `group_last` is 0
+    is_still = finality.no_front_in_flight(simulation.lines, left.group_first, last)
+    if is_still and node.gap_rate >= 0:
+        return Separation([node.gap_rate], uses_energy=False)
+
+    finality.find_mean_motions(simulation, k, tick)
+    is_bounded = left.is_end_velocity_bounded and right.is_end_velocity_bounded
+    if is_bounded and right.min_end_velocity >= left.max_end_velocity:
+        return Separation(_wave_conditions(run, k), uses_energy=False)
+
+    finality.bound_deviations(simulation, k, tick)
+    mean_gap = (
+        node.gap
+        + node.gap_rate * (tick - node.solved_tick)
+        - right.end_deviation
+        + left.end_deviation
+    )
+    opening = right.mean_velocity - left.mean_velocity
+    # The bound is that of `finality_kernel.separation_time`, but with the energy of all
+    # vibration, which is a function of velocities and impulses.
+    energy = 2 * _vibration_energy(run)
+    bridged_squared = energy * (left.compliance_integral + right.compliance_integral)
+    conditions = [opening, mean_gap, mean_gap * mean_gap - bridged_squared]
+    return Separation(conditions, uses_energy=True)
+
+
+def _vibration_energy(run: ExactRun) -> TracedFraction:
+    """Energy of vibration in the end, in the kernel's units.
+
+    It is the energy that the centres of mass have lost, and the work of moving walls.
+    """
+    numbers = run.numbers
+    impulses = [ZERO, *run.results.impulses, ZERO]
+    energy = ZERO
+    for i, body in enumerate(run.row.system.bodies):
+        v = numbers.velocities[i]
+        V = run.results.velocities_after[i]
+        if isinstance(body, Wall):
+            energy = energy + (impulses[i + 1] - impulses[i]) * run.tick_rate * v
+        first, last = run.row.spans[i]
+        for s in range(first, last + 1):
+            mass = run.simulation.segments[s].transit * numbers.impedances[s - 1]
+            energy = energy + mass * (v * v - V * V) * HALF
+    return energy
+
+
+class CirculatingWave(NamedTuple):
+    """A front that goes round in a uniform body, and the wave behind it."""
+
+    velocity: TracedFraction  # m/s
+    tick: TracedFraction  # when the front leaves the far end towards the contact
+
+
+def _wave_conditions(run: ExactRun, k: int) -> list[TracedFraction]:
+    """Conditions of waves that circulate beside node k.
+
+    They leave the far ends in the order of the run, and no wave on the right is slower
+    than one on the left.
+    """
+    left_waves = _circulating_waves(run, k, is_right=False)
+    right_waves = _circulating_waves(run, k, is_right=True)
+    conditions = []
+    for waves in (left_waves, right_waves):
+        for wave, next_wave in pairwise(waves):
+            conditions.append(next_wave.tick - wave.tick)
+    for right_wave in right_waves:
+        for left_wave in left_waves:
+            conditions.append(right_wave.velocity - left_wave.velocity)
+    return conditions
+
+
+def _circulating_waves(
+    run: ExactRun, k: int, *, is_right: bool
+) -> list[CirculatingWave]:
+    """Waves in the body on the left or right of node k, as they come to the contact."""
+    simulation = run.simulation
+    lines = simulation.lines
+    group = simulation.segments[k]
+    incoming_line = 2 * k
+    if is_right:
+        group = simulation.segments[k + 1]
+        incoming_line = 2 * k + 3
+    s = group.group_first
+    last = group.group_last
+    if last == 0 or finality.no_front_in_flight(lines, s, last):
+        return [CirculatingWave(lines[incoming_line].incoming_wave, ZERO)]
+    approaching = 2 * s
+    receding = 2 * s + 1
+    if is_right:
+        approaching = 2 * s + 1
+        receding = 2 * s
+    waves = _waves_in_flight(simulation, approaching)
+    for wave in _waves_in_flight(simulation, receding):
+        turning_tick = wave.tick + simulation.segments[s].transit
+        waves.append(CirculatingWave(wave.velocity, turning_tick))
+    return waves
+
+
+def _waves_in_flight(simulation: Simulation, line: int) -> list[CirculatingWave]:
+    """Fronts in flight on a line, the one that arrives next first."""
+    waves = []
+    r = simulation.lines[line].next_row
+    while r != NONE:
+        front = simulation.log[r]
+        waves.append(CirculatingWave(front.value, front.tick + ZERO))
+        r = front.next_row
+    return waves
