@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from ..methods.run import Run
 from ..methods.signals import Floats, Pieces, Side, each_once
 from ..model import ContactLaw, Joint, Rigid, Tabulated, Yielding
+from ..model.arguments import single
 from .fields import Fields
 
 
@@ -68,10 +69,12 @@ class ContactHistory:
 
     def law_at(self, t: float) -> ContactLaw:
         """The law as it is at t: what has yielded has hardened, and a joint is stretched."""
+        t = single("t", t, "s", "")
+        ticks = self._fields.to_ticks(t)
         if isinstance(self.law, Joint):
             return self.law.replace(stretch=float(self.gap(t)))
         if isinstance(self.law, Yielding | Tabulated):
-            earlier = self._gap.values[self._gap.ticks <= self._fields.to_ticks(t)]
+            earlier = self._gap.values[self._gap.ticks <= ticks]
             deepest = -min(float(np.min(earlier, initial=0.0)), float(self.gap(t)))
             return self.law.hardened(self.law.stiffness * deepest)
         return self.law

@@ -14,7 +14,7 @@ from ..methods.clock import Clock
 from ..methods.run import Signals
 from ..methods.signals import Floats, Ints, Pieces, Side
 from ..model import Rod
-from ..model.arguments import array, demand, one_of
+from ..model.arguments import Array, array, demand, one_of
 from ..model.frozen import refusal
 from .extreme_stress import ExtremeStress
 
@@ -80,20 +80,21 @@ class Fields(Protocol):
         """Whether velocity and strain are constant in the regions between fronts."""
         return False
 
-    def moving(self, body: int, x: ArrayLike, ticks: Ints, side: Side) -> Floats:
-        """Velocity in a rod, m/s, less what gravity gives; x and ticks broadcast."""
+    def rod_velocity(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:
+        """Velocity in a rod, m/s, less the part that gravity gives; x and ticks broadcast."""
 
-    def strain(
-        self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
-    ) -> Floats:
-        """Positive in tension; x and t broadcast."""
+    def rod_strain(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:
+        """Strain in a rod, positive in tension; x and ticks broadcast."""
 
-    def strain_rate(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
-        """1/s; asked for where material is viscous, which only a grid takes."""
-        return 0.0 * self.strain(body, x, t)
+    def rod_strain_rate(self, body: int, x: Floats, ticks: Ints) -> Floats:
+        """Strain rate in a rod, 1/s.
 
-    def moved(self, body: int, x: ArrayLike, ticks: Ints) -> Floats:
-        """Displacement in a rod, m, less what gravity gives; x and ticks broadcast.
+        It is used where material is viscous, which only a grid takes.
+        """
+        return 0.0 * self.rod_strain(body, x, ticks, "right")
+
+    def rod_displacement(self, body: int, x: Floats, ticks: Ints) -> Floats:
+        """Displacement in a rod, m, less the part that gravity gives; x and ticks broadcast.
 
         It counts from the unstrained rod whose left end is at its place at t = 0.
         """
@@ -197,44 +198,68 @@ class Fields(Protocol):
                 "x", f"{message}; for a grid ask for x[:, None] and t"
             ) from None
 
-    # Of rods, masses and walls ----------------------------------------------------------------
+    # Rods, masses and walls at places and times as users give them ------------------------------
 
     def _fallen(self, ticks: Ints) -> Floats:
-        """Velocity that the frame has gained."""
+        """Velocity that the frame has gained, m/s."""
         return np.asarray(self.clock.gravity * ticks * self.clock.tick)
+
+    def _is_rod(self, body: int) -> bool:
+        """Whether a body has an inside."""
+        return self.clock.spans[body][1] > 0
+
+    def _at_rigid_body(self, body: int, x: Array, ticks: Ints) -> Ints:
+        """Ticks broadcast with places in a rigid mass or in a wall, all of which are 0 m."""
+        message = f"must be 0 in body {body}, which has no length, got {{0!r}}"
+        demand(x == 0, "x", message, x)
+        return np.broadcast_to(ticks, self._together(x, ticks))
 
     def velocity(
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
-        """m/s; x and t broadcast, and x is left out of account in a mass or a wall."""
-        ticks, a, mass = (
-            self.to_ticks(t, side),
-            self.clock,
-            self.signals.masses.get(body),
-        )
-        held: Any = a.system.bodies[body]
-        if not (mass or a.spans[body][1]):  # a wall
-            return np.asarray(held.velocity + 0.0 * ticks)
-        v = (
-            mass.at(ticks, side) + a.frame
-            if mass
-            else self.moving(body, x, ticks, side)
-        )
-        return v + self._fallen(self.to_ticks(t)) if a.gravity else v
+        """Velocity, m/s; x and t broadcast, and x is 0 in a mass or a wall."""
+        ticks = self.to_ticks(t, side)
+        places = array("x", x, "m")
+        if self._is_rod(body):
+            v = self.rod_velocity(body, places, ticks, side)
+        else:
+            ticks = self._at_rigid_body(body, places, ticks)
+            mass = self.signals.masses.get(body)
+            if mass is None:
+                wall: Any = self.clock.system.bodies[body]
+                return np.asarray(wall.velocity + 0.0 * ticks)
+            v = mass.at(ticks, side) + self.clock.frame
+        if self.clock.gravity:
+            return v + self._fallen(self.to_ticks(t))
+        return v
 
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
-        """m from the place at t = 0; x and t broadcast, as for the velocity."""
-        ticks, a, mass = self.to_ticks(t), self.clock, self.signals.masses.get(body)
-        held: Any = a.system.bodies[body]
-        if not (mass or a.spans[body][1]):
-            return np.asarray(held.velocity * ticks * a.tick)
-        time = ticks * a.tick
-        moved = (
-            mass.integral(0, ticks) * a.tick + a.frame * time
-            if mass
-            else self.moved(body, x, ticks)
-        )
-        return moved + a.gravity * time * time / 2
+        """Displacement from the place at t = 0, m; arguments as for the velocity."""
+        ticks = self.to_ticks(t)
+        places = array("x", x, "m")
+        if self._is_rod(body):
+            moved = self.rod_displacement(body, places, ticks)
+        else:
+            ticks = self._at_rigid_body(body, places, ticks)
+            mass = self.signals.masses.get(body)
+            if mass is None:
+                wall: Any = self.clock.system.bodies[body]
+                return np.asarray(wall.velocity * ticks * self.clock.tick)
+            seen = self.clock.frame * (ticks * self.clock.tick)
+            moved = mass.integral(0, ticks) * self.clock.tick + seen
+        time = ticks * self.clock.tick
+        return moved + self.clock.gravity * time * time / 2
+
+    def strain(
+        self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
+    ) -> Floats:
+        """Strain in a rod, positive in tension; x and t broadcast."""
+        ticks = self.to_ticks(t, side)
+        return self.rod_strain(body, array("x", x, "m"), ticks, side)
+
+    def strain_rate(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
+        """Strain rate in a rod, 1/s; x and t broadcast."""
+        return self.rod_strain_rate(body, array("x", x, "m"), self.to_ticks(t))
 
     @cached_property
     def positions(self) -> list[float]:

@@ -66,14 +66,12 @@ class GridFields(Fields):
         )
         return np.asarray(table[i, place] * (1 - share) + table[after, place] * share)
 
-    def _at(self, body: int, x: ArrayLike, ticks: Ints, tables: Tables) -> Floats:
+    def _at(self, body: int, x: Floats, ticks: Ints, tables: Tables) -> Floats:
         """Values of a rod at places x, m, between those of its table."""
         self._together(self.locate(body, x)[0], ticks)
         places, table = tables[body]
         i = np.clip(np.searchsorted(places, x, "right") - 1, 0, len(places) - 2)
-        share = np.minimum(
-            (np.asarray(x) - places[i]) / (places[i + 1] - places[i]), 1.0
-        )
+        share = np.minimum((x - places[i]) / (places[i + 1] - places[i]), 1.0)
         before, after = (self._in_time(table, at, ticks) for at in (i, i + 1))
         return np.asarray(before * (1 - share) + after * share)
 
@@ -233,18 +231,16 @@ class GridFields(Fields):
 
     # Fields ---------------------------------------------------------------------------------------
 
-    def moving(self, body: int, x: ArrayLike, ticks: Ints, side: Side) -> Floats:  # noqa: ARG002
+    def rod_velocity(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:  # noqa: ARG002
         return self._at(body, x, ticks, self._moving) + self.clock.frame
 
-    def strain(
-        self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
-    ) -> Floats:
-        return self._at(body, x, self.to_ticks(t, side), self._stretched[0])
+    def rod_strain(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:  # noqa: ARG002
+        return self._at(body, x, ticks, self._stretched[0])
 
-    def strain_rate(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
-        return self._at(body, x, self.to_ticks(t), self._stretched[1])
+    def rod_strain_rate(self, body: int, x: Floats, ticks: Ints) -> Floats:
+        return self._at(body, x, ticks, self._stretched[1])
 
-    def moved(self, body: int, x: ArrayLike, ticks: Ints) -> Floats:
+    def rod_displacement(self, body: int, x: Floats, ticks: Ints) -> Floats:
         moved = self._at(body, x, ticks, self._displaced)
         return moved + self.clock.frame * (ticks * self.clock.tick)
 
@@ -256,8 +252,9 @@ class GridFields(Fields):
 
     def trace(self, body: int, x: float) -> tuple[Pieces, Pieces, Pieces, float]:
         c, ticks = self.clock.wave_speed[int(self.locate(body, x)[0])], self.known
-        v = self._at(body, x, ticks, self._moving)
-        stretch = c * self._at(body, x, ticks, self._stretched[0])
+        place = np.asarray(x)
+        v = self._at(body, place, ticks, self._moving)
+        stretch = c * self._at(body, place, ticks, self._stretched[0])
         return (
             Pieces.through(ticks, v - stretch),
             Pieces.through(ticks, v + stretch),

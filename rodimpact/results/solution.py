@@ -148,7 +148,7 @@ class Solution(Shown):
         body : int
             Counted from the left, walls included.
         x : array_like
-            m from the left end of the body.
+            m from the left end of the body; 0 in a mass or a wall.
         t : array_like
             s; broadcasts with x.
         side : "right" or "left"

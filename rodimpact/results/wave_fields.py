@@ -66,23 +66,21 @@ class WaveFields(Fields):
 
     # Fields -----------------------------------------------------------------------------------
 
-    def moving(self, body: int, x: ArrayLike, ticks: Ints, side: Side) -> Floats:
+    def rod_velocity(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:
         def velocity(_s: int, A: Pieces, B: Pieces, p: Ints, q: Ints) -> Floats:
             return (A.at(p, side) + B.at(q, side)) * 0.5 + self.clock.frame
 
         return self._values(body, x, ticks, velocity, side == "right")
 
-    def strain(
-        self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
-    ) -> Floats:
+    def rod_strain(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:
         def strain(s: int, A: Pieces, B: Pieces, p: Ints, q: Ints) -> Floats:
             per_wave = 0.5 / self.clock.wave_speed[s]
             return (B.at(q, side) - A.at(p, side)) * per_wave + 0.0  # no -0.0
 
-        return self._values(body, x, self.to_ticks(t, side), strain, side == "right")
+        return self._values(body, x, ticks, strain, side == "right")
 
     def _values(
-        self, body: int, x: ArrayLike, ticks: Ints, value: Seen, onward: bool = False
+        self, body: int, x: Floats, ticks: Ints, value: Seen, onward: bool = False
     ) -> Floats:
         """Values at places and ticks; `onward`: of waves that hold from each front on."""
         if (
@@ -104,7 +102,7 @@ class WaveFields(Fields):
             )
         return out
 
-    def _on_grid(self, body: int, x: ArrayLike, when: Ints, value: Seen) -> Floats:
+    def _on_grid(self, body: int, x: Floats, when: Ints, value: Seen) -> Floats:
         """Values at places [place, 1] and increasing ticks, each found once between two fronts."""
         segment, offset = self._offset(body, x)
         levels, counts = [], []
@@ -122,7 +120,7 @@ class WaveFields(Fields):
         whole = np.repeat(np.concatenate(levels), np.concatenate(counts))
         return whole.reshape(len(offset), len(when))
 
-    def moved(self, body: int, x: ArrayLike, ticks: Ints) -> Floats:
+    def rod_displacement(self, body: int, x: Floats, ticks: Ints) -> Floats:
         return self._values(body, x, ticks, self._displaced)
 
     def _displaced(self, s: int, A: Pieces, B: Pieces, p: Ints, q: Ints) -> Floats:

@@ -1,0 +1,168 @@
+"""Places and times of every field and record: converted by their unit, alike by every method."""
+
+import datetime
+from fractions import Fraction
+from functools import cache
+
+import numpy as np
+import pytest
+from mistakes import refused
+
+import rodimpact as ri
+
+STEEL = ri.materials.steel
+DAMPED = STEEL.damped(loss_factor=0.02, frequency=1e3)
+END = 4e-4  # s
+PLACE, TIME = 0.1, 1.5e-4  # m, s
+METHODS = ("fronts", "characteristics", "finite-difference")
+
+
+@cache
+def solution(method):
+    material = DAMPED if method == "finite-difference" else STEEL
+    bodies = [
+        ri.Rod(0.4, area=1e-4, material=material, velocity=1.0),
+        ri.Rod(0.7, area=2e-4, material=STEEL),
+    ]
+    contacts = [ri.Rigid(), ri.Rigid()]
+    gaps = [0.0, 1e-3]
+    if method != "fronts":
+        bodies.append(ri.RigidMass(1.0))
+        contacts = [ri.Hertz(1e10), ri.Hertz(2e10), ri.Spring(1e6)]
+        gaps = [0.0, 0.0, 1e-3]
+    row = ri.System([*bodies, ri.Wall()], contacts=contacts, gaps=gaps)
+    return ri.solve(row, until=END, method=method)
+
+
+def calls_with_a_place(solution):
+    for owner in (solution, solution.fields):
+        for name in ("velocity", "strain", "displacement"):
+            field = getattr(owner, name)
+            yield name, lambda x, field=field: field(0, x, TIME)
+    for name in ("stress", "axial_force", "position"):
+        field = getattr(solution, name)
+        yield name, lambda x, field=field: field(0, x, TIME)
+    yield "strain_rate", lambda x: solution.fields.strain_rate(0, x, TIME)
+
+
+def calls_with_a_time(solution):
+    for owner in (solution, solution.fields):
+        for name in ("velocity", "strain", "displacement"):
+            field = getattr(owner, name)
+            yield name, lambda t, field=field: field(0, PLACE, t)
+    for name in ("stress", "axial_force", "position"):
+        field = getattr(solution, name)
+        yield name, lambda t, field=field: field(0, PLACE, t)
+    yield "strain_rate", lambda t: solution.fields.strain_rate(0, PLACE, t)
+    yield "wall", lambda t: solution.velocity(len(solution.system.bodies) - 1, 0, t)
+    yield "momentum", lambda t: solution.fields.momentum(0, t)
+    yield "mean_velocity", lambda t: solution.mean_velocity(0, t)
+    yield "energy", lambda t: solution.energy(t).strain
+    contact = solution.contacts[0]
+    for name in ("force", "gap", "impulse_until", "work_until"):
+        yield name, getattr(contact, name)
+    yield "strain_at", solution.gauge(0, PLACE).strain_at
+    if solution.run.coarser:
+        yield "field_error", lambda t: solution.field_error(t).stress
+
+
+def calls_with_one_time(solution):
+    yield "law_at", solution.contacts[0].law_at
+    yield "system_at", solution.system_at
+    yield "signal", solution.gauge(0, PLACE).signal
+
+
+def of_pint(number, unit):
+    pint = pytest.importorskip("pint")
+    return pint.application_registry.get().Quantity(number, unit)
+
+
+def of_astropy(number, unit):
+    return number * pytest.importorskip("astropy.units").Unit(unit)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("quantity", [of_pint, of_astropy])
+def test_quantities_are_converted(method, quantity):
+    run = solution(method)
+    millimetres = np.array([100.0, 250.0])
+    given_places = (
+        (quantity(100.0, "mm"), 0.1),
+        (quantity(millimetres, "mm"), [0.1, 0.25]),
+        (quantity(millimetres[:, None], "mm"), [[0.1], [0.25]]),
+        ([quantity(100.0, "mm"), quantity(0.25, "m")], [0.1, 0.25]),
+    )
+    for name, call in calls_with_a_place(run):
+        for given, metres in given_places:
+            np.testing.assert_array_equal(call(given), call(metres), name)
+    given_times = (
+        (quantity(150.0, "us"), 150 * 1e-6),
+        (quantity(np.array([50.0, 150.0]), "us"), [50 * 1e-6, 150 * 1e-6]),
+    )
+    for name, call in calls_with_a_time(run):
+        for given, seconds in given_times:
+            found = call(given)
+            np.testing.assert_allclose(found, call(seconds), rtol=1e-12, err_msg=name)
+    gauge = run.gauge(0, quantity(100.0, "mm"))
+    np.testing.assert_array_equal(gauge.strain, run.gauge(0, 0.1).strain)
+    law = run.contacts[0].law_at(quantity(150.0, "us"))
+    assert law == run.contacts[0].law_at(TIME)
+    continued = run.system_at(quantity(150.0, "us"))
+    assert continued.gaps == run.system_at(150 * 1e-6).gaps
+
+
+NO_NUMBERS = [
+    "0.1",
+    b"1",
+    None,
+    0.1j,
+    True,
+    datetime.datetime(2020, 1, 1, tzinfo=datetime.UTC),
+    datetime.timedelta(seconds=1e-4),
+    np.datetime64("2020-01-01"),
+    np.timedelta64(100, "us"),
+    np.array([100], "timedelta64[us]"),
+    np.array([True]),
+    ["0.1"],
+    [[0.1], [0.1, 0.2]],
+    {},
+    {0.1},
+    object(),
+    len,
+    np.ma.array([0.1], mask=[True]),
+    10**400,
+    float("nan"),
+    float("inf"),
+    -0.1,
+    Fraction(37, 10),  # outside the bodies, and after the end
+]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_nonsense_is_refused_by_name(method):
+    run = solution(method)
+    for given in NO_NUMBERS:
+        for _, call in calls_with_a_place(run):
+            assert refused("must|shape", call, given) == ["x"]
+        for _, call in calls_with_a_time(run):
+            assert refused("must|shape", call, given) == ["t"]
+        for name, call in calls_with_one_time(run):
+            if name == "signal":
+                if given is not None:  # the interval that is usual
+                    assert refused("must|shape", call, given) == ["interval"]
+            else:
+                assert refused("must|shape", call, given) == ["t"]
+
+
+@pytest.mark.parametrize("method", ["characteristics", "finite-difference"])
+def test_rigid_bodies_are_at_their_place_only(method):
+    """A place in a rigid mass or a wall is 0, as it has no length."""
+    run = solution(method)
+    mass, wall = 2, 3
+    for body in (mass, wall):
+        for field in (run.velocity, run.displacement, run.position):
+            for given in NO_NUMBERS:
+                assert refused("must|shape", field, body, given, TIME) == ["x"]
+            at_places = field(body, [[0.0], [0.0]], [0.0, TIME, END])
+            assert at_places.shape == (2, 3)
+            np.testing.assert_array_equal(at_places[1], field(body, 0, [0, TIME, END]))
