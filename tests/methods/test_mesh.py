@@ -63,3 +63,34 @@ def test_the_scale_of_velocities_is_that_of_the_mirror_image():
     assert (
         walk(row).scale == walk(row.mirrored()).scale == pytest.approx(0.25 + 3.0 / 0.5)
     )
+
+
+@pytest.mark.parametrize("theory", ["rayleigh-love", "mindlin-herrmann"])
+@pytest.mark.parametrize("diameter", [1e-38, 1e-36, 1e37, 1e38])
+def test_sections_beyond_floats_are_refused(theory, diameter):
+    """Squares of their radial inertia or stiffness would overflow or vanish."""
+    stuff = ri.materials.steel
+    rod = ri.Rod(0.5, diameter=diameter, material=stuff, lateral_inertia=theory)
+    row = ri.System([rod.replace(velocity=1.0), ri.Wall()])
+    run = {"method": "finite-difference", "cells": 20, "until": 1e-5}
+    assert refused("overflow or vanish", ri.solve, row, **run) == ["bodies.0.area"]
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.02])
+def test_a_taper_with_one_huge_section(damping):
+    """It reflects as a wall does, whatever its size."""
+    steel = ri.materials.steel
+    if damping:
+        steel = steel.damped(loss_factor=damping, frequency=1e3)
+    areas = [4e-4, 3.5e-4, 3e-4, 2.6e-4, 2.2e-4, 1.9e-4, 1.0, 1.26e-4, 1e-4]
+    striker = ri.Rod(0.4, area=4e-4, material=steel, velocity=1.0)
+    velocities = []
+    for huge in (1e4, 8.4e11, 1e100):
+        areas[6] = huge
+        horn = ri.Rod(0.5, area=ri.Samples(areas), material=steel)
+        row = ri.System([striker, horn])
+        run = ri.solve(row, method="finite-difference", cells=100, until=4e-4)
+        velocities.append(run.mean_velocity(0, 4e-4))
+        assert abs(run.energy(4e-4).residual) < 1e-12 * striker.mass
+    assert velocities[0] == pytest.approx(velocities[2], rel=1e-3)
+    assert velocities[1] == pytest.approx(velocities[2], rel=1e-9)

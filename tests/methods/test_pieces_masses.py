@@ -156,3 +156,14 @@ def test_masses_on_joints_swing_as_an_oscillator(ends):
     t = np.linspace(0, 9, 50)
     for i in (0, 1):
         assert s.velocity(i, 0.0, t) == pytest.approx(exact.sol(t)[1 + i], abs=1e-7)
+
+
+@pytest.mark.parametrize("law", [ri.Hertz(431.0), ri.Spring(431.0), ri.Rigid(0.5)])
+@pytest.mark.parametrize("gap", [0.0, 1e-4, 1e150])
+@pytest.mark.parametrize("other", [ri.Wall(), ri.RigidMass(2.0)])
+def test_masses_at_rest_stay(law, gap, other):
+    row = ri.System([ri.RigidMass(1.0), other], gaps=[gap], contacts=[law])
+    rest = ri.solve(row)
+    assert rest.final
+    assert rest.outcome.contacts[0].impulse == 0
+    assert rest.velocity(0, 0, rest.t_end) == 0

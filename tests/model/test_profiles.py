@@ -257,6 +257,17 @@ def test_averages_are_integrals_over_widths(profile, edges):
     assert np.all((found > low - 1e-9) & (found < high + 1e-9))
 
 
+@pytest.mark.parametrize("large", [1e8, 1e20, 1e140])
+def test_averages_of_small_values_beside_a_large_one(large):
+    """They are as exact as those of small values alone."""
+    values = [4e-4, 3e-4, large, 2e-4, 3e-4, 5e-4]
+    edges = np.array([0.0, 0.1, 0.7, 3.0, 3.2, 3.9, 4.1, 5.0])
+    found = averages(ri.Samples(values), edges, 5.0)
+    assert found[0] == pytest.approx(3.95e-4, rel=1e-14, abs=0.0)
+    last = [2.1e-4, 2.55e-4, (0.1 * 2.95e-4 + 0.1 * 3.1e-4) / 0.2, 4.1e-4]
+    assert found[3:].tolist() == pytest.approx(last, rel=1e-14, abs=0.0)
+
+
 def test_a_number_is_its_own_average():
     assert averages(3.0, np.array([0.0, 0.1, 0.5]), 1.0).tolist() == [3.0, 3.0]
     assert extremes(3.0) == [3.0, 3.0]

@@ -13,8 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...model import Segment
-from ...model.frozen import InvalidModel
+from ...model.frozen import LARGEST, SMALLEST, InvalidModel
 from ...model.lateral_inertia import INERTIA, MINDLIN_HERRMANN, radial_moduli
+from ...model.profiles import extremes
 from ..laws import Law
 from ..row import Array, Row
 
@@ -23,6 +24,8 @@ STEP_TICKS = 1 << 36
 STIFFEST = (
     2.0**32
 )  # times the inertia of a cell, beyond which round-off drowns its motion
+CELL_ROOM = 2.0**40
+"""Largest ratio of the radial inertia or stiffness of a segment to that of its cells."""
 MODAL_CELLS, MODES = 200, 8  # of a rod whose lowest modes are asked for
 
 
@@ -254,6 +257,31 @@ def _in_series(springs: Array) -> Array:
 def quotient(a: Any, b: Array) -> Array:
     """a/b, and 0 where b is 0, as between pieces."""
     return np.asarray(a / np.where(b > 0, b, np.inf))
+
+
+def check_polar_moments(row: Row) -> None:
+    """Raise InvalidModel where radial inertia or stiffness in a section is beyond floats.
+
+    They are rho I_p L, kg m^2, and E I_p/L, N m; in cells they are a number of times larger or
+    smaller, and their squares are computed.
+    """
+    for path, segment in zip(row.paths[1:], row.segments, strict=True):
+        if segment.lateral_inertia is None:
+            continue
+        material = segment.material
+        length = float(segment.length)
+        for area in map(float, extremes(segment.area)):
+            polar = float(segment.polar_moments(np.asarray(area)))
+            sizes = (
+                float(material.density) * polar * length,
+                float(material.youngs_modulus) * polar / length,
+            )
+            if min(sizes) < SMALLEST * CELL_ROOM or max(sizes) > LARGEST / CELL_ROOM:
+                message = (
+                    "makes radial inertia or stiffness whose squares overflow or vanish, got "
+                    f"{area!r}; take an area nearer to 1 in consistent units"
+                )
+                raise InvalidModel([(f"{path}.area", message)])
 
 
 def crossing_time(segment: Any) -> float:

@@ -21,7 +21,7 @@ from ..row import Row
 from ..run import PEAK_FORCE, Run
 from ..scales import check_scales
 from . import refinement
-from .mesh import Mesh, crossing_time, most_cells, stable_step
+from .mesh import Mesh, check_polar_moments, crossing_time, most_cells, stable_step
 from .proof import finality_time
 from .run import GridRun
 from .signals import hand_over
@@ -93,6 +93,7 @@ def follow(
         If the run takes too much memory.
     """
     check_scales(row)
+    check_polar_moments(row)
     counts, step = _mesh_size(row, cells, dt, until)
     stepping = until is None or 2 * until > step
     if until is not None and stepping:

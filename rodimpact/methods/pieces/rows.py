@@ -41,7 +41,8 @@ def reference_time(row: Row, until: float | None) -> Any:
     if until:
         return until
     speeds = velocities_of(row)
-    v = np.maximum(largest(speeds) - smallest(speeds), 1e-300)
+    v = largest(speeds) - smallest(speeds)
+    v = np.where(v > 0, v, 1.0)  # bodies that do not approach each other never meet
     m, times = largest(row.masses), [it.gap / v for it in row.links]
     for it in row.links:
         if np.any(np.asarray(it.stiffness) > 0):
