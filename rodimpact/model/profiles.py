@@ -450,6 +450,8 @@ def _averages_of_samples(samples: Samples, edges: Floats, length: float) -> Floa
     small value is exact beside one that is 1e20 times as large, as a difference of integrals from
     the first sample is not.
     """
+    if len(edges) < 2:
+        return np.zeros(0)
     values = np.asarray(samples.values, dtype=float)
     if samples.step is None:
         width = length / (len(values) - 1)

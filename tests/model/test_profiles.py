@@ -265,6 +265,7 @@ def test_averages_of_small_values_beside_a_large_one(large):
     found = averages(ri.Samples(values), edges, 5.0)
     assert found[0] == pytest.approx(3.95e-4, rel=1e-14, abs=0.0)
     last = [2.1e-4, 2.55e-4, (0.1 * 2.95e-4 + 0.1 * 3.1e-4) / 0.2, 4.1e-4]
+    assert len(averages(ri.Samples(values), edges[:1], 5.0)) == 0
     assert found[3:].tolist() == pytest.approx(last, rel=1e-14, abs=0.0)
 
 
