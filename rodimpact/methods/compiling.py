@@ -6,8 +6,9 @@ which every function is jitted and every table is an array. State is arrays of r
 arrays compiled, lists of small objects in plain Python.
 
 Numba counts references to the arrays of a function, atomically, unless it sees that each is last
-used in one place that is always reached. So a kernel that runs often returns at its end, and uses
-no array for the last time behind a condition: loops around it do that.
+used in one place that is always reached, and that no call before may raise. A kernel that runs
+often returns at its end, and uses no array for the last time behind a condition: loops around it do
+that. Or it is given arrays that are `borrowed`, of which no references are counted.
 """
 
 import contextlib
@@ -249,6 +250,8 @@ def _twin(
         made = value
         if name == "own" and own:
             made = _one_of(own, jit)
+        elif name == "borrowed" and once is not None:
+            made = _borrowing()
         elif isinstance(value, FunctionType) and value.__module__ == module.__name__:
             made = jit(
                 FunctionType(value.__code__, vars(twin), name, value.__defaults__), name
@@ -260,6 +263,32 @@ def _twin(
         if not name.startswith("__"):
             setattr(twin, name, made)
     return twin
+
+
+@functools.cache
+def _borrowing() -> Any:
+    """Compiled form of the kernel function `borrowed`.
+
+    It makes an array of the same memory that owns nothing: numba has no references of it to count,
+    and leaves the counting out where it sees so. The memory must stay until the kernel returns,
+    which the caller's own array sees to.
+    """
+    numba = compiler()
+    pointer = numba.types.voidptr
+
+    @numba.extending.intrinsic  # type: ignore[untyped-decorator]
+    def pointer_to(_: Any, address: Any) -> Any:
+        def code(context: Any, builder: Any, _: Any, arguments: Any) -> Any:
+            return builder.inttoptr(arguments[0], context.get_value_type(pointer))
+
+        return pointer(address), code
+
+    @numba.njit(**INNER, forceinline=True)  # type: ignore[untyped-decorator]
+    def borrowed(array: Any) -> Any:
+        address = pointer_to(array.ctypes.data)
+        return numba.carray(address, array.shape, array.dtype)
+
+    return borrowed
 
 
 def _one_of(functions: Functions, jit: Any) -> Any:

@@ -85,13 +85,15 @@ def test_fronts_count_references_once_a_call():
     assert decrements <= 25
 
 
-@pytest.mark.xfail(
-    reason="172 decrements: exact first forces brought six more than 166"
-)
-def test_characteristics_count_no_more_references_than_they_did():
+def test_characteristics_count_references_once_a_call():
+    """Their arrays are borrowed: where the text still counts, there is no reference to count.
+
+    The wrapper of a call gives 9 arrays back, some of them on two ways out. Functions that are not
+    part of `follow` do not know that what they are given is borrowed, so they look each time.
+    """
     increments, decrements = reference_counts("characteristics")["follow"]
-    assert increments <= 78
-    assert decrements <= 166
+    assert increments <= 17
+    assert decrements <= 47
 
 
 def test_grids_count_no_references_in_their_steps():

@@ -242,18 +242,21 @@ def eliminate(G: Any, n: int, band: int) -> None:
         for j in range(i + 1, below):
             if abs(G[j][i]) > top:
                 p, top = j, abs(G[j][i])
-        row, other = G[i], G[p]
-        if p != i:
-            for q in range(i, right):
-                row[q], other[q] = other[q], row[q]
-            row[n], other[n] = other[n], row[n]
+        row = G[i]
+        largest = G[p]
+        swapped = right
+        if p == i:
+            swapped = i  # the rows are one
+        for q in range(i, swapped):
+            row[q], largest[q] = largest[q], row[q]
+        row[n], largest[n] = largest[n], row[n]
         pivot = 1 / row[i]
         for j in range(i + 1, below):
-            other = G[j]
-            f = other[i] * pivot
+            lower = G[j]
+            f = lower[i] * pivot
             for q in range(i + 1, right):
-                other[q] -= f * row[q]
-            other[n] -= f * row[n]
+                lower[q] -= f * row[q]
+            lower[n] -= f * row[n]
     for i in range(n - 1, -1, -1):
         row = G[i]
         s = row[n]
