@@ -122,12 +122,16 @@ def guard(
     return d / length, Status.OPEN.value
 
 
-def jumps_with_waves(it: Any, which: int) -> bool:
-    """Whether a guard depends on the closing rate, and so jumps where an incoming wave does."""
+def follows_overlap(it: Any, which: int) -> bool:
+    """Whether a guard is the overlap or the gap; others jump where an incoming wave does."""
     if it.status == Status.OPEN:
+        return True
+    if which == 1 or it.status > Status.PRESS:
         return False
-    dashpot = it.law == Law.SPRING and it.damping > 0 and it.status == Status.PRESS
-    return bool(which == 1 or it.law == Law.RIGID or dashpot)
+    if it.status == Status.PRESS:
+        dashpot = it.law == Law.SPRING and it.damping > 0
+        return not (it.law == Law.RIGID or dashpot)
+    return True
 
 
 def smooths(it: Any, order: int) -> int:

@@ -342,6 +342,7 @@ def next_event(run: Any, link: Any, at: Any, h: float) -> tuple[float, int, int]
     if the series does not rise before.
     """
     where, which, status = 1.0, NONE, 0
+    length = 0.01 * run.scale * h
     for q in range(at.links):
         it = link[at.first + q]
         for i in range(laws.guards(it)):
@@ -354,18 +355,23 @@ def next_event(run: Any, link: Any, at: Any, h: float) -> tuple[float, int, int]
                     it.closing[j],
                     it.force[j],
                     run.scale,
-                    0.01 * run.scale * h,
+                    length,
                 )
                 at.rate[j] = g
+            overlap = laws.follows_overlap(it, i)
+            ignored = ROUND_OFF
+            if overlap and at.rate[N] > 0:
+                # a force that starts softly is a polynomial that swings a little below 0
+                ignored = max(ignored, run.graze * run.shortest * run.tick / length)
             j = 1
-            while j < POINTS and at.rate[j] >= -ROUND_OFF:
+            while j < POINTS and at.rate[j] >= -ignored:
                 j += 1
-            least = run.tolerance / run.scale
+            deep = max(ignored, run.tolerance / run.scale)
             zero = 2.0
-            if at.rate[0] < -least and laws.jumps_with_waves(it, i):
+            if at.rate[0] < -deep and not overlap and it.status != Status.REST:
                 zero = -1.0  # for a shorter time than to the first point, perhaps
             elif j == POINTS:
-                zero = dip(at, least)
+                zero = dip(at, deep)
             else:
                 zero = crossing(at, j)
             if zero > 1:
