@@ -260,8 +260,7 @@ class System(Declared):
             raise frozen.refusal("data", message) from None
 
     def reversed(self) -> System:
-        """Return the same state with every velocity reversed: the motion runs
-        backwards.
+        """Return the same state with every velocity reversed: the motion backwards.
 
         Returns
         -------
