@@ -7,15 +7,19 @@ Plain Python around the kernels, which the page has as JavaScript. Tests hold al
 from typing import Any
 
 from ..methods.abilities import driven
-from ..methods.clock import most_rounded
+from ..methods.clock import Clock, most_rounded
 from ..methods.compiling import blank
 from ..methods.fronts import events, members
 from ..methods.fronts.family_layout import lay_out_family, make_state
 from ..methods.fronts.initial_state import round_trip
 from ..methods.fronts.records import FRONT, IDLE, NONE
 from ..methods.fronts.status import faint_sentence, status_of
-from ..methods.fronts.totals import last_contact_end, tally_of
-from ..methods.groups import body_velocities, heads
+from ..methods.fronts.totals import (
+    final_motion,
+    initial_motion,
+    last_contact_end,
+    tally_of,
+)
 from ..methods.laws import Stop
 from ..methods.pieces import reading
 from ..methods.pieces.layout import piece_of
@@ -26,7 +30,7 @@ from ..methods.walk import walk
 from ..results.front_polygons import count_of, polygons_of, wave_of
 from ..theory import pair_numbers, pair_restitution
 from ..units import format_si
-from .known import outcome_told
+from .known import Ending, outcome_shown
 
 ROOM = 32  # rows of the log at first
 FIRST_HORIZON_SHARE = 1.0
@@ -182,38 +186,33 @@ def contact_curves(run: Any, stop: int) -> list[Any]:
 
 
 def outcome_of(run: Any, status: str) -> Any:
-    """What the collision did, as `outcome_told` has it."""
-    it, segment, row = run["run"], run["state"].segments, run["plan"].row
-    first, inside = heads(row.system, row.spans), segment[1 : len(row.segments) + 1]
-    kinetic = sum(
-        piece.mass * (inside[s].initial_group_velocity + it.frame_velocity) ** 2 / 2
-        for s, piece in enumerate(row.segments)
+    """What the collision did, as of `outcome_shown`."""
+    record = run["run"]
+    row = run["plan"].row
+    segments = run["state"].segments
+    clock = clock_of(run)
+    rounded, _ = most_rounded(row, clock.transits, clock.tick)
+    error_of_event = (rounded + 1 / max(clock.transits)) * record.velocity_scale
+    ending = Ending(
+        [tally_of(node, clock.tick) for node in contacts_of(run)],
+        is_proved(run),
+        status,
+        {"velocity": error_of_event * record.events},
     )
-    ticks = [at.transit for at in inside]
-    rounded, _ = most_rounded(row, ticks, it.tick_duration)
-    return outcome_told(
-        row.system,
-        {
-            "before": body_velocities(
-                row.system,
-                [segment[s].initial_group_velocity + it.frame_velocity for s in first],
-            ),
-            "after": body_velocities(
-                row.system,
-                [segment[s].group_velocity + it.frame_velocity for s in first],
-            ),
-            "contacts": [tally_of(node, it.tick_duration) for node in contacts_of(run)],
-            "final": is_proved(run),
-            "status": status,
-            "errors": {
-                "velocity": (rounded + 1 / max(ticks)) * it.events * it.velocity_scale
-            },
-            "energy_before": kinetic
-            + sum(at.initial_vibration_energy for at in inside) * it.tick_duration,
-            "vibration_after": sum(at.vibration_energy for at in inside)
-            * it.tick_duration,
-        },
-    )
+    before = initial_motion(clock, segments)
+    after = final_motion(clock, segments)
+    return outcome_shown(row.system, before, after, ending)
+
+
+def clock_of(run: Any) -> Clock:
+    """The clock of a run."""
+    record = run["run"]
+    row = run["plan"].row
+    inside = run["state"].segments[1 : len(row.segments) + 1]
+    transits = [segment.transit for segment in inside]
+    impedance = [0.0, *[piece.impedance for piece in row.segments], 0.0]
+    tick = record.tick_duration
+    return Clock(row, tick, transits, record.frame_velocity, 0.0, 0.0, 0, impedance)
 
 
 def contacts_of(run: Any) -> list[Any]:

@@ -87,6 +87,7 @@ CALLS: dict[Any, str] = {
     float: "Number",
     len: "{}.length",
     sum: "py.sum",
+    math.fsum: "py.sum",
     any: "py.any",
     all: "py.all",
     max: "py.most",

@@ -5,10 +5,11 @@ the model or of `tables`.
 """
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..methods.abilities import driven
 from ..methods.groups import unilateral
+from ..methods.outcome import Motion
 from ..methods.pieces.accuracy import size_of
 from ..methods.restitution import effective_restitution, no_restitution
 from ..model.numbering import body_numbers
@@ -17,26 +18,56 @@ from ..units import format_si
 from .texts import capital, name_of, written
 
 
-def outcome_told(system: Any, found: Any) -> Any:
-    """What the collision did, with e, or why there is none: then e is None.
+class Ending(NamedTuple):
+    """How a run ended: totals of the contacts, whether it is final, why it ended, stated errors."""
 
-    Parameters
-    ----------
-    system : System
-    found : dict
-        Velocities ``before`` and ``after`` by body, ``contacts``: a ContactTally of each, whether
-        it is ``final``, its ``status``, stated ``errors``, and energies.
+    contacts: Any  # [contact] list of ContactTally
+    final: bool
+    status: str
+    errors: Any  # by kind of number, in its unit
+
+
+def outcome_shown(system: Any, before: Motion, after: Motion, ending: Ending) -> Any:
+    """What the collision did, with e, or the reason why there is none: then e is None.
+
+    Returns
+    -------
+    dict
+        Velocities ``before`` and ``after`` by body, the entries of the `ending`, energies,
+        ``able``: contacts that can open, ``restitution`` with its ``error``, and ``why`` there is
+        none.
     """
-    able, before, after = unilateral(system), found["before"], found["after"]
+    able = unilateral(system)
     why = no_restitution(
-        able, before, found["contacts"], driven(system), found["final"], found["status"]
+        able,
+        before.velocities,
+        ending.contacts,
+        driven(system),
+        ending.final,
+        ending.status,
     )
-    e, error = None, 0.0
+    restitution = None
+    error = 0.0
     if why == "":
         k = able[0]
-        e = effective_restitution(True, 1, before[k : k + 2], after[k : k + 2]) + 0.0
-        error = 2 * found["errors"]["velocity"] / (before[k] - before[k + 1])
-    return {**found, "able": able, "why": why, "restitution": e, "error": error}
+        closing = before.velocities[k : k + 2]
+        parting = after.velocities[k : k + 2]
+        restitution = effective_restitution(True, 1, closing, parting) + 0.0
+        error = 2 * ending.errors["velocity"] / (closing[0] - closing[1])
+    return {
+        "before": before.velocities,
+        "after": after.velocities,
+        "contacts": ending.contacts,
+        "final": ending.final,
+        "status": ending.status,
+        "errors": ending.errors,
+        "energy_before": before.kinetic + sum(before.vibration),
+        "vibration_after": sum(after.vibration),
+        "able": able,
+        "why": why,
+        "restitution": restitution,
+        "error": error,
+    }
 
 
 def errors_of(relative: list[float], speed: float, contacts: list[Any]) -> Any:

@@ -23,7 +23,7 @@ def picture(system: Any, found: Any, paths: Any, records: Any, energy: Any) -> A
     system : System
     found : dict
         ``method``, ``notes``, and whether it is ``exact``; ``closed_form`` of e, or None;
-        ``gauges``; ``outcome`` as of `outcome_told`; ``tiling``: polygons, or grids with
+        ``gauges``; ``outcome`` as of `outcome_shown`; ``tiling``: polygons, or grids with
         ``across`` cells in a row; ``contacts``, each with its curves of ``force`` and ``gap``, the
         gap None for a bond. Curves are tables of ``t``, s, and ``y``.
     paths : list

@@ -11,6 +11,7 @@ from ..methods.clock import MIN_TRANSIT, Clock, count_ticks, default_horizon
 from ..methods.compiling import blank
 from ..methods.groups import body_velocities
 from ..methods.laws import Law, Stop
+from ..methods.outcome import Motion
 from ..methods.pieces import accuracy, layout, march, reading
 from ..methods.pieces.accuracy import Ended, size_of
 from ..methods.pieces.layout import Asked
@@ -30,7 +31,7 @@ from ..methods.scales import frame_of, largest, scale_of, wave_of_strain
 from ..methods.status import strain_warning
 from ..methods.walk import walk
 from .fronts import TOO_FAR_APART
-from .known import errors_of, outcome_told
+from .known import Ending, errors_of, outcome_shown
 from .motion import curve_of, grids_of
 
 ROOM = 512  # of the log at first
@@ -169,41 +170,51 @@ def solved(row: Any, asked: Any, tolerance: float, deadline: float) -> Any:
 
 
 def outcome_of(run: Any, errors: list[float], status: str) -> Any:
-    """What the collision did, as `outcome_told` has it."""
-    row, ended, tick, frame = (
-        run["row"],
-        run["ended"],
-        run["clock"].tick,
-        run["clock"].frame,
+    """What the collision did, as of `outcome_shown`."""
+    row = run["row"]
+    clock = run["clock"]
+    ended = run["ended"]
+    record = ended.run
+    contacts = [
+        tally_of(ended.link[i], clock.tick, run["now"]) for i in row.contact_link
+    ]
+    total_mass = sum([body.mass for body in row.system.bodies])
+    energy_error = errors[0] * record.scale * record.scale * total_mass
+    ending = Ending(
+        contacts,
+        record.proved >= 0,
+        status,
+        {**errors_of(errors, record.scale, contacts), "energy": energy_error},
     )
-    heads, it = [part for part in ended.part if part.parts > 0], ended.run
-    contacts = [tally_of(ended.link[i], tick, run["now"]) for i in row.contact_link]
-    energy = sum(
-        body.mass * body.velocity**2 / 2
-        + sum(
-            piece.mass * (piece.wave_speed * body.strain) ** 2 / 2
-            for piece in body.segments
-        )
-        for body in row.system.bodies
-    )
-    doubt = (
-        errors[0] * it.scale * it.scale * sum(body.mass for body in row.system.bodies)
-    )
-    return outcome_told(
+    return outcome_shown(
         row.system,
-        {
-            "before": body_velocities(
-                row.system, [part.initial + frame for part in heads]
-            ),
-            "after": body_velocities(row.system, [part.mean + frame for part in heads]),
-            "contacts": contacts,
-            "final": it.proved >= 0,
-            "status": status,
-            "energy_before": energy,
-            "vibration_after": sum(part.energy for part in ended.part),
-            "errors": {**errors_of(errors, it.scale, contacts), "energy": doubt},
-        },
+        initial_motion(row, clock, ended),
+        final_motion(row, clock, ended),
+        ending,
     )
+
+
+def initial_motion(row: Any, clock: Clock, ended: Ended) -> Motion:
+    """Motion of the bodies at t = 0; each has one velocity and one strain."""
+    groups = [part for part in ended.part if part.parts > 0]
+    velocities = [part.initial + clock.frame for part in groups]
+    kinetic = 0.0
+    strain_energies = []
+    for body in row.system.bodies:
+        kinetic += body.mass * body.velocity**2 / 2
+        strain_energy = 0.0
+        for piece in body.segments:
+            strain_energy += piece.mass * (piece.wave_speed * body.strain) ** 2 / 2
+        strain_energies.append(strain_energy)
+    return Motion(body_velocities(row.system, velocities), strain_energies, kinetic)
+
+
+def final_motion(row: Any, clock: Clock, ended: Ended) -> Motion:
+    """Motion of the bodies when it was measured last; vibration is that of the parts."""
+    groups = [part for part in ended.part if part.parts > 0]
+    velocities = [part.mean + clock.frame for part in groups]
+    vibration = [part.energy for part in ended.part]
+    return Motion(body_velocities(row.system, velocities), vibration, math.nan)
 
 
 def sentence_of(run: Any) -> str:

@@ -99,13 +99,18 @@ class Clock:
 
     def mass(self, body: int) -> float:
         """Mass with the transit times in use, kg; infinite for a wall."""
-        first, last = self.spans[body]
-        if last == 0:
+        if self.spans[body][1] == 0:
             return float(getattr(self.system.bodies[body], "mass", math.inf))
-        mass_in_ticks = sum(
-            self.impedance[s] * self.ticks[s] for s in range(first, last + 1)
-        )
-        return mass_in_ticks * self.tick
+        return mass_of(self, body)
+
+
+def mass_of(clock: Clock, body: int) -> float:
+    """Mass of a rod with the transit times in use, kg; the page has this as JavaScript."""
+    first, last = clock.row.spans[body]
+    mass_in_ticks = sum(
+        [clock.impedance[s] * clock.transits[s - 1] for s in range(first, last + 1)]
+    )
+    return mass_in_ticks * clock.tick
 
 
 def clock_of(

@@ -15,7 +15,8 @@ from typing import Any, NamedTuple
 from ..model import System
 from .clock import Clock
 from .laws import Status
-from .signals import Floats, Ints, Pieces
+from .outcome import Motion, Totals
+from .signals import Ints, Pieces
 
 MAX_EVENTS = 5_000_000
 """Arrivals at ends after which a run gives up where nothing else is asked for."""
@@ -202,35 +203,6 @@ class Signals(NamedTuple):
     masses: Mapping[int, Pieces] = {}
 
 
-class Totals(NamedTuple):
-    """What a run of any method adds up to, in SI units.
-
-    masses [body]; velocities, vibration: [body] before and after; kinetic: of the centres of mass,
-    before and after; momentum, energy: what is missing in the balance, and what took part in it;
-    works: works and losses, by the names that an `Outcome` has for them.
-    """
-
-    masses: Sequence[float]
-    velocities: tuple[Sequence[float], Sequence[float]]
-    kinetic: tuple[float, float]
-    vibration: tuple[Sequence[float], Sequence[float]]
-    momentum: tuple[float, float]
-    energy: tuple[float, float]
-    works: Mapping[str, float]
-
-
-class GroupTotals(NamedTuple):
-    """What a run comes to, as its kernel adds it up.
-
-    Velocities of the groups of bonded bodies, before and after, [group] m/s, 0 where nothing of a
-    group can move; and what is left of vibration in each body, of motion and of strain, [body] J.
-    """
-
-    before: Floats
-    after: Floats
-    vibration: Floats
-
-
 class Stopped(Exception):
     """A run was told to stop."""
 
@@ -277,8 +249,8 @@ class Run:
     contacts : tuple of ContactTally
     totals : Totals or None
         None where they are to be read off the fields.
-    groups : GroupTotals or None
-        What of that the method's kernel has added up already.
+    motion : (Motion, Motion) or None
+        Motion before and after, where the kernel adds it up; of that before only velocities.
     accuracy : dict of str to float
         Stated error of those of `MEASURES` that the method knows, relative to the largest value of
         each, where the method is not exact.
@@ -298,7 +270,7 @@ class Run:
     events: int
     contacts: tuple[ContactTally, ...]
     totals: Totals | None = None
-    groups: GroupTotals | None = None
+    motion: tuple[Motion, Motion] | None = None
     accuracy: Mapping[str, float] = field(default_factory=dict)
     coarser: tuple[Coarser, ...] = ()
     make_signals: Callable[[], Signals]

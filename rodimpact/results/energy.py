@@ -1,5 +1,6 @@
 """Where the energy is, and what brought it there: at any times, and over a whole run."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -7,7 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..methods.groups import groups, movable, velocities_in_group
-from ..methods.run import INWARD, Run, Totals
+from ..methods.outcome import Motion, Totals, Works, relative_residual
+from ..methods.run import INWARD, Run
 from ..methods.signals import Floats, Ints
 from .contacts import ContactHistory
 from .fields import Fields
@@ -181,69 +183,74 @@ def ledger(
     )
 
 
-WORKS = (
-    "wall_work",
-    "drive_work",
-    "gravity_work",
-    "radiated",
-    "dissipated",
-    "damped",
-    "numerical",
-)
-"""Entries of a ledger that count from t = 0."""
-
-
 def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> Totals:
     """Read the totals off the fields of a finished run: the ledger at its beginning and its end."""
-    system, clock = run.system, run.clock
+    clock = run.clock
     ticks = np.unique(fields.nearest_known(np.array([0, run.end])))
     states = bonded_groups(fields, ticks)
     book = ledger(fields, contacts, states)
-    works = {name: float(getattr(book, name)[-1]) for name in WORKS}
-    own = (
-        (run.groups.before, run.groups.after)
-        if run.groups
-        else states.velocity[:, [0, -1]].T
+    before = _motion_at(run, states, book, 0)
+    after = _motion_at(run, states, book, -1)
+    if run.motion is not None:  # the kernel knows better
+        before = before._replace(velocities=run.motion[0].velocities)
+        after = after._replace(
+            velocities=run.motion[1].velocities, vibration=run.motion[1].vibration
+        )
+    works = Works(
+        wall_work=float(book.wall_work[-1]),
+        drive_work=float(book.drive_work[-1]),
+        gravity_work=float(book.gravity_work[-1]),
+        radiated=float(book.radiated[-1]),
+        dissipated=float(book.dissipated[-1]),
+        damped=float(book.damped[-1]),
+        numerical=float(book.numerical[-1]),
+        contact_energy=float(book.contact[-1]),
+        contact_energy_before=float(book.contact[0]),
     )
-    velocities = [
-        [
-            float(v)
-            for of in zip(groups(system), states.bodies, each, strict=True)
-            for v in velocities_in_group(system, *of)
-        ]
-        for each in own
-    ]
-    vibration = (states.moving + states.strained).T[[0, -1]]
-    if run.groups:
-        vibration[-1] = run.groups.vibration
-    impulse = sum(
-        sign * float(side.push.integral(0, ticks[-1])) * clock.tick
-        for side, sign in zip(fields.signals.outside, INWARD, strict=True)
-        if side is not None
-    )
+    time = float(ticks[-1]) * clock.tick
+    impulse = _impulse_from_outside(fields, ticks[-1])
     gained = float(states.momentum[-1] - states.momentum[0])
-    missing = (
-        gained - impulse - states.mass * clock.gravity * float(ticks[-1]) * clock.tick
-    )
-    pushed = sum(
-        abs(tally.impulse) for tally in run.contacts if tally.impulse == tally.impulse
-    )
-    turnover = (
-        float(book.total[0])
-        + abs(works["gravity_work"])
-        + sum(abs(works[name]) for name in ("wall_work", "drive_work", "radiated"))
-        + states.mass * clock.scale**2 / 2
-    )
+    missing_momentum = gained - impulse - states.mass * clock.gravity * time
+    momentum_scale = states.mass * clock.scale
+    for tally in run.contacts:
+        if not math.isnan(tally.impulse):
+            momentum_scale += abs(tally.impulse)
+    energy_scale = float(book.total[0]) + states.mass * clock.scale**2 / 2
+    for work in (
+        works.gravity_work,
+        works.wall_work,
+        works.drive_work,
+        works.radiated,
+    ):
+        energy_scale += abs(work)
     return Totals(
-        masses=[clock.mass(i) for i in range(len(system.bodies))],
-        velocities=(velocities[0], velocities[1]),
-        kinetic=(float(book.kinetic[0]), float(book.kinetic[-1])),
-        vibration=(vibration[0].tolist(), vibration[1].tolist()),
-        momentum=(missing, states.mass * clock.scale + pushed),
-        energy=(float(book.residual[-1]), turnover),
-        works={
-            **works,
-            "contact_energy": float(book.contact[-1]),
-            "contact_energy_before": float(book.contact[0]),
-        },
+        [clock.mass(i) for i in range(len(run.system.bodies))],
+        before,
+        after,
+        works,
+        relative_residual(missing_momentum, momentum_scale),
+        relative_residual(float(book.residual[-1]), energy_scale),
     )
+
+
+def _motion_at(
+    run: Run, states: BondedGroups, book: EnergyLedger, instant: int
+) -> Motion:
+    """Motion of the bodies at one of the instants of the states."""
+    velocities = []
+    for group, inside, own in zip(
+        groups(run.system), states.bodies, states.velocity[:, instant], strict=True
+    ):
+        for velocity in velocities_in_group(run.system, group, inside, own):
+            velocities.append(float(velocity))
+    vibration = states.moving[:, instant] + states.strained[:, instant]
+    return Motion(velocities, vibration.tolist(), float(book.kinetic[instant]))
+
+
+def _impulse_from_outside(fields: Fields, tick: int) -> float:
+    """Impulse to the right that what is outside has given the row since t = 0, N s."""
+    impulse = 0.0
+    for side, sign in zip(fields.signals.outside, INWARD, strict=True):
+        if side is not None:
+            impulse += sign * float(side.push.integral(0, tick)) * fields.clock.tick
+    return impulse

@@ -1,6 +1,6 @@
 """What a collision did: velocities of the bodies before and after, impulse, restitution, energy.
 
-The totals of a run have their names here. Bodies joined together move, for an outcome, with their
+Bodies joined together move, for an outcome, with their
 common velocity.
 """
 
@@ -9,8 +9,9 @@ from typing import Any, Generic, TypeVar, cast
 
 from ..methods.abilities import driven
 from ..methods.groups import unilateral
+from ..methods.outcome import Totals
 from ..methods.restitution import effective_restitution, no_restitution
-from ..methods.run import ContactTally, Run, Totals
+from ..methods.run import ContactTally, Run
 from ..model.frozen import plain
 from ..rigid import RigidCollision, collide
 from .notebook import as_table
@@ -233,30 +234,26 @@ class Outcome(OnlyContact[float]):
 
 
 def outcome_of(run: Run, totals: Totals) -> Outcome:
-    """Name the totals of a run."""
+    """The outcome of a run with these totals."""
     system = run.system
-    (before, after), (started, stopped) = totals.velocities, totals.vibration
-    momentum, energy = (
-        missing / scale if scale > 0 else 0.0
-        for missing, scale in (totals.momentum, totals.energy)
-    )
+    unbalanced = _unbalanced(totals.momentum_residual, totals.energy_residual)
     return Outcome(
         bodies=tuple(system.kinds),
         masses=tuple(totals.masses),
-        velocities_before=tuple(before),
-        velocities_after=tuple(after),
-        kinetic_before=totals.kinetic[0],
-        kinetic_after=totals.kinetic[1],
-        vibration_before=tuple(started),
-        vibration_after=tuple(stopped),
+        velocities_before=tuple(totals.before.velocities),
+        velocities_after=tuple(totals.after.velocities),
+        kinetic_before=totals.before.kinetic,
+        kinetic_after=totals.after.kinetic,
+        vibration_before=tuple(totals.before.vibration),
+        vibration_after=tuple(totals.after.vibration),
         contacts=tuple(run.contacts),
         unilateral=tuple(unilateral(system)),
-        momentum_residual=momentum,
-        energy_residual=energy,
+        momentum_residual=totals.momentum_residual,
+        energy_residual=totals.energy_residual,
         final=run.final,
-        status=run.status + _unbalanced(momentum, energy),
+        status=run.status + unbalanced,
         driven=driven(system) or bool(system.gravity),
-        **totals.works,
+        **totals.works._asdict(),
     )
 
 

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..methods.outcome import Totals
 from ..methods.registry import Options
-from ..methods.run import Coarser, Run, Totals, Waves
+from ..methods.run import Coarser, Run, Waves
 from ..methods.signals import Floats, Side, each_once
 from ..model import Rod, Samples, Steps, System
 from ..model.arguments import array, demand, of_kind, single, whole

@@ -230,13 +230,11 @@ def test_what_is_missing_is_told_relative_to_what_took_part(
 ):
     run = tracked(ri.System(bodies, ends=ends), until)
     whole = totals_of(run)
-    assert whole.momentum == pytest.approx((0.0, momentum), abs=1e-14)
-    assert whole.energy == pytest.approx((0.0, energy), abs=1e-14)
+    assert whole.momentum_residual == pytest.approx(0.0, abs=1e-14)
+    assert whole.energy_residual == pytest.approx(0.0, abs=1e-14)
     run.segments[1].momentum += 1e-3 / run.clock.tick
     run.segments[1].vibration_energy += 1e-3 / run.clock.tick
     wrong = totals_of(run)
-    assert wrong.momentum == pytest.approx((1e-3, momentum), rel=1e-9)
-    assert wrong.energy == pytest.approx((1e-3, energy), rel=1e-9)
     told = read(make_run(run, until), wrong)
     assert told.momentum_residual == pytest.approx(1e-3 / momentum, rel=1e-9)
     assert told.energy_residual == pytest.approx(1e-3 / energy, rel=1e-9)

@@ -64,7 +64,7 @@ def measures_of(run: FrontRun) -> dict[str, Array]:
         times.append(node.last_force_tick * tick)
         times.append(node.last_opening_tick * tick)
     return {
-        runs.VELOCITY: np.array(totals_of(run).velocities[1]),
+        runs.VELOCITY: np.array(totals_of(run).after.velocities),
         runs.IMPULSE: np.array([tally.impulse for tally in tallies]),
         runs.PEAK_FORCE: np.array([tally.peak_force for tally in tallies]),
         runs.DURATION: np.array([tally.duration for tally in tallies]),

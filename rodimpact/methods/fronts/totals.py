@@ -1,15 +1,16 @@
 """Totals of a finished run by fronts, in SI units: contacts, momenta, energies."""
 
 import math
+from collections.abc import Sequence
 
 from ...model import Absorbing, Fixed, Free
-from .. import run as runs
-from ..clock import Clock
+from ..clock import Clock, mass_of
 from ..groups import body_velocities, heads
 from ..laws import Status
+from ..outcome import Motion, Totals, Works, relative_residual
 from ..run import ContactTally
 from ..status import last_contact
-from .records import NONE, Node, Run
+from .records import NONE, Node, Run, Segment
 from .run import FrontRun
 
 
@@ -45,33 +46,57 @@ def last_contact_end(run: Run, contacts: list[Node], round_trip: float) -> float
     return last_contact(ends, run.now * run.tick_duration, round_trip)
 
 
-def totals_of(run: FrontRun) -> runs.Totals:
+def motion_of(clock: Clock, velocities: list[float], energies: list[float]) -> Motion:
+    """Motion of the bodies, from that of the segments; the page has this as JavaScript.
+
+    Parameters
+    ----------
+    clock : Clock
+    velocities : [segment] list of float
+        Velocities of the groups in the frame, m/s, the outside counted.
+    energies : [segment] list of float
+        Vibration energies about these motions, J over the tick.
+    """
+    row = clock.row
+    of_segments = [velocity + clock.frame for velocity in velocities]
+    group_velocities = [of_segments[s] for s in heads(row.system, row.spans)]
+    by_body = body_velocities(row.system, group_velocities)
+    vibration = []
+    kinetic = 0.0
+    for i, (first, last) in enumerate(row.spans):
+        if last > 0:  # no wall
+            kinetic += mass_of(clock, i) * of_segments[first] ** 2 / 2
+        vibration.append(math.fsum(energies[first : last + 1]) * clock.tick)
+    return Motion([float(velocity) for velocity in by_body], vibration, kinetic)
+
+
+def initial_motion(clock: Clock, segments: list[Segment]) -> Motion:
+    """Motion of the bodies at t = 0; the page has this as JavaScript."""
+    velocities = [segment.initial_group_velocity for segment in segments]
+    energies = [segment.initial_vibration_energy for segment in segments]
+    return motion_of(clock, velocities, energies)
+
+
+def final_motion(clock: Clock, segments: list[Segment]) -> Motion:
+    """Motion of the bodies when it was measured last; the page has this as JavaScript."""
+    velocities = [segment.group_velocity for segment in segments]
+    energies = [segment.vibration_energy for segment in segments]
+    return motion_of(clock, velocities, energies)
+
+
+def totals_of(run: FrontRun) -> Totals:
     """Totals of a finished run."""
     clock = run.clock
     masses = [clock.mass(i) for i in range(len(clock.spans))]
-    segments = run.segments
-    before = Motion(
-        clock,
-        masses,
-        velocities=[segment.initial_group_velocity for segment in segments],
-        vibrations=[segment.initial_vibration_energy for segment in segments],
-        momenta=[segment.initial_momentum for segment in segments],
-    )
-    after = Motion(
-        clock,
-        masses,
-        velocities=[segment.group_velocity for segment in segments],
-        vibrations=[segment.vibration_energy for segment in segments],
-        momenta=[segment.momentum for segment in segments],
-    )
+    before = initial_motion(clock, run.segments)
+    after = final_motion(clock, run.segments)
     boundary = BoundaryAction(run, masses, after.velocities)
-    works = {
-        "wall_work": boundary.wall_work,
-        "drive_work": boundary.drive_work,
-        "radiated": boundary.radiated,
-    }
-    gained = (after.momentum - before.momentum) * clock.tick
-    missing_energy = after.energy - before.energy
+
+    start_momentum = math.fsum(segment.initial_momentum for segment in run.segments)
+    end_momentum = math.fsum(segment.momentum for segment in run.segments)
+    gained_momentum = (end_momentum - start_momentum) * clock.tick
+    start_energy = before.kinetic + sum(before.vibration)
+    missing_energy = after.kinetic + sum(after.vibration) - start_energy
     missing_energy -= boundary.wall_work
     missing_energy -= boundary.drive_work
     missing_energy += boundary.radiated
@@ -83,58 +108,22 @@ def totals_of(run: FrontRun) -> runs.Totals:
     momentum_scale = total_mass * velocity_scale
     for node in run.nodes:
         momentum_scale += abs(node.impulse) * clock.tick
-    energy_scale = before.energy + total_mass * velocity_scale**2 / 2
-    for work in works.values():
+    energy_scale = start_energy + total_mass * velocity_scale**2 / 2
+    for work in (boundary.wall_work, boundary.drive_work, boundary.radiated):
         energy_scale += abs(work)
-    return runs.Totals(
-        masses=masses,
-        velocities=(before.velocities, after.velocities),
-        kinetic=(before.kinetic, after.kinetic),
-        vibration=(before.vibration, after.vibration),
-        momentum=(gained - boundary.impulse, momentum_scale),
-        energy=(missing_energy, energy_scale),
-        works=works,
+    missing_momentum = gained_momentum - boundary.impulse
+    return Totals(
+        masses,
+        before,
+        after,
+        Works(
+            wall_work=boundary.wall_work,
+            drive_work=boundary.drive_work,
+            radiated=boundary.radiated,
+        ),
+        relative_residual(missing_momentum, momentum_scale),
+        relative_residual(missing_energy, energy_scale),
     )
-
-
-class Motion:
-    """Motion of a row at its start or its end, from that of its segments.
-
-    Attributes
-    ----------
-    velocities : [body]
-        Velocities of the centres of mass, m/s.
-    vibration : [body]
-        Vibration energies about these motions, J.
-    kinetic : float
-        Kinetic energy of the centres of mass, J.
-    energy : float
-        Kinetic and vibration energy of all bodies, J.
-    momentum : float
-        Momentum in the frame, kg m/s, divided by the tick.
-    """
-
-    def __init__(
-        self,
-        clock: Clock,
-        masses: list[float],
-        velocities: list[float],
-        vibrations: list[float],
-        momenta: list[float],
-    ) -> None:
-        of_segments = [velocity + clock.frame for velocity in velocities]
-        group_segments = heads(clock.system, clock.spans)
-        group_velocities = [of_segments[s] for s in group_segments]
-        by_body = body_velocities(clock.system, group_velocities)
-        self.velocities = [float(velocity) for velocity in by_body]
-        self.vibration: list[float] = []
-        self.kinetic = 0.0
-        for mass, (first, last) in zip(masses, clock.spans, strict=True):
-            if last > 0:  # no wall
-                self.kinetic += mass * of_segments[first] ** 2 / 2
-            self.vibration.append(math.fsum(vibrations[first : last + 1]) * clock.tick)
-        self.energy = self.kinetic + sum(self.vibration)
-        self.momentum = math.fsum(momenta)
 
 
 class BoundaryAction:
@@ -151,7 +140,7 @@ class BoundaryAction:
     """
 
     def __init__(
-        self, run: FrontRun, masses: list[float], velocities: list[float]
+        self, run: FrontRun, masses: list[float], velocities: Sequence[float]
     ) -> None:
         self.impulse = 0.0
         self.wall_work = 0.0

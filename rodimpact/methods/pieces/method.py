@@ -23,6 +23,7 @@ from ..clock import clock_of
 from ..family import Columns, family_columns, status_column
 from ..groups import groups, movable, velocities_in_group
 from ..laws import Law, Stop
+from ..outcome import Motion
 from ..row import Row
 from ..run import ContactTally, Run
 from ..scales import beyond_scales, check_scales
@@ -187,7 +188,7 @@ def _hand_over(one: Members, accuracy: dict[str, float], goal: float) -> Run:
     status += _struck_together(row) + rounding(clock.transit_error, clock.worst)
     status += strain_warning(float(strains.max(initial=0.0)))
     signals = cache(partial(signals_of, row, clock, end, r))
-    before, after = _velocities(one)
+    velocities_before, velocities_after = _body_velocities(one)
     return Run(
         method="characteristics",
         until=until,
@@ -200,8 +201,9 @@ def _hand_over(one: Members, accuracy: dict[str, float], goal: float) -> Run:
         status=status,
         events=run.steps,
         contacts=_tallies(row, ended.link, tick, end, signals),
-        groups=runs.GroupTotals(
-            np.array(before), np.array(after), np.ravel(vibration_of(one))
+        motion=(
+            Motion(_floats(velocities_before), [], math.nan),
+            Motion(_floats(velocities_after), _floats(vibration_of(one)), math.nan),
         ),
         accuracy=accuracy,
         make_signals=signals,
@@ -249,7 +251,27 @@ def _tallies(
     return tuple(tallies)
 
 
-def _velocities(family: Members) -> tuple[list[Any], list[Any]]:
+def _floats(columns: list[Any]) -> list[float]:
+    """Numbers of the only member."""
+    return [float(column[0]) for column in columns]
+
+
+def _body_velocities(family: Members) -> tuple[list[Any], list[Any]]:
+    """Velocities of the bodies before and after, m/s, [body] by member."""
+    row = family.row
+    free = movable(row.system)
+    by_body = []
+    for group_velocities in _group_velocities(family):
+        columns = []
+        for group, own in zip(groups(row.system), group_velocities, strict=True):
+            inside = [i for i in group if i in free]
+            for velocity in velocities_in_group(row.system, group, inside, own):
+                columns.append(row.of(velocity))
+        by_body.append(columns)
+    return by_body[0], by_body[1]
+
+
+def _group_velocities(family: Members) -> tuple[list[Any], list[Any]]:
     """Velocities of groups before and after, m/s, [group] by the shape of the family."""
     row, part, shape = family.row, family.part, family.row.system.shape
     run = family.run[:, 0].reshape(shape)
@@ -292,16 +314,7 @@ def _columns_of(family: Members, refused: Any) -> Columns:
         family.asked.until,
         np.where(refused, math.nan, 0.0),
     )
-    free = movable(system)
-    before: list[Any] = []
-    after: list[Any] = []
-    for found, groups_own in zip((before, after), _velocities(family), strict=True):
-        for group, own in zip(groups(system), groups_own, strict=True):
-            inside = [i for i in group if i in free]
-            found += [
-                unknown + row.of(v)
-                for v in velocities_in_group(system, group, inside, own)
-            ]
+    before, after = _body_velocities(family)
     links = [link[:, i] for i in row.contact_link]
     contacts = {
         "impulse": [unknown + it["impulse"] for it in links],
@@ -315,8 +328,8 @@ def _columns_of(family: Members, refused: Any) -> Columns:
     final = (run["proved"] >= 0) & ~refused
     return family_columns(
         system,
-        before=before,
-        after=after,
+        before=[unknown + velocity for velocity in before],
+        after=[unknown + velocity for velocity in after],
         vibration=sum(vibration_of(family), unknown),
         contacts=contacts,
         final=final,
