@@ -9,7 +9,7 @@ from ..model import System
 from ..model.arguments import array
 from ..model.frozen import InvalidModel, refusal
 from ..model.paths import (
-    held_at,
+    alternative_of,
     numbers_of,
     places_of,
     suggestion,
@@ -105,7 +105,7 @@ def parameters_of(system: System, vary: Mapping[str, Any]) -> list[Parameter]:
             raise refusal(f"vary.{path}", message)
         unit = unit_at(system, known[path][0])
         for place in known[path]:
-            if (other := taken.setdefault(held_at(place), path)) != path:
+            if (other := taken.setdefault(alternative_of(place), path)) != path:
                 message = f"is already varied as {other}; leave one of them out"
                 raise refusal(f"vary.{path}", message)
         start = float(numbers[known[path][0]])

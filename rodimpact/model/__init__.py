@@ -1,4 +1,4 @@
-"""The description of a collision: materials, bodies, contact laws, ends, and rows of them."""
+"""The description of a collision: materials, bodies, contact laws, ends and systems."""
 
 from .bodies import Body, Material, RigidMass, Rod, Segment, Wall
 from .ends import Absorbing, End, Fixed, Free, Incoming, Moved, Pushed

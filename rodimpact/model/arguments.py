@@ -1,4 +1,4 @@
-"""Checks of the arguments of functions: the rules and the messages of the model's numbers.
+"""Checks of the arguments of functions, by the rules of the model's numbers.
 
 Each check names the argument that it refuses, as `frozen.InvalidModel` has it.
 """
@@ -89,7 +89,7 @@ def demand(condition: Any, name: str, message: str, *values: Number) -> None:
 
 
 def of_kind(name: str, value: Any, kind: type, example: str) -> None:
-    """Raise InvalidModel if an argument is not of a class; the example names an instance."""
+    """Raise InvalidModel if an argument is not of a class; `example` names one."""
     if isinstance(value, kind):
         return
     article = "a"

@@ -1,26 +1,37 @@
-"""What people call the bodies of a row: rods and masses are numbered from the left, walls are not.
+"""Names of bodies and contacts for people.
 
-Paths of case files and `body=` count all bodies from 0 instead. Plain Python, which the page has as
-JavaScript.
+Rods and masses have numbers, walls have none. The numbers count rods and masses from
+the left, from 1 on. Paths of case files and `body=` count all bodies from 0 instead.
+The page has these functions as JavaScript.
 """
 
 
 def body_numbers(kinds: list[str]) -> list[str]:
-    """Number of each body of these kinds, "wall" for a wall.
+    """Number of each body of a row, "wall" for a wall.
+
+    Parameters
+    ----------
+    kinds : list of str
+        "rod", "mass" or "wall" for each body from left to right.
 
     Examples
     --------
     >>> body_numbers(["wall", "rod", "mass", "wall"])
     ['wall', '1', '2', 'wall']
     """
-    found = [*kinds]
-    for k, i in enumerate([i for i, kind in enumerate(kinds) if kind != "wall"]):
-        found[i] = f"{k + 1}"
-    return found
+    numbers = []
+    count = 0
+    for kind in kinds:
+        if kind == "wall":
+            numbers.append("wall")
+        else:
+            count += 1
+            numbers.append(f"{count}")
+    return numbers
 
 
 def body_names(kinds: list[str]) -> list[str]:
-    """Name of each body of these kinds.
+    """Name of each body of a row, from the kinds of its bodies.
 
     Examples
     --------
@@ -28,14 +39,17 @@ def body_names(kinds: list[str]) -> list[str]:
     ['rod 1', 'mass 2', 'wall']
     """
     numbers = body_numbers(kinds)
-    return [
-        kind if kind == "wall" else f"{kind} {numbers[i]}"
-        for i, kind in enumerate(kinds)
-    ]
+    names = []
+    for i, kind in enumerate(kinds):
+        if kind == "wall":
+            names.append("wall")
+        else:
+            names.append(f"{kind} {numbers[i]}")
+    return names
 
 
 def contact_names(kinds: list[str]) -> list[str]:
-    """Name of each contact of a row of bodies of these kinds.
+    """Name of each contact of a row, from the kinds of its bodies.
 
     Examples
     --------

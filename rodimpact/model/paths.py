@@ -1,14 +1,14 @@
-"""Numbers of a system by the paths of a case file: which there are, and the system with others.
+"""Numbers of a system by their paths in a case file.
 
-``materials.NAME.field`` is that of every body of this material. A material also has a
-``wave_speed``, which stands for Young's modulus at its density, and a round rod an ``area``, which
-stands for its diameter.
+A place is the path of a number in ``System.to_dict()``: ``bodies.0.material.density``.
+The path ``materials.NAME.density`` has the places of all bodies of this material. A
+number may stand for another: a material has a ``wave_speed`` that stands for Young's
+modulus at its density, a round rod an ``area`` that stands for its diameter.
 """
 
 import math
 from collections.abc import Collection, Mapping
-from functools import reduce
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,8 +17,9 @@ from .bodies import Material, RigidMass, Rod, Segment
 from .frozen import MOST_CHOICES, Field, Number, listed, nearest
 from .system import GAP, System
 
-SPEED, MODULUS = "wave_speed", "youngs_modulus"
-STAND_INS = {SPEED: MODULUS, "area": "diameter"}
+SPEED = "wave_speed"
+MODULUS = "youngs_modulus"
+ALTERNATIVES = {SPEED: MODULUS, "area": "diameter"}
 """Fields that stand for others."""
 FIELDS = {
     **Material.fields,
@@ -30,62 +31,80 @@ FIELDS = {
     "gap": GAP,
     "step": Field("s"),
 }
+"""Declarations of the numbers of a system, by their last name."""
+
+
+class _Entry(NamedTuple):
+    """Place of a number in a description."""
+
+    table: Any  # dictionary or list that holds the number
+    key: Any  # its key or index there
 
 
 def numbers_of(system: System) -> dict[str, Number]:
     """Every number that can vary, by its place in ``System.to_dict()``."""
-    numbers = dict(system._numbers())
-    for place, value in list(numbers.items()):
+    stored_numbers = dict(system._numbers())
+    numbers = dict(stored_numbers)
+    for place, value in stored_numbers.items():
         owner, _, field = place.rpartition(".")
         if field == MODULUS:
-            numbers[f"{owner}.{SPEED}"] = np.sqrt(value / numbers[f"{owner}.density"])[
-                ()
-            ]
+            density = stored_numbers[f"{owner}.density"]
+            numbers[f"{owner}.{SPEED}"] = np.sqrt(value / density)[()]
         elif field == "diameter":
             numbers[f"{owner}.area"] = math.pi * value * value / 4
     return numbers
 
 
 def places_of(system: System) -> dict[str, list[str]]:
-    """Every path of a number that can vary, with the places of it in ``System.to_dict()``."""
-    found, described = dict[str, list[str]](), system.to_dict()
+    """Every path of a number that can vary, with its places in ``System.to_dict()``."""
+    places: dict[str, list[str]] = {}
+    description = system.to_dict()
     for place in numbers_of(system):
-        found[place] = [place]
+        places[place] = [place]
         owner, _, field = place.rpartition(".")
         if owner.endswith(".material"):
-            table, _ = _at(described, place)
-            found.setdefault(f"materials.{table['name']}.{field}", []).append(place)
-    return found
+            material = _entry(description, place).table
+            path = f"materials.{material['name']}.{field}"
+            places.setdefault(path, []).append(place)
+    return places
 
 
-def held_at(place: str) -> str:
-    """The place of the number for which the one at a place may stand."""
+def alternative_of(place: str) -> str:
+    """Place of the number for which the one at a place stands, or the place itself."""
     owner, dot, field = place.rpartition(".")
-    return owner + dot + STAND_INS.get(field, field)
+    return owner + dot + ALTERNATIVES.get(field, field)
 
 
 def with_numbers(system: System, numbers: Mapping[str, float]) -> System:
-    """The system with these numbers at these places; InvalidModel if there is none."""
-    described = system.to_dict()
-    each = [(*_at(described, place), value) for place, value in numbers.items()]
-    for table, field, value in sorted(each, key=lambda one: one[1] == SPEED):
+    """System with other numbers at places; InvalidModel if it is none.
+
+    A wave speed is set after the density, on which its modulus depends. A negative
+    speed or area is passed on as a negative modulus or diameter, so that the model
+    refuses it.
+    """
+    description = system.to_dict()
+    speeds = []
+    for place, value in numbers.items():
+        table, field = _entry(description, place)
         if field == SPEED:
-            table[MODULUS] = table["density"] * value * abs(value)
+            speeds.append((table, value))
         elif field == "area" and "diameter" in table:
-            table["diameter"] = np.copysign(
-                np.sqrt(4 * np.abs(value) / math.pi), value
-            )[()]
+            diameter = np.sqrt(4 * np.abs(value) / math.pi)
+            table["diameter"] = np.copysign(diameter, value)[()]
         else:
             table[field] = value
-    return System.from_dict(described)
+    for table, speed in speeds:
+        table[MODULUS] = table["density"] * speed * abs(speed)
+    return System.from_dict(description)
 
 
 def field_at(system: System, place: str) -> Field:
     """Declaration of the number at a place."""
     owner, _, field = place.rpartition(".")
     if owner.startswith("contacts") and field != "gap":
-        _, i, *table = owner.split(".")
-        return system.contacts[int(i)].fields[table[0] if table else field]
+        parts = place.split(".")  # contacts, index, field, for a list the index in it
+        law = system.contacts[int(parts[1])]
+        return law.fields[parts[2]]
     return FIELDS.get(field, Field())
 
 
@@ -94,22 +113,43 @@ def unit_at(system: System, place: str) -> str:
     return field_at(system, place).unit
 
 
-def suggestion(path: str, known: Collection[str]) -> str:
-    """Which of the known paths may be meant: the nearest of the same object, or what there is."""
-    *parts, _ = path[: 2 * MOST_SHOWN].split(".")
-    heads = [".".join([*parts[:n], ""]) for n in range(len(parts), 0, -1)]
-    head = next((h for h in heads if any(choice.startswith(h) for choice in known)), "")
-    inside = [choice.removeprefix(head) for choice in known if choice.startswith(head)]
-    said = nearest(path.removeprefix(head), inside, head)
-    if len(inside) > MOST_CHOICES and said.startswith("use one of"):
-        starts = dict.fromkeys(head + choice.partition(".")[0] for choice in inside)
-        said = f"use one that begins with {listed(list(starts))}"
-    return said
+def suggestion(path: str, choices: Collection[str]) -> str:
+    """Hint at the choice that may be meant by a path.
+
+    It is the nearest choice that shares the longest beginning with the path, or a list
+    of these choices.
+    """
+    parts = path[: 2 * MOST_SHOWN].split(".")[:-1]
+    beginning = ""
+    for n in range(len(parts), 0, -1):
+        candidate = ".".join(parts[:n]) + "."
+        if any(choice.startswith(candidate) for choice in choices):
+            beginning = candidate
+            break
+    remainders = []
+    for choice in choices:
+        if choice.startswith(beginning):
+            remainders.append(choice.removeprefix(beginning))
+    hint = nearest(path.removeprefix(beginning), remainders, beginning)
+    if len(remainders) > MOST_CHOICES and hint.startswith("use one of"):
+        next_parts = dict.fromkeys(
+            beginning + remainder.partition(".")[0] for remainder in remainders
+        )
+        hint = f"use one that begins with {listed(list(next_parts))}"
+    return hint
 
 
-def _at(described: Any, place: str) -> tuple[Any, Any]:
-    """The table or list of a description that holds a number, and the key of this."""
-    *steps, last = (
-        int(step) if step.isdecimal() else step for step in place.split(".")
-    )
-    return reduce(lambda table, step: table[step], steps, described), last
+def _entry(description: Any, place: str) -> _Entry:
+    """Entry of a description at a place."""
+    *steps, last = place.split(".")
+    table = description
+    for step in steps:
+        table = table[_key(step)]
+    return _Entry(table, _key(last))
+
+
+def _key(step: str) -> Any:
+    """Key of a table, or index of a list, for a step of a path."""
+    if step.isdecimal():
+        return int(step)
+    return step

@@ -1,8 +1,9 @@
-"""Every number that is given becomes a float here, or is refused.
+"""Conversion of numbers that users give to floats.
 
-Quantities of pint, astropy, unyt and their like are converted by their own unit. What would lose
-something on the way is refused: labels, a mask, an imaginary part, digits beyond a float; so is
-what only looks like a number: truth values, text, bytes and dates.
+Quantities of pint, astropy, unyt and their like are converted by their own unit. Values
+that would lose a part are refused: labels, a mask, an imaginary part, digits beyond a
+float. Values that only look like numbers are refused, too: truth values, text, bytes
+and dates.
 """
 
 import re
@@ -16,9 +17,11 @@ from ..units import shown
 
 Floats: TypeAlias = NDArray[np.float64]
 
-MOST_AXES = 32  # of a family; NumPy broadcasts no more
-_PLAIN = frozenset({float, int, np.float64})
-_WORDS = {
+MAX_AXES = 32
+"""Axes of a family, of which NumPy broadcasts no more."""
+_BARE_TYPES = frozenset({float, int, np.float64})
+"""Types of the values that are converted without any check."""
+_UNIT_WORDS = {
     "m": "metres",
     "m^2": "square metres",
     "s": "seconds",
@@ -30,89 +33,101 @@ _WORDS = {
 
 
 def floats(value: Any, unit: str) -> Floats:
-    """Return the numbers given as a new array of floats, without dimensions for a single one.
+    """Return numbers as a new array of floats, without dimensions for a single number.
 
     Parameters
     ----------
     value : object
-        A number, an array, or lists of them. A quantity with a unit becomes its magnitude in
-        `unit`, wherever it stands in a list.
+        A number, an array, or lists of them. A quantity with a unit becomes its
+        magnitude in `unit`, wherever it stands in a list.
     unit : str
         A unit of the SI, such as ``"kg/m^3"``; ``""`` for a pure number.
 
     Raises
     ------
     ValueError
-        If that is no number or one too large for a float, a unit does not convert to `unit`, or an
-        array would lose its labels or its mask.
+        If the value is no number or too large for a float, a unit does not convert to
+        `unit`, or an array would lose its labels or its mask.
 
     Examples
     --------
     >>> floats([0.4, 1], "m")
     array([0.4, 1. ])
     """
-    why = "; units.parse reads text with a unit" if isinstance(value, str) else ""
+    reason = ""
+    if isinstance(value, str):
+        reason = "; units.parse reads text with a unit"
     try:
-        bare = _bare(value, unit)
+        bare = _strip_units(value, unit)
         try:
-            with np.errstate(over="ignore"):  # what is infinite then is refused as such
+            # A number that overflows to infinity is refused as infinite later.
+            with np.errstate(over="ignore"):
                 numbers = np.array(bare, dtype=np.float64)
-        except ValueError:  # lists of unequal lengths
-            why = "; lists must be of equal lengths"
+        except ValueError:
+            reason = "; lists must be of equal lengths"
         else:
-            if numbers.ndim > MOST_AXES:
-                raise ValueError(
-                    f"must have at most {MOST_AXES} axes, got {numbers.ndim}"
-                )
+            if numbers.ndim > MAX_AXES:
+                message = f"must have at most {MAX_AXES} axes, got {numbers.ndim}"
+                raise ValueError(message)
             return numbers
     except OverflowError:
-        why = "; it is too large for a floating-point number"
+        reason = "; it is too large for a floating-point number"
     except (TypeError, RecursionError):
         pass
-    raise ValueError(f"must be a number{number_of(unit)}, got {shown(value)}{why}")
+    raise ValueError(f"must be a number{number_of(unit)}, got {shown(value)}{reason}")
 
 
 def number_of(unit: str) -> str:
-    """How a sentence goes on after "a number": " of metres", or nothing where there is no unit."""
-    return f" of {_WORDS.get(unit, unit)}" if unit else ""
+    """Text behind "a number" in a sentence: " of metres"; "" for a pure number."""
+    if not unit:
+        return ""
+    return f" of {_UNIT_WORDS.get(unit, unit)}"
 
 
-def _bare(value: Any, unit: str) -> Any:
-    """What of lists and arrays NumPy makes numbers of; TypeError for what is no number."""
-    if type(value) in _PLAIN:
+def _strip_units(value: Any, unit: str) -> Any:
+    """Numbers of a value in a unit: as they are, as a list, or as an array.
+
+    TypeError if the value is not numeric, ValueError if its unit does not convert.
+    """
+    if type(value) in _BARE_TYPES:
         return value
     if isinstance(value, list | tuple):
-        if _PLAIN.issuperset(map(type, value)):
+        if _BARE_TYPES.issuperset(map(type, value)):
             return value
-        return [_bare(item, unit) for item in value]
+        return [_strip_units(item, unit) for item in value]
     if isinstance(value, bool | bytes | bytearray | memoryview):
         raise TypeError
     if isinstance(value, Rational):
         return float(value)
-    if lost := _lost(value):
-        raise ValueError(f"must be bare numbers, got a {type(value).__name__}: {lost}")
+    loss = _loss_of(value)
+    if loss:
+        raise ValueError(f"must be bare numbers, got a {type(value).__name__}: {loss}")
     if hasattr(value, "units") or hasattr(value, "unit"):
-        try:
-            converted = value.to(_spelt(unit))
-            bare = (
-                converted.magnitude
-                if hasattr(converted, "magnitude")
-                else converted.value
-            )
-        except Exception:  # each library of units raises its own
-            wanted = f"be in a unit that converts to {unit}" if unit else "have no unit"
-            raise ValueError(f"must {wanted}, got {shown(value)}") from None
-        return _bare(bare, unit)
+        return _strip_units(_magnitude(value, unit), unit)
     array = np.asarray(value)
     if array.dtype.kind == "O" and array.ndim:
-        return _bare(array.tolist(), unit)
+        return _strip_units(array.tolist(), unit)
     if array.dtype.kind not in "fiu":
         raise TypeError
     return array
 
 
-def _lost(value: Any) -> str:
-    """What an array means besides its numbers, with the remedy; empty if nothing."""
+def _magnitude(quantity: Any, unit: str) -> Any:
+    """Magnitude of a quantity in a unit; ValueError if the unit does not convert."""
+    try:
+        converted = quantity.to(_library_spelling(unit))
+        if hasattr(converted, "magnitude"):
+            return converted.magnitude
+        return converted.value
+    except Exception:  # each library of units raises its own
+        wanted = "have no unit"
+        if unit:
+            wanted = f"be in a unit that converts to {unit}"
+        raise ValueError(f"must {wanted}, got {shown(quantity)}") from None
+
+
+def _loss_of(value: Any) -> str:
+    """Part of a value that its numbers would lose, and the remedy; "" if none."""
     if hasattr(value, "dims"):
         return (
             "dimensions are not matched by name here; give .values of arrays from "
@@ -125,6 +140,6 @@ def _lost(value: Any) -> str:
     return ""
 
 
-def _spelt(unit: str) -> str:
-    """A unit as all libraries read it: ``"N/m**(1.5)"``."""
+def _library_spelling(unit: str) -> str:
+    """A unit as all libraries of units read it: ``"N/m**(1.5)"``."""
     return re.sub(r"\^([0-9.]+)", r"**(\1)", unit).replace(" ", "*")

@@ -260,7 +260,7 @@ class System(Declared):
             raise frozen.refusal("data", message) from None
 
     def reversed(self) -> System:
-        """Return the same state with every velocity reversed: the motion backwards.
+        """Return the same state with reversed velocities: the motion runs backwards.
 
         Returns
         -------

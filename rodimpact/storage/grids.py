@@ -8,7 +8,7 @@ import numpy as np
 
 from .. import units
 from ..model.frozen import MOST_MEMBERS, Number, refusal
-from ..model.quantities import MOST_AXES, Floats
+from ..model.quantities import MAX_AXES, Floats
 from ..units import shown
 
 FORM = "start:stop:count, start:stop:count:log or a list such as 0.1,0.2,0.4"
@@ -57,9 +57,9 @@ def read_grids(vary: Mapping[str, str] | None) -> dict[str, Grid]:
     if not isinstance(texts, Mapping) or not all(isinstance(p, str) for p in texts):
         message = "must name numbers by their paths, each with a grid"
         raise refusal("vary", f"{message}, got {shown(texts)}")
-    if len(texts) > MOST_AXES:
-        message = f"is one of {len(texts)} numbers; at most {MOST_AXES} vary at once"
-        raise refusal(list(texts)[MOST_AXES], message)
+    if len(texts) > MAX_AXES:
+        message = f"is one of {len(texts)} numbers; at most {MAX_AXES} vary at once"
+        raise refusal(list(texts)[MAX_AXES], message)
     grids = {}
     for axis, (path, text) in enumerate(texts.items()):
         shape = [1] * len(texts)

@@ -15,7 +15,7 @@ from mistakes import problems
 import rodimpact as ri
 from rodimpact.fitting.parameters import ends_of
 from rodimpact.model.frozen import Frozen
-from rodimpact.model.quantities import _spelt, floats
+from rodimpact.model.quantities import _library_spelling, floats
 
 STEEL = ri.materials.steel
 UNITS = {  # factor to the unit of the SI, and that one as all libraries read it
@@ -92,7 +92,7 @@ def declared(examples):
     for example in examples:
         for name, field in type(example).fields.items():
             if name not in APART and field.unit != "N/m^p":
-                unit = OTHER[_spelt(field.unit)]
+                unit = OTHER[_library_spelling(field.unit)]
                 yield (
                     f"{type(example).__name__}.{name}",
                     (
