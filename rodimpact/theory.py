@@ -520,9 +520,11 @@ def pair_numbers(Z1: Array, T1: Array, Z2: Array, T2: Array) -> PairNumbers:
     low = np.minimum(Z1, Z2)
     high = np.maximum(Z1, Z2)
     is_equal = high - low <= EQUAL_IMPEDANCES_RTOL * high
+    # whether the impedance of the short rod is the higher one
     is_short_higher = np.where(Z1 > Z2, T1 < T2, T2 < T1)
     is_short_higher = np.where(is_equal, False, is_short_higher)
     abs_q = np.where(is_equal, 0.0, (high - low) / (high + low))
+    # With r = low/high, q = (1 - r)/(1 + r), and log(q) = -2 artanh(r).
     low_over_high = np.where(is_short_higher, low / high, 0.0)
     return PairNumbers(
         np.minimum(T1, T2),

@@ -218,7 +218,7 @@ class Segment(Declared):
         if self.diameter is not None:
             if area is not None:
                 problems.append(("diameter", "give either area or diameter, not both"))
-            area = 1.0
+            area = 1.0  # stands for the area of a faulty diameter
             if not problems:
                 area = math.pi * self.diameter * self.diameter / 4
         if area is None:
@@ -549,7 +549,7 @@ class Rod(Frozen, kind="rod"):
             frozen.family_shape(
                 (f"segments.{i}.length", s.length) for i, s in enumerate(pieces)
             )
-        total: Number | None = None
+        total: Number | None = None  # faulty segments leave the length unknown
         if not problems:
             total = sum(s.length for s in pieces)
         v = profiles.along_rod(

@@ -392,7 +392,7 @@ def _checked_face(problems: Problems, side: str, radius: Any, material: Any) -> 
         numbers[f"{material_path}.youngs_modulus"] = E
         numbers[f"{material_path}.poisson_ratio"] = nu
         with np.errstate(all="ignore"):
-            compliance = 1 / (E / (1 - nu**2))
+            compliance = 1 / (E / (1 - nu**2))  # 1 over the plane strain modulus
     elif material is not None:
         message = "must be a Material with a poisson_ratio, or None for a rigid face"
         note(problems, material_path, message, material)
