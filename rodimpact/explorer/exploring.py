@@ -22,7 +22,7 @@ from .design import LIBRARY, tables_of, with_gauges
 from .fronts import run_of, solved_by_fronts, space_of
 from .page_files import standalone
 from .presets import presets
-from .tables import RULES, asked_of, is_smooth, lacking, system_of
+from .tables import RULES, is_smooth, lacking, request_of, system_of
 
 FRAME = "width: 100%; height: 58rem; border: 0"
 REMEDY = "rodimpact animate CASE.toml -o FILE.gif makes a moving picture"
@@ -175,7 +175,7 @@ def check_solvable(case: Case, tables: dict[str, Any]) -> None:
         raise refusal(path, f"the page cannot solve {physics}; {REMEDY}")
     if is_smooth(tables):
         return
-    asked = asked_of(tables)
+    asked = request_of(tables)
     row = system_of(tables, LIBRARY)
     result = solved_by_fronts(row, asked)
     if "problem" in result:

@@ -15,7 +15,7 @@ from . import fronts, pieces
 from .known import gauge_of
 from .motion import energy_curves, gauge_curve, path_of
 from .picture import picture
-from .tables import asked_of, is_smooth, system_of
+from .tables import is_smooth, request_of, system_of
 
 QUICK = 1e-6  # tolerance of pieces for curves and maps
 
@@ -37,7 +37,7 @@ def scene_of(
     dict
         As `picture` makes it; or one with a ``problem``, path and sentence.
     """
-    system, asked = system_of(case, library), asked_of(case)
+    system, asked = system_of(case, library), request_of(case)
     if is_smooth(case):
         found = pieces.solved_by_pieces(system, asked, tolerance, seconds)
     else:
@@ -73,7 +73,7 @@ def e_of(case: Any, library: Any, seconds: float = math.inf) -> Any:
 
     None where there is no e, and where its run takes longer than so many seconds.
     """
-    row, asked = walk(system_of(case, library)), asked_of(case)
+    row, asked = walk(system_of(case, library)), request_of(case)
     if is_smooth(case):
         deadline = monotonic() + seconds
         run = pieces.run_of(row, asked, QUICK, False, None, deadline)

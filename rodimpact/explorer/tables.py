@@ -1,13 +1,13 @@
-"""From the tables of a case to a system, in Python that the page has as JavaScript.
+"""From the tables of a case to a system, for the page, which has this as JavaScript.
 
-Mistakes are told in the words of the model: `RULES` are its fields. What the page cannot solve is
-named.
+`lacking` names the first physics that the page cannot solve, `mistakes` lists the
+mistakes of a case in the words of the model (`RULES` are the rules of its fields), and
+`system_of` makes the system.
 """
 
 import math
 import sys
-from collections import namedtuple
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..methods import abilities
 from ..model import GAP, Bonded, Material, Rigid, RigidMass, Rod, Segment, Wall
@@ -16,275 +16,488 @@ from ..model.laws import Hertz, HuntCrossley, PowerLaw, Spring, SpringDashpot
 from ..model.profiles import Steps
 
 LAWS = (Rigid, Bonded, Spring, SpringDashpot, Hertz, HuntCrossley, PowerLaw)
-MAX = sys.float_info.max
+"""Contact laws that the page can solve."""
+MAX_FLOAT = sys.float_info.max
 RANGES = {
-    "positive": (TINY, MAX),
-    "non-negative": (0.0, MAX),
-    "any": (-MAX, MAX),
+    "positive": (TINY, MAX_FLOAT),
+    "non-negative": (0.0, MAX_FLOAT),
+    "any": (-MAX_FLOAT, MAX_FLOAT),
     "[0, 1]": (0.0, 1.0),
-    "[1, inf)": (1.0, MAX),
+    "[1, inf)": (1.0, MAX_FLOAT),
 }
-"""The smallest and the largest number of each sign."""
-RULES: dict[str, dict[str, tuple[float, float, str]]] = {
-    table: {
-        name: (*RANGES[fields[name].sign], fields[name].wanted[:-11]) for name in names
-    }
-    for table, fields, names in (
-        ("segment", Segment.fields, ("length", "area")),
-        ("rod", Rod.fields, tuple(Rod.fields)),
-        ("wall", Wall.fields, ("velocity",)),
-        ("mass", RigidMass.fields, ("mass", "velocity")),
-        *((law.law, law.fields, tuple(law.fields)) for law in LAWS),
-        ("contact", {"gap": GAP}, ("gap",)),
-        ("material", Material.fields, ("youngs_modulus", "density")),
-        ("gauge", {"fraction": Field("", "[0, 1]")}, ("fraction",)),
-    )
-}
-"""By table and field the smallest and the largest number, and what it must be."""
+"""Smallest and largest number of each sign."""
+VALUE = ", got {0!r}"
+"""End of a message of the model, which shows the value; the page shows it in its own
+way.
+"""
+OUT_OF_SCALE_PAGE = OUT_OF_SCALE.removesuffix(VALUE)
 NUMBERS = {law.law: list(law.fields) for law in LAWS}
-NAMES = {
+"""Numbers of each contact law, by its word."""
+LACKING_ENTRIES = {
     "lateral_inertia": abilities.LATERAL,
     "polar_moment": abilities.LATERAL,
     "viscosity": abilities.DAMPING,
     "loss_factor": abilities.DAMPING,
 }
-"""What entries stand for that the page cannot solve."""
+"""Physics that the page cannot solve, by the entries that ask for it."""
 PROFILES = "profiles in one row with compliant contacts or rigid masses"
-SCALE = OUT_OF_SCALE[:-11]
-MOST_EVENTS = (
-    20_000  # fronts that arrive at an end: an answer comes while a slider is dragged
-)
+BODY_ENTRIES = [
+    "kind",
+    "segments",
+    "velocity",
+    "strain",
+    "length",
+    "area",
+    "material",
+    "mass",
+]
+"""Entries of a body that the page can solve."""
+SEGMENT_ENTRIES = ["length", "area", "material"]
+MATERIAL_ENTRIES = ["youngs_modulus", "density", "poisson_ratio"]
+END_ENTRIES = ["kind", "value"]
+MAX_PAGE_EVENTS = 20_000
+"""Fronts that arrive at an end: an answer comes while a slider is dragged."""
+
+
+class Rule(NamedTuple):
+    """Rule of a number in a table."""
+
+    smallest: float  # allowed, in SI units
+    largest: float  # allowed, in SI units
+    wanted: str  # sentence: what the number must be
+
+
+def _rules_of(fields: dict[str, Field], names: list[str]) -> dict[str, Rule]:
+    """Rules of some fields of the model, by name."""
+    rules = {}
+    for name in names:
+        field = fields[name]
+        smallest, largest = RANGES[field.sign]
+        rules[name] = Rule(smallest, largest, field.wanted.removesuffix(VALUE))
+    return rules
+
+
+RULES: dict[str, dict[str, Rule]] = {
+    "segment": _rules_of(Segment.fields, ["length", "area"]),
+    "rod": _rules_of(Rod.fields, list(Rod.fields)),
+    "wall": _rules_of(Wall.fields, ["velocity"]),
+    "mass": _rules_of(RigidMass.fields, ["mass", "velocity"]),
+    **{law.law: _rules_of(law.fields, list(law.fields)) for law in LAWS},
+    "contact": _rules_of({"gap": GAP}, ["gap"]),
+    "material": _rules_of(Material.fields, ["youngs_modulus", "density"]),
+    "gauge": _rules_of({"fraction": Field("", "[0, 1]")}, ["fraction"]),
+}
+"""Rules of the numbers in each kind of table."""
 
 
 def is_smooth(case: Any) -> bool:
-    """Whether characteristics solve a case: fronts carry no masses and no compliant contacts."""
-    asked = case.get("solve", {}).get("method", "auto")
+    """Whether characteristics solve a case.
+
+    Fronts carry no masses and no compliant contacts.
+    """
+    method = case.get("solve", {}).get("method", "auto")
     laws = [contact.get("law", "rigid") for contact in case.get("contacts", [])]
-    compliant = any(law not in ("rigid", "bonded") for law in laws)
-    masses = any(body["kind"] == "mass" for body in case["bodies"])
-    return asked == "characteristics" or (asked == "auto" and (compliant or masses))
+    is_compliant = any(law not in ("rigid", "bonded") for law in laws)
+    has_mass = any(body["kind"] == "mass" for body in case["bodies"])
+    if method == "auto":
+        return is_compliant or has_mass
+    return bool(method == "characteristics")
 
 
 def contacts_in(case: Any) -> Any:
-    """The tables of all contacts."""
+    """Tables of all contacts; empty ones where the case has none."""
     return case.get("contacts", [{} for _ in range(len(case["bodies"]) - 1)])
 
 
+def segments_of(body: Any) -> Any:
+    """Tables with the segments of a body; none of a wall or a mass."""
+    if "segments" in body:
+        return body["segments"]
+    if body["kind"] == "rod":
+        return [body]
+    return []
+
+
+# Physics that the page cannot solve ---------------------------------------------------
+
+
+class Entries(NamedTuple):
+    """A table with the entries that the page can solve in it."""
+
+    path: str
+    table: Any
+    allowed: list[str]  # names of the entries
+
+
 def lacking(case: Any) -> tuple[str, str]:
-    """Path and name of the first thing that the page cannot solve; "" if there is none."""
-    asked, bodies = case.get("solve", {}).get("method", "auto"), case["bodies"]
-    if asked not in ("auto", "fronts", "characteristics"):
-        return "solve.method", f'the method "{asked}"'
+    """Path and name of the first physics that the page cannot solve; "" if none."""
+    path, name = lacking_in_options(case)
+    if name == "":
+        path, name = lacking_in_bodies(case)
+    if name == "":
+        path, name = lacking_in_contacts(case)
+    if name == "":
+        path, name = lacking_in_entries(case)
+    return path, name
+
+
+def lacking_in_options(case: Any) -> tuple[str, str]:
+    """A method that the page does not have, or gravity."""
+    method = case.get("solve", {}).get("method", "auto")
+    if method not in ("auto", "fronts", "characteristics"):
+        return "solve.method", f'the method "{method}"'
     if case.get("gravity", 0) != 0:
         return "gravity", abilities.GRAVITY
+    return "", ""
+
+
+def lacking_in_bodies(case: Any) -> tuple[str, str]:
+    """A rigid mass, if fronts shall solve the case."""
     smooth = is_smooth(case)
-    entries: list[Any] = []  # with their paths, and what may be in them
-    for i, body in enumerate(bodies):
+    for i, body in enumerate(case["bodies"]):
         if body["kind"] == "mass" and not smooth:
             return f"bodies.{i}", abilities.MASSES
-        entries.append(
-            (
-                f"bodies.{i}",
-                body,
-                (
-                    "kind",
-                    "segments",
-                    "velocity",
-                    "strain",
-                    "length",
-                    "area",
-                    "material",
-                    "mass",
-                ),
-            )
-        )
-        entries.extend(
-            [
-                (f"bodies.{i}", piece, ("length", "area", "material"))
-                for piece in body.get("segments", [])
-            ]
-        )
+    return "", ""
+
+
+def lacking_in_contacts(case: Any) -> tuple[str, str]:
+    """A contact law that the page does not have, or not for this contact."""
+    smooth = is_smooth(case)
     for i, contact in enumerate(case.get("contacts", [])):
-        path, law = f"contacts.{i}", contact.get("law", "rigid")
-        rods = any(body["kind"] == "rod" for body in bodies[i : i + 2])
+        path = f"contacts.{i}"
+        law = contact.get("law", "rigid")
         if law not in NUMBERS:
             return path, f'the contact law "{law}"'
         if law not in ("rigid", "bonded") and not smooth:
             return path, abilities.COMPLIANCE
-        if law == "bonded" and not rods:
+        if law == "bonded" and not has_rod(case, i):
             return path, "rigid bodies that are bonded"
-        numbers = (
-            [] if law == "rigid" and rods else NUMBERS[law]
-        )  # waves decide e of rods
-        entries.append((path, contact, ("gap", "law", *numbers)))
-    used = [piece.get("material", "") for body in bodies for piece in pieces_of(body)]
-    entries.extend(
-        [
-            (
-                f"materials.{name}",
-                material,
-                ("youngs_modulus", "density", "poisson_ratio"),
-            )
-            for name, material in case.get("materials", {}).items()
-            if name in used
-        ]
-    )
-    entries.extend(
-        [
-            (f"ends.{side}", end, ("kind", "value"))
-            for side, end in case.get("ends", {}).items()
-        ]
-    )
-    for path, table, known in entries:
-        for key, value in table.items():
-            what = "" if key in known else NAMES.get(key, f"the entry {key}")
-            if isinstance(value, dict) and "samples" in value:
-                what = abilities.TAPER if key == "area" else abilities.SMOOTH_STATES
-            elif isinstance(value, dict) and smooth:
-                what = PROFILES
-            if what != "" and value is not None and value != 0:
-                return f"{path}.{key}", what
     return "", ""
 
 
-def pieces_of(body: Any) -> Any:
-    """Tables with the segments of a body; none of a wall."""
-    return body.get("segments", [body] if body["kind"] == "rod" else [])
+def has_rod(case: Any, i: int) -> bool:
+    """Whether contact i has a rod on one side."""
+    return any(body["kind"] == "rod" for body in case["bodies"][i : i + 2])
+
+
+def lacking_in_entries(case: Any) -> tuple[str, str]:
+    """An entry of a table with a number or a profile that the page cannot solve."""
+    smooth = is_smooth(case)
+    for entries in entries_of(case):
+        for key, value in entries.table.items():
+            name = lacking_entry(key, value, entries.allowed, smooth)
+            if name != "":
+                return f"{entries.path}.{key}", name
+    return "", ""
+
+
+def lacking_entry(key: str, value: Any, allowed: list[str], smooth: bool) -> str:
+    """Name of the physics that an entry needs and the page lacks; "" if none."""
+    if value is None or value == 0:
+        return ""
+    if isinstance(value, dict) and "samples" in value:
+        if key == "area":
+            return abilities.TAPER
+        return abilities.SMOOTH_STATES
+    if isinstance(value, dict) and smooth:
+        return PROFILES
+    if key in allowed:
+        return ""
+    return LACKING_ENTRIES.get(key, f"the entry {key}")
+
+
+def entries_of(case: Any) -> list[Entries]:
+    """All tables of a case with the entries that the page can solve in them."""
+    tables = []
+    used_materials = []
+    for i, body in enumerate(case["bodies"]):
+        path = f"bodies.{i}"
+        tables.append(Entries(path, body, BODY_ENTRIES))
+        segments = body.get("segments", [])
+        tables.extend([Entries(path, segment, SEGMENT_ENTRIES) for segment in segments])
+        used = [segment.get("material", "") for segment in segments_of(body)]
+        used_materials.extend(used)
+    for i, contact in enumerate(case.get("contacts", [])):
+        law = contact.get("law", "rigid")
+        numbers = NUMBERS[law]
+        if law == "rigid" and has_rod(case, i):
+            numbers = []  # the waves of the rod decide, not a restitution
+        tables.append(Entries(f"contacts.{i}", contact, ["gap", "law", *numbers]))
+    for name, material in case.get("materials", {}).items():
+        if name in used_materials:
+            tables.append(Entries(f"materials.{name}", material, MATERIAL_ENTRIES))
+    for side, end in case.get("ends", {}).items():
+        tables.append(Entries(f"ends.{side}", end, END_ENTRIES))
+    return tables
+
+
+# Mistakes -----------------------------------------------------------------------------
+
+
+class RuledTable(NamedTuple):
+    """A table whose numbers have rules."""
+
+    path: str
+    table: Any
+    kind: str  # key of `RULES`
 
 
 def mistakes(case: Any, gauges: Any, library: Any, rules: Any) -> list[Any]:
-    """Path and sentence of each mistake in a case that fronts can carry, and in its gauges."""
-    found, bodies, materials = [], case["bodies"], case.get("materials", {})
-    kinds, pairs = [body["kind"] for body in bodies], len(bodies) - 1
-    rods = [i for i, kind in enumerate(kinds) if kind == "rod"]
-    tables = [
-        (f"materials.{name}", table, "material") for name, table in materials.items()
+    """Path and sentence of each mistake in a case that the page can solve.
+
+    Parameters
+    ----------
+    case : dict
+        Tables of a case file.
+    gauges : list of dict
+        Tables of its gauges.
+    library : dict
+        Materials that the case may name, by their names.
+    rules : dict
+        `RULES`, which the page has from Python.
+    """
+    problems = [
+        *mistakes_of_row(case),
+        *mistakes_of_gauges(case, gauges),
+        *mistakes_of_bodies(case, library),
+        *mistakes_of_contacts(case),
     ]
-    if len(rods) == 0:
-        found.append(("bodies", "needs at least one rod"))
-    if len(contacts_in(case)) != pairs:
-        found.append(
-            ("contacts", f"needs one entry for each neighbouring pair, {pairs} in all")
-        )
+    for ruled in ruled_tables(case, gauges):
+        for key, (smallest, largest, wanted) in rules[ruled.kind].items():
+            value = ruled.table.get(key, 0.0)
+            wrong = wrong_number(value, smallest, largest, wanted)
+            if wrong != "":
+                problems.append((f"{ruled.path}.{key}", wrong))
+    return problems
+
+
+def mistakes_of_row(case: Any) -> list[Any]:
+    """A row without rods, and a wrong number of contacts."""
+    problems = []
+    n_pairs = len(case["bodies"]) - 1
+    if not any(body["kind"] == "rod" for body in case["bodies"]):
+        problems.append(("bodies", "needs at least one rod"))
+    if len(contacts_in(case)) != n_pairs:
+        wanted = f"needs one entry for each neighbouring pair, {n_pairs} in all"
+        problems.append(("contacts", wanted))
+    return problems
+
+
+def mistakes_of_gauges(case: Any, gauges: Any) -> list[Any]:
+    """Gauges on no rod, and an end of the run before which there is nothing to show."""
+    problems = []
+    bodies = case["bodies"]
+    rods = [i for i, body in enumerate(bodies) if body["kind"] == "rod"]
     for i, gauge in enumerate(gauges):
-        tables.append((f"gauges.{i}", gauge, "gauge"))
         if gauge["body"] not in rods:
-            found.append((f"gauges.{i}.body", "must be the number of a rod"))
+            problems.append((f"gauges.{i}.body", "must be the number of a rod"))
     until = case.get("solve", {}).get("until", 1.0)
     if not isinstance(until, float) or not math.isfinite(until) or until <= 0:
-        found.append(("solve.until", "must be above 0 for a picture"))
+        problems.append(("solve.until", "must be above 0 for a picture"))
+    return problems
+
+
+def mistakes_of_bodies(case: Any, library: Any) -> list[Any]:
+    """Walls inside the row, and materials that nobody declared."""
+    problems = []
+    bodies = case["bodies"]
+    materials = {**library, **case.get("materials", {})}
     for i, body in enumerate(bodies):
-        tables.append((f"bodies.{i}", body, body["kind"]))
-        if body["kind"] == "wall" and 0 < i < pairs:
-            found.append((f"bodies.{i}", "a wall may stand only at an end of the row"))
-        for j, piece in enumerate(pieces_of(body)):
-            where = f"bodies.{i}.segments.{j}" if "segments" in body else f"bodies.{i}"
-            tables.append((where, piece, "segment"))
-            if piece.get("material", "") not in {**library, **materials}:
-                found.append((f"{where}.material", "unknown material"))
+        if body["kind"] == "wall" and 0 < i < len(bodies) - 1:
+            problems.append(
+                (f"bodies.{i}", "a wall may stand only at an end of the row")
+            )
+        for j, segment in enumerate(segments_of(body)):
+            if segment.get("material", "") not in materials:
+                path = segment_path(body, i, j)
+                problems.append((f"{path}.material", "unknown material"))
+    return problems
+
+
+def segment_path(body: Any, i: int, j: int) -> str:
+    """Path of segment j of body i: that of the body if it has no list of segments."""
+    if "segments" in body:
+        return f"bodies.{i}.segments.{j}"
+    return f"bodies.{i}"
+
+
+def mistakes_of_contacts(case: Any) -> list[Any]:
+    """Impacts of rigid bodies without restitution, and bonds with a gap."""
+    problems = []
+    kinds = [body["kind"] for body in case["bodies"]]
     for i, contact in enumerate(case.get("contacts", [])):
-        law, pair = contact.get("law", "rigid"), kinds[i : i + 2]
-        tables.extend(
-            [(f"contacts.{i}", contact, "contact"), (f"contacts.{i}", contact, law)]
-        )
-        waves = "rod" in pair or "mass" not in pair
-        if law == "rigid" and not waves and contact.get("restitution") is None:
+        law = contact.get("law", "rigid")
+        pair = kinds[i : i + 2]
+        is_determined = "rod" in pair or "mass" not in pair
+        if law == "rigid" and not is_determined and contact.get("restitution") is None:
             message = (
                 "no wave decides this contact: give its restitution, or a compliant law"
             )
-            found.append((f"contacts.{i}", message))
+            problems.append((f"contacts.{i}", message))
         if law == "bonded" and contact.get("gap", 0) != 0:
-            found.append((f"contacts.{i}.gap", "must be 0 where bodies are bonded"))
-    for path, table, kind in tables:
-        for key, (low, high, sentence) in rules[kind].items():
-            wrong = wrong_number(table.get(key, 0.0), low, high, sentence)
-            if wrong != "":
-                found.append((f"{path}.{key}", wrong))
-    return found
+            problems.append((f"contacts.{i}.gap", "must be 0 where bodies are bonded"))
+    return problems
 
 
-def wrong_number(value: Any, low: float, high: float, sentence: str) -> str:
-    """What is wrong with a number; "" if nothing is, or if it is a profile."""
+def ruled_tables(case: Any, gauges: Any) -> list[RuledTable]:
+    """All tables whose numbers have rules."""
+    tables = []
+    for name, material in case.get("materials", {}).items():
+        tables.append(RuledTable(f"materials.{name}", material, "material"))
+    for i, gauge in enumerate(gauges):
+        tables.append(RuledTable(f"gauges.{i}", gauge, "gauge"))
+    for i, body in enumerate(case["bodies"]):
+        tables.append(RuledTable(f"bodies.{i}", body, body["kind"]))
+        for j, segment in enumerate(segments_of(body)):
+            path = segment_path(body, i, j)
+            tables.append(RuledTable(path, segment, "segment"))
+    for i, contact in enumerate(case.get("contacts", [])):
+        path = f"contacts.{i}"
+        tables.append(RuledTable(path, contact, "contact"))
+        tables.append(RuledTable(path, contact, contact.get("law", "rigid")))
+    return tables
+
+
+def wrong_number(value: Any, smallest: float, largest: float, wanted: str) -> str:
+    """Sentence on a wrong number; "" if it is right, or a profile."""
+    if isinstance(value, dict):
+        return ""
     if not isinstance(value, float):
-        return "" if isinstance(value, dict) else f"{sentence}, got no number"
-    if not low <= value <= high:
-        return f"{sentence}, got {value:.6g}"
-    sound = value == 0 or SMALLEST <= abs(value) <= LARGEST
-    return "" if sound else f"{SCALE}, got {value:.6g}"
+        return f"{wanted}, got no number"
+    if not smallest <= value <= largest:
+        return f"{wanted}, got {value:.6g}"
+    if value == 0 or SMALLEST <= abs(value) <= LARGEST:
+        return ""
+    return f"{OUT_OF_SCALE_PAGE}, got {value:.6g}"
 
 
-# A case as a system -------------------------------------------------------------------------------
+# A case as a system -------------------------------------------------------------------
+
+# The records of a row have the names of the model's classes, with the fields that the
+# kernels and the pictures read.
 
 
-# What stands in a row, by the names of the model.
-Stuff = namedtuple("Stuff", "name density youngs_modulus")
-Piece = namedtuple(
-    "Piece", "length area material wave_speed impedance transit_time mass"
-)
-Body = namedtuple("Body", "kind segments mass velocity strain")  # a wall has no mass
-Contact = namedtuple("Contact", "law opens restitution stiffness exponent damping")
-End = namedtuple("End", "kind value")
-Row = namedtuple("Row", "bodies gaps contacts gravity ends")
+class PageMaterial(NamedTuple):
+    """Material of the library or of a case."""
 
-Asked = namedtuple("Asked", "until max_events")
-"""What a case asks of a run: its end, s, negative where there is none; the cap on events."""
+    name: str
+    density: float  # kg/m^3
+    youngs_modulus: float  # Pa
 
 
-def system_of(case: Any, library: Any) -> Row:
-    """A case without mistakes that the page can solve, as a system."""
-    contacts, ends = contacts_in(case), case.get("ends", {})
+class PageSegment(NamedTuple):
+    """Uniform segment of a rod."""
+
+    length: float  # m
+    area: float  # m^2
+    material: PageMaterial
+    wave_speed: float  # m/s
+    impedance: float  # kg/s
+    transit_time: float  # s
+    mass: float  # kg
+
+
+class PageBody(NamedTuple):
+    """Rod, rigid mass or wall."""
+
+    kind: str
+    segments: list[PageSegment]  # empty for a mass and a wall
+    mass: float  # kg; 0 for a wall
+    velocity: Any  # m/s, a number or steps
+    strain: Any  # a number or steps
+
+
+class PageContact(NamedTuple):
+    """Contact law with the numbers of all laws; 0 for numbers that it does not have."""
+
+    law: str
+    opens: bool  # whether the contact is unilateral
+    restitution: Any  # None between rods
+    stiffness: float  # N/m^p
+    exponent: float  # p
+    damping: float  # N s/m, or s/m for Hunt and Crossley
+
+
+class PageEnd(NamedTuple):
+    """Boundary condition at an end of the row."""
+
+    kind: str
+    value: Any  # of a driven end: a number or steps
+
+
+class PageSystem(NamedTuple):
+    """Row of bodies from left to right."""
+
+    bodies: list[PageBody]
+    gaps: list[float]  # m
+    contacts: list[PageContact]
+    gravity: float  # m/s^2
+    ends: list[PageEnd]  # left, right
+
+
+class RunRequest(NamedTuple):
+    """Options of a run."""
+
+    until: float  # end of the run, s; negative if there is none
+    max_events: int  # cap on the events
+
+
+def system_of(case: Any, library: Any) -> PageSystem:
+    """System of a case without mistakes that the page can solve."""
+    contacts = contacts_in(case)
+    ends = case.get("ends", {})
     materials = {**library, **case.get("materials", {})}
-    return Row(
+    return PageSystem(
         [body_of(body, materials) for body in case["bodies"]],
         [contact.get("gap", 0.0) for contact in contacts],
         [law_of(contact) for contact in contacts],
         0.0,
         [
-            End(end["kind"], profile_of(end.get("value", 0.0)))
-            for end in (
-                ends.get("left", {"kind": "free"}),
-                ends.get("right", {"kind": "free"}),
-            )
+            end_of(ends.get("left", {"kind": "free"})),
+            end_of(ends.get("right", {"kind": "free"})),
         ],
     )
 
 
-def asked_of(case: Any) -> Asked:
-    """What a case asks of a run."""
+def request_of(case: Any) -> RunRequest:
+    """Options of the run of a case."""
     solve = case.get("solve", {})
-    return Asked(
-        solve.get("until", -1.0), min(solve.get("max_events", MOST_EVENTS), MOST_EVENTS)
-    )
+    max_events = solve.get("max_events", MAX_PAGE_EVENTS)
+    return RunRequest(solve.get("until", -1.0), min(max_events, MAX_PAGE_EVENTS))
 
 
-def body_of(table: Any, materials: Any) -> Body:
-    """A body from its table."""
-    segments, mass = [], table.get("mass", 0.0)
-    for piece in pieces_of(table):
-        material, length = materials[piece["material"]], piece["length"]
-        stuff = Stuff(
-            piece["material"], material["density"], material["youngs_modulus"]
-        )
-        speed = math.sqrt(stuff.youngs_modulus / stuff.density)
-        Z, T = stuff.density * piece["area"] * speed, length / speed
-        segments.append(Piece(length, piece["area"], stuff, speed, Z, T, Z * T))
-        mass += Z * T
-    return Body(
-        table["kind"],
-        segments,
-        mass,
-        profile_of(table.get("velocity", 0.0)),
-        profile_of(table.get("strain", 0.0)),
-    )
+def body_of(table: Any, materials: Any) -> PageBody:
+    """Body from its table."""
+    segments = [segment_of(segment, materials) for segment in segments_of(table)]
+    mass = table.get("mass", 0.0)
+    for segment in segments:
+        mass += segment.mass
+    velocity = profile_of(table.get("velocity", 0.0))
+    strain = profile_of(table.get("strain", 0.0))
+    return PageBody(table["kind"], segments, mass, velocity, strain)
 
 
-def law_of(contact: Any) -> Contact:
-    """A contact law from its table."""
+def segment_of(table: Any, materials: Any) -> PageSegment:
+    """Segment from its table."""
+    name = table["material"]
+    density = materials[name]["density"]
+    youngs_modulus = materials[name]["youngs_modulus"]
+    material = PageMaterial(name, density, youngs_modulus)
+    length = table["length"]
+    area = table["area"]
+    c = math.sqrt(youngs_modulus / density)
+    Z = density * area * c
+    T = length / c
+    return PageSegment(length, area, material, c, Z, T, Z * T)
+
+
+def law_of(contact: Any) -> PageContact:
+    """Contact law from its table."""
     law = contact.get("law", "rigid")
-    exponent = (
-        1.0 if law in ("spring", "spring-dashpot") else contact.get("exponent", 1.5)
-    )
-    return Contact(
+    exponent = contact.get("exponent", 1.5)
+    if law in ("spring", "spring-dashpot"):
+        exponent = 1.0
+    return PageContact(
         law,
         law != "bonded",
         contact.get("restitution"),
@@ -294,6 +507,13 @@ def law_of(contact: Any) -> Contact:
     )
 
 
+def end_of(table: Any) -> PageEnd:
+    """End of the row from its table."""
+    return PageEnd(table["kind"], profile_of(table.get("value", 0.0)))
+
+
 def profile_of(value: Any) -> Any:
-    """A number, or steps from their table."""
-    return Steps(value["values"], value["at"]) if isinstance(value, dict) else value
+    """A number as it is, or steps from their table."""
+    if isinstance(value, dict):
+        return Steps(value["values"], value["at"])
+    return value

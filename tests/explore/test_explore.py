@@ -12,7 +12,7 @@ import rodimpact as ri
 from rodimpact.explorer.design import LIBRARY, tables_of, with_gauges
 from rodimpact.explorer.presets import presets
 from rodimpact.explorer.solved import e_of, scene_of
-from rodimpact.explorer.tables import MOST_EVENTS
+from rodimpact.explorer.tables import MAX_PAGE_EVENTS
 from rodimpact.storage.case_reading import case_from
 
 STEEL = ri.materials.steel
@@ -177,9 +177,9 @@ STEPPED = ri.Rod(
 
 def test_fronts_that_multiply_are_not_for_the_page():
     system = ri.System([ri.Wall(), STEPPED, ri.Wall()])
-    case = ri.Case(system, {"until": 10.0, "max_events": MOST_EVENTS + 10_000})
+    case = ri.Case(system, {"until": 10.0, "max_events": MAX_PAGE_EVENTS + 10_000})
     with pytest.raises(
-        ri.InvalidModel, match=f"^solve: the page follows {MOST_EVENTS} arr"
+        ri.InvalidModel, match=f"^solve: the page follows {MAX_PAGE_EVENTS} arr"
     ):
         ri.explore(case)
 

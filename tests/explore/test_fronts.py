@@ -13,7 +13,7 @@ import rodimpact as ri
 from rodimpact.explorer import fronts, motion
 from rodimpact.explorer.design import LIBRARY
 from rodimpact.explorer.known import gauge_of
-from rodimpact.explorer.tables import RULES, asked_of, lacking, mistakes, system_of
+from rodimpact.explorer.tables import RULES, lacking, mistakes, request_of, system_of
 from rodimpact.methods.fronts.family_layout import lay_out_family
 from rodimpact.methods.registry import Options
 from rodimpact.methods.walk import walk
@@ -53,7 +53,7 @@ def rows():
 def test_runs_and_curves_are_those_of_the_solution(number):
     system, solve = list(rows())[number]
     case = tables_of(system, **solve)
-    theirs, asked = system_of(case, LIBRARY), asked_of(case)
+    theirs, asked = system_of(case, LIBRARY), request_of(case)
     plan, known = lay_out_family(walk(theirs)), lay_out_family(walk(system))
     assert plan[1:] == known[1:]
     solution = ri.solve(system, **solve, max_events=20_000)

@@ -22,7 +22,7 @@ from rodimpact.explorer.page_files import read
 from rodimpact.explorer.presets import presets
 from rodimpact.explorer.solved import scene_of
 from rodimpact.explorer.solver import CONSTANTS, KNOWN
-from rodimpact.explorer.tables import RULES, asked_of, system_of
+from rodimpact.explorer.tables import RULES, request_of, system_of
 from rodimpact.methods import compiling, tick_rule
 from rodimpact.methods.fronts import records as front_records
 from rodimpact.methods.fronts.family_layout import lay_out_family
@@ -295,7 +295,7 @@ def rows(seeds):
     return found
 
 
-SOLVES = (system_of, asked_of, walk, lay_out_family, space_of, run_of, outcome_of)
+SOLVES = (system_of, request_of, walk, lay_out_family, space_of, run_of, outcome_of)
 
 
 def solved_by_the_page(cases):
@@ -303,7 +303,7 @@ def solved_by_the_page(cases):
     script = f"""{read("python.js")}\n{read("numbers.js")}\n{javascript(SOLVES, CONSTANTS, KNOWN)}
     const answer = ({{ cases, library }}) => cases.map((tables) => {{
       const plan = lay_out_family(walk(system_of(tables, library)));
-      const run = run_of(asked_of(tables), false, space_of(plan));
+      const run = run_of(request_of(tables), false, space_of(plan));
       const outcome = outcome_of(run, "");
       const rounded = outcome.errors.velocity / (run.run.events * run.run.velocity_scale || 1);
       return {{ ...outcome, events: run.run.events, rounded }};

@@ -15,7 +15,7 @@ from rodimpact.explorer.page_files import read
 from rodimpact.explorer.pieces import solved_by_pieces
 from rodimpact.explorer.solved import shown_of
 from rodimpact.explorer.solver import CONSTANTS, KNOWN
-from rodimpact.explorer.tables import RULES, asked_of, lacking, mistakes, system_of
+from rodimpact.explorer.tables import RULES, lacking, mistakes, request_of, system_of
 
 STEEL, ALUMINIUM = ri.materials.steel, ri.materials.aluminium
 
@@ -70,13 +70,13 @@ def tables_of(case):
 
 def known_by_the_page(cases, gauges=()):
     """What the page knows of cases."""
-    functions = (system_of, asked_of, lacking, mistakes, solved_by_pieces, shown_of)
+    functions = (system_of, request_of, lacking, mistakes, solved_by_pieces, shown_of)
     text = javascript(functions, CONSTANTS, KNOWN)
     script = f"""{read("python.js")}\n{read("numbers.js")}\n{text}
     const answer = ({{ cases, gauges, library, rules }}) => cases.map((tables) => {{
       if (lacking(tables)[0] || mistakes(tables, gauges, library, rules).length) return null;
       const system = system_of(tables, library);
-      const solved = solved_by_pieces(system, asked_of(tables), 1e-8);
+      const solved = solved_by_pieces(system, request_of(tables), 1e-8);
       return {{ ...shown_of(system, gauges, solved), outcome: solved.outcome }};
     }});"""
     given = {
