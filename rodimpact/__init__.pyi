@@ -15,11 +15,11 @@ from .algebra.formula import ClosedForm as ClosedForm
 from .algebra.formula import closed_form as closed_form
 from .explorer.exploring import Page as Page
 from .explorer.exploring import explore as explore
+from .fitting.fit import fit as fit
 from .fitting.measured import Measured as Measured
 from .fitting.result import Descent as Descent
 from .fitting.result import Fit as Fit
 from .fitting.result import Fitted as Fitted
-from .fitting.searching import fit as fit
 from .methods.compiling import DamagedCache as DamagedCache
 from .methods.kernels import NoCompiler as NoCompiler
 from .methods.registry import Options as Options

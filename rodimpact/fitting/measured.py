@@ -1,4 +1,4 @@
-"""A measured record, and the steps from the computed strain to a prediction of the record."""
+"""A measured record, and the steps from the computed strain to its prediction."""
 
 from collections.abc import Callable
 from typing import Any
@@ -20,25 +20,29 @@ class Measured(Declared):
     signal : Signal
         The record, cut by `Signal.window` to the part that is fitted.
     gauge : (int, float)
-        Index of the body, and distance from its left end, m, where the strain is computed.
+        Index of the body, and distance from its left end, m, where the strain is
+        computed.
     distance : float, optional
-        Distance from that place to the gauge of the record, m, negative if the pulse runs to the
-        left. The strain is propagated over it by the exact first mode, as in `Signal.propagated`.
+        Distance from that place to the gauge of the record, m, negative if the pulse
+        runs to the left. The strain is propagated over it by the exact first mode, as
+        in `Signal.propagated`.
     radius : float, optional
-        Radius of the round rod for this propagation, m; by default half the diameter of the rod.
+        Radius of the round rod for this propagation, m; by default half the diameter of
+        the rod.
     shift : float or (float, float), optional
         Delay of the computed signal, s: a fixed value, or bounds; by default free.
     gain : float or (float, float), optional
         Factor from strain to signal: a fixed value, or bounds; by default free.
     blur : float or (float, float)
-        Standard deviation of the Gaussian by which the measuring chain averages over time, s: a
-        fixed value, or bounds. It is 0.1325/f for a low-pass filter of f Hz, and 0.289 L/c for a
-        gauge of length L at the wave speed c.
+        Standard deviation of the Gaussian by which the measuring chain averages over
+        time, s: a fixed value, or bounds. It is 0.1325/f for a low-pass filter of f Hz,
+        and 0.289 L/c for a gauge of length L at the wave speed c.
     seen : function, optional
         Any other effect of gauge and amplifier on the computed signal, such as
         ``lambda strain: strain.low_pass(100e3, "first-order")``.
     level : float, optional
-        Value by which misfits are divided, in the unit of the signal; by default its plateau.
+        Value by which misfits are divided, in the unit of the signal; by default its
+        plateau.
 
     Raises
     ------
@@ -68,11 +72,14 @@ class Measured(Declared):
             raise refusal(
                 "gauge", f"must be (body, x), such as (1, 0.5), got {shown(self.gauge)}"
             )
-        self._set(gauge=(self.gauge[0], single("gauge", self.gauge[1], "m")))
+        body, x = self.gauge
+        self._set(gauge=(body, single("gauge", x, "m")))
         check_function(problems, "seen", self.seen)
         if self.level is not None:
             self._set(level=single("level", self.level, self.signal.unit, "positive"))
-        _ = self.limits, self.size
+        # these raise an error for invalid bounds, and for a signal without a plateau
+        _ = self.limits
+        _ = self.size
 
     @property
     def limits(self) -> dict[str, tuple[float, float] | None]:
@@ -91,29 +98,38 @@ class Measured(Declared):
     @property
     def size(self) -> float:
         """Value by which misfits are divided, in the unit of the signal."""
-        return self.level or plateau(self.signal.values)
+        if self.level is not None:
+            return self.level
+        return plateau(self.signal.values)
 
     @property
     def title(self) -> str:
         """Name of the record in tables."""
-        return self.signal.name or f"gauge {self.gauge[0]}, {self.gauge[1]:g} m"
+        if self.signal.name:
+            return self.signal.name
+        body, x = self.gauge
+        return f"gauge {body}, {x:g} m"
 
-    def shifts(self, until: float, system: System) -> tuple[float, float]:
-        """Smallest and largest shift, s, with which a collision to `until` overlaps the record."""
-        longer = self._lasting(system)
-        return self.signal.start - (until + longer), self.signal.end + longer
+    def overlapping_shifts(self, until: float, system: System) -> tuple[float, float]:
+        """Smallest and largest shift of a prediction that overlaps the record, s.
 
-    def _lasting(self, system: System) -> float:
-        """How long waves take over `distance`, s."""
+        The prediction is that of a collision from 0 to `until`, s.
+        """
+        delay = self._propagation_time(system)
+        return self.signal.start - (until + delay), self.signal.end + delay
+
+    def _propagation_time(self, system: System) -> float:
+        """Time in which waves run over `distance`, s."""
         rod: Any = system.bodies[self.gauge[0]]
         return abs(self.distance) / float(rod.segments[0].wave_speed)
 
-    def carried(self, strain: Signal, system: System) -> Signal:
-        """The prediction before shift, gain and blur are applied."""
+    def prediction(self, strain: Signal, system: System) -> Signal:
+        """The record as it follows from a strain, before shift, gain and blur."""
         if self.distance:
-            longer = strain.extended(*2 * [self._lasting(system)])
             rod = system.bodies[self.gauge[0]]
-            strain = longer.propagated(self.distance, rod, radius=self.radius)
+            margin = self._propagation_time(system)
+            extended = strain.extended(margin, margin)
+            strain = extended.propagated(self.distance, rod, radius=self.radius)
         if self.seen is not None:
             strain = self.seen(strain)
             of_kind("seen(strain)", strain, Signal, "strain.low_pass(100e3)")

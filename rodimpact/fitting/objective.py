@@ -1,14 +1,14 @@
-"""Differences between predictions and records.
+"""Differences between predictions and records, which a fit makes small.
 
-A point holds the scaled value of each parameter of the system, 0 at its lower and 1 at its upper
-bound (called its share), then shift, gain and blur of the records. Only a change of shares needs a
-new solution; shift, gain and blur are applied to the computed signals.
+A point holds the share of each parameter of the system, then shift, gain and blur of
+the records. Only a change of shares needs a new solution; shift, gain and blur are
+applied to the computed signals.
 """
 
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,36 +21,34 @@ from ..records.comparison import misfit_of
 from ..records.signal import Signal
 from ..results.solution import Solution
 from .measured import Measured
-from .parameters import KINDS, Parameter, changed
+from .parameters import (
+    BLUR,
+    GAIN,
+    KINDS,
+    SHIFT,
+    Parameter,
+    RecordParameter,
+    SystemParameter,
+    with_values,
+)
 
-BEYOND = 1.0  # s, before and after a signal: a knot from which on it is constant
-SHIFT, GAIN, BLUR = range(3)  # of `KINDS`
-
-
-def smooth(signal: Signal, blur: float) -> Any:
-    """The samples after a Gaussian average of this standard deviation, s, as a cubic spline.
-
-    It is constant before the first sample and after the last one.
-    """
-    from scipy.interpolate import CubicSpline
-
-    values = filters.blurred(signal.values, signal.dt, blur) if blur else signal.values
-    curve = CubicSpline(signal.times, values)
-    for end, value in (
-        (signal.start - BEYOND, values[0]),
-        (signal.end + BEYOND, values[-1]),
-    ):
-        curve.extend([[0.0], [0.0], [0.0], [value]], [end])
-    return curve
+CONSTANT_BEYOND = 1.0
+"""Time before and after a signal from which on its curve is constant, s."""
 
 
-def computed(
+def compute_strains(
     system: System,
     options: Options,
     gauges: Sequence[tuple[int, float]],
     interval: float,
 ) -> list[Signal]:
-    """Strains at the gauges; InvalidModel if the run stops before `until`."""
+    """Strains at the gauges, sampled every `interval`, s.
+
+    Raises
+    ------
+    InvalidModel
+        If the run stops before `until`, or a gauge lies outside its rod.
+    """
     solution = Solution(options.run(options.method, system), options)
     if solution.stopped_by != "until":
         raise InvalidModel([("until", f"is not reached: {solution.status}")])
@@ -61,134 +59,207 @@ def computed(
         raise InvalidModel([("vary", message)]) from None
 
 
+def smooth_curve(signal: Signal, blur: float) -> Any:
+    """A signal as a cubic spline, blurred by a Gaussian of this standard deviation, s.
+
+    It is constant before the first sample and after the last one.
+    """
+    from scipy.interpolate import CubicSpline
+
+    values = signal.values
+    if blur:
+        values = filters.blurred(signal.values, signal.dt, blur)
+    curve = CubicSpline(signal.times, values)
+    curve.extend([[0.0], [0.0], [0.0], [values[0]]], [signal.start - CONSTANT_BEYOND])
+    curve.extend([[0.0], [0.0], [0.0], [values[-1]]], [signal.end + CONSTANT_BEYOND])
+    return curve
+
+
+class Start(NamedTuple):
+    """A point from which a search may begin."""
+
+    misfit: float  # sum of squares of the differences
+    point: Floats
+
+
 class Objective:
-    """Differences of predictions and records, over the record levels."""
+    """Differences of predictions and records, over the levels of the records.
+
+    Attributes
+    ----------
+    numbers : list of Parameter
+        Parameters in the order of a point.
+    low, high : [number] array
+        Bounds on the scale of a point.
+    is_free : [number] array of bool
+        Whether the bounds of a number leave it free to vary.
+    is_blur : [number] array of bool
+    middle : [number] array
+        Middle of the bounds; 0 for a number without bounds.
+    sample_counts : list of int
+        Samples of each record.
+    solved : int
+        Collisions solved so far.
+    on_progress : function, optional
+        Receives `solved` after each collision.
+    """
 
     def __init__(
         self,
+        *,
         system: System,
         measured: Sequence[Measured],
-        parameters: Sequence[Parameter],
-        of_records: Sequence[Parameter],
+        parameters: Sequence[SystemParameter],
+        record_parameters: Sequence[RecordParameter],
         options: Options,
         interval: float,
         executor: Executor | None,
     ) -> None:
-        self.system, self.measured, self.parameters = system, measured, parameters
-        self.all = [*parameters, *of_records]  # in the order of the point
-        self.run: Callable[[System], list[Signal]] = partial(
-            computed,
-            options=options,
-            gauges=[m.gauge for m in measured],
-            interval=interval,
-        )
-        self.map: Any = executor.map if executor else map
-        self.solved = 0  # collisions
-        self.heard: Callable[[int], None] = lambda _: None  # of each of them
-        self.known: dict[bytes, list[Signal]] = {}  # of the last few shares
-        self.places = np.zeros((len(KINDS), len(measured)), int)  # in the point
-        for i, number in enumerate(of_records, len(parameters)):
-            self.places[KINDS.index(number.kind), list(number.records)] = i
-        self.levels = [m.size for m in measured]
-        self.lengths = [len(m.signal) for m in measured]
-        self.record = np.repeat(range(len(measured)), self.lengths)
-        self.recorded = np.concatenate([m.signal.values / m.size for m in measured])
-        self.low, self.high = np.array([n.ends for n in self.all]).T
-        self.free = self.low < self.high
-        self.is_blur = np.array([n.kind == "blur" for n in self.all])
+        self.measured = measured
+        self.numbers: list[Parameter] = [*parameters, *record_parameters]
+        self.solved = 0
+        self.on_progress: Callable[[int], None] | None = None
+        bounds = np.array([number.scaled_bounds for number in self.numbers])
+        self.low = bounds[:, 0]
+        self.high = bounds[:, 1]
+        self.is_free = self.low < self.high
+        self.is_blur = np.zeros(len(self.numbers), bool)
+        # index in a point of the shift, gain and blur of each record
+        self._index = np.zeros((len(KINDS), len(measured)), int)
+        for i, number in enumerate(record_parameters, len(parameters)):
+            self.is_blur[i] = number.kind == "blur"
+            self._index[KINDS.index(number.kind), list(number.records)] = i
         self.middle = self._middle()
 
+        self._system = system
+        self._parameters = parameters
+        gauges = [record.gauge for record in measured]
+        self._compute_strains = partial(
+            compute_strains, options=options, gauges=gauges, interval=interval
+        )
+        self._map: Any = executor.map if executor else map
+        self._recent_signals: dict[bytes, list[Signal]] = {}  # by the bytes of shares
+        self.sample_counts: list[int] = []
+        self._levels: list[float] = []
+        scaled_records = []
+        for record in measured:
+            self.sample_counts.append(len(record.signal))
+            self._levels.append(record.size)
+            scaled_records.append(record.signal.values / record.size)
+        self._record_of_sample = np.repeat(range(len(measured)), self.sample_counts)
+        self._recorded = np.concatenate(scaled_records)
+
     def _middle(self) -> Floats:
-        """The middle of the bounds of each number; 0 where there are no bounds."""
-        bounded = np.isfinite(self.low) & np.isfinite(self.high)
-        low = np.where(bounded, self.low, 0.0)
-        high = np.where(bounded, self.high, 0.0)
+        is_bounded = np.isfinite(self.low) & np.isfinite(self.high)
+        low = np.where(is_bounded, self.low, 0.0)
+        high = np.where(is_bounded, self.high, 0.0)
         return np.asarray((low + high) / 2)
 
     def system_at(self, point: Floats) -> System:
         """The system with the parameter values of a point, or of its shares alone."""
-        values = [
-            p.value(s) for p, s in zip(self.parameters, point.tolist(), strict=False)
-        ]
-        return changed(self.system, self.parameters, values)
+        values = []
+        for parameter, share in zip(self._parameters, point.tolist(), strict=False):
+            values.append(parameter.value(share))
+        return with_values(self._system, self._parameters, values)
 
-    def signals(self, points: Iterable[Floats]) -> list[list[Signal]]:
-        """Predictions of each record for several points' shares, before shift, gain and blur."""
-        systems = [self.system_at(shares) for shares in points]
-        found = []
-        for system, strains in zip(systems, self.map(self.run, systems), strict=True):
-            found.append(
-                [
-                    m.carried(strain, system)
-                    for m, strain in zip(self.measured, strains, strict=True)
-                ]
-            )
+    # Predictions
+
+    def signals(self, shares: Iterable[Floats]) -> list[list[Signal]]:
+        """Prediction of each record before shift, gain and blur, for several shares."""
+        systems = list(map(self.system_at, shares))
+        strains_of_systems = self._map(self._compute_strains, systems)
+        signals_of_systems = []
+        for system, strains in zip(systems, strains_of_systems, strict=True):
+            signals = []
+            for record, strain in zip(self.measured, strains, strict=True):
+                signals.append(record.prediction(strain, system))
+            signals_of_systems.append(signals)
             self.solved += 1
-            self.heard(self.solved)
-        return found
+            if self.on_progress is not None:
+                self.on_progress(self.solved)
+        return signals_of_systems
 
-    def blurred(self, signals: Sequence[Signal], point: Floats) -> list[Any]:
-        """Predictions of each record as smooth curves, before gain and shift."""
-        return list(map(smooth, signals, point[self.places[BLUR]].tolist()))
+    def _curves(self, signals: Sequence[Signal], point: Floats) -> list[Any]:
+        """Predictions with the blurs of a point, before gain and shift."""
+        blurs = point[self._index[BLUR]].tolist()
+        return list(map(smooth_curve, signals, blurs))
 
-    def started(
-        self, shares: Floats, signals: Sequence[Signal]
-    ) -> tuple[float, Floats]:
-        """Least sum of squares over shifts and gains at these shares, and its point.
-
-        Blurs are as small as their bounds allow. A shift that several records have in common starts
-        from the best shift of one of them.
-        """
-        point = np.where(self.is_blur, self.low, self.middle)
-        point[: len(shares)] = shares
-        curves = self.blurred(signals, point)
-        own = []
-        for m, c, i in zip(self.measured, curves, self.places.T.tolist(), strict=True):
-            bounds = [(float(self.low[j]), float(self.high[j])) for j in i[:BLUR]]
-            times = c.x[1:-1]  # of its samples
-            pair = (m.signal.times, m.signal.values), (times, c(times))
-            own.append(misfit_of(*pair, *bounds).shift)
-        ends, gains = [], self.places[GAIN]
-        for place, shift in zip(self.places[SHIFT], own, strict=True):
-            end = point.copy()
-            end[self.places[SHIFT]] = own
-            end[place] = shift
-            end[gains] = 1.0  # then the best gains for its shifts
-            model = self._predicted(curves, end)
-            cross, power = (
-                np.bincount(gains[self.record], model * each, len(end))
-                for each in (self.recorded, model)
-            )
-            best = np.divide(cross, power, out=np.ones_like(end), where=power > 0)
-            end[gains] = np.clip(best, self.low, self.high)[gains]
-            apart = self._predicted(curves, end) - self.recorded
-            ends.append((float(np.sum(apart**2)), end))
-        return min(ends, key=lambda end: end[0])
+    def _predictions(self, curves: Sequence[Any], point: Floats) -> Floats:
+        """Predictions at the times of all records, over their levels."""
+        shifts = point[self._index[SHIFT]]
+        gains = point[self._index[GAIN]]
+        predictions = []
+        for k, record in enumerate(self.measured):
+            values = gains[k] * curves[k](record.signal.times - shifts[k])
+            predictions.append(values / self._levels[k])
+        return np.concatenate(predictions)
 
     def residuals(self, point: Floats) -> Floats:
         """Predictions less records, over their levels, one record after another."""
-        curves = self.blurred(self._signals_at(point), point)
-        return np.asarray(self._predicted(curves, point) - self.recorded)
+        shares = point[: len(self._parameters)]
+        curves = self._curves(self._signals_at(shares), point)
+        return np.asarray(self._predictions(curves, point) - self._recorded)
 
-    def _signals_at(self, point: Floats) -> list[Signal]:
-        """Signals for the shares of a point; a derivative comes back to the shares before it."""
-        shares = point[: len(self.parameters)]
+    def _signals_at(self, shares: Floats) -> list[Signal]:
+        """Predictions before shift, gain and blur.
+
+        The last few are kept: a derivative comes back to the shares before it.
+        """
         key = shares.tobytes()
-        if key not in self.known:
-            if len(self.known) > len(self.parameters) + 1:
-                oldest = next(iter(self.known))
-                del self.known[oldest]
-            (self.known[key],) = self.signals([shares])
-        return self.known[key]
+        if key not in self._recent_signals:
+            if len(self._recent_signals) > len(self._parameters) + 1:
+                oldest = next(iter(self._recent_signals))
+                del self._recent_signals[oldest]
+            self._recent_signals[key] = self.signals([shares])[0]
+        return self._recent_signals[key]
 
-    def _predicted(self, curves: Sequence[Any], point: Floats) -> Floats:
-        """Predictions at the times of all records, over their levels."""
-        each = zip(
-            self.measured, self.levels, curves, point[self.places].T, strict=True
-        )
-        return np.concatenate(
-            [
-                gain * c(m.signal.times - shift) / level
-                for m, level, c, (shift, gain, _) in each
-            ]
-        )
+    # Starts of searches
+
+    def best_start(self, shares: Floats, signals: Sequence[Signal]) -> Start:
+        """Point with the best shifts and gains for given shares.
+
+        Blurs are as small as their bounds allow. A shift that several records have in
+        common starts from the best shift of one of them.
+        """
+        point = np.where(self.is_blur, self.low, self.middle)
+        point[: len(shares)] = shares
+        curves = self._curves(signals, point)
+        shift_indices = self._index[SHIFT]
+        best_shifts = self._best_shifts(curves)
+        starts = []
+        for index, shift in zip(shift_indices, best_shifts, strict=True):
+            start = point.copy()
+            start[shift_indices] = best_shifts
+            start[index] = shift
+            self._set_best_gains(curves, start)
+            difference = self._predictions(curves, start) - self._recorded
+            starts.append(Start(float(np.sum(difference**2)), start))
+        return min(starts, key=lambda start: start.misfit)
+
+    def _best_shifts(self, curves: Sequence[Any]) -> list[float]:
+        """Best shift of each record by itself, s."""
+        shifts = []
+        for k, record in enumerate(self.measured):
+            shift_index = self._index[SHIFT, k]
+            gain_index = self._index[GAIN, k]
+            sample_times = curves[k].x[1:-1]
+            misfit = misfit_of(
+                (record.signal.times, record.signal.values),
+                (sample_times, curves[k](sample_times)),
+                (float(self.low[shift_index]), float(self.high[shift_index])),
+                (float(self.low[gain_index]), float(self.high[gain_index])),
+            )
+            shifts.append(misfit.shift)
+        return shifts
+
+    def _set_best_gains(self, curves: Sequence[Any], point: Floats) -> None:
+        """Set the best gains within their bounds for the shifts of a point."""
+        indices = self._index[GAIN]
+        point[indices] = 1.0
+        model = self._predictions(curves, point)
+        index_of_sample = indices[self._record_of_sample]
+        size = len(point)
+        cross = np.bincount(index_of_sample, model * self._recorded, size)
+        power = np.bincount(index_of_sample, model * model, size)
+        best = np.divide(cross, power, out=np.ones_like(point), where=power > 0)
+        point[indices] = np.clip(best, self.low, self.high)[indices]

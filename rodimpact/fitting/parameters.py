@@ -1,9 +1,14 @@
-"""Parameters of a fit: numbers of a system, by the paths of a case file, or of its records."""
+"""Parameters of a fit: numbers of a system or of its records, by their paths.
+
+Every parameter is searched for on a scale of its own. On this scale a number of the
+system is its share of the way from its lower to its upper bound, and a number of
+records is itself.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
 from fnmatch import fnmatchcase
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 from ..model import System
 from ..model.arguments import array
@@ -19,71 +24,103 @@ from ..model.paths import (
 from ..units import shown
 from .measured import Measured
 
-HEAD = "records."
-KINDS = "shift", "gain", "blur"
-RATIO = 10.0  # of bounds from which on what lies between is divided in equal ratios
+RECORD_PREFIX = "records."
+KINDS = ("shift", "gain", "blur")
+"""Kinds of numbers that a record has; SHIFT, GAIN and BLUR are their indices."""
+SHIFT = 0
+GAIN = 1
+BLUR = 2
+RATIO_RANGE = 10.0
+"""Ratio of positive bounds from which a range is divided in equal ratios."""
 
 
-class Parameter(NamedTuple):
-    """A number that a fit varies; infinite bounds leave it free.
+class SystemParameter(NamedTuple):
+    """A number of the system that a fit varies."""
 
-    path : its name; low, high : bounds; unit : of SI; start : the value of the system; places : in
-    ``System.to_dict()``, all with this number; kind : "shift", "gain" or "blur" if it belongs to
-    `records`, by their index. A number of the system is scaled to 0 at `low` and 1 at `high`, one
-    of records is not scaled.
-    """
-
-    path: str
-    low: float
+    path: str  # its name
+    low: float  # bounds
     high: float
     unit: str
-    start: float = 0.0
-    places: Sequence[str] = ()
-    kind: str = ""
-    records: tuple[int, ...] = ()
+    initial: float  # value in the system
+    places: Sequence[
+        str
+    ]  # paths in ``System.to_dict()`` of all numbers with this value
 
     @property
-    def ends(self) -> tuple[float, float]:
-        """The scaled bounds."""
-        return (self.low, self.high) if self.kind else (0.0, 1.0)
+    def is_by_ratio(self) -> bool:
+        """Whether equal steps of the share are equal ratios of the number."""
+        return spans_a_ratio(self.low, self.high)
 
     @property
-    def line(self) -> tuple[float, float]:
-        """The number, or its logarithm, at 0, and how much more it is at 1."""
-        if self.kind:
-            return 0.0, 1.0
-        low, high = (
-            map(math.log, (self.low, self.high))
-            if self.by_ratio
-            else (self.low, self.high)
-        )
-        return low, high - low
+    def scaled_bounds(self) -> tuple[float, float]:
+        """Bounds of the share."""
+        return 0.0, 1.0
+
+    @property
+    def _offset(self) -> float:
+        """The number, or its logarithm, at the share 0."""
+        if self.is_by_ratio:
+            return math.log(self.low)
+        return self.low
+
+    @property
+    def _extent(self) -> float:
+        """Increase of the number, or of its logarithm, up to the share 1."""
+        if self.is_by_ratio:
+            return math.log(self.high) - math.log(self.low)
+        return self.high - self.low
 
     def value(self, share: float) -> float:
-        """The number at this share of the way from `low` to `high`, or where it is not scaled."""
-        start, slope = self.line
-        return (
-            math.exp(start + slope * share) if self.by_ratio else start + slope * share
-        )
+        """The number at a share."""
+        x = self._offset + self._extent * share
+        if self.is_by_ratio:
+            return math.exp(x)
+        return x
 
     def share(self, value: float) -> float:
-        """The share of the way from `low` to `high` at which this number lies, or the nearest."""
-        value, (start, slope) = min(max(value, self.low), self.high), self.line
-        return ((math.log(value) if self.by_ratio else value) - start) / slope
+        """Share of a number; that of the nearer bound if it is beyond the bounds."""
+        x = min(max(value, self.low), self.high)
+        if self.is_by_ratio:
+            x = math.log(x)
+        return (x - self._offset) / self._extent
 
     def slope(self, share: float) -> float:
         """Derivative of `value`."""
-        return self.line[1] * (self.value(share) if self.by_ratio else 1.0)
+        if self.is_by_ratio:
+            return self._extent * self.value(share)
+        return self._extent
+
+
+class RecordParameter(NamedTuple):
+    """A number of one or several records that a fit varies; it is not scaled."""
+
+    path: str  # its name
+    low: float  # bounds, infinite if it is free
+    high: float
+    unit: str
+    kind: str  # one of `KINDS`
+    records: tuple[int, ...]  # indices of its records
 
     @property
-    def by_ratio(self) -> bool:
-        """Whether equal steps are equal ratios."""
-        return not self.kind and spans_a_ratio(self.low, self.high)
+    def scaled_bounds(self) -> tuple[float, float]:
+        """Bounds of the number."""
+        return self.low, self.high
+
+    def value(self, number: float) -> float:
+        """The number."""
+        return number
+
+    def slope(self, _number: float) -> float:
+        """Derivative of `value`."""
+        return 1.0
+
+
+Parameter: TypeAlias = SystemParameter | RecordParameter
 
 
 def spans_a_ratio(low: float, high: float) -> bool:
-    """Whether a range is divided in equal ratios: its bounds differ by a factor of 10 or more."""
-    return low > 0 and high / low >= RATIO
+    """Whether a range is divided in equal ratios: from a factor of 10 on."""
+    return low > 0 and high / low >= RATIO_RANGE
 
 
 def share_of_range(value: float, low: float, high: float) -> float:
@@ -93,77 +130,59 @@ def share_of_range(value: float, low: float, high: float) -> float:
     return (value - low) / (high - low)
 
 
-def parameters_of(system: System, vary: Mapping[str, Any]) -> list[Parameter]:
-    """The parameters to vary, each with its bounds."""
-    known, numbers, taken = places_of(system), numbers_of(system), dict[str, str]()
-    found = []
+# Numbers of the system ----------------------------------------------------------------
+
+
+def system_parameters(system: System, vary: Mapping[str, Any]) -> list[SystemParameter]:
+    """Numbers of the system to vary, each with its bounds."""
+    places = places_of(system)
+    numbers = numbers_of(system)
+    path_that_varies: dict[str, str] = {}  # by the place of the number
+    parameters = []
     for path, bounds in vary.items():
-        if path not in known:
-            message = (
-                f"is not a parameter of the system; {suggestion(str(path), known)}"
-            )
+        if path not in places:
+            hint = suggestion(str(path), places)
+            message = f"is not a parameter of the system; {hint}"
             raise refusal(f"vary.{path}", message)
-        unit = unit_at(system, known[path][0])
-        for place in known[path]:
-            if (other := taken.setdefault(alternative_of(place), path)) != path:
-                message = f"is already varied as {other}; leave one of them out"
+        first_place = places[path][0]
+        unit = unit_at(system, first_place)
+        for place in places[path]:
+            earlier_path = path_that_varies.setdefault(alternative_of(place), path)
+            if earlier_path != path:
+                message = f"is already varied as {earlier_path}; leave one of them out"
                 raise refusal(f"vary.{path}", message)
-        start = float(numbers[known[path][0]])
-        found.append(
-            Parameter(path, *ends_of(path, bounds, unit), unit, start, known[path])
-        )
-    return found
+        initial = float(numbers[first_place])
+        low, high = checked_bounds(path, bounds, unit)
+        parameters.append(SystemParameter(path, low, high, unit, initial, places[path]))
+    return parameters
 
 
-def record_numbers(
-    system: System, measured: Sequence[Measured], vary: Mapping[str, Any], until: float
-) -> list[Parameter]:
-    """Shift, gain and blur of every record, once each.
+def with_values(
+    system: System, parameters: Sequence[SystemParameter], values: Sequence[float]
+) -> System:
+    """The system with these values of its parameters.
 
-    A name in `vary` may hold the wildcards ``*`` and ``[01]``: all matching numbers become one.
+    Raises
+    ------
+    InvalidModel
+        If the values are invalid; the message names them.
     """
-    groups: dict[str, list[tuple[int, str]]] = {name: [] for name in vary}
-    for kind in KINDS:
-        for k in range(len(measured)):
-            path = f"{HEAD}{k}.{kind}"
-            names = [name for name in vary if fnmatchcase(path, name)] or [path]
-            if len(names) > 1:
-                message = (
-                    f"names {path}, which {names[0]} includes; leave one of them out"
-                )
-                raise refusal(f"vary.{names[1]}", message)
-            groups.setdefault(names[0], []).append((k, kind))
-    found = []
-    for name, members in groups.items():
-        alike = {
-            (kind, measured[k].signal.unit if kind == "gain" else "s")
-            for k, kind in members
-        }
-        if len(alike) != 1:
-            raise refusal(
-                f"vary.{name}",
-                "is not one number of records, in one unit; give a name "
-                f"such as {HEAD}0.shift, or {HEAD}*.gain for one gain of all",
-            )
-        ((kind, unit),) = alike
-        records = tuple(k for k, _ in members)
-        ends: tuple[float, float] | None = None
-        if name not in vary:
-            ends = measured[records[0]].limits[kind]
-        elif vary[name] is not None or kind == "blur":
-            ends = ends_of(name, vary[name], unit)
-        if ends is None and kind == "shift":
-            first, last = zip(
-                *(measured[k].shifts(until, system) for k in records), strict=True
-            )
-            ends = min(first), max(last)
-        low, high = ends or (-math.inf, math.inf)
-        found.append(Parameter(name, low, high, unit, kind=kind, records=records))
-    return found
+    value_at: dict[str, float] = {}
+    for parameter, value in zip(parameters, values, strict=True):
+        value_at |= dict.fromkeys(parameter.places, value)
+    try:
+        return with_numbers(system, value_at)
+    except InvalidModel as error:
+        equations = []
+        for parameter, value in zip(parameters, values, strict=True):
+            equations.append(f"{parameter.path} = {value:.6g}")
+        message = f"the bounds allow an invalid system ({', '.join(equations)}): "
+        message += f"{error}; narrow the bounds"
+        raise InvalidModel([("vary", message)]) from None
 
 
-def ends_of(path: str, bounds: Any, unit: str) -> tuple[float, float]:
-    """Bounds of a parameter."""
+def checked_bounds(path: str, bounds: Any, unit: str) -> tuple[float, float]:
+    """Bounds that the user gave for a parameter."""
     ends = array(f"vary.{path}", bounds, unit, "any")
     if ends.shape != (2,) or not ends[0] < ends[1]:
         message = (
@@ -173,16 +192,88 @@ def ends_of(path: str, bounds: Any, unit: str) -> tuple[float, float]:
     return float(ends[0]), float(ends[1])
 
 
-def changed(
-    system: System, parameters: Sequence[Parameter], values: Sequence[float]
-) -> System:
-    """The system with these values; InvalidModel, which names the values, if they are invalid."""
-    each = zip(parameters, values, strict=True)
-    try:
-        return with_numbers(system, {place: v for p, v in each for place in p.places})
-    except InvalidModel as error:
-        which = ", ".join(
-            f"{p.path} = {v:.6g}" for p, v in zip(parameters, values, strict=True)
+# Numbers of records -------------------------------------------------------------------
+
+
+class RecordNumber(NamedTuple):
+    """A number of one record."""
+
+    record: int
+    kind: str
+
+
+def record_parameters(
+    system: System, measured: Sequence[Measured], vary: Mapping[str, Any], until: float
+) -> list[RecordParameter]:
+    """Shift, gain and blur of every record, once each.
+
+    A name in `vary` may hold the wildcards ``*`` and ``[01]``: all matching numbers
+    become one parameter.
+    """
+    parameters = []
+    for name, numbers in _numbers_by_name(len(measured), vary).items():
+        kind, unit = _common_kind_and_unit(name, numbers, measured)
+        records = tuple(number.record for number in numbers)
+        bounds: tuple[float, float] | None = None
+        if name not in vary:
+            bounds = measured[records[0]].limits[kind]
+        elif vary[name] is not None or kind == "blur":
+            bounds = checked_bounds(name, vary[name], unit)
+        if bounds is None and kind == "shift":
+            bounds = _overlapping_shifts([measured[k] for k in records], until, system)
+        if bounds is None:
+            bounds = (-math.inf, math.inf)
+        low, high = bounds
+        parameters.append(RecordParameter(name, low, high, unit, kind, records))
+    return parameters
+
+
+def _numbers_by_name(
+    record_count: int, vary: Mapping[str, Any]
+) -> dict[str, list[RecordNumber]]:
+    """Numbers of records by the name in `vary` that they match, or by their path."""
+    numbers_of_name: dict[str, list[RecordNumber]] = {name: [] for name in vary}
+    for kind in KINDS:
+        for k in range(record_count):
+            path = f"{RECORD_PREFIX}{k}.{kind}"
+            names = [name for name in vary if fnmatchcase(path, name)]
+            if len(names) > 1:
+                message = (
+                    f"names {path}, which {names[0]} includes; leave one of them out"
+                )
+                raise refusal(f"vary.{names[1]}", message)
+            name = names[0] if names else path
+            numbers_of_name.setdefault(name, []).append(RecordNumber(k, kind))
+    return numbers_of_name
+
+
+def _common_kind_and_unit(
+    name: str, numbers: list[RecordNumber], measured: Sequence[Measured]
+) -> tuple[str, str]:
+    """Kind and unit of all numbers with one name; InvalidModel if they differ."""
+    kinds_and_units = set()
+    for number in numbers:
+        unit = "s"
+        if number.kind == "gain":
+            unit = measured[number.record].signal.unit
+        kinds_and_units.add((number.kind, unit))
+    if len(kinds_and_units) != 1:
+        message = (
+            "is not one number of records, in one unit; give a name such as "
+            f"{RECORD_PREFIX}0.shift, or {RECORD_PREFIX}*.gain for one gain of all"
         )
-        message = f"the bounds allow an invalid system ({which}): {error}"
-        raise InvalidModel([("vary", f"{message}; narrow the bounds")]) from None
+        raise refusal(f"vary.{name}", message)
+    return kinds_and_units.pop()
+
+
+def _overlapping_shifts(
+    records: Sequence[Measured], until: float, system: System
+) -> tuple[float, float]:
+    """Smallest and largest shift of predictions that overlap any of the records, s."""
+    smallest = []
+    largest = []
+    for record in records:
+        low, high = record.overlapping_shifts(until, system)
+        smallest.append(low)
+        largest.append(high)
+    return min(smallest), max(largest)

@@ -10,9 +10,13 @@ from exhaustive import few_of
 from validation_cases import validation_module
 
 import rodimpact as ri
+from rodimpact.fitting.notes import noise_before_pulse, notes_on_numbers
 from rodimpact.fitting.objective import Objective
-from rodimpact.fitting.parameters import changed, parameters_of, record_numbers
-from rodimpact.fitting.result import doubts, noise_before_pulse
+from rodimpact.fitting.parameters import (
+    record_parameters,
+    system_parameters,
+    with_values,
+)
 from rodimpact.fitting.uncertainty import covariance
 from rodimpact.methods.registry import Options
 from rodimpact.units import format_si
@@ -137,11 +141,18 @@ def test_records_share_what_is_tied():
 
 
 def objective_of(records, vary):
-    parameters = parameters_of(rods(), vary)
-    of_records = record_numbers(rods(), records, {}, UNTIL)
-    return parameters, Objective(
-        rods(), records, parameters, of_records, Options(UNTIL, "fronts"), 5e-7, None
+    """Parameters of the system, and the objective of a fit."""
+    parameters = system_parameters(rods(), vary)
+    objective = Objective(
+        system=rods(),
+        measured=records,
+        parameters=parameters,
+        record_parameters=record_parameters(rods(), records, {}, UNTIL),
+        options=Options(UNTIL, "fronts"),
+        interval=5e-7,
+        executor=None,
     )
+    return parameters, objective
 
 
 def derivatives_of(objective, point):
@@ -171,7 +182,7 @@ def test_standard_errors_are_the_scatter_of_fits(correlation):
     m = ri.Measured(record(rods()), (1, 0.2), gain=1.0, blur=(0.0, 1e-5))
     _, objective = objective_of([m], {PATHS[0]: (0.1, 0.4), PATHS[1]: (1.0, 20.0)})
     point = np.array([1 / 3, 9 / 19, 0.0, 1.0, 2e-6])
-    J = derivatives_of(objective, point)[:, objective.free]
+    J = derivatives_of(objective, point)[:, objective.is_free]
     J *= [1.0, 1.0, UNTIL, 1e-5]
     random, solve = np.random.default_rng(2), np.linalg.pinv(J)
     moved, errors = [], []
@@ -319,15 +330,15 @@ def test_doubts_about_where_searches_end():
         ri.Descent(rms, {"a": a, "b": 1.0}, True)
         for rms, a in ((0.02, 1.0), (0.02, 1.5))
     ]
-    said = list(doubts(numbers, np.diag([1e-4, 1e-4]), ends))
+    said = list(notes_on_numbers(numbers, np.diag([1e-4, 1e-4]), ends))
     assert said == [
         "Searches with the same misfit ended at different values of a: 1 m to 1.5 m."
     ]
     ends[1] = ends[1]._replace(misfit=0.04)
-    (said,) = doubts(numbers, np.diag([1e-4, 1e-4]), ends)
+    (said,) = notes_on_numbers(numbers, np.diag([1e-4, 1e-4]), ends)
     assert "1 of 2 searches ended at larger misfits, 4 % and more" in said
     close = np.array([[1e-4, 0.99e-4], [0.99e-4, 1e-4]])
-    (said,) = doubts(numbers, close, ends[:1])
+    (said,) = notes_on_numbers(numbers, close, ends[:1])
     assert (
         "a and b are hardly distinguishable: the correlation of their errors is 0.990"
         in said
@@ -341,11 +352,11 @@ def test_a_bound_is_as_near_as_the_scale_of_its_range_says():
         ri.Fitted("k", "N/m", 3e13, 1e12, 1e7, 1e19),
         ri.Fitted("x", "m", 0.1005, 1e-5, 0.1, 0.9),
     ]
-    (said,) = doubts(numbers, np.diag([1e-4, 1e-4]), [end])
+    (said,) = notes_on_numbers(numbers, np.diag([1e-4, 1e-4]), [end])
     assert said.startswith("x is at its bound, 100 mm")
     low, high = (numbers[0]._replace(value=v) for v in (1.01e7, 9.9e18))
     for number in (low, high):
-        (said,) = doubts(
+        (said,) = notes_on_numbers(
             [number], np.array([[1e-4]]), [end._replace(values={"k": 1.0})]
         )
         assert said.startswith("k is at its bound")
@@ -407,16 +418,16 @@ def test_paths_are_those_of_case_files():
         "contacts.0.stiffness": (1e8, 1e12),
         "contacts.0.gap": (0.0, 1e-2),
     }
-    parameters = parameters_of(system, vary)
+    parameters = system_parameters(system, vary)
     assert [p.unit for p in parameters] == ["m/s", "kg/m^3", "N/m^1.5", "m"]
-    assert parameters[0].start == titanium.wave_speed
+    assert parameters[0].initial == titanium.wave_speed
     assert parameters[2].value(0.5) == pytest.approx(1e10)
     other = ri.Material("titanium", youngs_modulus=4500 * 5000.0**2, density=4500)
     wanted = rods(material=other, contacts=[ri.Hertz(1e11)], gaps=[2e-3])
-    assert changed(system, parameters, [5000.0, 4500.0, 1e11, 2e-3]) == wanted
+    assert with_values(system, parameters, [5000.0, 4500.0, 1e11, 2e-3]) == wanted
     steps = rods(velocity=ri.Steps([1.0, 2.0], at=[0.1]))
-    moved = changed(
-        steps, parameters_of(steps, {"bodies.0.velocity.values.1": (0, 9)}), [3.0]
+    moved = with_values(
+        steps, system_parameters(steps, {"bodies.0.velocity.values.1": (0, 9)}), [3.0]
     )
     assert moved == rods(velocity=ri.Steps([1.0, 3.0], at=[0.1]))
     for p in parameters:

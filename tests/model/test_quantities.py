@@ -13,7 +13,7 @@ import pytest
 from mistakes import problems
 
 import rodimpact as ri
-from rodimpact.fitting.parameters import ends_of
+from rodimpact.fitting.parameters import checked_bounds
 from rodimpact.model.frozen import Frozen
 from rodimpact.model.quantities import _library_spelling, floats
 
@@ -199,7 +199,10 @@ FIELDS = {
         lambda q: ri.Measured(PULSE, gauge=(1, 0.5), blur=q).limits["blur"][1],
         "ms",
     ),
-    "bounds of a fit": (lambda q: ends_of("bodies.0.length", (q, 1.0), "m")[0], "mm"),
+    "bounds of a fit": (
+        lambda q: checked_bounds("bodies.0.length", (q, 1.0), "m")[0],
+        "mm",
+    ),
     "phase velocity": (lambda q: SINGLE[0].phase_velocity(q), "kHz"),
     "place in a solution": (lambda q: FLOWN.position(0, q, 0.0), "mm"),
     "time in a solution": (lambda q: FLOWN.displacement(0, 0.0, q), "ms"),

@@ -1,0 +1,149 @@
+"""Notes of a fit: on numbers that are not determined, and on records with misfits."""
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from ..model.quantities import Floats
+from ..records.signal import Signal
+from ..units import format_si
+from .measured import Measured
+from .parameters import share_of_range
+from .result import Descent, Fitted, correlation_of
+
+UNDETERMINED_ERROR = 0.5
+"""A number whose standard error is a larger part of its range is not determined."""
+AT_BOUND = 1e-3
+"""Distance from a bound at which a number is at the bound, as a share of its range."""
+HIGH_CORRELATION = 0.98
+"""Correlation above which two numbers are hardly distinguishable."""
+SAME_MISFIT_RTOL = 1e-3
+SAME_MISFIT_ATOL = 1e-9
+"""Difference of two misfits that counts as none."""
+SAME_VALUE_ERRORS = 0.3
+"""Spread of the ends of equal searches that counts as none, in standard errors."""
+MISFIT_OVER_NOISE = 4.0
+"""A misfit above so many times the noise before the pulse is one of the model."""
+LEAST_MISFIT = 0.005
+"""A misfit below this part of the level is not worth a note."""
+PULSE_BEGINS = 0.01
+"""Part of the largest predicted value at which the pulse begins."""
+FEWEST_NOISE_SAMPLES = 8
+"""Samples before the pulse that are needed to measure the noise."""
+
+
+def notes_on_numbers(
+    fitted: Sequence[Fitted], relative: Floats, descents: Sequence[Descent]
+) -> list[str]:
+    """Notes on numbers that are not determined, at a bound, or depend on the start.
+
+    Parameters
+    ----------
+    fitted : sequence of Fitted
+    relative : [number, number] array
+        Covariance of the numbers, each over its range.
+    descents : sequence of Descent
+        Ends of the searches, the best first.
+    """
+    is_undetermined = np.sqrt(np.diag(relative)) > UNDETERMINED_ERROR
+    notes = []
+    for number, number_is_undetermined in zip(fitted, is_undetermined, strict=True):
+        if number_is_undetermined:
+            notes.append(
+                f"{number.name} is not determined: its standard error is as large as "
+                "its range. Fix this parameter, or add a record that depends on it."
+            )
+        notes += _notes_on_bounds(number)
+    correlation = correlation_of(relative)
+    high = np.triu(np.abs(correlation) > HIGH_CORRELATION, 1)
+    for i, j in np.argwhere(high):
+        if not (is_undetermined[i] or is_undetermined[j]):
+            notes.append(
+                f"{fitted[i].name} and {fitted[j].name} are hardly distinguishable: "
+                f"the correlation of their errors is {correlation[i, j]:.3f}. "
+                "Fix one of them."
+            )
+    return [*notes, *_notes_on_searches(fitted, descents)]
+
+
+def _notes_on_bounds(number: Fitted) -> Iterator[str]:
+    """Notes on a number that lies at one of its bounds."""
+    if not number.high - number.low < np.inf:
+        return
+    share = share_of_range(number.value, number.low, number.high)
+    if share <= AT_BOUND:
+        yield _bound_sentence(number, number.low, "lower")
+    if 1.0 - share <= AT_BOUND:
+        yield _bound_sentence(number, number.high, "raise")
+
+
+def _bound_sentence(number: Fitted, bound: float, remedy: str) -> str:
+    return (
+        f"{number.name} is at its bound, {format_si(bound, number.unit)}, so its "
+        f"standard error is not reliable: {remedy} the bound, or fix the parameter."
+    )
+
+
+def _notes_on_searches(
+    fitted: Sequence[Fitted], descents: Sequence[Descent]
+) -> Iterator[str]:
+    """Notes on searches that were stopped, or ended elsewhere."""
+    best = descents[0]
+    if not best.complete:
+        yield "The best search was stopped before it reached a minimum."
+    same_misfit = (1 + SAME_MISFIT_RTOL) * best.misfit
+    worse = []
+    for descent in descents[1:]:
+        if descent.misfit > same_misfit + SAME_MISFIT_ATOL:
+            worse.append(descent.misfit)
+    if worse:
+        yield (
+            f"{len(worse)} of {len(descents)} searches ended at larger misfits, "
+            f"{100 * min(worse):.3g} % and more: there are several minima. "
+            "Use more starts or narrower bounds to test whether this minimum is the "
+            "best."
+        )
+    for number in fitted:
+        values = []
+        for descent in descents:
+            if descent.misfit <= same_misfit:
+                values.append(descent.values[number.name])
+        if np.ptp(values) > SAME_VALUE_ERRORS * number.standard_error:
+            low = format_si(min(values), number.unit)
+            high = format_si(max(values), number.unit)
+            yield (
+                "Searches with the same misfit ended at different values of "
+                f"{number.name}: {low} to {high}."
+            )
+
+
+def notes_on_records(
+    measured: Sequence[Measured],
+    predicted: Sequence[Signal],
+    misfits: Sequence[float],
+) -> Iterator[str]:
+    """Notes on records that the model does not describe to within their noise."""
+    for record, prediction, misfit in zip(measured, predicted, misfits, strict=True):
+        noise = noise_before_pulse(record, prediction)
+        if misfit > max(MISFIT_OVER_NOISE * noise, LEAST_MISFIT):
+            yield (
+                f"{record.title}: the misfit, {100 * misfit:.2g} %, is far above the "
+                f"noise before the pulse, {100 * noise:.2g} %. The model does not "
+                "describe this record: try another contact law or theory, vary more "
+                "numbers, or free the blur."
+            )
+
+
+def noise_before_pulse(record: Measured, prediction: Signal) -> float:
+    """Noise of a record over its level: nan if its pulse begins with the record.
+
+    The prediction tells where the pulse begins. Samples of the second half before it
+    are left out, since the measured pulse may begin a little earlier.
+    """
+    values = np.abs(prediction.values)
+    begin = int(np.argmax(values > PULSE_BEGINS * values.max()))
+    before = record.signal.values[: begin // 2]
+    if len(before) < FEWEST_NOISE_SAMPLES:
+        return math.nan
+    return float(np.std(before)) / record.size
