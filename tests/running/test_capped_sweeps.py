@@ -1,0 +1,110 @@
+"""A cap on events: a sweep and `solve` say the same of every member, at every cap."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from exhaustive import few_of
+from systems import random_system
+
+import rodimpact as ri
+
+STEEL = ri.materials.steel
+MOST_CAPS = 400
+
+
+def with_masses(seed):
+    """A row of rods, some of them stepped, and masses, with gaps and contacts of several laws."""
+    rng = np.random.default_rng(seed)
+    laws = [ri.Hertz(3e9), ri.Spring(2e7), ri.SpringDashpot(1e7, 200.0), ri.Rigid()]
+    bodies = []
+    for velocity in (1.0, 0.0, -0.3)[: rng.integers(2, 4)]:
+        if rng.random() < 0.4 and bodies:
+            bodies.append(ri.RigidMass(float(rng.uniform(0.1, 1)), velocity=velocity))
+            continue
+        lengths = rng.uniform(0.1, 0.5, rng.integers(1, 3))
+        areas = rng.uniform(1e-4, 3e-4, len(lengths))
+        segments = [
+            ri.Segment(float(L), float(A), STEEL)
+            for L, A in zip(lengths, areas, strict=True)
+        ]
+        bodies.append(ri.Rod(segments=segments, velocity=velocity))
+    if rng.random() < 0.3:
+        bodies.append(ri.Wall())
+    contacts = []
+    for left, right in pairwise(bodies):
+        rigid = isinstance(left, ri.Rod) or isinstance(right, ri.Rod)
+        contacts.append(laws[rng.integers(4 if rigid else 3)])
+    gaps = [float(rng.choice([0.0, 1e-5, 1e-4])) for _ in contacts]
+    return ri.System(bodies, gaps, contacts)
+
+
+def family_of(system, members=3):
+    """The same row with several velocities of its first moving body."""
+    bodies = list(system.bodies)
+    for i, body in enumerate(bodies):
+        if isinstance(body, ri.Rod) and isinstance(body.velocity, float):
+            faster = body.velocity + np.linspace(0.0, 0.4, members)
+            bodies[i] = body.replace(velocity=faster)
+            break
+    return system.replace(bodies=bodies)
+
+
+def assert_the_same_is_said(family, cap, **options):
+    result = ri.sweep(family, max_events=cap, **options)
+    for index in np.ndindex(family.shape):
+        try:
+            alone = ri.solve(family[index], max_events=cap, **options)
+        except ri.InvalidModel:
+            assert result.status[index] == "refused"
+            continue
+        assert result.status[index] == alone.stopped_by
+        assert result.final[index] == alone.final
+        capped = alone.stopped_by == "max_events"
+        assert capped <= ("cap of" in alone.status)
+        assert result.incomplete[index] == (alone.stopped_by in ("max_events", "clock"))
+
+
+def caps_of(family, **options):
+    """All caps up to one more than the events of the member with the most."""
+    most = 0
+    for index in np.ndindex(family.shape):
+        try:
+            run = ri.solve(family[index], max_events=MOST_CAPS, **options)
+        except ri.InvalidModel:
+            continue
+        most = max(most, run.events)
+    return range(1, most + 2)
+
+
+@pytest.mark.parametrize("seed", few_of(range(30), range(2)))
+@pytest.mark.parametrize("until", [None, 1e-3])
+@pytest.mark.parametrize("method", ["fronts", "characteristics"])
+def test_caps(method, until, seed):
+    """All caps, or by characteristics and in the usual run some ten of them."""
+    system = random_system(seed, bodies=3, unit=0.1)
+    if method == "characteristics":
+        system = with_masses(seed)
+    family = family_of(system)
+    options = {"method": method, "until": until}
+    caps = caps_of(family, **options)
+    assert len(caps) > 1
+    if seed < 2 or method == "characteristics":
+        few = 4 if seed < 2 else 12
+        spread = np.geomspace(1, len(caps), few).astype(int)
+        caps = {*spread.tolist(), len(caps) - 2 or 1, len(caps) - 1}
+    for cap in caps:
+        assert_the_same_is_said(family, cap, **options)
+
+
+@pytest.mark.parametrize("seed", few_of(range(30), range(2)))
+@pytest.mark.parametrize("until", [None, 1e-3])
+def test_caps_of_grids(until, seed):
+    """A cap on a grid counts its steps times its links, so that few caps differ."""
+    family = family_of(with_masses(seed))
+    options = {"method": "finite-difference", "until": until, "cells": 12}
+    links = len(family.bodies) + 1
+    most = ri.solve(family[(0,)], max_events=10**6, **options).events
+    steps = np.unique(np.geomspace(1, most // links + 1, 5).astype(int))
+    for cap in {*(links * steps).tolist(), 1, links - 1, most - 1, most, most + 1}:
+        assert_the_same_is_said(family, cap, **options)
