@@ -18,8 +18,7 @@ TIME_FACTOR = 2.0  # times more for times, which may hang on faint forces
 LEAST_SHARE = 0.1  # share of the worst difference that all measures may be off
 LEAST_SHARE_OF_TIMES = 0.05
 SHARED_FACTOR = 2.0  # over the estimate for steps that both runs took alike
-SHARED_PEAK_FACTOR = 3.0  # for peak forces, which are values and no integrals
-PEAK_FACTOR = 0.01  # over the tail of the force around its peak
+SHARED_TIME_FACTOR = 2.2  # for times, which may hang on faint forces
 LOOSE_FACTOR = 2e7  # times tail^2.5: errors of loose tolerances do not fall evenly
 LOOSE_POWER = 2.5
 MISSED = 4.0  # times by how much pieces miss a function that was given
@@ -50,8 +49,8 @@ def compare(fine: Any, coarse: Any) -> None:
 def left_open(fine: Ended, fit: float) -> list[float]:
     """Relative error of each of the `MEASURES` that a second run does not show.
 
-    With large tails, errors are not small enough to fall evenly from run to run. A peak lies
-    between points, where a force is known to about the tail of its polynomial.
+    With large tails, errors are not small enough to fall evenly from run to run. A peak force is
+    one value of a polynomial: two runs may miss it alike, by about `peak_error`.
     """
     run = fine.run
     loose = LOOSE_FACTOR * (run.roughest / run.scale) ** LOOSE_POWER
@@ -59,8 +58,7 @@ def left_open(fine: Ended, fit: float) -> list[float]:
     found = [common, common, common, common, common]
     peak = size_of([it.peak for it in fine.link])
     if peak > 0:
-        tail = size_of([it.peak_tail for it in fine.link])
-        found[PEAK_FORCE] += PEAK_FACTOR * tail / peak
+        found[PEAK_FORCE] += size_of([it.peak_error for it in fine.link]) / peak
     return found
 
 
@@ -109,11 +107,10 @@ def stated(fine: Ended, apart: list[float]) -> list[float]:
         share = LEAST_SHARE
         factor = DIFFERENCE_FACTOR
         shared = SHARED_FACTOR * estimate
-        if i == PEAK_FORCE:
-            shared = SHARED_PEAK_FACTOR * estimate
         if i >= SHOWN:
             share = LEAST_SHARE_OF_TIMES
             factor *= TIME_FACTOR
+            shared = SHARED_TIME_FACTOR * estimate
         error = 0.0
         if size_of(values) > 0:
             error = max(factor * max(apart[i], share * worst), shared)

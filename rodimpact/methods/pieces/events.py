@@ -147,7 +147,7 @@ def record(
                 peak = series.maximum(it.force, at.series, it.peak)
                 if peak > it.peak:
                     it.peak = peak
-                    it.peak_tail = series.tail(it.force)
+                    it.peak_error = series.remainder(it.force, False)
             if it.status >= Status.PRESS and presses(run, it, top):
                 touch = Status.PRESS.value
                 start -= max(it.faint, 0)

@@ -100,7 +100,7 @@ LINK = np.dtype(
         ("unknown", "i8"),
         ("impulse", "f8"),
         ("peak", "f8"),
-        ("peak_tail", "f8"),  # of the force in the piece with the peak, N
+        ("peak_error", "f8"),  # estimated error of `peak`, N
         ("first", "i8"),
         ("last", "i8"),
         ("apart", "i8"),
