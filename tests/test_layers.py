@@ -93,7 +93,12 @@ def test_kernels_of_fronts_know_numbers_and_each_other():
         )
     }
     kernels |= {"methods.tick_rule", "methods.finality_kernel"}
-    known = kernels | {"methods.fronts.records", "methods.laws", "methods.compiling"}
+    known = kernels | {
+        "methods.fronts.records",
+        "methods.states",
+        "methods.link",
+        "methods.compiling",
+    }
     for name, path in modules():
         if name in kernels:
             assert set(imports_of(name, path)) <= known, name

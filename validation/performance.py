@@ -34,8 +34,8 @@ from rodimpact.methods.fronts.family_layout import lay_out_family
 from rodimpact.methods.grid.mesh import Mesh, stable_step
 from rodimpact.methods.grid.method import COURANT
 from rodimpact.methods.grid.run import GridRun
-from rodimpact.methods.laws import Stop
 from rodimpact.methods.run import MAX_EVENTS
+from rodimpact.methods.states import Stop
 from rodimpact.methods.walk import walk
 
 from .unit import rod

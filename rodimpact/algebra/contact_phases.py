@@ -15,7 +15,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from ..methods.fronts.records import CHANGE
-from ..methods.laws import Status
+from ..methods.states import Status
 from .exact_run import ExactRun
 from .traced_fraction import ZERO, TracedFraction, heaviside_times
 

@@ -13,8 +13,8 @@ from ..methods.fronts import energy
 from ..methods.fronts.family_layout import lay_out_family
 from ..methods.fronts.simulation import Simulation, start_simulation
 from ..methods.groups import grounds, groups, unilateral
-from ..methods.laws import Status, Stop
 from ..methods.row import Row
+from ..methods.states import Status, Stop
 from ..model import Bonded, Segment
 from .exact_results import Exact
 from .traced_fraction import ZERO, TracedFraction

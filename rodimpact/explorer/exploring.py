@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from ..methods.fronts.family_layout import lay_out_family
-from ..methods.laws import Stop
 from ..methods.registry import Options
 from ..methods.run import MAX_EVENTS
+from ..methods.states import Stop
 from ..methods.walk import walk
 from ..model import System
 from ..model.frozen import InvalidModel, defaults_of, refusal

@@ -20,11 +20,11 @@ from ..methods.fronts.totals import (
     last_contact_end,
     tally_of,
 )
-from ..methods.laws import Stop
 from ..methods.pieces import reading
 from ..methods.pieces.layout import piece_of
 from ..methods.pieces.records import NEVER
 from ..methods.scales import smallest
+from ..methods.states import Stop
 from ..methods.status import rounding, strain_warning
 from ..methods.walk import walk
 from ..results.front_polygons import count_of, polygons_of, wave_of

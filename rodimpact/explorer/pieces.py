@@ -10,7 +10,7 @@ from typing import Any
 from ..methods.clock import MIN_TRANSIT, Clock, count_ticks, default_horizon
 from ..methods.compiling import blank
 from ..methods.groups import body_velocities
-from ..methods.laws import Law, Stop
+from ..methods.link import Law
 from ..methods.outcome import Motion
 from ..methods.pieces import accuracy, layout, march, reading
 from ..methods.pieces.accuracy import Ended, size_of
@@ -28,6 +28,7 @@ from ..methods.pieces.totals import (
     why_stuck,
 )
 from ..methods.scales import frame_of, largest, scale_of, wave_of_strain
+from ..methods.states import Stop
 from ..methods.status import strain_warning
 from ..methods.walk import walk
 from .fronts import TOO_FAR_APART

@@ -8,8 +8,8 @@ from time import monotonic
 from typing import Any
 
 from ..methods.fronts.family_layout import lay_out_family
-from ..methods.laws import Stop
 from ..methods.pieces.method import RTOL
+from ..methods.states import Stop
 from ..methods.walk import walk
 from . import fronts, pieces
 from .known import gauge_of

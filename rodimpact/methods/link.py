@@ -5,12 +5,27 @@ in its class which of them it fills, and by which branch of the kernels it acts 
 append fields of their own to `LINK`: what a link does during a run.
 """
 
+from enum import IntEnum
 from typing import Annotated, Any
 
 from ..model import laws as contact_laws
 from ..model.laws import CONTACT_LAWS, KNOTS
 from .compiling import blank, dtype_of
-from .laws import Law
+
+
+class Law(IntEnum):
+    """What acts in a link."""
+
+    BOND = 0
+    PUSH_LEFT = 1  # the force of what stands outside the left end, none at a free one
+    PUSH_RIGHT = 2
+    JOINT = 3
+    RIGID = 4  # from here on links can open
+    IMPACT = 5  # between rigid bodies: momentum jumps
+    SPRING = 6
+    POWER = 7
+    YIELD = 8
+    OWN = 9  # a function of the user
 
 
 class Link:
@@ -20,7 +35,7 @@ class Link:
     the next line of a table.
     """
 
-    law: int  # kind of law, `laws.Law`: the branch of the kernels
+    law: int  # kind of law, `Law`: the branch of the kernels
     gap: float  # distance of the two faces at t = 0, m; below 0 an overlap
     stretch: float  # s of a joint at t = 0, m
     stiffness: float  # k, N/m; N/m^p for a power

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..model import InvalidModel, Wall
 from ..model.arguments import float_or_array
-from .laws import Law
+from .link import Law
 from .scales import frame_of, scale_of
 
 Array = np.ndarray[Any, np.dtype[Any]]

@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 
 from ..model import System
 from .clock import Clock
-from .laws import Status
 from .outcome import Motion, Totals
 from .signals import Ints, Pieces
+from .states import Status
 
 MAX_EVENTS = 5_000_000
 """Arrivals at ends after which a run gives up where nothing else is asked for."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..model import InvalidModel
 from ..model.profiles import extremes
-from .laws import Law
+from .link import Law
 
 SMALLEST_FLOAT = sys.float_info.min
 LARGEST_FLOAT = sys.float_info.max

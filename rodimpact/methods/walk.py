@@ -6,8 +6,7 @@ The page has this as JavaScript, where a system is a table of tables with the sa
 import copyreg
 from typing import Any
 
-from .laws import Law
-from .link import link_of, link_of_contact
+from .link import Law, link_of, link_of_contact
 from .row import Row
 
 OUTSIDE = {

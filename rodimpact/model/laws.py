@@ -50,7 +50,7 @@ class _Law(Declared):
     opens: ClassVar[bool] = True
     """Whether the contact is unilateral: it can open, and never pulls."""
     acts_as: ClassVar[str]
-    """Branch of the kernels that has its force: the name of a `methods.laws.Law`."""
+    """Branch of the kernels that has its force: the name of a `methods.link.Law`."""
     fills_link: ClassVar[tuple[str, ...]] = ()
     """Its attributes that are numbers of a `methods.link.Link`, by the same names."""
 

@@ -26,9 +26,9 @@ from rodimpact.explorer.tables import RULES, request_of, system_of
 from rodimpact.methods import compiling, tick_rule
 from rodimpact.methods.fronts import records as front_records
 from rodimpact.methods.fronts.family_layout import lay_out_family
-from rodimpact.methods.laws import Stop
 from rodimpact.methods.pieces import driver, finality, layout, march
 from rodimpact.methods.pieces import records as piece_records
+from rodimpact.methods.states import Stop
 from rodimpact.methods.walk import walk
 from rodimpact.storage.casefile import case_from
 

@@ -99,7 +99,7 @@ def test_what_one_function_calls_becomes_part_of_it_and_what_several_call_does_n
                 "pieces/nodes",
                 "pieces/series",
                 "pieces/records",
-                "pieces/laws",
+                "contact_laws",
             ],
         ),
         (

@@ -15,7 +15,7 @@ from rodimpact.methods.fronts import contact as contacts
 from rodimpact.methods.fronts import finality
 from rodimpact.methods.fronts.records import FRONT, NODE, RUN
 from rodimpact.methods.groups import groups
-from rodimpact.methods.laws import Status
+from rodimpact.methods.states import Status
 
 M = ri.Material("m", youngs_modulus=1.0, density=1.0)
 

@@ -15,7 +15,7 @@ from rodimpact.methods.grid import contact_kernel as contacts
 from rodimpact.methods.grid import elimination_kernel as elimination
 from rodimpact.methods.grid.proof import finality_time, present, side_of
 from rodimpact.methods.grid.records import LINK, PER_STATE
-from rodimpact.methods.laws import Law
+from rodimpact.methods.link import Law
 
 seeds = st.integers(0, 10**6)
 

@@ -7,8 +7,8 @@ import pytest
 from exhaustive import few_of
 
 import rodimpact as ri
-from rodimpact.methods import compiling, kernels
-from rodimpact.methods.pieces import laws
+from rodimpact.methods import compiling, contact_laws, kernels
+from rodimpact.methods.link import Law
 from rodimpact.methods.pieces.records import LINK
 
 STEEL = ri.materials.steel
@@ -91,10 +91,11 @@ def own():
 
 def test_compiled_and_plain_kernels_call_the_function_of_a_link(own):
     links = np.zeros(2, LINK)
-    links["law"], links["function"] = laws.Law.OWN, [3, 5]
+    links["law"], links["function"] = Law.OWN, [3, 5]
     links["mobility"], links["near"], links["near_rate"] = 1e-3, 1e-9, 1e-6
     fast, plain = (
-        make(laws.force, own) for make in (compiling.compiled, compiling.interpreted)
+        make(contact_laws.force, own)
+        for make in (compiling.compiled, compiling.interpreted)
     )
     for link, object_, (_, function) in zip(
         links, compiling.as_objects(links), own, strict=True

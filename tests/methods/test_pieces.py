@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from numpy.polynomial import chebyshev, legendre
 
-from rodimpact.methods import compiling
-from rodimpact.methods.laws import Law, Status
-from rodimpact.methods.pieces import laws, lines, nodes, series, waves
+from rodimpact.methods import compiling, contact_laws
+from rodimpact.methods.link import Law
+from rodimpact.methods.pieces import lines, nodes, series, waves
 from rodimpact.methods.pieces.records import (
     HARD,
     LINE,
@@ -22,6 +22,7 @@ from rodimpact.methods.pieces.records import (
 )
 from rodimpact.methods.pieces.series import POINTS, N
 from rodimpact.methods.signals import Pieces
+from rodimpact.methods.states import Status
 
 X = np.array(series.X)
 
@@ -321,7 +322,7 @@ def test_a_force_satisfies_its_law_and_has_these_derivatives(name):
         LINK, **{"mobility": 0.8, "exponent": 1.0, "status": Status.PRESS, **LAWS[name]}
     )
     d, closing, small = 0.3, 1.7, 1e-6
-    F, by_d, by_closing = laws.force(it, d, closing)
+    F, by_d, by_closing = contact_laws.force(it, d, closing)
     rate = closing - it.mobility * F
     if it.law == Law.BOND:
         assert rate == pytest.approx(0.0, abs=1e-15)
@@ -329,11 +330,11 @@ def test_a_force_satisfies_its_law_and_has_these_derivatives(name):
         assert pytest.approx(F) == 7.0 * d**it.exponent * (1 + it.damping * rate)
     else:
         assert pytest.approx(F) == 7.0 * d + it.damping * rate
-    around = [laws.force(it, d + i * small, closing)[0] for i in (-1, 1)]
+    around = [contact_laws.force(it, d + i * small, closing)[0] for i in (-1, 1)]
     assert by_d == pytest.approx(
         (around[1] - around[0]) / (2 * small), rel=1e-7, abs=1e-9
     )
-    around = [laws.force(it, d, closing + i * small)[0] for i in (-1, 1)]
+    around = [contact_laws.force(it, d, closing + i * small)[0] for i in (-1, 1)]
     assert by_closing == pytest.approx(
         (around[1] - around[0]) / (2 * small), rel=1e-7, abs=1e-9
     )
@@ -367,21 +368,22 @@ def test_what_ends_a_status(law, status, d, closing, to):
     )
     it.knots[0] = 9.0
     F = (
-        laws.force(it, d, closing)[0]
+        contact_laws.force(it, d, closing)[0]
         if status in (Status.PRESS, Status.PLASTIC)
         else 0.0
     )
     ended = [
         after
         for g, after in (
-            laws.guard(it, i, d, closing, F, 1.0, 1.0) for i in range(laws.guards(it))
+            contact_laws.guard(it, i, d, closing, F, 1.0, 1.0)
+            for i in range(contact_laws.guards(it))
         )
         if g < 0
     ]
     assert ended == [to]
     assert all(
-        math.isfinite(laws.guard(it, i, d, closing, F, 1.0, 1.0)[0])
-        for i in range(laws.guards(it))
+        math.isfinite(contact_laws.guard(it, i, d, closing, F, 1.0, 1.0)[0])
+        for i in range(contact_laws.guards(it))
     )
 
 

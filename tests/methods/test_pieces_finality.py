@@ -7,11 +7,12 @@ from networks import unit_rod
 
 import rodimpact as ri
 from rodimpact.methods import compiling
-from rodimpact.methods.laws import Law, Status
+from rodimpact.methods.link import Law
 from rodimpact.methods.pieces import finality
 from rodimpact.methods.pieces.driver import Members
 from rodimpact.methods.pieces.layout import Asked
 from rodimpact.methods.pieces.records import LINK, PART, RUN
+from rodimpact.methods.states import Status
 from rodimpact.methods.walk import walk
 
 

@@ -7,10 +7,10 @@ import pytest
 from mistakes import assert_told
 
 import rodimpact as ri
-from rodimpact.methods import compiling
+from rodimpact.methods import compiling, contact_laws
 from rodimpact.methods.grid import contact_kernel as ck
 from rodimpact.methods.grid.records import LINK
-from rodimpact.methods.laws import Law
+from rodimpact.methods.link import Law
 from rodimpact.model.laws import CONTACT_LAWS, UNREACHED
 from rodimpact.model.system import restored
 
@@ -231,7 +231,7 @@ def test_the_mean_force_of_a_power_is_accurate_where_indentations_are_near(expon
                     * (3 * s**3 + 6 * r * s * s + 4 * s * r * r + 2 * r**3)
                     / (5 * (r + s) ** 2)
                 )
-            F, dF = ck.mean_power(3.0, exponent, x0, x1)
+            F, dF = contact_laws.mean_power(3.0, exponent, x0, x1)
             assert pytest.approx(expected, rel=2e-15) == F
             assert dF == pytest.approx(slope, rel=1e-9)
 
@@ -241,12 +241,12 @@ def test_its_mean_force_is_the_difference_quotient_of_its_energy(exponent):
     rng, at = np.random.default_rng(2), compiling.blank(1, LINK)[0]
     at.law, at.stiffness, at.exponent = Law.POWER, 5.0, exponent
     for x0, x1 in rng.uniform(-1, 2, (200, 2)).tolist():
-        F, dF = ck.mean_force(at, x0, x1)
+        F, dF = contact_laws.mean_force(at, x0, x1)
         held, holds = (
             5.0 * max(x, 0.0) ** (exponent + 1) / (exponent + 1) for x in (x0, x1)
         )
         assert F * (x1 - x0) == pytest.approx(holds - held, rel=1e-12, abs=1e-13)
-        up, down = (ck.mean_force(at, x0, x1 + s)[0] for s in (1e-6, -1e-6))
+        up, down = (contact_laws.mean_force(at, x0, x1 + s)[0] for s in (1e-6, -1e-6))
         assert dF == pytest.approx((up - down) / 2e-6, rel=1e-4, abs=1e-3)
 
 
@@ -277,7 +277,7 @@ def test_what_yields_meets_its_mean_force_on_any_table():
         F, x, _ = ck.solve_link(at, c)
         size = abs(x) + abs(x0) + abs(c)
         assert x == pytest.approx(x0 + c - at.own * F, abs=1e-11 * size), seed
-        mean, _ = ck.mean_force(at, x0, x)
+        mean, _ = contact_laws.mean_force(at, x0, x)
         assert pytest.approx(mean, rel=1e-6, abs=1e-11 * size / at.own) == F, seed
 
 

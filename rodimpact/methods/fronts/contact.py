@@ -8,7 +8,7 @@ out the waves a' = b + 2 F Y2 to the right and b' = a - 2 F Y1 to the left.
 
 import math
 
-from ..laws import Status
+from ..states import Status
 from .records import CHANGE, IDLE, NEVER, NONE, Amplitude, Front, Node, Run
 
 FAINT_TOLERANCES = 1 << 24

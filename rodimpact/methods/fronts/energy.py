@@ -7,7 +7,7 @@ of velocity V is (Z/4) integral((a - V)^2 + (b - V)^2).
 
 from collections.abc import Sequence
 
-from ..laws import Status
+from ..states import Status
 from .records import NONE, Amplitude, Log, Segment, State
 
 

@@ -15,7 +15,7 @@ they run on floats and, in exact arithmetic, on fractions.
 
 from collections.abc import Sequence
 
-from ..laws import Status, Stop
+from ..states import Status, Stop
 from . import contact, event_queue
 from .records import IDLE, NONE, Amplitude, Front, Line, Log, Node, Run, Segment, State
 
@@ -135,7 +135,7 @@ def advance(state: State, horizon: int) -> int:
     Returns
     -------
     int
-        Why it stopped, as `laws.Stop`.
+        Why it stopped, as `states.Stop`.
     """
     run = state.runs[0]
     segments = state.segments
@@ -215,7 +215,7 @@ def advance(state: State, horizon: int) -> int:
 
 
 def find_stop(run: Run, tick: int, horizon: int, is_full: bool, events: int) -> int:
-    """Why a run stops before its next event, that at `tick`, as `laws.Stop`."""
+    """Why a run stops before its next event, that at `tick`, as `states.Stop`."""
     if tick > horizon:
         return Stop.DONE.value
     if tick > run.next_proof_tick and events >= run.next_proof_event:

@@ -10,8 +10,8 @@ import numpy as np
 from ..abilities import driven
 from ..family import CONTACT_COLUMNS, Columns, family_columns, status_column
 from ..groups import body_velocities, heads
-from ..laws import Stop
 from ..row import Array, Row
+from ..states import Stop
 from . import driver
 from .batch import RunRequest
 from .family_layout import lay_out_family

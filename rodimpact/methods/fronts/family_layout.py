@@ -7,8 +7,9 @@ from typing import Any, NamedTuple
 
 from ...model import Steps
 from ..compiling import blank
-from ..laws import Beyond, Law, Status
+from ..link import Law
 from ..scales import frame_of, scale_of
+from ..states import Beyond, Status
 from . import event_queue
 from .records import (
     CACHED_DURATION,
@@ -46,7 +47,7 @@ class Profile(NamedTuple):
     offset: int  # index of the first value among the values of a member
     velocity_count: int
     strain_count: int
-    boundary_kind: int  # `laws.Beyond`
+    boundary_kind: int  # `states.Beyond`
 
 
 class FamilyLayout(NamedTuple):

@@ -10,7 +10,7 @@ exact as the run: it holds on fractions, too.
 from collections.abc import Sequence
 
 from .. import finality_kernel as proof
-from ..laws import Status
+from ..states import Status
 from .records import IDLE, NEVER, NONE, Amplitude, Line, Segment, State
 
 WAIT_MARGIN = 1.000001  # lengthens a wait, so that the proof succeeds after it

@@ -16,7 +16,7 @@ import math
 from collections.abc import Sequence
 
 from .. import tick_rule as rule
-from ..laws import Beyond, Stop
+from ..states import Beyond, Stop
 from .records import (
     NONE,
     Amplitude,
@@ -239,7 +239,7 @@ def set_transits(
 def find_clock_fault(
     run: Run, values: Values, segments: Sequence[Segment], bits: int
 ) -> int:
-    """Why a member has no clock, as `laws.Stop`; Stop.NONE if it has one."""
+    """Why a member has no clock, as `states.Stop`; Stop.NONE if it has one."""
     n = len(segments) - 2
     max_impedance = 0.0
     for s in range(n):

@@ -7,7 +7,7 @@ more events, so that proofs cost no more than the run itself.
 
 from collections.abc import Sequence
 
-from ..laws import Stop
+from ..states import Stop
 from . import energy, events, finality, initial_state
 from .records import CHANGE, IDLE, NEVER, NONE, NodeResult, Run, State
 
@@ -53,7 +53,7 @@ def run_to_end(state: State) -> int:
     Returns
     -------
     int
-        `laws.Stop`: DONE (reached `end_tick`), FINAL (proved, and run on), FULL (grow
+        `states.Stop`: DONE (reached `end_tick`), FINAL (proved, and run on), FULL (grow
         the log and call again), CAP (more events than the limit) or CLOCK (its ticks
         are over). At the end `Run.now` is the tick reached.
     """

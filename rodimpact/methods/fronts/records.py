@@ -46,7 +46,7 @@ class Segment:
     profile_offset: int
     velocity_count: int  # 0: no body begins here
     strain_count: int
-    boundary_kind: int  # `laws.Beyond`; for what lies outside
+    boundary_kind: int  # `states.Beyond`; for what lies outside
 
     transit: Tick  # transit time, ticks
     mobility: Amplitude  # 1/Z, s/kg
@@ -78,9 +78,9 @@ class Segment:
 class Node:
     """A contact, a joint of two segments, or an end of the row."""
 
-    closed_status: int  # `laws.Status` of the closed node before anything is solved
+    closed_status: int  # `states.Status` of the closed node before anything is solved
     contact: int  # index of the contact; NONE for a joint or an end
-    status: int  # `laws.Status`
+    status: int  # `states.Status`
     solved_tick: Tick  # tick at which the node was solved last
     gap: Amplitude  # at `solved_tick`; velocity times ticks
     gap_rate: Amplitude  # m/s
@@ -156,7 +156,7 @@ class NodeResult:
     duration: float  # force duration, s
     episodes: Int32
     # Results of the run, at the first node
-    stop_reason: Int8  # `laws.Stop`
+    stop_reason: Int8  # `states.Stop`
     is_proved: Int8  # 1: the collision is final, see `finality`
     vibration_energy: float  # at the end, J
     end_time: float  # s
@@ -201,7 +201,7 @@ class Run:
     next_proof_tick: Tick  # a proof is tried after this tick
     next_proof_event: int  # and not before so many events
     proved_tick: Tick  # tick of the proof, or NONE
-    stop_reason: int  # `laws.Stop`
+    stop_reason: int  # `states.Stop`
 
     max_wave: float  # largest absolute wave, m/s
 

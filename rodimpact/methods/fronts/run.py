@@ -6,7 +6,7 @@ from typing import Any
 from ...model.frozen import InvalidModel
 from ..abilities import driven
 from ..clock import Clock, clock_of, too_long, too_short
-from ..laws import Stop
+from ..states import Stop
 from .batch import Batch
 from .records import NONE, Line, Node, Segment
 

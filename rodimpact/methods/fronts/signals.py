@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 
 from ...model import Fixed, Free, Wall
-from ..laws import Status
 from ..row import Array
 from ..run import INWARD, ContactSignal, Episode, Outside, Signals, Waves, episodes_of
 from ..signals import Pieces, each_once
+from ..states import Status
 from .records import CHANGE
 from .run import FrontRun
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..compiling import blank
-from ..laws import Stop
+from ..states import Stop
 from . import energy, events, initial_state
 from .batch import INITIAL_LOG_ROWS
 from .family_layout import FamilyLayout, make_state

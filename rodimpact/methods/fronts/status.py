@@ -4,7 +4,7 @@ from typing import Any
 
 from ...model.numbering import contact_names
 from ...units import format_si
-from ..laws import Status
+from ..states import Status
 from ..status import ending, proof_sentence
 from .records import Node, Run
 from .run import REASONS

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from ...model import Absorbing, Fixed, Free
 from ..clock import Clock, mass_of
 from ..groups import body_velocities, heads
-from ..laws import Status
 from ..outcome import Motion, Totals, Works, relative_residual
 from ..run import ContactTally
+from ..states import Status
 from ..status import last_contact
 from .records import NONE, Node, Run, Segment
 from .run import FrontRun

@@ -18,98 +18,14 @@ Units are those of `records`.
 import math
 from typing import Any
 
-from ..laws import Law
+from .. import contact_laws
+from ..link import Law
 
 EPS = 1 / (1 << 52)
 ROUGH = 1 / (1 << 24)  # of the motion: forces that are no better known are none
 ENOUGH = 1 / (1 << 27)  # relative Newton step after which the next one is round-off
-NEAR = 1 / (1 << 6)  # relative change below which a difference quotient is a series
 NEWTON = 100  # iterations of one contact: a bound that is not met in practice
 SWEEPS = 1000  # of one chain, see `balance`
-
-
-def mean_spring(k: float, d: float, x0: float, x1: float) -> tuple[float, float]:
-    """Mean of k x + d dx/dt from x0 to x1 as long as x > 0 and this presses; derivative by x1."""
-    w = x1 - x0
-    last = k * x1 + d * w
-    if x0 >= 0 and last >= 0:
-        return k * (x0 + x1) / 2 + d * w, k / 2 + d
-    least = max(-d * w / k, 0.0)  # where it lets go, or begins
-    a, b = max(x0, least), max(x1, least)
-    share = (b - a) / w
-    F = share * (k * (a + b) / 2 + d * w)
-    return F, (max(last, 0.0) - F) / w + share * d
-
-
-def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
-    """Mean of k x^p, 0 for x < 0, from x0 to x1, and its derivative by x1.
-
-    It is the difference quotient of k x^(p + 1)/(p + 1). Where x1 is near x0, so that this loses
-    digits, with h = x1/x0 - 1 it is k x0^p ((1 + h)^(p+1) - 1)/((p + 1) h), or its series in h.
-    """
-    q, w = p + 1, x1 - x0
-    first, last = k * max(x0, 0.0) ** p, k * max(x1, 0.0) ** p
-    if x0 <= 0 or abs(w) > x0 / 2:
-        F = (last * x1 - first * x0) / (q * w)
-        return F, (last - F) / w
-    F, h = first, w / x0
-    if h != 0:
-        F = first * math.expm1(q * math.log1p(h)) / (q * h)
-    if abs(q * h) > NEAR:
-        return F, (last - F) / w
-    third = (p - 1) * h
-    fourth = third * (p - 2) * h
-    return F, first / x0 * p * (
-        1 / 2 + third / 3 + fourth / 8 + fourth * (p - 3) * h / 30
-    )
-
-
-def loaded(at: Any, x0: float, x1: float) -> tuple[float, float, int]:
-    """What yields, pressed from x0 to x1 past its yield force, along the lines of its table.
-
-    Returns
-    -------
-    float
-        Force at x1, which is its yield force from then on.
-    float
-        Work on the way.
-    int
-        The next knot.
-    """
-    k, force, knot = at.stiffness, at.yield_force, at.knot
-    x, start, slope = force / k, max(x0, 0.0), at.hardening_share * k
-    work = (x - start) * (force + k * start) / 2
-    while force + slope * (x1 - x) > at.knots[knot]:
-        part = (at.knots[knot] - force) / slope
-        work += part * (force + at.knots[knot]) / 2
-        x, force, slope = x + part, at.knots[knot], at.shares[knot] * k
-        knot += 1
-    end = force + slope * (x1 - x)
-    return end, work + (x1 - x) * (force + end) / 2, knot
-
-
-def mean_force(at: Any, x0: float, x1: float) -> tuple[float, float]:
-    """Mean force of a compliant contact while its indentation goes from x0 to x1, and dF/dx1.
-
-    SPRING: k q + d dq/dt with q = max(x, 0), as long as that presses; POWER: k q^p (1 + d dx/dt);
-    averaged along the straight path, cut at 0.
-    """
-    if x0 <= 0 and x1 <= 0:
-        return 0.0, 0.0
-    k, d, w = at.stiffness, at.damping, x1 - x0
-    if at.law == Law.POWER:
-        F, dF = mean_power(k, at.exponent, x0, x1)
-        stretch = 1 + d * w
-        F, dF = F * stretch, dF * stretch + F * d
-    elif at.law == Law.YIELD and x1 > at.yield_force / k:
-        end, work, _ = loaded(at, x0, x1)
-        F = work / w
-        dF = max((end - F) / w, 0.0)
-    else:
-        F, dF = mean_spring(k, d if at.law == Law.SPRING else 0.0, x0, x1)
-    if F <= 0:
-        return 0.0, 0.0
-    return F, dF
 
 
 def solve_link(at: Any, c: float) -> tuple[float, float, float]:
@@ -136,11 +52,11 @@ def solve_link(at: Any, c: float) -> tuple[float, float, float]:
         at.law == Law.YIELD
     ):  # the mean force bends both ways, its work only up: from the right
         most = at.yield_force / at.stiffness
-        yields = most - top + y * mean_force(at, x0, most)[0] < 0
+        yields = most - top + y * contact_laws.mean_force(at, x0, most)[0] < 0
         x = top if yields else min(most, top)
     F = slope = 0.0
     for _ in range(NEWTON):
-        F, slope = mean_force(at, x0, x)
+        F, slope = contact_laws.mean_force(at, x0, x)
         r = x - top + y * F
         step = r / (1 + y * slope + (r / (x - x0) if yields else 0.0))
         F, x = F - slope * step, min(x - step, top)
@@ -269,7 +185,7 @@ def settle(at: Any, w: float, tol: float) -> float:
         rest = at.gap
     elif at.law == Law.YIELD and at.place > at.yield_force / at.stiffness:
         # it hardens, and its faces move for good
-        at.yield_force, _, knot = loaded(at, -at.gap, at.place)
+        at.yield_force, _, knot = contact_laws.load_plastically(at, -at.gap, at.place)
         if knot > at.knot:
             at.knot, at.hardening_share = knot, at.shares[knot - 1]
         rest = -at.yield_force / at.stiffness

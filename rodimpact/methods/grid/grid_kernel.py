@@ -31,7 +31,8 @@ half a step too late.
 import math
 from typing import Any
 
-from ..laws import Beyond, Law
+from ..link import Law
+from ..states import Beyond
 from . import contact_kernel as contacts
 from . import elimination_kernel as elimination
 from .records import FAR, NONE

@@ -8,9 +8,9 @@ import math
 
 import numpy as np
 
-from ..laws import Status
 from ..run import Episode, episodes_of
 from ..signals import Floats
+from ..states import Status
 
 LATEST = 2.0  # steps, by which a gap can close later than its contact first presses
 FAINT = 1e-6  # of the next mean force: what presses less is round-off

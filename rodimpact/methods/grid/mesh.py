@@ -16,7 +16,7 @@ from ...model import Segment
 from ...model.frozen import LARGEST, SMALLEST, InvalidModel
 from ...model.lateral_inertia import INERTIA, MINDLIN_HERRMANN, radial_moduli
 from ...model.profiles import extremes
-from ..laws import Law
+from ..link import Law
 from ..row import Array, Row
 
 STEP_TICKS = 1 << 36

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .. import abilities, finality_kernel
-from ..laws import Law
+from ..link import Law
 from ..row import Array
 from .mesh import GridMotion, quotient
 from .run import GridRun

@@ -6,7 +6,7 @@ from itertools import takewhile
 
 import numpy as np
 
-from ..laws import Law
+from ..link import Law
 from ..memory import TooLong
 from ..row import Array
 from ..run import DURATION, IMPULSE, PEAK_FORCE, VELOCITY

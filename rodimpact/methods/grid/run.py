@@ -10,8 +10,7 @@ import numpy as np
 
 from .. import compiling, kernels
 from ..clock import Clock, clock_of
-from ..laws import Law
-from ..link import initial_gap
+from ..link import Law, initial_gap
 from ..memory import ask
 from ..row import Array, squeezed
 from . import grid_kernel, scheme, start

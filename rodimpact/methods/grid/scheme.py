@@ -7,10 +7,10 @@ import numpy as np
 from ...model.frozen import InvalidModel
 from ...model.profiles import averages
 from ..compiling import as_records
-from ..laws import Beyond
 from ..link import LINK
 from ..row import Array, Row
 from ..scales import wave_of_strain
+from ..states import Beyond
 from . import elimination_kernel as elimination
 from . import records
 from .mesh import Mesh, quotient

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...model.profiles import averages
-from ..laws import Law
+from ..link import Law
 from ..row import Array
 from ..run import INWARD
 from . import scheme

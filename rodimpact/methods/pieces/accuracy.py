@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..laws import Law
+from ..link import Law
 
 COARSER = 5.0  # tolerance of the run that the first is compared with, over its own
 COARSER_FLOOR = 2  # its floor, if breaks come too densely to be followed

@@ -10,10 +10,10 @@ import numpy as np
 
 from ...progress import Report, no_report
 from .. import compiling, kernels
-from ..laws import Stop
 from ..memory import ask
 from ..row import Row
 from ..run import Stopped
+from ..states import Stop
 from . import layout, march
 from .accuracy import Ended
 from .known import Known, as_family

@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from ..laws import Law, Status
+from ..link import Law
+from ..states import Status
 from . import lines, series
 from .records import NONE, SMOOTH
 from .series import N, X

@@ -7,7 +7,8 @@ import math
 from typing import Any
 
 from .. import finality_kernel as proof
-from ..laws import Law, Status, Stop
+from ..link import Law
+from ..states import Status, Stop
 from . import lines
 from .records import NEVER, NONE, Part
 from .series import N

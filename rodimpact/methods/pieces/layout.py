@@ -11,9 +11,9 @@ import numpy as np
 from ..abilities import driven
 from ..clock import Clock
 from ..compiling import blank
-from ..laws import Law, Status
-from ..link import FIELDS, initial_gap
+from ..link import FIELDS, Law, initial_gap
 from ..scales import largest
+from ..states import Status
 from .records import LINE, LINK, MASS, NEVER, NODE, NONE, PART, PIECE, RUN, SMOOTH, Part
 from .series import POINTS, N
 

@@ -8,8 +8,9 @@ limit of what is known, inputs at the points of a piece, collocation, first even
 import math
 from typing import Any
 
-from ..laws import Status, Stop
-from . import events, finality, laws, lines, nodes, series
+from .. import contact_laws
+from ..states import Status, Stop
+from . import events, finality, lines, nodes, series
 from .records import HARD, NEVER, NONE
 from .series import N
 
@@ -269,8 +270,8 @@ def leave(
     """Send what leaves a node. Each spring and mass of a chain makes breaks one order smoother."""
     over, back = left, right
     for q in range(at.links):
-        over = laws.smooths(link[at.first + q], over) + 1
-        back = laws.smooths(link[at.first + at.links - 1 - q], back) + 1
+        over = contact_laws.break_order(link[at.first + q], over) + 1
+        back = contact_laws.break_order(link[at.first + at.links - 1 - q], back) + 1
     for side in range(2):
         if at.target[side] == NONE:
             continue

@@ -22,11 +22,12 @@ from .. import run as runs
 from ..clock import clock_of
 from ..family import Columns, family_columns, status_column
 from ..groups import groups, movable, velocities_in_group
-from ..laws import Law, Stop
+from ..link import Law
 from ..outcome import Motion
 from ..row import Row
 from ..run import ContactTally, Run
 from ..scales import beyond_scales, check_scales
+from ..states import Stop
 from ..status import rounding, strain_warning
 from . import totals
 from .accuracy import (

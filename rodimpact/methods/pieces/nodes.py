@@ -9,8 +9,10 @@ collocation and Newton's method.
 
 from typing import Any
 
-from ..laws import Law, Status
-from . import laws, series
+from .. import contact_laws
+from ..link import Law
+from ..states import Status
+from . import series
 from .records import NONE
 from .series import POINTS, STAGES, START, TWICE, N, X
 
@@ -112,7 +114,7 @@ def linearise(it: Any, h: float, first: bool) -> float:
         d, closing, u = it.overlaps[j], it.closing[j], 0.5 * h * (X[j] + 1)
         if first:
             d = it.overlap + u * (it.rate + 0.5 * u * it.bend)
-        F, it.by_overlap[j], it.by_closing[j] = laws.force(it, d, closing)
+        F, it.by_overlap[j], it.by_closing[j] = contact_laws.force(it, d, closing)
         it.base[j] = F - it.by_overlap[j] * d - it.by_closing[j] * closing
         missed = max(missed, abs(F - it.force[j]))
         top = max(top, abs(F), CANCELLED * abs(it.base[j]))
@@ -218,7 +220,7 @@ def collocate(run: Any, link: Any, mass: Any, at: Any, h: float, G: Any) -> bool
             for j in range(N):
                 it.force[0] += START[j] * it.force[j + 1]
         elif it.unknown != NONE:
-            it.force[0], it.by_overlap[0], it.by_closing[0] = laws.force(
+            it.force[0], it.by_overlap[0], it.by_closing[0] = contact_laws.force(
                 it, it.overlap, it.closing[0]
             )
     return True
@@ -345,10 +347,10 @@ def next_event(run: Any, link: Any, at: Any, h: float) -> tuple[float, int, int]
     length = 0.01 * run.scale * h
     for q in range(at.links):
         it = link[at.first + q]
-        for i in range(laws.guards(it)):
+        for i in range(contact_laws.guards(it)):
             to = 0
             for j in range(POINTS):
-                g, to = laws.guard(
+                g, to = contact_laws.guard(
                     it,
                     i,
                     it.overlaps[j],
@@ -358,7 +360,7 @@ def next_event(run: Any, link: Any, at: Any, h: float) -> tuple[float, int, int]
                     length,
                 )
                 at.rate[j] = g
-            overlap = laws.follows_overlap(it, i)
+            overlap = contact_laws.follows_overlap(it, i)
             ignored = ROUND_OFF
             if overlap and at.rate[N] > 0:
                 # a force that starts softly is a polynomial that swings a little below 0

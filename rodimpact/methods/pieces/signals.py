@@ -9,7 +9,7 @@ from numpy.polynomial.chebyshev import chebder
 from ...model import Wall
 from ..clock import Clock
 from ..groups import fill_bonds
-from ..laws import Law
+from ..link import Law
 from ..row import Row
 from ..run import ContactSignal, Outside, Signals, Waves, episodes_of
 from ..signals import Pieces

@@ -4,8 +4,9 @@ import math
 from typing import Any
 
 from ...units import format_si
-from ..laws import Law, Status, Stop
+from ..link import Law
 from ..run import ContactTally
+from ..states import Status, Stop
 from ..status import ending, last_contact, proof_sentence
 
 MORE = 10.0  # times rtol, from which it is said that it was not reached

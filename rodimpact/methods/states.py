@@ -1,24 +1,9 @@
-"""What acts in links and on the ends of a row, and what is said of links and runs, for all methods.
+"""States that kernels hold as whole numbers: of what is beyond an end, of a link, and of a run.
 
 In files and in kernels these are whole numbers; only their order here has a meaning.
 """
 
 from enum import IntEnum
-
-
-class Law(IntEnum):
-    """What acts in a link."""
-
-    BOND = 0
-    PUSH_LEFT = 1  # the force of what stands outside the left end, none at a free one
-    PUSH_RIGHT = 2
-    JOINT = 3
-    RIGID = 4  # from here on links can open
-    IMPACT = 5  # between rigid bodies: momentum jumps
-    SPRING = 6
-    POWER = 7
-    YIELD = 8
-    OWN = 9  # a function of the user
 
 
 class Beyond(IntEnum):
