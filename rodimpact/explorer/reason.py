@@ -1,6 +1,9 @@
 """Why a collision ends as it does: two sentences, from the contact events of its run.
 
-Plain Python, which the page has as JavaScript.
+The first sentence says how the contact force begins, falls and ends, the second one
+what impulse and velocities follow. The page has these functions as JavaScript. Their
+parameter `facts` is the dictionary of a solved collision that `picture.picture`
+describes.
 """
 
 from bisect import bisect_right
@@ -9,66 +12,82 @@ from typing import Any
 from ..storage.tables import clean
 from .texts import capital, written
 
-SMALL = (
-    1e-6  # of the peak force, the largest gap or the time since the first touch: none
-)
-MOST = 0.99  # of an impulse
+NEGLIGIBLE = 1e-6
+"""Fraction of the peak force, the largest gap or a time that counts as zero.
+
+Transit times, impedances and wave speeds that differ by less count as equal.
+"""
+MAIN_IMPULSE = 0.99
+"""Fraction of the impulse after which the rest is the weak tail of a stiff contact."""
+EARLY = 0.75
+"""Fraction of the force duration before which the main impulse is worth a remark."""
 
 
-def reason_of(known: Any, e: str) -> list[str]:
-    """What happened, and what it comes to.
+def reason_of(facts: Any, e: str) -> list[str]:
+    """Sentence on the contact force, and sentence on the velocities that follow.
 
     Parameters
     ----------
-    known : dict
-        What `picture` was given, with the ``bodies`` and ``contacts`` that it shows.
+    facts : dict
+        The parameter of `picture`, with the ``bodies`` and ``contacts`` that it shows.
     e : str
         The coefficient of restitution as it is written; "" if there is none.
     """
-    outcome = known["outcome"]
-    pressed = [
-        known["contacts"][i]
-        for i in outcome["able"]
-        if outcome["contacts"][i].episodes > 0
-    ]
+    outcome = facts["outcome"]
+    pressed = []
+    for i in outcome["able"]:
+        if outcome["contacts"][i].episodes > 0:
+            pressed.append(facts["contacts"][i])
     if len(pressed) == 0:
-        happened = (
+        events = (
             "No bodies collide: the force stays zero at every contact that can open."
         )
     elif len(outcome["able"]) > 1:
-        happened = of_chain(known, pressed)
+        events = events_of_chain(facts, pressed)
     else:
-        happened = of_contact(known, pressed[0])
+        events = events_of_contact(facts, pressed[0])
     if not outcome["final"]:
-        happened = f"{happened} {known['notes'][0]}"
-    return [happened, result_of(known, pressed, e)]
+        events = f"{events} {facts['notes'][0]}"
+    return [events, result_of(facts, pressed, e)]
 
 
-# What happened ------------------------------------------------------------------------------------
+# Events -------------------------------------------------------------------------------
 
 
 def value_at(series: Any, t: float) -> float:
-    """Value of a curve at a time."""
-    times, y = series["t"], series["y"]
+    """Value of a curve at a time, on straight lines between its points."""
+    times = series["t"]
+    values = series["y"]
     i = max(0, min(len(times) - 2, bisect_right(times, t) - 1))
-    wide = times[i + 1] - times[i]
-    share = max(0.0, min(1.0, (t - times[i]) / wide)) if wide > 0 else 1.0
-    return float(y[i] + (y[i + 1] - y[i]) * share)
+    width = times[i + 1] - times[i]
+    fraction = 1.0
+    if width > 0:
+        fraction = max(0.0, min(1.0, (t - times[i]) / width))
+    return float(values[i] + (values[i + 1] - values[i]) * fraction)
 
 
 def spells_of(contact: Any) -> list[Any]:
-    """Spells in which a contact is "open", "touching" or "pressing": state, `from` and `to`, s."""
-    force, gap = contact["force"], contact["gap"]
+    """Spells of a contact, each with its state and its times, s.
+
+    Returns
+    -------
+    list of dict
+        With ``state``, "open", "touching" or "pressing", ``from`` and ``to``.
+    """
+    force = contact["force"]
+    gap = contact["gap"]
     if gap is None:  # a bond never opens
         gap = {"t": force["t"], "y": [0.0 for _ in force["t"]]}
-    weak, narrow = [SMALL * max([abs(y) for y in curve["y"]]) for curve in (force, gap)]
+    zero_force = NEGLIGIBLE * max([abs(y) for y in force["y"]])
+    zero_gap = NEGLIGIBLE * max([abs(y) for y in gap["y"]])
     spells: list[Any] = []
     before = force["t"][0]
     for t in sorted([*force["t"], *gap["t"]]):
-        middle, state = (before + t) / 2, "touching"
-        if abs(value_at(force, middle)) > weak:
+        middle = (before + t) / 2
+        state = "touching"
+        if abs(value_at(force, middle)) > zero_force:
             state = "pressing"
-        elif value_at(gap, middle) > narrow:
+        elif value_at(gap, middle) > zero_gap:
             state = "open"
         if t > before and len(spells) > 0 and spells[-1]["state"] == state:
             spells[len(spells) - 1]["to"] = t
@@ -83,182 +102,258 @@ def presses_of(contact: Any) -> list[Any]:
     return [spell for spell in spells_of(contact) if spell["state"] == "pressing"]
 
 
-def beside(known: Any, contact: Any) -> Any:
-    """The bodies of a contact."""
-    return known["bodies"][contact["index"] : contact["index"] + 2]
+def bodies_of(facts: Any, contact: Any) -> Any:
+    """Left and right body of a contact."""
+    i = contact["index"]
+    return facts["bodies"][i : i + 2]
 
 
-def pair_of(known: Any, contact: Any) -> str:
+def pair_of(facts: Any, contact: Any) -> str:
     """Names of the bodies of a contact."""
-    left, right = beside(known, contact)
+    left, right = bodies_of(facts, contact)
     return f"{left['name']} and {right['name']}"
 
 
-def of_chain(known: Any, pressed: list[Any]) -> str:
-    """The first and the last of several contacts."""
-    first, last, begun, ended = pressed[0], pressed[0], -1.0, -1.0
+def events_of_chain(facts: Any, pressed: list[Any]) -> str:
+    """Sentence on the first and the last force of several contacts."""
+    first = pressed[0]
+    last = pressed[0]
+    start = -1.0
+    end = -1.0
     for contact in pressed:
         for spell in presses_of(contact):
-            if begun < 0 or spell["from"] < begun:
-                first, begun = contact, spell["from"]
-            if spell["to"] > ended:
-                last, ended = contact, spell["to"]
+            if start < 0 or spell["from"] < start:
+                first = contact
+                start = spell["from"]
+            if spell["to"] > end:
+                last = contact
+                end = spell["to"]
     return (
-        f"The first contact to press is that of {pair_of(known, first)}, at "
-        f"{written(begun, 's', 4)}; the last force, between {pair_of(known, last)}, ends at "
-        f"{written(ended, 's', 4)}."
+        f"The first contact to press is that of {pair_of(facts, first)}, at "
+        f"{written(start, 's', 4)}; the last force, between {pair_of(facts, last)}, "
+        f"ends at {written(end, 's', 4)}."
     )
 
 
-def of_contact(known: Any, contact: Any) -> str:
-    """How the force of the only contact that can open begins, falls and ends."""
-    spells, presses, pair = (
-        spells_of(contact),
-        presses_of(contact),
-        pair_of(known, contact),
-    )
+def events_of_contact(facts: Any, contact: Any) -> str:
+    """Sentence on the force of the only contact that can open: begin, falls and end."""
+    spells = spells_of(contact)
+    presses = presses_of(contact)
     if len(presses) == 0:
         return "The contact force lasts for too short a time to be shown."
-    begun, ended, force = presses[0]["from"], presses[-1]["to"], contact["force"]
-    lasted = ended - begun
-    if spells[-1]["state"] == "pressing":
-        text = f"{capital(pair)} press to the end of the run"
-    elif not known["exact"]:
-        if len(presses) == 1:  # samples know it less well
-            lasted = known["outcome"]["contacts"][contact["index"]].duration
-        text = f"The force has fallen to zero {written(lasted, 's', 4)} after the first touch"
-        end = "; no single wave ends it" if contact["compliant"] else ""
-        most = time_of_most(force) - begun
-        early = f"; {100 * MOST:.3g} % of the impulse came in the first {written(most, 's', 4)}"
-        text = f"{text}{in_transits(known, contact, lasted)}{end}"
-        text = f"{text}{early if most < 0.75 * lasted else ''}"
-    elif any(
-        spell["state"] == "open" and begun < spell["from"] < ended for spell in spells
-    ):
-        text = f"{capital(pair)} part and meet again; the last force ends at "
-        text = f"{text}{written(ended, 's', 4)}"
+    start = presses[0]["from"]
+    end = presses[-1]["to"]
+    last = spells[-1]
+    pair = capital(pair_of(facts, contact))
+    reopens = [
+        spell
+        for spell in spells
+        if spell["state"] == "open" and start < spell["from"] < end
+    ]
+    if last["state"] == "pressing":
+        text = f"{pair} press to the end of the run"
+    elif not facts["exact"]:
+        text = end_of_smooth_force(facts, contact, presses)
+    elif len(reopens) > 0:
+        text = f"{pair} part and meet again; the last force ends at "
+        text = f"{text}{written(end, 's', 4)}"
     else:
-        wall = any(body["kind"] == "wall" for body in beside(known, contact))
-        puller = "a wall" if wall else "a contact"
-        text = f"{returning(known, contact, lasted)} and the force ends, since {puller} cannot pull"
-        edge, y = SMALL * lasted, force["y"]
-        falls = [
-            k
-            for k, t in enumerate(force["t"])
-            if begun + edge < t < ended - edge and y[k] < (1 - SMALL) * y[k - 1]
-        ]
-        if len(falls) > 0:
-            k, more = falls[0], "" if len(falls) == 1 else ", and so do later waves"
-            text = (
-                f"{returning(known, contact, force['t'][k] - begun)} and lowers the force to "
-                f"{y[k] / y[k - 1]:.3g} times its value{more}; contact goes on. {text}"
-            )
-    opened = (
-        spells[-1]["from"] if known["exact"] and spells[-1]["state"] == "open" else -1.0
-    )
-    if opened > ended + SMALL * lasted:
-        text = f"{text}; the faces touch without force until they part at {written(opened, 's', 4)}"
+        text = end_by_wave(facts, contact, start, end)
+    if facts["exact"] and last["state"] == "open":
+        is_later = last["from"] > end + NEGLIGIBLE * (end - start)
+        if is_later:
+            parting = written(last["from"], "s", 4)
+            text = f"{text}; the faces touch without force until they part at {parting}"
     return f"{text}."
 
 
-def time_of_most(force: Any) -> float:
-    """When `MOST` of the impulse of a force has come: a stiff contact has a long weak tail."""
-    times, y = force["t"], force["y"]
-    sums = [0.0]
+def end_of_smooth_force(facts: Any, contact: Any, presses: list[Any]) -> str:
+    """Words on a force that falls to zero smoothly."""
+    start = presses[0]["from"]
+    duration = presses[-1]["to"] - start
+    if len(presses) == 1:  # the outcome has it more exactly than the curve
+        duration = facts["outcome"]["contacts"][contact["index"]].duration
+    time = written(duration, "s", 4)
+    text = f"The force has fallen to zero {time} after the first touch"
+    text = f"{text}{in_transits(facts, contact, duration)}"
+    if contact["compliant"]:
+        text = f"{text}; no single wave ends it"
+    early = main_impulse_time(contact["force"]) - start
+    if early < EARLY * duration:
+        text = (
+            f"{text}; {100 * MAIN_IMPULSE:.3g} % of the impulse came in the first "
+            f"{written(early, 's', 4)}"
+        )
+    return text
+
+
+def end_by_wave(facts: Any, contact: Any, start: float, end: float) -> str:
+    """Words on a force that a returning wave ends, and on the waves that lower it."""
+    puller = "a contact"
+    if any(body["kind"] == "wall" for body in bodies_of(facts, contact)):
+        puller = "a wall"
+    wave = returning_wave(facts, contact, end - start)
+    text = f"{wave} and the force ends, since {puller} cannot pull"
+    times = contact["force"]["t"]
+    values = contact["force"]["y"]
+    edge = NEGLIGIBLE * (end - start)
+    falls = []
+    for k, t in enumerate(times):
+        is_inside = start + edge < t < end - edge
+        if is_inside and values[k] < (1 - NEGLIGIBLE) * values[k - 1]:
+            falls.append(k)
+    if len(falls) == 0:
+        return text
+    k = falls[0]
+    wave = returning_wave(facts, contact, times[k] - start)
+    later = ""
+    if len(falls) > 1:
+        later = ", and so do later waves"
+    return (
+        f"{wave} and lowers the force to {values[k] / values[k - 1]:.3g} times its "
+        f"value{later}; contact goes on. {text}"
+    )
+
+
+def main_impulse_time(force: Any) -> float:
+    """Time at which `MAIN_IMPULSE` of the impulse of a force has come, s."""
+    times = force["t"]
+    values = force["y"]
+    impulses = [0.0]
     for k in range(1, len(times)):
-        sums.append(sums[k - 1] + (y[k] + y[k - 1]) * (times[k] - times[k - 1]) / 2)
-    k = bisect_right(sums, MOST * sums[-1])
+        step = (values[k] + values[k - 1]) * (times[k] - times[k - 1]) / 2
+        impulses.append(impulses[k - 1] + step)
+    k = bisect_right(impulses, MAIN_IMPULSE * impulses[-1])
     return float(times[min(k, len(times) - 1)])
 
 
-def returning(known: Any, contact: Any, after: float) -> str:
-    """Whose wave is back so long after the first touch of a contact."""
-    time, found, fewest = written(after, "s", 4), "", 0
-    for body in beside(known, contact):
-        if len(body["pieces"]) == 1:
-            share = after / (2 * body["pieces"][0]["transit_time"])
-            trips = round(share)
-            if trips == 0 or abs(share - trips) > SMALL:
-                continue
-            if trips == 1 and fewest == 1:
-                return f"Each rod's wave returns after {time}"
-            if fewest == 0 or trips < fewest:
-                fewest, found = trips, f"{capital(body['name'])}'s wave returns after"
-    if fewest == 0:
+def returning_wave(facts: Any, contact: Any, after: float) -> str:
+    """Words on the wave that arrives at a contact some seconds after the first touch.
+
+    It is the wave of the rod for which after/(2 T) is the smallest whole number.
+    """
+    time = written(after, "s", 4)
+    name = ""
+    fewest_trips = 0
+    for body in bodies_of(facts, contact):
+        trips = round_trips(body, after)
+        if trips == 0:
+            continue
+        if trips == 1 and fewest_trips == 1:
+            return f"Each rod's wave returns after {time}"
+        if fewest_trips == 0 or trips < fewest_trips:
+            fewest_trips = trips
+            name = capital(body["name"])
+    if fewest_trips == 0:
         return f"After {time} a wave arrives"
-    return (
-        f"{found} {time}" if fewest == 1 else f"{found} {fewest} round trips, {time},"
-    )
+    if fewest_trips == 1:
+        return f"{name}'s wave returns after {time}"
+    return f"{name}'s wave returns after {fewest_trips} round trips, {time},"
 
 
-def in_transits(known: Any, contact: Any, lasted: float) -> str:
-    """A duration in transit times of the rod beside a contact that has the shortest."""
-    shortest, found = 0.0, ""
-    for body in beside(known, contact):
+def round_trips(body: Any, time: float) -> int:
+    """Round trips of a wave in a uniform rod in a time; 0 if they are not whole."""
+    if len(body["pieces"]) != 1:
+        return 0
+    ratio = time / (2 * body["pieces"][0]["transit_time"])
+    trips: int = round(ratio)
+    if abs(ratio - trips) > NEGLIGIBLE:
+        return 0
+    return trips
+
+
+def in_transits(facts: Any, contact: Any, duration: float) -> str:
+    """Words on a duration in transit times of the shorter rod of a contact."""
+    shortest = 0.0
+    text = ""
+    for body in bodies_of(facts, contact):
         time = sum(piece["transit_time"] for piece in body["pieces"])
         if time > 0 and (shortest == 0 or time < shortest):
-            shortest, found = (
-                time,
-                f", {lasted / time:.3g} transit times of {body['name']}",
-            )
-    return found
+            shortest = time
+            text = f", {duration / time:.3g} transit times of {body['name']}"
+    return text
 
 
-# What it comes to ---------------------------------------------------------------------------------
+# Result -------------------------------------------------------------------------------
 
 
-def result_of(known: Any, pressed: list[Any], e: str) -> str:
-    """The impulse, the velocities that it leaves, e, and the share of vibration."""
-    outcome, bodies, after = (
-        known["outcome"],
-        known["bodies"],
-        known["outcome"]["after"],
-    )
-    fastest = max([abs(v) for v in [*outcome["before"], *after]])
-    said = [
-        f"{clean(after[i], fastest):.4g} m/s"
-        for i, body in enumerate(bodies)
-        if body["kind"] != "wall"
-    ]
-    vibration = outcome["vibration_after"]
-    energy = vibration + sum(
-        body["mass"] * after[i] ** 2 / 2 for i, body in enumerate(bodies)
-    )
-    speeds, word = said[-1], "velocity"
-    if len(said) > 1:
-        speeds, word = f"{', '.join(said[: len(said) - 1])} and {speeds}", "velocities"
+def result_of(facts: Any, pressed: list[Any], e: str) -> str:
+    """Sentence on the impulse, the velocities, e, and the vibration energy."""
+    outcome = facts["outcome"]
+    velocities = velocities_of(facts)
+    text = velocities[-1]
+    noun = "velocity"
+    if len(velocities) > 1:
+        others = ", ".join(velocities[: len(velocities) - 1])
+        text = f"{others} and {text}"
+        noun = "velocities"
     if len(pressed) == 1 and len(outcome["able"]) == 1:
-        impulse = written(outcome["contacts"][pressed[0]["index"]].impulse, "N s", 4)
-        text = f"The impulse of {impulse} changes the mean {word} to {speeds}"
+        tally = outcome["contacts"][pressed[0]["index"]]
+        impulse = written(tally.impulse, "N s", 4)
+        text = f"The impulse of {impulse} changes the mean {noun} to {text}"
         if e != "":
-            text = f"{text}, so e = {e}{ratio_named(known)}"
+            text = f"{text}, so e = {e}{ratio_named(facts)}"
+    elif outcome["final"]:
+        text = f"The mean {noun} after the collision: {text}"
     else:
-        when = "after the collision" if outcome["final"] else "at the end of the run"
-        text = f"The mean {word} {when}: {speeds}"
+        text = f"The mean {noun} at the end of the run: {text}"
+    vibration = outcome["vibration_after"]
+    energy = vibration + kinetic_energy(facts)
     if energy <= 0:
         return f"{text}."
-    share = clean(100 * vibration / energy, 100.0)
-    return f"{text}; {share:.3g} % of the energy is vibration energy."
+    percentage = clean(100 * vibration / energy, 100.0)
+    return f"{text}; {percentage:.3g} % of the energy is vibration energy."
 
 
-def ratio_named(known: Any) -> str:
-    """The ratio of lengths or transit times that e is; "" where e is none.
+def velocities_of(facts: Any) -> list[str]:
+    """Velocities of rods and masses after the collision, as texts."""
+    after = facts["outcome"]["after"]
+    fastest = max([abs(v) for v in [*facts["outcome"]["before"], *after]])
+    texts = []
+    for i, body in enumerate(facts["bodies"]):
+        if body["kind"] != "wall":
+            texts.append(f"{clean(after[i], fastest):.4g} m/s")
+    return texts
 
-    Two uniform rods of one impedance, in rigid contact and without vibration before.
+
+def kinetic_energy(facts: Any) -> float:
+    """Energy of the centre-of-mass motions of all bodies after the collision, J."""
+    after = facts["outcome"]["after"]
+    energy: float = sum(
+        body["mass"] * after[i] ** 2 / 2 for i, body in enumerate(facts["bodies"])
+    )
+    return energy
+
+
+def ratio_named(facts: Any) -> str:
+    """The ratio of lengths or transit times that equals e, or "".
+
+    It does so for two uniform rods of one impedance, in rigid contact and without
+    vibration before.
     """
-    bodies = known["bodies"]
-    if (
-        len(bodies) != 2
-        or known["contacts"][0]["compliant"]
-        or any(len(body["pieces"]) != 1 or body["approach"] is None for body in bodies)
-    ):
+    bodies = facts["bodies"]
+    if len(bodies) != 2 or facts["contacts"][0]["compliant"]:
+        return ""
+    if any(len(body["pieces"]) != 1 or body["approach"] is None for body in bodies):
         return ""
     left, right = [body["pieces"][0] for body in bodies]
-    order, ratio = "₁₂", left["transit_time"] / right["transit_time"]
+    short = "₁"
+    long = "₂"
+    ratio = left["transit_time"] / right["transit_time"]
     if ratio > 1:
-        order, ratio = "₂₁", 1 / ratio
-    same = abs(left["impedance"] / right["impedance"] - 1) < SMALL
-    if not same or abs(known["outcome"]["restitution"] - ratio) > SMALL:
+        short = "₂"
+        long = "₁"
+        ratio = 1 / ratio
+    if not is_same(left["impedance"], right["impedance"]):
         return ""
-    letter = "l" if abs(left["wave_speed"] / right["wave_speed"] - 1) < SMALL else "T"
-    return f" = {letter}{order[0]}/{letter}{order[1]}"
+    if abs(facts["outcome"]["restitution"] - ratio) > NEGLIGIBLE:
+        return ""
+    letter = "T"
+    if is_same(left["wave_speed"], right["wave_speed"]):
+        letter = "l"
+    return f" = {letter}{short}/{letter}{long}"
+
+
+def is_same(a: float, b: float) -> bool:
+    """Whether two positive numbers count as equal."""
+    return abs(a / b - 1) < NEGLIGIBLE
