@@ -1,10 +1,16 @@
-"""What moves in a run of any method: grids of cells, paths, curves, gauges and energies.
+"""Motion of a run of any method: grids of cells, paths, curves, gauges and energies.
 
-A run is a table: its ``row``; ``tick``, s, and velocity of its ``frame``; ``transits`` of the
-segments and the last tick ``now``; ``waves``, two a segment, to the right and to the left, as
-`reading.waves_of` has them; waves of the velocities of ``masses``; ``springs``, pairs of the link
-and the wave of its overlap. It is ``exact`` if waves are constant between their jumps, and a
-``draft`` if it is to be quick. Plain Python, which the page has as JavaScript.
+A run is a dictionary:
+
+- ``row``; ``tick``, s; ``frame``, the velocity of the frame in which waves are, m/s;
+- ``transits`` of the segments and the last tick ``now``;
+- ``waves`` of `reading.waves_of`, two for each segment, to the right and to the left;
+- ``masses``, waves of the velocities of the masses;
+- ``springs``, pairs of a link and the wave of its overlap;
+- ``exact``, whether waves are constant between their jumps;
+- ``draft``, whether the answer is to come quickly.
+
+The page has these functions as JavaScript.
 """
 
 from typing import Any
@@ -14,13 +20,22 @@ from ..methods.pieces import lines, reading
 from ..storage.tables import clean
 from .tiling import ROWS, across_of, add_cells, no_cells
 
-SAMPLES = 400  # of a path
-INSIDE = 8  # points of a curve in one piece
-FINEST = 5e-5  # of the run, between two of them
-MOMENTS, FEW = 100, 30  # of the energy: of a solution, and of a draft
-MOST_TIMES = 400  # of the energy, with those at which something changes
-SAME = 1e-9  # of the run: times that are one
-POINTS = 32  # of a segment, for its strain energy
+PATH_INTERVALS = 400
+"""Intervals of the path of a mass."""
+CURVE_INTERVALS_PER_PIECE = 8
+"""Intervals of a curve in one piece of a wave."""
+MIN_CURVE_STEP = 5e-5
+"""Least distance of two points of a curve, as a fraction of the run."""
+ENERGY_INTERVALS = 100
+"""Equal intervals of the curves of energy."""
+DRAFT_ENERGY_INTERVALS = 30
+"""Equal intervals of the curves of energy in a draft."""
+MAX_ENERGY_INTERVALS = 400
+"""Intervals of the curves of energy, with the times of all changes, at most."""
+SAME_TIME = 1e-9
+"""Times nearer to each other than this fraction of the run are one."""
+STRAIN_POINTS = 32
+"""Points of a segment at which the strain is read for its strain energy."""
 KINDS = [
     "moving as a whole",
     "vibration, kinetic part",
@@ -28,196 +43,309 @@ KINDS = [
     "total",
     "in compliant contacts",
 ]
-"""Of energy, in the order of `energies_at`."""
+"""Kinds of energy, in the order of `energies_at`."""
+
+
+# Places -------------------------------------------------------------------------------
 
 
 def grids_of(run: Any) -> Any:
-    """Grids of equal height, as of `tiling`."""
-    row, tick, frame, found = run["row"], run["tick"], run["frame"], no_cells()
+    """Grids of displacements of all segments, in the form of `tiling`."""
+    row = run["row"]
+    end = run["now"] * run["tick"]
+    grids = no_cells()
     for i, body in enumerate(row.system.bodies):
-        left, moved = 0.0, 0.0
-        for j, piece in enumerate(body.segments):
+        left = 0.0
+        initial_displacement = 0.0  # of the segment's left end, by the initial strain
+        for j, segment in enumerate(body.segments):
             s = row.spans[i][0] - 1 + j
-            T, a, b = run["transits"][s], run["waves"][2 * s], run["waves"][2 * s + 1]
-            begun, across = reading.passed_by(a, 0)[0], across_of(row.system, piece)
-            rows: list[list[float]] = []
+            n_cells = across_of(row.system, segment)
+            displacements: list[list[float]] = []
             for k in range(ROWS + 1):
                 now = run["now"] * k / ROWS
-                rows.append(
-                    [
-                        (
-                            (
-                                reading.passed_by(a, now - T * m / across)[0]
-                                - begun
-                                + reading.passed_by(b, now - T + T * m / across)[0]
-                            )
-                            / 2
-                            + frame * now
-                        )
-                        * tick
-                        + moved
-                        for m in range(across + 1)
-                    ]
+                displacements.append(
+                    displacements_at(run, s, now, n_cells, initial_displacement)
                 )
-            add_cells(found, i, piece, left, run["now"] * tick, rows)
-            left += piece.length
-            moved += body.strain * piece.length
-    return found
+            add_cells(grids, i, segment, left, end, displacements)
+            left += segment.length
+            initial_displacement += body.strain * segment.length
+    return grids
+
+
+def displacements_at(
+    run: Any, s: int, now: float, n_cells: int, initial_displacement: float
+) -> list[float]:
+    """Displacements of a segment at a tick, from its left to its right end, m.
+
+    A point of the segment has u = integral((a + b)/2 dt), with the right-going wave a
+    as it left the left end and the left-going wave b as it left the right end.
+    """
+    tick = run["tick"]
+    frame = run["frame"]
+    T = run["transits"][s]
+    right_going = run["waves"][2 * s]
+    left_going = run["waves"][2 * s + 1]
+    initial_integral = reading.passed_by(right_going, 0)[0]
+    displacements = []
+    for m in range(n_cells + 1):
+        delay = T * m / n_cells
+        from_left = reading.passed_by(right_going, now - delay)[0] - initial_integral
+        from_right = reading.passed_by(left_going, now - T + delay)[0]
+        in_frame = (from_left + from_right) / 2
+        displacements.append((in_frame + frame * now) * tick + initial_displacement)
+    return displacements
 
 
 def path_of(run: Any, i: int) -> Any:
-    """Times, s, and displacement of a body without inside, m; None for a rod."""
-    body, tick = run["row"].system.bodies[i], run["tick"]
+    """Times, s, and displacements of a body without inside, m; None for a rod."""
+    body = run["row"].system.bodies[i]
+    tick = run["tick"]
     if body.kind == "rod":
         return None
     if body.kind == "wall":
         end = run["now"] * tick
         return {"t": [0.0, end], "displacement": [0.0, body.velocity * end]}
-    even = [run["now"] * k / SAMPLES for k in range(SAMPLES + 1)]
-    wave = run["masses"][run["row"].mass_of[i]]
-    return {
-        "t": [at * tick for at in even],
-        "displacement": [
-            (reading.passed_by(wave, at)[0] + run["frame"] * at) * tick for at in even
-        ],
-    }
+    velocity = run["masses"][run["row"].mass_of[i]]
+    times = []
+    displacements = []
+    for k in range(PATH_INTERVALS + 1):
+        now = run["now"] * k / PATH_INTERVALS
+        in_frame = reading.passed_by(velocity, now)[0]
+        times.append(now * tick)
+        displacements.append((in_frame + run["frame"] * now) * tick)
+    return {"t": times, "displacement": displacements}
+
+
+# Curves -------------------------------------------------------------------------------
 
 
 def curve_of(run: Any, terms: Any) -> Any:
-    """Curve of a sum of waves, each with its delay, ticks, and its factor: ``t``, s, and ``y``.
+    """Curve of a sum of waves.
 
-    As close as pieces bend; where the sum jumps there are two values at one time.
+    The points are as close as the pieces of the waves need; a jump has two values at
+    one time.
+
+    Parameters
+    ----------
+    run : dict
+    terms : list
+        Each a wave, its delay, ticks, and its factor.
+
+    Returns
+    -------
+    dict
+        Times ``t``, s, and values ``y``.
     """
-    now, breaks = run["now"], [0, run["now"]]
-    for wave, delay, _ in terms:
-        breaks.extend(
-            [start + delay for start in wave["start"] if 0 < start + delay < now]
-        )
-    breaks = sorted(breaks)
-    times, values, last, least = [], [], -now, 0.0 if run["exact"] else FINEST * now
+    now = run["now"]
+    least_step = MIN_CURVE_STEP * now
+    n_intervals = CURVE_INTERVALS_PER_PIECE
+    if run["exact"]:
+        least_step = 0.0
+        n_intervals = 1
+    breaks = breaks_of(terms, now)
+    times: list[float] = []
+    values: list[float] = []
+    last = -now  # last tick that has a point
     for i in range(len(breaks) - 1):
-        low, high = breaks[i], breaks[i + 1]
-        if high > low and high - last > least:
-            parts = 1 if run["exact"] else INSIDE
-            for k in range(parts + 1):
-                at = low + (high - low) * k / parts
-                if k in (0, parts) or at - last > least:
-                    times.append(at * run["tick"])
-                    values.append(
-                        sum(
-                            factor * held_at(wave, low - delay, at - delay)
-                            for wave, delay, factor in terms
-                        )
-                    )
-                    last = at
+        start = breaks[i]
+        end = breaks[i + 1]
+        if end > start and end - last > least_step:
+            for k in range(n_intervals + 1):
+                tick = start + (end - start) * k / n_intervals
+                is_end = k in (0, n_intervals)
+                if is_end or tick - last > least_step:
+                    times.append(tick * run["tick"])
+                    values.append(sum_of_waves(terms, start, tick))
+                    last = tick
     return {"t": times, "y": values}
 
 
-def held_at(wave: Any, since: float, tick: float) -> float:
-    """Value at a tick of what a wave holds since another one."""
+def breaks_of(terms: Any, now: float) -> list[float]:
+    """Ticks from 0 to `now` between which all waves of a sum are smooth."""
+    breaks = [0, now]
+    for wave, delay, _ in terms:
+        for start in wave["start"]:
+            if 0 < start + delay < now:
+                breaks.append(start + delay)
+    return sorted(breaks)
+
+
+def sum_of_waves(terms: Any, since: float, tick: float) -> float:
+    """Sum of waves at a tick, from the pieces that they have since another tick."""
+    values = []
+    for wave, delay, factor in terms:
+        values.append(factor * value_held(wave, since - delay, tick - delay))
+    total: float = sum(values)
+    return total
+
+
+def value_held(wave: Any, since: float, tick: float) -> float:
+    """Value at a tick of the piece that a wave has since another tick."""
     piece = wave["piece"][reading.place_of(wave, since)]
     return float(lines.at(piece, reading.share_of(piece, tick)))
 
 
 def gauge_curve(run: Any, s: int, x: float) -> Any:
-    """Curve of the strain at a place of segment s, m from its left end."""
-    piece, T = run["row"].segments[s], run["transits"][s]
-    after, factor = max(0, min(T, round(x / piece.length * T))), 0.5 / piece.wave_speed
+    """Curve of the strain of segment s at a distance from its left end, m.
+
+    The strain is (b - a)/(2 c), each wave with its delay from its end.
+    """
+    segment = run["row"].segments[s]
+    T = run["transits"][s]
+    delay = max(0, min(T, round(x / segment.length * T)))  # of the right-going wave
+    factor = 0.5 / segment.wave_speed
+    right_going = run["waves"][2 * s]
+    left_going = run["waves"][2 * s + 1]
     return curve_of(
-        run,
-        [
-            (run["waves"][2 * s + 1], T - after, factor),
-            (run["waves"][2 * s], after, -factor),
-        ],
+        run, [(left_going, T - delay, factor), (right_going, delay, -factor)]
     )
+
+
+# Energies -----------------------------------------------------------------------------
 
 
 def energy_curves(run: Any, corners: list[float]) -> Any:
-    """Energy by kind over time, J, at even times and at `corners`, s, if they are few."""
-    moments = FEW if run["draft"] else MOMENTS
-    times = sorted(
-        [
-            *corners,
-            *[run["now"] * k / moments * run["tick"] for k in range(moments + 1)],
-        ]
-    )
-    least = SAME * times[-1]
-    times = [t for i, t in enumerate(times) if i == 0 or t > times[i - 1] + least]
-    if len(times) > MOST_TIMES:
-        times = [times[-1] * i / MOST_TIMES for i in range(MOST_TIMES + 1)]
-    found, rows = {"t": times}, [energies_at(run, t / run["tick"]) for t in times]
-    for i, name in enumerate(KINDS if len(run["springs"]) > 0 else KINDS[:4]):
-        found[name] = [row[i] for row in rows]
-    return found
+    """Energies over time, J, by the names of `KINDS`.
+
+    Parameters
+    ----------
+    run : dict
+    corners : list of float
+        Times at which energies change, s; left out if they are too many.
+    """
+    times = energy_times(run, corners)
+    kinds = KINDS
+    if len(run["springs"]) == 0:
+        kinds = KINDS[:4]
+    energies = [energies_at(run, t / run["tick"]) for t in times]
+    curves = {"t": times}
+    for i, name in enumerate(kinds):
+        curves[name] = [row[i] for row in energies]
+    return curves
+
+
+def energy_times(run: Any, corners: list[float]) -> list[float]:
+    """Times of the curves of energy, s: corners and times at equal distances."""
+    n_intervals = ENERGY_INTERVALS
+    if run["draft"]:
+        n_intervals = DRAFT_ENERGY_INTERVALS
+    times = [*corners]
+    for k in range(n_intervals + 1):
+        times.append(run["now"] * k / n_intervals * run["tick"])
+    times = sorted(times)
+    end = times[-1]
+    distinct: list[float] = []
+    for i, t in enumerate(times):
+        if i == 0 or t > times[i - 1] + SAME_TIME * end:
+            distinct.append(t)
+    if len(distinct) <= MAX_ENERGY_INTERVALS:
+        return distinct
+    end = distinct[-1]
+    even = []
+    for i in range(MAX_ENERGY_INTERVALS + 1):
+        even.append(end * i / MAX_ENERGY_INTERVALS)
+    return even
 
 
 def energies_at(run: Any, now: float) -> list[float]:
     """Energies at a tick, J, in the order of `KINDS`."""
-    row, frame, inside, contact, momenta = run["row"], run["frame"], 0.0, 0.0, []
+    row = run["row"]
+    frame = run["frame"]
+    momenta = []
+    energy = 0.0  # of all bodies
     for i, body in enumerate(row.system.bodies):
-        momentum, m = body.mass * frame, row.mass_of[i]
+        momentum = body.mass * frame
         for s in range(row.spans[i][0] - 1, row.spans[i][1]):
+            mass = row.segments[s].mass
             mean, square = means_of(run, s, now)
-            momentum += row.segments[s].mass * mean
-            inside += row.segments[s].mass * (square + frame * (mean + frame / 2))
+            momentum += mass * mean
+            energy += mass * (square + frame * (mean + frame / 2))
+        m = row.mass_of[i]
         if m >= 0:
             v = reading.value_at(run["masses"][m], now)
             momentum += body.mass * v
-            inside += body.mass * (v + frame) ** 2 / 2
+            energy += body.mass * (v + frame) ** 2 / 2
         momenta.append(momentum)
+    contact_energy = 0.0
     for link, overlap in run["springs"]:
-        d, power = max(0.0, reading.value_at(overlap, now)), 1 + link.exponent
-        contact += link.stiffness * d**power / power
-    whole, strain = energy_as_a_whole(row.system, momenta), strain_energy(run, now)
-    vibration = max(0.0, clean(inside - whole - strain, inside))
-    return [whole, vibration, strain, inside + contact, contact]
+        d = max(0.0, reading.value_at(overlap, now))
+        power = 1 + link.exponent
+        contact_energy += link.stiffness * d**power / power
+    whole = energy_as_a_whole(row.system, momenta)
+    strain = strain_energy(run, now)
+    vibration = max(0.0, clean(energy - whole - strain, energy))
+    return [whole, vibration, strain, energy + contact_energy, contact_energy]
 
 
 def means_of(run: Any, s: int, now: float) -> Any:
     """Mean velocity of a segment in the frame, and energy over mass, (m/s)^2."""
-    T, mean, square = run["transits"][s], 0.0, 0.0
+    T = run["transits"][s]
+    mean = 0.0
+    square = 0.0
     for wave in run["waves"][2 * s : 2 * s + 2]:
-        passed, squares = reading.passed_by(wave, now)
-        before, squares_before = reading.passed_by(wave, now - T)
-        mean += (passed - before) / T / 2
-        square += (squares - squares_before) / T / 4
+        integral, square_integral = reading.passed_by(wave, now)
+        integral_before, square_before = reading.passed_by(wave, now - T)
+        mean += (integral - integral_before) / T / 2
+        square += (square_integral - square_before) / T / 4
     return mean, square
 
 
 def strain_energy(run: Any, now: float) -> float:
-    """Strain energy of all rods at a tick, J: from states at even places between jumps."""
+    """Strain energy of all rods at a tick, J, by the midpoint rule between jumps."""
     total = 0.0
-    for s, piece in enumerate(run["row"].segments):
-        a, b, T = run["waves"][2 * s], run["waves"][2 * s + 1], run["transits"][s]
-        edges = [0.0, *[now - tick for tick in jumps_between(run, a, now - T, now)]]
-        edges.extend([tick - now + T for tick in jumps_between(run, b, now - T, now)])
-        edges = [*sorted(edges), T]
-        for i in range(len(edges) - 1):
-            wide = edges[i + 1] - edges[i]
-            count = 1 if run["exact"] else 1 + int(POINTS * wide / T)
-            after = [edges[i] + wide * (k + 0.5) / count for k in range(count)]
-            square = sum(
-                (reading.value_at(b, now - T + x) - reading.value_at(a, now - x)) ** 2
-                for x in after
-            )
-            total += piece.mass * wide / T * square / count / 8
+    for s, segment in enumerate(run["row"].segments):
+        T = run["transits"][s]
+        right_going = run["waves"][2 * s]
+        left_going = run["waves"][2 * s + 1]
+        delays = jump_delays(run, s, now)  # of the right-going wave
+        for i in range(len(delays) - 1):
+            width = delays[i + 1] - delays[i]
+            count = 1
+            if not run["exact"]:
+                count = 1 + int(STRAIN_POINTS * width / T)
+            squares = []
+            for k in range(count):
+                delay = delays[i] + width * (k + 0.5) / count
+                b = reading.value_at(left_going, now - T + delay)
+                a = reading.value_at(right_going, now - delay)
+                squares.append((b - a) ** 2)
+            square = sum(squares)
+            total += segment.mass * width / T * square / count / 8
     return total
 
 
+def jump_delays(run: Any, s: int, now: float) -> list[float]:
+    """Delays from the left end, ticks, between which a segment has no jump."""
+    T = run["transits"][s]
+    right_going = run["waves"][2 * s]
+    left_going = run["waves"][2 * s + 1]
+    delays = [0.0]
+    for tick in jumps_between(run, right_going, now - T, now):
+        delays.append(now - tick)
+    for tick in jumps_between(run, left_going, now - T, now):
+        delays.append(tick - now + T)
+    return [*sorted(delays), T]
+
+
 def jumps_between(run: Any, wave: Any, start: float, stop: float) -> list[float]:
-    """Ticks between two at which a wave jumps."""
-    first, last = reading.place_of(wave, start) + 1, reading.place_of(wave, stop)
-    found = [
-        piece.start for piece in wave["piece"][first : last + 1] if piece.order == 0
-    ]
-    return found if run["exact"] or len(found) < POINTS else []
+    """Ticks between two at which a wave jumps; none if a smooth run has too many."""
+    first = reading.place_of(wave, start) + 1
+    last = reading.place_of(wave, stop)
+    ticks = []
+    for piece in wave["piece"][first : last + 1]:
+        if piece.order == 0:
+            ticks.append(piece.start)
+    if not run["exact"] and len(ticks) >= STRAIN_POINTS:
+        return []
+    return ticks
 
 
 def energy_as_a_whole(system: Any, momenta: list[float]) -> float:
-    """Energy of the motion of the centres of mass, J, from the momenta of the bodies."""
-    whole = 0.0
+    """Energy of the centre-of-mass motions, J, from the momenta of the bodies."""
+    energy = 0.0
     for group in groups(system):
         mass = sum(system.bodies[i].mass for i in group)
         momentum = sum(momenta[i] for i in group)
-        whole += momentum * momentum / (2 * mass) if mass > 0 else 0.0
-    return whole
+        if mass > 0:
+            energy += momentum * momentum / (2 * mass)
+    return energy
