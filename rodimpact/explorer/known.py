@@ -1,7 +1,7 @@
-"""What is known of a row and its collision before `picture` makes texts of it.
+"""Facts of a row and its collision, from which `picture` makes texts.
 
-It is the same for every method. Plain Python, which the page has as JavaScript. A system is that of
-the model or of `tables`.
+They are the same for every method. A system is one of the model or of `tables`. The
+page has these functions as JavaScript.
 """
 
 import math
@@ -133,23 +133,36 @@ def derived_of(piece: Any) -> Any:
     ]
 
 
-def apart_of(system: Any, tiling: Any) -> list[float]:
-    """How far to the right of its place in a row without gaps and strain each body begins, m."""
-    apart, found = 0.0, []
+def initial_offsets(system: Any, tiling: Any) -> list[float]:
+    """Initial offset of the left end of each body from its material coordinate, m.
+
+    It comes from the gaps and the initial strain on its left.
+    """
+    offset = 0.0
+    offsets = []
     for i in range(len(system.bodies)):
-        apart += system.gaps[i - 1] if i > 0 else 0.0
-        found.append(apart)
-        end, longer = 0.0, 0.0  # how far its right end is displaced at t = 0
-        for g, body in enumerate(tiling["body"]):
+        if i > 0:
+            offset += system.gaps[i - 1]
+        offsets.append(offset)
+        offset += initial_elongation(tiling, i)
+    return offsets
+
+
+def initial_elongation(tiling: Any, i: int) -> float:
+    """Displacement of the right end of a body at t = 0, m."""
+    right_end = 0.0
+    elongation = 0.0
+    for g, body in enumerate(tiling["body"]):
+        if body == i:
             for k in range(tiling["start"][g], tiling["start"][g + 1]):
-                if body == i and tiling["t"][k] == 0 and tiling["x"][k] > end:
-                    end, longer = tiling["x"][k], tiling["displacement"][k]
-        apart += longer
-    return found
+                if tiling["t"][k] == 0 and tiling["x"][k] > right_end:
+                    right_end = tiling["x"][k]
+                    elongation = tiling["displacement"][k]
+    return elongation
 
 
 def slowest_of(system: Any, before: list[float]) -> float:
-    """Velocity of a wall, 0 if an end is held, else the least of the bodies' velocities."""
+    """Velocity of a wall, 0 if an end is held, else the slowest body's velocity."""
     held = [body.velocity for body in system.bodies if body.kind == "wall"]
     held.extend([0.0 for end in system.ends if end.kind in ("fixed", "velocity")])
     slowest = math.inf

@@ -1,7 +1,7 @@
-"""All that the page shows of a solution, from what is known of it: layout, curves, texts.
+"""All data that the page shows of a solved collision: layout, curves and texts.
 
-Plain Python, which the page has as JavaScript. Polygons cut at time t are the rods at time t, so
-the page slices them and needs no physics.
+The page has these functions as JavaScript. Polygons cut at time t are the rods at time
+t, so the page slices them and needs no physics.
 """
 
 from typing import Any
@@ -10,24 +10,30 @@ from ..model.numbering import body_numbers, contact_names
 from ..results.magnification import BLOCK, drifts, magnified, round_down
 from ..storage.tables import clean
 from ..units import TIMES, format_factor, format_si
-from .known import apart_of, body_told, slowest_of
+from .known import body_told, initial_offsets, slowest_of
 from .reason import reason_of
 from .texts import capital, stated, written
 
+NO_VALUE = "-"
+"""Text of a number that does not exist."""
+SMALLEST_RESTITUTION = 1e-9
+"""A smaller e has the digits of this one when its error is stated."""
 
-def picture(system: Any, found: Any, paths: Any, records: Any, energy: Any) -> Any:
-    """The scene of a solution.
+
+def page_data(system: Any, solved: Any, paths: Any, records: Any, energy: Any) -> Any:
+    """Data of the page for a solved collision.
 
     Parameters
     ----------
     system : System
-    found : dict
-        ``method``, ``notes``, and whether it is ``exact``; ``closed_form`` of e, or None;
-        ``gauges``; ``outcome`` as of `outcome_shown`; ``tiling``: polygons, or grids with
-        ``across`` cells in a row; ``contacts``, each with its curves of ``force`` and ``gap``, the
-        gap None for a bond. Curves are tables of ``t``, s, and ``y``.
+    solved : dict
+        ``method``, ``notes``, and whether it is ``exact``; ``closed_form`` of e, or
+        None; ``gauges``; ``outcome`` from `outcome_shown`; ``tiling``: polygons, or
+        grids with ``across`` cells in a row; ``contacts``, each with its curves of
+        ``force`` and ``gap``, the gap None for a bond. Curves are tables of ``t``, s,
+        and ``y``.
     paths : list
-        Of bodies without inside, None of rods.
+        Paths of bodies without inside, None for rods.
     records : list of dict
         Curves of gauges, each with the ``name`` of its gauge.
     energy : dict
@@ -36,195 +42,234 @@ def picture(system: Any, found: Any, paths: Any, records: Any, energy: Any) -> A
     Returns
     -------
     dict
-        JSON-ready, SI units but for strain in 1e-6; numbers that do not exist are None.
+        JSON-ready, in SI units but for strain in 1e-6; numbers that do not exist are
+        None.
     """
     kinds = [body.kind for body in system.bodies]
-    numbers, names = body_numbers(kinds), contact_names(kinds)
-    known = {
-        **found,
-        "bodies": [
-            body_told(body, numbers[i], paths[i])
-            for i, body in enumerate(system.bodies)
-        ],
-        "contacts": [
+    facts = {
+        **solved,
+        "bodies": bodies_of_page(system, body_numbers(kinds), paths),
+        "contacts": contacts_of_page(system, contact_names(kinds), solved["contacts"]),
+    }
+    restitution = restitution_of(facts)
+    e = ""
+    if restitution["why"] == "":
+        e = restitution["text"]
+    return {
+        **facts,
+        "outcome": None,
+        "end": max(solved["tiling"]["t"]),
+        "plots": [energy_plot(energy), gauge_plot(records)],
+        "row": layout_of_row(system, facts),
+        "restitution": restitution,
+        "ratio": ratio_of(facts),
+        "reason": reason_of(facts, e),
+        "results": results_of(facts),
+        "by_contact": rows_by_contact(facts),
+    }
+
+
+def bodies_of_page(system: Any, numbers: list[str], paths: Any) -> list[Any]:
+    """Data of each body."""
+    bodies = []
+    for i, body in enumerate(system.bodies):
+        bodies.append(body_told(body, numbers[i], paths[i]))
+    return bodies
+
+
+def contacts_of_page(system: Any, names: list[str], curves: Any) -> list[Any]:
+    """Data of each contact, with its curves."""
+    contacts = []
+    for i, law in enumerate(system.contacts):
+        contacts.append(
             {
                 "index": i,
                 "name": names[i],
                 "bonded": law.law == "bonded",
                 "compliant": law.law not in ("rigid", "bonded"),
-                **found["contacts"][i],
+                **curves[i],
             }
-            for i, law in enumerate(system.contacts)
-        ],
-    }
-    e = restitution_of(known)
-    return {
-        **known,
-        "outcome": None,
-        "end": max(found["tiling"]["t"]),
-        "plots": [
-            {
-                "key": "energy",
-                "title": "Energy",
-                "unit": "J",
-                "series": [
-                    {"name": name, "t": [*energy["t"]], "y": y}
-                    for name, y in energy.items()
-                    if name != "t"
-                ],
-            },
-            {
-                "key": "gauge",
-                "title": "Strain, below 0 compressed",
-                "unit": "µε",
-                "series": [
-                    {**record, "y": [1e6 * e for e in record["y"]]}
-                    for record in records
-                ],
-            },
-        ],
-        "row": row_of_picture(system, known),
-        "restitution": e,
-        "ratio": ratio_of(known),
-        "reason": reason_of(known, e["text"] if e["why"] == "" else ""),
-        "results": results_of(known),
-        "by_contact": contacts_told(known),
-    }
+        )
+    return contacts
 
 
-def row_of_picture(system: Any, known: Any) -> Any:
-    """How the row is laid out: X = left + x + magnification * (apart + displacement - frame t).
+def energy_plot(energy: Any) -> Any:
+    """Curves of the energies over time."""
+    series = []
+    for name, values in energy.items():
+        if name != "t":
+            series.append({"name": name, "t": [*energy["t"]], "y": values})
+    return {"key": "energy", "title": "Energy", "unit": "J", "series": series}
 
+
+def gauge_plot(records: Any) -> Any:
+    """Curves of the strain gauges over time, in 1e-6."""
+    series = []
+    for record in records:
+        microstrain = [1e6 * strain for strain in record["y"]]
+        series.append({**record, "y": microstrain})
+    title = "Strain, below 0 compressed"
+    return {"key": "gauge", "title": title, "unit": "µε", "series": series}
+
+
+# Layout -------------------------------------------------------------------------------
+
+
+def layout_of_row(system: Any, facts: Any) -> Any:
+    """Layout of the row in the moving picture.
+
+    A point is drawn at X = left + x + magnification * (apart + displacement - frame t).
     ``block`` is the width of a mass; bodies lie side by side.
     """
-    total = sum(piece["length"] for body in known["bodies"] for piece in body["pieces"])
-    slowest = slowest_of(system, known["outcome"]["before"])
-    apart = apart_of(system, known["tiling"])
-    reach, relative = spread(known, apart, 0.0), spread(known, apart, slowest)
-    strain = max([abs(e) for e in known["tiling"]["strain"]])
-    magnification = magnified(total, reach, relative, strain)
-    frame = slowest if drifts(reach, relative) else 0.0
+    length = sum(
+        piece["length"] for body in facts["bodies"] for piece in body["pieces"]
+    )
+    slowest = slowest_of(system, facts["outcome"]["before"])
+    offsets = initial_offsets(system, facts["tiling"])
+    reach = spread(facts, offsets, 0.0)
+    relative_reach = spread(facts, offsets, slowest)
+    strain = max([abs(e) for e in facts["tiling"]["strain"]])
+    magnification = magnified(length, reach, relative_reach, strain)
+    frame = 0.0
+    if drifts(reach, relative_reach):
+        frame = slowest
     note = "true to scale"
     if magnification != 1:
         note = f"displacements {TIMES} {format_factor(magnification)}"
     if frame != 0:
         note = f"{note}, frame moving at {format_si(frame, 'm/s', 4)}"
     return {
-        "block": round_down(BLOCK * total),
-        "apart": apart,
+        "block": round_down(BLOCK * length),
+        "apart": offsets,
         "magnification": magnification,
         "frame": frame,
         "note": note,
     }
 
 
-def spread(known: Any, apart: list[float], frame: float) -> float:
-    """How far bodies get from where they would be, m, in a moving frame."""
-    tiling = known["tiling"]
-    moved: list[float] = []
+def spread(facts: Any, offsets: list[float], frame: float) -> float:
+    """Range of the displacements of all bodies in a moving frame, with gaps, m."""
+    tiling = facts["tiling"]
+    displacements: list[float] = []
     for g, i in enumerate(tiling["body"]):
-        moved.extend(
-            [
-                apart[i] + tiling["displacement"][k] - frame * tiling["t"][k]
-                for k in range(tiling["start"][g], tiling["start"][g + 1])
-            ]
-        )
-    for i, body in enumerate(known["bodies"]):
-        if body["path"] is not None:
-            moved.extend(
-                [
-                    apart[i] + u - frame * t
-                    for t, u in zip(
-                        body["path"]["t"], body["path"]["displacement"], strict=True
-                    )
-                ]
-            )
-    return max(moved) - min(moved)
+        for k in range(tiling["start"][g], tiling["start"][g + 1]):
+            u = offsets[i] + tiling["displacement"][k] - frame * tiling["t"][k]
+            displacements.append(u)
+    for i, body in enumerate(facts["bodies"]):
+        path = body["path"]
+        if path is not None:
+            for k, t in enumerate(path["t"]):
+                u = offsets[i] + path["displacement"][k] - frame * t
+                displacements.append(u)
+    return max(displacements) - min(displacements)
 
 
-# Texts --------------------------------------------------------------------------------------------
+# Texts --------------------------------------------------------------------------------
 
 
-def ratio_of(known: Any) -> Any:
+def ratio_of(facts: Any) -> Any:
     """l1/l2 of two uniform rods; None for any other row."""
-    pieces = [body["pieces"] for body in known["bodies"]]
-    if len(pieces) != 2 or any(len(one) != 1 for one in pieces):
+    bodies = facts["bodies"]
+    if len(bodies) != 2 or any(len(body["pieces"]) != 1 for body in bodies):
         return None
-    return pieces[0][0]["length"] / pieces[1][0]["length"]
+    return bodies[0]["pieces"][0]["length"] / bodies[1]["pieces"][0]["length"]
 
 
-def restitution_of(known: Any) -> Any:
-    """e beside its closed form."""
-    outcome, why, value, text = known["outcome"], known["outcome"]["why"], None, "-"
+def restitution_of(facts: Any) -> Any:
+    """Coefficient of restitution with text and closed form, or why there is none."""
+    outcome = facts["outcome"]
+    why = outcome["why"]
+    value = None
+    text = NO_VALUE
     if why == "":
-        value, digits = outcome["restitution"], 6 if known["method"] == "fronts" else 5
-        text = stated(
-            f"{clean(value, 1.0):.{digits}g}",
-            max(value, 1e-9),
-            digits,
-            outcome["error"],
-            "",
-        )
+        value = outcome["restitution"]
+        digits = 5
+        if facts["method"] == "fronts":
+            digits = 6
+        number = f"{clean(value, 1.0):.{digits}g}"
+        size = max(value, SMALLEST_RESTITUTION)
+        text = stated(number, size, digits, outcome["error"], "")
     elif len(outcome["able"]) > 1:
         count = len(outcome["able"])
-        why = f"A coefficient e belongs to one contact; this row has {count}, see the velocities"
+        why = (
+            f"A coefficient e belongs to one contact; this row has {count}, see the "
+            "velocities"
+        )
     return {
         "value": value,
         "text": text,
         "why": capital(why),
-        "closed_form": known["closed_form"],
+        "closed_form": facts["closed_form"],
     }
 
 
-def contact_told(known: Any, i: int) -> Any:
-    """Name and text of each number of a contact; a blow of rigid bodies has the peak force "-"."""
-    contact, errors = known["outcome"]["contacts"][i], known["outcome"]["errors"]
-    rows = []
-    for what, key, value, unit in (
-        ("impulse", "impulse", contact.impulse, "N s"),
-        ("peak force", "peak_force", contact.peak_force, "N"),
-        ("force duration", "duration", contact.duration, "s"),
-    ):
-        text = "-"
-        if value == value:  # no peak force is nan
-            text = written(value, unit, 5)
-            text = stated(text, value, 5, errors.get(key, 0.0), unit)
-        rows.append((what, text))
-    return rows
+def rows_of_contact(facts: Any, i: int) -> Any:
+    """Name and text of impulse, peak force and force duration of a contact.
 
-
-def contacts_told(known: Any) -> Any:
-    """Rows of the table of several contacts: the name, and the numbers of `contact_told`."""
-    able = known["outcome"]["able"]
-    rows: list[Any] = []
-    for i in able:
-        if len(able) > 1:
-            texts = [text for _, text in contact_told(known, i)]
-            rows.append([known["contacts"][i]["name"], *texts])
-    return rows
-
-
-def results_of(known: Any) -> Any:
-    """What the collision did, in words and numbers; several contacts are in `contacts_told`."""
-    o, digits = known["outcome"], 6 if known["method"] == "fronts" else 4
-    errors, rows = o["errors"], []
-    fastest = max([abs(v) for v in [*o["before"], *o["after"]]])
-    after = "after" if o["final"] else "at the end"
-    for i, body in enumerate(known["bodies"]):
-        if body["kind"] != "wall":
-            v = clean(o["after"][i], fastest)
-            text = stated(f"{v:.{digits}g} m/s", v, digits, errors["velocity"], "m/s")
-            rows.append((f"velocity of {body['name']} {after}", text))
-    if len(o["able"]) == 1:
-        for what, text in contact_told(known, o["able"][0]):
-            if text != "-":
-                rows.append((what, text))
-    vibration = clean(o["vibration_after"], o["energy_before"])
-    text = stated(
-        written(vibration, "J", 5), vibration, 5, errors.get("energy", 0.0), "J"
-    )
+    An impact of rigid bodies has no peak force, and the text "-".
+    """
+    contact = facts["outcome"]["contacts"][i]
+    errors = facts["outcome"]["errors"]
+    impulse_error = errors.get("impulse", 0.0)
+    force_error = errors.get("peak_force", 0.0)
+    duration_error = errors.get("duration", 0.0)
     return [
-        *rows,
-        ("energy before", written(o["energy_before"], "J", 5)),
-        (f"vibration energy {after}", text),
+        ("impulse", text_of(contact.impulse, impulse_error, "N s")),
+        ("peak force", text_of(contact.peak_force, force_error, "N")),
+        ("force duration", text_of(contact.duration, duration_error, "s")),
     ]
+
+
+def text_of(value: float, error: float, unit: str) -> str:
+    """Text of a quantity with its stated error; "-" for NaN."""
+    is_number = value == value
+    if not is_number:
+        return NO_VALUE
+    return stated(written(value, unit, 5), value, 5, error, unit)
+
+
+def rows_by_contact(facts: Any) -> Any:
+    """Rows of the table of several contacts: the name, and the texts of its numbers."""
+    unilateral = facts["outcome"]["able"]
+    rows: list[Any] = []
+    if len(unilateral) > 1:
+        for i in unilateral:
+            texts = [text for _, text in rows_of_contact(facts, i)]
+            rows.append([facts["contacts"][i]["name"], *texts])
+    return rows
+
+
+def results_of(facts: Any) -> Any:
+    """Name and text of each result; `rows_by_contact` has those of several contacts."""
+    outcome = facts["outcome"]
+    after = "at the end"
+    if outcome["final"]:
+        after = "after"
+    rows = velocity_rows(facts, after)
+    if len(outcome["able"]) == 1:
+        for name, text in rows_of_contact(facts, outcome["able"][0]):
+            if text != NO_VALUE:
+                rows.append((name, text))
+    energy_before = outcome["energy_before"]
+    vibration = clean(outcome["vibration_after"], energy_before)
+    vibration_text = text_of(vibration, outcome["errors"].get("energy", 0.0), "J")
+    rows.append(("energy before", written(energy_before, "J", 5)))
+    rows.append((f"vibration energy {after}", vibration_text))
+    return rows
+
+
+def velocity_rows(facts: Any, after: str) -> list[Any]:
+    """Name and text of the velocity of each rod and mass at the end."""
+    outcome = facts["outcome"]
+    digits = 4
+    if facts["method"] == "fronts":
+        digits = 6
+    error = outcome["errors"]["velocity"]
+    fastest = max([abs(v) for v in [*outcome["before"], *outcome["after"]]])
+    rows = []
+    for i, body in enumerate(facts["bodies"]):
+        if body["kind"] != "wall":
+            v = clean(outcome["after"][i], fastest)
+            text = stated(f"{v:.{digits}g} m/s", v, digits, error, "m/s")
+            rows.append((f"velocity of {body['name']} {after}", text))
+    return rows

@@ -2,7 +2,7 @@
 
 The first sentence says how the contact force begins, falls and ends, the second one
 what impulse and velocities follow. The page has these functions as JavaScript. Their
-parameter `facts` is the dictionary of a solved collision that `picture.picture`
+parameter `facts` is the dictionary of a solved collision that `picture.page_data`
 describes.
 """
 
@@ -29,7 +29,8 @@ def reason_of(facts: Any, e: str) -> list[str]:
     Parameters
     ----------
     facts : dict
-        The parameter of `picture`, with the ``bodies`` and ``contacts`` that it shows.
+        The parameter `solved` of `page_data`, with the ``bodies`` and ``contacts`` that
+        it shows.
     e : str
         The coefficient of restitution as it is written; "" if there is none.
     """

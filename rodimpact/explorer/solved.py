@@ -14,7 +14,7 @@ from ..methods.walk import walk
 from . import fronts, pieces
 from .known import gauge_of
 from .motion import energy_curves, gauge_curve, path_of
-from .picture import picture
+from .picture import page_data
 from .tables import is_smooth, request_of, system_of
 
 QUICK = 1e-6  # tolerance of pieces for curves and maps
@@ -35,7 +35,7 @@ def scene_of(
     Returns
     -------
     dict
-        As `picture` makes it; or one with a ``problem``, path and sentence.
+        As `page_data` makes it; or one with a ``problem``, path and sentence.
     """
     system, asked = system_of(case, library), request_of(case)
     if is_smooth(case):
@@ -46,7 +46,7 @@ def scene_of(
 
 
 def shown_of(system: Any, gauges: Any, found: Any) -> Any:
-    """The `picture` of a collision that is solved.
+    """The data of the page for a solved collision.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def shown_of(system: Any, gauges: Any, found: Any) -> Any:
     paths = [path_of(motion, i) for i in range(len(system.bodies))]
     energy = energy_curves(motion, found["tiling"]["t"] if exact else [])
     found = {**found, "motion": None, "exact": exact, "gauges": gauges}
-    return picture(system, found, paths, records, energy)
+    return page_data(system, found, paths, records, energy)
 
 
 def e_of(case: Any, library: Any, seconds: float = math.inf) -> Any:
