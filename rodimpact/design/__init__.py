@@ -1,7 +1,9 @@
-"""Inverse design: which row of bodies gives a wanted pulse, or no second pulse.
+"""Inverse design: bodies that give a wanted pulse, or no second pulse.
 
-Every function returns a frozen result with the `system` it found, the wanted pulse and the pulse
-that this system reaches, as `rodimpact.solve` computes it; ``plot.design`` draws both.
+Every function returns a frozen `PulseDesign` with the system, the wanted pulse and the
+pulse that this system reaches, as `rodimpact.solve` computes it; ``plot.design`` draws
+both. Where to begin: `striker` in `stepped`, with the search in `striker_search`, and
+`momentum_trap` in `trap`; `pulses` has the result and the integrals over pulses.
 """
 
 from .pulses import PulseDesign

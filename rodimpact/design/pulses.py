@@ -1,17 +1,17 @@
-"""A pulse that was wanted and the one that a design reaches, and how far they are apart.
+"""Pulses of a design: the wanted one, the one that is reached, and their difference.
 
-A pulse is a `Signal`: straight between samples. One of jumps has two samples at each, as near to
-each other as floats are. Every integral here is exact: that of a cubic, by Gauss's two points in
-each stretch without a kink.
+A pulse is a `Signal`: straight between samples. At a jump it has two samples, as near
+to each other as floats are. Every integral here is exact: Gauss's two points integrate
+the cubic in each interval without a kink.
 """
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..model import Rod, System
+from ..model import System
 from ..model.frozen import refusal
 from ..model.profiles import Steps
 from ..model.quantities import Floats
@@ -20,7 +20,8 @@ from ..results.notebook import Shown
 from ..storage.tables import align
 from ..units import format_si, shown
 
-INSTANT = 2.0**-40  # of a pulse: what is shorter is round-off of its times
+MIN_DURATION_RTOL = 2.0**-40
+"""A shorter part of a pulse comes from round-off of its times."""
 
 
 @dataclass(frozen=True)
@@ -30,20 +31,20 @@ class PulseDesign(Shown):
     Attributes
     ----------
     system : System
-        The row with it.
+        The row with the body.
     body : int
-        Which of the row it is.
+        Index of the body in the row.
     wanted, reached : Signal
         Force over time, N, positive in compression; `reached` is exact for the system.
     misfit : float
-        Root of the mean square of their difference over the peak: for a striker until the end of
-        `wanted`, for a trap from when on nothing is wanted.
+        Root mean square of their difference over the peak: for a striker until the end
+        of `wanted`, for a trap from the time from which on nothing is wanted.
     staircase : float
-        The part of the misfit by what the difference varies within steps: a striker of such steps
-        leaves it whatever its areas. 0 without steps.
+        Part of the misfit that comes from the variation of the difference within steps.
+        A striker with such steps has it whatever its areas. 0 without steps.
     bounded : dict of int to str
-        ``"smallest"`` or ``"largest"`` for each segment whose area is the smallest or the largest
-        that was allowed.
+        ``"smallest"`` or ``"largest"`` for each segment whose area is the smallest or
+        the largest that was allowed.
 
     Examples
     --------
@@ -53,8 +54,10 @@ class PulseDesign(Shown):
     >>> bar = ri.Rod(2.0, area=1e-4, material=ri.materials.steel)
     >>> force = bar.segments[0].impedance * 10.0 / 2
     >>> wanted = ri.Signal([force, force], [0.0, 80e-6], unit="N")
-    >>> found = ri.design.striker(wanted, bar, velocity=10.0, duration=80e-6, segments=1)
-    >>> round(found.system.bodies[found.body].segments[0].area * 1e4, 6)
+    >>> design = ri.design.striker(wanted, bar, velocity=10.0, duration=80e-6,
+    ...                            segments=1)
+    >>> striker = design.system.bodies[design.body]
+    >>> round(striker.segments[0].area * 1e4, 6)
     1.0
     """
 
@@ -72,90 +75,131 @@ class PulseDesign(Shown):
         return f"{100 * self.misfit:.3g} %"
 
     def __str__(self) -> str:
-        rod = self.system.bodies[self.body]
-        assert isinstance(rod, Rod)
-        rows = [["segment", "length", "area", "diameter if round", "limit"]]
-        for i, piece in enumerate(rod.segments):
-            area = float(piece.area)  # type: ignore[arg-type]
-            diameter = math.sqrt(4 * area / math.pi)
-            rows.append(
-                [
-                    str(i),
-                    format_si(float(piece.length), "m"),
-                    format_si(area, "m^2"),
-                    format_si(diameter, "m"),
-                    self.bounded.get(i, ""),
-                ]
-            )
-        facts = [["misfit, of the peak", self.percent]]
-        if self.body:
-            facts[:0] = [
-                [
-                    "gap before it",
-                    format_si(float(self.system.gaps[self.body - 1]), "m"),
-                ]
-            ]
-        blocks = [
-            align(rows if self.bounded else [row[:-1] for row in rows]),
-            align(facts),
-        ]
+        tables = [self._table_of_segments(), self._table_of_facts()]
+        blocks = list(map(align, tables))
         if self.bounded:
+            rod: Any = self.system.bodies[self.body]
             blocks.append(
-                f"{len(self.bounded)} of {len(rod.segments)} areas are at a limit of area_ratio. "
-                "The wanted force may be out of reach; another velocity or wider limits may bring "
-                "the pulse nearer to it."
+                f"{len(self.bounded)} of {len(rod.segments)} areas are at a limit of "
+                "area_ratio. The wanted force may be out of reach; another velocity or "
+                "wider limits may bring the pulse nearer to it."
             )
         return "\n\n".join(blocks)
 
+    def _table_of_segments(self) -> list[list[str]]:
+        rod: Any = self.system.bodies[self.body]
+        header = ["segment", "length", "area", "diameter if round"]
+        if self.bounded:
+            header.append("limit")
+        rows = [header]
+        for i, segment in enumerate(rod.segments):
+            length = float(segment.length)
+            area = float(segment.area)
+            diameter = math.sqrt(4 * area / math.pi)
+            row = [str(i)]
+            row.append(format_si(length, "m"))
+            row.append(format_si(area, "m^2"))
+            row.append(format_si(diameter, "m"))
+            if self.bounded:
+                row.append(self.bounded.get(i, ""))
+            rows.append(row)
+        return rows
+
+    def _table_of_facts(self) -> list[list[str]]:
+        rows = []
+        if self.body > 0:
+            gap = float(self.system.gaps[self.body - 1])
+            rows.append(["gap before it", format_si(gap, "m")])
+        rows.append(["misfit, of the peak", self.percent])
+        return rows
+
 
 def staircase(times: Any, values: Any, end: float, name: str) -> Signal:
-    """Forces, N, that hold from each time, s, to the next, and to the end."""
-    t, v = np.asarray(times, float), np.asarray(values, float)
-    lasting = np.diff(np.minimum(np.append(t, end), end)) > INSTANT * end
-    t, v = t[lasting], v[lasting]
-    both = np.column_stack([t, np.nextafter(np.append(t[1:], end), -np.inf)])
-    return Signal(np.repeat(v, 2), both.ravel(), unit="N", name=name)
+    """Forces, N, each from its time, s, to the next, and the last one to the end."""
+    starts = np.asarray(times, float)
+    forces = np.asarray(values, float)
+    edges = np.minimum(np.append(starts, end), end)
+    lasts = np.diff(edges) > MIN_DURATION_RTOL * end
+    starts = starts[lasts]
+    forces = forces[lasts]
+    next_starts = np.append(starts[1:], end)
+    ends = np.nextafter(next_starts, -np.inf)
+    sample_times = np.column_stack([starts, ends]).ravel()
+    samples = np.repeat(forces, 2)
+    return Signal(samples, sample_times, unit="N", name=name)
 
 
-def force_over_time(given: object, end: float) -> Signal:
-    """The wanted force, N, until `end`, s; ValueError if it is none."""
-    if isinstance(given, Steps) and not any(map(np.ndim, (*given.values, *given.at))):
-        return staircase([0.0, *given.at], given.values, end, "wanted")
-    if not isinstance(given, Signal) or given.unit != "N":
+def no_force(end: float) -> Signal:
+    """A force of 0 N until `end`, s."""
+    return staircase([0.0], [0.0], end, "nothing")
+
+
+def force_over_time(wanted: object, end: float) -> Signal:
+    """The wanted force until `end`, s, as a signal in N.
+
+    Raises
+    ------
+    ValueError
+        If it is no force over time.
+    """
+    if isinstance(wanted, Steps) and not _is_family(wanted):
+        starts = [0.0, *wanted.at]
+        return staircase(starts, wanted.values, end, "wanted")
+    if not isinstance(wanted, Signal) or wanted.unit != "N":
         example = "Signal(values, dt=1e-6, unit='N') or Steps"
         raise refusal(
-            "wanted", f"must be a force over time, {example}, got {shown(given)}"
+            "wanted", f"must be a force over time, {example}, got {shown(wanted)}"
         )
-    outside = np.nextafter([given.start, given.end], [-np.inf, np.inf])
-    times = np.unique(np.concatenate([[0.0, end], outside, given.times]))
-    times = times[(times >= 0) & (times <= end)]
-    values = np.interp(times, given.times, given.values, left=0.0, right=0.0)
+    # the force is 0 before and after the record, with jumps at both ends
+    before = np.nextafter(wanted.start, -np.inf)
+    after = np.nextafter(wanted.end, np.inf)
+    times = np.unique([0.0, end, before, *wanted.times, after])
+    times = _between(times, 0.0, end)
+    values = np.interp(times, wanted.times, wanted.values, left=0.0, right=0.0)
     return Signal(values, times, unit="N", name="wanted")
 
 
-def differences(
-    wanted: Signal, reached: Signal, edges: Floats
-) -> tuple[Floats, Floats]:
-    """Mean difference reached - wanted between edges, s, and its variance there."""
-    kinks = np.concatenate([edges, wanted.times, reached.times])
-    kinks = np.unique(kinks[(kinks >= edges[0]) & (kinks <= edges[-1])])
-    lasting = np.diff(kinks) > INSTANT * edges[-1]
-    middle, half = (
-        ((kinks[1:] + kinks[:-1]) / 2)[lasting],
-        (np.diff(kinks) / 2)[lasting],
-    )
-    points = np.column_stack(
-        [middle - half / math.sqrt(3), middle + half / math.sqrt(3)]
-    )
-    difference = np.interp(points, reached.times, reached.values) - np.interp(
-        points, wanted.times, wanted.values
-    )
-    place = np.searchsorted(edges[1:-1], middle, "right")
+def _is_family(steps: Steps) -> bool:
+    """Whether any number of a profile is an array."""
+    numbers = (*steps.values, *steps.at)
+    return any(map(np.ndim, numbers))
+
+
+def _between(times: Floats, start: float, end: float) -> Floats:
+    """Times from `start` to `end`."""
+    return times[(times >= start) & (times <= end)]
+
+
+class StepDifferences(NamedTuple):
+    """Difference of two pulses in intervals of time, [interval] each."""
+
+    mean: Floats  # N
+    variance: Floats  # about the mean, N^2
+
+
+def differences(wanted: Signal, reached: Signal, edges: Floats) -> StepDifferences:
+    """Difference reached - wanted in the intervals between edges, s."""
+    times = np.concatenate([edges, wanted.times, reached.times])
+    times = _between(times, edges[0], edges[-1])
+    kinks = np.unique(times)
+    durations = np.diff(kinks)
+    lasts = durations > MIN_DURATION_RTOL * edges[-1]
+    middles = (kinks[1:] + kinks[:-1]) / 2
+    middle = middles[lasts]
+    half = durations[lasts] / 2
+    offset = half / math.sqrt(3)
+    gauss_points = np.column_stack([middle - offset, middle + offset])
+    reached_force = np.interp(gauss_points, reached.times, reached.values)
+    wanted_force = np.interp(gauss_points, wanted.times, wanted.values)
+    difference = reached_force - wanted_force
+    interval = np.searchsorted(edges[1:-1], middle, "right")
 
     def mean(values: Floats) -> Floats:
-        return np.bincount(place, half * values.sum(axis=1), len(edges) - 1) / np.diff(
-            edges
-        )
+        """Mean over each interval, from values at Gauss's points."""
+        integrals = half * values.sum(axis=1)
+        sums = np.bincount(interval, integrals, len(edges) - 1)
+        return sums / np.diff(edges)
 
-    first = mean(difference)
-    return first, mean((difference - first[place, None]) ** 2)
+    means = mean(difference)
+    deviation = difference - means[interval, None]
+    return StepDifferences(means, mean(deviation**2))

@@ -1,15 +1,16 @@
-"""A momentum trap: a rod behind a bar that takes over what arrives after the first pulse.
+"""momentum_trap(): a rod behind a bar that takes over the waves after the first pulse.
 
-At its free end the bar throws the first pulse back, and that end has moved by the integral of its
-velocity. A rod that lies just so far behind is met as the pulse has gone: what arrives next finds
-no end but more bar, and runs over. Faces push and never pull, so the rod leaves with what its own
-free end throws back; it is long enough if that comes no sooner than the last of what it is to take.
-In a tension bar this gap lies between flange and trap: S. Nemat-Nasser, J. B. Isaacs and
-J. E. Starrett, Proceedings of the Royal Society A 435 (1991) 371. Without a gap the rod takes the
-first pulse, as one behind a transmission bar does.
+At its free end the bar reflects the first pulse, and that end moves by the integral of
+its velocity. A rod with a gap of this width is met when the pulse has left. The next
+wave finds no free end but more bar, and runs into the rod. Faces push and never pull,
+so the rod leaves with the wave that its own free end reflects. It is long enough if
+this reflection comes back after the last wave that the rod is to take. In a tension bar
+the gap lies between flange and trap: S. Nemat-Nasser, J. B. Isaacs and J. E. Starrett,
+Proceedings of the Royal Society A 435 (1991) 371. Without a gap the rod takes the first
+pulse, as one behind a transmission bar does.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,8 +21,12 @@ from ..results.solution import Solution
 from ..running.solving import solve
 from .pulses import PulseDesign, differences, staircase
 
-FAINTEST = 1e-3  # of the peak force: a trap need not be longer for less
-ROUND_OFF = 1e-9  # of times and displacements
+LEAST_FORCE_RTOL = 1e-3
+"""A force below this part of the peak force needs no longer trap."""
+TIME_RTOL = 1e-9
+"""Relative round-off of times."""
+DISPLACEMENT_RTOL = 1e-9
+"""Round-off of displacements, relative to their range."""
 
 
 def momentum_trap(
@@ -31,7 +36,7 @@ def momentum_trap(
     after: float = 0.0,
     material: Material | None = None,
 ) -> PulseDesign:
-    """Find the rod behind a row that takes the waves that arrive there after the first pulse.
+    """Find the rod behind a row that takes the waves that follow the first pulse.
 
     Parameters
     ----------
@@ -40,36 +45,42 @@ def momentum_trap(
     until : float
         The trap takes all waves that arrive up to this time, s.
     after : float
-        Time at which the first pulse has left the right end, s; 0 for a trap that takes it, too.
+        Time at which the first pulse has left the right end, s; 0 for a trap that takes
+        the first pulse, too.
     material : Material, optional
-        Of the trap; by default that of the bar. Its area makes the impedance equal.
+        Material of the trap; by default that of the bar. The area of the trap makes the
+        impedances equal.
 
     Returns
     -------
     PulseDesign
-        `wanted` and `reached` are the wave that runs back from the right end into the bar, N. From
-        `after` on it should be 0; `misfit` is its size then, over the largest wave that arrives.
+        `wanted` and `reached` are the wave that runs back from the right end into the
+        bar, N. From `after` on it should be 0; `misfit` is its root mean square then,
+        over the largest wave that arrives.
 
     Raises
     ------
     InvalidModel or ValueError
-        If an argument is wrong; if the right end would have hit the trap before `after`; or if no
-        pushing wave arrives between `after` and `until`.
+        If an argument is wrong; if the right end would have hit the trap before
+        `after`; or if no pushing wave arrives between `after` and `until`.
 
     Examples
     --------
-    The striker's pulse goes to and fro in the bar; its second push leaves with the trap, whose gap
-    is what the striker would have moved in that time, and which is as long as the striker:
+    The pulse of the striker runs to and fro in the bar. Its second push leaves with the
+    trap, which is as long as the striker; the gap is the way that the striker would
+    have moved in the duration of the pulse:
 
     >>> import rodimpact as ri
     >>> steel = ri.materials.steel
     >>> striker = ri.Rod(0.2, area=1e-4, material=steel, velocity=10.0)
     >>> bar = ri.Rod(1.0, area=1e-4, material=steel)
     >>> c = steel.wave_speed
-    >>> found = momentum_trap(ri.System([striker, bar]), after=1.4 / c, until=3.4 / c)
-    >>> round(found.system.gaps[1] / (10.0 * 0.4 / c), 9), round(found.system.bodies[2].length, 9)
-    (1.0, 0.2)
-    >>> round(found.misfit, 9)
+    >>> design = momentum_trap(ri.System([striker, bar]), after=1.4 / c, until=3.4 / c)
+    >>> round(design.system.gaps[1] / (10.0 * 0.4 / c), 9)
+    1.0
+    >>> round(design.system.bodies[2].length, 9)
+    0.2
+    >>> round(design.misfit, 9)
     0.0
     """
     of_kind("system", system, System, "System([striker, bar])")
@@ -82,56 +93,133 @@ def momentum_trap(
         raise refusal(
             "after", f"must be from 0 to before until = {end!r} s, got {passed!r}"
         )
-    steel = bar.segments[-1].material if material is None else material
-    of_kind("material", steel, Material, "materials.steel")
+    if material is None:
+        material = bar.segments[-1].material
+    of_kind("material", material, Material, "materials.steel")
 
-    alone, last = solve(system, until=end), len(system.bodies) - 1
-    times, arriving, returned = _waves(alone, last)
-    before = times < passed * (1 - ROUND_OFF)
-    place = alone.displacement(last, float(bar.length), [0.0, *times[before], passed])
-    gap, furthest = float(place[-1] - place[0]), float(place.max() - place[0])
-    if furthest > gap + ROUND_OFF * float(np.ptp(place)):
-        message = f"the right end is at {gap:.6g} m at {passed!r} s, and was at {furthest:.6g} m"
-        raise refusal(
-            "after", f"{message} before; take the time at which it is furthest"
+    untrapped = solve(system, until=end)
+    bar_index = len(system.bodies) - 1
+    waves = _end_waves(untrapped, bar_index)
+    is_before = waves.times < passed * (1 - TIME_RTOL)
+    gap = _gap(untrapped, bar_index, waves.times[is_before], passed)
+    row = _TrappedRow(system, bar, material, gap)
+    force_start, force_end = _pressed_interval(row, passed, end)
+    wave_speed = float(material.wave_speed)
+    trapped = row.with_length(wave_speed * (force_end - force_start) / 2)
+
+    trapped_waves = _end_waves(solve(trapped, until=end), bar_index)
+    reached = staircase(
+        trapped_waves.times,
+        trapped_waves.leftward,
+        end,
+        "force of the wave back into the bar",
+    )
+    times = [*waves.times[is_before], passed]
+    forces = [*waves.leftward[is_before], 0.0]
+    wanted = staircase(times, forces, end, "wanted")
+    edges = np.array([passed, end])
+    after_pulse = differences(wanted, reached, edges)
+    mean_square = after_pulse.mean[0] ** 2 + after_pulse.variance[0]
+    largest_wave = np.abs(waves.rightward).max()
+    misfit = float(np.sqrt(mean_square) / largest_wave)
+    return PulseDesign(trapped, bar_index + 1, wanted, reached, misfit, staircase=0.0)
+
+
+class _EndWaves(NamedTuple):
+    """Waves at the right end of a rod, which hold from each time to the next."""
+
+    times: Any  # s
+    rightward: Any  # force of the wave that arrives at the end, N
+    leftward: Any  # force of the wave that leaves the end, N
+
+
+def _end_waves(solution: Solution, body: int) -> _EndWaves:
+    """Waves at the right end of a rod."""
+    rod: Any = solution.system.bodies[body]
+    segment = rod.segments[-1]
+    gauge = solution.gauge(body, float(rod.length))
+    stiffness = float(segment.impedance * segment.wave_speed)
+    arriving = -stiffness * gauge.rightward
+    leaving = -stiffness * gauge.leftward
+    return _EndWaves(gauge.times, arriving, leaving)
+
+
+def _gap(solution: Solution, body: int, times: Any, passed: float) -> float:
+    """Gap of the trap, m: displacement of the free end when the first pulse has passed.
+
+    Parameters
+    ----------
+    solution : Solution
+        The row without the trap.
+    body : int
+        Index of the bar.
+    times : array
+        Times before `passed` at which the velocity of the end changes, s.
+    passed : float
+        Time at which the first pulse has left the end, s.
+
+    Raises
+    ------
+    InvalidModel
+        If the end would have hit the trap before.
+    """
+    rod: Any = solution.system.bodies[body]
+    times = [0.0, *times, passed]
+    positions = solution.displacement(body, float(rod.length), times)
+    gap = float(positions[-1] - positions[0])
+    furthest = float(positions.max() - positions[0])
+    if furthest > gap + DISPLACEMENT_RTOL * float(np.ptp(positions)):
+        message = (
+            f"the right end is at {gap:.6g} m at {passed!r} s, and was at "
+            f"{furthest:.6g} m before; take the time at which it is furthest"
         )
+        raise refusal("after", message)
+    return gap
 
-    area = float(bar.segments[-1].impedance) / float(steel.density * steel.wave_speed)
 
-    def behind(length: float) -> System:
-        trap = Rod(length, area=area, material=steel)
+class _TrappedRow(NamedTuple):
+    """A row with a trap, whose length is still free."""
+
+    system: System  # without the trap
+    bar: Rod
+    material: Material
+    gap: float  # m
+
+    def with_length(self, length: float) -> System:
+        """The row with a trap of this length, m, and of the impedance of the bar."""
+        impedance = float(self.bar.segments[-1].impedance)
+        area = impedance / float(self.material.density * self.material.wave_speed)
+        trap = Rod(length, area=area, material=self.material)
+        system = self.system
         return System(
             [*system.bodies, trap],
-            [*system.gaps, max(gap, 0.0)],
+            [*system.gaps, max(self.gap, 0.0)],
             [*system.contacts, Rigid()],
             gravity=system.gravity,
             ends=system.ends,
         )
 
-    c = float(steel.wave_speed)
-    breaks, force, _ = solve(behind(c * end), until=end).contacts[-1].breakpoints()
-    due = (breaks >= passed * (1 - ROUND_OFF)) & (breaks < end)
-    pressed = np.flatnonzero(due & (force > FAINTEST * force.max()))
+
+def _pressed_interval(
+    row: _TrappedRow, passed: float, end: float
+) -> tuple[float, float]:
+    """Times from which and up to which waves push on a trap that is long enough, s.
+
+    Raises
+    ------
+    InvalidModel
+        If nothing pushes on it between `passed` and `end`.
+    """
+    longest = float(row.material.wave_speed) * end
+    solution = solve(row.with_length(longest), until=end)
+    times, force, _ = solution.contacts[-1].breakpoints()
+    has_passed = times >= passed * (1 - TIME_RTOL)
+    is_pressed = force > LEAST_FORCE_RTOL * force.max()
+    pressed = np.flatnonzero(has_passed & (times < end) & is_pressed)
     if not pressed.size:
         message = f"nothing pushes on the right end from {passed!r} to {end!r} s"
         raise refusal("until", f"{message}; take a later time")
-    released = min(end, float(np.append(breaks, end)[pressed[-1] + 1]))
-    found = behind(c * (released - float(breaks[pressed[0]])) / 2)
-
-    times_now, _, reached = _waves(solve(found, until=end), last)
-    got = staircase(times_now, reached, end, "force of the wave back into the bar")
-    wanted = staircase(
-        [*times[before], passed], [*returned[before], 0.0], end, "wanted"
-    )
-    (mean,), (variance,) = differences(wanted, got, np.array([passed, end]))
-    misfit = float(np.sqrt(mean**2 + variance) / np.abs(arriving).max())
-    return PulseDesign(found, last + 1, wanted, got, misfit, 0.0)
-
-
-def _waves(solution: Solution, body: int) -> tuple[Any, ...]:
-    """Times, and forces, N, of the waves that come to the right end of a rod and that leave it."""
-    rod = solution.system.bodies[body]
-    assert isinstance(rod, Rod)
-    piece, gauge = rod.segments[-1], solution.gauge(body, float(rod.length))
-    stiffness = float(piece.impedance * piece.wave_speed)
-    return gauge.times, -stiffness * gauge.rightward, -stiffness * gauge.leftward
+    start = float(times[pressed[0]])
+    next_times = np.append(times[1:], end)
+    stop = min(end, float(next_times[pressed[-1]]))
+    return start, stop

@@ -1,0 +1,195 @@
+"""The search for a stepped striker that gives a wanted pulse.
+
+A wave from the struck end reaches a segment and is back one round trip later than for
+the segment before it. So step k of the pulse depends on segment k and on those before
+it, which are known (layer peeling): the force is linear in the reflection at the near
+end of segment k. Two solutions give that line: one with a bar that absorbs all waves
+behind the known segments, and one with a free end there. Steps that no area gives, and
+the ringing afterwards, are left to least squares.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..model import Absorbing, Bonded, Free, Material, Rigid, Rod, Segment, System
+from ..model.ends import FREE
+from ..model.quantities import Floats
+from ..records.signal import Signal
+from ..running.solving import solve
+from .pulses import MIN_DURATION_RTOL, differences, no_force, staircase
+
+REFLECTION_MARGIN = 1e-6
+"""Distance of a start from reflections and velocities that no finite area gives.
+
+Reflections stay so far from -1 and 1, and velocities, relative to that of the striker,
+so far from 0 and 1.
+"""
+MAX_EVALUATIONS = 8
+"""Cap on the evaluations of least squares for each number of segments."""
+
+
+class Striker(NamedTuple):
+    """A striker, and the misfit of its pulse over the peak of the wanted force."""
+
+    logarithms: (
+        Floats  # [segment], of areas over that of the bar, from the struck end on
+    )
+    misfit: float
+    misfit_within_steps: float  # part of the misfit that no areas can change
+
+
+class Misfits(NamedTuple):
+    """Parts of the misfit by the steps of the pulse, [step] each.
+
+    The sum of all squares is the square of the misfit.
+    """
+
+    of_means: Floats  # mean difference in each step
+    within_steps: Floats  # standard deviation of the difference in each step
+
+
+class StrikerSearch(NamedTuple):
+    """Strikers of a number of segments that are to send a force into a bar.
+
+    An array of logarithms stands for a striker, see `Striker`.
+    """
+
+    bar: Rod
+    material: Material
+    velocity: float  # m/s
+    duration: float  # duration of the pulse, s
+    contact: Rigid | Bonded
+    wanted: Signal  # force, N
+    bounds: Floats  # smallest and largest logarithm
+    segments: int
+
+    @property
+    def bar_area(self) -> float:
+        """Area of the bar, m^2."""
+        area = self.bar.segments[0].area
+        return float(np.asarray(area))
+
+    @property
+    def edges(self) -> Floats:
+        """Times between the steps of the pulse, s."""
+        step = self.duration / self.segments
+        end = self.wanted.end
+        count = math.ceil(end / step * (1 - MIN_DURATION_RTOL))
+        return np.append(step * np.arange(count), end)
+
+    def system(self, logarithms: Floats, left_end: Free | Absorbing = FREE) -> System:
+        """The striker and the semi-infinite bar."""
+        length = self.duration / 2 * self.material.wave_speed / self.segments
+        segments = []
+        for logarithm in logarithms[::-1]:
+            area = self.bar_area * math.exp(logarithm)
+            segments.append(Segment(length, area, self.material))
+        striker = Rod(segments=segments, velocity=self.velocity)
+        ends = (left_end, Absorbing())
+        return System([striker, self.bar], contacts=[self.contact], ends=ends)
+
+    def force(
+        self, logarithms: Floats, until: float, left_end: Free | Absorbing = FREE
+    ) -> Signal:
+        """Force on the bar, N, until a time, s."""
+        system = self.system(logarithms, left_end)
+        solution = solve(system, until=until, method="fronts")
+        times, force, _ = solution.contacts[0].breakpoints()
+        return staircase(times, force, until, "force on the bar")
+
+    def misfits(self, reached: Signal) -> Misfits:
+        """Parts of the misfit of a force on the bar."""
+        peak = np.abs(self.wanted.values).max()
+        durations = np.diff(self.edges)
+        weights = durations / self.wanted.end / peak**2
+        mean, variance = differences(self.wanted, reached, self.edges)
+        of_means = np.sqrt(weights) * mean
+        within_steps = np.sqrt(weights * variance)
+        return Misfits(of_means, within_steps)
+
+    # Starts
+
+    def matched(self, force: Floats) -> Floats:
+        """Striker in which each area alone would give its step of the force, N."""
+        bar = self.bar.segments[0]
+        velocity = force / (bar.impedance * self.velocity)
+        velocity = np.clip(velocity, REFLECTION_MARGIN, 1 - REFLECTION_MARGIN)
+        impedance = velocity / (1 - velocity) * bar.impedance
+        areas = impedance / (self.material.density * self.material.wave_speed)
+        logarithms = np.log(areas / self.bar_area)
+        return np.clip(logarithms, *self.bounds)
+
+    def peeled(self, force: Floats) -> Floats:
+        """Striker that gives the first steps of the force, N, one after the other.
+
+        Areas stay within the bounds.
+        """
+        logarithms = self.matched(force[:1])
+        bonded = self._replace(contact=Bonded())
+        for k in range(1, len(force)):
+            until = self.edges[k + 1]
+            if_absorbing = bonded.force(logarithms, until, Absorbing())
+            if_free = bonded.force(logarithms, until, FREE)
+            force_without_reflection = if_absorbing.values[-1]
+            slope = if_free.values[-1] - force_without_reflection
+            reflection = 0.0
+            if slope:
+                reflection = (force[k] - force_without_reflection) / slope
+            reflection = max(reflection, REFLECTION_MARGIN - 1)
+            reflection = min(reflection, 1 - REFLECTION_MARGIN)
+            step = math.log((1 - reflection) / (1 + reflection))
+            logarithm = np.clip(logarithms[-1] + step, *self.bounds)
+            logarithms = np.append(logarithms, logarithm)
+        return logarithms
+
+    # Least squares
+
+    def best_striker(self, coarser: Floats) -> Striker:
+        """Striker by least squares, from the best of two or three starts.
+
+        Parameters
+        ----------
+        coarser : array
+            A striker of fewer segments, the third start; empty for none.
+        """
+        from scipy.optimize import least_squares
+
+        def residuals(logarithms: Floats) -> Floats:
+            force = self.force(logarithms, self.wanted.end)
+            return self.misfits(force).of_means
+
+        def sum_of_squares(logarithms: Floats) -> float:
+            return float(np.sum(residuals(logarithms) ** 2))
+
+        nothing = no_force(self.wanted.end)
+        steps = differences(nothing, self.wanted, self.edges)
+        force = steps.mean[: self.segments]
+        starts = [self.peeled(force), self.matched(force)]
+        if coarser.size:
+            positions = _middles(self.segments)
+            coarser_positions = _middles(coarser.size)
+            starts.append(np.interp(positions, coarser_positions, coarser))
+        best = least_squares(
+            residuals,
+            min(starts, key=sum_of_squares),
+            bounds=tuple(self.bounds),
+            method="dogbox",
+            diff_step=1e-5,
+            max_nfev=MAX_EVALUATIONS,
+            ftol=1e-4,
+            xtol=1e-8,
+            gtol=None,
+        ).x
+        reached = self.force(best, self.wanted.end)
+        misfits = self.misfits(reached)
+        of_means = np.linalg.norm(misfits.of_means)
+        within_steps = float(np.linalg.norm(misfits.within_steps))
+        return Striker(best, math.hypot(of_means, within_steps), within_steps)
+
+
+def _middles(segments: int) -> Floats:
+    """Middles of segments along a striker of length 1."""
+    middles: Floats = (np.arange(segments) + 0.5) / segments
+    return middles
