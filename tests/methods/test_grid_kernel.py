@@ -169,7 +169,7 @@ def test_steps_against_dense_matrices(seed, ends):
     run.advance(40)
     n, velocity, force = len(run.mesh.mass), run.track.velocity, run.track.force
     radial = np.zeros_like(force)
-    if run.mesh.swells:
+    if run.mesh.has_radial_strain:
         radial = run.step * run.track.radial
     v, F, q = dense_run(
         run.mesh, run.step, velocity[0], force[0, 1:n], radial[0, 1:n], 40, push
@@ -199,7 +199,7 @@ def energy_of_bodies(run):
         free[node] = (mesh.cell_mass[node] + mesh.cell_mass[node + 1]) / 2
     kinetic = v * v @ free / 2 + change**2 @ (lateral - k * h * h / 4) / 2
     total = kinetic + force**2 @ (1 / k) / 2
-    if mesh.swells:
+    if mesh.has_radial_strain:
         J, b, G = (x[1:-1][inside] for x in mesh.cells[4:7])
         q, p = h * states.radial[:, 1:-1], states.radial_rate[:, 1:-1]
         for moved, share in ((q, 1.0), (h * p / 2, -1.0)):

@@ -1,8 +1,9 @@
-"""A row of bodies on a staggered grid: which node and which cell belongs to what.
+"""The mesh of a row: which node and which cell belongs to which body.
 
-A segment of N cells has N + 1 nodes; half of each cell's mass sits at either. Bodies that are
-bonded share a node, and make one piece. A wall that can be touched is a node by itself. Cell i lies
-between the nodes i - 1 and i, so the cells 0, those between pieces, and the last stand for nothing.
+A segment of N cells has N + 1 nodes. Half of the mass of each cell sits at either of its nodes.
+Bodies that are bonded share a node and make one piece of neighbouring nodes. A wall that can be
+touched is a node by itself. Cell i lies between the nodes i - 1 and i. Cell 0, the cells between
+pieces and the last cell have no mass and no stiffness.
 """
 
 import math
@@ -21,33 +22,38 @@ from ..row import Array, Row
 
 STEP_TICKS = 1 << 36
 """Ticks of a time step: times between two states are looked up in these."""
-STIFFEST = (
-    2.0**32
-)  # times the inertia of a cell, beyond which round-off drowns its motion
+MAX_COUPLING = 2.0**32
+"""Largest coupling of neighbouring nodes over the inertia of a cell: beyond it round-off hides
+the motion."""
 CELL_ROOM = 2.0**40
 """Largest ratio of the radial inertia or stiffness of a segment to that of its cells."""
-MODAL_CELLS, MODES = 200, 8  # of a rod whose lowest modes are asked for
+MODAL_CELLS = 200
+"""Cells of a rod whose lowest modes are computed."""
+MODES = 8
+"""Lowest modes, among which that with the slowest decay is searched for."""
 
 
 class Cells(NamedTuple):
-    """What cells are made of, all [cell] arrays; q is the radial strain of `lateral_inertia`.
-
-    cell_mass rho A dx, kg; stiffness (E, or lambda + 2 mu at constant q) A/dx, N/m
-    viscous eta A/dx, N s/m; lateral rho nu^2 I_p/dx, kg, by Rayleigh and Love
-    By Mindlin and Herrmann: swelling, the inertia m rho I_p dx of q, kg m^2; coupling 2 lambda A,
-    tension for a unit of q, N; radial 4 (lambda + mu) A dx and shear s mu I_p/dx, N m.
-    width dx, m; 1 between pieces, where all else is 0.
-    """
+    """Properties of the cells, all [cell]; q is the radial strain of `lateral_inertia`."""
 
     cell_mass: Array
+    """rho A dx, kg."""
     stiffness: Array
+    """E A/dx, N/m; (lambda + 2 mu) A/dx, the stiffness at constant q, by Mindlin and Herrmann."""
     viscous: Array
+    """eta A/dx, N s/m."""
     lateral: Array
+    """rho nu^2 I_p/dx, kg, by Rayleigh and Love."""
     swelling: Array
+    """Inertia of q, m rho I_p dx, kg m^2, by Mindlin and Herrmann."""
     coupling: Array
+    """Tension for a unit of q, 2 lambda A, N."""
     radial: Array
+    """4 (lambda + mu) A dx, N m."""
     shear: Array
+    """s mu I_p/dx, N m, between neighbouring cells."""
     width: Array
+    """dx, m; 1 between pieces, where all else is 0."""
 
     @property
     def relaxed(self) -> Array:
@@ -56,62 +62,87 @@ class Cells(NamedTuple):
 
 
 class GridMotion(NamedTuple):
-    """What a grid knows of the motion: the mesh, states at some times, forces from outside a piece.
-
-    counts, first, last, starts : by segment, and by piece, as in `Mesh`
-    mass, shear [node]; cells : as there
-    when [state] in steps; velocity [state, node] in m/s, in the frame; force [state, cell] in N;
-    place [state, piece] in m/s times steps; lost [state] in W times steps
-    radial, radial_rate [state, cell] : radial strain in 1/s times steps, and its rate in 1/s;
-    [state, 0] where no cell has its own
-    pushes : by node, [steps] mean force to the right from outside its piece, N
-    """
+    """The motion on a grid: the mesh, states at some times, and forces from outside a piece."""
 
     counts: Sequence[int]
+    """Cells of each segment."""
     first: Sequence[int]
+    """First node of each segment, as in `Mesh`."""
     last: Sequence[int]
+    """Last node of each segment."""
     starts: Sequence[int]
+    """First node of each piece."""
     mass: Array
+    """kg [node]."""
     shear: Array
+    """N m [node], as in `Mesh`."""
     cells: Cells
     when: Array
+    """Time steps after which the states were kept [state]."""
     velocity: Array
+    """m/s, in the frame [state, node]."""
     force: Array
+    """Elastic tension, N [state, cell]."""
     place: Array
+    """Displacement of the first node of each piece, m/s times steps [state, piece]."""
     lost: Array
+    """Energy turned to heat, W times steps [state]."""
     radial: Array
+    """Radial strain, 1/s times steps [state, cell]; [state, 0] where no cell has its own."""
     radial_rate: Array
+    """Rate of the radial strain, 1/s [state, cell]."""
     pushes: Mapping[int, Array]
+    """Mean force to the right from outside its piece in each step, N [steps], by node."""
 
     def stretches(self, step: float) -> Array:
-        """By how much cells are longer [state, cell], m."""
-        force, k = self.force, self.cells.stiffness
+        """Elongation of the cells, m [state, cell]."""
+        force = self.force
         if self.radial.size:
             force = force - self.cells.coupling * self.radial * step
-        return quotient(force, k)
+        return quotient(force, self.cells.stiffness)
 
     def energies(
         self, nodes: slice, mass: Array, place: int, v: Array, step: float
     ) -> tuple[float, float]:
-        """Kinetic and strain energy of some nodes of these masses and velocities in a state, J."""
-        inside, change = slice(nodes.start + 1, nodes.stop), np.diff(v)
-        _, k, _, lateral, J, b, G, *_ = (x[inside] for x in self.cells)
-        bound = lateral - k * step**2 / 4
+        """Kinetic and strain energy of some nodes in a state, J.
+
+        Parameters
+        ----------
+        nodes : slice
+        mass : array
+            Masses of these nodes that count, kg.
+        place : int
+            Of the state.
+        v : array
+            Velocities of these nodes, m/s.
+        step : float
+            s.
+        """
+        inside = slice(nodes.start + 1, nodes.stop)
+        change = np.diff(v)
+        k = self.cells.stiffness[inside]
+        off_diagonal = self.cells.lateral[inside] - k * step**2 / 4
         k = np.where(k > 0, k, np.inf)
-        kinetic = float(mass @ (v * v) + bound @ (change * change)) / 2
+        kinetic = float(mass @ (v * v) + off_diagonal @ (change * change)) / 2
         strained = float(np.sum(self.force[place, inside] ** 2 / k)) / 2
         if not self.radial.size:
             return kinetic, strained
-        q, p = self.radial[place] * step, self.radial_rate[place]
-        slope, faster, q, p = np.diff(q)[nodes], np.diff(p)[nodes], q[inside], p[inside]
-        shear = (
-            self.shear[nodes] / 2
-        )  # a spring between two rods belongs to either by half
+        J = self.cells.swelling[inside]
+        b = self.cells.coupling[inside]
+        G = self.cells.radial[inside]
+        q = self.radial[place] * step
+        rate = self.radial_rate[place]
+        slope = np.diff(q)[nodes]
+        slope_rate = np.diff(rate)[nodes]
+        q = q[inside]
+        rate = rate[inside]
+        # A spring between two rods belongs to either by half.
+        shear = self.shear[nodes] / 2
         shear[1:-1] *= 2
-        swollen = (G - b * b / k) @ q**2 + shear @ slope**2
-        less = 2 * (b * change) @ p + G @ p**2 + shear @ faster**2
-        moving = J @ p**2 - step * step / 4 * less
-        return kinetic + float(moving) / 2, strained + float(swollen) / 2
+        radial_strained = (G - b * b / k) @ q**2 + shear @ slope**2
+        less = 2 * (b * change) @ rate + G @ rate**2 + shear @ slope_rate**2
+        moving = J @ rate**2 - step * step / 4 * less
+        return kinetic + float(moving) / 2, strained + float(radial_strained) / 2
 
 
 class Mesh:
@@ -121,30 +152,32 @@ class Mesh:
     ----------
     row : Row
     counts : list of int
-        Cells of each segment.
+        Number of cells of each segment.
     first, last : list of int
-        Nodes of each segment, counted from 1 as in the row; entry 0 is empty.
+        First and last node of each segment, counted from 1 as in the row; entry 0 is empty.
     node_of_mass : list of int
+        Node of each rigid mass.
     starts, stops : list of int
         First and last node of each piece.
     mass, held : [node] array
-        kg; whether the velocity is given.
+        kg; 1 where the velocity is prescribed, else 0.
     cells : Cells
     cell_mass, stiffness, viscous, lateral, width : [cell] array
-        Of the cells.
+        Columns of `cells`.
     shear : [node] array
-        Of the radial strain of its two cells, those of `Cells` in series, N m.
+        Shear stiffness between the radial strains of the two cells of a node, N m: those of
+        `Cells` in series.
     touching : dict of int to (int, int)
-        By link of a law: the nodes on its left and on its right.
+        Nodes on the left and on the right of each link that has a law.
     ends, end_cells : list of int
         Node on which the outside acts, left and right, and the cell beside it.
     bonds : dict of int to (int, int)
-        By bonded link whose force is asked for: its node, and the cell of a rod beside it.
+        Node of each bonded link whose force is recorded, and the cell of a rod beside it.
     watched, pulled : list of int
-        Nodes whose velocities are asked for at the end of each step, cells whose forces are.
+        Nodes whose velocities, and cells whose forces, are recorded in each step.
     groups : list of (int, int)
-        First and last node of all that hangs together: pieces, with the joints between them.
-    swells : bool
+        First and last node of each group of pieces with joints between them.
+    has_radial_strain : bool
         Whether cells have a radial strain of their own.
     implicit : bool
         Whether new velocities depend on each other: there is damping or lateral inertia.
@@ -156,47 +189,31 @@ class Mesh:
     """
 
     def __init__(self, row: Row, counts: list[int]) -> None:
-        self.row, self.counts = row, counts
-        self.first, self.last = [-1], [-1]
+        self.row = row
+        self.counts = counts
+        self.first = [-1]
+        self.last = [-1]
         self.node_of_mass: list[int] = []
         self.touching: dict[int, tuple[int, int]] = {}
         self.bonds: dict[int, tuple[int, int]] = {}
-        node, parts, outer = -1, list[Cells](), (0, len(row.links) - 1)
-        driven = [
-            side for side, (kind, _) in enumerate(row.outside) if kind == "velocity"
-        ]
-        asked = {*row.contact_link, *(outer[side] for side in driven)}
-        for i, ((before, _), (kind, s)) in enumerate(row.beside):
-            apart = row.links[i].law >= Law.JOINT
-            for _ in range(
-                (i == 0) + apart
-            ):  # what lies outside begins the first piece
-                node += 1
-                parts.append(NO_CELL)
-            if apart:
-                self.touching[i] = node - 1, node
-            elif (
-                row.links[i].law == Law.BOND and i in asked
-            ):  # of a rod and something else
-                self.bonds[i] = node, node + (before != "segment")
-            if kind == "mass":
-                self.node_of_mass.append(node)
-            elif kind == "segment":
-                parts.append(_cells(row.segments[s - 1], counts[s - 1]))
-                _refuse_stiff(row.paths[s], parts[-1])
-                self.first.append(node)
-                node += counts[s - 1]
-                self.last.append(node)
+        driven = []
+        for side, (kind, _) in enumerate(row.outside):
+            if kind == "velocity":
+                driven.append(side)
+        node = self._lay_out(driven)
         self.starts, self.stops = _between(self.touching.values(), node)
-        open_links = [
-            of for i, of in self.touching.items() if row.links[i].law != Law.JOINT
-        ]
+        open_links = []
+        for link, nodes in self.touching.items():
+            if row.links[link].law != Law.JOINT:
+                open_links.append(nodes)
         self.groups = list(zip(*_between(open_links, node), strict=True))
-        self.ends, self.end_cells = [0, node], [1, node]
-        self.cells = Cells(*np.concatenate([*parts, NO_CELL], axis=1))
-        self.cell_mass, self.stiffness, self.viscous, self.lateral, *_, self.width = (
-            self.cells
-        )
+        self.ends = [0, node]
+        self.end_cells = [1, node]
+        self.cell_mass = self.cells.cell_mass
+        self.stiffness = self.cells.stiffness
+        self.viscous = self.cells.viscous
+        self.lateral = self.cells.lateral
+        self.width = self.cells.width
         self.mass = (self.cell_mass[:-1] + self.cell_mass[1:]) / 2
         self.shear = _in_series(self.cells.shear)
         self.mass[self.node_of_mass] += row.masses
@@ -204,44 +221,94 @@ class Mesh:
         self.held = np.zeros(node + 1, np.int64)
         self.held[[self.ends[side] for side in driven]] = 1
         self.pulled = [cell for _, cell in self.bonds.values()]
-        beside = (node for cell in self.pulled for node in (cell - 1, cell))
-        self.watched = list(dict.fromkeys([*self.ends, *self.node_of_mass, *beside]))
-        self.swells = bool(np.any(self.cells.swelling))
+        watched = [*self.ends, *self.node_of_mass]
+        for cell in self.pulled:
+            watched.extend((cell - 1, cell))
+        self.watched = list(dict.fromkeys(watched))
+        self.has_radial_strain = bool(np.any(self.cells.swelling))
         self.implicit = bool(np.any(self.viscous) or np.any(self.lateral))
+
+    def _lay_out(self, driven: list[int]) -> int:
+        """Number the nodes from left to right, and make the cells; return the last node.
+
+        `driven` are the sides whose velocity is prescribed.
+        """
+        row = self.row
+        outer_links = (0, len(row.links) - 1)
+        recorded_links = {*row.contact_link, *(outer_links[side] for side in driven)}
+        node = -1
+        parts: list[Cells] = []
+        for i, ((before, _), (kind, s)) in enumerate(row.beside):
+            law = row.links[i].law
+            if i == 0:  # the outside begins the first piece
+                node += 1
+                parts.append(NO_CELL)
+            if law >= Law.JOINT:  # a piece ends
+                node += 1
+                parts.append(NO_CELL)
+                self.touching[i] = node - 1, node
+            elif law == Law.BOND and i in recorded_links:  # a rod and something else
+                self.bonds[i] = node, node + (before != "segment")
+            if kind == "mass":
+                self.node_of_mass.append(node)
+            elif kind == "segment":
+                cells = _cells(row.segments[s - 1], self.counts[s - 1])
+                _refuse_stiff(row.paths[s], cells)
+                parts.append(cells)
+                self.first.append(node)
+                node += self.counts[s - 1]
+                self.last.append(node)
+        self.cells = Cells(*np.concatenate([*parts, NO_CELL], axis=1))
+        return node
 
 
 def _between(
     cuts: Collection[tuple[int, int]], last: int
 ) -> tuple[list[int], list[int]]:
-    """First and last nodes of what lies between pairs of neighbouring nodes, up to the last one."""
-    return [0, *(right for _, right in cuts)], [*(left for left, _ in cuts), last]
+    """First and last nodes of the spans between cuts, up to the last node of all.
+
+    A cut is a pair of neighbouring nodes.
+    """
+    starts = [0]
+    stops = []
+    for left, right in cuts:
+        stops.append(left)
+        starts.append(right)
+    return starts, [*stops, last]
 
 
 def _cells(segment: Any, count: int) -> Cells:
     """The cells of a segment."""
-    material, dx = segment.material, float(segment.length) / count
+    material = segment.material
+    dx = float(segment.length) / count
     area = segment.area_between(np.linspace(0.0, float(segment.length), count + 1))
-    E, rho = float(material.youngs_modulus), float(material.density)
-    stiffness, polar = E * area / dx, segment.polar_moments(area)
-    lateral, swelling, coupling, radial, shear = np.zeros((5, count))
-    if segment.lateral_inertia == MINDLIN_HERRMANN:
-        moduli = radial_moduli(E, float(material.poisson_ratio))
-        stiffness = moduli.axial * area / dx
-        swelling, coupling = INERTIA * rho * polar * dx, moduli.coupling * area
-        radial, shear = moduli.radial * area * dx, moduli.shear * polar / dx
-    elif segment.lateral_inertia is not None:
+    E = float(material.youngs_modulus)
+    rho = float(material.density)
+    nothing = np.zeros(count)
+    cells = Cells(
+        cell_mass=rho * area * dx,
+        stiffness=E * area / dx,
+        viscous=float(material.viscosity) * area / dx,
+        lateral=nothing,
+        swelling=nothing,
+        coupling=nothing,
+        radial=nothing,
+        shear=nothing,
+        width=np.full(count, dx),
+    )
+    if segment.lateral_inertia is None:
+        return cells
+    polar = segment.polar_moments(area)
+    if segment.lateral_inertia != MINDLIN_HERRMANN:
         lateral = rho * float(material.poisson_ratio) ** 2 * polar / dx
-    viscous = float(material.viscosity) * area / dx
-    return Cells(
-        rho * area * dx,
-        stiffness,
-        viscous,
-        lateral,
-        swelling,
-        coupling,
-        radial,
-        shear,
-        np.full(count, dx),
+        return cells._replace(lateral=lateral)
+    moduli = radial_moduli(E, float(material.poisson_ratio))
+    return cells._replace(
+        stiffness=moduli.axial * area / dx,
+        swelling=INERTIA * rho * polar * dx,
+        coupling=moduli.coupling * area,
+        radial=moduli.radial * area * dx,
+        shear=moduli.shear * polar / dx,
     )
 
 
@@ -249,13 +316,14 @@ NO_CELL = Cells(*np.append(np.zeros(8), 1.0)[:, None])
 
 
 def _in_series(springs: Array) -> Array:
-    """Of neighbours half of each in series [node]."""
-    left, right = springs[:-1], springs[1:]
+    """Stiffness of two half springs in series, one of either neighbouring cell [node]."""
+    left = springs[:-1]
+    right = springs[1:]
     return quotient(2 * (left * right), left + right)
 
 
 def quotient(a: Any, b: Array) -> Array:
-    """a/b, and 0 where b is 0, as between pieces."""
+    """Return a/b, and 0 where b is 0, as between pieces."""
     return np.asarray(a / np.where(b > 0, b, np.inf))
 
 
@@ -295,24 +363,28 @@ def crossing_time(segment: Any) -> float:
 def stable_step(segment: Any, count: int) -> float:
     """Longest stable step of a segment in so many cells, s.
 
-    Leapfrog is stable up to 2/omega of the fastest motion. By Mindlin and Herrmann that is the one
-    in which all nodes and all radial strains swing against their neighbours; its equation is a
-    bound where cells differ, too::
+    Leapfrog is stable up to 2/omega of the fastest motion. By Mindlin and Herrmann this is the
+    motion in which all nodes and all radial strains swing against their neighbours. Its equation
+    is a bound where cells differ, too::
 
         (omega^2 - 4 k/m) (omega^2 - (G + 4 s)/J) = 4 b^2/(m J)
 
-    with the mass m, stiffness k, coupling b, radial G, shear s and swelling J of a cell.
+    with the mass m, stiffness k, coupling b, radial G, shear s and radial inertia J of a cell.
     """
     if segment.lateral_inertia != MINDLIN_HERRMANN:
         return float(segment.transit_time) / count
-    m, k, _, _, J, b, G, s, _ = _cells(segment, count)
-    axial, radial = 4 * k / m, (G + 4 * s) / J
-    square = (axial + radial + np.hypot(axial - radial, 4 * b / np.sqrt(m * J))) / 2
+    cells = _cells(segment, count)
+    m = cells.cell_mass
+    J = cells.swelling
+    axial = 4 * cells.stiffness / m
+    radial = (cells.radial + 4 * cells.shear) / J
+    mixed = np.hypot(axial - radial, 4 * cells.coupling / np.sqrt(m * J))
+    square = (axial + radial + mixed) / 2
     return 2 / math.sqrt(float(square.max()))
 
 
 def most_cells(segment: Any, count: int, step: float) -> int:
-    """How many cells, `count` at most, a segment may have for a step in s to be stable."""
+    """Largest number of cells of a segment, up to `count`, for which a step in s is stable."""
     unstable = bisect_left(
         range(1, count + 1), True, key=lambda N: stable_step(segment, N) < step
     )
@@ -320,14 +392,14 @@ def most_cells(segment: Any, count: int, step: float) -> int:
 
 
 def _refuse_stiff(path: str, cells: Cells) -> None:
-    """Raise InvalidModel where cells resist changes of length so much that nothing else counts."""
+    """Raise InvalidModel where viscosity or lateral inertia couples cells too strongly."""
     impedance = np.sqrt(cells.stiffness) * np.sqrt(cells.cell_mass)
     sizes = {
         "material.viscosity": cells.viscous / impedance,
         "lateral_inertia": cells.lateral / cells.cell_mass,
     }
     for name, size in sizes.items():
-        if size.max() > STIFFEST:
+        if size.max() > MAX_COUPLING:
             message = (
                 f"couples cells {size.max():.2g} times as strongly as their inertia, so round-off "
                 "hides the motion; take a smaller value, or a RigidMass"
@@ -345,25 +417,23 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
     """
     from scipy.linalg import block_diag, eigh
 
-    transit = sum(float(s.transit_time) for s in segments)
-    counts = [
-        max(4, round(MODAL_CELLS * float(s.transit_time) / transit)) for s in segments
-    ]
-    parts = [_cells(s, N) for s, N in zip(segments, counts, strict=True)]
-    mass, stiffness, viscous, lateral, *_ = cells = Cells(
-        *np.concatenate(parts, axis=1)
-    )
-    M = np.diag((np.append(mass, 0.0) + np.append(0.0, mass)) / 2) + _chain(lateral)
-    K = block_diag(
-        _chain(stiffness), np.diag(cells.radial) + _chain(_in_series(cells.shear))
-    )
+    transit = sum(float(segment.transit_time) for segment in segments)
+    parts = []
+    for segment in segments:
+        share = float(segment.transit_time) / transit
+        parts.append(_cells(segment, max(4, round(MODAL_CELLS * share))))
+    cells = Cells(*np.concatenate(parts, axis=1))
+    mass = (np.append(cells.cell_mass, 0.0) + np.append(0.0, cells.cell_mass)) / 2
+    M = np.diag(mass) + _chain(cells.lateral)
+    radial = np.diag(cells.radial) + _chain(_in_series(cells.shear))
+    K = block_diag(_chain(cells.stiffness), radial)
     n = len(M)
     K[:n, n:] = np.diff(np.eye(n), axis=0).T * cells.coupling
     K[n:, :n] = K[:n, n:].T
     kept = np.append(np.ones(n, bool), cells.swelling > 0)
     M = block_diag(M, np.diag(cells.swelling))[np.ix_(kept, kept)]
     squares, modes = eigh(K[np.ix_(kept, kept)], M, subset_by_index=[1, MODES])
-    rates = np.einsum("im,ij,jm->m", modes[:n], _chain(viscous), modes[:n]) / 2
+    rates = np.einsum("im,ij,jm->m", modes[:n], _chain(cells.viscous), modes[:n]) / 2
     slowest = int(np.argmin(rates))
     return float(np.sqrt(squares[slowest])), float(rates[slowest])
 

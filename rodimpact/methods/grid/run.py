@@ -58,6 +58,7 @@ class GridRun:
     proved = -1
     stopped_by = "until"
     rtol = 0.0
+    room: int
 
     def __init__(
         self,
@@ -74,7 +75,9 @@ class GridRun:
             1,
         )  # steps after which states are kept, or how many apart
         if snapshots is None or isinstance(snapshots, int):
-            fitting = max(64, STATES_BYTES // (16 * len(mesh.mass) * (1 + mesh.swells)))
+            fitting = max(
+                64, STATES_BYTES // (16 * len(mesh.mass) * (1 + mesh.has_radial_strain))
+            )
             self._most = max(snapshots or fitting, 3)
         else:
             at = np.array(snapshots) / step
@@ -119,7 +122,9 @@ class GridRun:
         )
         # two of each, while they are joined or fields are made of them
         fields = (
-            2 * states * (2 * len(mesh.mass) * (1 + mesh.swells) + len(mesh.starts) + 3)
+            2
+            * states
+            * (2 * len(mesh.mass) * (1 + mesh.has_radial_strain) + len(mesh.starts) + 3)
         )
         if (
             not kernels.enabled()
@@ -159,7 +164,7 @@ class GridRun:
     def _blank(self, steps: int, states: int) -> Track:
         """Room for what the kernel enters."""
         grid, n = self.grid, len(self.mesh.mass)
-        swollen = states, (n + 1) * self.mesh.swells
+        swollen = states, (n + 1) * self.mesh.has_radial_strain
         return Track(
             np.empty((steps, len(grid.link)), SIGNAL),
             np.empty((steps, 2)),
@@ -334,7 +339,11 @@ class GridRun:
     @property
     def peak_error(self) -> float:
         """Error of the peak force that no finer mesh makes less; relative."""
-        steep = self.mesh.viscous.any() or self.mesh.lateral.any() or self.mesh.swells
+        steep = (
+            self.mesh.viscous.any()
+            or self.mesh.lateral.any()
+            or self.mesh.has_radial_strain
+        )
         if steep and any(it.law == Law.RIGID for it in self.row.links):
             return (
                 math.inf
@@ -344,7 +353,7 @@ class GridRun:
 
 def cost(mesh: Mesh, plain: bool) -> float:
     """About how long a step takes, s, in plain Python or compiled."""
-    times = 1 + mesh.swells + (2 if plain else 6) * mesh.implicit
+    times = 1 + mesh.has_radial_strain + (2 if plain else 6) * mesh.implicit
     return STEP_TIMES[plain] + len(mesh.mass) * times * CELL_TIMES[plain]
 
 

@@ -43,7 +43,7 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
             records.RUN,
             1,
             tolerance=TOLERANCE * row.scale,
-            swells=mesh.swells,
+            swells=mesh.has_radial_strain,
             implicit=mesh.implicit,
         ),
         velocity=np.zeros(n),
