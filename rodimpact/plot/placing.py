@@ -39,7 +39,8 @@ class Placing:
     frame : float
         Velocity of the frame of the picture, m/s.
     left : array
-        Left end of each body in the row of unstrained rods without gaps, m.
+        Left end of each body in the row of unstrained rods without gaps, m; the left end of the
+        first rod is at 0.
     widths : array
         Of each body in the picture before it moves, m.
     apart : array
@@ -62,7 +63,7 @@ class Placing:
     @property
     def row(self) -> float:
         """Length of all rods and blocks together, m."""
-        return float(self.left[-1] + self.widths[-1])
+        return float(self.left[-1] + self.widths[-1] - self.left[0])
 
     @property
     def scale(self) -> str:
@@ -78,6 +79,15 @@ class Placing:
         moved = self.apart[body] + displacement - self.frame * np.asarray(t)
         place: Floats = self.left[body] + np.asarray(x) + self.magnification * moved
         return place
+
+    def material(self, body: int) -> tuple[float, float]:
+        """Material coordinates x of the ends of a body, m; masses have no length."""
+        bodies = self.solution.system.bodies
+        ends = [0.0, 0.0]
+        for each in bodies[: body + 1]:
+            length = float(each.length) if isinstance(each, Rod) else 0.0
+            ends = [ends[1], ends[1] + length]
+        return ends[0], ends[1]
 
     def walls(self) -> list[tuple[int, bool]]:
         """Bodies that are walls or have a fixed end, and whether that is their right end."""
@@ -201,11 +211,15 @@ def placing(
             free[history.index] = (
                 ROOM * (left[-1] + widths[-1]) + magnification * deepest
             )
+    left = left + np.cumsum([0.0, *free])
+    rods = [i for i, body in enumerate(bodies) if isinstance(body, Rod)]
+    if rods:  # masses and springs before the first rod lie at x < 0
+        left = left - left[rods[0]]
     return Placing(
         solution,
         magnification,
         frame,
-        left + np.cumsum([0.0, *free]),
+        left,
         widths,
         apart,
         block,

@@ -104,11 +104,16 @@ class Plane(NamedTuple):
             for i in wide
         ]
         if not plan.magnification:
-            edges: list[float] = []
-            for x in np.unique(list(ends.values())).tolist():
-                if not edges or x - edges[-1] > least:
-                    edges.append(x)
-            places.set_ticks(edges, labels=[digits(x, edges[-1]) for x in edges])
+            # a mass between rods widens the picture; the numbers are the material coordinates
+            numbers_at: dict[float, float] = {}
+            for i, both in ends.items():
+                for x, coordinate in zip(both, plan.material(i), strict=True):
+                    if not numbers_at or x - max(numbers_at) > least:
+                        numbers_at[x] = coordinate * self.place.factor
+            last = max(numbers_at.values())
+            places.set_ticks(
+                list(numbers_at), labels=[digits(x, last) for x in numbers_at.values()]
+            )
         elif not self.across:
             words = [f"\n{word}" for word in words]
         places.set_ticks(list(wide.values()), labels=words, minor=True)

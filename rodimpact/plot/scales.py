@@ -177,18 +177,23 @@ def place_label(plan: Placing, place: Scale) -> str:
         label = place._replace(
             name=place.name.replace("place", "material coordinate")
         ).label
-        return f"{label}, rods laid end to end, gaps left out"
+        label += ", rods laid end to end, gaps left out"
+        return label + mass_width(plan, place)
     label = place.label
     if plan.frame:
         label += f" in a frame moving at {written(plan.frame, 'm/s')}"
-    if plan.block:
-        label += (
-            f", masses drawn {plan.block * place.factor:g} {place.unit}".rstrip()
-            + " wide"
-        )
+    label += mass_width(plan, place)
     if plan.free.any():
         label += ", springs drawn long"
     return f"{label}, {plan.scale}"
+
+
+def mass_width(plan: Placing, place: Scale) -> str:
+    """Width at which rigid masses are drawn, as a part of a label; "" without masses."""
+    if not plan.block:
+        return ""
+    width = f"{plan.block * place.factor:g} {place.unit}".rstrip()
+    return f", masses drawn {width} wide"
 
 
 def axis_scales(

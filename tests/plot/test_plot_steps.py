@@ -328,3 +328,25 @@ def test_every_picture_renders(solved, name):
     solution = solved[name]
     render(plot.overview(solution))
     render(plot.snapshots(solution).ax.figure)
+
+
+@pytest.mark.parametrize("coordinates", ["body", "lab"])
+def test_a_mass_in_front_leaves_the_pile_where_it_is(coordinates):
+    concrete = ri.Material("concrete", youngs_modulus=30e9, density=2400)
+    pile = ri.Rod(18.0, area=0.06, material=concrete)
+    hammer = ri.RigidMass(500.0, velocity=3.0)
+    solution = ri.solve(ri.System([hammer, pile]), 0.02, "characteristics")
+    picture = plot.spacetime(
+        solution, coordinates=coordinates, magnification=None, start=0.0
+    )
+    start = [path[0, 0] for path in picture.ends.get_segments()]
+    assert start == pytest.approx([0.0, 18.0], abs=1e-9)
+    if coordinates == "body":
+        assert picture.ax.get_xticks().tolist() == pytest.approx([0.0, 18.0])
+        assert [t.get_text() for t in picture.ax.get_xticklabels()] == ["0", "18"]
+
+
+def test_ticks_beyond_a_mass_are_material_coordinates(solved):
+    picture = plot.spacetime(solved["pushed"])
+    assert [t.get_text() for t in picture.ax.get_xticklabels()] == ["0", "0.5", "0.8"]
+    assert "masses drawn" in picture.ax.get_xlabel().replace("\n", " ")
