@@ -9,7 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 import rodimpact as ri
-from rodimpact.plot.style import DASHES, FAINT, SERIES, dress, grid, new_figure, styled
+from rodimpact.plot.panels import add_grid, format_axes, new_figure
+from rodimpact.plot.style import DASHES, FAINT, SERIES, styled
 
 FOLDER = Path(__file__).parent / "figures"
 STEEL, AREA = ri.materials.steel, 1e-4
@@ -39,7 +40,7 @@ def panels(rows: int, columns: int, width: float, height: float) -> list[Axes]:
     """Dressed Axes in reading order."""
     found = np.ravel(new_figure(width, height).subplots(rows, columns)).tolist()
     for ax in found:
-        dress(ax)
+        format_axes(ax)
     return found
 
 
@@ -132,7 +133,7 @@ def ends() -> Axes:
 def contact() -> Axes:
     """Force over gap of a rigid contact, and of a compliant one."""
     ax = new_figure(4.4, 2.6).add_subplot()
-    dress(ax)
+    format_axes(ax)
     overlap = np.linspace(0, 1.5, 100)
     ax.plot(
         [0, 0, 2],
@@ -210,7 +211,7 @@ def impulse() -> Axes:
 def balance() -> Axes:
     """Where the energy is after the collision, over the ratio of lengths."""
     ax = new_figure(5.2, 2.8).add_subplot()
-    dress(ax)
+    format_axes(ax)
     ratio = np.linspace(0.05, 3, 60)
     family = ri.sweep(rods(ratio, 1.0))
     m1, m2 = ratio, 1.0  # in units of rod 2
@@ -247,7 +248,7 @@ def impedances() -> Axes:
     axes[1].set(xlabel="T/T′", ylabel="e", ylim=(0, 1.05))
     axes[1].legend(frameon=False, fontsize=8)
     for ax in axes:
-        grid(ax)
+        add_grid(ax)
     return axes[0]
 
 
@@ -255,7 +256,7 @@ def impedances() -> Axes:
 def kappa() -> Axes:
     """e of rods with rounded ends, over the dimensionless stiffness."""
     ax = new_figure(5.2, 3.0).add_subplot()
-    dress(ax)
+    format_axes(ax)
     kappas = np.geomspace(1e-2, 1e5, 57)
     for i, length in enumerate((0.4, 0.7)):
         pair = [
@@ -277,7 +278,7 @@ def kappa() -> Axes:
     ax.text(1.2e-2, 0.9, "soft, round ends:\nas rigid balls", va="top")
     ax.text(8e4, 0.3, "flat ends: e = ℓ₁/ℓ₂", ha="right")
     ax.legend(frameon=False, fontsize=8)
-    grid(ax)
+    add_grid(ax)
     return ax
 
 
@@ -285,7 +286,7 @@ def kappa() -> Axes:
 def dispersion() -> Axes:
     """Phase velocity in a round bar: the exact first mode and three theories."""
     ax = new_figure(5.2, 3.0).add_subplot()
-    dress(ax)
+    format_axes(ax)
     nu, ratio = 0.29, np.linspace(0.005, 0.6, 120)
     k = 2 * np.pi * ratio  # for radius 1
     curves = {
@@ -303,7 +304,7 @@ def dispersion() -> Axes:
         xlim=(0, 0.6),
     )
     ax.legend(frameon=False, fontsize=8)
-    grid(ax)
+    add_grid(ax)
     return ax
 
 
@@ -354,7 +355,7 @@ def errors() -> Axes:
     for ax in axes:
         ax.minorticks_off()
         ax.legend(frameon=False, fontsize=8)
-        grid(ax)
+        add_grid(ax)
     return axes[0]
 
 

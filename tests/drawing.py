@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from steel import STEEL, C, rod  # noqa: F401
 
 from rodimpact import plot
-from rodimpact.plot.style import figure_of
+from rodimpact.plot.panels import figure_of
 
 
 def axes():
@@ -48,3 +48,45 @@ def vector_file(draw, folder):
         files.append((folder / name).read_bytes())
     assert files[0] == files[1]
     return files[0]
+
+
+def written(figure):
+    """Texts that are to be read on a drawn figure, but words along fronts."""
+    texts = list(figure.texts)
+    for ax in figure.axes:
+        legend = ax.get_legend()
+        texts += [*ax.texts, ax.title, ax._left_title, ax._right_title]
+        texts += [] if legend is None else legend.get_texts()
+        for axis in (ax.xaxis, ax.yaxis):
+            if not ax.axison or not axis.get_visible():
+                continue
+            low, high = sorted(axis.get_view_interval())
+            texts.append(axis.label)
+            for tick in [*axis.get_major_ticks(), *axis.get_minor_ticks()]:
+                if low <= tick.get_loc() <= high:
+                    texts += [tick.label1] if tick.label1.get_visible() else []
+    return [t for t in texts if t.get_text().strip() and t.get_visible()]
+
+
+def collisions(drawn, dpi=100):
+    """Pairs of texts that overlap on a figure, and texts that leave it."""
+    figure = figure_of(drawn)
+    figure.set_dpi(dpi)
+    FigureCanvasAgg(figure).draw()
+    boxes = []
+    for text in written(figure):
+        box = text.get_window_extent().frozen()
+        if text.get_text().startswith("\n"):  # a name in the line below the numbers
+            box.p1 = (box.x1, (box.y0 + box.y1) / 2)
+        if text.get_rotation() % 90 == 0:
+            boxes.append((text.get_text(), box))
+    found = []
+    for k, (name, box) in enumerate(boxes):
+        for other, beside in boxes[:k]:
+            across = min(box.x1, beside.x1) - max(box.x0, beside.x0)
+            along = min(box.y1, beside.y1) - max(box.y0, beside.y0)
+            if across > 1 and along > 3:  # boxes reach a little over their letters
+                found.append((other, name))
+        if box.x0 < -1 or box.x1 > figure.bbox.x1 + 1:
+            found.append((name, "frame of the figure"))
+    return found

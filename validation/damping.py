@@ -25,7 +25,8 @@ from matplotlib.axes import Axes
 from scipy.optimize import brentq, minimize_scalar
 
 import rodimpact as ri
-from rodimpact.plot.style import DASHES, FAINT, SERIES, dress, new_figure, styled
+from rodimpact.plot.panels import format_axes, new_figure
+from rodimpact.plot.style import DASHES, FAINT, SERIES, styled
 
 from .table import Case, Row, Rows
 
@@ -322,5 +323,5 @@ def draw() -> Axes:
     vibration.legend(loc="upper right", frameon=False)
     for ax in (total, vibration):
         ax.grid(color=FAINT, alpha=0.3, linewidth=0.5)
-        dress(ax)
+        format_axes(ax)
     return total

@@ -11,7 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import NullLocator
 
 import rodimpact as ri
-from rodimpact.plot.style import DASHES, FAINT, SERIES, SMALL, dress, new_figure, styled
+from rodimpact.plot.panels import format_axes, new_figure
+from rodimpact.plot.style import DASHES, FAINT, SERIES, SMALL, styled
 
 from . import damping, hertz_ends
 from .length_effects import chain, cradle
@@ -126,7 +127,7 @@ def chains() -> Axes:
         ax.legend(loc="upper right", frameon=False, fontsize=SMALL + 1)
     for ax in (equal, longer, thicker):
         ax.grid(color=FAINT, alpha=0.3, linewidth=0.5)
-        dress(ax)
+        format_axes(ax)
     return equal
 
 

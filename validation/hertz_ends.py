@@ -34,7 +34,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 import rodimpact as ri
-from rodimpact.plot.style import DASHES, FAINT, SERIES, dress, new_figure, styled
+from rodimpact.plot.panels import format_axes, new_figure
+from rodimpact.plot.style import DASHES, FAINT, SERIES, styled
 
 from .sphere_on_wall import STEEL, method_of_steps
 from .table import Case, Row, Rows
@@ -166,5 +167,5 @@ def draw() -> Axes:
     by_speed.legend(title="radius of the ends", loc="lower left", frameon=False)
     for ax in (by_kappa, by_speed):
         ax.grid(color=FAINT, alpha=0.3, linewidth=0.5)
-        dress(ax)
+        format_axes(ax)
     return by_kappa

@@ -59,7 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(given: Given) -> tuple[str, int]:
     """Check everything, solve, draw, and tell what was made."""
     from .. import plot
-    from ..plot.files import check_film
+    from ..plot.films import check_film
     from ..plot.moving import check_frames
 
     case = given.read_case()

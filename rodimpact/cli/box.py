@@ -28,7 +28,7 @@ PAGE = "index.html"
 RATIOS = [i / 60 for i in range(1, 61)]  # at which e is compared with l1/l2
 AREA = 1e-4  # m^2
 DOWEL = 0.9144, math.pi / 4 * 0.0127**2  # 3 ft, m, and half an inch thick, m^2
-STAGES = 6  # in a figure
+STAGES = 7  # in a figure
 HEAD = """\
 <!doctype html>
 <html lang="en"><meta charset="utf-8"><title>%s</title>

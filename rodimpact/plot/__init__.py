@@ -1,8 +1,14 @@
 """Figures of collisions: each function draws a solution on an Axes and returns its artists.
 
-No function shows a window or changes matplotlib's global state. Without an Axes a new figure is
-made. `save` writes it to a file; a notebook shows it if the call is the last line of a cell. ``with
-look("dark", width=85):`` makes figures dark and 85 mm wide.
+Without an Axes a new figure is made; Axes of pyplot can be given, too. `save` writes a figure to
+a file, `show` opens a window from a script, and a notebook shows the figure if the call is the
+last line of a cell. ``with look("dark", width=85):`` makes figures dark and 85 mm wide;
+``plt.style.use("rodimpact.plot.dark")`` gives other figures the same look. Only `show` changes
+matplotlib's global state.
+
+A file draws one kind of figure, and reads as a recipe: what is measured from the solution, then
+what is drawn. Begin with `ledger`, the simplest. `scales` has units and numbers, `labels` words
+and their room, `panels` figures and Axes, `style` colours.
 
 >>> import rodimpact as ri
 >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
@@ -16,11 +22,13 @@ from .designs import design
 from .diagram import spacetime
 from .families import restitution, sweep
 from .files import save
-from .histories import contact, gauge
+from .gauges import gauge
+from .histories import contact
 from .ledger import energy
 from .moving import animation
 from .page import overview
 from .records import comparison, fit, reduction
+from .showing import show
 from .stages import snapshots
 from .style import look
 
@@ -38,6 +46,7 @@ __all__ = [
     "reduction",
     "restitution",
     "save",
+    "show",
     "snapshots",
     "spacetime",
     "sweep",

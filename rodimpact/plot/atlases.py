@@ -1,37 +1,52 @@
-"""The plane of two numbers of a case: e by formula, and the exact borders between the formulas."""
+"""The plane of two numbers of a case: e by formula, and the exact borders between formulas."""
 
+from collections.abc import Sequence
 from contextlib import suppress
-from textwrap import wrap
 
 import numpy as np
-from matplotlib import collections, colors
+from matplotlib import artist, collections, colors
 from matplotlib.axes import Axes
+from numpy.typing import NDArray
 
 from ..algebra.atlas import Atlas
 from ..model import System
 from ..model.arguments import of_kind
 from ..results.labels import parameter
-from . import style
+from .labels import wrap_words
+from .panels import (
+    Picture,
+    add_colour_bar,
+    axes_or_new,
+    draw_cells,
+    format_axes,
+    size_in_points,
+)
+from .sampling import middles
 from .scales import Scale, engineering, scale_of
+from .style import RISING, SMALL, colours, styled
 
-MESH = 160  # places a side at which the formulas are evaluated for colours
-NAMED, SHORT = (
-    3,
-    64,
-)  # regions whose formulas stand in the picture, and characters of them
-WHOLE = 1e-9  # of e: as good as 1
-DERIVED = {"transit_time": ("transit time", "s"), "impedance": ("impedance", "kg/s")}
+CELLS_PER_SIDE = 160  # at which the formulas are evaluated for colours
+MAX_FORMULAS = 3  # written below the picture
+MAX_LETTERS = 64  # of a formula
+FORMULA_WIDTH = 0.95  # of a line of a formula, in widths of the Axes
+ONE_ATOL = 1e-9  # of e: as good as 1
+DERIVED_UNITS = {"transit_time": "s", "impedance": "kg/s"}
+
+OTHER_FORMULA = 0  # kinds of border: the formula alone changes,
+OTHER_CONTACTS = 1  # the contacts change,
+E_IS_ONE = 2  # or e is 1
+BORDER_NAMES = ("another formula", "other contacts", "e = 1")
 
 
-@style.styled
-def atlas(found: Atlas, ax: Axes | None = None) -> style.Picture:
+@styled
+def atlas(plane: Atlas, ax: Axes | None = None) -> Picture:
     """Draw the regions of a plane: e from their formulas, and the changes at their borders.
 
     The largest regions are numbered, and their formulas are written below (extra ``sympy``).
 
     Parameters
     ----------
-    found : Atlas
+    plane : Atlas
         From `rodimpact.atlas`, for a system with one contact that can open.
     ax : Axes, optional
         By default the Axes of a new figure.
@@ -52,99 +67,125 @@ def atlas(found: Atlas, ax: Axes | None = None) -> style.Picture:
     >>> [float(x) for x in picture.ax.get_xlim()]
     [0.5, 1.5]
     """
-    of_kind("found", found, Atlas, "rodimpact.atlas(...)")
-    ax = style.axes(ax, 5.6, 4.2)
-    scales = [_scale(found.system, *axis) for axis in (found.x, found.y)]
-    edges = [np.linspace(low, high, MESH + 1) for _, low, high in (found.x, found.y)]
-    middles = np.meshgrid(*((edge[1:] + edge[:-1]) / 2 for edge in edges))
-    e = found.restitution(*middles)
-    x, y = (edge * scale.factor for edge, scale in zip(edges, scales, strict=True))
-    low = float(np.nanmin(e)) if np.isfinite(e).any() else 0.0
-    cells, without = style.cells(
-        ax,
-        (x, y),
-        e.T,
-        style.RISING,
-        colors.Normalize(low, max(1.0, low + 1e-3)),
-        "no value, or unresolved",
-    )
-    lines = found.lines * [scale.factor for scale in scales]
-    # what changes at the places of the borders: 0 the formula alone, 1 contacts, 2 at e = 1
-    contacts = dict(enumerate(found.contacts))
-    pairs = [(contacts.get(a), contacts.get(b)) for a, b in found.between.tolist()]
-    kinds = np.array(
-        [None not in pair and pair[0] != pair[1] for pair in pairs], dtype=int
-    )
-    for region, i in {region: i for i, region in enumerate(found.region)}.items():
-        here = np.flatnonzero((found.between == region).any(axis=1))
-        kinds[
-            here[np.abs(found.cells[i].restitution(*found.borders[here].T) - 1) < WHOLE]
-        ] = 2
-    drawn, ink = [], style.colours().ink
-    for kind, (what, width, colour) in enumerate(
-        (
-            ("another formula", 0.8, ink),
-            ("other contacts", 2.0, ink),
-            ("e = 1", 2.0, style.colours().series[4]),
-        )
-    ):
-        here = lines[kinds[found.of_line] == kind]
-        if len(here):
-            drawn.append(
-                collections.LineCollection(
-                    here, colors=colour, label=what, zorder=3 + kind, linewidths=width
-                )
-            )
-            ax.add_collection(drawn[-1])
+    of_kind("plane", plane, Atlas, "rodimpact.atlas(...)")
+
+    # What is measured.
+    scales = []
+    edges = []
+    for path, low, high in (plane.x, plane.y):
+        scales.append(_scale(plane.system, path, max(abs(low), abs(high))))
+        edges.append(np.linspace(low, high, CELLS_PER_SIDE + 1))
+    e = plane.restitution(*np.meshgrid(middles(edges[0]), middles(edges[1])))
+    least = 0.0
+    if np.isfinite(e).any():
+        least = float(np.nanmin(e))
+    kinds = _border_kinds(plane)
+
+    # What is drawn.
+    ax = axes_or_new(ax, 5.6, 4.2)
+    x = edges[0] * scales[0].factor
+    y = edges[1] * scales[1].factor
+    norm = colors.Normalize(least, max(1.0, least + 1e-3))
+    missing = "no value, or unresolved"
+    cells = draw_cells(ax, (x, y), e.T, RISING, norm, missing)
+    borders = _draw_borders(ax, plane, scales, kinds)
     with suppress(ImportError):  # formulas need sympy
-        _name_largest(ax, found, scales)
-    bar = style.colour_bar(ax, cells, "coefficient of restitution e")
-    style.dress(
+        _write_formulas(ax, plane, scales)
+    bar = add_colour_bar(ax, cells.mesh, "coefficient of restitution e")
+    named: list[artist.Artist | None] = [*borders, cells.missing]
+    format_axes(
         ax,
-        [*drawn, *without],
+        named,
         xlim=x[[0, -1]],
         ylim=y[[0, -1]],
         xlabel=scales[0].label,
         ylabel=scales[1].label,
     )
-    return style.Picture(ax=ax, cells=cells, borders=drawn, colour_bar=bar)
+    return Picture(ax=ax, cells=cells.mesh, borders=borders, colour_bar=bar)
 
 
-def _name_largest(ax: Axes, found: Atlas, scales: list[Scale]) -> None:
+def _border_kinds(plane: Atlas) -> NDArray[np.int_]:
+    """What changes at each border: the formula, the contacts, or neither but e = 1."""
+    contacts = dict(enumerate(plane.contacts))
+    kinds = np.full(len(plane.between), OTHER_FORMULA)
+    for border, (one, other) in enumerate(plane.between.tolist()):
+        before = contacts.get(one)
+        after = contacts.get(other)
+        if before is not None and after is not None and before != after:
+            kinds[border] = OTHER_CONTACTS
+    cell_of_region = {region: i for i, region in enumerate(plane.region)}
+    for region, i in cell_of_region.items():
+        beside = np.flatnonzero((plane.between == region).any(axis=1))
+        e = plane.cells[i].restitution(*plane.borders[beside].T)
+        kinds[beside[np.abs(e - 1) < ONE_ATOL]] = E_IS_ONE
+    return kinds
+
+
+def _draw_borders(
+    ax: Axes, plane: Atlas, scales: Sequence[Scale], kinds: NDArray[np.int_]
+) -> list[collections.LineCollection]:
+    """Draw the borders, those of a kind together."""
+    lines = plane.lines * [scale.factor for scale in scales]
+    styles = {
+        OTHER_FORMULA: (0.8, colours().ink),
+        OTHER_CONTACTS: (2.0, colours().ink),
+        E_IS_ONE: (2.0, colours().series[4]),
+    }
+    drawn = []
+    for kind, (width, colour) in styles.items():
+        segments = lines[kinds[plane.of_line] == kind]
+        if len(segments):
+            border = collections.LineCollection(
+                segments,
+                colors=colour,
+                label=BORDER_NAMES[kind],
+                zorder=3 + kind,
+                linewidths=width,
+            )
+            ax.add_collection(border)
+            drawn.append(border)
+    return drawn
+
+
+def _write_formulas(ax: Axes, plane: Atlas, scales: Sequence[Scale]) -> None:
     """Number the largest regions, and write their formulas below."""
-    paper, ink, *_ = style.colours()
-    lines, letters = [], int(0.95 * style.extent(ax)[0] / (style.LETTER * style.SMALL))
-    for number, region in enumerate(found.largest(NAMED), 1):
-        x, y = (v * scale.factor for v, scale in zip(region.place, scales, strict=True))
+    room = FORMULA_WIDTH * size_in_points(ax)[0]
+    formulas = []
+    for number, region in enumerate(plane.largest(MAX_FORMULAS), 1):
+        x, y = region.place
         ax.text(
-            x,
-            y,
+            x * scales[0].factor,
+            y * scales[1].factor,
             str(number),
             ha="center",
             va="center",
-            color=ink,
+            color=colours().ink,
             zorder=6,
-            bbox={"boxstyle": "circle", "facecolor": paper, "edgecolor": "none"},
+            bbox={
+                "boxstyle": "circle",
+                "facecolor": colours().paper,
+                "edgecolor": "none",
+            },
         )
-        text = region.formula
-        text = text if len(text) <= SHORT else text[:SHORT].rsplit(" ", 1)[0] + " ..."
-        lines += wrap(f"{number}: {text}", letters)
+        formula = region.formula
+        if len(formula) > MAX_LETTERS:
+            formula = formula[:MAX_LETTERS].rsplit(" ", 1)[0] + " ..."
+        formulas.append(wrap_words(f"{number}: {formula}", room, SMALL))
     ax.annotate(
-        "\n".join(lines),
+        "\n".join(formulas),
         (0, 0),
         (0, -34),
         "axes fraction",
         "offset points",
         va="top",
-        fontsize=style.SMALL,
+        fontsize=SMALL,
     )
 
 
-def _scale(system: System, path: str, low: float, high: float) -> Scale:
+def _scale(system: System, path: str, largest: float) -> Scale:
     """Name and unit of an axis."""
-    head, _, word = path.rpartition(".")
-    largest = max(abs(low), abs(high))
-    if word in DERIVED:
-        name, unit = DERIVED[word]
-        return engineering(f"{name} of {head}", largest, unit)
+    body, _, number = path.rpartition(".")
+    if number in DERIVED_UNITS:
+        name = number.replace("_", " ")
+        return engineering(f"{name} of {body}", largest, DERIVED_UNITS[number])
     return scale_of(parameter(system, path), largest)

@@ -1,4 +1,9 @@
-"""The bodies of a row at chosen instants: rods as bars, walls, masses, and marks at the ends."""
+"""Bodies of a row at chosen instants: rods as bars, walls, masses, and marks at the ends.
+
+A rod is cut into uniform pieces. `Bars.move_to` measures them at the times wanted, and the
+other methods draw them, one row of the picture for each time. Snapshots draw all rows once;
+a film moves one row from time to time.
+"""
 
 from collections.abc import Mapping
 from typing import Any
@@ -12,35 +17,55 @@ from numpy.typing import NDArray
 from ..methods.signals import Floats
 from ..model import Absorbing, Rigid, RigidMass, Rod
 from ..model.profiles import extremes
+from ..results.fields import Profile
 from ..results.gauges import Gauge
-from .borders import DRIVEN, WALL, mark
-from .placing import Placing
-from .sampling import is_stepped, properties, state_at
+from .borders import (
+    DRIVE_NAMES,
+    WALL_DEPTH,
+    drive_style,
+    mass_style,
+    open_end_style,
+    wall_style,
+)
+from .layout import PictureLayout
+from .sampling import is_smooth, middles, properties, state_at
 from .scales import Scale
 from .style import SMALL, colours
 
+LEGEND = "thick: compressed, thin: stretched, thick line: pressing"
 THICKNESS = 0.5  # of the thickest bar, in distances between rows
 SWELLING = 0.25  # relative thickening at the largest strain
-THINNEST = 0.35  # thinnest bar beside the thickest
-TOLD = "thick: compressed, thin: stretched, thick line: pressing"
-TALL = 0.32  # half height of walls, and of what is drawn across the end of a bar
-MANY = 16  # pieces of a rod from which those alike are drawn as one
-ALIKE = 0.1  # of the range of a rod's velocities: how much they differ at most
-ONE_WAY = (
-    0.1  # how much velocity and stretch may differ across a front that has a direction
+MIN_THICKNESS = 0.35  # of the thinnest bar, in thicknesses of the thickest
+HALF_HEIGHT = 0.32  # of walls and marks at ends, in distances between rows
+MARK_HEIGHT = 0.4  # of the triangle at a front, above the middle of a bar
+MAX_PIECES = 16  # of a rod; of more, those of nearly equal velocity are drawn as one
+MERGED_SPREAD = 0.1  # of velocities drawn as one, in ranges of the rod's velocities
+ONE_WAY_RTOL = 0.1  # difference of velocity and stretch across a front with a direction
+MIN_PIECE = (
+    1e-9  # of a rod's length: fronts leave an end at no exact floating-point time
 )
-NARROWEST = 1e-9  # part of a rod that is drawn: fronts leave an end at no exact floating-point time
-TURNS = 8  # of a spring
-UP = np.concatenate([[0.0, 0.0], 0.12 * np.resize([1.0, -1.0], TURNS), [0.0, 0.0]])
-ALONG = np.concatenate([[0.0], np.linspace(0.12, 0.88, TURNS + 2), [1.0]])
+SPRING_TURNS = 8
+_ZIGZAG = 0.12 * np.resize([1.0, -1.0], SPRING_TURNS)
+SPRING_HEIGHT = np.concatenate([[0.0, 0.0], _ZIGZAG, [0.0, 0.0]])
+SPRING_LENGTH = np.concatenate(
+    [[0.0], np.linspace(0.12, 0.88, SPRING_TURNS + 2), [1.0]]
+)
 """A spring from 0 to 1: a zigzag between two straight ends."""
 
 
 STATE = ("half", "velocity", "strain", "stress", "speed")
 PIECE = np.dtype(
     [
-        *((name, int) for name in ("row", "body", "segment")),
-        *((name, float) for name in ("left", "right", *STATE)),
+        ("row", int),
+        ("body", int),
+        ("segment", int),
+        ("left", float),
+        ("right", float),
+        ("half", float),
+        ("velocity", float),
+        ("strain", float),
+        ("stress", float),
+        ("speed", float),
     ]
 )
 """A uniform piece of rod in a row of the picture: its ends, half thickness, state and bar speed."""
@@ -51,6 +76,8 @@ class Bars:
 
     Attributes
     ----------
+    times : array
+        s, one for each row.
     pieces : array of `PIECE`
         Of all rods, row by row.
     rows : array
@@ -59,254 +86,274 @@ class Bars:
         The strain at which a bar is drawn thickest.
     """
 
-    def __init__(self, ax: Axes, plan: Placing, times: Floats, place: Scale) -> None:
-        self.ax, self.plan, self.place, self.colours = ax, plan, place, colours()
-        self.system = plan.solution.system
-        self.stepped = is_stepped(plan.solution)
+    def __init__(
+        self, ax: Axes, layout: PictureLayout, times: Floats, x: Scale
+    ) -> None:
+        self.ax = ax
+        self.layout = layout
+        self.solution = layout.solution
+        self.system = layout.solution.system
+        self.x_scale = x
+        self.is_smooth = is_smooth(layout.solution)
         self.largest = 0.0
-        self.at(times)
+        self.move_to(times)
 
-    def at(self, times: Floats) -> None:
-        """Draw other times, with the same thickening of the bars."""
-        self.times, self.rows = times, -np.arange(float(times.size))
-        rods = [
-            (i, body)
-            for i, body in enumerate(self.system.bodies)
-            if isinstance(body, Rod)
-        ]
-        states = [
-            (row, i, state_at(self.plan.solution, i, t))
-            for row, t in enumerate(np.maximum(times, 0.0).tolist())
-            for i, _ in rods
-        ]
-        self.largest = (
-            self.largest
-            or max(float(np.abs(profile.strain).max()) for *_, profile in states)
-            or 1.0
-        )
-        widest = max(extremes(s.area)[1] for _, rod in rods for s in rod.segments)
+    # What is measured --------------------------------------------------------------------
+
+    def move_to(self, times: Floats) -> None:
+        """Measure the bodies at other times, with the same thickening of the bars."""
+        self.times = times
+        self.rows = -np.arange(float(times.size))
+        states: list[tuple[int, int, Profile]] = []
+        for row, t in enumerate(np.maximum(times, 0.0).tolist()):
+            for i, body in enumerate(self.system.bodies):
+                if isinstance(body, Rod):
+                    states.append((row, i, state_at(self.solution, i, t)))
+        if self.largest == 0:
+            self.largest = _largest_strain([profile for _, _, profile in states])
+
         parts = []
         for row, i, profile in states:
-            x, strain = profile.edges, profile.strain
-            places = self.plan.point(i, x, times[row]) * self.place.factor
-            middle = (x[:-1] + x[1:]) / 2
-            segment, _ = self.plan.solution.fields.locate(i, middle)
-            area, modulus, density = properties(self.plan.solution, i, middle)
-            thick = THICKNESS * np.maximum(THINNEST, np.sqrt(area / widest))
-            half = thick / 2 * (1 - SWELLING * strain / self.largest)
-            found: Any = np.rec.fromarrays(
-                np.broadcast_arrays(
-                    row,
-                    i,
-                    segment,
-                    places[:-1],
-                    places[1:],
-                    half,
-                    profile.velocity,
-                    strain,
-                    modulus * strain,
-                    np.sqrt(modulus / density),
-                ),
-                dtype=PIECE,
-            )
-            found = found[np.diff(x) > NARROWEST * x[-1]]
-            crowd = not self.stepped and len(found) > MANY
-            parts.append(
-                joined(found, ALIKE * np.ptp(profile.velocity)) if crowd else found
-            )
+            found = self._pieces_of(row, i, profile)
+            if len(found) > MAX_PIECES and not self.is_smooth:
+                spread = MERGED_SPREAD * float(np.ptp(profile.velocity))
+                found = merged(found, spread)
+            parts.append(found)
         self.pieces: Any = np.concatenate(parts).view(np.recarray)
 
-    def fronts(self) -> list[Line2D]:
-        """Triangles above the fronts that show their direction."""
-        pieces, marks = self.pieces, []
-        jump, stretch = (
-            np.diff(pieces.velocity),
-            pieces.speed[1:] * np.diff(pieces.strain),
-        )
-        one_way = np.isclose(abs(jump), abs(stretch), rtol=ONE_WAY, atol=0.0)
-        one_way &= _follow(pieces) & (not self.stepped)
-        for i in np.flatnonzero(one_way):
-            marks += self.ax.plot(
-                pieces.right[i],
-                0.4 - pieces.row[i],
-                color=self.colours.ink,
-                markersize=3.5,
-                marker=">" if jump[i] * stretch[i] < 0 else "<",
-                zorder=4,
-            )
-        return marks
+    def _pieces_of(self, row: int, body: int, profile: Profile) -> Any:
+        """Pieces of a rod in a row."""
+        edges = profile.edges
+        x = middles(edges)
+        ends = self.layout.point(body, edges, self.times[row]) * self.x_scale.factor
+        segment, _ = self.solution.fields.locate(body, x)
+        area, modulus, density = properties(self.solution, body, x)
+        thickness = np.maximum(MIN_THICKNESS, np.sqrt(area / self._widest_area()))
+        swelling = 1 - SWELLING * profile.strain / self.largest
+        pieces: Any = np.empty(x.size, PIECE).view(np.recarray)
+        pieces.row = row
+        pieces.body = body
+        pieces.segment = segment
+        pieces.left = ends[:-1]
+        pieces.right = ends[1:]
+        pieces.half = THICKNESS * thickness / 2 * swelling
+        pieces.velocity = profile.velocity
+        pieces.strain = profile.strain
+        pieces.stress = modulus * profile.strain
+        pieces.speed = np.sqrt(modulus / density)
+        return pieces[np.diff(edges) > MIN_PIECE * edges[-1]]
 
-    def rods(
+    def _widest_area(self) -> float:
+        """Largest cross-sectional area of the rods, m^2."""
+        largest = 0.0
+        for body in self.system.bodies:
+            if isinstance(body, Rod):
+                for segment in body.segments:
+                    largest = max(largest, extremes(segment.area)[1])
+        return largest
+
+    def end(self, body: int, is_right: bool) -> Floats:
+        """Positions of an end of a body, in the unit of the picture."""
+        return self.layout.end(body, is_right, self.times) * self.x_scale.factor
+
+    # What is drawn -----------------------------------------------------------------------
+
+    def draw_rods(
         self, numbers: Floats, norm: colors.Normalize
     ) -> collections.PolyCollection:
-        """A polygon for each piece, with these numbers; outlined each where pieces are few."""
-        lines: Any = (
-            {"linewidths": 0.0, "antialiased": False}
-            if self.stepped
-            else {"linewidths": 0.6, "edgecolors": self.colours.ink}
-        )
-        p = self.pieces
-        corners: Any = np.array(
-            [
-                [p.left, p.right, p.right, p.left],
-                np.multiply.outer([-1, -1, 1, 1], p.half) - p.row,
-            ]
-        )
+        """Draw a polygon for each piece with its number, outlined where pieces are few."""
+        outline: dict[str, Any] = {"linewidths": 0.6, "edgecolors": colours().ink}
+        if self.is_smooth:
+            outline = {"linewidths": 0.0, "antialiased": False}
+        pieces = self.pieces
+        x = np.array([pieces.left, pieces.right, pieces.right, pieces.left])
+        up = np.multiply.outer([-1, -1, 1, 1], pieces.half) - pieces.row
+        corners: Any = np.array([x, up])
         bars = collections.PolyCollection(
             corners.T,
             array=numbers,
-            cmap=self.colours.signed,
+            cmap=colours().signed,
             norm=norm,
             zorder=2,
-            rasterized=self.stepped,
-            **lines,
+            rasterized=self.is_smooth,
+            **outline,
         )
         self.ax.add_collection(bars)
         return bars
 
-    def outlines(self) -> collections.LineCollection | None:
-        """Lines round the rods where pieces are many."""
-        if not self.stepped:
-            return None
-        pieces, lines = self.pieces, []
-        starts = np.flatnonzero(np.diff(pieces.row) | np.diff(pieces.body)) + 1
-        for p in map(np.rec.array, np.split(pieces, starts)):
-            x, half = np.array([p.left, p.right]).T.ravel(), np.repeat(p.half, 2)
-            y = np.concatenate([half, -half[::-1], half[:1]]) - p.row[0]
-            lines.append(np.column_stack([np.concatenate([x, x[::-1], x[:1]]), y]))
-        drawn = collections.LineCollection(
-            lines, colors=self.colours.ink, linewidths=0.6, zorder=2.5
-        )
-        self.ax.add_collection(drawn)
-        return drawn
-
-    def walls(self) -> list[patches.Rectangle]:
-        """A hatched block beyond the face of each wall and fixed end."""
-        depth = WALL * self.plan.row * self.place.factor
-        blocks: list[patches.Rectangle] = []
-        for i, right in self.plan.walls():
-            faces = self.end(i, right)
-            blocks += self.ax.barh(
-                self.rows,
-                depth,
-                2 * TALL,
-                faces if right else faces - depth,
-                **mark("wall"),
+    def draw_fronts(self) -> list[Line2D]:
+        """Draw triangles above the fronts that show their direction."""
+        if self.is_smooth:
+            return []
+        pieces = self.pieces
+        jump = np.diff(pieces.velocity)
+        stretch = pieces.speed[1:] * np.diff(pieces.strain)
+        is_front = np.isclose(abs(jump), abs(stretch), rtol=ONE_WAY_RTOL, atol=0.0)
+        triangles: list[Line2D] = []
+        for i in np.flatnonzero(is_front & _follow(pieces)):
+            marker = "<"
+            if jump[i] * stretch[i] < 0:
+                marker = ">"
+            triangles += self.ax.plot(
+                pieces.right[i],
+                MARK_HEIGHT - pieces.row[i],
+                color=colours().ink,
+                markersize=3.5,
+                marker=marker,
+                zorder=4,
             )
-            self._upright(faces, linewidth=1.5)
+        return triangles
+
+    def draw_outlines(self) -> collections.LineCollection | None:
+        """Draw lines round the rods where pieces are many."""
+        if not self.is_smooth:
+            return None
+        pieces = self.pieces
+        is_other = np.diff(pieces.row) | np.diff(pieces.body)
+        starts = np.flatnonzero(is_other) + 1
+        outlines = []
+        for part in np.split(pieces, starts):
+            rod = part.view(np.recarray)
+            x = np.array([rod.left, rod.right]).T.ravel()
+            half = np.repeat(rod.half, 2)
+            around_x = np.concatenate([x, x[::-1], x[:1]])
+            around_y = np.concatenate([half, -half[::-1], half[:1]]) - rod.row[0]
+            outlines.append(np.column_stack([around_x, around_y]))
+        lines = collections.LineCollection(
+            outlines, colors=colours().ink, linewidths=0.6, zorder=2.5
+        )
+        self.ax.add_collection(lines)
+        return lines
+
+    def draw_walls(self) -> list[patches.Rectangle]:
+        """Draw a hatched block beyond the face of each wall and fixed end."""
+        depth = WALL_DEPTH * self.layout.row * self.x_scale.factor
+        blocks: list[patches.Rectangle] = []
+        for body, is_right in self.layout.walls():
+            faces = self.end(body, is_right)
+            left = faces if is_right else faces - depth
+            blocks += self.ax.barh(
+                self.rows, depth, 2 * HALF_HEIGHT, left, **wall_style()
+            )
+            self._draw_upright(faces, linewidth=1.5)
         return blocks
 
-    def masses(self) -> list[patches.Rectangle]:
-        """A block for each rigid mass."""
-        width = self.plan.block * self.place.factor
-        return [
-            block
-            for i, body in enumerate(self.system.bodies)
-            if isinstance(body, RigidMass)
-            for block in self.ax.barh(
-                self.rows,
-                width,
-                THICKNESS,
-                self.end(i, False),
-                zorder=3,
-                **mark("mass"),
-            )
-        ]
-
-    def marks(self) -> None:
-        """Dashes at absorbing ends, arrow heads at driven ones, springs, lines that press."""
-        for side, end in enumerate(self.system.ends):
-            places = self.end(side * (len(self.system.bodies) - 1), bool(side))
-            if isinstance(end, Absorbing):
-                self._upright(places, **mark("open"))
-            elif type(end) in DRIVEN:
-                self.ax.plot(
-                    places,
-                    self.rows,
-                    marker="<" if side else ">",
-                    markersize=6.0,
-                    zorder=4,
-                    **mark("drive"),
+    def draw_masses(self) -> list[patches.Rectangle]:
+        """Draw a block for each rigid mass."""
+        width = self.layout.block * self.x_scale.factor
+        blocks: list[patches.Rectangle] = []
+        for i, body in enumerate(self.system.bodies):
+            if isinstance(body, RigidMass):
+                left = self.end(i, False)
+                blocks += self.ax.barh(
+                    self.rows, width, THICKNESS, left, zorder=3, **mass_style()
                 )
-        for _, start, stop in self.plan.springs(self.times):
-            x = start + np.outer(ALONG, stop - start)
+        return blocks
+
+    def draw_marks(self) -> None:
+        """Draw absorbing and driven ends, springs, and lines at contacts that press."""
+        self._mark_ends()
+        for _, start, stop in self.layout.springs(self.times):
+            x = start + np.outer(SPRING_LENGTH, stop - start)
             self.ax.plot(
-                x * self.place.factor,
-                np.add.outer(UP, self.rows),
+                x * self.x_scale.factor,
+                np.add.outer(SPRING_HEIGHT, self.rows),
                 zorder=3,
-                color=self.colours.ink,
+                color=colours().ink,
                 linewidth=0.9,
             )
-        for history in self.plan.solution.contacts:
-            if isinstance(history.law, Rigid):
-                presses = (history.force(np.maximum(self.times, 0.0)) > 0) & (
-                    self.times >= 0
-                )
-                self._upright(
-                    np.where(presses, self.end(history.index, True), np.nan),
-                    linewidth=2.6,
-                    zorder=4,
+        for contact in self.solution.contacts:
+            if isinstance(contact.law, Rigid):
+                force = contact.force(np.maximum(self.times, 0.0))
+                presses = (force > 0) & (self.times >= 0)
+                faces = self.end(contact.index, True)
+                self._draw_upright(
+                    np.where(presses, faces, np.nan), linewidth=2.6, zorder=4
                 )
 
-    def gauges(self, records: Mapping[str, Gauge]) -> None:
-        """Squares where strain gauges are, with their names at the first time."""
+    def _mark_ends(self) -> None:
+        """Draw dashes at absorbing ends, arrow heads at driven ones."""
+        for arrow, outer, end in zip(
+            "><", self.layout.outer_ends(), self.system.ends, strict=True
+        ):
+            x = self.end(*outer)
+            if isinstance(end, Absorbing):
+                self._draw_upright(x, **open_end_style())
+            elif type(end) in DRIVE_NAMES:
+                self.ax.plot(
+                    x,
+                    self.rows,
+                    marker=arrow,
+                    markersize=6.0,
+                    zorder=4,
+                    **drive_style(),
+                )
+
+    def draw_gauges(self, gauges: Mapping[str, Gauge]) -> None:
+        """Draw squares where strain gauges are, with their names at the first time."""
         rows = self.rows - THICKNESS / 2
-        for name, record in records.items():
-            places = (
-                self.plan.point(record.body, record.x, self.times) * self.place.factor
-            )
+        for name, gauge in gauges.items():
+            X = self.layout.point(gauge.body, gauge.x, self.times)
+            x = X * self.x_scale.factor
             self.ax.plot(
-                places,
+                x,
                 rows,
                 linestyle="",
                 marker="s",
                 markersize=4.5,
                 zorder=5,
-                color=self.colours.series[4],
+                color=colours().series[4],
                 label=name,
             )
             self.ax.annotate(
                 name,
-                (places[0], rows[0]),
+                (x[0], rows[0]),
                 (0, -4),
                 textcoords="offset points",
                 ha="center",
                 va="top",
                 fontsize=SMALL + 1,
-                color=self.colours.ink,
+                color=colours().ink,
                 parse_math=False,
             )
 
-    def end(self, body: int, right: bool) -> Floats:
-        """Places of an end of a body, in the unit of the picture."""
-        return self.plan.end(body, right, self.times) * self.place.factor
-
-    def _upright(self, x: Floats, **how: Any) -> None:
-        """An upright line in each row in which x is known, by default of the colour of ink."""
-        rows = self.rows[np.isfinite(x)]
-        self.ax.vlines(
-            x[np.isfinite(x)],
-            rows - TALL,
-            rows + TALL,
-            **{"color": self.colours.ink, **how},
-        )
+    def _draw_upright(self, x: Floats, **style: Any) -> None:
+        """Draw an upright line in each row in which x is known, by default in ink."""
+        style.setdefault("color", colours().ink)
+        known = np.isfinite(x)
+        rows = self.rows[known]
+        self.ax.vlines(x[known], rows - HALF_HEIGHT, rows + HALF_HEIGHT, **style)
 
 
-def joined(pieces: Any, room: Any) -> Any:
-    """Neighbours in a segment whose velocities differ by `room` at most, as one with their mean."""
-    follow, velocity, starts = _follow(pieces), pieces.velocity, [0]
+def _largest_strain(profiles: list[Profile]) -> float:
+    """Largest absolute strain of profiles, or 1 if there is none."""
+    largest = 0.0
+    for profile in profiles:
+        largest = max(largest, float(np.abs(profile.strain).max()))
+    if largest == 0:
+        return 1.0
+    return largest
+
+
+def merged(pieces: Any, spread: float) -> Any:
+    """Neighbours in a segment whose velocities differ by `spread` at most, with their mean."""
+    follow = _follow(pieces)
+    velocity = pieces.velocity
+    starts = [0]
     for i in range(1, len(pieces)):
-        if not follow[i - 1] or np.ptp(velocity[starts[-1] : i + 1]) > room:
+        if not follow[i - 1] or np.ptp(velocity[starts[-1] : i + 1]) > spread:
             starts.append(i)
-    whole, width = pieces[starts], pieces.right - pieces.left
-    whole.right = pieces.right[np.append(starts, len(pieces))[1:] - 1]
+    last = np.append(starts, len(pieces))[1:] - 1
+    width = pieces.right - pieces.left
+    total_width = np.add.reduceat(width, starts)
+    whole = pieces[starts]
+    whole.right = pieces.right[last]
     for name in STATE:
-        whole[name] = np.add.reduceat(width * pieces[name], starts) / np.add.reduceat(
-            width, starts
-        )
+        whole[name] = np.add.reduceat(width * pieces[name], starts) / total_width
     return whole
 
 
 def _follow(pieces: Any) -> NDArray[np.bool_]:
     """Whether each piece but the first is in the row and segment of the piece before it."""
-    return np.asarray(~np.diff([pieces.row, pieces.body, pieces.segment]).any(axis=0))
+    owner = np.array([pieces.row, pieces.body, pieces.segment])
+    return np.asarray(~np.diff(owner).any(axis=0))

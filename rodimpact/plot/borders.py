@@ -1,7 +1,10 @@
-"""What bounds the rods in a space-time diagram, ends, contacts, masses and walls; and gauges."""
+"""Borders of the rods in a space-time diagram: ends, contacts, masses, walls; and gauges.
+
+Each method of `Borders` follows one kind of border through time and draws its paths.
+"""
 
 from collections.abc import Mapping
-from typing import Any, Literal, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from matplotlib import collections, patches, patheffects
@@ -10,216 +13,240 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..methods.signals import Floats
 from ..model import Absorbing, Joint, Moved, Pushed, Rigid, RigidMass, Rod
+from ..results.contacts import ContactHistory
 from ..results.gauges import Gauge
+from .layout import RowEnd
+from .moments import event_times
 from .plane import Plane
-from .polygons import Polygons, Raster
-from .sampling import evenly, is_stepped
-from .scales import ROUND_OFF
+from .polygons import Polygons
+from .raster import Raster
+from .sampling import evenly, is_smooth
+from .scales import NEGLIGIBLE_RTOL
 from .style import SMALL, colours
 
 Cut: TypeAlias = Polygons | Raster
-WALL = 0.04  # depth of a wall, in lengths of the row
-DRIVEN: dict[type, str] = {Pushed: "driven by a force", Moved: "driven at a velocity"}
-ARROWS = 8  # marks of a driven end
-POINTS = 1000  # of a path that is drawn point by point, at most
-CENTRES = 101  # points of the path of a centre of mass
+Stretches: TypeAlias = list[Floats]  # paths [n, 2] of the picture
+
+WALL_DEPTH = 0.04  # in lengths of the row
+DRIVE_NAMES: dict[type, str] = {
+    Pushed: "driven by a force",
+    Moved: "driven at a velocity",
+}
+ARROWS_OF_DRIVE = 8
+MAX_POINTS = 1000  # of a path that is drawn point by point
+POINTS_OF_CENTRE = 101  # of the path of a centre of mass
+
+
+class ContactLines(NamedTuple):
+    """Lines of contacts: with force, touching without force, and with a gap of no width."""
+
+    pressing: collections.LineCollection
+    touching: collections.LineCollection
+    apart: collections.LineCollection
 
 
 class Borders:
-    """Draws what bounds the rods."""
+    """Draws the borders of the rods in a plane."""
 
     def __init__(self, plane: Plane, cut: Cut) -> None:
-        self.ax, self.plan, self.cut, self.plane = plane.ax, plane.plan, cut, plane
-        self.colours, self.system = colours(), self.plan.solution.system
-        self.times = np.linspace(*plane.span, POINTS)
-
-    def _track(self, body: int, right: bool, times: Floats) -> Floats:
-        """Path of an end of a body, straight between `times`."""
-        return self.plane.points(self.plan.end(body, right, times), times)
-
-    def _strip(self, left: Floats, right: Floats, **style: Any) -> patches.Polygon:
-        """Fill what lies between two paths."""
-        strip = patches.Polygon(np.concatenate((left, right[::-1])), **style)
-        self.ax.add_patch(strip)
-        return strip
-
-    def _lines(self, paths: list[Floats], **style: Any) -> collections.LineCollection:
-        lines = collections.LineCollection(
-            paths, **{"colors": self.colours.ink, **style}
-        )
-        self.ax.add_collection(lines)
-        return lines
+        self.plane = plane
+        self.ax = plane.ax
+        self.layout = plane.layout
+        self.solution = plane.layout.solution
+        self.system = self.solution.system
+        self.cut = cut
+        self.times = np.linspace(*plane.span, MAX_POINTS)
 
     def ends(self) -> collections.LineCollection:
-        """Paths of the ends of all rods; dashed where waves leave for good."""
-        last, edges = len(self.system.bodies) - 1, self.plan.solution.fields.edges
-        outer = dict(zip([(0, False), (last, True)], self.system.ends, strict=True))
-        ends = [
-            (i, right)
-            for i, body in enumerate(self.system.bodies)
-            if isinstance(body, Rod)
-            for right in (False, True)
-        ]
-        drawn = [
-            mark("open") if isinstance(outer.get(end), Absorbing) else mark("end")
-            for end in ends
-        ]
-        return self._lines(
-            [
-                self._track(i, right, self.cut.bends(i, edges(i)[-right]))
-                for i, right in ends
-            ],
+        """Draw the paths of the ends of all rods; dashed where waves leave for good."""
+        absorbing = self._absorbing_ends()
+        paths = []
+        styles = []
+        for i, body in enumerate(self.system.bodies):
+            if not isinstance(body, Rod):
+                continue
+            edges = self.solution.fields.edges(i)
+            for is_right, x in ((False, edges[0]), (True, edges[-1])):
+                times = self.cut.bends(i, x)
+                paths.append(self._end_path(i, is_right, times))
+                is_open = RowEnd(i, is_right) in absorbing
+                styles.append(open_end_style() if is_open else end_style())
+        return self._draw_lines(
+            paths,
             zorder=3,
-            **{key: [each[key] for each in drawn] for key in mark("end")},
+            color=[style["color"] for style in styles],
+            linewidth=[style["linewidth"] for style in styles],
+            linestyle=[style["linestyle"] for style in styles],
         )
 
-    def contacts(self) -> list[collections.LineCollection]:
-        """Where bodies press, where they touch without force, and where a gap has no width."""
-        paths: tuple[list[Floats], ...] = [], [], []
-        stepped = is_stepped(self.plan.solution)
-        for history in self.plan.solution.contacts:
-            if history.law.opens:
-                turns = self.times if stepped else history.breakpoints()[0]
-                told = [
-                    t
-                    for episode in history.episodes[:POINTS]
-                    for t in episode
-                    if t == t
-                ]
-                times = self._within([*turns, *told])
-                force = np.diff(history.impulse_until(times)) / np.diff(times)
-                gap = np.abs(history.gap(times))
-                closed = np.maximum(gap[:-1], gap[1:]) <= ROUND_OFF * gap.max()
-                presses = force > ROUND_OFF * history.peak_force
-                touches = closed & ~presses & isinstance(history.law, Rigid)
-                apart = ~presses & ~touches & (self.plan.magnification == 0)
-                left, right = (
-                    self.plan.end(history.index + i, not i, times) for i in (0, 1)
-                )
-                track = self.plane.points((left + right) / 2, times)
-                for each, inside in zip(paths, (presses, touches, apart), strict=True):
-                    each += _stretches(track, inside)
-        casing = [patheffects.withStroke(linewidth=4.5, foreground=self.colours.paper)]
-        looks: dict[str, Any] = {
-            "pressing": {"linewidths": 3.0, "zorder": 5, "path_effects": casing},
-            "touching": {"linewidths": 1.2, "zorder": 4},
-            "apart": {"zorder": 4, **mark("apart")},
-        }
-        return [
-            self._lines(track, label=label, capstyle="butt", **look)
-            for track, (label, look) in zip(paths, looks.items(), strict=True)
-        ]
+    def _absorbing_ends(self) -> list[RowEnd]:
+        """Ends of the row through which waves leave for good."""
+        absorbing = []
+        for outer, end in zip(self.layout.outer_ends(), self.system.ends, strict=True):
+            if isinstance(end, Absorbing):
+                absorbing.append(outer)
+        return absorbing
 
-    def _within(self, times: ArrayLike) -> Floats:
+    def contacts(self) -> ContactLines:
+        """Draw where bodies press, touch without force, and are apart without a gap's width."""
+        pressing: Stretches = []
+        touching: Stretches = []
+        apart: Stretches = []
+        for contact in self.solution.contacts:
+            if not contact.law.opens:
+                continue
+            times = self._times_of(contact)
+            force = np.diff(contact.impulse_until(times)) / np.diff(times)
+            gap = np.abs(contact.gap(times))
+            is_closed = np.maximum(gap[:-1], gap[1:]) <= NEGLIGIBLE_RTOL * gap.max()
+            presses = force > NEGLIGIBLE_RTOL * contact.peak_force
+            touches = is_closed & ~presses & isinstance(contact.law, Rigid)
+            is_apart = ~presses & ~touches & (self.layout.magnification == 0)
+
+            left = self.layout.end(contact.index, True, times)
+            right = self.layout.end(contact.index + 1, False, times)
+            path = self.plane.points((left + right) / 2, times)
+            pressing += _stretches(path, presses)
+            touching += _stretches(path, touches)
+            apart += _stretches(path, is_apart)
+
+        casing = [patheffects.withStroke(linewidth=4.5, foreground=colours().paper)]
+        return ContactLines(
+            self._draw_lines(
+                pressing,
+                label="pressing",
+                capstyle="butt",
+                linewidths=3.0,
+                zorder=5,
+                path_effects=casing,
+            ),
+            self._draw_lines(
+                touching, label="touching", capstyle="butt", linewidths=1.2, zorder=4
+            ),
+            self._draw_lines(
+                apart, label="apart", capstyle="butt", zorder=4, **apart_style()
+            ),
+        )
+
+    def _times_of(self, contact: ContactHistory) -> Floats:
+        """Times between which a contact presses, touches or is open throughout."""
+        events = event_times(contact, MAX_POINTS)
+        if is_smooth(self.solution):
+            return self._inside([*self.times, *events])
+        return self._inside([*contact.breakpoints()[0], *events])
+
+    def _inside(self, times: ArrayLike) -> Floats:
         """The times in the picture, with its first and its last."""
-        return np.unique(np.clip(np.append(times, self.plane.span), *self.plane.span))
+        both = np.append(times, self.plane.span)
+        return np.unique(np.clip(both, *self.plane.span))
 
     def springs(self) -> list[patches.Polygon]:
-        """Where the springs of compliant contacts are pressed."""
+        """Draw where the springs of compliant contacts are pressed."""
         bands = []
-        for history, *faces in self.plan.springs(self.times):
-            if history.law.opens:
-                ends = np.stack(
-                    [self.plane.points(x, self.times) for x in faces], axis=1
+        for contact, start, stop in self.layout.springs(self.times):
+            if not contact.law.opens:
+                continue
+            starts = self.plane.points(start, self.times)
+            stops = self.plane.points(stop, self.times)
+            is_pressed = contact.gap(self.times)[:-1] < 0
+            both = np.stack([starts, stops], axis=1)
+            for band in _stretches(both, is_pressed):
+                strip = self._fill(
+                    band[:, 0],
+                    band[:, 1],
+                    zorder=1.5,
+                    label="spring, pressed",
+                    facecolor=colours().wall,
                 )
-                bands += [
-                    self._strip(
-                        band[:, 0],
-                        band[:, 1],
-                        zorder=1.5,
-                        label="spring, pressed",
-                        facecolor=self.colours.wall,
-                    )
-                    for band in _stretches(ends, history.gap(self.times)[:-1] < 0)
-                ]
+                bands.append(strip)
         return bands
 
     def walls(self) -> list[patches.Polygon]:
-        """Hatched bands beyond the faces of walls and fixed ends."""
-        depth, times, bands = WALL * self.plan.row, np.array(self.plane.span), []
-        for i, right in self.plan.walls():
-            places = self.plan.end(i, right, times)
-            face = self.plane.points(places, times)
-            back = self.plane.points(places + (depth if right else -depth), times)
-            bands.append(self._strip(face, back, zorder=1, **mark("wall")))
-            self.ax.plot(*face.T, color=self.colours.ink, linewidth=1.5, zorder=3.5)
+        """Draw hatched bands beyond the faces of walls and fixed ends."""
+        depth = WALL_DEPTH * self.layout.row
+        times = np.array(self.plane.span)
+        bands = []
+        for body, is_right in self.layout.walls():
+            x = self.layout.end(body, is_right, times)
+            beyond = x + depth if is_right else x - depth
+            face = self.plane.points(x, times)
+            back = self.plane.points(beyond, times)
+            bands.append(self._fill(face, back, zorder=1, **wall_style()))
+            self.ax.plot(*face.T, color=colours().ink, linewidth=1.5, zorder=3.5)
         return bands
 
     def masses(self) -> list[patches.Polygon]:
-        """Dark strips along the paths of rigid masses."""
-        return [
-            self._strip(
-                *(
-                    self._track(i, right, self.cut.bends(i, 0.0))
-                    for right in (False, True)
-                ),
-                zorder=2.5,
-                label="rigid mass",
-                **mark("mass"),
-            )
-            for i, body in enumerate(self.system.bodies)
-            if isinstance(body, RigidMass)
-        ]
+        """Draw dark strips along the paths of rigid masses."""
+        strips = []
+        for i, body in enumerate(self.system.bodies):
+            if isinstance(body, RigidMass):
+                times = self.cut.bends(i, 0.0)
+                strip = self._fill(
+                    self._end_path(i, False, times),
+                    self._end_path(i, True, times),
+                    zorder=2.5,
+                    label="rigid mass",
+                    **mass_style(),
+                )
+                strips.append(strip)
+        return strips
 
     def joints(self) -> list[patches.Polygon]:
-        """Hatched strips between the faces that joints hold together."""
-        style = {
-            "facecolor": self.colours.paper,
-            "edgecolor": self.colours.ink,
-            "hatch": "xxxxx",
-            "linewidth": 3.0,
-            "linestyle": (0, (0.5, 0.5)),
-            "zorder": 2.5,
-            "label": "joint",
-        }
-        return [
-            self._strip(
-                self._track(i, True, self.times),
-                self._track(i + 1, False, self.times),
-                **style,
-            )
-            for i, law in enumerate(self.system.contacts)
-            if isinstance(law, Joint)
-        ]
+        """Draw hatched strips between the faces that joints hold together."""
+        strips = []
+        for i, law in enumerate(self.system.contacts):
+            if isinstance(law, Joint):
+                strip = self._fill(
+                    self._end_path(i, True, self.times),
+                    self._end_path(i + 1, False, self.times),
+                    facecolor=colours().paper,
+                    edgecolor=colours().ink,
+                    hatch="xxxxx",
+                    linewidth=3.0,
+                    linestyle=(0, (0.5, 0.5)),
+                    zorder=2.5,
+                    label="joint",
+                )
+                strips.append(strip)
+        return strips
 
     def centres(self) -> list[Line2D]:
-        """Dashed paths of the centres of mass of rods that move in the picture."""
-        times = np.linspace(*self.plane.span, CENTRES)
-        casing = [
-            patheffects.withStroke(
-                linewidth=2.2, foreground=self.colours.paper, alpha=0.6
-            )
-        ]
-        return [
-            line
-            for i, body in enumerate(self.system.bodies)
-            if isinstance(body, Rod) and self.plan.magnification
-            for line in self.ax.plot(
-                *self.plane.points(self.plan.centre(i, times), times).T,
-                linestyle=(0, (5, 4)),
-                color=self.colours.ink,
-                linewidth=0.9,
-                zorder=4.5,
-                path_effects=casing,
-                label="centre of mass",
-            )
-        ]
-
-    def gauges(self, records: Mapping[str, Gauge]) -> list[Line2D]:
-        """Paths of strain gauges, each with its name."""
-        casing = [patheffects.withStroke(linewidth=2.4, foreground=self.colours.paper)]
-        turn: Any = (
-            {"rotation": 0, "ha": "left", "xytext": (3, 2)}
-            if self.plane.across
-            else {"rotation": 90, "ha": "right", "xytext": (-2, 3)}
+        """Draw dashed paths of the centres of mass of rods that move in the picture."""
+        if not self.layout.magnification:
+            return []
+        times = np.linspace(*self.plane.span, POINTS_OF_CENTRE)
+        casing = patheffects.withStroke(
+            linewidth=2.2, foreground=colours().paper, alpha=0.6
         )
-        paths = []
-        for name, record in records.items():
-            times = self._within(record.times[evenly(record.times.size, POINTS)])
-            track = self.plane.path(record.body, record.x, times)
-            paths += self.ax.plot(
-                *track.T,
-                color=self.colours.ink,
+        lines: list[Line2D] = []
+        for i, body in enumerate(self.system.bodies):
+            if isinstance(body, Rod):
+                path = self.plane.points(self.layout.centre(i, times), times)
+                lines += self.ax.plot(
+                    *path.T,
+                    linestyle=(0, (5, 4)),
+                    color=colours().ink,
+                    linewidth=0.9,
+                    zorder=4.5,
+                    path_effects=[casing],
+                    label="centre of mass",
+                )
+        return lines
+
+    def gauges(self, gauges: Mapping[str, Gauge]) -> list[Line2D]:
+        """Draw the paths of strain gauges, each with its name."""
+        casing = [patheffects.withStroke(linewidth=2.4, foreground=colours().paper)]
+        turn: dict[str, Any] = {"rotation": 90, "ha": "right", "xytext": (-2, 3)}
+        if self.plane.across:
+            turn = {"rotation": 0, "ha": "left", "xytext": (3, 2)}
+        lines: list[Line2D] = []
+        for name, gauge in gauges.items():
+            chosen = evenly(gauge.times.size, MAX_POINTS)
+            times = self._inside(gauge.times[chosen])
+            path = self.plane.path(gauge.body, gauge.x, times)
+            lines += self.ax.plot(
+                *path.T,
+                color=colours().ink,
                 linewidth=1.0,
                 linestyle="-.",
                 zorder=5,
@@ -228,67 +255,103 @@ class Borders:
             )
             self.ax.annotate(
                 name,
-                track[0],
+                path[0],
                 textcoords="offset points",
                 va="bottom",
                 zorder=6,
                 fontsize=SMALL + 1,
-                color=self.colours.ink,
+                color=colours().ink,
                 path_effects=casing,
                 parse_math=False,
                 **turn,
             )
-        return paths
+        return lines
 
     def drives(self) -> list[Line2D]:
-        """Arrow heads along the paths of driven ends, towards the row."""
-        times = np.linspace(*self.plane.span, 2 * ARROWS + 1)[1::2]
-        heads = "^v" if self.plane.across else "><"
-        return [
-            arrow
-            for side, end in enumerate(self.system.ends)
-            if type(end) in DRIVEN
-            for arrow in self.ax.plot(
-                *self._track(side * (len(self.system.bodies) - 1), bool(side), times).T,
-                marker=heads[side],
-                markersize=5.0,
-                zorder=6,
-                clip_on=False,
-                label=DRIVEN[type(end)],
-                **mark("drive"),
-            )
-        ]
+        """Draw arrow heads along the paths of driven ends, towards the row."""
+        times = np.linspace(*self.plane.span, 2 * ARROWS_OF_DRIVE + 1)[1::2]
+        heads = "><"
+        if self.plane.across:
+            heads = "^v"
+        arrows: list[Line2D] = []
+        for head, outer, end in zip(
+            heads, self.layout.outer_ends(), self.system.ends, strict=True
+        ):
+            if type(end) in DRIVE_NAMES:
+                arrows += self.ax.plot(
+                    *self._end_path(*outer, times).T,
+                    marker=head,
+                    markersize=5.0,
+                    zorder=6,
+                    clip_on=False,
+                    label=DRIVE_NAMES[type(end)],
+                    **drive_style(),
+                )
+        return arrows
+
+    def _end_path(self, body: int, is_right: bool, times: Floats) -> Floats:
+        """Path of an end of a body, straight between `times`."""
+        return self.plane.points(self.layout.end(body, is_right, times), times)
+
+    def _fill(self, left: Floats, right: Floats, **style: Any) -> patches.Polygon:
+        """Fill the strip between two paths."""
+        strip = patches.Polygon(np.concatenate((left, right[::-1])), **style)
+        self.ax.add_patch(strip)
+        return strip
+
+    def _draw_lines(self, paths: Stretches, **style: Any) -> collections.LineCollection:
+        """Draw paths, by default in the colour of ink."""
+        style.setdefault("color", colours().ink)
+        lines = collections.LineCollection(paths, **style)
+        self.ax.add_collection(lines)
+        return lines
 
 
-def mark(
-    kind: Literal["wall", "mass", "drive", "apart", "open", "end"],
-) -> dict[str, Any]:
-    """Style of walls and fixed ends, rigid masses, driven ends, gaps without width, and ends.
+# Styles that space-time diagrams, snapshots and films share --------------------------------
 
-    Waves leave through an open end for good.
-    """
-    paper, ink, faint, wall, mass, *_ = colours()
-    styles: dict[str, dict[str, Any]] = {
-        "wall": {
-            "facecolor": wall,
-            "edgecolor": faint,
-            "hatch": "////",
-            "linewidth": 0.0,
-        },
-        "mass": {"facecolor": mass, "edgecolor": ink, "linewidth": 0.6},
-        "drive": {"linestyle": "", "color": ink, "markerfacecolor": paper},
-        "apart": {
-            "color": paper,
-            "linewidth": 2.4,
-            "path_effects": [patheffects.withStroke(linewidth=3.6, foreground=ink)],
-        },
-        "open": {"color": ink, "linewidth": 1.6, "linestyle": (0, (3, 2))},
-        "end": {"color": ink, "linewidth": 0.8, "linestyle": "-"},
+
+def wall_style() -> dict[str, Any]:
+    """Style of walls and fixed ends."""
+    return {
+        "facecolor": colours().wall,
+        "edgecolor": colours().faint,
+        "hatch": "////",
+        "linewidth": 0.0,
     }
-    return styles[kind]
 
 
-def _stretches(track: Floats, inside: NDArray[np.bool_]) -> list[Floats]:
-    """Unbroken parts of a track; inside[i] says whether track[i] to track[i + 1] belongs to one."""
-    turns = np.flatnonzero(np.diff(np.concatenate(([False], inside, [False]))))
-    return [track[i : j + 1] for i, j in turns.reshape(-1, 2)]
+def mass_style() -> dict[str, Any]:
+    """Style of rigid masses."""
+    return {"facecolor": colours().mass, "edgecolor": colours().ink, "linewidth": 0.6}
+
+
+def drive_style() -> dict[str, Any]:
+    """Style of arrow heads at driven ends."""
+    return {
+        "linestyle": "",
+        "color": colours().ink,
+        "markerfacecolor": colours().paper,
+    }
+
+
+def apart_style() -> dict[str, Any]:
+    """Style of a gap without width: a double line."""
+    casing = patheffects.withStroke(linewidth=3.6, foreground=colours().ink)
+    return {"color": colours().paper, "linewidth": 2.4, "path_effects": [casing]}
+
+
+def open_end_style() -> dict[str, Any]:
+    """Style of an absorbing end."""
+    return {"color": colours().ink, "linewidth": 1.6, "linestyle": (0, (3, 2))}
+
+
+def end_style() -> dict[str, Any]:
+    """Style of any other end of a rod."""
+    return {"color": colours().ink, "linewidth": 0.8, "linestyle": "-"}
+
+
+def _stretches(path: Floats, inside: NDArray[np.bool_]) -> Stretches:
+    """Unbroken parts of a path; inside[i] says whether path[i] to path[i + 1] belongs to one."""
+    edges = np.diff(np.concatenate(([False], inside, [False])))
+    limits = np.flatnonzero(edges).reshape(-1, 2)
+    return [path[first : last + 1] for first, last in limits]

@@ -5,25 +5,20 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.patches import StepPatch
 
 from ..design.pulses import PulseDesign
 from ..model.arguments import of_kind
-from .scales import engineering, place_scale, time_scale
-from .style import (
-    SMALL,
-    Picture,
-    axes,
-    colours,
-    dress,
-    new_figure,
-    styled,
-)
+from ..records.signal import Signal
+from .panels import Picture, axes_or_new, draw_zero, format_axes, new_figure
+from .scales import engineering, time_scale, x_scale
+from .style import SMALL, colours, styled
 
-HARDLY = 1e-4  # a misfit that is not to be seen
+MIN_MISFIT = 1e-4  # smaller ones cannot be seen
 
 
 @styled
-def design(found: PulseDesign, ax: Axes | None = None) -> Picture:
+def design(result: PulseDesign, ax: Axes | None = None) -> Picture:
     """Draw the wanted pulse of a design and the pulse that its system reaches, over time.
 
     Their misfit is the root mean square of the difference divided by the peak. A new figure also
@@ -31,7 +26,7 @@ def design(found: PulseDesign, ax: Axes | None = None) -> Picture:
 
     Parameters
     ----------
-    found : PulseDesign
+    result : PulseDesign
         From `rodimpact.design`.
     ax : Axes, optional
         By default the Axes of a new figure.
@@ -53,72 +48,97 @@ def design(found: PulseDesign, ax: Axes | None = None) -> Picture:
     >>> type(picture).__name__
     'Picture'
     """
-    of_kind("found", found, PulseDesign, "design.striker(...)")
-    rod: Any = found.system.bodies[found.body]
+    of_kind("result", result, PulseDesign, "design.striker(...)")
+    rod: Any = result.system.bodies[result.body]
+
+    # What is measured.
+    largest = 0.0
+    for signal in (result.wanted, result.reached):
+        largest = max(largest, float(np.abs(signal.values).max()))
+    time = time_scale(result.wanted.end)
+    force = engineering(result.reached.name, largest, "N")
+
+    # What is drawn.
     outline = None
     if ax is None and len(rod.segments) > 1:
-        above, ax = new_figure(5.6, 4.6).subplots(2, 1, height_ratios=[1, 2.5]).tolist()
-        edges = np.cumsum([0.0, *(float(piece.length) for piece in rod.segments)])
-        radii = np.sqrt(np.array([float(piece.area) for piece in rod.segments]) / np.pi)
-        place = place_scale(float(edges[-1]))
-        thickness = engineering("diameter", 2 * float(radii.max()), "m")
-        x, radii = edges * place.factor, radii * thickness.factor
-        outline = above.stairs(
-            radii,
-            x,
-            fill=True,
-            baseline=-radii,
-            facecolor=colours().wall,
-            edgecolor=colours().ink,
-            linewidth=0.8,
-        )
-        reach = 1.1 * float(radii.max())
-        dress(
-            above,
-            xlim=(0, 1.02 * x[-1]),
-            ylim=(-reach, reach),
-            xlabel=place.label,
-            ylabel=f"from axis\n({thickness.unit})",
-        )
-        above.annotate(
-            "striking end",
-            (x[-1], 0.0),
-            (-4, 0),
-            textcoords="offset points",
-            ha="right",
-            va="center",
-            fontsize=SMALL,
-        )
-    ax = axes(ax, 5.6, 3.4)
-    end, largest = (
-        found.wanted.end,
-        max(float(np.abs(each.values).max()) for each in (found.wanted, found.reached)),
-    )
-    time, force = time_scale(end), engineering(found.reached.name, largest, "N")
+        figure = new_figure(5.6, 4.6)
+        above, ax = figure.subplots(2, 1, height_ratios=[1, 2.5]).tolist()
+        outline = _draw_silhouette(above, rod)
+    ax = axes_or_new(ax, 5.6, 3.4)
 
-    def line(signal: Any, **how: Any) -> Line2D:
-        (drawn,) = ax.plot(
-            signal.times * time.factor, signal.values * force.factor, **how
-        )
-        return drawn
+    def draw(signal: Signal, **style: Any) -> Line2D:
+        times = signal.times * time.factor
+        (line,) = ax.plot(times, signal.values * force.factor, **style)
+        return line
 
-    wanted = line(
-        found.wanted,
+    wanted = draw(
+        result.wanted,
         color=colours().series[1],
         alpha=0.6,
         linewidth=3.5,
         label="wanted",
     )
-    label = f"reached, misfit {found.percent}" if found.misfit >= HARDLY else "reached"
-    if found.bounded:
-        label += f", {len(found.bounded)} of {len(rod.segments)} areas at a limit"
-    reached = line(found.reached, color=colours().ink, linewidth=1.2, label=label)
-    ax.axhline(0.0, color=colours().faint, linewidth=0.6, zorder=0)
-    dress(
+    reached = draw(
+        result.reached,
+        color=colours().ink,
+        linewidth=1.2,
+        label=_reached(result, len(rod.segments)),
+    )
+    draw_zero(ax)
+    format_axes(
         ax,
         [wanted, reached],
-        xlim=(0, end * time.factor),
+        xlim=(0, result.wanted.end * time.factor),
         xlabel=time.label,
         ylabel=force.label,
     )
     return Picture(ax=ax, wanted=wanted, reached=reached, outline=outline)
+
+
+def _reached(result: PulseDesign, segments: int) -> str:
+    """Name of the reached pulse, with its misfit and the areas at a limit."""
+    name = "reached"
+    if result.misfit >= MIN_MISFIT:
+        name += f", misfit {result.percent}"
+    if result.bounded:
+        name += f", {len(result.bounded)} of {segments} areas at a limit"
+    return name
+
+
+def _draw_silhouette(ax: Axes, rod: Any) -> StepPatch:
+    """Draw the outline of a stepped rod as if it were round."""
+    lengths = [float(segment.length) for segment in rod.segments]
+    areas = np.array([float(segment.area) for segment in rod.segments])
+    edges = np.cumsum([0.0, *lengths])
+    radii = np.sqrt(areas / np.pi)
+    along = x_scale(float(edges[-1]))
+    thickness = engineering("diameter", 2 * float(radii.max()), "m")
+    x = edges * along.factor
+    radii = radii * thickness.factor
+    outline = ax.stairs(
+        radii,
+        x,
+        fill=True,
+        baseline=-radii,
+        facecolor=colours().wall,
+        edgecolor=colours().ink,
+        linewidth=0.8,
+    )
+    reach = 1.1 * float(radii.max())
+    format_axes(
+        ax,
+        xlim=(0, 1.02 * x[-1]),
+        ylim=(-reach, reach),
+        xlabel=along.label,
+        ylabel=f"from axis\n({thickness.unit})",
+    )
+    ax.annotate(
+        "striking end",
+        (x[-1], 0.0),
+        (-4, 0),
+        textcoords="offset points",
+        ha="right",
+        va="center",
+        fontsize=SMALL,
+    )
+    return outline

@@ -1,4 +1,8 @@
-"""The space-time diagram: where every piece of rod is at every time, coloured by its state."""
+"""Space-time diagram: where every piece of rod is at every time, coloured by its state.
+
+`polygons` or `raster` has the coloured regions, `borders` everything that bounds the rods,
+`plane` the two axes; here they are put together.
+"""
 
 from collections.abc import Mapping
 
@@ -12,13 +16,16 @@ from ..model.arguments import one_of
 from ..model.frozen import refusal
 from ..results.gauges import Gauge, check_gauges
 from ..results.solution import Solution, check_waves
-from .borders import Borders, Cut, mark
-from .placing import placing
-from .plane import Plane
-from .polygons import Polygons, Raster
-from .sampling import is_stepped
-from .scales import FIELDS, axis_scales, field_scale, written
-from .style import Picture, axes, centred, colour_bar, legend_above, styled
+from .borders import Borders, Cut, apart_style, open_end_style
+from .labels import legend_above
+from .layout import PictureLayout, choose_layout
+from .panels import Draft, Picture, add_colour_bar, axes_or_new, finish
+from .plane import Plane, Span
+from .polygons import Polygons
+from .raster import Raster
+from .sampling import is_smooth
+from .scales import FIELDS, Scale, axis_scales, field_scale, written
+from .style import centred, styled
 
 
 @styled
@@ -29,10 +36,10 @@ def spacetime(
     dimensionless: bool = False,
     start: float = 0.0,
     stop: float | None = None,
+    *,
     magnification: float | None = None,
     coordinates: str = "body",
     across: bool = False,
-    *,
     gauges: Mapping[str, Gauge] | None = None,
 ) -> Picture:
     """Draw where every piece of rod is at every time, coloured by its state.
@@ -103,72 +110,129 @@ def spacetime(
     >>> len(picture.regions.get_paths()) == len(ri.regions_of(solution).body)
     True
     """
+    draft = draft_spacetime(
+        solution,
+        ax,
+        field,
+        start=start,
+        stop=stop,
+        dimensionless=dimensionless,
+        magnification=magnification,
+        coordinates=coordinates,
+        across=across,
+        gauges=gauges,
+    )
+    return finish(draft)
+
+
+def draft_spacetime(
+    solution: Solution,
+    ax: Axes | None,
+    field: str,
+    *,
+    start: float = 0.0,
+    stop: float | None = None,
+    dimensionless: bool = False,
+    magnification: float | None = None,
+    coordinates: str = "body",
+    across: bool = False,
+    gauges: Mapping[str, Gauge] | None = None,
+) -> Draft:
+    """Draft of `spacetime`, with the same parameters."""
     check_waves(solution)
     one_of("field", field, FIELDS)
     one_of("coordinates", coordinates, ("lab", "body"))
-    stations = {} if gauges is None else check_gauges(gauges)
-    cut: Cut = (Raster if is_stepped(solution) else Polygons)(solution, start, stop)
-    stop = solution.t_end if stop is None else stop
+    stations: Mapping[str, Gauge] = {}
+    if gauges is not None:
+        stations = check_gauges(gauges)
     if coordinates == "body" and magnification is not None:
         raise refusal(
             "magnification",
             'nothing moves in coordinates="body"; leave it out, or give '
             'coordinates="lab"',
         )
-    plan = placing(solution, start, stop, magnification, still=coordinates == "body")
-    values = cut.values(field, plan.frame)
-    rest = plan.frame if field == "velocity" else 0.0
-    reach = [float(np.nanmin(values)), float(np.nanmax(values))]
-    scale = field_scale(solution, field, dimensionless, max(map(abs, reach)))
-    if plan.frame and field in ("displacement", "energy"):
-        scale = scale._replace(
-            name=f"{scale.name}\nin a frame moving at {written(plan.frame, 'm/s')}"
-        )
-    ax = axes(ax, *(6.6, 4.4) if across else (5.6, 5.2))
-    plane = Plane(
-        ax,
-        plan,
-        *axis_scales(solution, dimensionless, stop, plan.row),
-        (start, stop),
-        across,
-    )
 
-    norm = centred([v * scale.factor for v in reach], rest * scale.factor)
-    drawn = cut.draw(plane, values * scale.factor, norm)
+    # What is measured: regions with values, and where the row is in the picture.
+    cut: Cut
+    if is_smooth(solution):
+        cut = Raster(solution, start, stop)
+    else:
+        cut = Polygons(solution, start, stop)
+    if stop is None:
+        stop = solution.t_end
+    is_still = coordinates == "body"
+    layout = choose_layout(solution, start, stop, magnification, still=is_still)
+    values = cut.values(field, layout.frame)
+    low = float(np.nanmin(values))
+    high = float(np.nanmax(values))
+    scale = field_scale(solution, field, dimensionless, max(abs(low), abs(high)))
+    scale = _with_frame(scale, field, layout)
+    reference = 0.0
+    if field == "velocity":
+        reference = layout.frame * scale.factor
+
+    # What is drawn.
+    if across:
+        ax = axes_or_new(ax, 6.6, 4.4)
+    else:
+        ax = axes_or_new(ax, 5.6, 5.2)
+    scales = axis_scales(solution, dimensionless, stop, layout.row)
+    plane = Plane(ax, layout, scales, Span(start, stop), across)
+    norm = centred([low * scale.factor, high * scale.factor], reference)
+    regions = cut.draw(plane, values * scale.factor, norm)
     borders = Borders(plane, cut)
-    walls, ends, contacts = borders.walls(), borders.ends(), borders.contacts()
-    masses, joints, drives = borders.masses(), borders.joints(), borders.drives()
-    springs, paths, centres = (
-        borders.springs(),
-        borders.gauges(stations),
-        borders.centres(),
-    )
-    plane.dress()
-    bar = colour_bar(ax, drawn, scale.label, rest * scale.factor)
-    marks = [lines for lines in contacts if lines.get_segments()]
-    named: list[artist.Artist] = [
-        Line2D([], [], label="apart", **mark("apart"))
-        if lines is contacts[2]
-        else lines
-        for lines in marks
-    ]
-    named += [*springs[:1], *masses[:1], *joints[:1], *drives, *centres[:1]]
+    walls = borders.walls()
+    ends = borders.ends()
+    contacts = borders.contacts()
+    masses = borders.masses()
+    joints = borders.joints()
+    drives = borders.drives()
+    springs = borders.springs()
+    paths = borders.gauges(stations)
+    centres = borders.centres()
+    plane.format()
+    bar = add_colour_bar(ax, regions, scale.label, reference)
+
+    named: list[artist.Artist] = []
+    for lines in (contacts.pressing, contacts.touching):
+        if lines.get_segments():
+            named.append(lines)
+    if contacts.apart.get_segments():
+        named.append(Line2D([], [], label="apart", **apart_style()))
+    for kind in (springs, masses, joints):
+        named += kind[:1]
+    named += [*drives, *centres[:1]]
     if any(isinstance(end, Absorbing) for end in solution.system.ends):
-        named.append(Line2D([], [], label="absorbing end", **mark("open")))
+        named.append(Line2D([], [], label="absorbing end", **open_end_style()))
     legend_above(ax, named)
-    pressing, touching, apart = contacts
-    return Picture(
+
+    picture = Picture(
         ax=ax,
-        regions=drawn,
+        regions=regions,
         ends=ends,
-        pressing=pressing,
-        touching=touching,
-        apart=apart,
+        pressing=contacts.pressing,
+        touching=contacts.touching,
+        apart=contacts.apart,
         walls=walls,
-        labels=cut.finish(),
+        labels=[],
         colour_bar=bar,
         masses=masses,
         scale=scale,
         gauges=paths,
         centres=centres,
     )
+
+    def write_words() -> None:
+        plane.fit_labels()
+        legend_above(ax, named)
+        picture.labels = cut.write()
+
+    return Draft(picture, write_words)
+
+
+def _with_frame(scale: Scale, field: str, layout: PictureLayout) -> Scale:
+    """A scale whose name says in which frame displacements and energies are."""
+    if not layout.frame or field not in ("displacement", "energy"):
+        return scale
+    frame = written(layout.frame, "m/s")
+    return scale._replace(name=f"{scale.name}\nin a frame moving at {frame}")

@@ -1,9 +1,9 @@
 """A family of collisions: a curve over one axis, a map over two, and theory if it exists.
 
-Results can jump: the force duration where the impedances are equal, velocities where the number of
-contacts changes. Curves and contour lines are interrupted at a jump: there neighbouring values
-differ far more than around it. On a map each collision is a cell of one colour, without
-interpolation. Each count has its own colour; counts have no contour lines.
+Results can jump: the force duration where the impedances are equal, velocities where the
+number of contacts changes. Curves and contour lines are interrupted at a jump: there
+neighbouring values differ far more than around it. On a map each collision is a cell of one
+colour, without interpolation. Each count has its own colour; counts have no contour lines.
 """
 
 from typing import Any, NamedTuple
@@ -13,98 +13,92 @@ from matplotlib import artist, colors, contour, patches, patheffects, ticker
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.lines import Line2D
-from matplotlib.text import Text
 from numpy.typing import ArrayLike, NDArray
-from scipy.ndimage import median_filter
 
 from ..methods.signals import Floats
 from ..model.arguments import array, of_kind
 from ..model.frozen import nearest, refusal
-from ..results.labels import outcome, parameter
+from ..results.labels import outcome
 from ..results.pair_theory import COLUMNS, PairTheory, pair_theory
 from ..running.columns import STATUS
 from ..running.sweep_result import SweepResult
-from ..units import format_factor
-from ..units import shown as shown_text
-from . import style
-from .scales import MINUS, ROUND_OFF, Scale, scale_of, signed
+from ..units import shown as in_few_words
+from .contours import draw_contours, label_contours
+from .family_axes import FamilyAxis, family_axis, format_family_axis
+from .jumps import broken_at_jumps
+from .panels import (
+    Draft,
+    Picture,
+    add_colour_bar,
+    add_grid,
+    axes_or_new,
+    draw_cells,
+    finish,
+    format_axes,
+)
+from .scales import MINUS, NEGLIGIBLE_RTOL, Scale, scale_of
+from .style import COMPUTED, RISING, SMALL, centred, colours, styled
 
-FEW = 40  # points of a curve that are marked
-SMOOTH = 400  # points of a curve of theory, at least
-AROUND = 7  # differences about one, itself among them, whose median is the usual difference there
-LEAP = 8.0  # usual differences that a jump surpasses
-SEEN = 0.02  # of a quantity's range: a smaller jump is not seen
-PLATEAU = 3  # rows of points on which values equal: no line follows such a plateau
-WIDE = 3.0  # last over first value from which an axis may be logarithmic
-EQUALITIES: dict[str, tuple[Any, str]] = {
-    "equal transit times: e = 1": ("-", "transit_time"),
-    "equal impedances": ("--", "impedance"),
-}
-"""Lines of a map on which a number of both rods is equal: dashes, and the number."""
-
-
-class Side(NamedTuple):
-    """An axis of the family: the order in which its values increase, and these values."""
-
-    order: NDArray[np.intp]
-    values: Floats
-    scale: Scale
-    label: str  # with what varies along with it
-
-    @property
-    def numbers(self) -> Floats:
-        """Numbers on the axis."""
-        return self.values * self.scale.factor
-
-    @property
-    def is_log(self) -> bool:
-        """Whether the values have a wide range and are spread more evenly by their logarithms."""
-        first, last = self.values[[0, -1]]
-        if self.values.size < 3 or first <= 0 or last < WIDE * first:
-            return False
-        steps, ratios = np.diff(self.values), np.diff(np.log(self.values))
-        return bool(
-            np.std(ratios) / np.mean(ratios) < np.std(steps) / np.mean(steps) / 2
-        )
-
-    @property
-    def edges(self) -> Floats:
-        """Borders half-way between the numbers and as far beyond the outer ones, not beyond 0."""
-        x = np.log(self.numbers) if self.is_log else self.numbers
-        middle = (x[:-1] + x[1:]) / 2
-        edges = np.concatenate(
-            ([2 * x[0] - middle[0]], middle, [2 * x[-1] - middle[-1]])
-        )
-        edges = np.exp(edges) if self.is_log else edges
-        return np.maximum(edges, 0.0) if self.values[0] >= 0 else edges
+MAX_MARKED_POINTS = 40  # of a curve
+MIN_THEORY_POINTS = 400  # of a curve of theory
+HISTOGRAM_WIDTH = 0.22  # in widths of the Axes
+EQUAL_RTOL_DIGITS = 12  # of the logarithm of a ratio that is 1
 
 
-class Shown(NamedTuple):
+class Equality(NamedTuple):
+    """A line of a map on which a number of both rods is equal."""
+
+    name: str
+    number: str  # of `PairTheory`
+    dashes: Any
+
+
+EQUALITIES = (
+    Equality("equal transit times: e = 1", "transit_time", "-"),
+    Equality("equal impedances", "impedance", "--"),
+)
+
+
+class Quantity(NamedTuple):
     """What is drawn, in the unit of the scale."""
 
-    quantity: str
+    name: str  # of a column
     values: Floats
     scale: Scale
     is_count: bool
 
     @property
     def words(self) -> tuple[str, ...]:
-        """What the counts 0, 1, ... stand for, if they are no numbers."""
-        return {"final": ("not proved", "proved"), "status": STATUS}.get(
-            self.quantity, ()
-        )
+        """Meanings of the counts 0, 1, ..., if they are no numbers."""
+        if self.name == "final":
+            return ("not proved", "proved")
+        if self.name == "status":
+            return STATUS
+        return ()
+
+    @property
+    def low(self) -> float:
+        """Least value."""
+        return float(np.nanmin(self.values))
+
+    @property
+    def high(self) -> float:
+        """Largest value."""
+        return float(np.nanmax(self.values))
 
 
-@style.styled
+@styled
 def sweep(
     result: SweepResult, ax: Axes | None = None, quantity: str = "restitution"
-) -> style.Picture:
+) -> Picture:
     """Draw one quantity of a family of collisions: a curve over one axis, a map over two.
 
     An axis is logarithmic if its values are closer to a geometric than to an arithmetic sequence.
     Collisions without a value leave gaps. For two uniform bodies without initial vibration the
-    closed form is drawn under the curve. On a map of two such rods a full line marks equal transit
-    times, where e = 1; a dashed line marks equal impedances, where the force duration jumps.
+    closed form is drawn under the curve. Members in no order, such as samples of several uncertain
+    numbers, are drawn as points, beside a histogram of their values. On a map of two such rods a
+    full line marks equal transit times, where e = 1; a dashed line marks equal impedances, where
+    the force duration jumps.
 
     Parameters
     ----------
@@ -118,14 +112,16 @@ def sweep(
     Returns
     -------
     Picture
-        Over one axis with the curve `values` and the closed form `theory` or None; over two with
-        `cells`, `contours` or None, their `labels`, the lines `theory` and `colour_bar`.
+        Over one axis with the curve `values` and the closed form `theory` or None; of members in no
+        order with the points `values` and the `histogram`; over two axes with `cells`, `contours`
+        or None, their `labels`, the lines `theory` and `colour_bar`.
 
     Raises
     ------
     ValueError
-        If the quantity is unknown or has no value in this family, or if the family does not have
-        one or two axes; axes with a single value do not count.
+        If the quantity is unknown or has no value in this family, if the family does not have one
+        or two axes (axes with a single value do not count), or if it has two and the members along
+        one of them are in no order.
 
     Examples
     --------
@@ -136,11 +132,52 @@ def sweep(
     >>> ri.plot.sweep(family, quantity="velocity_after.1").ax.get_xlabel()
     'length of rod 1 (m)'
     """
+    # What is measured.
+    column = _column(result, quantity)
+    wide = [i for i, count in enumerate(result.shape) if count > 1]
+    if not 1 <= len(wide) <= 2:
+        raise refusal(
+            "result",
+            f"has shape {result.shape}, but a curve has one axis and a map two; give an "
+            "array for one or two numbers of the system, such as length=np.linspace(0.1, 1, 50), "
+            "or draw part of the family, such as sweep(system[0])",
+        )
+    axes = [family_axis(result, i) for i in wide]
+    sorted_members = np.ix_(*(axis.order for axis in axes))
+    shape = [axis.order.size for axis in axes]
+
+    def arranged(table: NDArray[Any]) -> NDArray[Any]:
+        return table.reshape(shape)[sorted_members]
+
+    values = arranged(column).astype(float)
+    largest = float(np.nanmax(np.abs(values)))
+    scale = scale_of(outcome(result.system, quantity), largest)
+    is_count = column.dtype.kind in "iub"
+    shown = Quantity(quantity, values * scale.factor, scale, is_count)
+    theory = None
+    if quantity in COLUMNS:
+        family = pair_theory(result.system)
+        if family is not None:
+            theory = family.each(arranged)
+
+    # What is drawn.
+    if len(axes) == 2:
+        for axis, dimension in zip(axes, wide, strict=True):
+            if not axis.is_ordered:
+                raise refusal("result", _why_no_map(result, dimension))
+        return _draw_map(axes_or_new(ax, 6.0, 4.6), axes, shown, theory)
+    if not axes[0].is_ordered:
+        return _draw_scatter(axes_or_new(ax, 5.6, 3.6), axes[0], shown)
+    return _draw_curve(axes_or_new(ax, 5.6, 3.6), axes[0], shown, theory)
+
+
+def _column(result: SweepResult, quantity: str) -> NDArray[Any]:
+    """The values of a quantity, if there are any."""
     of_kind("result", result, SweepResult, "rodimpact.sweep(family)")
     if not isinstance(quantity, str) or quantity not in result.columns:
         raise refusal(
             "quantity",
-            f"no result is called {shown_text(quantity)}; "
+            f"no result is called {in_few_words(quantity)}; "
             f"{nearest(quantity, result.columns)}",
         )
     column: NDArray[Any] = result.columns[quantity]
@@ -150,245 +187,242 @@ def sweep(
             f"{quantity!r} has no value anywhere in this family; "
             "result.explain(index) says why",
         )
-    wide = [i for i, count in enumerate(result.shape) if count > 1]
-    if not 1 <= len(wide) <= 2:
-        raise refusal(
-            "result",
-            f"has shape {result.shape}, but a curve has one axis and a map two; give an "
-            "array for one or two numbers of the system, such as length=np.linspace(0.1, 1, 50), "
-            "or draw part of the family, such as sweep(system[0])",
-        )
-    sides = [side_of(result, i) for i in wide]
-    order = np.ix_(*(side.order for side in sides))
-
-    def arranged(table: NDArray[Any]) -> NDArray[Any]:
-        return table.reshape([side.order.size for side in sides])[order]
-
-    values = arranged(column).astype(float)
-    largest = float(np.nanmax(np.abs(values)))
-    scale = scale_of(outcome(result.system, quantity), largest)
-    family = pair_theory(result.system) if quantity in COLUMNS else None
-    theory = None if family is None else family.each(arranged)
-    shown = Shown(quantity, values * scale.factor, scale, column.dtype.kind in "iub")
-    if len(sides) == 1:
-        return _curve(style.axes(ax, 5.6, 3.6), sides[0], shown, theory)
-    return _map(style.axes(ax, 6.0, 4.6), sides, shown, theory)
+    return column
 
 
-def _curve(
-    ax: Axes, side: Side, shown: Shown, theory: PairTheory | None
-) -> style.Picture:
-    """Draw values over one axis."""
-    _dress_side(ax.xaxis, side)
-    ink = style.colours().ink
+def _why_no_map(result: SweepResult, dimension: int) -> str:
+    """Why a family with members in no order has no map, with the remedy."""
+    index = ["0"] * len(result.shape)
+    index[dimension] = ":"
+    return (
+        f"has members in no order along axis {dimension}, where several numbers vary "
+        "independently, and a map would be noise; draw them as points with a histogram, such "
+        f"as plot.sweep(rodimpact.sweep(system[{', '.join(index)}]))"
+    )
+
+
+# Over one axis ------------------------------------------------------------------------------
+
+
+def _draw_curve(
+    ax: Axes, axis: FamilyAxis, shown: Quantity, theory: PairTheory | None
+) -> Picture:
+    """Draw values over one axis, over the closed form if there is one."""
+    format_family_axis(ax.xaxis, axis)
     law = None
-    if theory is not None:  # a wide line, also between the values of the family
-        rises, count = side.values[0] > 0, side.values.size - 1
-        known = np.log(side.values) if rises else side.values
-        parts = -(-SMOOTH // count)
-        wanted = np.interp(
-            np.arange(count * parts + 1) / parts, np.arange(count + 1), known
-        )
-        values = theory.along(known, wanted).column(shown.quantity) * shown.scale.factor
-        x = (np.exp(wanted) if rises else wanted) * side.scale.factor
-        (law,) = ax.plot(
-            *_broken(x, values),
-            color=style.colours().series[1],
-            alpha=0.45,
-            linewidth=5.0,
-            solid_capstyle="butt",
-            label="closed form",
-        )
+    if theory is not None:
+        law = _draw_law(ax, axis, shown, theory)
     drawn: Line2D | patches.StepPatch
     if shown.is_count:
         drawn = ax.stairs(
-            shown.values, side.edges, baseline=None, color=ink, linewidth=1.4
+            shown.values,
+            axis.edges,
+            baseline=None,
+            color=colours().ink,
+            linewidth=1.4,
         )
-        _count_ticks(ax.yaxis, shown)
+        _set_count_ticks(ax.yaxis, shown)
     else:
-        few = side.values.size <= FEW
-        marks: dict[str, Any] = {} if few else {"marker": ".", "markersize": 0.8}
+        style = dict(COMPUTED)
+        linestyle = "-"
+        if axis.values.size > MAX_MARKED_POINTS:
+            style.update(marker=".", markersize=0.8)
+        elif law is not None:
+            linestyle = ""
+        broken = broken_at_jumps(axis.numbers, shown.values)
         (drawn,) = ax.plot(
-            *_broken(side.numbers, shown.values),
-            color=ink,
+            broken.x,
+            broken.y,
+            color=colours().ink,
             linewidth=1.2,
-            linestyle="" if few and law else "-",
-            **style.COMPUTED | marks,
+            linestyle=linestyle,
+            **style,
         )
+    named: list[artist.Artist] = []
+    if law is not None:
+        named = [law, drawn]
     low, high = ax.get_ylim()
-    style.grid(ax)
-    style.dress(
-        ax,
-        () if law is None else (law, drawn),
-        ylabel=shown.scale.label,
-        ylim=(min(0.0, low), max(0.0, high)),
+    add_grid(ax)
+    format_axes(
+        ax, named, ylabel=shown.scale.label, ylim=(min(0.0, low), max(0.0, high))
     )
-    return style.Picture(ax=ax, values=drawn, theory=law)
+    return Picture(ax=ax, values=drawn, theory=law)
 
 
-def _broken(x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """A curve with NaN inserted where it jumps."""
-    after = np.flatnonzero(_jumps(y)) + 1
-    return np.insert(x, after, (x[after - 1] + x[after]) / 2), np.insert(
-        y, after, np.nan
+def _draw_law(
+    ax: Axes, axis: FamilyAxis, shown: Quantity, theory: PairTheory
+) -> Line2D:
+    """Draw the closed form as a wide line, also between the values of the family."""
+    is_positive = axis.values[0] > 0
+    intervals = axis.values.size - 1
+    known = axis.values
+    if is_positive:
+        known = np.log(known)
+    parts = -(-MIN_THEORY_POINTS // intervals)
+    fine = np.arange(intervals * parts + 1) / parts
+    wanted = np.interp(fine, np.arange(intervals + 1), known)
+    values = theory.along(known, wanted).column(shown.name) * shown.scale.factor
+    x = wanted
+    if is_positive:
+        x = np.exp(wanted)
+    broken = broken_at_jumps(x * axis.scale.factor, values)
+    (law,) = ax.plot(
+        broken.x,
+        broken.y,
+        color=colours().series[1],
+        alpha=0.45,
+        linewidth=5.0,
+        solid_capstyle="butt",
+        label="closed form",
     )
+    return law
 
 
-def _jumps(values: Floats) -> NDArray[np.bool_]:
-    """Whether each difference along the first axis is a jump: far larger than those around it."""
-    steps = np.abs(np.diff(values, axis=0))
-    usual = median_filter(np.nan_to_num(steps), (AROUND, 1)[: values.ndim])
-    least = max(
-        SEEN * (np.nanmax(values) - np.nanmin(values)),
-        ROUND_OFF * np.nanmax(np.abs(values)),
+def _draw_scatter(ax: Axes, axis: FamilyAxis, shown: Quantity) -> Picture:
+    """Draw members in no order as points, and beside them how often each value occurs."""
+    format_family_axis(ax.xaxis, axis)
+    (points,) = ax.plot(
+        axis.numbers,
+        shown.values,
+        linestyle="",
+        marker=".",
+        markersize=3.0,
+        color=colours().ink,
+        alpha=0.6,
     )
-    return np.asarray(steps > np.maximum(LEAP * usual, least))
-
-
-def _map(
-    ax: Axes, sides: list[Side], shown: Shown, theory: PairTheory | None
-) -> style.Picture:
-    """Draw values over two axes, the first one to the right."""
-    palette, norm = _colours(shown)
-    edges = [side.edges for side in sides]
-    cells, without = style.cells(ax, edges, shown.values, palette, norm)
-    _dress_side(ax.xaxis, sides[0])
-    _dress_side(ax.yaxis, sides[1])
-    plane = [side.numbers for side in sides]
-    contours, labels = None, list[Text]()
-    low, high = float(np.nanmin(shown.values)), float(np.nanmax(shown.values))
-    if not shown.is_count and high - low > ROUND_OFF * max(-low, high):
-        # lines at round values, each with its value, up to the jumps and not across them
-        near = 0.002 * (high - low)
-        levels = [
-            x
-            for x in ticker.MaxNLocator(8, steps=[1, 2, 2.5, 5, 10]).tick_values(
-                low, high
-            )
-            if low + 10 * near < x < high - 10 * near
-            and np.sum(np.abs(shown.values - x) < near)
-            < PLATEAU * max(shown.values.shape)
-        ]
-        smooth = np.isfinite(shown.values)
-        for axis in (0, 1):
-            i, j = np.nonzero(
-                _jumps(shown.values) if axis == 0 else _jumps(shown.values.T).T
-            )
-            smooth[i, j] = smooth[i + 1 - axis, j + axis] = False
-        if levels and smooth.any():
-            contours = ax.contour(
-                *plane,
-                np.ma.array(shown.values, mask=~smooth).T,
-                levels=levels,
-                linestyles="-",
-                linewidths=0.8,
-                zorder=3,
-                colors=[style.ink_on(norm, x, palette) for x in levels],
-            )
-            labels = list(
-                ax.clabel(
-                    contours,
-                    fmt=lambda x: signed(f"{x:g}"),
-                    inline_spacing=3,
-                    fontsize=style.SMALL + 1,
-                )
-            )
-    lines: list[contour.QuadContourSet] = []
-    handles: list[artist.Artist] = []
-    paper, ink, *_ = style.colours()
-    rods = theory is not None and np.isfinite(theory.impedance).all()
-    for name, (dash, number) in EQUALITIES.items() if rods else ():
-        excess = np.log(np.divide(*getattr(theory, number)))
-        excess = np.where(np.isfinite(shown.values), np.round(excess, 12), np.nan)
-        if (excess < 0).any() and (excess > 0).any():
-            lines.append(
-                ax.contour(
-                    *plane,
-                    np.ma.masked_invalid(excess.T),
-                    levels=[0.0],
-                    colors=ink,
-                    linewidths=1.4,
-                    linestyles=dash,
-                    zorder=4,
-                )
-            )
-            lines[-1].set_path_effects(
-                [patheffects.withStroke(linewidth=2.6, foreground=paper)]
-            )
-            handles.append(
-                Line2D([], [], color=ink, linewidth=1.4, linestyle=dash, label=name)
-            )
-    bar = style.colour_bar(ax, cells, shown.scale.label)
+    add_grid(ax)
+    format_axes(ax, ylabel=shown.scale.label)
+    beside = ax.inset_axes((1.04, 0.0, HISTOGRAM_WIDTH, 1.0), sharey=ax)
+    values = shown.values[np.isfinite(shown.values)]
+    bins: Any = "auto"
     if shown.is_count:
-        _count_ticks(bar.ax.yaxis, shown)
-    style.dress(ax, [*handles, *without])
-    return style.Picture(
+        bins = np.arange(shown.low - 0.5, shown.high + 1.0)
+        _set_count_ticks(ax.yaxis, shown)
+    _, _, histogram = beside.hist(
+        values, bins, orientation="horizontal", color=colours().series[0], alpha=0.6
+    )
+    format_axes(beside, xlabel="members")
+    beside.xaxis.set_major_locator(ticker.MaxNLocator(2, integer=True))
+    beside.tick_params(labelleft=False)
+    return Picture(ax=ax, values=points, theory=None, histogram=histogram)
+
+
+# Over two axes ------------------------------------------------------------------------------
+
+
+def _draw_map(
+    ax: Axes, axes: list[FamilyAxis], shown: Quantity, theory: PairTheory | None
+) -> Picture:
+    """Draw values over two axes, the first one to the right."""
+    palette, norm = _map_colours(shown)
+    cells = draw_cells(ax, [axis.edges for axis in axes], shown.values, palette, norm)
+    format_family_axis(ax.xaxis, axes[0])
+    format_family_axis(ax.yaxis, axes[1])
+    contours = None
+    span = shown.high - shown.low
+    if not shown.is_count and span > NEGLIGIBLE_RTOL * max(-shown.low, shown.high):
+        grid = (axes[0].numbers, axes[1].numbers)
+        contours = draw_contours(ax, grid, shown.values, palette, norm)
+    lines: list[contour.QuadContourSet] = []
+    named: list[artist.Artist | None] = []
+    if theory is not None and np.isfinite(theory.impedance).all():
+        for equality in EQUALITIES:
+            line = _draw_equality(ax, axes, shown, theory, equality)
+            if line is not None:
+                lines.append(line)
+                named.append(_equality_line(equality))
+    bar = add_colour_bar(ax, cells.mesh, shown.scale.label)
+    if shown.is_count:
+        _set_count_ticks(bar.ax.yaxis, shown)
+    named.append(cells.missing)
+    format_axes(ax, named)
+    picture = Picture(
         ax=ax,
-        cells=cells,
+        cells=cells.mesh,
         contours=contours,
-        labels=labels,
+        labels=[],
         theory=lines,
         colour_bar=bar,
     )
 
+    def write_words() -> None:
+        if contours is not None:
+            picture.labels = label_contours(ax, contours, lines)
 
-def _colours(shown: Shown) -> tuple[colors.Colormap, colors.Normalize]:
+    return finish(Draft(picture, write_words))
+
+
+class _MapColours(NamedTuple):
+    """Colours of a map and their limits."""
+
+    palette: colors.Colormap
+    norm: colors.Normalize
+
+
+def _map_colours(shown: Quantity) -> _MapColours:
     """Colours and limits: one colour a count, symmetric about 0 where signs differ."""
-    low, high = float(np.nanmin(shown.values)), float(np.nanmax(shown.values))
+    low = shown.low
+    high = shown.high
     if shown.words:
-        low, high = 0.0, len(shown.words) - 1.0
+        low = 0.0
+        high = len(shown.words) - 1.0
     if shown.is_count:
         borders = np.arange(low - 0.5, high + 1.0)
         count = borders.size - 1
-        return style.RISING.resampled(count), colors.BoundaryNorm(borders, count)
-    largest = max(-low, high)
-    if low < -ROUND_OFF * largest and high > ROUND_OFF * largest:
-        return style.colours().signed, style.centred((low, high))
-    if high - low <= ROUND_OFF * largest:
-        low, high = min(low, 0.0), max(high, 0.0)
-    return style.RISING, colors.Normalize(low, high if high > low else low + 1.0)
+        return _MapColours(RISING.resampled(count), colors.BoundaryNorm(borders, count))
+    negligible = NEGLIGIBLE_RTOL * max(-low, high)
+    if low < -negligible and high > negligible:
+        return _MapColours(colours().signed, centred((low, high)))
+    if high - low <= negligible:  # one value: its colour shows how far it is from 0
+        low = min(low, 0.0)
+        high = max(high, 0.0)
+    if high <= low:
+        high = low + 1.0
+    return _MapColours(RISING, colors.Normalize(low, high))
 
 
-def side_of(result: SweepResult, dimension: int) -> Side:
-    """What lies along a dimension of the family; members are counted if that is all the same."""
-    name, values = result.axes[dimension]
-    values = np.asarray(values, dtype=float)
-    if values.min() == values.max():
-        name, values = f"axis {dimension}", np.arange(values.size, dtype=float)
-    order = np.argsort(values, kind="stable")
-    scale = scale_of(parameter(result.system, name), float(np.abs(values).max()))
-    from_end = len(result.shape) - dimension
-    beside = [
-        parameter(result.system, path).name
-        for path, numbers in result.parameters.items()
-        if path != name and numbers.ndim >= from_end and numbers.shape[-from_end] > 1
-    ]
-    more = f" and {len(beside) - 1} more" if len(beside) > 1 else ""
-    label = f"{scale.label}\nwith {beside[0]}{more}" if beside else scale.label
-    return Side(order, values[order], scale, label)
-
-
-def _dress_side(axis: Any, side: Side) -> None:
-    """Limits, label and ticks of an axis of the family."""
-    first, last = side.edges[[0, -1]]
-    axis.set_label_text(side.label)
-    axis.axes.set(
-        **{
-            f"{axis.axis_name}scale": "log" if side.is_log else "linear",
-            f"{axis.axis_name}lim": (first, last),
-        }
+def _draw_equality(
+    ax: Axes,
+    axes: list[FamilyAxis],
+    shown: Quantity,
+    theory: PairTheory,
+    equality: Equality,
+) -> contour.QuadContourSet | None:
+    """Draw the line on which a number of both rods is equal, if it crosses the map."""
+    first, second = getattr(theory, equality.number)
+    excess = np.round(np.log(np.divide(first, second)), EQUAL_RTOL_DIGITS)
+    excess = np.where(np.isfinite(shown.values), excess, np.nan)
+    if not (excess < 0).any() or not (excess > 0).any():
+        return None
+    line = ax.contour(
+        axes[0].numbers,
+        axes[1].numbers,
+        np.ma.masked_invalid(excess.T),
+        levels=[0.0],
+        colors=colours().ink,
+        linewidths=1.4,
+        linestyles=equality.dashes,
+        zorder=4,
     )
-    if side.is_log:
-        subs = (1.0, 2.0, 5.0) if last < 2e3 * first else (1.0,)
-        axis.set_major_locator(ticker.LogLocator(subs=subs, numticks=15))
-        axis.set_major_formatter(
-            ticker.FuncFormatter(lambda value, _: format_factor(value))
-        )
-        axis.set_minor_formatter(ticker.NullFormatter())
+    casing = patheffects.withStroke(linewidth=2.6, foreground=colours().paper)
+    line.set_path_effects([casing])
+    return line
 
 
-def _count_ticks(axis: Axis, shown: Shown) -> None:
-    """Ticks at whole numbers, or what they stand for."""
+def _equality_line(equality: Equality) -> Line2D:
+    """Legend entry of an equality."""
+    return Line2D(
+        [],
+        [],
+        color=colours().ink,
+        linewidth=1.4,
+        linestyle=equality.dashes,
+        label=equality.name,
+    )
+
+
+def _set_count_ticks(axis: Axis, shown: Quantity) -> None:
+    """Set ticks at whole numbers, or their meanings."""
     if shown.words:
         axis.set_ticks(range(len(shown.words)), shown.words)
     else:
@@ -396,10 +430,13 @@ def _count_ticks(axis: Axis, shown: Shown) -> None:
         axis.set_minor_locator(ticker.NullLocator())
 
 
-@style.styled
+# Against the law ----------------------------------------------------------------------------
+
+
+@styled
 def restitution(
     ratios: ArrayLike, values: ArrayLike, ax: Axes | None = None
-) -> style.Picture:
+) -> Picture:
     """Draw computed coefficients of restitution against the law e = l1/l2, and note the residual.
 
     The law holds for two rods of one material and cross-section, the second at rest inside and
@@ -431,47 +468,57 @@ def restitution(
     >>> picture.points.get_ydata().tolist()
     [0.2, 0.5]
     """
-    x, e = array("ratios", ratios, ""), array("values", values, "")
+    x = array("ratios", ratios, "")
+    e = array("values", values, "")
     if x.shape != e.shape:
         raise refusal(
             "values", f"must have the shape {x.shape} of ratios, got {e.shape}"
         )
-    known = np.isfinite(x) & np.isfinite(e)
-    if not known.any():
+    is_known = np.isfinite(x) & np.isfinite(e)
+    if not is_known.any():
         raise refusal(
             "values", "needs at least one finite coefficient of restitution, got none"
         )
-    x, e = x[known], e[known]
-    ax = style.axes(ax, 4.2, 4.0)
+    x = x[is_known]
+    e = e[is_known]
     reach = max(1.0, float(x.max()))
+    top = max(reach, 1.05 * float(e.max()))
+    largest = np.abs(e - x).max()
+
+    ax = axes_or_new(ax, 4.2, 4.0)
     (law,) = ax.plot(
         [0, reach],
         [0, reach],
-        color=style.colours().series[1],
+        color=colours().series[1],
         linewidth=1.2,
         label="e = ℓ₁/ℓ₂",
     )
-    (points,) = ax.plot(x, e, linestyle="", color=style.colours().ink, **style.COMPUTED)
-    note = (
-        f"largest |e {MINUS} ℓ₁/ℓ₂| = {np.abs(e - x).max():.1e}\nin {e.size} collisions"
+    (points,) = ax.plot(
+        x,
+        e,
+        linestyle="",
+        color=colours().ink,
+        clip_on=False,  # marks on the frame are whole
+        zorder=3,
+        **COMPUTED,
     )
     residual = ax.text(
         0.98,
         0.04,
-        note,
+        f"largest |e {MINUS} ℓ₁/ℓ₂| = {largest:.1e}\nin {e.size} collisions",
         transform=ax.transAxes,
         ha="right",
         va="bottom",
-        fontsize=style.SMALL + 1,
+        fontsize=SMALL + 1,
     )
-    style.grid(ax)
-    ax.legend(loc="upper left", frameon=False, fontsize=style.SMALL + 1)
-    style.dress(
+    add_grid(ax)
+    ax.legend(loc="upper left", frameon=False, fontsize=SMALL + 1)
+    format_axes(
         ax,
         xlim=(0, reach),
-        ylim=(0, max(reach, 1.05 * float(e.max()))),
+        ylim=(0, top),
         aspect="equal",
         xlabel="ratio of lengths ℓ₁/ℓ₂",
         ylabel="coefficient of restitution e",
     )
-    return style.Picture(ax=ax, law=law, points=points, residual=residual)
+    return Picture(ax=ax, law=law, points=points, residual=residual)

@@ -2,6 +2,7 @@
 
 from contextlib import suppress
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib import artist
@@ -11,19 +12,23 @@ from matplotlib.text import Text
 from ..methods.groups import movable
 from ..methods.signals import Floats
 from ..model import Rod
+from ..results.energy import EnergyLedger
 from ..results.regions import regions_of
 from ..results.solution import Solution, check_solution
 from ..storage.report import ENERGIES
-from .moments import contact_turns
-from .placing import placing
-from .sampling import is_stepped
-from .scales import ROUND_OFF, engineering, listed, time_scale, written
-from .style import INK, SMALL, Picture, axes, dress, extent, legend_above, styled
+from .labels import legend_above
+from .layout import choose_layout
+from .moments import contact_event_times
+from .panels import Draft, Picture, axes_or_new, finish, format_axes, units_per_point
+from .sampling import is_smooth
+from .scales import NEGLIGIBLE_RTOL, engineering, listed, time_scale, written
+from .style import INK, SMALL, styled
 
-SAMPLES = 61  # energies bend like parabolas where a force acts
-OF_MASSES = 401  # the same where no rod vibrates, and contacts are short
-TURNS = 6  # of contacts that are sampled too
-CORNERS_UP_TO = 500
+TIMES_WITH_RODS = 61  # energies bend like parabolas where a force acts
+TIMES_OF_MASSES = 401  # the same where no rod vibrates, and contacts are short
+MAX_EVENTS = 6  # of contacts that are sampled too
+MAX_REGIONS = 500  # whose corners are sampled too
+NAME_PLACES = 60  # tried for the name of a band
 BANDS = {
     "kinetic": "#53659f",
     "vibrational_kinetic": "#f0dc78",
@@ -35,12 +40,24 @@ BANDS = {
     "numerical": "#c7a3c4",
 }
 """Entries of the ledger that are stacked, and their colours."""
-ALWAYS = ("kinetic", "vibrational_kinetic", "strain")
+ALWAYS_SHOWN = ("kinetic", "vibrational_kinetic", "strain")
 WORKS = {
     "wall_work": "the walls",
     "drive_work": "the driven ends",
     "gravity_work": "gravity",
 }
+ENTERING_WAVES = "waves that enter through absorbing ends"
+
+
+class _Energies(NamedTuple):
+    """Energies over time, J, in the frame of the picture."""
+
+    times: Floats  # s
+    frame: float  # m/s
+    bands: dict[str, Floats]  # entries of the ledger with a visible part
+    workers: list[str]  # what works on the row
+    supplied: Floats  # initial energy and all work since
+    total: float  # largest sum of the bands
 
 
 @styled
@@ -79,105 +96,145 @@ def energy(solution: Solution, ax: Axes | None = None) -> Picture:
     >>> picture.ax.get_xlabel()
     'time t (µs)'
     """
-    check_solution(solution)
-    ax = axes(ax, 5.6, 3.2)
-    times = _times(solution)
-    frame = placing(solution, 0.0, solution.t_end).frame
-    ledger, masses, free = (
-        solution.energy(times),
-        solution.outcome.masses,
-        movable(solution.system),
-    )
-    momentum = sum(masses[i] * solution.mean_velocity(i, times) for i in free)
-    drift = frame * (momentum - frame / 2 * sum(masses[i] for i in free))
-    entries = {entry: getattr(ledger, entry) for entry in BANDS}
-    entries["kinetic"] = ledger.kinetic - drift
-    works = {name: getattr(ledger, entry) for entry, name in WORKS.items()}
-    works["waves that enter through absorbing ends"] = np.maximum(
-        -entries["radiated"], 0.0
-    )
-    supplied = ledger.total[0] - drift + sum(works.values())
-    parts = {entry: np.maximum(part, 0.0) for entry, part in entries.items()}
-    total = float(sum(parts.values()).max())
-    parts = {
-        entry: part
-        for entry, part in parts.items()
-        if entry in ALWAYS or part.max() > ROUND_OFF * total
-    }
-    workers = [name for name, work in works.items() if np.ptp(work) > ROUND_OFF * total]
+    return finish(draft_energy(solution, ax))
 
-    time, scale = time_scale(solution.t_end), engineering("energy", total, "J")
-    x, heights = times * time.factor, list(parts.values())
+
+def draft_energy(solution: Solution, ax: Axes | None) -> Draft:
+    """Draft of `energy`."""
+    check_solution(solution)
+    ax = axes_or_new(ax, 5.6, 3.2)
+    time = time_scale(solution.t_end)
+
+    # What is measured.
+    energies = _energies(solution)
+    scale = engineering("energy", energies.total, "J")
+    x = energies.times * time.factor
+    heights = np.stack(list(energies.bands.values()))
+    supplied = energies.supplied * scale.factor
+
+    # What is drawn.
     bands = ax.stackplot(
         x,
-        np.stack(heights) * scale.factor,
+        heights * scale.factor,
         linewidth=0.0,
-        colors=[BANDS[entry] for entry in parts],
-        labels=[ENERGIES[entry] for entry in parts],
+        colors=[BANDS[entry] for entry in energies.bands],
+        labels=[ENERGIES[entry] for entry in energies.bands],
     )
-    seen = f" in a frame moving at {written(frame, 'm/s')}" if frame else ""
-    dress(
+    frame = ""
+    if energies.frame:
+        frame = f" in a frame moving at {written(energies.frame, 'm/s')}"
+    top = 1.08 * max(energies.total, float(energies.supplied.max())) * scale.factor
+    format_axes(
         ax,
         xlim=(0, solution.t_end * time.factor),
         xlabel=time.label,
-        ylim=(0, 1.08 * max(total, float(supplied.max())) * scale.factor or 1.0),
-        ylabel=f"{scale.name}{seen} ({scale.unit})",
+        ylim=(0, top or 1.0),
+        ylabel=f"{scale.name}{frame} ({scale.unit})",
     )
     work = None
-    if workers:
+    if energies.workers:
         (work,) = ax.plot(
             x,
-            supplied * scale.factor,
+            supplied,
             color=INK,
             linewidth=1.2,
             linestyle="--",
-            label=f"initial energy and work of {listed(workers)}",
+            label=f"initial energy and work of {listed(energies.workers)}",
         )
-    labels: list[Text] = []
-    missing: list[artist.Artist | None] = [work]
-    borders = np.cumsum([np.zeros(x.size), *heights], axis=0) * scale.factor
-    for band, (low, high) in zip(bands, pairwise(borders), strict=True):
-        name = str(band.get_label())
-        spot = _widest(ax, x, low, high, name)
-        if spot:
-            labels.append(
-                ax.text(
-                    *spot,
-                    name,
-                    color="white" if band is bands[0] else INK,
-                    ha="center",
-                    va="center",
-                    fontsize=SMALL + 1,
-                )
-            )
-        elif (high - low).max() > ROUND_OFF * borders.max():
-            missing.append(band)
-    legend_above(ax, missing)
-    return Picture(ax=ax, bands=bands, labels=labels, work=work)
+    picture = Picture(ax=ax, bands=bands, labels=[], work=work)
+    start = np.zeros((1, x.size))
+    borders = np.cumsum(np.concatenate([start, heights]), axis=0) * scale.factor
+
+    def write_words() -> None:
+        nameless: list[artist.Artist | None] = [work]
+        for band, (low, high) in zip(bands, pairwise(borders), strict=True):
+            color = "white" if band is bands[0] else INK
+            name = _name_band(ax, str(band.get_label()), x, (low, high), color)
+            if name is not None:
+                picture.labels.append(name)
+            elif (high - low).max() > NEGLIGIBLE_RTOL * borders.max():
+                nameless.append(band)
+        legend_above(ax, nameless)
+
+    return Draft(picture, write_words)
+
+
+def _energies(solution: Solution) -> _Energies:
+    """Energies of a solution, in the frame in which `spacetime` draws the row."""
+    times = _times(solution)
+    frame = choose_layout(solution, 0.0, solution.t_end).frame
+    ledger = solution.energy(times)
+    drift = _energy_of_drift(solution, frame, times)
+    entries = {entry: getattr(ledger, entry) for entry in BANDS}
+    entries["kinetic"] = ledger.kinetic - drift
+    works = _works(ledger)
+    work = np.sum(list(works.values()), axis=0)
+    supplied: Floats = np.asarray(ledger.total[0] - drift + work)
+
+    parts = {entry: np.maximum(part, 0.0) for entry, part in entries.items()}
+    total = float(sum(parts.values()).max())
+    bands = {
+        entry: part
+        for entry, part in parts.items()
+        if entry in ALWAYS_SHOWN or part.max() > NEGLIGIBLE_RTOL * total
+    }
+    workers = []
+    for name, work in works.items():
+        if np.ptp(work) > NEGLIGIBLE_RTOL * total:
+            workers.append(name)
+    return _Energies(times, frame, bands, workers, supplied, total)
+
+
+def _energy_of_drift(solution: Solution, frame: float, times: Floats) -> Floats:
+    """Energy of a row that drifts at the velocity of a frame, J: v (P - M v/2)."""
+    bodies = movable(solution.system)
+    masses = solution.outcome.masses
+    momentum = sum(masses[i] * solution.mean_velocity(i, times) for i in bodies)
+    mass = sum(masses[i] for i in bodies)
+    return np.asarray(frame * (momentum - frame / 2 * mass))
+
+
+def _works(ledger: EnergyLedger) -> dict[str, Floats]:
+    """Work over time, J, by the name of what works."""
+    works = {name: getattr(ledger, entry) for entry, name in WORKS.items()}
+    works[ENTERING_WAVES] = np.maximum(-ledger.radiated, 0.0)
+    return works
 
 
 def _times(solution: Solution) -> Floats:
-    """Even instants, and those at which waves meet or are reflected, unless they are too many."""
-    waves = any(isinstance(body, Rod) for body in solution.system.bodies)
-    known: Floats = np.array(contact_turns(solution)[:TURNS])
-    if not is_stepped(solution):
+    """Even times, and those at which waves meet or are reflected, unless they are too many."""
+    events: Floats = np.array(contact_event_times(solution)[:MAX_EVENTS])
+    if not is_smooth(solution):
         with suppress(ValueError):  # too many regions
-            known = np.unique(regions_of(solution, limit=CORNERS_UP_TO).t)
-    even = np.linspace(0.0, solution.t_end, SAMPLES if waves else OF_MASSES)
-    return np.union1d(even, np.minimum(known, solution.t_end))
+            events = np.unique(regions_of(solution, limit=MAX_REGIONS).t)
+    count = TIMES_OF_MASSES
+    if any(isinstance(body, Rod) for body in solution.system.bodies):
+        count = TIMES_WITH_RODS
+    even = np.linspace(0.0, solution.t_end, count)
+    return np.union1d(even, np.minimum(events, solution.t_end))
 
 
-def _widest(
-    ax: Axes, x: Floats, low: Floats, high: Floats, text: str
-) -> tuple[float, float] | None:
-    """Centre of the roomiest box for a text between two curves; none if there is no room."""
-    point = np.ptp([ax.get_xlim(), ax.get_ylim()], axis=1) / extent(ax)
-    width, height = 0.6 * SMALL * (len(text) + 1) * point[0], 1.5 * SMALL * point[1]
-    centres = np.linspace(width / 2, float(x[-1]) - width / 2, 60)
-    under = np.abs(x - centres[:, None]) <= width / 2
-    floor = np.where(under, low, -np.inf).max(axis=1)
-    ceiling = np.where(under, high, np.inf).min(axis=1)
+def _name_band(
+    ax: Axes, name: str, x: Floats, band: tuple[Floats, Floats], color: str
+) -> Text | None:
+    """Write a name into the roomiest place between the two curves of a band, if any."""
+    low, high = band
+    per_point = units_per_point(ax)
+    width = 0.6 * SMALL * (len(name) + 1) * per_point[0]
+    height = 1.5 * SMALL * per_point[1]
+    centres = np.linspace(width / 2, float(x[-1]) - width / 2, NAME_PLACES)
+    is_under = np.abs(x - centres[:, None]) <= width / 2
+    floor = np.where(is_under, low, -np.inf).max(axis=1)
+    ceiling = np.where(is_under, high, np.inf).min(axis=1)
     best = int(np.argmax(ceiling - floor))
     if ceiling[best] - floor[best] <= height:
         return None
-    return float(centres[best]), float(floor[best] + ceiling[best]) / 2
+    return ax.text(
+        float(centres[best]),
+        float(floor[best] + ceiling[best]) / 2,
+        name,
+        color=color,
+        ha="center",
+        va="center",
+        fontsize=SMALL + 1,
+    )

@@ -1,4 +1,4 @@
-"""Instants of a collision for snapshots, the events at contacts, and their names."""
+"""Instants of a collision: those for snapshots, the events at contacts, and their names."""
 
 import math
 from typing import Any
@@ -6,131 +6,178 @@ from typing import Any
 import numpy as np
 
 from ..methods.signals import Floats
-from ..model import Rod, System
-from ..model.numbering import body_numbers, contact_names
+from ..model import Rod
+from ..model.numbering import contact_names
+from ..results.contacts import ContactHistory
 from ..results.solution import Solution
-from .sampling import evenly, is_stepped
+from .labels import length_name
+from .sampling import evenly, is_smooth
 
-FEWEST = 3  # instants of a solution in which nothing stands out
-CROWD = 0.5  # of an even spacing: how near happenings may come on a time step
-SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
-TRIPS = 9  # whole round trips that are named, at most
-ALIKE = 1e-6  # relative difference of times that are the same
+MIN_MOMENTS = 3  # of a solution in which nothing stands out
+MIN_SPACING = 0.5  # least time between events on a time step, in even spacings
+SHORTEST_WAIT = 0.75  # least wait that is halved, in waits between reflections
+MAX_NAMED_TRIPS = 9  # whole round trips that are named
+ROUND_TRIP_RTOL = 1e-6
 
 
-def moments(solution: Solution, most: int = 8) -> Floats:
-    """Instructive times, s, at most `most` of them.
+def moments(solution: Solution, at_most: int = 8) -> Floats:
+    """Instructive times, s, at most `at_most` of them.
 
-    The times are the start and the end, each beginning and end of a force, each opening of a gap,
-    waves half-way to their first reflection, and reflections while contacts last. The middles of
-    the longest intervals are added. Solutions with a time step have no reflections.
+    The times are the start and the end, each beginning and end of a force, each opening of a
+    gap, waves half-way to their first reflection, and reflections while contacts last, the
+    first at each end of a rod before others. The middles of the longest intervals are added.
+    Solutions with a time step have no reflections.
     """
-    turns: Floats = np.unique(contact_turns(solution))
-    closed = any(
-        c.episodes and not c.episodes[-1].opening <= solution.t_end
-        for c in solution.contacts
-    )
-    fields: Any = solution.fields
-    first = float(turns[0]) if turns.size else 0.0
-    last = solution.t_end if closed or not turns.size else float(turns[-1])
-    reflections: Floats = np.empty(
-        0
-    )  # times at which a changed wave leaves an end of a segment
-    if is_stepped(solution):
-        near = np.diff(turns, prepend=-np.inf) < CROWD * (last - first) / most
-        turns = turns[~near]
-    else:
-        ticks = np.concatenate([s.ticks for s in fields.motion.lines if s is not None])
-        times = np.unique(ticks) * fields.clock.tick
-        reflections = times[(times > 0) & (times <= last)]
-    most = most if turns.size or reflections.size else FEWEST
-    chosen = np.union1d(turns, [0.0, solution.t_end])
-    chosen = chosen[evenly(chosen.size, most)]
-    after = reflections[reflections > first]
-    if after.size and chosen.size < most:
+    events: Floats = np.unique(contact_event_times(solution))
+    first = 0.0
+    last = solution.t_end
+    if events.size:
+        first = float(events[0])
+        if not _is_closed_at_the_end(solution):
+            last = float(events[-1])
+
+    reflections = _Reflections(solution, last)
+    if is_smooth(solution):  # events on neighbouring time steps are one to the eye
+        least = MIN_SPACING * (last - first) / at_most
+        events = events[np.diff(events, prepend=-np.inf) >= least]
+    if not events.size and not reflections.all.size:
+        at_most = MIN_MOMENTS
+
+    chosen = np.union1d(events, [0.0, solution.t_end])
+    chosen = chosen[evenly(chosen.size, at_most)]
+    after = reflections.all[reflections.all > first]
+    if after.size and chosen.size < at_most:
         chosen = np.union1d(chosen, (first + after[0]) / 2)
-    others = np.setdiff1d(reflections, chosen)
-    chosen = np.union1d(chosen, others[evenly(others.size, most - chosen.size)])
-    shortest = 0.75 * float(np.diff(np.union1d(first, after)).min(initial=np.inf))
-    while (
-        chosen.size < most
-    ):  # the middles of the longest waits, if these are not too short
+    for candidates in (reflections.first, reflections.all):
+        others = np.setdiff1d(candidates, chosen)
+        others = others[evenly(others.size, at_most - chosen.size)]
+        chosen = np.union1d(chosen, others)
+    shortest = 0.0
+    if after.size:
+        waits = np.diff(np.union1d(first, after))
+        shortest = SHORTEST_WAIT * float(waits.min(initial=np.inf))
+    return _with_middles(chosen, (first, last), shortest, at_most)
+
+
+class _Reflections:
+    """Times, s, up to `last` at which a changed wave leaves an end of a segment.
+
+    Attributes
+    ----------
+    all, first : array
+        All times, and the first at each end of a segment.
+    """
+
+    def __init__(self, solution: Solution, last: float) -> None:
+        every = [np.empty(0)]
+        first = []
+        if not is_smooth(solution):
+            fields: Any = solution.fields
+            for line in fields.motion.lines:
+                if line is None:
+                    continue
+                times = np.asarray(line.ticks) * fields.clock.tick
+                times = times[(times > 0) & (times <= last)]
+                every.append(times)
+                first.extend(times[:1])
+        self.all = np.unique(np.concatenate(every))
+        self.first = np.unique(np.array(first, dtype=float))
+
+
+def _is_closed_at_the_end(solution: Solution) -> bool:
+    """Whether a contact is still closed when the solution ends."""
+    for contact in solution.contacts:
+        if contact.episodes and not contact.episodes[-1].opening <= solution.t_end:
+            return True
+    return False
+
+
+def _with_middles(
+    chosen: Floats, span: tuple[float, float], shortest: float, at_most: int
+) -> Floats:
+    """Times with the middles of the longest waits in a span that are not too short."""
+    first, last = span
+    while chosen.size < at_most:
         inside = chosen[(chosen >= first) & (chosen <= last)]
         waits = np.diff(inside)
-        if waits.max(initial=0.0) <= (shortest if after.size else 0.0):
+        if waits.max(initial=0.0) <= shortest:
             break
         i = int(waits.argmax())
         chosen = np.union1d(chosen, (inside[i] + inside[i + 1]) / 2)
     return chosen
 
 
-def happening(solution: Solution, t: float) -> str:
-    """What happens at the contacts at time t: one line for each contact concerned."""
+def events_at(solution: Solution, t: float) -> str:
+    """Events at the contacts at time t: one line for each contact concerned."""
     several = len(solution.outcome.unilateral) > 1
     names = contact_names(solution.system.kinds)
     lines = []
     for contact in solution.contacts:
-        where = f" at contact {names[contact.index]}" if several else ""
-        for start, force_end, opening in contact.episodes:
-            ends = ((force_end, "force ends"), (opening, "gap opens"))
-            event = (
-                "force begins"
-                if t == start
-                else ", ".join(what for when, what in ends if t == when)
-            )
-            if event:
-                lines.append(event + where)
+        place = ""
+        if several:
+            place = f" at contact {names[contact.index]}"
+        for episode in contact.episodes:
+            events = []
+            if t == episode.start:
+                events.append("force begins")
+            else:
+                if t == episode.force_end:
+                    events.append("force ends")
+                if t == episode.opening:
+                    events.append("gap opens")
+            if events:
+                lines.append(", ".join(events) + place)
     return "\n".join(lines)
 
 
-def contact_turns(solution: Solution) -> list[float]:
+def contact_event_times(solution: Solution) -> list[float]:
     """Times at which a contact begins, stops pressing, or opens."""
-    return [
-        t
-        for contact in solution.contacts
-        for episode in contact.episodes
-        for t in episode
-        if t == t
-    ]
+    times: list[float] = []
+    for contact in solution.contacts:
+        times += event_times(contact)
+    return times
 
 
-def length_name(system: System, body: int) -> str:
-    """Symbol of the length of a rod, with the number of the rod."""
-    return "\N{SCRIPT SMALL L}" + body_numbers(system.kinds)[body].translate(SUBSCRIPTS)
+def event_times(contact: ContactHistory, at_most: int | None = None) -> list[float]:
+    """Times at which one contact begins, stops pressing, or opens, of its first episodes."""
+    times: list[float] = []
+    for episode in contact.episodes[:at_most]:
+        times += [t for t in episode if not math.isnan(t)]
+    return times
 
 
 def round_trips(solution: Solution) -> dict[float, str]:
-    """Names of instants, s, at which a force ends or a gap opens after whole round trips: 2 l1/c.
+    """Names of times, s, at which a force ends or a gap opens after round trips: 2 l1/c.
 
-    Of contacts that press from t = 0 on; a trip is that of a wave in one of the two rods there.
+    The contacts press from t = 0 on; a round trip is that of a wave in one of the two rods
+    beside the contact.
     """
-    system, names = solution.system, dict[float, str]()
-    rods = {
+    system = solution.system
+    uniform = {
         i: body
         for i, body in enumerate(system.bodies)
         if isinstance(body, Rod) and len(body.segments) == 1
     }
-    several = len({body.segments[0].material for body in rods.values()}) > 1
+    materials = {rod.segments[0].material for rod in uniform.values()}
+
+    names: dict[float, str] = {}
     for contact in solution.contacts:
-        turns = {
-            t
-            for start, *ends in contact.episodes[:1]
-            if start == 0
-            for t in ends
-            if t == t
-        }
-        trips = [
-            (round(t / (2 * time)), t, body)
-            for body in (contact.index, contact.index + 1)
-            if body in rods
-            for time in [float(rods[body].transit_time)]
-            for t in turns
-            if math.isclose(t, 2 * time * round(t / (2 * time)), rel_tol=ALIKE)
-        ]
-        for count, t, body in sorted(trips):
-            length = length_name(system, body)
-            if count <= TRIPS:
-                names.setdefault(
-                    t, f"{2 * count} {length}/c{length[1:] if several else ''}"
-                )
+        if not contact.episodes or contact.episodes[0].start != 0:
+            continue
+        trips = []
+        for i in (contact.index, contact.index + 1):
+            if i not in uniform:
+                continue
+            trip = 2 * float(uniform[i].transit_time)
+            for t in event_times(contact, 1):
+                count = round(t / trip)
+                if t > 0 and math.isclose(t, trip * count, rel_tol=ROUND_TRIP_RTOL):
+                    trips.append((count, t, i))
+        for count, t, i in sorted(trips):
+            length = length_name(system, i)
+            speed = "c"
+            if len(materials) > 1:
+                speed = f"c{length[1:]}"
+            if count <= MAX_NAMED_TRIPS:
+                names.setdefault(t, f"{2 * count} {length}/{speed}")
     return names

@@ -1,8 +1,8 @@
 """Animation: the row above, its growing space-time diagram and contact forces below.
 
-It begins before the contact and names the events at contacts. The
-Axes of bodies and words are drawn again in each frame, over a picture of the others at the end of
-the film, whose later times get the colour of the paper.
+It begins before the contact and names the events at contacts. The Axes of bodies and words
+are drawn again in each frame, over a picture of the others at the end of the film, whose
+later times get the colour of the paper.
 """
 
 import io
@@ -10,7 +10,7 @@ import math
 import os
 from collections.abc import Iterator
 from contextvars import copy_context
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -31,22 +31,43 @@ from ..progress import (
 )
 from ..results.solution import Solution, check_waves
 from ..storage import writing
-from . import files, style
-from .bars import TOLD, Bars
-from .diagram import spacetime
-from .histories import Forces
-from .moments import contact_turns, happening
+from . import films
+from .bars import LEGEND, Bars
+from .diagram import draft_spacetime
+from .files import as_image
+from .histories import ContactCurves
+from .labels import break_label, legend_above, wrap_words
+from .layout import PictureLayout, choose_layout
+from .moments import contact_event_times, events_at
 from .page import headline
-from .placing import Placing, placing
+from .panels import format_axes, lay_out, new_figure, size_in_points
 from .polygons import drawn_until
 from .scales import axis_scales, signed, written
+from .style import NORMAL, SMALL, colours, styled
 
-MOST_FRAMES, MOST_PER_SECOND = 10_000, 50
+MAX_FRAMES = 10_000
+MAX_FRAMES_PER_SECOND = 50
 DOTS_PER_INCH = 100
-CONTACTS = 5  # shown at most
-SAMPLED = 100  # frames by whose largest strain bars swell
-APPROACH = 0.2  # largest share of the frames before contact
-APPROACH_WAY = 0.12  # largest part of the row that closes before contact
+MAX_CONTACTS = 5  # whose forces are shown
+FRAMES_OF_STRAIN = 100  # by whose largest strain bars swell
+MAX_CAPTION_LINES = 3
+MAX_APPROACH_FRAMES = 0.2  # largest share of the frames before contact
+MAX_APPROACH_WAY = 0.12  # largest part of the row that closes before contact
+NOW_LINE = 2  # pixels
+CLOCK_HEIGHT = 19.0  # points, of the line above the caption
+WORDS_BESIDE = 0.2  # of a film's width for a caption beside the row
+WORDS_ABOVE = 0.38  # of a narrow film's width for a caption above the row
+MIN_WIDE = 6.0  # inches, of a film with words beside the row
+MIN_HEIGHT = 5.4  # inches
+
+
+class _Places(NamedTuple):
+    """Places of the panels of a film."""
+
+    words: Any
+    row: Any
+    diagram: Any
+    forces: Any
 
 
 class Animation:
@@ -64,141 +85,187 @@ class Animation:
     """
 
     def __init__(
-        self,
-        plan: Placing,
-        field: str,
-        times: Floats,
-        fps: float,
+        self, layout: PictureLayout, field: str, times: Floats, fps: float
     ) -> None:
-        solution = plan.solution
+        solution = layout.solution
         self.fps = fps
         self.title = headline(solution)
-        self._look = copy_context()
         self.field = field
-        self.colours = style.colours()
         self.times = times
-        times = times[np.searchsorted(times, 0.0) :]  # without the approach
-        start = float(times[0])
-        stop = float(times[-1])
-        # times at which something happens at contacts, and what to read before and after each
-        self._turns = sorted({t for t in contact_turns(solution) if start <= t <= stop})
-        self._captions = ["before contact" if start == 0 and self._turns else ""]
-        for t in self._turns:
-            lines = [f"{written(t, 's')}:", *happening(solution, t).splitlines()]
-            self._captions.append("\n".join(lines[:3]) + ", ..." * (len(lines) > 3))
-        self._time, place = axis_scales(solution, False, stop, plan.row)
-        self.figure = style.new_figure(8.4, 6.8)
-        self.figure.suptitle(
-            style.broken(self.title, 72 * self.figure.get_figwidth()),
-            fontsize=style.NORMAL + 1,
-        )
+        self.colours = colours()
+        self._look = copy_context()
+        shown = times[np.searchsorted(times, 0.0) :]  # without the approach
+        start = float(shown[0])
+        stop = float(shown[-1])
+        scales = axis_scales(solution, False, stop, layout.row)
+        self._time = scales.time
+
+        self.figure = new_figure(8.4, 6.8, MIN_HEIGHT)
         self.figure.set_dpi(DOTS_PER_INCH)
-        grid = self.figure.add_gridspec(
-            2, 2, height_ratios=(1.2, 3.6), width_ratios=(3, 1)
-        )
-        below = self.figure.add_subplot(grid[1, 0])
-        picture = spacetime(
+        self._find_captions(solution, start, stop)
+        room = 72 * self.figure.get_figwidth()
+        self.figure.suptitle(break_label(self.title, room), fontsize=NORMAL + 1)
+        places = self._places()
+        below = self.figure.add_subplot(places.diagram)
+        diagram = draft_spacetime(
             solution,
             below,
             field,
             start=start,
             stop=stop,
-            magnification=plan.magnification,
+            magnification=layout.magnification,
             coordinates="lab",
         )
-        self._norm: Any = picture.regions.norm
-        self._factor = picture.scale.factor
-        self._row = self.figure.add_subplot(grid[0, 0], sharex=below, animated=True)
+        self._norm: Any = diagram.picture.regions.norm
+        self._factor = diagram.picture.scale.factor
+        self._row = self.figure.add_subplot(places.row, sharex=below, animated=True)
         self._row.set(ylim=(-0.6, 0.6), autoscale_on=False)
         self._row.set_axis_off()
-        self._bars = Bars(self._row, plan, times[:: 1 + times.size // SAMPLED], place)
-        first = [
-            float(plan.end(i, False, self.times[0])) for i in range(len(plan.left))
-        ]
-        below.set_xlim(
-            left=min(below.get_xlim()[0], (min(first) - 0.02 * plan.row) * place.factor)
-        )
-        self._words = self.figure.add_subplot(grid[0, 1], animated=True)
-        self._clock, self._caption = self._write(solution, times)
+        step = 1 + shown.size // FRAMES_OF_STRAIN
+        self._bars = Bars(self._row, layout, shown[::step], scales.x)
+        self._show_approach(below, layout)
+        self._words = self.figure.add_subplot(places.words, animated=True)
+        self._words.set_axis_off()
+        self._write_notes(solution, shown)
+        self._clock = self._write_line(0.0, NORMAL + 4)
+        self._caption = self._write_line(CLOCK_HEIGHT, NORMAL)
         self._growing = [below]
         if solution.outcome.unilateral:
-            self._growing.append(self.figure.add_subplot(grid[1, 1], sharey=below))
-            _draw_forces(self._growing[1], solution)
+            beside = self.figure.add_subplot(places.forces, sharey=below)
+            _draw_forces(beside, solution)
+            self._growing.append(beside)
+        lay_out(self.figure)
+        diagram.write_words()
         self._canvas = cast("Any", FigureCanvasAgg(self.figure))
         self.figure.draw(self._canvas.get_renderer())
         self.figure.set_layout_engine("none")
         self._still = self._canvas.copy_from_bbox(self.figure.bbox)
 
-    def _write(self, solution: Solution, times: Floats) -> list[Text]:
-        """Write how slow the film is and what bars show; return the texts of clock and caption."""
-        self._words.set_axis_off()
+    def _places(self) -> "_Places":
+        """Places of the panels: words beside the row, or above it in a narrow film."""
+        if self._is_narrow():
+            grid = self.figure.add_gridspec(
+                3, 2, height_ratios=(1.0, 0.7, 3.6), width_ratios=(3, 1)
+            )
+            return _Places(grid[0, :], grid[1, 0], grid[2, 0], grid[2, 1])
+        grid = self.figure.add_gridspec(
+            2, 2, height_ratios=(1.2, 3.6), width_ratios=(3, 1)
+        )
+        return _Places(grid[0, 1], grid[0, 0], grid[1, 0], grid[1, 1])
+
+    def _is_narrow(self) -> bool:
+        """Whether words have no room beside the row."""
+        return bool(self.figure.get_figwidth() < MIN_WIDE)
+
+    def _find_captions(self, solution: Solution, start: float, stop: float) -> None:
+        """Find the times of events at contacts, and a caption for before and after each."""
+        times = {t for t in contact_event_times(solution) if start <= t <= stop}
+        self._event_times = sorted(times)
+        share = WORDS_ABOVE if self._is_narrow() else WORDS_BESIDE
+        room = share * 72 * self.figure.get_figwidth()
+        first = ""
+        if start == 0 and times:
+            first = "before contact"
+        self._captions = [first]
+        for t in self._event_times:
+            events = events_at(solution, t).splitlines()
+            lines = [f"{written(t, 's')}:"]
+            for event in events:
+                lines += wrap_words(event, room).split("\n")
+            caption = "\n".join(lines[:MAX_CAPTION_LINES])
+            if len(lines) > MAX_CAPTION_LINES:
+                caption += ", ..."
+            self._captions.append(caption)
+
+    def _show_approach(self, ax: Axes, layout: PictureLayout) -> None:
+        """Widen the axis of x so that bodies are inside before they touch."""
+        first = min(
+            float(layout.end(i, False, self.times[0])) for i in range(len(layout.left))
+        )
+        left = (first - 0.02 * layout.row) * self._bars.x_scale.factor
+        ax.set_xlim(left=min(ax.get_xlim()[0], left))
+
+    def _write_notes(self, solution: Solution, times: Floats) -> None:
+        """Write how slow the film is and what the bars show."""
         stop = float(times[-1])
         slowness = (times.size - 1) / self.fps / (stop - float(times[0]))
-        rounded = f"{float(f'{slowness:.2g}'):,.0f}".replace(
-            ",", "\N{NARROW NO-BREAK SPACE}"
-        )
-        words = [f"slowed down {rounded} times"] * (slowness > 1)
-        words += [f"first {written(stop, 's')} of {written(solution.t_end, 's')}"] * (
-            stop < solution.t_end
-        )
-        words.append(TOLD.replace(", ", ",\n"))
+        lines = []
+        if slowness > 1:
+            rounded = f"{float(f'{slowness:.2g}'):,.0f}"
+            number = rounded.replace(",", "\N{NARROW NO-BREAK SPACE}")
+            lines.append(f"slowed down {number} times")
+        if stop < solution.t_end:
+            lines.append(
+                f"first {written(stop, 's')} of {written(solution.t_end, 's')}"
+            )
+        lines.append(LEGEND.replace(", ", ",\n"))
+        place: dict[str, Any] = {"x": 0.0, "y": 0.0, "va": "baseline"}
+        if self._is_narrow():
+            place = {"x": 0.45, "y": 1.0, "va": "top"}
         self._words.text(
-            0.0,
-            0.0,
-            "\n".join(words),
-            fontsize=style.SMALL + 1,
+            s="\n".join(lines),
+            **place,
+            fontsize=SMALL + 1,
             color=self.colours.faint,
             linespacing=1.4,
         )
-        return [
-            self._words.text(
-                0.0, height, "", va="top", fontsize=size, color=self.colours.ink
-            )
-            for height, size in ((1.0, style.NORMAL + 4), (0.85, style.NORMAL))
-        ]
 
-    @style.styled
+    def _write_line(self, below: float, size: float) -> Text:
+        """An empty text so many points below the top of the panel of words."""
+        return self._words.annotate(
+            "",
+            (0.0, 1.0),
+            (0.0, -below),
+            "axes fraction",
+            "offset points",
+            va="top",
+            fontsize=size,
+            color=self.colours.ink,
+        )
+
+    @styled
     def frame(self, number: int) -> NDArray[np.uint8]:
         """Picture [height, width, 3] of one frame, red, green and blue from 0 to 255."""
         t = float(self.times[number])
         self._canvas.restore_region(self._still)
         self._clock.set_text(self.clock(number))
-        self._caption.set_text(
-            self._captions[np.searchsorted(self._turns, t, side="right")]
-        )
+        event = np.searchsorted(self._event_times, t, side="right")
+        self._caption.set_text(self._captions[event])
         self._look.run(self._draw_bodies, t)
         for ax in (self._row, self._words):
             self.figure.draw_artist(ax)
         for actor in [*self._row.collections, *self._row.patches, *self._row.lines]:
             actor.remove()
         picture = np.array(self._canvas.buffer_rgba())[..., :3]
-        paper, ink = (
-            255 * np.array(to_rgb(c)) for c in (self.colours.paper, self.colours.ink)
-        )
-        for ax in self._growing:  # nothing is seen of the future
-            left, bottom, right, top = np.rint(ax.bbox.extents).astype(int)
-            now = round(
-                ax.transData.transform((0.0, max(t, 0.0) * self._time.factor))[1]
-            )
-            future = picture[::-1][max(bottom, now) : top, left + 1 : right]
-            future[:] = paper
-            future[:2] = ink
+        for ax in self._growing:
+            self._hide_future(picture, ax, t)
         return picture
+
+    def _hide_future(self, picture: NDArray[np.uint8], ax: Axes, t: float) -> None:
+        """Give the times after t of an Axes the colour of the paper, above a line."""
+        left, bottom, right, top = np.rint(ax.bbox.extents).astype(int)
+        height = max(t, 0.0) * self._time.factor
+        now = round(ax.transData.transform((0.0, height))[1])
+        upward = picture[::-1]
+        future = upward[max(bottom, now) : top, left + 1 : right]
+        future[:] = 255 * np.array(to_rgb(self.colours.paper))
+        future[:NOW_LINE] = 255 * np.array(to_rgb(self.colours.ink))
 
     def _draw_bodies(self, t: float) -> None:
         """Draw the bodies at a time; nothing else is on their Axes."""
         bars = self._bars
-        bars.at(np.array([t]))
-        bars.rods(bars.pieces[self.field] * self._factor, self._norm)
-        for draw in (bars.walls, bars.masses, bars.outlines, bars.marks):
-            draw()
+        bars.move_to(np.array([t]))
+        bars.draw_rods(bars.pieces[self.field] * self._factor, self._norm)
+        bars.draw_walls()
+        bars.draw_masses()
+        bars.draw_outlines()
+        bars.draw_marks()
 
     def clock(self, number: int) -> str:
         """Time of a frame, in words."""
         now, end = self.times[[number, -1]] * self._time.factor
-        return signed(
-            f"t = {now:.{max(0, 2 - math.floor(math.log10(end)))}f} {self._time.unit}"
-        )
+        decimals = max(0, 2 - math.floor(math.log10(end)))
+        return signed(f"t = {now:.{decimals}f} {self._time.unit}")
 
     def __len__(self) -> int:
         return len(self.times)
@@ -242,7 +309,7 @@ class Animation:
         problems: Problems = []
         check_progress(problems, progress)
         raise_noted(problems)
-        write = files.WRITERS[files.check_film(path)]
+        write = films.WRITERS[films.check_film(path)]
         with (
             writing.written(path, force=force) as file,
             Progress(progress, "film", "frames") as report,
@@ -252,11 +319,11 @@ class Animation:
     def _repr_html_(self) -> str:
         memory = io.BytesIO()
         with Progress(True, "film", "frames") as report:
-            files.write_gif(memory, self, report)
-        return files.as_image(memory.getvalue(), "gif", self.title)
+            films.write_gif(memory, self, report)
+        return as_image(memory.getvalue(), "gif", self.title)
 
 
-@style.styled
+@styled
 def animation(
     solution: Solution,
     field: str = "velocity",
@@ -311,32 +378,38 @@ def animation(
     one_of("field", field, ("velocity", "stress", "strain"))
     check_frames(frames, fps)
     start = single("start", start, "s")
-    stop = drawn_until(solution) if stop is None else single("stop", stop, "s")
+    if stop is None:
+        stop = drawn_until(solution)
+    else:
+        stop = single("stop", stop, "s")
     if not start < stop:
         raise refusal("stop", f"must be later than start = {start!r} s, got {stop!r}")
-    plan = placing(solution, start, stop, magnification)
-    approach = _approach_frames(plan, start, stop, int(frames))
+    layout = choose_layout(solution, start, stop, magnification)
+    approach = _approach_frames(layout, start, stop, int(frames))
     times = np.linspace(start, stop, int(frames) - approach)
     before = np.arange(-approach, 0, dtype=np.float64) * (times[1] - times[0])
-    return Animation(plan, field, np.concatenate([before, times]), float(fps))
+    return Animation(layout, field, np.concatenate([before, times]), float(fps))
 
 
 def check_frames(frames: int, fps: float) -> None:
     """Raise ValueError if there cannot be so many frames, or so many a second."""
-    count, rate = single("frames", frames, ""), single("fps", fps, "")
-    if not 2 <= count <= MOST_FRAMES or count != int(count):
+    count = single("frames", frames, "")
+    rate = single("fps", fps, "")
+    if not 2 <= count <= MAX_FRAMES or count != int(count):
         raise refusal(
-            "frames", f"must be a whole number from 2 to {MOST_FRAMES}, got {frames!r}"
+            "frames", f"must be a whole number from 2 to {MAX_FRAMES}, got {frames!r}"
         )
-    if not 1 <= rate <= MOST_PER_SECOND:
+    if not 1 <= rate <= MAX_FRAMES_PER_SECOND:
         raise refusal(
-            "fps", f"must be 1 to {MOST_PER_SECOND} frames a second, got {fps!r}"
+            "fps", f"must be 1 to {MAX_FRAMES_PER_SECOND} frames a second, got {fps!r}"
         )
 
 
-def _approach_frames(plan: Placing, start: float, stop: float, frames: int) -> int:
+def _approach_frames(
+    layout: PictureLayout, start: float, stop: float, frames: int
+) -> int:
     """Number of frames before t = 0, in which bodies come that touch at t = 0."""
-    solution = plan.solution
+    solution = layout.solution
     velocities = solution.outcome.velocities_before
     closing = []
     for k, gap in enumerate(solution.system.gaps):
@@ -344,25 +417,28 @@ def _approach_frames(plan: Placing, start: float, stop: float, frames: int) -> i
             closing.append(float(velocities[k] - velocities[k + 1]))
     if start != 0 or max(closing, default=0.0) <= 0 or min(closing) < 0:
         return 0
-    way = APPROACH_WAY * plan.row / plan.magnification
+    way = MAX_APPROACH_WAY * layout.row / layout.magnification
     duration = way / max(closing)
     # n frames before 0 and frames - n up to stop have one step, and n steps last no longer
-    most = duration / (stop + duration) * (frames - 1)
-    return int(min(most, APPROACH * frames))
+    fitting = duration / (stop + duration) * (frames - 1)
+    return int(min(fitting, MAX_APPROACH_FRAMES * frames))
 
 
 def _draw_forces(ax: Axes, solution: Solution) -> None:
-    """Forces of the contacts that can open, to the right of the space-time diagram."""
-    able, limits = solution.outcome.unilateral, ax.get_ylim()
-    forces = Forces(solution, able[:CONTACTS])
-    drawn = forces.draw(ax, up=True)
-    style.dress(
+    """Draw forces of the contacts that can open, to the right of the space-time diagram."""
+    contacts = solution.outcome.unilateral
+    limits = ax.get_ylim()
+    curves = ContactCurves(solution, contacts[:MAX_CONTACTS])
+    forces = curves.draw(ax, is_upward=True)
+    format_axes(
         ax,
         xlim=(0, 1.1 * ax.dataLim.xmax or 1.0),
         ylim=limits,
-        xlabel=forces.scale.label,
+        xlabel=break_label(curves.scale.label, 1.5 * size_in_points(ax)[0]),
     )
     ax.tick_params(labelleft=False)
-    if len(able) > 1:
-        more = f"first {CONTACTS} of {len(able)}" if len(able) > CONTACTS else None
-        style.legend_above(ax, drawn, more)
+    if len(contacts) > 1:
+        title = None
+        if len(contacts) > MAX_CONTACTS:
+            title = f"first {MAX_CONTACTS} of {len(contacts)}"
+        legend_above(ax, forces, title)

@@ -1,7 +1,7 @@
-"""Results in a notebook: a picture, where there is one, above the table."""
+"""Results in a notebook: pictures, where there are any, above the table."""
 
 from contextlib import suppress
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..design import PulseDesign
 from ..fitting.result import Fit
@@ -17,39 +17,56 @@ from .files import as_image
 from .page import headline, overview
 from .records import fit
 
-MORE = "to_csv writes all, save keeps them"
+CSV_HINT = "to_csv writes all, save keeps them"
 
 
-def html_of(
-    result: Solution | SweepResult | PulseDesign | Fit,
-) -> str:
-    """Picture and table of a result."""
-    pictures: list[tuple[Any, str]] = []
+class _Described(NamedTuple):
+    """A picture, and its description for screen readers."""
+
+    picture: Any
+    description: str
+
+
+def html_of(result: Solution | SweepResult | PulseDesign | Fit) -> str:
+    """Pictures and table of a result."""
     if isinstance(result, PulseDesign):
-        table, pictures = str(result), [(design(result), "wanted and reached")]
+        table = str(result)
+        pictures = [_Described(design(result), "wanted and reached")]
     elif isinstance(result, Fit):
         table = str(result)
-        pictures = [
-            (fit(result, record=i), f"{m.title}, measured and predicted")
-            for i, m in enumerate(result.measured)
-        ]
+        pictures = []
+        for i, measured in enumerate(result.measured):
+            description = f"{measured.title}, measured and predicted"
+            pictures.append(_Described(fit(result, record=i), description))
     elif isinstance(result, Solution):
         table = solution_table(result)
+        pictures = []
         if result.t_end > 0:  # otherwise there is nothing to draw
-            pictures = [(overview(result), headline(result))]
+            pictures.append(_Described(overview(result), headline(result)))
     else:
-        varied = [
-            (*axis, parameter(result.system, axis.name).unit.removeprefix("1"))
-            for axis in result.axes
-        ]
-        table = sweep_table(result, varied, MORE)
-        # of e, or of the last body's velocity; none of a family with three axes, or none
-        for quantity in (
-            "restitution",
-            f"velocity_after.{len(result.system.bodies) - 1}",
-        ):
-            with suppress(ValueError):
-                over = f"{quantity} over {', '.join(result.parameters)}"
-                pictures = pictures or [(sweep(result, quantity=quantity), over)]
-    images = [as_image(drawn._repr_png_(), "png", words) for drawn, words in pictures]
-    return "".join(images) + as_html(table)
+        table = _family_table(result)
+        pictures = _family_pictures(result)
+    html = ""
+    for picture, description in pictures:
+        html += as_image(picture._repr_png_(), "png", description)
+    return html + as_html(table)
+
+
+def _family_table(result: SweepResult) -> str:
+    """Table of a family, with the units of what varies."""
+    varied = []
+    for axis in result.axes:
+        unit = parameter(result.system, axis.name).unit.removeprefix("1")
+        varied.append((*axis, unit))
+    return sweep_table(result, varied, CSV_HINT)
+
+
+def _family_pictures(result: SweepResult) -> list[_Described]:
+    """Picture of e, else of the last body's velocity, else none."""
+    last = len(result.system.bodies) - 1
+    varied = ", ".join(result.parameters)
+    for quantity in ("restitution", f"velocity_after.{last}"):
+        with suppress(ValueError):  # without values, or with three axes
+            picture = sweep(result, quantity=quantity)
+            return [_Described(picture, f"{quantity} over {varied}")]
+    return []

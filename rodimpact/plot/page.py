@@ -1,7 +1,6 @@
 """One page about one collision: velocity and stress in space and time, contacts, energy."""
 
 from collections.abc import Mapping
-from textwrap import wrap
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -10,21 +9,24 @@ from matplotlib.figure import Figure
 from ..model import RigidMass, Rod, Wall
 from ..results.gauges import Gauge
 from ..results.solution import Solution, check_solution
-from .diagram import spacetime
-from .histories import Forces, contact
-from .ledger import energy
+from .diagram import draft_spacetime
+from .histories import ContactCurves, draft_contact
+from .labels import break_label, wrap_words
+from .ledger import draft_energy
+from .panels import Draft, lay_out, new_figure
 from .polygons import drawn_until
 from .scales import closing_speed, digits, engineering, listed, time_scale, written
-from .style import LETTER, NORMAL, SMALL, broken, new_figure, styled, wanted_width
+from .style import NORMAL, SMALL, styled, wanted_width
 
-PAGE, COLUMN = (11.7, 8.3), 4.3  # inches; a column has its panels one below the other
-NARROW = 5.5  # inches, below which a page is a column
-ROW = 1.96  # height of the lowest row of a column, inches
-TALLER = 1.5  # of the rows above it, relatively
-TOGETHER = (
-    3  # contacts whose forces and gaps are drawn over each other; more have a line each
-)
-NAMED_UP_TO = 6  # bodies whose velocities fit into the headline
+PAGE = (11.7, 8.3)  # inches
+COLUMN_WIDTH = 4.3  # inches, of panels one below the other
+MIN_PAGE_WIDTH = 5.5  # inches; narrower pages are columns
+LAST_ROW_HEIGHT = 2.1  # inches, in a column
+DIAGRAM_HEIGHT = 1.5  # of the rows above the last, in heights of the last
+CONTACT_HEIGHT = 1.8  # of force and gap in a column
+MAX_GAPS = 3  # contacts with force and gap; of more only the forces are drawn
+MAX_NAMED_BODIES = 6  # whose velocities fit into the headline
+HEADLINE_WIDTH = 1.3  # of its large letters, in widths of normal letters
 KINDS = {
     Rod: ("rod", "rods"),
     RigidMass: ("rigid mass", "rigid masses"),
@@ -67,71 +69,122 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
     """
     check_solution(solution)
     time_scale(solution.t_end)  # refuses what lasts no time
-    able, stop = solution.outcome.unilateral, solution.t_end
-    waves = any(
-        isinstance(body, Rod) for body in solution.system.bodies
-    )  # masses have none
-    many = len(able) > TOGETHER
-    contacts: list[Any] = ["force" if many else [["force"], ["gap"]]] if able else []
-    names = [*["velocity", "stress"] * waves, *contacts, "energy"]
-    columns = 1 if wanted_width(PAGE[0]) < NARROW else 2
-    names += names[-1:] * (
-        len(names) % columns
-    )  # the energy is below, or in the last row
-    rows = [names[i : i + columns] for i in range(0, len(names), columns)]
-    heights = [*[TALLER] * (len(rows) - 1), 1.0]
-    figure = new_figure(*PAGE if columns == 2 else (COLUMN, ROW * sum(heights)))
-    panels: dict[str, Axes] = figure.subplot_mosaic(rows, height_ratios=heights)
-    if waves:
+
+    # What is shown.
+    contacts = solution.outcome.unilateral
+    is_crowded = len(contacts) > MAX_GAPS
+    has_waves = any(isinstance(body, Rod) for body in solution.system.bodies)
+    stop = solution.t_end
+    if has_waves:
         stop = drawn_until(solution)
+
+    # Where it is shown.
+    panels_wanted: list[Any] = []
+    if has_waves:
+        panels_wanted += ["velocity", "stress"]
+    if is_crowded:
+        panels_wanted.append("force")
+    elif contacts:
+        panels_wanted.append([["force"], ["gap"]])
+    panels_wanted.append("energy")
+    figure, panels = _page(panels_wanted)
+
+    # What is drawn.
+    drafts: list[Draft] = []
+    if has_waves:
         for field in ("velocity", "stress"):
-            spacetime(solution, panels[field], field, stop=stop, gauges=gauges)
-    if many:
-        Forces(solution, able).draw_rows(panels["force"])
-    elif able:
+            draft = draft_spacetime(
+                solution, panels[field], field, stop=stop, gauges=gauges
+            )
+            drafts.append(draft)
+    if is_crowded:
+        ContactCurves(solution, contacts).draw_rows(panels["force"])
+    elif contacts:
         panels["gap"].sharex(panels["force"])
-        contact(solution, (panels["force"], panels["gap"]), able)
+        pair = (panels["force"], panels["gap"])
+        drafts.append(draft_contact(solution, pair, contacts))
         panels["force"].tick_params(labelbottom=False)
-    energy(solution, panels["energy"])
+    drafts.append(draft_energy(solution, panels["energy"]))
     room = 72 * figure.get_figwidth()
-    figure.suptitle(broken(headline(solution), room / 1.3), fontsize=NORMAL + 2)
-    notes = [] if solution.final else [solution.status]
+    title = break_label(headline(solution), room / HEADLINE_WIDTH)
+    figure.suptitle(title, fontsize=NORMAL + 2)
+    notes = [wrap_words(note, room, SMALL + 1) for note in _notes(solution, stop)]
+    figure.supxlabel("\n".join(notes), fontsize=SMALL + 1)
+    lay_out(figure)
+    for draft in drafts:
+        draft.write_words()
+    return figure
+
+
+def _page(wanted: list[Any]) -> tuple[Figure, dict[str, Axes]]:
+    """A page of two columns, or a narrow one of one column, with its panels by name.
+
+    The last panel fills the last row.
+    """
+    columns = 2
+    if wanted_width(PAGE[0]) < MIN_PAGE_WIDTH:
+        columns = 1
+    if len(wanted) % columns:
+        wanted = [*wanted, wanted[-1]]
+    rows = [wanted[i : i + columns] for i in range(0, len(wanted), columns)]
+    heights = [DIAGRAM_HEIGHT] * (len(rows) - 1) + [1.0]
+    if columns == 1 and isinstance(rows[-2][0], list):
+        heights[-2] = CONTACT_HEIGHT
+    if columns == 2:
+        figure = new_figure(*PAGE)
+    else:
+        figure = new_figure(COLUMN_WIDTH, LAST_ROW_HEIGHT * sum(heights))
+    return figure, figure.subplot_mosaic(rows, height_ratios=heights)
+
+
+def _notes(solution: Solution, stop: float) -> list[str]:
+    """Notes below the page: why the run stopped, and how much of it is shown."""
+    notes = []
+    if not solution.final:
+        notes.append(solution.status)
     if stop < solution.t_end:
         notes.append(
             f"The upper pictures show the first {written(stop, 's')}; "
             "a longer interval would have too many regions to be legible."
         )
-    letters = int(room / (LETTER * (SMALL + 1)))
-    figure.supxlabel(
-        "\n".join(line for note in notes for line in wrap(note, letters)),
-        fontsize=SMALL + 1,
-    )
-    return figure
+    return notes
 
 
 def headline(solution: Solution) -> str:
     """Bodies, closing speed, and results of the collision."""
-    bodies = solution.system.bodies
-    counts = {kind: sum(isinstance(body, kind) for body in bodies) for kind in KINDS}
-    parts = [listed([f"{n} {KINDS[kind][n > 1]}" for kind, n in counts.items() if n])]
-    v, outcome = closing_speed(solution), solution.outcome
-    if v:
-        parts.append(f"closing speed {written(v, 'm/s')}")
+    outcome = solution.outcome
+    parts = [_bodies(solution)]
+    speed = closing_speed(solution)
+    if speed:
+        parts.append(f"closing speed {written(speed, 'm/s')}")
     if not outcome.why_no_restitution():
-        parts.append(
-            f"restitution e = {outcome.restitution:.4g}, "
-            f"impulse {written(outcome.impulse, 'N s')}, "
-            f"force duration {written(outcome.duration, 's')}"
-        )
+        parts.append(f"restitution e = {outcome.restitution:.4g}")
+        parts.append(f"impulse {written(outcome.impulse, 'N s')}")
+        parts.append(f"force duration {written(outcome.duration, 's')}")
     elif solution.final and not any(c.episodes for c in outcome.contacts):
         parts.append("nothing collides")
-    elif len(bodies) <= NAMED_UP_TO:
-        largest = max(map(abs, outcome.velocities_after))
-        scale = engineering("", largest, "m/s")
-        values = ", ".join(
-            digits(v * scale.factor, largest * scale.factor)
-            for v in outcome.velocities_after
-        )
-        when = "after" if solution.final else "at the end"
-        parts.append(f"velocities {when} {values} {scale.unit}")
+    elif len(solution.system.bodies) <= MAX_NAMED_BODIES:
+        parts.append(_velocities(solution))
     return ", ".join(parts)
+
+
+def _bodies(solution: Solution) -> str:
+    """Numbers of rods, masses and walls, in words."""
+    parts = []
+    for kind, (one, several) in KINDS.items():
+        count = sum(isinstance(body, kind) for body in solution.system.bodies)
+        if count:
+            parts.append(f"{count} {several if count > 1 else one}")
+    return listed(parts)
+
+
+def _velocities(solution: Solution) -> str:
+    """Velocities of all bodies at the end, in words."""
+    velocities = solution.outcome.velocities_after
+    largest = max(map(abs, velocities))
+    scale = engineering("", largest, "m/s")
+    values = []
+    for velocity in velocities:
+        values.append(digits(velocity * scale.factor, largest * scale.factor))
+    when = "after" if solution.final else "at the end"
+    return f"velocities {when} {', '.join(values)} {scale.unit}"

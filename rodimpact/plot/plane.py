@@ -1,120 +1,227 @@
-"""The axes of a space-time diagram: which way time runs, and ticks where the lengths of rods count.
+"""Axes of a space-time diagram: which way time runs, and ticks where lengths of rods count.
 
-In material coordinates the axis of places has a tick at both ends of every rod, and its length
-between them. The axis of time has a tick at each instant at which a force ends or a gap opens after
-whole round trips of a wave, such as 2 l1/c.
+In material coordinates the axis of x has a tick at both ends of every rod, and the symbol of
+its length between them. The axis of time has a tick at each instant at which a force ends or
+a gap opens after whole round trips of a wave, such as 2 l1/c.
 """
 
 from typing import NamedTuple
 
 import numpy as np
+from matplotlib import rcParams
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.ticker import AutoLocator
 from numpy.typing import ArrayLike
 
 from ..methods.signals import Floats
 from ..model import Rod
-from ..model.numbering import body_names
-from .moments import length_name, round_trips
-from .placing import Placing
-from .scales import Scale, digits, place_label
-from .style import LETTER, NORMAL, broken, dress, extent
+from .labels import (
+    LETTER,
+    NAME_GAP,
+    length_name,
+    rod_labels,
+    text_width,
+)
+from .layout import PictureLayout
+from .moments import round_trips
+from .panels import format_axes, room_below, size_in_points
+from .scales import AxisScales, digits
+from .style import NORMAL
+
+NUMBER_COLUMN = 26.0  # points beside the axis of x, if it is upright, for its numbers
 
 
-class Plane(NamedTuple):
+class Span(NamedTuple):
+    """Interval of time, s."""
+
+    start: float
+    stop: float
+
+
+class RodOnAxis(NamedTuple):
+    """A rod on the axis of x."""
+
+    body: int
+    left: float  # on the axis, in its unit
+    right: float
+    left_number: float  # material coordinate, in the same unit
+    right_number: float
+
+
+class Plane:
     """Axes of a space-time diagram.
 
     Attributes
     ----------
     ax : Axes
-    plan : Placing
+    layout : PictureLayout
         Of the row.
-    time, place : Scale
-    span : (float, float)
-        Interval of time, s.
+    scales : AxisScales
+    span : Span
     across : bool
-        Whether time runs to the right and places lie upward, instead of the other way round.
+        Whether time runs to the right and x upward, instead of the other way round.
     """
 
-    ax: Axes
-    plan: Placing
-    time: Scale
-    place: Scale
-    span: tuple[float, float]
-    across: bool
+    def __init__(
+        self,
+        ax: Axes,
+        layout: PictureLayout,
+        scales: AxisScales,
+        span: Span,
+        across: bool,
+    ) -> None:
+        self.ax = ax
+        self.layout = layout
+        self.scales = scales
+        self.span = span
+        self.across = across
 
-    def points(self, places: Floats, times: Floats) -> Floats:
-        """Points [..., 2] of the picture, from places, m, and times, s."""
-        both = np.broadcast_arrays(places * self.place.factor, times * self.time.factor)
-        return np.stack(both[::-1] if self.across else both, axis=-1)
+    @property
+    def time_axis(self) -> Axis:
+        """The axis of time."""
+        if self.across:
+            return self.ax.xaxis
+        return self.ax.yaxis
+
+    @property
+    def x_axis(self) -> Axis:
+        """The axis of x."""
+        if self.across:
+            return self.ax.yaxis
+        return self.ax.xaxis
+
+    def points(self, x: Floats, times: Floats) -> Floats:
+        """Points [..., 2] of the picture, from positions X, m, and times, s."""
+        scaled_x = x * self.scales.x.factor
+        scaled_t = times * self.scales.time.factor
+        pair = np.broadcast_arrays(scaled_x, scaled_t)
+        if self.across:
+            pair = pair[::-1]
+        return np.stack(pair, axis=-1)
 
     def path(self, body: int, x: ArrayLike, times: Floats) -> Floats:
-        """Points of a place in a body, m from its left end, at times, s."""
-        return self.points(self.plan.point(body, x, times), times)
+        """Path of a point of a body, x m from its left end, at times, s."""
+        return self.points(self.layout.point(body, x, times), times)
 
-    def dress(self) -> None:
-        """Limits, labels and ticks of the Axes."""
-        ax, plan = self.ax, self.plan
-        dress(ax)
+    def format(self) -> None:
+        """Set the limits of the Axes, and labels and ticks for its present size."""
+        ax = self.ax
+        format_axes(ax)
         ax.use_sticky_edges = False
-        ax.margins(*(0.0, 0.02) if self.across else (0.02, 0.0))
-        ax.autoscale_view()
-        times, places = (ax.xaxis, ax.yaxis) if self.across else (ax.yaxis, ax.xaxis)
-        along, length = (
-            extent(ax) if self.across else extent(ax)[::-1]
-        )  # of time, of places
-        times.set_label_text(self.time.label)
-        places.set_label_text(broken(place_label(plan, self.place), length))
-        low, high = (t * self.time.factor for t in self.span)
-        (ax.set_xlim if self.across else ax.set_ylim)(low, high)
-        marks = {
-            t * self.time.factor: name
-            for t, name in round_trips(plan.solution).items()
-            if self.span[0] < t <= self.span[1]
-        }
-        if marks:
-            least = (3.0 if self.across else 1.3) * NORMAL * (high - low) / along
-            numbers = [
-                x
-                for x in AutoLocator().tick_values(low, high)
-                if low <= x <= high and all(abs(x - mark) > least for mark in marks)
-            ]
-            times.set_ticks(
-                [*numbers, *marks],
-                labels=[*(digits(x, high) for x in numbers), *marks.values()],
+        low = self.span.start * self.scales.time.factor
+        high = self.span.stop * self.scales.time.factor
+        if self.across:
+            ax.margins(0.0, 0.02)
+            ax.autoscale_view()
+            ax.set_xlim(low, high)
+        else:
+            ax.margins(0.02, 0.0)
+            ax.autoscale_view()
+            ax.set_ylim(low, high)
+        self.fit_labels()
+
+    def fit_labels(self) -> None:
+        """Choose labels and ticks that have room on the Axes."""
+        width, height = size_in_points(self.ax)
+        time_length = width if self.across else height
+        x_length = height if self.across else width
+        self.time_axis.set_label_text(self.scales.time.label)
+        room = height if self.across else room_below(self.ax)
+        self.x_axis.set_label_text(self.layout.label(self.scales.x, room))
+        self._fit_times(time_length)
+        per_point = np.ptp(self.x_axis.get_view_interval()) / x_length
+        rods = self._rods()
+        if not self.layout.magnification:
+            self._fit_numbers(rods, per_point)
+        self._fit_names(rods, per_point)
+
+    def _fit_times(self, length: float) -> None:
+        """Name whole round trips on the axis of time, and leave out the numbers there."""
+        factor = self.scales.time.factor
+        low = self.span.start * factor
+        high = self.span.stop * factor
+        letters = 3.0 if self.across else 1.3
+        least = letters * NORMAL * (high - low) / length
+
+        marks: dict[float, str] = {}
+        for t, name in round_trips(self.layout.solution).items():
+            inside = self.span.start < t <= self.span.stop
+            if inside and _is_clear(t * factor, marks, least):
+                marks[t * factor] = name
+        if not marks:
+            return
+        locator = AutoLocator()
+        locator.set_axis(self.time_axis)
+        numbers: dict[float, str] = {}
+        for x in locator.tick_values(low, high):
+            if low <= x <= high and _is_clear(x, marks, least):
+                numbers[x] = digits(x, high)
+        ticks = numbers | marks
+        self.time_axis.set_ticks(list(ticks), labels=list(ticks.values()))
+
+    def _rods(self) -> list[RodOnAxis]:
+        """The rods at the start, from left to right."""
+        layout = self.layout
+        factor = self.scales.x.factor
+        rods = []
+        for i, body in enumerate(layout.solution.system.bodies):
+            if not isinstance(body, Rod):
+                continue
+            left, right = layout.material_ends(i)
+            rods.append(
+                RodOnAxis(
+                    body=i,
+                    left=float(layout.end(i, False, self.span.start)) * factor,
+                    right=float(layout.end(i, True, self.span.start)) * factor,
+                    left_number=left * factor,
+                    right_number=right * factor,
+                )
             )
-        per_point = np.ptp(places.get_view_interval()) / length
-        least = (1.5 if self.across else 5 * LETTER) * NORMAL * per_point
-        system, names = plan.solution.system, body_names(plan.solution.system.kinds)
-        ends = {
-            i: [
-                float(plan.end(i, right, self.span[0])) * self.place.factor
-                for right in (False, True)
-            ]
-            for i, body in enumerate(system.bodies)
-            if isinstance(body, Rod)
-        }
-        wide = {
-            i: (left + right) / 2
-            for i, (left, right) in ends.items()
-            if right - left > least
-        }
-        words = [
-            names[i] if plan.magnification else f"{length_name(system, i)}\n{names[i]}"
-            for i in wide
-        ]
-        if not plan.magnification:
-            # a mass between rods widens the picture; the numbers are the material coordinates
-            numbers_at: dict[float, float] = {}
-            for i, both in ends.items():
-                for x, coordinate in zip(both, plan.material(i), strict=True):
-                    if not numbers_at or x - max(numbers_at) > least:
-                        numbers_at[x] = coordinate * self.place.factor
-            last = max(numbers_at.values())
-            places.set_ticks(
-                list(numbers_at), labels=[digits(x, last) for x in numbers_at.values()]
+        return rods
+
+    def _fit_numbers(self, rods: list[RodOnAxis], per_point: float) -> None:
+        """Give ends of rods their material coordinates, which leave out masses."""
+        letters = 1.5 if self.across else 5 * LETTER
+        least = letters * NORMAL * per_point
+        last = max(rod.right_number for rod in rods)
+        numbers: dict[float, str] = {}
+        for rod in rods:
+            for x, number in (
+                (rod.left, rod.left_number),
+                (rod.right, rod.right_number),
+            ):
+                if _is_clear(x, numbers, least):
+                    numbers[x] = digits(number, last)
+        self.x_axis.set_ticks(list(numbers), labels=list(numbers.values()))
+
+    def _fit_names(self, rods: list[RodOnAxis], per_point: float) -> None:
+        """Name the rods beside the numbers, and their lengths between the numbers."""
+        system = self.layout.solution.system
+        size = rcParams["xtick.labelsize"]
+        middles = [(rod.left + rod.right) / 2 for rod in rods]
+        centres = [middle / per_point for middle in middles]
+        names = rod_labels(system, [rod.body for rod in rods], centres, size)
+        if self.across:
+            self.x_axis.set_ticks(
+                middles, labels=names, minor=True, rotation=90, va="center"
             )
-        elif not self.across:
-            words = [f"\n{word}" for word in words]
-        places.set_ticks(list(wide.values()), labels=words, minor=True)
-        places.set_tick_params(which="minor", length=0)
+            self.x_axis.set_tick_params(which="minor", length=0, pad=NUMBER_COLUMN)
+            return
+        labels = []
+        for rod, name in zip(rods, names, strict=True):
+            symbol = length_name(system, rod.body)
+            number = digits(rod.right_number, rod.right_number)
+            free = (rod.right - rod.left) / per_point - text_width(number, size)
+            needed = text_width(symbol, size) + NAME_GAP
+            is_named = symbol == name  # below the numbers
+            if self.layout.magnification or is_named or free < needed:
+                symbol = ""
+            labels.append(f"{symbol}\n{name}")
+        self.x_axis.set_ticks(middles, labels=labels, minor=True)
+        self.x_axis.set_tick_params(which="minor", length=0)
+
+
+def _is_clear(x: float, taken: dict[float, str], least: float) -> bool:
+    """Whether x is farther than `least` from every tick that is taken."""
+    return all(abs(x - tick) > least for tick in taken)

@@ -1,10 +1,12 @@
 """Coloured regions of a space-time diagram: exact polygons of constant state, with values.
 
-A solution that changes smoothly has flat cells instead.
+Between the fronts of a solution each region is a polygon with one velocity and one strain.
+The thin lines between them are the fronts. A front bears a word, and a region its value,
+where there is room. Solutions that change smoothly are drawn by `raster` instead.
 """
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib import cm, collections, colors
@@ -12,22 +14,31 @@ from matplotlib.axes import Axes
 from matplotlib.text import Text
 
 from ..methods.signals import Floats, Ints
-from ..model import Rod
-from ..model.frozen import refusal
 from ..results.regions import readable_until, regions_of
 from ..results.solution import Solution
+from .labels import LETTER
+from .panels import size_in_points
 from .plane import Plane
-from .sampling import is_stepped, pieces, properties
-from .scales import ROUND_OFF, digits
-from .style import SMALL, colours, extent, ink_on
+from .sampling import is_smooth
+from .scales import NEGLIGIBLE_RTOL, digits
+from .style import SMALL, colours, ink_on
 
-SPARSE = 12.0  # least mean distance between the lines of fronts, points
-FAINTEST = 0.1  # least darkness of a line, which is the square root of the jump
-ALONG = 0.65  # length of a front that bears a word, in heights of its letters for each letter
-CLEAR = 2.4  # least distance of a front with a word from the number in its region, in heights
-NAMED = 16  # fronts, at most, in a picture that says what they are
-REGIONS = 20_000  # more cannot be read
-ROWS = 400  # cells one above the other
+FRONT_SPACING = 12.0  # least mean distance between the lines of fronts, points
+MIN_DARKNESS = 0.1  # of the line of a front, which is the square root of its jump
+WORD_TO_NUMBER = 2.4  # least distance of a front with a word from a number, in heights
+WORD_TO_END = 3.0  # least distance of a word from the ends of its front, points
+ON_FRONT = 0.5  # how far a word may reach over a side of its region, points
+FEW_FRONTS = 16  # are all drawn and named, if they have room for a word
+READABLE_REGIONS = 20_000
+
+
+class Fronts(NamedTuple):
+    """Sides that two regions share."""
+
+    sides: Ints  # [n, 2] corners
+    owners: Ints  # [n, 2] regions, the earlier one first
+    is_step: Any  # [n] whether it is a step of area or material, not a front
+    strength: Floats  # [n] darkness from 0 to 1
 
 
 class Polygons:
@@ -40,288 +51,293 @@ class Polygons:
     """
 
     def __init__(self, solution: Solution, start: float, stop: float | None) -> None:
-        self.system, self.regions = solution.system, regions_of(solution, start, stop)
+        self.system = solution.system
+        self.regions = regions_of(solution, start, stop)
         starts = self.regions.start
-        self._region = np.repeat(
-            np.arange(len(self.regions)), np.diff(starts)
-        )  # of each corner
-        self._body, self._first = self.regions.body[self._region], starts[self._region]
-        self._next = np.arange(1, self._body.size + 1)  # corner of the same region
+        # region, body, first corner of the region and next corner, for each corner
+        self._region = np.repeat(np.arange(len(self.regions)), np.diff(starts))
+        self._body = self.regions.body[self._region]
+        self._first = starts[self._region]
+        self._next = np.arange(1, self._body.size + 1)
         self._next[starts[1:] - 1] = starts[:-1]
+
+    # What is measured --------------------------------------------------------------------
 
     def values(self, field: str, frame: float) -> Floats:
         """Values of a field in each region; displacements, in a frame, at its corners; SI."""
-        r = self.regions
+        regions = self.regions
         if field == "displacement":
-            return r.displacement - frame * r.t
+            return regions.displacement - frame * regions.t
         if field == "energy":
-            bodies: Any = self.system.bodies
-            parts = [
-                bodies[i].segments[j]
-                for i, j in zip(r.body.tolist(), r.segment.tolist(), strict=True)
-            ]
-            mass, c = np.array(
-                [(float(p.mass / p.length), float(p.wave_speed)) for p in parts]
-            ).T
-            return np.asarray(
-                mass * ((r.velocity - frame) ** 2 + (c * r.strain) ** 2) / 2
-            )
-        return np.asarray(getattr(r, field))
+            return self._energy_per_length(frame)
+        return np.asarray(getattr(regions, field))
+
+    def _energy_per_length(self, frame: float) -> Floats:
+        """Kinetic and strain energy per length in each region, J/m, in a frame."""
+        bodies: Any = self.system.bodies
+        mass_per_length = np.empty(len(self.regions))
+        wave_speed = np.empty(len(self.regions))
+        for k in range(len(self.regions)):
+            body = bodies[self.regions.body[k]]
+            segment = body.segments[self.regions.segment[k]]
+            mass_per_length[k] = float(segment.mass / segment.length)
+            wave_speed[k] = float(segment.wave_speed)
+        velocity = self.regions.velocity - frame
+        squares = velocity**2 + (wave_speed * self.regions.strain) ** 2
+        return np.asarray(mass_per_length * squares / 2)
 
     def bends(self, body: int, x: float) -> Floats:
         """Times at which the path of a rod's end at x, m, may bend, with first and last."""
         return np.unique(self.regions.t[(self._body == body) & (self.regions.x == x)])
 
+    def _fronts(self) -> Fronts:
+        """Sides that two regions share, with their darkness in the picture."""
+        regions = self.regions
+        sides = self._shared_sides()
+        corner_times = np.add.reduceat(regions.t, regions.start[:-1])
+        mean_time = corner_times / np.diff(regions.start)
+        owners = self._region[sides]
+        earlier = np.argsort(mean_time[owners], axis=1, kind="stable")
+        owners = np.take_along_axis(owners, earlier, axis=1)
+        ends = np.column_stack((sides[:, 0], self._next[sides[:, 0]]))
+
+        jumps = np.abs(np.diff(regions.velocity[owners]))[:, 0]
+        largest = jumps.max(initial=0.0)
+        if largest == 0:
+            largest = 1.0
+        is_step = np.ptp(regions.x[ends], axis=1) == 0
+        strength = np.where(is_step, 1.0, np.sqrt(jumps / largest))
+        return Fronts(ends, owners, is_step, strength)
+
+    def _shared_sides(self) -> Ints:
+        """Corners [n, 2] at which the two regions beside a side begin to run along it."""
+        body = self._body.tolist()
+        time = self.regions.t.tolist()
+        x = self.regions.x.tolist()
+        corners = list(zip(body, time, x, strict=True))
+        side_of: dict[Any, int] = {}
+        for i, j in enumerate(self._next.tolist()):
+            side_of[corners[i], corners[j]] = i
+        shared = []
+        for (start, stop), i in side_of.items():
+            if start < stop and (stop, start) in side_of:
+                shared.append((i, side_of[stop, start]))
+        return np.array(shared, dtype=np.int64).reshape(-1, 2)
+
+    # What is drawn -----------------------------------------------------------------------
+
     def draw(
         self, plane: Plane, numbers: Floats, norm: colors.Normalize
     ) -> cm.ScalarMappable:
         """Draw the regions with these numbers: one each, or one for each corner."""
-        r, ax = self.regions, plane.ax
-        places = plane.plan.place(self._body, r.x, r.t, r.displacement)
-        self._corners = corners = plane.points(places, r.t)
-        self._numbers, self._norm, self._plane = numbers, norm, plane
-        if numbers.size == len(r):
-            drawn = collections.PolyCollection(
-                np.split(corners, r.start[1:-1]),
-                array=numbers,
-                cmap=colours().signed,
-                norm=norm,
-                zorder=2,
-                edgecolors="face",
-                linewidths=0.4,
-            )
-            ax.add_collection(drawn)
-            return drawn
-        inner = np.flatnonzero(
-            (self._next != self._first) & (np.arange(r.x.size) != self._first)
+        regions = self.regions
+        x = plane.layout.position(
+            self._body, regions.x, regions.t, regions.displacement
         )
-        return ax.tripcolor(
-            corners[:, 0],
-            corners[:, 1],
-            numbers,
-            shading="gouraud",
+        self._corners = plane.points(x, regions.t)
+        self._numbers = numbers
+        self._norm = norm
+        self._plane = plane
+        self._has_one_each = numbers.size == len(regions)
+        if not self._has_one_each:
+            return self._draw_shaded()
+        drawn = collections.PolyCollection(
+            np.split(self._corners, regions.start[1:-1]),
+            array=numbers,
             cmap=colours().signed,
             norm=norm,
+            zorder=2,
+            edgecolors="face",
+            linewidths=0.4,
+        )
+        plane.ax.add_collection(drawn)
+        return drawn
+
+    def _draw_shaded(self) -> cm.ScalarMappable:
+        """Draw numbers at the corners, linear in triangles between them."""
+        corner = np.arange(self._first.size)
+        is_inner = (self._next != self._first) & (corner != self._first)
+        inner = np.flatnonzero(is_inner)
+        fan = (self._first[inner], inner, self._next[inner])
+        return self._plane.ax.tripcolor(
+            self._corners[:, 0],
+            self._corners[:, 1],
+            self._numbers,
+            shading="gouraud",
+            cmap=colours().signed,
+            norm=self._norm,
             zorder=1.9,
             rasterized=True,
-            triangles=np.column_stack((self._first[inner], inner, self._next[inner])),
+            triangles=np.column_stack(fan),
         )
 
-    def finish(self) -> list[Text]:
-        """Once limits are set: lines of fronts, and words and numbers where there is room."""
-        ax, r = self._plane.ax, self.regions
-        # ends of the sides that two regions share [n, 2], and these regions, the earlier first
-        corners = list(
-            zip(self._body.tolist(), r.t.tolist(), r.x.tolist(), strict=True)
-        )
-        known = {(corners[i], corners[j]): i for i, j in enumerate(self._next.tolist())}
-        shared = [
-            (i, known[b, a]) for (a, b), i in known.items() if a < b and (b, a) in known
-        ]
-        both = np.array(shared, dtype=np.int64).reshape(-1, 2)
-        middle = np.add.reduceat(r.t, r.start[:-1]) / np.diff(r.start)
-        earlier = np.argsort(middle[self._region[both]], axis=1, kind="stable")
-        owners = np.take_along_axis(self._region[both], earlier, axis=1)
-        sides = np.column_stack((both[:, 0], self._next[both[:, 0]]))
-        jumps = np.abs(np.diff(r.velocity[owners]))[:, 0]
-        steps = np.ptp(r.x[sides], axis=1) == 0  # of area or material
-        strength = np.where(
-            steps, 1.0, np.sqrt(jumps / (jumps.max(initial=0.0) or 1.0))
-        )
-        lengths = np.hypot(*np.diff(_points(ax, self._corners[sides]), axis=1)[:, 0].T)
-        strongest = np.argsort(-strength, kind="stable")
-        crowded = np.cumsum(lengths[strongest]) > math.prod(extent(ax)) / SPARSE
-        seen = strength > strength[strongest[crowded]].max(initial=FAINTEST) * (
-            1 + ROUND_OFF
-        )
-        if seen.any():
-            ax.add_collection(
-                collections.LineCollection(
-                    list(self._corners[sides[seen]]),
-                    colors=colours().ink,
-                    alpha=strength[seen],
-                    linewidths=0.5,
-                    zorder=2.2,
-                    label="fronts",
-                )
-            )
-        if self._numbers.size != len(r):
+    def write(self) -> list[Text]:
+        """Once limits and sizes are set: lines of fronts, words and numbers with room."""
+        ax = self._plane.ax
+        fronts = self._fronts()
+        seen = self._draw_fronts(ax, fronts)
+        if not self._has_one_each:
             return []
-        if seen.sum() <= NAMED:
-            self._name(ax, sides[seen & ~steps], owners[seen & ~steps])
-        return self._labels(ax)
+        if seen.sum() <= FEW_FRONTS:
+            named = seen & ~fronts.is_step
+            self._name_fronts(ax, fronts.sides[named], fronts.owners[named])
+        return self._write_numbers(ax)
 
-    def _centres(self, corners: Floats) -> Floats:
-        """Centre of area of each region, [n, 2]."""
-        origin, starts = corners[self._first], self.regions.start[:-1]
-        one, other = corners - origin, corners[self._next] - origin
-        turn = _cross(one, other)[:, None]
-        areas = np.add.reduceat(turn, starts)
-        areas[areas == 0] = np.nan  # of a region without area; no number fits there
-        away: Floats = np.add.reduceat(turn * (one + other), starts) / (3 * areas)
-        return origin[starts] + away
+    def _draw_fronts(self, ax: Axes, fronts: Fronts) -> Any:
+        """Draw the strongest fronts, no more than stay apart; return which were drawn."""
+        start, stop = np.moveaxis(_in_points(ax, self._corners[fronts.sides]), 1, 0)
+        lengths = np.hypot(*(stop - start).T)
+        strongest = np.argsort(-fronts.strength, kind="stable")
+        room = math.prod(size_in_points(ax)) / FRONT_SPACING
+        crowded = np.cumsum(lengths[strongest]) > room
+        crowded[:FEW_FRONTS] = False
+        weakest = fronts.strength[strongest[crowded]].max(initial=MIN_DARKNESS)
+        seen = fronts.strength > weakest * (1 + NEGLIGIBLE_RTOL)
+        if seen.any():
+            lines = collections.LineCollection(
+                list(self._corners[fronts.sides[seen]]),
+                colors=colours().ink,
+                alpha=fronts.strength[seen],
+                linewidths=0.5,
+                zorder=2.2,
+                label="fronts",
+            )
+            ax.add_collection(lines)
+        return seen
 
-    def _name(self, ax: Axes, sides: Ints, owners: Ints) -> None:
-        """Write along each front, on its later side, whether it compresses or stretches the rod."""
-        stress, centres = self.regions.stress, _points(ax, self._centres(self._corners))
-        for side, (before, after) in zip(self._corners[sides], owners, strict=True):
-            word = "compression" if stress[after] < stress[before] else "tension"
-            start, stop = _points(ax, side)
+    def _name_fronts(self, ax: Axes, sides: Ints, owners: Ints) -> None:
+        """Write along each front, on its later side, whether it compresses or stretches."""
+        stress = self.regions.stress
+        centres = _in_points(ax, self._centres(self._corners))
+        corners = _in_points(ax, self._corners)
+        for (first, last), (before, after) in zip(sides, owners, strict=True):
+            word = "tension"
+            if stress[after] < stress[before]:
+                word = "compression"
+            start, stop = corners[first], corners[last]
+            if start[0] > stop[0]:
+                start, stop = stop, start
             length = math.hypot(*(stop - start))
-            clear = (
-                abs(_cross(stop - start, centres[after] - start)) / length
-            )  # of its number
-            if length > ALONG * SMALL * len(word) and clear > CLEAR * SMALL:
-                dx, dy = np.diff(side[side[:, 0].argsort()], axis=0)[0]
-                x, y = side.mean(axis=0)
-                ax.text(
-                    x,
-                    y,
-                    word,
-                    rotation=math.degrees(math.atan2(dy, dx)),
-                    rotation_mode="anchor",
-                    transform_rotates_text=True,
-                    ha="center",
-                    zorder=6,
-                    fontsize=SMALL,
-                    va="top" if self._plane.across and dy > 0 else "bottom",
-                    color=ink_on(self._norm, self._numbers[after]),
-                )
+            to_number = abs(_cross(stop - start, centres[after] - start)) / length
+            if to_number <= WORD_TO_NUMBER * SMALL:
+                continue
+            rises = stop[1] > start[1]
+            is_below = self._plane.across and rises
+            box = _word_box(start, stop, word, is_below)
+            if not self._contains(corners, after, box):
+                continue
+            dx, dy = np.diff(self._corners[[first, last]], axis=0)[0]
+            if dx < 0:
+                dx = -dx
+                dy = -dy
+            x, y = self._corners[[first, last]].mean(axis=0)
+            ax.text(
+                x,
+                y,
+                word,
+                rotation=math.degrees(math.atan2(dy, dx)),
+                rotation_mode="anchor",
+                transform_rotates_text=True,
+                ha="center",
+                zorder=6,
+                fontsize=SMALL,
+                va="top" if is_below else "bottom",
+                color=ink_on(self._norm, self._numbers[after]),
+            )
 
-    def _labels(self, ax: Axes) -> list[Text]:
-        """Write each number where its region has room for it; boxed, over paths that cross it."""
+    def _contains(self, corners: Floats, region: int, points: Floats) -> bool:
+        """Whether points lie inside a convex region or on its sides."""
+        first, last = self.regions.start[region], self.regions.start[region + 1]
+        outline = corners[first:last]
+        sides = np.roll(outline, -1, axis=0) - outline
+        lengths = np.hypot(*sides.T)
+        sides = sides[lengths > 0]
+        outline = outline[lengths > 0]
+        lengths = lengths[lengths > 0]
+        centre = outline.mean(axis=0)
+        inward = np.sign(_cross(sides, centre - outline))
+        for point in points:
+            distance = inward * _cross(sides, point - outline) / lengths
+            if (distance < -ON_FRONT).any():
+                return False
+        return True
+
+    def _write_numbers(self, ax: Axes) -> list[Text]:
+        """Write each number where its region has room for it; boxed, over paths that cross."""
         low, high = self._norm.inverse(np.array([0.0, 1.0])).tolist()
         reach = (high - low) / 2
         count = 3 + max(0, math.ceil(math.log10(max(-low, high) / reach)))
         texts = [digits(value, reach, count) for value in self._numbers.tolist()]
-        # a text fits if half its width and height, and more, lie inside of every side
-        half = np.array(
-            [(0.35 * SMALL * len(text) + 1.0, 0.6 * SMALL + 1.0) for text in texts]
-        )
-        centres, corners = self._centres(self._corners), _points(ax, self._corners)
-        side = corners[self._next] - corners
-        room = np.abs(_cross(side, _points(ax, centres)[self._region] - corners))
-        roomy = room > (np.abs(side[:, ::-1]) * half[self._region]).sum(axis=1)
-        fits = np.logical_and.reduceat(roomy, self.regions.start[:-1])
-        box = (
-            {"edgecolor": "none", "pad": 1.0}
-            if self._plane.plan.magnification
-            else None
-        )
+        half_sizes = []
+        for text in texts:
+            half_sizes.append((0.35 * SMALL * len(text) + 1.0, 0.6 * SMALL + 1.0))
+        centres = self._centres(self._corners)
+        fits = self._has_room(ax, centres, np.array(half_sizes))
+
         written = []
-        for i, (x, y) in zip(
-            np.flatnonzero(fits).tolist(), centres[fits].tolist(), strict=True
-        ):
-            written.append(
-                ax.text(
-                    x,
-                    y,
-                    texts[i],
-                    ha="center",
-                    va="center",
-                    zorder=6,
-                    fontsize=SMALL,
-                    color=ink_on(self._norm, self._numbers[i]),
-                    bbox=box
-                    and {
-                        **box,
-                        "facecolor": colours().signed(self._norm(self._numbers[i])),
-                    },
-                )
+        for i in np.flatnonzero(fits).tolist():
+            box = None
+            if self._plane.layout.magnification:
+                background = colours().signed(self._norm(self._numbers[i]))
+                box = {"edgecolor": "none", "pad": 1.0, "facecolor": background}
+            x, y = centres[i]
+            number = ax.text(
+                x,
+                y,
+                texts[i],
+                ha="center",
+                va="center",
+                zorder=6,
+                fontsize=SMALL,
+                color=ink_on(self._norm, self._numbers[i]),
+                bbox=box,
             )
+            written.append(number)
         return written
 
+    def _has_room(self, ax: Axes, centres: Floats, half_sizes: Floats) -> Any:
+        """Whether a box about the centre of each region lies inside of every side."""
+        corners = _in_points(ax, self._corners)
+        sides = corners[self._next] - corners
+        to_centre = _in_points(ax, centres)[self._region] - corners
+        room = np.abs(_cross(sides, to_centre))
+        needed = (np.abs(sides[:, ::-1]) * half_sizes[self._region]).sum(axis=1)
+        return np.logical_and.reduceat(room > needed, self.regions.start[:-1])
 
-class Raster:
-    """Averages over cells of a solution, in an interval of time, s.
-
-    Raises
-    ------
-    ValueError
-        If the interval is empty or outside the solution.
-    """
-
-    def __init__(self, solution: Solution, start: float, stop: float | None) -> None:
-        stop = solution.t_end if stop is None else stop
-        ticks = int(np.diff(solution.fields.to_ticks([start, stop]))[0])
-        if ticks <= 0:
-            raise refusal(
-                "stop", f"must be later than start = {start!r} s, got {stop!r}"
-            )
-        self.solution = solution
-        self.times = np.linspace(start, stop, min(ROWS, ticks) + 1)
-        self._rods = [
-            i for i, b in enumerate(solution.system.bodies) if isinstance(b, Rod)
-        ]
-
-    def values(self, field: str, frame: float) -> Floats:
-        """Values of a field in each cell [times, places], SI; nan between rods.
-
-        Displacements, in a frame, are those in the middle; the energy is that of the mean motion.
-        """
-        between = np.full((1, self.times.size - 1), np.nan)
-        t, columns = (self.times[:-1] + self.times[1:]) / 2, list[Floats]()
-        for body in self._rods:
-            edges = pieces(self.solution, body)
-            middle = (edges[:-1] + edges[1:]) / 2
-            if field == "displacement":
-                moved = self.solution.displacement(body, middle[:, None], t) - frame * t
-                columns += [moved, between]
-                continue
-            # exact means over time: waves too quick for the picture leave no false pattern in it
-            velocity, strain = self.solution.fields.averaged(body, middle, self.times)
-            area, modulus, density = properties(self.solution, body, middle[:, None])
-            stress = modulus * strain
-            values: dict[str, Floats] = {
-                "velocity": velocity,
-                "strain": strain,
-                "stress": stress,
-                "energy": area
-                * (density * (velocity - frame) ** 2 + stress * strain)
-                / 2,
-            }
-            columns += [values[field], between]
-        return np.concatenate(columns[:-1]).T
-
-    def bends(self, body: int, x: float) -> Floats:  # noqa: ARG002  (as in `Polygons`)
-        """Times between which the path of a rod's end is drawn straight."""
-        return self.times
-
-    def draw(
-        self, plane: Plane, numbers: Floats, norm: colors.Normalize
-    ) -> cm.ScalarMappable:
-        """Draw the cells with these numbers, as pixels in vector files too."""
-        corners = np.concatenate(
-            [
-                plane.path(body, pieces(self.solution, body), self.times[:, None])
-                for body in self._rods
-            ],
-            axis=1,
-        )
-        return plane.ax.pcolormesh(
-            *np.moveaxis(corners, -1, 0),
-            np.ma.masked_invalid(numbers),
-            cmap=colours().signed,
-            norm=norm,
-            zorder=2,
-            shading="flat",
-            rasterized=True,
-            antialiased=False,
-            edgecolors="none",
-            linewidth=0,
-        )
-
-    def finish(self) -> list[Text]:
-        """Cells bear no numbers."""
-        return []
+    def _centres(self, corners: Floats) -> Floats:
+        """Centre of area of each region, [n, 2]; NaN without area, where no number fits."""
+        origin = corners[self._first]
+        starts = self.regions.start[:-1]
+        one = corners - origin
+        other = corners[self._next] - origin
+        turn = _cross(one, other)[:, None]
+        areas = np.add.reduceat(turn, starts)
+        areas[areas == 0] = np.nan
+        away: Floats = np.add.reduceat(turn * (one + other), starts) / (3 * areas)
+        return origin[starts] + away
 
 
 def drawn_until(solution: Solution) -> float:
-    """Latest of the times t_end, t_end/2, t_end/4, ..., s, up to which the regions can be read."""
-    return solution.t_end if is_stepped(solution) else readable_until(solution, REGIONS)
+    """Latest of the times t_end, t_end/2, t_end/4, ..., s, up to which regions can be read."""
+    if is_smooth(solution):
+        return solution.t_end
+    return readable_until(solution, READABLE_REGIONS)
 
 
-def _points(ax: Axes, corners: Floats) -> Floats:
+def _word_box(start: Floats, stop: Floats, word: str, is_below: bool) -> Floats:
+    """Corners [4, 2] of a word at the middle of a front, with its margins, points."""
+    along = (stop - start) / math.hypot(*(stop - start))
+    across = np.array([-along[1], along[0]])
+    if is_below:
+        across = -across
+    middle = (start + stop) / 2
+    half = LETTER * SMALL * len(word) / 2 + WORD_TO_END
+    near = [middle - half * along, middle + half * along]
+    far = [point + SMALL * across for point in near]
+    return np.array([*near, *far])
+
+
+def _in_points(ax: Axes, corners: Floats) -> Floats:
     """Corners in printer's points."""
     pixels = ax.transData.transform(corners.reshape(-1, 2)).reshape(corners.shape)
     return np.asarray(pixels * (72.0 / ax.figure.dpi))

@@ -1,23 +1,35 @@
-"""Records: measured and predicted signal with the residual, and what they say of a specimen."""
+"""Records: a measured and a predicted signal with their residual, and the curve of a specimen."""
 
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
 from matplotlib.lines import Line2D
 
 from ..fitting.result import Fit
 from ..methods.signals import Floats
 from ..model.arguments import of_kind, whole
 from ..model.frozen import refusal
-from ..records.comparison import Bounds, gain_unit, plateau
+from ..records.comparison import Bounds, Misfit, gain_unit, plateau
 from ..records.reduction import Reduction
 from ..records.signal import Signal
 from ..units import TIMES
-from .sampling import telling
-from .scales import engineering, signed
-from .style import SMALL, Picture, colours, dress, grid, new_figure, styled, two_axes
+from .panels import (
+    Picture,
+    add_grid,
+    draw_zero,
+    format_axes,
+    new_figure,
+    two_axes_or_new,
+)
+from .sampling import extreme_indices
+from .scales import engineering, signed, written
+from .style import SMALL, colours, styled
+
+RESIDUAL_RANGE = 1.9  # of the axis of the residual, in largest residuals
+BAND_ALPHA = 0.25
 
 
 @styled
@@ -70,80 +82,63 @@ def comparison(
     >>> picture.predicted.get_label().replace(ri.units.TIMES, 'times')
     'predicted, 3 µs later, times 2'
     """
+    # What is measured.
     of_kind("measured", measured, Signal, "read_signals('shot.csv')['incident']")
-    found = measured.misfit(predicted, shift=shift, scale=scale)
-    t, values = measured.times, measured.values
-    model: Floats = found.scale * np.interp(
-        t - found.shift, predicted.times, predicted.values
-    )
-    upper, lower = two_axes(ax, "signals and residual", 4.2, (3, 1))
-
-    time = engineering("time t", float(np.abs(t).max()), "s")
-    unit = engineering(
-        measured.name or "signal", float(np.abs(values).max()), measured.unit
-    )
-    percent = 100 / plateau(values)
-    series, faint = colours().series, colours().faint
-    area = None
+    misfit = measured.misfit(predicted, shift=shift, scale=scale)
+    t = measured.times
+    values = measured.values
+    shifted = t - misfit.shift
+    model: Floats = misfit.scale * np.interp(shifted, predicted.times, predicted.values)
+    half_width = None
     if band is not None:
-        of_kind("band", band, Signal, "0.02 * predicted")
-        if band.unit != predicted.unit:
-            raise refusal(
-                "band",
-                f"must be in the unit of the prediction, {predicted.unit!r}, "
-                f"got {band.unit!r}",
-            )
-        wide = abs(found.scale) * np.interp(
-            t - found.shift, band.times, np.abs(band.values)
-        )
-        filled: Any = {"color": series[1], "alpha": 0.25, "linewidth": 0}
-        area = upper.fill_between(
-            t * time.factor,
-            (model - wide) * unit.factor,
-            (model + wide) * unit.factor,
-            label="its band",
-            **filled,
-        )
-        lower.fill_between(t * time.factor, -wide * percent, wide * percent, **filled)
+        _check_band(band, predicted)
+        half_width = np.interp(shifted, band.times, np.abs(band.values))
+        half_width = abs(misfit.scale) * half_width
+    time = engineering("time t", float(np.abs(t).max()), "s")
+    name = measured.name or "signal"
+    unit = engineering(name, float(np.abs(values).max()), measured.unit)
+    percent = 100 / plateau(values)
 
-    def line(on: Axes, y: Floats, factor: float, **how: Any) -> Line2D:
-        kept = telling(y)
-        return on.plot(t[kept] * time.factor, y[kept] * factor, **how)[0]
-
-    told = "predicted"  # and its shift and scale in words, if it was changed
-    if found.shift:
-        late = engineering("", abs(found.shift), "s").write(abs(found.shift))
-        told += f", {late} {'later' if found.shift > 0 else 'earlier'}"
-        told += " (at its limit)" if "shift" in found.at_limit else ""
-    if found.scale != 1:
-        gain = gain_unit(measured.unit, predicted.unit)
-        told += f", {TIMES} {signed(f'{found.scale:.4g} {gain}')}".rstrip()
-        told += " (at its limit)" if "scale" in found.at_limit else ""
-    one = line(
-        upper, values, unit.factor, color=series[0], linewidth=1.2, label="measured"
+    # What is drawn.
+    upper, lower = two_axes_or_new(ax, "signals and residual", 4.2, (3, 1))
+    x = t * time.factor
+    area = None
+    if half_width is not None:
+        area = _fill_band(upper, x, model * unit.factor, half_width * unit.factor)
+        area.set_label("its band")
+        _fill_band(lower, x, 0.0 * x, half_width * percent)
+    measured_line = _draw_line(
+        upper, x, values * unit.factor, color=colours().series[0], label="measured"
     )
-    other = line(
+    predicted_line = _draw_line(
         upper,
-        model,
-        unit.factor,
-        color=series[1],
-        linewidth=1.2,
+        x,
+        model * unit.factor,
+        color=colours().series[1],
         linestyle="--",
-        label=told,
+        label=_predicted(misfit, measured, predicted),
     )
-    left = line(lower, values - model, percent, color=colours().ink, linewidth=0.9)
-    for each, named in ((upper, [one, other, area]), (lower, ())):
-        each.axhline(0.0, color=faint, linewidth=0.6, zorder=0)
-        grid(each)
-        dress(each, named, xlim=(t[0] * time.factor, t[-1] * time.factor))
+    residual = _draw_line(
+        lower, x, (values - model) * percent, color=colours().ink, linewidth=0.9
+    )
+    draw_zero(upper)
+    draw_zero(lower)
+    add_grid(upper)
+    add_grid(lower)
+    format_axes(upper, [measured_line, predicted_line, area], xlim=x[[0, -1]])
     upper.set_ylabel(unit.label, parse_math=False)
-    lower.set(xlabel=time.label, ylabel="residual\n(% of plateau)")
-    reach = 1.9 * max(map(abs, lower.get_ylim()))
+    format_axes(
+        lower,
+        xlim=x[[0, -1]],
+        xlabel=time.label,
+        ylabel="residual\n(% of plateau)",
+    )
+    reach = RESIDUAL_RANGE * max(map(abs, lower.get_ylim()))
     lower.set_ylim(-reach, reach)
     lower.text(
         0.01,
         0.97,
-        f"misfit {100 * found.rms:.3g} % of the plateau",
+        f"misfit {100 * misfit.rms:.3g} % of the plateau",
         transform=lower.transAxes,
         va="top",
         fontsize=SMALL + 1,
@@ -152,15 +147,64 @@ def comparison(
     return Picture(
         ax=upper,
         residual_ax=lower,
-        measured=one,
-        predicted=other,
-        residual=left,
+        measured=measured_line,
+        predicted=predicted_line,
+        residual=residual,
         band=area,
-        misfit=found,
+        misfit=misfit,
     )
 
 
-def fit(found: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Picture:
+def _check_band(band: Signal, predicted: Signal) -> None:
+    """Raise ValueError if a band is no signal in the unit of the prediction."""
+    of_kind("band", band, Signal, "0.02 * predicted")
+    if band.unit != predicted.unit:
+        raise refusal(
+            "band",
+            f"must be in the unit of the prediction, {predicted.unit!r}, "
+            f"got {band.unit!r}",
+        )
+
+
+def _fill_band(
+    ax: Axes, x: Floats, middle: Floats, half_width: Floats
+) -> PolyCollection:
+    """Fill a band about a curve."""
+    return ax.fill_between(
+        x,
+        middle - half_width,
+        middle + half_width,
+        color=colours().series[1],
+        alpha=BAND_ALPHA,
+        linewidth=0,
+    )
+
+
+def _draw_line(ax: Axes, x: Floats, y: Floats, **style: Any) -> Line2D:
+    """Draw a curve, of very many points the least and largest."""
+    style.setdefault("linewidth", 1.2)
+    chosen = extreme_indices(y)
+    (line,) = ax.plot(x[chosen], y[chosen], **style)
+    return line
+
+
+def _predicted(misfit: Misfit, measured: Signal, predicted: Signal) -> str:
+    """Name of a prediction, with its shift and scale in words if it was changed."""
+    name = "predicted"
+    if misfit.shift:
+        direction = "later" if misfit.shift > 0 else "earlier"
+        name += f", {written(abs(misfit.shift), 's')} {direction}"
+        if "shift" in misfit.at_limit:
+            name += " (at its limit)"
+    if misfit.scale != 1:
+        unit = gain_unit(measured.unit, predicted.unit)
+        name += f", {TIMES} {signed(f'{misfit.scale:.4g} {unit}')}".rstrip()
+        if "scale" in misfit.at_limit:
+            name += " (at its limit)"
+    return name
+
+
+def fit(result: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Picture:
     """Draw a record over its prediction with a band of two standard errors, the residual below.
 
     The band follows from the standard errors of the fitted numbers; it does not include model
@@ -168,7 +212,7 @@ def fit(found: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Pictur
 
     Parameters
     ----------
-    found : Fit
+    result : Fit
     ax : two Axes, optional
         For signals and residual; by default those of a new figure, one above the other.
     record : int
@@ -198,16 +242,16 @@ def fit(found: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Pictur
     >>> type(picture).__name__
     'Picture'
     """
-    of_kind("found", found, Fit, "fit(system, measured, vary, until)")
-    record = whole("record", record, 0, len(found.measured) - 1)
-    predicted = found.predicted[record]
+    of_kind("result", result, Fit, "fit(system, measured, vary, until)")
+    record = whole("record", record, 0, len(result.measured) - 1)
+    predicted = result.predicted[record]
     return comparison(
-        found.measured[record].signal,
+        result.measured[record].signal,
         predicted,
         ax,
         shift=0.0,
         scale=1.0,
-        band=predicted.replace(values=2 * found.bands[record]),
+        band=predicted.replace(values=2 * result.bands[record]),
     )
 
 
@@ -216,11 +260,12 @@ def side_by_side(count: int) -> list[tuple[Axes, Axes]]:
     """Axes for signals and residual of so many comparisons, on a new figure."""
     figure = new_figure(5.6 * count, 4.2)
     grid = figure.subplots(2, count, squeeze=False, sharex="col", height_ratios=(3, 1))
-    return list(zip(*grid.tolist(), strict=True))
+    upper, lower = grid.tolist()
+    return list(zip(upper, lower, strict=True))
 
 
 @styled
-def reduction(found: Reduction, ax: Sequence[Axes] | None = None) -> Picture:
+def reduction(curve: Reduction, ax: Sequence[Axes] | None = None) -> Picture:
     """Draw the stress of a specimen over its strain up to the largest, and below the strain rate.
 
     The stress from the transmitted wave has an error band. Where the stress from the incident and
@@ -228,7 +273,7 @@ def reduction(found: Reduction, ax: Sequence[Axes] | None = None) -> Picture:
 
     Parameters
     ----------
-    found : Reduction
+    curve : Reduction
     ax : two Axes, optional
         For stress and strain rate; by default those of a new figure, one above the other.
 
@@ -258,26 +303,29 @@ def reduction(found: Reduction, ax: Sequence[Axes] | None = None) -> Picture:
     True
     """
     of_kind(
-        "found", found, Reduction, "ri.reduce(input_gauge, output_gauge, bar, specimen)"
+        "curve", curve, Reduction, "ri.reduce(input_gauge, output_gauge, bar, specimen)"
     )
-    upper, lower = two_axes(ax, "stress and strain rate", 4.6, (3, 1))
-    up, first, second = found.loading, *colours().series[:2]
-    strain, stress, around = (
-        100 * found.strain[up],
-        found.stress[up],
-        found.stress_band[up],
-    )
+
+    # What is measured.
+    loading = curve.loading
+    strain = 100 * curve.strain[loading]
+    stress = curve.stress[loading]
+    half_width = curve.stress_band[loading]
     unit = engineering("stress", float(np.abs(stress).max()), "Pa")
-    (one,) = upper.plot(
+
+    # What is drawn.
+    upper, lower = two_axes_or_new(ax, "stress and strain rate", 4.6, (3, 1))
+    first, second = colours().series[:2]
+    (from_transmitted,) = upper.plot(
         strain,
         stress * unit.factor,
         color=first,
         linewidth=1.3,
         label="transmitted wave",
     )
-    (two,) = upper.plot(
+    (from_two_waves,) = upper.plot(
         strain,
-        found.two_wave_stress[up] * unit.factor,
+        curve.two_wave_stress[loading] * unit.factor,
         color=second,
         linewidth=0.9,
         linestyle="--",
@@ -285,19 +333,29 @@ def reduction(found: Reduction, ax: Sequence[Axes] | None = None) -> Picture:
     )
     band = upper.fill_between(
         strain,
-        (stress - around) * unit.factor,
-        (stress + around) * unit.factor,
+        (stress - half_width) * unit.factor,
+        (stress + half_width) * unit.factor,
         color=first,
-        alpha=0.25,
+        alpha=BAND_ALPHA,
         linewidth=0,
         label="95 % band",
     )
-    (rate,) = lower.plot(strain, found.strain_rate[up], color=first, linewidth=1.1)
-    dress(upper, [one, two, band], xlim=(0, 1.02 * strain[-1]), ylabel=unit.label)
-    dress(lower, xlabel="strain (%)", ylabel="strain rate\n(1/s)")
+    (rate,) = lower.plot(strain, curve.strain_rate[loading], color=first, linewidth=1.1)
+    format_axes(
+        upper,
+        [from_transmitted, from_two_waves, band],
+        xlim=(0, 1.02 * strain[-1]),
+        ylabel=unit.label,
+    )
+    format_axes(lower, xlabel="strain (%)", ylabel="strain rate\n(1/s)")
     for each in (upper, lower):
-        grid(each)
+        add_grid(each)
         each.set_ylim(bottom=0)
     return Picture(
-        ax=upper, rate_ax=lower, stress=one, two_wave=two, band=band, rate=rate
+        ax=upper,
+        rate_ax=lower,
+        stress=from_transmitted,
+        two_wave=from_two_waves,
+        band=band,
+        rate=rate,
     )

@@ -1,9 +1,11 @@
-"""Even pieces of rods: the states of a solution that changes smoothly.
+"""Samples of solutions that change smoothly, and of long records.
 
-Such a solution has no fronts to draw between; a few hundred pieces show what can be seen of it.
+Such a solution has no fronts to draw between; a few hundred pieces show what can be seen of
+it. Of a long record the least and the largest value in each of many intervals are drawn.
 """
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,93 +14,96 @@ from ..model import Rod
 from ..results.fields import Profile
 from ..results.solution import Solution
 
-COLUMNS = 300  # pieces of the whole row
-FINE = 2001  # edges of steps that stand for a smooth curve
-INTERVALS = (
-    500  # of a long record, in each of which the least and the largest value are drawn
-)
+PIECES_OF_ROW = 300
+EDGES_OF_SMOOTH_STEPS = 2001  # of steps that stand for a smooth curve
+INTERVALS = 500  # of a long record
 
 
-def is_stepped(solution: Solution) -> bool:
+def is_smooth(solution: Solution) -> bool:
     """Whether a solution changes between fronts, so that pictures sample it."""
     return not solution.fields.constant_between_fronts
 
 
 def pieces(solution: Solution, body: int) -> Floats:
     """Ends of the pieces of a rod, m from its left end; each piece is in one segment."""
-    rods = [b for b in solution.system.bodies if isinstance(b, Rod)]
-    row = sum(float(rod.length) for rod in rods)
+    row = sum(float(b.length) for b in solution.system.bodies if isinstance(b, Rod))
     corners = solution.fields.edges(body)
-    counts = np.maximum(1, np.rint(COLUMNS * np.diff(corners) / row)).astype(int)
-    parts = [
-        np.linspace(left, right, count, endpoint=False)
-        for left, right, count in zip(corners[:-1], corners[1:], counts, strict=True)
-    ]
+    counts = np.rint(PIECES_OF_ROW * np.diff(corners) / row).astype(int)
+    parts = []
+    for left, right, count in zip(corners[:-1], corners[1:], counts, strict=True):
+        parts.append(np.linspace(left, right, max(1, count), endpoint=False))
     return np.append(np.concatenate(parts), corners[-1])
 
 
+def middles(edges: Floats) -> Floats:
+    """Middles between neighbouring edges."""
+    return (edges[:-1] + edges[1:]) / 2
+
+
 def state_at(solution: Solution, body: int, t: float) -> Profile:
-    """State of a rod at t, s: between its fronts, or as that in the middle of each piece."""
-    fields = solution.fields
-    if not is_stepped(solution):
-        return fields.profile(body, int(fields.to_ticks(t)))
+    """State of a rod at t, s: between its fronts, or in the middle of each piece."""
+    if not is_smooth(solution):
+        tick = int(solution.fields.to_ticks(t))
+        return solution.fields.profile(body, tick)
     edges = pieces(solution, body)
-    middle = (edges[:-1] + edges[1:]) / 2
-    return Profile(
-        edges, solution.velocity(body, middle, t), solution.strain(body, middle, t)
-    )
+    x = middles(edges)
+    return Profile(edges, solution.velocity(body, x, t), solution.strain(body, x, t))
 
 
-def steps_until(
-    end: float, times: Floats, values: Floats, smooth: bool
-) -> tuple[Floats, Floats]:
-    """Edges [n + 1] and values [n] of the steps of a record that begin before its end, s.
+def properties(solution: Solution, body: int, x: Floats) -> Iterator[Floats]:
+    """Area, m^2, Young's modulus, Pa, and density, kg/m^3, at points x of a rod, m."""
+    for name in ("area", "youngs_modulus", "density"):
+        yield solution._along(body, x, name)
+
+
+class StepCurve(NamedTuple):
+    """A piecewise constant curve."""
+
+    values: Floats  # [n]
+    edges: Floats  # [n + 1]
+
+
+def steps_until(end: float, times: Floats, values: Floats, smooth: bool) -> StepCurve:
+    """Steps of a record that begin before its end, s.
 
     A smooth record has steps too small to be seen, along lines through it.
     """
     if smooth:
-        edges = np.union1d(times, np.linspace(times[0], times[-1], FINE))
-        values, times = (
-            np.interp((edges[1:] + edges[:-1]) / 2, times, values),
-            edges[:-1],
-        )
+        edges = np.linspace(times[0], times[-1], EDGES_OF_SMOOTH_STEPS)
+        edges = np.union1d(times, edges)
+        values = np.interp(middles(edges), times, values)
+        times = edges[:-1]
     inside = times < end
-    return np.append(times[inside], end), values[inside]
+    return StepCurve(values[inside], np.append(times[inside], end))
 
 
-def properties(solution: Solution, body: int, x: Floats) -> Iterator[Floats]:
-    """Area, m^2, Young's modulus, Pa, and density, kg/m^3, at places in a rod, m."""
-    return (
-        solution._along(body, x, name) for name in ("area", "youngs_modulus", "density")
-    )
+def evenly(count: int, at_most: int) -> Ints:
+    """Indices of at most so many of `count` values, evenly chosen, with first and last."""
+    number = max(0, min(count, at_most))
+    indices = np.linspace(0, count - 1, number).round().astype(np.int64)
+    return np.unique(indices)
 
 
-def evenly(count: int, most: int) -> Ints:
-    """Indices of at most `most` of so many values, evenly chosen, first and last among them."""
-    return np.unique(
-        np.linspace(0, count - 1, max(0, min(count, most))).round().astype(np.int64)
-    )
-
-
-def telling(values: Floats) -> Ints:
-    """Indices of the least and the largest value of each of `INTERVALS`, of the first and last.
+def extreme_indices(values: Floats) -> Ints:
+    """Indices of the least and the largest value of each of `INTERVALS`, of first and last.
 
     All indices of up to twice as many values.
     """
     if values.size <= 2 * INTERVALS:
         return np.arange(values.size)
-    wide = -(-values.size // INTERVALS)
-    parts = np.pad(values, (0, wide * INTERVALS - values.size), mode="edge").reshape(
-        -1, wide
-    )
-    begins, last = wide * np.arange(INTERVALS), values.size - 1
-    found = np.concatenate(
-        (begins + parts.argmin(axis=1), begins + parts.argmax(axis=1))
-    )
-    return np.unique(np.append(np.minimum(found, last), [0, last]))
+    width = -(-values.size // INTERVALS)
+    padding = (0, width * INTERVALS - values.size)
+    rows = np.pad(values, padding, mode="edge").reshape(-1, width)
+    first = width * np.arange(INTERVALS)
+    least = first + rows.argmin(axis=1)
+    largest = first + rows.argmax(axis=1)
+    last = values.size - 1
+    inside = np.minimum(np.concatenate((least, largest)), last)
+    return np.unique(np.append(inside, [0, last]))
 
 
-def thinned_steps(edges: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Values [n] of the steps of a record that tell most, and their edges [n + 1]."""
-    kept = telling(values)
-    return values[kept], np.append(edges[kept], edges[-1])
+def thinned(curve: StepCurve) -> StepCurve:
+    """The least and largest steps of a long curve."""
+    chosen = extreme_indices(curve.values)
+    edges = np.append(curve.edges[chosen], curve.edges[-1])
+    return StepCurve(curve.values[chosen], edges)

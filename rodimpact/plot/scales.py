@@ -13,8 +13,7 @@ from ..model.profiles import extremes
 from ..results.labels import Quantity
 from ..results.solution import Solution
 from ..units import format_power
-from .moments import length_name
-from .placing import Placing
+from .labels import length_name
 
 FIELDS = {
     "velocity": ("velocity", "m/s"),
@@ -24,10 +23,16 @@ FIELDS = {
     "energy": ("kinetic and strain energy per length", "J/m"),
 }
 """Names and units of the fields that a space-time diagram shows."""
-ROUND_OFF = 1e-9  # beside the largest value shown, as good as nothing
+NEGLIGIBLE_RTOL = 1e-9  # of the largest value shown: smaller values are round-off
+APPROACH_RTOL = 1e-12  # of the largest velocity: slower approach is round-off
 MINUS = "\N{MINUS SIGN}"
-SIGMA, RHO = "\N{GREEK SMALL LETTER SIGMA}", "\N{GREEK SMALL LETTER RHO}"
-LEAST, MOST = -15, 12  # powers of ten that have a prefix here
+SIGMA = "\N{GREEK SMALL LETTER SIGMA}"
+RHO = "\N{GREEK SMALL LETTER RHO}"
+MIN_PREFIX_POWER = -15  # of ten
+MAX_PREFIX_POWER = 12
+MAX_DENOMINATOR = 12  # of a multiple that is written as a fraction
+PLAIN_UNITS = ("1", "kg/m³", "m⁴", "m/s²", "s/m")  # without prefixes
+MIN_ROW_IN_METRES = 0.1  # m; smaller rows are shown in mm
 
 
 class Scale(NamedTuple):
@@ -65,11 +70,16 @@ def engineering(name: str, largest: float, unit: str) -> Scale:
         SI unit; "" for strain, which is written in powers of ten.
     """
     largest = abs(largest)
-    whole = math.log10(largest * (1 + ROUND_OFF)) / 3 if largest > 0 else 0.0
-    exponent = 3 * math.floor(whole)
+    exponent = 0
+    if largest > 0:
+        thousands = math.log10(largest * (1 + NEGLIGIBLE_RTOL)) / 3
+        exponent = 3 * math.floor(thousands)
     if not unit:
-        return Scale(10.0**-exponent, name, format_power(exponent) if exponent else "")
-    exponent = min(max(exponent, LEAST), MOST)
+        power = ""
+        if exponent:
+            power = format_power(exponent)
+        return Scale(10.0**-exponent, name, power)
+    exponent = min(max(exponent, MIN_PREFIX_POWER), MAX_PREFIX_POWER)
     return Scale(10.0**-exponent, name, EngFormatter.ENG_PREFIXES[exponent] + unit)
 
 
@@ -78,16 +88,17 @@ def scale_of(quantity: Quantity, largest: float) -> Scale:
 
     Powers of units other than lengths, and counts, are shown as they are.
     """
-    name, unit = quantity.name, quantity.unit
-    for digit, raised in zip("234", "²³⁴", strict=True):
-        unit = unit.replace(f"^{digit}", raised)
-    if unit in ("1", "kg/m³", "m⁴", "m/s²", "s/m"):
+    name = quantity.name
+    unit = quantity.unit
+    for power, raised in (("^2", "²"), ("^3", "³"), ("^4", "⁴")):
+        unit = unit.replace(power, raised)
+    if unit in PLAIN_UNITS:
         return Scale(1.0, name, unit.removeprefix("1"))
     if unit == "kg":
         scale = engineering(name, 1e3 * largest, "g")
         return scale._replace(factor=1e3 * scale.factor)
     if unit == "m":
-        return place_scale(largest)._replace(name=name)
+        return x_scale(largest)._replace(name=name)
     if unit == "m²":  # in mm² between 0.01 and 10 000 mm²
         side = engineering(name, 10 * math.sqrt(largest), "m")
         return Scale(side.factor**2, name, f"{side.unit}²")
@@ -99,8 +110,9 @@ def digits(value: float, largest: float, count: int = 3) -> str:
 
     Round-off does not decide which way a half is rounded.
     """
-    seen = abs(value) > ROUND_OFF * largest
-    return signed(f"{value * (1 + ROUND_OFF):.{count}g}" if seen else "0")
+    if abs(value) <= NEGLIGIBLE_RTOL * largest:
+        return "0"
+    return signed(f"{value * (1 + NEGLIGIBLE_RTOL):.{count}g}")
 
 
 def signed(text: str) -> str:
@@ -116,41 +128,53 @@ def multiple(value: float, unit: str) -> str:
     >>> [multiple(x, "v") for x in (0, 1, 0.5, 0.4, 0.8928926)]
     ['0', 'v', 'v/2', '2v/5', '0.893v']
     """
-    near = Fraction(value).limit_denominator(12)
-    if abs(value - near) > ROUND_OFF * max(1.0, abs(value)):
+    fraction = Fraction(value).limit_denominator(MAX_DENOMINATOR)
+    if abs(value - fraction) > NEGLIGIBLE_RTOL * max(1.0, abs(value)):
         return signed(f"{value:.3g}{unit}")
-    if near == 0:
+    if fraction == 0:
         return "0"
-    sign = MINUS if near < 0 else ""
-    top, bottom = abs(near.numerator), near.denominator
-    return (
-        sign
-        + (str(top) if top > 1 else "")
-        + unit
-        + (f"/{bottom}" if bottom > 1 else "")
-    )
+    text = unit
+    if abs(fraction.numerator) > 1:
+        text = f"{abs(fraction.numerator)}{text}"
+    if fraction.denominator > 1:
+        text = f"{text}/{fraction.denominator}"
+    if fraction < 0:
+        text = f"{MINUS}{text}"
+    return text
 
 
 def listed(names: Sequence[str]) -> str:
     """Write names as a list: a, b and c."""
-    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
+    if len(names) == 1:
+        return names[0]
+    return f"{', '.join(names[:-1])} and {names[-1]}"
 
 
 def closing_speed(solution: Solution) -> float:
     """Largest speed at which neighbours approach before the collision, m/s; 0 if none do."""
-    V = solution.outcome.velocities_before
-    closing = max((V[k] - V[k + 1] for k in solution.outcome.unilateral), default=0.0)
-    return closing if closing > 1e-12 * max(map(abs, V)) else 0.0
+    velocities = solution.outcome.velocities_before
+    largest = 0.0
+    for k in solution.outcome.unilateral:
+        largest = max(largest, velocities[k] - velocities[k + 1])
+    if largest <= APPROACH_RTOL * max(map(abs, velocities)):
+        return 0.0
+    return largest
 
 
-def first_rod(solution: Solution) -> tuple[Rod, str]:
-    """Leftmost rod, by which pictures without dimensions are scaled, and the name of its length."""
+class ReferenceRod(NamedTuple):
+    """Leftmost rod, by which dimensionless pictures are scaled, and the name of its length."""
+
+    rod: Rod
+    length: str
+
+
+def first_rod(solution: Solution) -> ReferenceRod:
+    """The leftmost rod of a row that has one."""
     system = solution.system
-    return next(
-        (body, length_name(system, i))
-        for i, body in enumerate(system.bodies)
-        if isinstance(body, Rod)
+    i, rod = next(
+        (i, body) for i, body in enumerate(system.bodies) if isinstance(body, Rod)
     )
+    return ReferenceRod(rod, length_name(system, i))
 
 
 def time_scale(end: float) -> Scale:
@@ -162,51 +186,31 @@ def time_scale(end: float) -> Scale:
     return engineering("time t", end, "s")
 
 
-def place_scale(width: float) -> Scale:
-    """Scale of an axis of places, for a row `width` m wide: metres unless it is small."""
-    return (
-        Scale(1.0, "place x", "m")
-        if width >= 0.1
-        else engineering("place x", width, "m")
-    )
+def x_scale(width: float) -> Scale:
+    """Scale of the axis of x, for a row `width` m wide: metres unless it is small."""
+    if width >= MIN_ROW_IN_METRES:
+        return Scale(1.0, "place x", "m")
+    return engineering("place x", width, "m")
 
 
-def place_label(plan: Placing, place: Scale) -> str:
-    """Label of an axis of places: in which frame and how much magnified they are drawn."""
-    if not plan.magnification:
-        label = place._replace(
-            name=place.name.replace("place", "material coordinate")
-        ).label
-        label += ", rods laid end to end, gaps left out"
-        return label + mass_width(plan, place)
-    label = place.label
-    if plan.frame:
-        label += f" in a frame moving at {written(plan.frame, 'm/s')}"
-    label += mass_width(plan, place)
-    if plan.free.any():
-        label += ", springs drawn long"
-    return f"{label}, {plan.scale}"
+class AxisScales(NamedTuple):
+    """Scales of the two axes of a space-time diagram."""
 
-
-def mass_width(plan: Placing, place: Scale) -> str:
-    """Width at which rigid masses are drawn, as a part of a label; "" without masses."""
-    if not plan.block:
-        return ""
-    width = f"{plan.block * place.factor:g} {place.unit}".rstrip()
-    return f", masses drawn {width} wide"
+    time: Scale
+    x: Scale
 
 
 def axis_scales(
     solution: Solution, dimensionless: bool, duration: float, width: float
-) -> tuple[Scale, Scale]:
-    """Scales of time and place, for times up to `duration` s and a picture `width` m wide."""
-    if dimensionless:
-        rod, length = first_rod(solution)
-        return (
-            Scale(1 / float(rod.transit_time), f"time t c/{length}"),
-            Scale(1 / float(rod.length), f"place x/{length}"),
-        )
-    return time_scale(duration), place_scale(width)
+) -> AxisScales:
+    """Scales for times up to `duration` s and a picture `width` m wide."""
+    if not dimensionless:
+        return AxisScales(time_scale(duration), x_scale(width))
+    rod, length = first_rod(solution)
+    return AxisScales(
+        Scale(1 / float(rod.transit_time), f"time t c/{length}"),
+        Scale(1 / float(rod.length), f"place x/{length}"),
+    )
 
 
 def field_scale(
@@ -230,16 +234,18 @@ def field_scale(
             "approach in this row; use dimensionless=False",
         )
     rod, length = first_rod(solution)
-    material, area = rod.segments[0].material, extremes(rod.segments[0].area)[1]
-    rho, c = float(material.density), float(material.wave_speed)
-    return {
-        "velocity": Scale(1 / v0, "velocity v/v₀"),
-        "stress": Scale(1 / (rho * c * v0), f"stress {SIGMA}/({RHO} c v₀)"),
-        "strain": Scale(c / v0, "strain ε c/v₀"),
-        "displacement": Scale(
-            c / (v0 * float(rod.length)), f"displacement u c/(v₀ {length})"
-        ),
-        "energy": Scale(
-            1 / (rho * area * v0**2), f"energy per length w/({RHO} A₁ v₀²)"
-        ),
-    }[field]
+    material = rod.segments[0].material
+    rho = float(material.density)
+    c = float(material.wave_speed)
+    if field == "velocity":
+        return Scale(1 / v0, "velocity v/v₀")
+    if field == "stress":
+        return Scale(1 / (rho * c * v0), f"stress {SIGMA}/({RHO} c v₀)")
+    if field == "strain":
+        return Scale(c / v0, "strain ε c/v₀")
+    if field == "displacement":
+        factor = c / (v0 * float(rod.length))
+        return Scale(factor, f"displacement u c/(v₀ {length})")
+    area = extremes(rod.segments[0].area)[1]
+    factor = 1 / (rho * area * v0**2)
+    return Scale(factor, f"energy per length w/({RHO} A₁ v₀²)")

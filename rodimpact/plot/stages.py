@@ -1,8 +1,7 @@
 """Snapshots: the row at chosen instants, one below the other, as in a textbook figure."""
 
-import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,28 +11,60 @@ from ..methods.signals import Floats
 from ..model import RigidMass, Rod
 from ..model.arguments import array
 from ..model.frozen import refusal
-from ..model.numbering import body_names
 from ..results.gauges import Gauge, check_gauges
 from ..results.solution import Solution, check_waves
-from . import scales, style
-from .bars import TOLD, Bars, joined
-from .moments import happening, moments
-from .placing import placing
-
-BESIDE = (
-    0.36  # from the middle of a row to numbers that have no room in a bar, up or down
+from .bars import LEGEND, Bars, merged
+from .labels import (
+    DIGIT,
+    break_label,
+    rod_labels,
+    spread_apart,
+    text_width,
+    wrap_words,
 )
-ALIKE = 0.02  # velocities of a stretch that bears one label, in parts of the largest
+from .layout import choose_layout
+from .moments import events_at, moments
+from .panels import (
+    Draft,
+    Picture,
+    add_colour_bar,
+    axes_or_new,
+    figure_of,
+    finish,
+    format_axes,
+    room_below,
+    size_in_points,
+    units_per_point,
+)
+from .scales import (
+    closing_speed,
+    digits,
+    engineering,
+    first_rod,
+    multiple,
+    written,
+    x_scale,
+)
+from .style import SMALL, centred, colours, ink_on, styled
+
+LETTERS = SMALL + 1  # height of the letters of a row, points
+BESIDE = 0.36  # from the middle of a row to labels above or below a bar
+MERGED_SPREAD = 0.02  # of velocities with one label, in parts of the largest
+MAX_SHIFT = 0.75  # of a label from the middle of its piece, in widths of the label
+EVENT_WIDTH = 0.3  # of the events beside the rows, in widths of the figure
+ROW_HEIGHT = 0.72  # inches
+MIN_ROW_HEIGHT = 0.55  # inches, of a narrow figure
+AROUND_ROWS = 0.9  # inches, of the axis below all rows
 
 
-@style.styled
+@styled
 def snapshots(
     solution: Solution,
     ax: Axes | None = None,
     times: Sequence[float] | Floats | None = None,
     magnification: float | None = None,
     gauges: Mapping[str, Gauge] | None = None,
-) -> style.Picture:
+) -> Picture:
     """Draw the row at chosen times, one below the other, coloured by velocity.
 
     Every uniform piece is labelled with its velocity in the frame of the picture, as a multiple of
@@ -80,90 +111,52 @@ def snapshots(
     True
     """
     check_waves(solution)
-    when = moments(solution) if times is None else array("times", times, "s").ravel()
+    if times is None:
+        when = moments(solution)
+    else:
+        when = array("times", times, "s").ravel()
     if when.size == 0:
         raise refusal("times", "needs at least one time, got none")
     solution.fields.to_ticks(when)  # refuses times outside the solution
-    last = float(when.max())
-    plan = placing(solution, 0.0, last, magnification)
-    place = scales.place_scale(plan.row)
-    ax = style.axes(ax, 9.6, 0.9 + 0.72 * when.size)
+    layout = choose_layout(solution, 0.0, float(when.max()), magnification)
+    x = x_scale(layout.row)
 
-    drawn = Bars(ax, plan, when, place)
-    velocities, stepped, bar = drawn.pieces.velocity, drawn.stepped, None
-    norm = style.centred(velocities, plan.frame)
-    bars, outlines, fronts = (
-        drawn.rods(velocities, norm),
-        drawn.outlines(),
-        drawn.fronts(),
-    )
-    walls, masses = drawn.walls(), drawn.masses()
-    drawn.marks()
-    drawn.gauges(check_gauges(gauges or {}))
-    ax.use_sticky_edges = False
-    ax.margins(x=0.1 if masses else 0.03)  # room for velocities below masses
-    ax.autoscale_view()
-    ax.set_ylim(0.45 - when.size, 0.8)
-    for i in range(len(solution.system.bodies) - 1):
-        ax.axvline(
-            float(drawn.end(i, True)[0]),
-            color=drawn.colours.faint,
-            linewidth=0.6,
-            linestyle=(0, (4, 4)),
-            zorder=1,
-        )
+    height = AROUND_ROWS + ROW_HEIGHT * when.size
+    least_height = AROUND_ROWS + MIN_ROW_HEIGHT * when.size
+    ax = axes_or_new(ax, 9.6, height, least_height)
+    bars = Bars(ax, layout, when, x)
+    norm = centred(bars.pieces.velocity, layout.frame)
+    rods = bars.draw_rods(bars.pieces.velocity, norm)
+    outlines = bars.draw_outlines()
+    fronts = bars.draw_fronts()
+    walls = bars.draw_walls()
+    masses = bars.draw_masses()
+    bars.draw_marks()
+    bars.draw_gauges(check_gauges(gauges or {}))
+    _set_limits(bars)
+    _draw_first_ends(bars)
 
+    velocity = _VelocityLabels(bars)
     _name_rows(ax, solution, when)
-    largest, closing = float(np.abs(velocities).max()), scales.closing_speed(solution)
-    scale = scales.engineering("velocity", largest, "m/s")
-    unit = (
-        f"closing speed v = {scales.written(closing, 'm/s')}"
-        if closing
-        else (f"velocities ({scale.unit})")
-    )
-    ax.set_xlabel(
-        "\n".join(
-            style.broken(label, style.extent(ax)[0])
-            for label in (scales.place_label(plan, place), unit, TOLD)
-        )
-    )
-    if stepped:
-        bar = style.colour_bar(
+    labels = (layout.label(x, size_in_points(ax)[0]), velocity.unit, LEGEND)
+    bar = None
+    if bars.is_smooth:
+        bar = add_colour_bar(
             ax,
-            bars,
-            scale.label,
-            plan.frame,
+            rods,
+            velocity.scale.label,
+            layout.frame,
             location="bottom",
             fraction=0.03,
             aspect=50,
             shrink=0.6,
-            format=lambda value, _: scales.digits(value * scale.factor, 0.0),
+            format=lambda value, _: digits(value * velocity.scale.factor, 0.0),
         )
-    style.figure_of(
-        ax
-    ).draw_without_rendering()  # so that it is known how wide the Axes are
-
-    def write(velocity: float) -> str:  # where it varies along the rods, to hundredths
-        part = (velocity - plan.frame * bool(closing)) / (closing or largest or 1.0)
-        part = round(part, 2) if stepped else part
-        return (
-            scales.multiple(part, "v")
-            if closing
-            else scales.digits(part * largest * scale.factor, largest * scale.factor)
-        )
-
-    labels = _labels(drawn, norm, write) + _mass_labels(drawn, write)
-    names = body_names(solution.system.kinds)
-    for i, body in enumerate(solution.system.bodies):
-        wide = plan.widths[i] * place.factor > _width(ax, names[i])
-        if wide and isinstance(body, Rod):
-            middle = float(plan.middle(i, when[0])) * place.factor
-            _write(ax, middle, 0.5, names[i], drawn.colours.ink, "bottom")
-    return style.Picture(
+    picture = Picture(
         ax=ax,
         times=when,
-        bars=bars,
-        labels=labels,
+        bars=rods,
+        labels=[],
         fronts=fronts,
         walls=walls,
         masses=masses,
@@ -171,91 +164,206 @@ def snapshots(
         colour_bar=bar,
     )
 
+    def set_axis_label() -> None:
+        width = room_below(ax)
+        ax.set_xlabel("\n".join(break_label(label, width) for label in labels))
 
-def _name_rows(ax: Axes, solution: Solution, when: Floats) -> None:
-    """To the left of each row its time, to the right what happens then."""
-    style.dress(ax)
-    time = scales.engineering("time", solution.t_end, "s")
-    rod, length = scales.first_rod(solution)
-    ax.set_yticks(
-        -np.arange(when.size),
-        [
-            f"{t * time.factor:.4g} {time.unit}\n{t / float(rod.transit_time):.3g} {length}/c"
-            for t in when.tolist()
-        ],
-    )
-    ax.tick_params(axis="y", length=0)
-    ax.spines["left"].set_visible(False)
-    for row, t in enumerate(when.tolist()):
-        words = [
-            style.broken(line, style.extent(ax)[0] / 3)
-            for line in happening(solution, t).splitlines()
-        ]
-        ax.text(
-            1.01,
-            -row,
-            "\n".join(words),
-            transform=ax.get_yaxis_transform(),
-            va="center",
-            fontsize=style.SMALL + 1,
+    def write_words() -> None:
+        set_axis_label()
+        picture.labels = _label_pieces(bars, norm, velocity.write)
+        picture.labels += _label_masses(bars, velocity.write)
+        _name_rods(bars)
+
+    set_axis_label()
+    return finish(Draft(picture, write_words))
+
+
+def _set_limits(bars: Bars) -> None:
+    """Leave room for labels above and below the rows, and beside masses."""
+    ax = bars.ax
+    has_masses = any(isinstance(body, RigidMass) for body in bars.system.bodies)
+    ax.use_sticky_edges = False
+    ax.margins(x=0.1 if has_masses else 0.03)
+    ax.autoscale_view()
+    ax.set_ylim(0.45 - bars.times.size, 0.8)
+
+
+def _draw_first_ends(bars: Bars) -> None:
+    """Draw dashed lines where bodies meet in the first row."""
+    for i in range(len(bars.system.bodies) - 1):
+        bars.ax.axvline(
+            float(bars.end(i, True)[0]),
+            color=colours().faint,
+            linewidth=0.6,
+            linestyle=(0, (4, 4)),
+            zorder=1,
         )
 
 
-def _mass_labels(drawn: Bars, write: Callable[[float], str]) -> list[Text]:
-    """Velocity of each mass, below it; of every second of neighbours above it."""
-    labels, above, times = [], True, drawn.times
-    for i, body in enumerate(drawn.system.bodies):
-        above = not (above and isinstance(body, RigidMass))
-        up, va = (BESIDE, "bottom") if above else (-BESIDE, "top")
-        if isinstance(body, RigidMass):
-            middle = drawn.plan.middle(i, times) * drawn.place.factor
-            speeds = drawn.plan.solution.velocity(i, 0.0, times).tolist()
-            labels += [
-                _write(drawn.ax, middle[row], up - row, write(v), drawn.colours.ink, va)
-                for row, v in enumerate(speeds)
-            ]
+class _VelocityLabels:
+    """Velocities as multiples of the closing speed v, or in the unit named under the picture.
+
+    Attributes
+    ----------
+    scale : Scale
+        Of velocities.
+    unit : str
+        Line under the picture.
+    """
+
+    def __init__(self, bars: Bars) -> None:
+        self._largest = float(np.abs(bars.pieces.velocity).max())
+        self._closing = closing_speed(bars.solution)
+        self._frame = bars.layout.frame
+        self._is_smooth = bars.is_smooth
+        self.scale = engineering("velocity", self._largest, "m/s")
+        if self._closing:
+            self.unit = f"closing speed v = {written(self._closing, 'm/s')}"
+        else:
+            self.unit = f"velocities ({self.scale.unit})"
+
+    def write(self, velocity: float) -> str:
+        """Write a velocity, to hundredths where it varies along the rods."""
+        if self._closing:
+            part = (velocity - self._frame) / self._closing
+        else:
+            part = velocity / (self._largest or 1.0)
+        if self._is_smooth:
+            part = round(part, 2)
+        if self._closing:
+            return multiple(part, "v")
+        largest = self._largest * self.scale.factor
+        return digits(part * self._largest * self.scale.factor, largest)
+
+
+def _name_rows(ax: Axes, solution: Solution, when: Floats) -> None:
+    """Write to the left of each row its time, to the right the events at this time."""
+    format_axes(ax)
+    time = engineering("time", solution.t_end, "s")
+    rod, length = first_rod(solution)
+    names = []
+    for t in when.tolist():
+        transits = t / float(rod.transit_time)
+        names.append(f"{t * time.factor:.4g} {time.unit}\n{transits:.3g} {length}/c")
+    ax.set_yticks(-np.arange(when.size), names)
+    ax.tick_params(axis="y", length=0)
+    ax.spines["left"].set_visible(False)
+    room = EVENT_WIDTH * 72 * figure_of(ax).get_figwidth()
+    for row, t in enumerate(when.tolist()):
+        events = []
+        for line in events_at(solution, t).splitlines():
+            events.append(wrap_words(line, room, LETTERS))
+        ax.text(
+            1.01,
+            -row,
+            "\n".join(events),
+            transform=ax.get_yaxis_transform(),
+            va="center",
+            fontsize=LETTERS,
+        )
+
+
+def _label_masses(bars: Bars, write: Callable[[float], str]) -> list[Text]:
+    """Write the velocity of each mass below it; of every second of neighbours above it."""
+    labels: list[Text] = []
+    is_above = False
+    for i, body in enumerate(bars.system.bodies):
+        if not isinstance(body, RigidMass):
+            is_above = False
+            continue
+        side, va = (BESIDE, "bottom") if is_above else (-BESIDE, "top")
+        x = bars.layout.middle(i, bars.times) * bars.x_scale.factor
+        velocities = bars.solution.velocity(i, 0.0, bars.times).tolist()
+        for row, velocity in enumerate(velocities):
+            text = _write(bars.ax, x[row], side - row, write(velocity), va=va)
+            labels.append(text)
+        is_above = not is_above
     return labels
 
 
-def _labels(drawn: Bars, norm: Any, write: Callable[[float], str]) -> list[Text]:
+class _Label(NamedTuple):
+    """Label of a piece that is too narrow to bear it."""
+
+    x: float  # middle of the piece
+    width: float  # of the label, in the unit of the axis
+    text: str
+
+
+def _label_pieces(bars: Bars, norm: Any, write: Callable[[float], str]) -> list[Text]:
     """Write the velocity into each piece, or below it where it is too narrow.
 
-    Where velocities vary along the rods, into stretches in which they hardly do, and never below.
+    Where velocities vary along the rods, the labels stand in stretches in which they hardly
+    do, and never below.
     """
+    pieces = bars.pieces
+    if bars.is_smooth:
+        largest = float(norm.vmax - norm.vmin) / 2
+        pieces = merged(pieces, MERGED_SPREAD * largest)
     labels: list[Text] = []
-    row, taken, ax, pieces = -1, -math.inf, drawn.ax, drawn.pieces
-    if drawn.stepped:
-        pieces = joined(pieces, ALIKE * float(norm.vmax - norm.vmin) / 2)
-    for piece in pieces:
-        text = write(piece.velocity)
-        width = _width(ax, text)
-        x = (piece.left + piece.right) / 2
-        if piece.right - piece.left > width:
-            labels.append(
-                _write(
-                    ax,
-                    x,
-                    float(-piece.row),
-                    text,
-                    style.ink_on(norm, piece.velocity),
-                    "center_baseline",
+    for row in range(bars.times.size):
+        below: list[_Label] = []
+        for piece in pieces[pieces.row == row]:
+            text = write(piece.velocity)
+            width = _width(bars.ax, text)
+            x = (piece.left + piece.right) / 2
+            if piece.right - piece.left > width:
+                ink = ink_on(norm, piece.velocity)
+                label = _write(
+                    bars.ax, x, float(-row), text, va="center_baseline", color=ink
                 )
-            )
-        elif not drawn.stepped and (row != piece.row or x - width / 2 > taken):
-            labels.append(
-                _write(ax, x, -piece.row - BESIDE, text, drawn.colours.ink, "top")
-            )
-            row, taken = piece.row, x + width / 2
+                labels.append(label)
+            elif not bars.is_smooth:
+                below.append(_Label(x, width, text))
+        for x, text in _with_room_below(below):
+            labels.append(_write(bars.ax, x, -row - BESIDE, text, va="top"))
     return labels
+
+
+def _with_room_below(labels: list[_Label]) -> list[tuple[float, str]]:
+    """Labels of a row moved apart; those that would move too far are left out."""
+    labels = sorted(labels)
+    while labels:
+        widths = [label.width for label in labels]
+        moved = spread_apart([label.x for label in labels], widths)
+        shifts = []
+        for label, x in zip(labels, moved, strict=True):
+            shifts.append(abs(x - label.x) / label.width)
+        farthest = int(np.argmax(shifts))
+        if shifts[farthest] <= MAX_SHIFT:
+            texts = [label.text for label in labels]
+            return list(zip(moved, texts, strict=True))
+        labels = labels[:farthest] + labels[farthest + 1 :]
+    return []
+
+
+def _name_rods(bars: Bars) -> None:
+    """Write the names of the rods above the first row."""
+    per_point = float(units_per_point(bars.ax)[0])
+    rods = []
+    x = []
+    for i, body in enumerate(bars.system.bodies):
+        if isinstance(body, Rod):
+            middle = float(bars.layout.middle(i, bars.times[0]))
+            rods.append(i)
+            x.append(middle * bars.x_scale.factor)
+    centres = [each / per_point for each in x]
+    names = rod_labels(bars.system, rods, centres, LETTERS)
+    for position, name in zip(x, names, strict=True):
+        _write(bars.ax, position, 0.5, name, va="bottom")
 
 
 def _width(ax: Axes, text: str) -> float:
-    """Width of a text on the axis of places."""
-    points = float(style.extent(ax)[0] / np.ptp(ax.get_xlim()))  # of a unit
-    return style.LETTER * (style.SMALL + 1) * (len(text) + 0.5) / points
+    """Width of a text with a little room beside it, in the unit of the axis of x."""
+    points = text_width(text, LETTERS, DIGIT) + DIGIT * LETTERS / 2
+    return points * float(units_per_point(ax)[0])
 
 
-def _write(ax: Axes, x: float, y: float, text: str, colour: str, va: str) -> Text:
+def _write(
+    ax: Axes, x: float, y: float, text: str, *, va: str, color: str | None = None
+) -> Text:
+    """Write a text, by default in ink."""
+    if color is None:
+        color = colours().ink
     return ax.text(
-        x, y, text, color=colour, ha="center", va=va, fontsize=style.SMALL + 1, zorder=5
+        x, y, text, color=color, ha="center", va=va, fontsize=LETTERS, zorder=5
     )

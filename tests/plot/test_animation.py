@@ -203,7 +203,7 @@ def test_a_film_has_as_many_frames_as_asked_for(solved, frames, magnification):
 
 
 def test_a_run_with_too_many_regions_is_shown_in_part(solved, monkeypatch):
-    monkeypatch.setattr("rodimpact.plot.polygons.REGIONS", 8)
+    monkeypatch.setattr("rodimpact.plot.polygons.READABLE_REGIONS", 8)
     solution = solved["unequal"]
     film = plot.animation(solution, frames=2)
     assert film.times[-1] < solution.t_end

@@ -592,7 +592,7 @@ def test_overview_names_the_result_and_what_is_missing(solved, monkeypatch):
     assert (
         solved["bouncing"].status in plot.overview(solved["bouncing"]).get_supxlabel()
     )
-    monkeypatch.setattr("rodimpact.plot.polygons.REGIONS", 30)
+    monkeypatch.setattr("rodimpact.plot.polygons.READABLE_REGIONS", 30)
     assert "the first 396 µs" in plot.overview(solved["impedances"]).get_supxlabel()
 
 
@@ -701,7 +701,7 @@ def test_a_given_axes_is_used_and_settings_are_left_alone(solved):
 
 def test_axes_are_the_first_that_any_figure_takes_after_its_subject():
     whole = {"overview", "animation"}  # several Axes, arranged on a figure of their own
-    for name in set(plot.__all__) - {"look", "save"} - whole:
+    for name in set(plot.__all__) - {"look", "save", "show"} - whole:
         _, *names = signature(getattr(plot, name)).parameters
         assert names[name in ("comparison", "restitution")] == "ax", name
 

@@ -145,5 +145,5 @@ def test_a_reduction_shows_stress_with_its_band_over_strain():
         picture.rate.get_xdata(), 100 * found.strain[found.loading]
     )
     assert picture.stress.get_ydata().max() == pytest.approx(160)
-    with pytest.raises(ValueError, match="found: must be a Reduction"):
+    with pytest.raises(ValueError, match="curve: must be a Reduction"):
         plot.reduction(both)

@@ -47,5 +47,5 @@ def test_notebooks_show_the_figure_above_the_table(striker):
 
 
 def test_what_is_no_design_is_refused():
-    with pytest.raises(ValueError, match="found: must be a PulseDesign"):
+    with pytest.raises(ValueError, match="result: must be a PulseDesign"):
         plot.design(BAR)

@@ -3,16 +3,18 @@
 import threading
 
 import matplotlib as mpl
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from drawing import rod
+from drawing import rod, settings
 from exhaustive import few_of
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import to_rgb
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.text import Text
 
 import rodimpact as ri
 from rodimpact import plot
+from rodimpact.plot.panels import figure_of
 from rodimpact.plot.style import LOOKS
 
 SOLUTION = ri.solve(ri.System([rod(0.4, 1.0), rod(1.0)]))
@@ -121,7 +123,7 @@ def test_a_column_is_as_wide_as_asked_and_labels_stay_inside(name):
 @pytest.mark.parametrize(
     ("wrong", "named"),
     [
-        ({"name": "grey"}, "'light', 'dark'"),
+        ({"mode": "grey"}, "'light', 'dark'"),
         ({"width": 20}, "50 to 1000 mm"),
         ({"width": float("nan")}, "finite number of mm"),
     ],
@@ -129,3 +131,65 @@ def test_a_column_is_as_wide_as_asked_and_labels_stay_inside(name):
 def test_wrong_looks_are_refused(wrong, named):
     with pytest.raises(ValueError, match=named), plot.look(**wrong):
         pass
+
+
+def test_the_style_sheets_have_names_and_differ_in_colours_only():
+    sheets = {}
+    for mode in ("light", "dark"):
+        with plt.style.context(f"rodimpact.plot.{mode}"):
+            sheets[mode] = settings()
+            figure, ax = plt.subplots()
+            assert to_hex(figure.get_facecolor()) == LOOKS[mode].paper
+            assert to_hex(ax.xaxis.label.get_color()) == LOOKS[mode].ink
+            (line,) = ax.plot([0, 1])
+            assert line.get_color() == LOOKS[mode].series[0]
+            assert not ax.spines["top"].get_visible()
+            plt.close(figure)
+    differ = {
+        name for name, value in sheets["light"].items() if value != sheets["dark"][name]
+    }
+    assert differ == {
+        "figure.facecolor", "axes.facecolor", "text.color", "axes.labelcolor",
+        "xtick.labelcolor", "ytick.labelcolor", "axes.edgecolor", "xtick.color",
+        "ytick.color", "grid.color", "axes.prop_cycle",
+    }  # fmt: skip
+
+
+def test_axes_of_pyplot_look_like_axes_of_the_package():
+    solution = SOLUTION
+    figure, ax = plt.subplots()
+    upper_lower = plt.subplots(2)
+    try:
+        picture = plot.energy(solution, ax=ax)
+        own = plot.energy(solution)
+        assert picture.ax is ax
+        assert [t.get_text() for t in picture.labels] == [
+            t.get_text() for t in own.labels
+        ]
+        assert not ax.spines["top"].get_visible()
+        pair = plot.contact(solution, ax=upper_lower[1])
+        assert pair.gap_ax is upper_lower[1][1]
+        part = figure.subfigures(1, 2)[0].subplots()
+        assert figure_of(plot.spacetime(solution, ax=part)) is figure
+    finally:
+        plt.close("all")
+
+
+def test_show_opens_a_window_and_waits(monkeypatch):
+    shown = []
+    own = plot.energy(SOLUTION)
+    figure, ax = plt.subplots()
+    given = plot.energy(SOLUTION, ax=ax)
+    try:
+        monkeypatch.setattr(plt, "get_backend", lambda: "a window")
+        monkeypatch.setattr(plt, "show", lambda: shown.append(plt.get_fignums()))
+        plot.show(given)
+        assert shown == [[figure.number]]  # pyplot has it already
+        plot.show(own)
+        plot.show(own.ax.figure)
+        assert [len(numbers) for numbers in shown] == [1, 2, 2]
+        assert plt.figure(shown[-1][-1]) is own.ax.figure
+    finally:
+        plt.close("all")
+    with pytest.raises(ValueError, match="must be a figure"):
+        plot.show("energy.png")

@@ -13,7 +13,7 @@ from rodimpact import plot
 from rodimpact.explorer.design import LIBRARY, tables_of, with_gauges
 from rodimpact.explorer.presets import presets
 from rodimpact.explorer.solved import scene_of
-from rodimpact.plot.placing import placing
+from rodimpact.plot.layout import choose_layout
 from rodimpact.results.magnification import REACH
 
 ROWS = {
@@ -55,7 +55,7 @@ def row(solution):
 def test_figures_film_and_page_magnify_by_the_same_factor_in_the_same_frame(
     solution, row
 ):
-    plan = placing(solution, 0.0, solution.t_end)
+    plan = choose_layout(solution, 0.0, solution.t_end)
     assert row["magnification"] == plan.magnification
     assert row["frame"] == plan.frame
     assert plan.block in (0, row["block"])
@@ -74,7 +74,7 @@ def test_figures_film_and_page_magnify_by_the_same_factor_in_the_same_frame(
 
 
 def test_the_page_and_the_figures_draw_bodies_at_the_same_places(solution, row):
-    plan = placing(solution, 0.0, solution.t_end)
+    plan = choose_layout(solution, 0.0, solution.t_end)
     for t in np.linspace(0.0, solution.t_end, 5):
         for i in range(len(solution.system.bodies)):
             u = float(solution.displacement(i, 0.0, t))
@@ -89,7 +89,7 @@ def test_the_page_and_the_figures_draw_bodies_at_the_same_places(solution, row):
 def test_magnification_is_round_and_moves_bodies_no_farther_than_a_part_of_the_row(
     solution,
 ):
-    plan = placing(solution, 0.0, solution.t_end)
+    plan = choose_layout(solution, 0.0, solution.t_end)
     assert re.fullmatch(r"[125]0*", f"{plan.magnification:g}")
     total = sum(
         plan.widths[i]
@@ -108,7 +108,7 @@ def test_magnification_is_round_and_moves_bodies_no_farther_than_a_part_of_the_r
 
 
 def test_a_magnification_of_any_kind_of_number_is_a_float(solution):
-    plan = placing(solution, 0.0, solution.t_end, Fraction(1, 4))
+    plan = choose_layout(solution, 0.0, solution.t_end, Fraction(1, 4))
     assert plan.magnification.hex() == (0.25).hex()
     assert plan.scale.endswith("0.25")
 
@@ -117,7 +117,7 @@ def test_walls_are_walls_and_fixed_ends_by_the_side_they_bound():
     held = ri.System(
         [ri.Wall(), rod(0.4, 1.0)], gaps=[1e-4], ends=(ri.Free(), ri.Fixed())
     )
-    assert placing(ri.solve(held, until=1e-4), 0.0, 1e-4).walls() == [
+    assert choose_layout(ri.solve(held, until=1e-4), 0.0, 1e-4).walls() == [
         (0, False),
         (1, True),
     ]

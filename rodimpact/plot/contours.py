@@ -1,0 +1,148 @@
+"""Contour lines of a map: at round values, up to its jumps, with labels that do not collide."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from matplotlib import colors, contour, ticker
+from matplotlib.axes import Axes
+from matplotlib.text import Text
+
+from ..methods.signals import Floats
+from .jumps import away_from_jumps
+from .labels import text_width
+from .scales import signed
+from .style import SMALL, ink_on
+
+MAX_LEVELS = 8
+NEAR_LEVEL = 0.002  # of a quantity's range: values that count as those of a level
+PLATEAU_ROWS = 3  # of points with equal values: no line follows such a plateau
+LABEL_GAP = 2.0  # points between a label and other labels, lines, and the frame
+LETTERS = SMALL + 1  # height, points
+POINTS_OF_LINE = 400  # at which the distance of a label from a line is looked at
+
+
+def draw_contours(
+    ax: Axes,
+    grid: tuple[Floats, Floats],
+    values: Floats,
+    palette: colors.Colormap,
+    norm: colors.Normalize,
+) -> contour.QuadContourSet | None:
+    """Draw lines at round values [x, y], up to the jumps and not across them."""
+    levels = _levels(values)
+    is_smooth = away_from_jumps(values)
+    if not levels or not is_smooth.any():
+        return None
+    x, y = grid
+    return ax.contour(
+        x,
+        y,
+        np.ma.array(values, mask=~is_smooth).T,
+        levels=levels,
+        linestyles="-",
+        linewidths=0.8,
+        zorder=3,
+        colors=[ink_on(norm, level, palette) for level in levels],
+    )
+
+
+def _levels(values: Floats) -> list[float]:
+    """Round values inside the range, but not those of a plateau."""
+    low = float(np.nanmin(values))
+    high = float(np.nanmax(values))
+    near = NEAR_LEVEL * (high - low)
+    locator = ticker.MaxNLocator(MAX_LEVELS, steps=[1, 2, 2.5, 5, 10])
+    levels = []
+    for level in locator.tick_values(low, high):
+        if not low + 10 * near < level < high - 10 * near:
+            continue
+        members = np.sum(np.abs(values - level) < near)
+        if members < PLATEAU_ROWS * max(values.shape):
+            levels.append(float(level))
+    return levels
+
+
+def label_contours(
+    ax: Axes,
+    contours: contour.QuadContourSet,
+    others: Sequence[contour.QuadContourSet],
+) -> list[Text]:
+    """Write the value of each line into it, clear of other labels, lines and the frame.
+
+    A label stands where matplotlib puts it, or else at the nearest clear point of its line; a
+    line without such a point has none.
+    """
+
+    def value(level: float) -> str:
+        return signed(f"{level:g}")
+
+    trial = list(ax.clabel(contours, fmt=value, inline=False, fontsize=LETTERS))
+    taken = [_points_of(ax, line) for other in others for line in other.allsegs[0]]
+    obstacles = np.concatenate([np.empty((0, 2)), *taken])
+    clear = np.full(len(obstacles), LETTERS / 2)  # distance to keep from each obstacle
+    chosen = []
+    for text in trial:
+        half = text_width(text.get_text(), LETTERS) / 2 + LABEL_GAP
+        for point in _candidates(ax, contours, text):
+            if not _is_inside(ax, point, half):
+                continue
+            if (np.hypot(*(obstacles - point).T) < half + clear).any():
+                continue
+            chosen.append(ax.transData.inverted().transform(point * _pixels(ax)))
+            obstacles = np.vstack([obstacles, point])
+            clear = np.append(clear, half)
+            break
+        text.remove()
+    labels = ax.clabel(
+        contours, fmt=value, inline_spacing=3, fontsize=LETTERS, manual=chosen
+    )
+    return list(labels)[len(trial) :]  # matplotlib's list still has the trial
+
+
+def _pixels(ax: Axes) -> float:
+    """Pixels of a point on paper."""
+    return float(ax.figure.dpi) / 72
+
+
+def _in_points(ax: Axes, places: Floats) -> Floats:
+    """Places of a map on paper, points."""
+    return np.asarray(ax.transData.transform(places) / _pixels(ax))
+
+
+def _points_of(ax: Axes, line: Floats) -> Floats:
+    """Evenly many points [n, 2] along a line of the map, on paper."""
+    corners = _in_points(ax, line)
+    index = np.linspace(0, len(corners) - 1, POINTS_OF_LINE)
+    known = np.arange(len(corners))
+    x = np.interp(index, known, corners[:, 0])
+    y = np.interp(index, known, corners[:, 1])
+    return np.column_stack([x, y])
+
+
+def _candidates(
+    ax: Axes, contours: contour.QuadContourSet, text: Text
+) -> Iterator[Floats]:
+    """Points for a label: where it stands, then those of its line, the nearest first."""
+    start = _in_points(ax, np.array(text.get_position()))
+    yield start
+    nearest: Floats | None = None
+    least = np.inf
+    for lines in contours.allsegs:
+        for line in lines:
+            points = _points_of(ax, line)
+            distance = float(np.hypot(*(points - start).T).min())
+            if distance < least:
+                least = distance
+                nearest = points
+    if nearest is None:
+        return
+    order = np.argsort(np.hypot(*(nearest - start).T), kind="stable")
+    yield from nearest[order]
+
+
+def _is_inside(ax: Axes, point: Floats, half: float) -> bool:
+    """Whether a label at a point is clear of the frame."""
+    box = ax.get_window_extent()
+    low = np.array([box.x0, box.y0]) / _pixels(ax)
+    high = np.array([box.x1, box.y1]) / _pixels(ax)
+    return bool((point - half > low).all() and (point + half < high).all())

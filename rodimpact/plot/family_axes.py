@@ -1,0 +1,121 @@
+"""Axes of a family: along each of them one number varies, or several together."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib import ticker
+from matplotlib.axis import Axis
+from numpy.typing import NDArray
+
+from ..methods.signals import Floats
+from ..results.labels import parameter
+from ..running.sweep_result import SweepResult
+from ..units import format_factor
+from .scales import Scale, scale_of
+
+MIN_LOG_RANGE = 3.0  # last over first value from which an axis may be logarithmic
+MAX_DECADES_WITH_2_AND_5 = 2e3  # last over first value up to which 2 and 5 have ticks
+
+
+class FamilyAxis(NamedTuple):
+    """An axis of the family: the order in which its values increase, and these values."""
+
+    order: NDArray[np.intp]
+    values: Floats
+    scale: Scale
+    label: str  # with what varies along with it
+    is_ordered: bool  # whether all that varies along it rises or falls with the values
+
+    @property
+    def numbers(self) -> Floats:
+        """Numbers on the axis."""
+        return self.values * self.scale.factor
+
+    @property
+    def is_log(self) -> bool:
+        """Whether the values have a wide range and are spread more evenly by their logarithms."""
+        first, last = self.values[[0, -1]]
+        if self.values.size < 3 or first <= 0 or last < MIN_LOG_RANGE * first:
+            return False
+        steps = np.diff(self.values)
+        log_steps = np.diff(np.log(self.values))
+        unevenness = np.std(steps) / np.mean(steps)
+        return bool(np.std(log_steps) / np.mean(log_steps) < unevenness / 2)
+
+    @property
+    def edges(self) -> Floats:
+        """Borders half-way between the numbers and as far beyond the outer ones, not beyond 0."""
+        x = self.numbers
+        if self.is_log:
+            x = np.log(x)
+        middle = (x[:-1] + x[1:]) / 2
+        first = 2 * x[0] - middle[0]
+        last = 2 * x[-1] - middle[-1]
+        edges = np.concatenate(([first], middle, [last]))
+        if self.is_log:
+            edges = np.exp(edges)
+        if self.values[0] >= 0:
+            edges = np.maximum(edges, 0.0)
+        return edges
+
+
+def family_axis(result: SweepResult, dimension: int) -> FamilyAxis:
+    """What lies along a dimension of the family; members are counted if that is all the same."""
+    name, values = result.axes[dimension]
+    values = np.asarray(values, dtype=float)
+    if values.min() == values.max():
+        name = f"axis {dimension}"
+        values = np.arange(values.size, dtype=float)
+    order = np.argsort(values, kind="stable")
+    scale = scale_of(parameter(result.system, name), float(np.abs(values).max()))
+
+    others = []
+    is_ordered = True
+    for path, numbers in _varying_along(result, dimension).items():
+        if path != name:
+            others.append(parameter(result.system, path).name)
+            is_ordered = is_ordered and _is_monotonic(numbers[order])
+    label = scale.label
+    if others:
+        label += f"\nwith {others[0]}"
+    if len(others) > 1:
+        label += f" and {len(others) - 1} more"
+    return FamilyAxis(order, values[order], scale, label, is_ordered)
+
+
+def _varying_along(result: SweepResult, dimension: int) -> dict[str, NDArray[Any]]:
+    """Numbers that vary along a dimension, by path, with the dimension first."""
+    from_end = len(result.shape) - dimension
+    varying = {}
+    for path, numbers in result.parameters.items():
+        if numbers.ndim >= from_end and numbers.shape[-from_end] > 1:
+            varying[path] = np.moveaxis(numbers, -from_end, 0)
+    return varying
+
+
+def _is_monotonic(numbers: NDArray[Any]) -> bool:
+    """Whether numbers never fall or never rise along their first axis."""
+    steps = np.diff(numbers.astype(float), axis=0)
+    rises = (steps >= 0).all(axis=0)
+    falls = (steps <= 0).all(axis=0)
+    return bool((rises | falls).all())
+
+
+def format_family_axis(axis: Axis, family: FamilyAxis) -> None:
+    """Set limits, label and ticks of an axis."""
+    first, last = family.edges[[0, -1]]
+    axis.set_label_text(family.label)
+    scale = "log" if family.is_log else "linear"
+    if axis is axis.axes.xaxis:
+        axis.axes.set(xscale=scale, xlim=(first, last))
+    else:
+        axis.axes.set(yscale=scale, ylim=(first, last))
+    if family.is_log:
+        digits: tuple[float, ...] = (1.0,)
+        if last < MAX_DECADES_WITH_2_AND_5 * first:
+            digits = (1.0, 2.0, 5.0)
+        axis.set_major_locator(ticker.LogLocator(subs=digits, numticks=15))
+        axis.set_major_formatter(
+            ticker.FuncFormatter(lambda value, _: format_factor(value))
+        )
+        axis.set_minor_formatter(ticker.NullFormatter())

@@ -1,0 +1,232 @@
+"""Records of strain gauges over time: the strain, its two waves, and its pulses."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Rectangle, StepPatch
+
+from ..methods.signals import Floats
+from ..model.arguments import of_kind
+from ..results.gauges import Gauge
+from .labels import legend_above
+from .panels import Draft, Picture, axes_or_new, draw_zero, finish, format_axes
+from .sampling import steps_until, thinned
+from .scales import Scale, listed, time_scale, x_scale
+from .style import colours, styled
+
+MICROSTRAIN = Scale(1e6, "strain", "microstrain")
+MAX_BOLD_STEPS = 200  # of a record that is drawn with a bold line
+PULSE_RTOL = 0.01  # of the largest strain that a wave carries: less is no pulse
+
+
+class _Pulse(NamedTuple):
+    """First time that a wave is strong."""
+
+    start: float  # s
+    stop: float
+    is_tension: bool
+
+
+@styled
+def gauge(
+    record: Gauge, ax: Axes | None = None, transmitted: Gauge | None = None
+) -> Picture:
+    """Draw the record of a strain gauge, its two waves, and its pulses.
+
+    The first wave at the gauge is the incident pulse. The first later wave in the opposite
+    direction is the reflected pulse. The first wave at a second gauge, beyond the specimen, is the
+    transmitted pulse. The incident pulse lasts while its wave exceeds a hundredth of the largest
+    strain of a wave at the gauge. The windows of the other pulses begin at their arrival and are as
+    long. Each window is shaded on the side of its sign. A bar that vibrates at t = 0 has no such
+    pulses.
+
+    Strain is given in microstrain.
+
+    Parameters
+    ----------
+    record : Gauge
+        From `Solution.gauge`.
+    ax : Axes, optional
+        By default the Axes of a new figure.
+    transmitted : Gauge, optional
+        Record of a gauge on the bar beyond the specimen, of the same solution.
+
+    Returns
+    -------
+    Picture
+        With the steps `strain`, `rightward`, `leftward`, and `transmitted` or None; the rectangles
+        `windows` of the pulses by name.
+
+    Raises
+    ------
+    ValueError
+        If the duration of the record is 0.
+
+    Examples
+    --------
+    The pulse of a striker is twice as long as the striker:
+
+    >>> import rodimpact as ri
+    >>> steel = ri.materials.steel
+    >>> bars = [ri.Rod(0.2, area=1e-4, material=steel, velocity=10.0),
+    ...         ri.Rod(1.0, area=1e-4, material=steel)]
+    >>> picture = ri.plot.gauge(ri.solve(ri.System(bars)).gauge(1, 0.5))
+    >>> window = picture.windows["incident"]
+    >>> print(f"{window.get_width():.2f} {2e6 * bars[0].transit_time:.2f}")
+    79.25 79.25
+    """
+    records = [record]
+    if transmitted is not None:
+        records.append(transmitted)
+    for each in records:
+        of_kind("record", each, Gauge, "solution.gauge(1, 0.5)")
+    ax = axes_or_new(ax, 5.6, 3.0)
+    time = time_scale(record.end)
+
+    # What is measured.
+    pulses = _pulses(records)
+
+    # What is drawn.
+    series = colours().series
+    width = 2.5
+    if record.times.size <= MAX_BOLD_STEPS:
+        width = 5.0
+    strain = _draw_steps(
+        ax,
+        record,
+        record.strain,
+        time,
+        label="strain",
+        color=colours().faint,
+        linewidth=width,
+        zorder=1,
+    )
+    rightward = _draw_steps(
+        ax,
+        record,
+        record.rightward,
+        time,
+        label="wave running right",
+        color=series[0],
+    )
+    leftward = _draw_steps(
+        ax,
+        record,
+        record.leftward,
+        time,
+        label="wave running left",
+        color=series[1],
+        linestyle="--",
+    )
+    beyond = None
+    if transmitted is not None:
+        beyond = _draw_steps(
+            ax,
+            transmitted,
+            transmitted.strain,
+            time,
+            label="transmitted strain",
+            color=series[3],
+            linestyle="-.",
+        )
+    draw_zero(ax)
+    format_axes(
+        ax,
+        xlim=(0, record.end * time.factor),
+        ylim=ax.get_ylim(),
+        xlabel=time.label,
+        ylabel=MICROSTRAIN.label,
+    )
+    windows = _shade(ax, pulses, record.end, time)
+
+    places = []
+    for each in records:
+        places.append(f"{each.name} at {x_scale(each.x).write(each.x)}")
+    lines = (strain, rightward, leftward, beyond, *windows.values())
+    title = f"gauge on {listed(places)}"
+    legend_above(ax, lines, title=title)
+    picture = Picture(
+        ax=ax,
+        strain=strain,
+        rightward=rightward,
+        leftward=leftward,
+        transmitted=beyond,
+        windows=windows,
+    )
+    return finish(Draft(picture, lambda: legend_above(ax, lines, title=title)))
+
+
+def _draw_steps(
+    ax: Axes, record: Gauge, values: Floats, time: Scale, **style: Any
+) -> StepPatch:
+    """Draw strains of a record over time; waves of a grid are drawn state by state."""
+    style.setdefault("linewidth", 1.4)
+    is_smooth = record.record.size > 2
+    curve = thinned(steps_until(record.end, record.times, values, is_smooth))
+    return ax.stairs(
+        curve.values * MICROSTRAIN.factor,
+        curve.edges * time.factor,
+        baseline=None,
+        **style,
+    )
+
+
+def _pulses(records: list[Gauge]) -> dict[str, _Pulse]:
+    """Pulses of one record, and the transmitted pulse of a second one, by name.
+
+    The windows of the later pulses are as long as the incident pulse. A bar that vibrates at
+    t = 0 has no such pulses.
+    """
+    incident, reflected = _passing(records[0])
+    later = {"reflected": reflected}
+    if len(records) > 1:
+        later["transmitted"] = _passing(records[1])[0]
+    if any(pulse.start == 0 for pulse in later.values()):
+        return {}
+    pulses = {"incident": incident}
+    for name, pulse in later.items():
+        stop = pulse.start + incident.stop - incident.start
+        pulses[name] = pulse._replace(stop=stop)
+    return pulses
+
+
+def _passing(record: Gauge) -> list[_Pulse]:
+    """Pulse of each of the two waves of a record, the earlier one first."""
+    times = np.append(record.times, record.end)
+    waves = (record.rightward, record.leftward)
+    least = PULSE_RTOL * np.abs(waves).max()
+    pulses = []
+    for wave in waves:
+        is_strong = np.abs(wave) > least
+        first = int(np.append(is_strong, True).argmax())  # the end if it never is
+        after = first + int(np.append(is_strong[first:], False).argmin())
+        is_tension = bool(wave[first:after].sum() > 0)
+        pulses.append(_Pulse(float(times[first]), float(times[after]), is_tension))
+    return sorted(pulses)
+
+
+def _shade(
+    ax: Axes, pulses: dict[str, _Pulse], end: float, time: Scale
+) -> dict[str, Rectangle]:
+    """Shade the windows of the pulses before the end, s, on the side of their sign."""
+    series = colours().series
+    shades = {"incident": series[0], "reflected": series[1], "transmitted": series[3]}
+    low, high = ax.get_ylim()
+    windows: dict[str, Rectangle] = {}
+    for name, pulse in pulses.items():
+        if pulse.start >= end:
+            continue
+        window = Rectangle(
+            (pulse.start * time.factor, 0.0),
+            (min(pulse.stop, end) - pulse.start) * time.factor,
+            high if pulse.is_tension else low,
+            color=shades[name],
+            alpha=0.18,
+            linewidth=0,
+            zorder=0,
+            label=name,
+        )
+        ax.add_patch(window)
+        windows[name] = window
+    return windows

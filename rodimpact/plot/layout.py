@@ -1,0 +1,323 @@
+"""Layout of the row in a picture: position X of every point, with magnified displacements.
+
+Rods a metre long move by a tenth of a millimetre while they collide. Figures, films and the
+page therefore magnify displacements and gaps, all by the same factor, so that bodies that
+touch touch in the picture too:
+X = x in the row of unstrained rods without gaps + factor * (gaps to the left + displacement).
+A row that drifts much farther than its bodies move against each other is drawn in a moving
+frame. A rigid mass has no length; in pictures it is a block. A compliant contact is a spring,
+drawn so long that magnified faces stay apart. The left end of the first rod is at X = 0.
+"""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..methods.signals import Floats, Ints
+from ..model import Bonded, Fixed, Moved, Rigid, RigidMass, Rod, Wall
+from ..model.arguments import single
+from ..results.contacts import ContactHistory
+from ..results.magnification import BLOCK, drifts, magnified, round_down
+from ..results.solution import Solution
+from ..units import TIMES, format_factor
+from .labels import break_label
+from .sampling import middles, pieces, properties
+from .scales import Scale, written
+
+MIN_SPRING_LENGTH = 0.04  # of a spring at its shortest, in lengths of the row
+TIMES_OF_MOTION = 101  # instants at which the motion of the bodies is looked at
+TIMES_OF_OVERLAP = 301  # instants at which the overlap of contacts is looked at
+POINTS_OF_STRAIN = 33  # points of a rod at which its strain is looked at
+
+
+class RowEnd(NamedTuple):
+    """An end of a body."""
+
+    body: int
+    is_right: bool
+
+
+class SpringPath(NamedTuple):
+    """A contact with a spring, and the two ends of the spring at times."""
+
+    contact: ContactHistory
+    start: Floats
+    stop: Floats
+
+
+@dataclass(frozen=True)
+class PictureLayout:
+    """Layout of a row in a picture.
+
+    Attributes
+    ----------
+    solution : Solution
+    magnification : float
+        Of displacements and gaps; 0 draws every body where it is in the undeformed row.
+    frame : float
+        Velocity of the frame of the picture, m/s.
+    left : array
+        Left end of each body in the row of unstrained rods without gaps, m; that of the first
+        rod is 0.
+    widths : array
+        Of each body in the picture before it moves, m.
+    apart : array
+        Shift of the left end of each body by gaps and strain at t = 0, m.
+    block : float
+        Width of a rigid mass in the picture, m; 0 if there is none.
+    free : array
+        Length of the spring at each contact before it is pressed, m; 0 without one.
+    """
+
+    solution: Solution
+    magnification: float
+    frame: float
+    left: Floats
+    widths: Floats
+    apart: Floats
+    block: float
+    free: Floats
+
+    @property
+    def row(self) -> float:
+        """Length of all rods, blocks and springs together, m."""
+        return float(self.left[-1] + self.widths[-1] - self.left[0])
+
+    @property
+    def scale(self) -> str:
+        """How displacements are drawn, in words."""
+        if self.magnification == 1:
+            return "true to scale"
+        return f"displacements {TIMES} {format_factor(self.magnification)}"
+
+    def position(
+        self, body: int | Ints, x: ArrayLike, t: ArrayLike, displacement: Any
+    ) -> Floats:
+        """Position X, m, of points x (m) of bodies at t (s), displaced (m)."""
+        moved = self.apart[body] + displacement - self.frame * np.asarray(t)
+        X: Floats = self.left[body] + np.asarray(x) + self.magnification * moved
+        return X
+
+    def material_ends(self, body: int) -> tuple[float, float]:
+        """Material coordinates x of both ends of a body, m; a mass has no length."""
+        lengths = _lengths(self.solution)
+        left = sum(lengths[:body])
+        return left, left + lengths[body]
+
+    def walls(self) -> list[RowEnd]:
+        """Faces of walls, and fixed ends."""
+        bodies = self.solution.system.bodies
+        faces = []
+        for i, body in enumerate(bodies):
+            if isinstance(body, Wall):
+                faces.append(RowEnd(i, i > 0))
+        left, right = self.solution.system.ends
+        if isinstance(left, Fixed):
+            faces.append(RowEnd(0, False))
+        if isinstance(right, Fixed):
+            faces.append(RowEnd(len(bodies) - 1, True))
+        return faces
+
+    def outer_ends(self) -> tuple[RowEnd, RowEnd]:
+        """Left and right end of the row."""
+        last = len(self.solution.system.bodies) - 1
+        return RowEnd(0, False), RowEnd(last, True)
+
+    def point(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
+        """Position X of points of a body, x m from its left end, at t.
+
+        Before t = 0 bodies come as they are at t = 0, with their velocity.
+        """
+        before = np.minimum(t, 0.0) * self.solution.outcome.velocities_before[body]
+        displacement = self.solution.displacement(body, x, np.maximum(t, 0.0)) + before
+        return self.position(body, x, t, displacement)
+
+    def end(self, body: int, is_right: bool, t: ArrayLike) -> Floats:
+        """Position X of the left or right end of a body at t."""
+        x = 0.0
+        if is_right:
+            x = self.widths[body]
+        return self.point(body, x, t)
+
+    def middle(self, body: int, t: ArrayLike) -> Floats:
+        """Position X half-way between the ends of a body at t."""
+        return (self.end(body, False, t) + self.end(body, True, t)) / 2
+
+    def centre(self, body: int, t: Floats) -> Floats:
+        """Position X of the centre of mass of a rod at t [n]."""
+        edges = pieces(self.solution, body)
+        x = middles(edges)
+        area, _, density = properties(self.solution, body, x)
+        mass = density * area * np.diff(edges)
+        share: Floats = mass / mass.sum()
+        return share @ self.point(body, x[:, None], t)
+
+    def springs(self, times: Floats) -> list[SpringPath]:
+        """Springs at times; in an open contact a spring is not stretched."""
+        paths = []
+        for i, contact in enumerate(self.solution.contacts):
+            if not self.free[i]:
+                continue
+            left = self.end(i, True, times)
+            right = self.end(i + 1, False, times)
+            if contact.law.opens:
+                right = np.minimum(right, left + self.free[i])
+            paths.append(SpringPath(contact, left, right))
+        return paths
+
+    def label(self, x: Scale, room: float) -> str:
+        """Label of the axis of x, in lines of so many points: frame and magnification."""
+        label = x.label
+        if not self.magnification:
+            name = x.name.replace("place", "material coordinate")
+            label = x._replace(name=name).label
+            label += ", rods laid end to end, gaps left out"
+        elif self.frame:
+            label += f" in a frame moving at {written(self.frame, 'm/s')}"
+        if self.block:
+            width = f"{self.block * x.factor:g} {x.unit}".rstrip()
+            label += f", masses drawn {width} wide"
+        if self.free.any():
+            label += ", springs drawn long"
+        if self.magnification:
+            label += f", {self.scale}"
+        return break_label(label, room)
+
+
+def choose_layout(
+    solution: Solution,
+    start: float,
+    stop: float,
+    magnification: float | None = None,
+    still: bool = False,
+) -> PictureLayout:
+    """Choose frame and magnification (1, 2 or 5 times a power of ten) for an interval of time.
+
+    Parameters
+    ----------
+    solution : Solution
+    start, stop : float
+        s.
+    magnification : float, optional
+        To be used instead of the automatic one.
+    still : bool
+        Whether bodies stay in the undeformed row.
+
+    Raises
+    ------
+    ValueError
+        If the magnification is not a positive number.
+    """
+    if magnification is not None:
+        magnification = single("magnification", magnification, "", "positive")
+
+    # What is measured: how far the bodies move, and how much they strain.
+    lengths = _lengths(solution)
+    begin = np.cumsum([0.0, *lengths[:-1]])
+    apart = np.array(solution.fields.positions) - begin
+    times = np.linspace(start, stop, TIMES_OF_MOTION)
+    moved = _motion_of_ends(solution, apart, times)
+    slowest = _reference_velocity(solution)
+    relative = float(np.ptp(moved - slowest * times))
+    reach = float(np.ptp(moved))
+
+    # How the picture is scaled.
+    row = sum(lengths)
+    if row == 0:  # the scale of masses alone is how far they move
+        row = reach
+    if row == 0:
+        row = 1.0
+    frame = 0.0
+    if drifts(reach, relative):
+        frame = slowest
+    if still:
+        magnification = 0.0
+    elif magnification is None:
+        strain = _largest_strain(solution, times)
+        magnification = magnified(row, reach, relative, strain)
+
+    # Where the bodies stand.
+    masses = np.array([isinstance(b, RigidMass) for b in solution.system.bodies])
+    block = 0.0
+    if masses.any():
+        block = round_down(BLOCK * row)
+    widths = np.where(masses, block, lengths)
+    left = begin + block * (np.cumsum(masses) - masses)
+    shortest = MIN_SPRING_LENGTH * (left[-1] + widths[-1])
+    times = np.linspace(start, stop, TIMES_OF_OVERLAP)
+    free = _spring_lengths(solution, times, magnification, shortest)
+    left = left + np.cumsum([0.0, *free])
+    rods = [i for i, b in enumerate(solution.system.bodies) if isinstance(b, Rod)]
+    if rods:
+        left = left - left[rods[0]]
+    return PictureLayout(
+        solution=solution,
+        magnification=magnification,
+        frame=frame,
+        left=left,
+        widths=widths,
+        apart=apart,
+        block=block,
+        free=free,
+    )
+
+
+def _lengths(solution: Solution) -> list[float]:
+    """Length of each body, m; 0 for walls and masses."""
+    lengths = []
+    for body in solution.system.bodies:
+        length = 0.0
+        if isinstance(body, Rod):
+            length = float(body.length)
+        lengths.append(length)
+    return lengths
+
+
+def _motion_of_ends(solution: Solution, apart: Floats, times: Floats) -> Floats:
+    """How far both ends of each body are from the unstrained row without gaps, m."""
+    moved = []
+    for body, length in enumerate(_lengths(solution)):
+        for x in (0.0, length):
+            moved.append(apart[body] + solution.displacement(body, x, times))
+    return np.array(moved)
+
+
+def _reference_velocity(solution: Solution) -> float:
+    """Velocity of a wall, 0 if an end is held, else the least of the bodies' velocities."""
+    velocities = []
+    for body in solution.system.bodies:
+        if isinstance(body, Wall):
+            velocities.append(float(body.velocity))
+    for end in solution.system.ends:
+        if isinstance(end, Fixed | Moved):
+            velocities.append(0.0)
+    if not velocities:
+        velocities = list(solution.outcome.velocities_before)
+    return min(velocities, key=abs)
+
+
+def _largest_strain(solution: Solution, times: Floats) -> float:
+    """Largest absolute strain of the rods at times; 0 without rods."""
+    largest = 0.0
+    for body, length in enumerate(_lengths(solution)):
+        if length:
+            x = np.linspace(0, length, POINTS_OF_STRAIN)
+            strain = np.abs(solution.strain(body, x[:, None], times))
+            largest = max(largest, float(strain.max()))
+    return largest
+
+
+def _spring_lengths(
+    solution: Solution, times: Floats, magnification: float, shortest: float
+) -> Floats:
+    """Length of the spring at each contact before it is pressed, m; true to scale none is drawn."""
+    free = np.zeros(len(solution.contacts))
+    if magnification <= 1:
+        return free
+    for contact in solution.contacts:
+        if not isinstance(contact.law, Rigid | Bonded):
+            deepest = max(0.0, -float(np.min(contact.gap(times))))
+            free[contact.index] = shortest + magnification * deepest
+    return free
