@@ -24,6 +24,24 @@ SERIES_RANGE = 1 / (
 )  # relative change below which a difference quotient is a series
 
 
+# What kind of force -------------------------------------------------------------------
+
+
+def has_dashpot(link: Any) -> bool:
+    """Whether a link has a dashpot beside its spring, which presses without overlap too."""
+    return bool(link.law == Law.SPRING and link.damping > 0)
+
+
+def force_jumps(link: Any) -> bool:
+    """Whether the force of a link jumps as the link closes."""
+    return bool(link.law == Law.RIGID or has_dashpot(link))
+
+
+def is_nonlinear(link: Any) -> bool:
+    """Whether a Newton iteration for the force of a link needs more than one step."""
+    return bool(link.law == Law.POWER or link.law == Law.OWN)
+
+
 # Force and derivatives ----------------------------------------------------------------
 
 
@@ -152,10 +170,9 @@ def guard(
         return (closing - link.mobility * F) / scale, Status.PRESS.value
     if link.status == Status.PRESS and link.law == Law.RIGID:
         return F * link.mobility / scale, Status.OPEN.value
-    has_dashpot = link.law == Law.SPRING and link.damping > 0
     if link.law == Law.OWN:
         drive = odd_own(link, d, closing - link.mobility * F) * link.ease / scale
-    elif has_dashpot:
+    elif has_dashpot(link):
         drive = (link.stiffness * d / link.damping + closing) / scale
     else:
         drive = 1 + link.damping * closing
@@ -163,7 +180,7 @@ def guard(
         return -drive, Status.PRESS.value
     if link.law == Law.YIELD and which == 1:
         return 1 - F / link.yield_force, Status.PLASTIC.value
-    if link.status == Status.PRESS and (which == 1 or has_dashpot):
+    if link.status == Status.PRESS and (which == 1 or has_dashpot(link)):
         return drive, Status.GRAZE.value
     return d / length, Status.OPEN.value
 
@@ -175,8 +192,7 @@ def follows_overlap(link: Any, which: int) -> bool:
     if which == 1 or link.status > Status.PRESS:
         return False
     if link.status == Status.PRESS:
-        has_dashpot = link.law == Law.SPRING and link.damping > 0
-        return not (link.law == Law.RIGID or has_dashpot)
+        return not force_jumps(link)
     return True
 
 

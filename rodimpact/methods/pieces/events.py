@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from .. import contact_laws
 from ..link import Law
 from ..states import Status
 from . import lines, series
@@ -39,7 +40,7 @@ def happen(
     elif status == Status.PLASTIC:
         it.overlap = it.yield_force / it.stiffness
     if old == Status.OPEN:
-        if it.law == Law.RIGID or (it.law == Law.SPRING and it.damping > 0):
+        if contact_laws.force_jumps(it):
             it.order = 0
         elif it.law == Law.IMPACT:
             strike(run, link, mass, turn, at, tick, i)

@@ -206,9 +206,7 @@ def collocate(run: Any, link: Any, mass: Any, at: Any, h: float, G: Any) -> bool
             it = link[at.first + q]
             if it.unknown != NONE:
                 missed = linearise(it, h, iterations == 0)
-                if (
-                    it.law == Law.POWER or it.law == Law.OWN
-                ):  # or else one step solves it
+                if contact_laws.is_nonlinear(it):
                     worst = max(worst, 1.0 if iterations == 0 else missed)
         set_equations(link, mass, at, h, G, n)
         series.eliminate(G, N * n, 2 * N)
