@@ -7,7 +7,13 @@ import math
 from time import monotonic
 from typing import Any
 
-from ..methods.clock import MIN_TRANSIT, Clock, count_ticks, default_horizon
+from ..methods.clock import (
+    MIN_TRANSIT,
+    Clock,
+    count_ticks,
+    crossing_time_of,
+    flight_time_of,
+)
 from ..methods.compiling import blank
 from ..methods.groups import body_velocities
 from ..methods.link import Law
@@ -30,6 +36,7 @@ from ..methods.pieces.totals import (
 from ..methods.scales import frame_of, largest, scale_of, wave_of_strain
 from ..methods.states import Stop
 from ..methods.status import strain_warning
+from ..methods.tick_rule import default_horizon
 from ..methods.walk import walk
 from .fronts import TOO_FAR_APART
 from .known import Ending, errors_of, outcome_shown
@@ -53,7 +60,9 @@ def clock_of(row: Any, until: Any) -> Any:
         scale = 1.0
     end = until
     if until is None:
-        end = default_horizon(row, reference, scale)
+        crossing_time = crossing_time_of(row)
+        flight_time = flight_time_of(row, scale)
+        end = default_horizon(reference, crossing_time, flight_time, 1.0)
     total, ticks = count_ticks(transits, reference, end)
     if total == 0 or any(transit <= MIN_TRANSIT for transit in ticks):
         return None

@@ -159,25 +159,20 @@ def clock_of(
     )
 
 
-def default_horizon(row: Any, reference: Any, scale: Any) -> Any:
-    """Time that the clock of a run without a given end must be able to count, s.
-
-    Parameters
-    ----------
-    row : Row
-    reference : float or array
-        The longest transit time, or what stands for it, s.
-    scale : float or array
-        Scale of velocities, m/s.
-    """
+def crossing_time_of(row: Any) -> Any:
+    """Time to cross the whole row, s."""
     crossing_time = 0.0
     for segment in row.segments:
         crossing_time = crossing_time + segment.transit_time
+    return crossing_time
+
+
+def flight_time_of(row: Any, scale: Any) -> Any:
+    """Time to cross all gaps at the velocity scale, s."""
     flight_length = 0.0
     for link in row.links:
         flight_length = flight_length + np.maximum(link.gap, 0.0)
-    flight_time = flight_length / scale
-    return rule.default_horizon(reference, crossing_time, flight_time, 1.0)
+    return flight_length / scale
 
 
 def count_ticks(

@@ -10,9 +10,6 @@ all durations in a simple ratio to the leader.
 
 import math
 from collections.abc import Sequence
-from typing import Any
-
-import numpy as np
 
 from .compiling import dtype_of
 
@@ -205,26 +202,29 @@ def clock_bits(ratio: float) -> int:
 
 
 def default_horizon(
-    longest: Any, crossing_time: Any, flight_time: Any, share: float
-) -> Any:
+    longest: float, crossing_time: float, flight_time: float, share: float
+) -> float:
     """Time that the clock of a run without a given end must be able to count, s.
 
     Parameters
     ----------
-    longest : float or array
+    longest : float
         The longest transit time, s.
-    crossing_time : float or array
+    crossing_time : float
         Time to cross the whole row, s.
-    flight_time : float or array
+    flight_time : float
         Time to cross all gaps at the velocity scale, s.
     share : float
         Share of `HORIZON` that is counted.
     """
-    wanted = np.maximum(share * HORIZON * longest, MIN_ROW_CROSSINGS * crossing_time)
-    wanted = np.maximum(wanted, MIN_FLIGHTS * flight_time)
-    return np.minimum(wanted, countable_time(longest))
+    horizon = max(
+        share * HORIZON * longest,
+        MIN_ROW_CROSSINGS * crossing_time,
+        MIN_FLIGHTS * flight_time,
+    )
+    return min(horizon, countable_time(longest))
 
 
-def countable_time(longest: Any) -> Any:
+def countable_time(longest: float) -> float:
     """Longest time that a clock can count beside this longest transit time, s."""
     return longest * 2.0 ** (CLOCK_BITS - 1 - MIN_TRANSIT_BITS)

@@ -167,7 +167,7 @@ def default_horizon(state: State, values: Values) -> float:
         if node.contact != NONE and run.velocity_scale > 0:
             flight_time += values[gap_index(n, node.contact)] / run.velocity_scale
     longest = run.longest_transit_time
-    return float(rule.default_horizon(longest, crossing_time, flight_time, -run.until))
+    return rule.default_horizon(longest, crossing_time, flight_time, -run.until)
 
 
 def drive_jumps(outside: Segment) -> int:

@@ -6,11 +6,13 @@ import numpy as np
 
 from ... import model
 from ...model.frozen import InvalidModel
+from .. import tick_rule as rule
 from ..clock import (
     MIN_TRANSIT,
     Clock,
     count_ticks,
-    default_horizon,
+    crossing_time_of,
+    flight_time_of,
     too_long,
     too_short,
 )
@@ -69,20 +71,23 @@ def family_clock(
     reference = reference_time(row, until)
     scale = velocity_scale(row, reference)
     jumps = jumps_of(row)
-    end = until
-    if until is None:
-        end = default_horizon(row, reference, scale)
+    crossing_time = crossing_time_of(row)
+    flight_time = flight_time_of(row, scale)
     jump_times = [share * transits[s] for s, share in jumps]
-    durations = [*transits, *jump_times, reference, end]
+    durations = [*transits, *jump_times, reference, crossing_time, flight_time]
     by_member = np.array([row.of(duration) for duration in durations]).T.tolist()
     segments = len(transits)
     tick: Any = np.zeros(row.members)
+    end: Any = np.zeros(row.members)
     ticks = np.zeros((segments, row.members), np.int64)
     counted: list[int] = []
-    for m, (*times, longest, stop) in enumerate(by_member):
-        longest_ticks, counted = count_ticks(times, longest, stop)
+    for m, (*times, longest, crossing, flight) in enumerate(by_member):
+        end[m] = until
+        if until is None:
+            end[m] = rule.default_horizon(longest, crossing, flight, 1.0)
+        longest_ticks, counted = count_ticks(times, longest, float(end[m]))
         if longest_ticks == 0:
-            raise InvalidModel([too_long(stop, longest)])
+            raise InvalidModel([too_long(float(end[m]), longest)])
         tick[m] = longest / longest_ticks
         ticks[:, m] = counted[:segments]
         if segments and min(counted[:segments]) <= MIN_TRANSIT:
@@ -90,7 +95,7 @@ def family_clock(
             raise InvalidModel([too_short(row.paths[s + 1], times[s], max(times))])
     shape = row.system.shape
     tick = tick.reshape(shape)
-    last_tick: Any = np.rint(end / tick)
+    last_tick: Any = np.rint(end.reshape(shape) / tick)
     by_segment: Any = [*ticks.reshape((segments, *shape))]
     clock = Clock(row, tick, by_segment, row.frame, scale, reference, last_tick)
     # Only a single row, not a family, has states that jump.
