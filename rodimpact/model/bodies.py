@@ -24,7 +24,7 @@ from .frozen import (
     Numeric,
     NumericOrNone,
     Problems,
-    Taken,
+    TypedAttribute,
     quantity,
 )
 from .lateral_inertia import MINDLIN_HERRMANN, RAYLEIGH_LOVE, THEORIES
@@ -32,8 +32,8 @@ from .profiles import Floats, Profile, ProfileLike, Samples, Steps
 
 LEFT_OUT: Any = None
 """Default of an argument that may be left out, or that the check of a class demands."""
-Area: TypeAlias = "Taken[Number | Samples, ProfileLike | None]"
-Moment: TypeAlias = "Taken[Number | str | None, ArrayLike | str | None]"
+Area: TypeAlias = "TypedAttribute[Number | Samples, ProfileLike | None]"
+Moment: TypeAlias = "TypedAttribute[Number | str | None, ArrayLike | str | None]"
 MAX_STEPS_PER_TAPER = 100_000
 """Number of uniform segments that may stand for a tapered one, at most."""
 CIRCULAR = "circular"
@@ -184,13 +184,13 @@ class Segment(Declared):
     [0.00015, 0.00025]
     """
 
-    _instead: ClassVar[dict[str, tuple[str, ...]]] = {
+    _alternatives: ClassVar[dict[str, tuple[str, ...]]] = {
         "diameter": ("area",),
         "area": ("diameter",),
     }
     length: Numeric = quantity("m", "positive")
     area: Area = quantity("m^2", "positive", default=None, along="length")
-    material: Taken[Material, Material | None] = LEFT_OUT
+    material: TypedAttribute[Material, Material | None] = LEFT_OUT
     _: KW_ONLY
     diameter: NumericOrNone = quantity("m", "positive", default=None)
     polar_moment: Moment = quantity("m^4", "positive", default=None, word=CIRCULAR)
@@ -510,8 +510,8 @@ class Rod(Frozen, kind="rod"):
     0.3
     """
 
-    _instead: ClassVar[dict[str, tuple[str, ...]]] = {
-        **Segment._instead,
+    _alternatives: ClassVar[dict[str, tuple[str, ...]]] = {
+        **Segment._alternatives,
         "segments": tuple(frozen.defaults_of(Segment)),
     }
     segments: tuple[Segment, ...]

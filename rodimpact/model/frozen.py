@@ -1,9 +1,10 @@
-"""Values made once: checked when they are made, frozen, compared and stored by what they say.
+"""Frozen objects with declared numbers, which are checked when the objects are made.
 
-A class declares each number once, ``stiffness: Numeric = quantity("N/m", "positive")``. From that
-come its constructor, checks, repr and `replace`, case files, and what figures call the number. A
-number may be an array, which makes a family. All mistakes of one object are reported together in
-one `InvalidModel`, each with the path of its field.
+A class declares each number once, ``stiffness: Numeric = quantity("N/m", "positive")``.
+The declaration gives its constructor, checks, repr and `replace`, the keys of case
+files, and the label of the number in figures. A number may be an array, which makes a
+family. All mistakes of one object are reported together in one `InvalidModel`, each
+with the path of its field.
 """
 
 from __future__ import annotations
@@ -42,16 +43,25 @@ Held = TypeVar("Held")
 Given = TypeVar("Given")
 Problems: TypeAlias = list[tuple[str, str]]
 
-MOST_CHOICES = 12  # named in a message
-MOST_TOLD = 20  # mistakes that the text of an error tells
-MOST_MEMBERS = 10**7  # of a family
-SMALLEST, LARGEST = 1e-150, 1e150  # magnitudes whose squares are neither 0 nor infinite
-TINY = sys.float_info.min  # with all its digits
+MOST_CHOICES = 12
+"""Choices that a message names."""
+MOST_TOLD = 20
+"""Mistakes that the text of an error tells."""
+MOST_MEMBERS = 10**7
+"""Members of a family."""
+SMALLEST = 1e-150
+"""Smallest magnitude of a positive number: its square is not 0."""
+LARGEST = 1e150
+"""Largest magnitude of a finite number: its square is not infinite."""
+TINY = sys.float_info.min
+"""Smallest float that has all its digits."""
 OUT_OF_SCALE = (
-    f"must be 0 or of a magnitude from {SMALLEST:g} to {LARGEST:g} in consistent units"
+    f"must be 0 or of a magnitude from {SMALLEST:g} to {LARGEST:g} in consistent "
+    "units, got {0!r}"
 )
-OUT_OF_SCALE += ", got {0!r}"
+"""Message on a number that is too small or too large."""
 REQUIRED = inspect.Parameter.empty
+"""Default of a parameter that must be given."""
 INTERVALS = {
     "positive": "(0, inf)",
     "positive or infinite": "(0, inf]",
@@ -59,7 +69,7 @@ INTERVALS = {
     "any": "(-inf, inf)",
     "sampled": "(-inf, inf)",
 }
-"""Where the numbers of a sign lie."""
+"""Interval of the numbers of a sign."""
 
 
 class InvalidModel(ValueError):
@@ -68,8 +78,8 @@ class InvalidModel(ValueError):
     Attributes
     ----------
     problems : list of (str, str)
-        Path of each faulty field (``bodies.0.length``) and what is wrong with it. The text of the
-        error tells the first `MOST_TOLD` of them and counts the rest.
+        Path of each faulty field (``bodies.0.length``) and what is wrong with it. The
+        text of the error tells the first `MOST_TOLD` of them and counts the rest.
 
     Examples
     --------
@@ -84,9 +94,9 @@ class InvalidModel(ValueError):
 
     def __init__(self, problems: Problems) -> None:
         self.problems = problems = list(dict.fromkeys(problems))
-        lines = [
-            f"{one_line(path)}: {message}" for path, message in problems[:MOST_TOLD]
-        ]
+        lines = []
+        for path, message in problems[:MOST_TOLD]:
+            lines.append(f"{one_line(path)}: {message}")
         if len(problems) > MOST_TOLD:
             lines.append(f"...: and {len(problems) - MOST_TOLD} mistakes more")
         super().__init__("\n".join(lines))
@@ -96,30 +106,33 @@ class InvalidModel(ValueError):
 
 
 def refusal(path: str, message: str) -> InvalidModel:
-    """The error of one mistake."""
+    """Make the error of one mistake."""
     return InvalidModel([(path, message)])
 
 
 class Field(NamedTuple):
-    """What a number of the model is, or an argument.
+    """Declaration of a number of the model, or of an argument.
 
     Attributes
     ----------
     unit : str
-        Of the SI: ``"kg/m^3"``; ``""`` for a pure number.
+        SI unit, ``"kg/m^3"``; ``""`` for a pure number.
     sign : str
-        ``"positive"``, ``"positive or infinite"``, ``"non-negative"``, ``"any"``, or an interval
-        such as ``"[0, 1]"`` or ``"(-1, 0.5]"``; ``"sampled"`` for one of many.
+        ``"positive"``, ``"positive or infinite"``, ``"non-negative"``, ``"any"``, or an
+        interval such as ``"[0, 1]"`` or ``"(-1, 0.5]"``; ``"sampled"`` for the values
+        of a profile.
     label : str
-        What figures call it, where that is not its name.
+        Label in figures; "" if it is the name of the number.
     default : object
-        What holds where it is left out; None: it may be None. `REQUIRED`: it must be given.
+        Value if the number is left out. With the default None the number may be None;
+        with `REQUIRED` it must be given.
     along : str
-        ``"length"`` of a rod or ``"time"``, if it may be a profile over that.
+        ``"length"`` or ``"time"``, if the number may be a profile along a rod or in
+        time.
     word : str
-        That may stand in its place.
+        Word that may stand in place of the number.
     single : bool
-        Whether it must not be an array.
+        Whether the number must not be an array.
     many : bool
         Whether it is a list of numbers, each of which may be an array.
     """
@@ -135,34 +148,39 @@ class Field(NamedTuple):
 
     @property
     def dimension(self) -> str:
-        """What kind of quantity it is, for `units.parse`."""
+        """Dimension of the number, for `units.parse`."""
         return units.dimension_of(self.unit)
 
     @property
     def wanted(self) -> str:
-        """What it must be; it may show a value as ``{0!r}``."""
+        """Sentence on the allowed values; it shows a wrong one as ``{0!r}``."""
+        number = f"number{number_of(self.unit)}"
         if self.sign == "positive or infinite":
-            return f"must be a positive number{number_of(self.unit)} or infinite, got {{0!r}}"
+            return f"must be a positive {number} or infinite, got {{0!r}}"
         if self.sign[0] in "[(":
             return f"must lie in {self.sign}, got {{0!r}}"
-        kind = (
-            f"finite {self.sign}"
-            if self.sign in ("positive", "non-negative")
-            else "finite"
-        )
-        return f"must be a {kind} number{number_of(self.unit)}, got {{0!r}}"
+        if self.sign in ("positive", "non-negative"):
+            return f"must be a finite {self.sign} {number}, got {{0!r}}"
+        return f"must be a finite {number}, got {{0!r}}"
 
     def holds(self, value: Any) -> Any:
-        """Where numbers are of its sign; those that are none are of no sign."""
+        """Boolean array: True where a value lies in the interval of the sign."""
         interval = INTERVALS.get(self.sign, self.sign)
-        low, high = map(float, interval[1:-1].split(","))
-        above = value >= low if interval[0] == "[" else value > low
-        return above & (value <= high if interval[-1] == "]" else value < high)
+        low, high = interval[1:-1].split(",")
+        if interval[0] == "[":
+            is_above = value >= float(low)
+        else:
+            is_above = value > float(low)
+        if interval[-1] == "]":
+            is_below = value <= float(high)
+        else:
+            is_below = value < float(high)
+        return is_above & is_below
 
     def checked(self, problems: Problems, path: str, value: Any) -> Any:
-        """Return `value` as a float or a read-only array; note a mistake in `problems`.
+        """Return a value as a float or a read-only array; note a mistake in `problems`.
 
-        -0.0 becomes 0.0, so that equal numbers are described alike.
+        -0.0 becomes 0.0, so that equal numbers have equal descriptions.
         """
         if value is None and self.default is None:
             return None
@@ -174,33 +192,47 @@ class Field(NamedTuple):
         if self.many:
             return self._each_checked(problems, path, value)
         sign = self.sign
-        if type(value) is float and sign in INTERVALS:  # most are: no array, for speed
-            size = abs(value) if sign in ("any", "sampled") else value
-            if SMALLEST <= size <= LARGEST or (size == 0 and "positive" not in sign):
+        if type(value) is float and sign in INTERVALS:
+            # Most values are sound floats, which need no array: this is for speed.
+            magnitude = value
+            if sign in ("any", "sampled"):
+                magnitude = abs(value)
+            may_be_zero = "positive" not in sign
+            if SMALLEST <= magnitude <= LARGEST or (magnitude == 0 and may_be_zero):
                 return value + 0.0
         try:
-            array: Any = floats(value, self.unit)
-            if not array.size:
+            numbers: Any = floats(value, self.unit)
+            if not numbers.size:
                 raise ValueError("must not be an empty array")
         except ValueError as error:
             problems.append((path, str(error)))
             return math.nan
-        array = (array if array.ndim else array.item()) + 0.0
-        if require(problems, self.holds(array), path, self.wanted, array):
-            # what may be 0 may be small, too; but a number that stands alone has all its digits
-            least = (
-                SMALLEST if "positive" in sign else 0.0 if sign == "sampled" else TINY
-            )
-            size = abs(array)
-            good = (
-                (size == 0) | (size >= least) & (size <= LARGEST) | (size == math.inf)
-            )
-            require(problems, good, path, OUT_OF_SCALE, array)
-        if isinstance(array, np.ndarray):
-            array.flags.writeable = False
+        if not numbers.ndim:
+            numbers = numbers.item()
+        numbers = numbers + 0.0
+        if require(problems, self.holds(numbers), path, self.wanted, numbers):
+            is_in_scale = self._is_in_scale(numbers)
+            require(problems, is_in_scale, path, OUT_OF_SCALE, numbers)
+        if isinstance(numbers, np.ndarray):
+            numbers.flags.writeable = False
             if self.single:
                 note(problems, path, "must be a single number", value)
-        return array
+        return numbers
+
+    def _is_in_scale(self, numbers: Any) -> Any:
+        """Boolean array: True where a number is 0, infinite, or of a sound magnitude.
+
+        A number that may be 0 may also be tiny, down to the smallest float with all its
+        digits. Only samples of a profile may be smaller.
+        """
+        smallest = TINY
+        if "positive" in self.sign:
+            smallest = SMALLEST
+        elif self.sign == "sampled":
+            smallest = 0.0
+        magnitude = abs(numbers)
+        is_sound = (magnitude >= smallest) & (magnitude <= LARGEST)
+        return (magnitude == 0) | is_sound | (magnitude == math.inf)
 
     def _each_checked(
         self, problems: Problems, path: str, items: Any
@@ -209,19 +241,17 @@ class Field(NamedTuple):
         if not isinstance(items, list | tuple):
             try:
                 items = list(floats(items, self.unit))
-            except (TypeError, ValueError) as error:  # a single number, or what is none
-                single = isinstance(error, TypeError)
-                wrong = (
-                    f"must be a list of numbers, got {shown(items)}"
-                    if single
-                    else str(error)
-                )
-                problems.append((path, wrong))
+            except TypeError:  # a single number has no items
+                note(problems, path, "must be a list of numbers", items)
                 return ()
-        each = self._replace(many=False)
-        return tuple(
-            each.checked(problems, f"{path}.{i}", v) for i, v in enumerate(items)
-        )
+            except ValueError as error:
+                problems.append((path, str(error)))
+                return ()
+        field = self._replace(many=False)
+        numbers = []
+        for i, item in enumerate(items):
+            numbers.append(field.checked(problems, f"{path}.{i}", item))
+        return tuple(numbers)
 
 
 def quantity(unit: str = "", sign: str = "any", label: str = "", **more: Any) -> Any:
@@ -229,8 +259,8 @@ def quantity(unit: str = "", sign: str = "any", label: str = "", **more: Any) ->
     return Field(unit, sign, label, **more)
 
 
-class Taken(Generic[Held, Given]):
-    """To type checkers: what an object holds, and what its constructor takes for it."""
+class TypedAttribute(Generic[Held, Given]):
+    """To type checkers, the type of an attribute and that of its argument."""
 
     if TYPE_CHECKING:
 
@@ -238,15 +268,16 @@ class Taken(Generic[Held, Given]):
         def __set__(self, instance: object, value: Given) -> None: ...
 
 
-Numeric: TypeAlias = Taken[Number, ArrayLike]
-NumericOrNone: TypeAlias = Taken[Number | None, ArrayLike | None]
+Numeric: TypeAlias = TypedAttribute[Number, ArrayLike]
+NumericOrNone: TypeAlias = TypedAttribute[Number | None, ArrayLike | None]
 
 
 def increasing(problems: Problems, path: str, values: Iterable[Number]) -> None:
     """Note numbers that do not lie above the one before them."""
-    for i, (low, high) in enumerate(pairwise(values), 1):
-        message = "must lie above {0!r}, got {1!r}"
-        require(problems, np.greater(high, low), f"{path}.{i}", message, low, high)
+    message = "must lie above {0!r}, got {1!r}"
+    for i, (before, value) in enumerate(pairwise(values), 1):
+        is_above = np.greater(value, before)
+        require(problems, is_above, f"{path}.{i}", message, before, value)
 
 
 def family_shape(numbers: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
@@ -256,55 +287,75 @@ def family_shape(numbers: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
     """
     arrays = [(path, v) for path, v in numbers if isinstance(v, np.ndarray)]
     shape = broadcast_shape(arrays)
-    if math.prod(shape) > MOST_MEMBERS:
+    n_members = math.prod(shape)
+    if n_members > MOST_MEMBERS:
+        first_path, _ = arrays[0]
         message = (
-            f"makes a family of {math.prod(shape)} members, more than {MOST_MEMBERS}"
+            f"makes a family of {n_members} members, more than {MOST_MEMBERS}; take "
+            "one part after another"
         )
-        raise InvalidModel([(arrays[0][0], f"{message}; take one part after another")])
+        raise refusal(first_path, message)
     return shape
 
 
 def broadcast_shape(arrays: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
-    """Shape to which arrays broadcast; InvalidModel with path and shape of each if they do not."""
-    shapes = [(path, v.shape) for path, v in arrays]
+    """Shape to which arrays broadcast, each given with its path.
+
+    InvalidModel with path and shape of each if they do not broadcast.
+    """
+    paths = []
+    shapes = []
+    for path, values in arrays:
+        paths.append(path)
+        shapes.append(values.shape)
     try:
-        return np.broadcast_shapes(*(shape for _, shape in shapes))
+        return np.broadcast_shapes(*shapes)
     except ValueError:
-        named = [f"{path} has shape {shape}" for path, shape in shapes]
-        message = f"arrays do not broadcast: {listed(named)}"
-        raise InvalidModel([(shapes[0][0], message)]) from None
+        texts = []
+        for path, shape in zip(paths, shapes, strict=True):
+            texts.append(f"{path} has shape {shape}")
+        message = f"arrays do not broadcast: {listed(texts)}"
+        raise refusal(paths[0], message) from None
 
 
 def vanishes(value: Number) -> bool:
     """Whether a number is 0 in every member of a family."""
-    return value == 0 if isinstance(value, float) else not np.any(value)
+    if isinstance(value, float):
+        return value == 0
+    return not np.any(value)
 
 
 def in_range(value: Number) -> Any:
-    """Where a derived quantity is neither too small nor too large to compute with."""
+    """Boolean array: True where a derived quantity can be computed with."""
     return (value >= SMALLEST) & (value <= LARGEST)
 
 
 def require(
-    problems: Problems, good: Any, path: str, message: str, *values: Number
+    problems: Problems, condition: Any, path: str, message: str, *values: Number
 ) -> bool:
-    """Whether something holds for every member of a family; note the first for which it does not.
+    """Whether a condition holds for every member of a family.
 
-    The message may show the values there, as ``{0!r}``; the path ends with the index, ``[3,1]``.
+    The first member for which it does not is noted in `problems`. The message may show
+    its values, as ``{0!r}``; the path ends with its index, ``[3,1]``.
     """
-    if good is True or np.all(good):
+    if condition is True or np.all(condition):
         return True
-    good = np.asarray(good)
-    index = tuple(int(i) for i in np.argwhere(~good)[0])
-    at = f"[{','.join(map(str, index))}]" if index else ""
-    there = [float(np.broadcast_to(v, good.shape)[index]) for v in values]
-    problems.append((f"{path}{at}", message.format(*there) if values else message))
+    condition = np.asarray(condition)
+    index = tuple(np.argwhere(~condition)[0].tolist())
+    if index:
+        path = f"{path}[{','.join(map(str, index))}]"
+    if values:
+        numbers = []
+        for value in values:
+            numbers.append(float(np.broadcast_to(value, condition.shape)[index]))
+        message = message.format(*numbers)
+    problems.append((path, message))
     return False
 
 
-def note(problems: Problems, path: str, message: str, given: Any) -> None:
-    """Note a mistake, and the value that was given."""
-    problems.append((path, f"{message}, got {shown(given)}"))
+def note(problems: Problems, path: str, message: str, value: Any) -> None:
+    """Note a mistake in `problems`, and the value that was given."""
+    problems.append((path, f"{message}, got {shown(value)}"))
 
 
 def raise_noted(problems: Problems) -> None:
@@ -314,29 +365,30 @@ def raise_noted(problems: Problems) -> None:
 
 
 class Frozen:
-    """A value made once: compared, hashed and stored through its `to_dict`.
+    """A frozen object: compared, hashed and stored through its `to_dict`.
 
-    Parameters of the constructor are attributes, but for those in `_instead`.
+    Parameters of the constructor are attributes, except some of those in
+    `_alternatives`.
     """
 
     fields: ClassVar[dict[str, Field]] = {}
-    """The numbers of which it is made."""
+    """Declarations of the numbers of the class."""
     kind: str
     law: str
     _tag: ClassVar[dict[str, str]] = {}
-    """What says in tables which class it is, from its header: ``{"kind": "rod"}``."""
-    _instead: ClassVar[dict[str, tuple[str, ...]]] = {}
+    """Entry of tables that names the class, from its header: ``{"kind": "rod"}``."""
+    _alternatives: ClassVar[dict[str, tuple[str, ...]]] = {}
     """Parameters that stand for others: ``{"diameter": ("area",)}``."""
-    _whole: ClassVar[tuple[str, ...]] = ()
+    _shared_fields: ClassVar[tuple[str, ...]] = ()
     """Fields that are no numbers of a family: its members share them."""
 
     def __init_subclass__(cls, **tag: str) -> None:
-        cls._tag = tag or cls._tag
+        if tag:
+            cls._tag = tag
         for name, word in tag.items():
             setattr(cls, name, word)
-        if declared := {
-            name: v for name, v in vars(cls).items() if isinstance(v, Field)
-        }:
+        declared = {name: v for name, v in vars(cls).items() if isinstance(v, Field)}
+        if declared:
             cls.fields = declared
         for name, field in declared.items():
             delattr(cls, name)
@@ -344,9 +396,8 @@ class Frozen:
                 setattr(cls, name, field.default)
 
     def __setattr__(self, name: str, value: Any = None) -> None:
-        raise AttributeError(
-            f"{type(self).__name__} is frozen; make a new one with another {name}"
-        )
+        kind = type(self).__name__
+        raise AttributeError(f"{kind} is frozen; make a new one with another {name}")
 
     __delattr__ = __setattr__
 
@@ -361,12 +412,17 @@ class Frozen:
         self.__dict__.update(fields)
 
     def replace(self, **changes: Any) -> Self:
-        """Return the same object with other values for some parameters of its constructor.
+        """Return the object with other values for some parameters of its constructor.
 
         Parameters
         ----------
         **changes
-            By name, as the constructor takes them; arrays make a family.
+            Values by the names of the parameters; arrays make a family.
+
+        Returns
+        -------
+        object
+            A new object of the same class.
 
         Raises
         ------
@@ -374,38 +430,43 @@ class Frozen:
             Naming every change that is no parameter, or is not what it should be.
         """
         kind: Any = type(self)
-        known = defaults_of(kind)
-        wrong = f"is no parameter of {kind.__name__}"
-        raise_noted(
-            [
-                (name, f"{wrong}; {nearest(name, known) if known else 'it has none'}")
-                for name in changes
-                if name not in known
-            ]
-        )
-        gone = {other for name in changes for other in self._instead.get(name, ())}
-        kept = {name: v for name, v in self._parameters().items() if name not in gone}
-        return kind(**{**kept, **changes})  # type: ignore[no-any-return]
+        defaults = defaults_of(kind)
+        problems: Problems = []
+        for name in changes:
+            if name not in defaults:
+                hint = "it has none"
+                if defaults:
+                    hint = nearest(name, defaults)
+                problems.append((name, f"is no parameter of {kind.__name__}; {hint}"))
+        raise_noted(problems)
+        parameters = self._parameters()
+        for name in changes:
+            for replaced in self._alternatives.get(name, ()):
+                parameters.pop(replaced, None)
+        parameters.update(changes)
+        return kind(**parameters)  # type: ignore[no-any-return]
 
     def _parameters(self) -> dict[str, Any]:
-        """What the constructor would be given to make this object."""
+        """Parameters of the constructor that make this object, in a new dictionary."""
         return {name: v for name, v in self.__dict__.items() if name[0] != "_"}
 
     def to_dict(self) -> dict[str, Any]:
         """Return a JSON-ready description from which an equal object can be made."""
-        given = {
-            name: plain(v) for name, v in self._parameters().items() if v is not None
-        }
-        return self._tag | given
+        description = dict(self._tag)
+        for name, value in self._parameters().items():
+            if value is not None:
+                description[name] = json_ready(value)
+        return description
 
     @property
     def digest(self) -> str:
         """SHA-256 of the description: the same for equal objects in any process."""
-        arrays = [v for _, v in self._numbers() if isinstance(v, np.ndarray)]
-        outline = self._mapped(lambda array: list(array.shape)).to_dict()
-        sha = hashlib.sha256(json.dumps(outline, sort_keys=True).encode())
-        for array in arrays:
-            sha.update(array.tobytes())
+        with_shapes = self._mapped(lambda array: list(array.shape))
+        outline = json.dumps(with_shapes.to_dict(), sort_keys=True)
+        sha = hashlib.sha256(outline.encode())
+        for _, value in self._numbers():
+            if isinstance(value, np.ndarray):
+                sha.update(value.tobytes())
         return sha.hexdigest()
 
     def __eq__(self, other: object) -> bool:
@@ -417,66 +478,76 @@ class Frozen:
         return hash(self.digest)
 
     def __repr__(self) -> str:
-        given = self._parameters().items()
-        fields = ", ".join(f"{name}={short(v)}" for name, v in given if v is not None)
-        return f"{type(self).__name__}({fields})"
+        parameters = []
+        for name, value in self._parameters().items():
+            if value is not None:
+                parameters.append(f"{name}={short(value)}")
+        return f"{type(self).__name__}({', '.join(parameters)})"
 
     def _parts(self) -> Iterator[tuple[str, Any]]:
-        """What it holds, each with its place in a case file: ``"values.0"``."""
+        """Every part of the object with its place in a case file: ``"values.0"``."""
         for name, value in self._parameters().items():
             if isinstance(value, tuple):
-                yield from ((f"{name}.{i}", item) for i, item in enumerate(value))
+                for i, item in enumerate(value):
+                    yield f"{name}.{i}", item
             else:
                 yield name, value
 
     @cached_property
     def _varies(self) -> bool:
-        """Whether a number of this object, or of what it holds, is an array."""
-        for (
-            name,
-            value,
-        ) in self.__dict__.items():  # of every object made: no generator, for speed
-            for item in value if isinstance(value, tuple) else (value,):
-                array = isinstance(item, np.ndarray) and name not in self._whole
-                if item._varies if isinstance(item, Frozen) else array:
+        """Whether a number of this object, or of one of its parts, is an array."""
+        # This runs for every object that is made: `_parts` would be slower.
+        for name, value in self.__dict__.items():
+            items = (value,)
+            if isinstance(value, tuple):
+                items = value
+            for item in items:
+                if isinstance(item, Frozen):
+                    if item._varies:
+                        return True
+                elif isinstance(item, np.ndarray) and name not in self._shared_fields:
                     return True
         return False
 
     def _numbers(self, path: str = "") -> Iterator[tuple[str, Number]]:
-        """Every number of this object and of what it holds, with its path in a case file."""
+        """Every number of this object and its parts, with its path in a case file."""
         for place, item in self._parts():
-            where = f"{path}.{place}" if path else place
+            item_path = place
+            if path:
+                item_path = f"{path}.{place}"
             if isinstance(item, Frozen):
-                yield from item._numbers(where)
-            elif isinstance(item, float | np.ndarray) and place not in self._whole:
-                yield where, item
+                yield from item._numbers(item_path)
+            elif place in self._shared_fields:
+                continue
+            elif isinstance(item, float | np.ndarray):
+                yield item_path, item
 
     def _mapped(self, change: Callable[[Any], Any]) -> Self:
-        """The same object with every array of numbers replaced by what `change` makes of it."""
+        """The object with every array of numbers replaced by ``change(array)``."""
 
         def mapped(value: Any) -> Any:
             if isinstance(value, np.ndarray):
                 return change(value)
             if isinstance(value, Frozen):
                 return value._mapped(change)
-            return (
-                tuple(mapped(v) for v in value) if isinstance(value, tuple) else value
-            )
+            if isinstance(value, tuple):
+                return tuple(mapped(item) for item in value)
+            return value
 
+        attributes = {}
+        for name, value in self.__dict__.items():
+            if name in self._shared_fields:
+                attributes[name] = value
+            elif name[0] != "_":
+                attributes[name] = mapped(value)
         twin = object.__new__(type(self))
-        twin._set(
-            **{
-                name: value if name in self._whole else mapped(value)
-                for name, value in self.__dict__.items()
-                if name[0] != "_"
-            }
-        )
+        twin._set(**attributes)
         return twin
 
 
 @typing.dataclass_transform(eq_default=False, field_specifiers=(quantity,))
 class Declared(Frozen):
-    """A value whose constructor takes what its class declares: a dataclass that is checked."""
+    """A frozen object whose class declares its parameters: a checked dataclass."""
 
     def __init_subclass__(cls, **tag: str) -> None:
         super().__init_subclass__(**tag)
@@ -484,14 +555,18 @@ class Declared(Frozen):
         del cls.__setattr__, cls.__delattr__  # those of `Frozen` say what to do instead
 
     def __post_init__(self) -> None:
-        """Check everything that was given; InvalidModel with all mistakes in it."""
+        """Check all arguments; InvalidModel with all mistakes in it."""
         problems: Problems = []
-        held, varies = self.__dict__, False
+        attributes = self.__dict__
+        may_vary = False
         for name, field in self.fields.items():
-            if not field.along:
-                value = held[name] = field.checked(problems, name, held[name])
-                varies = varies or isinstance(value, np.ndarray | tuple)
-        if varies and not problems:
+            if field.along:  # the class checks profiles itself
+                continue
+            value = field.checked(problems, name, attributes[name])
+            attributes[name] = value
+            if isinstance(value, np.ndarray | tuple):
+                may_vary = True
+        if may_vary and not problems:
             family_shape(self._numbers())
         try:
             self._check(problems)
@@ -500,16 +575,14 @@ class Declared(Frozen):
         raise_noted(problems)
 
     def _check(self, problems: Problems) -> None:
-        """Note, or raise, what is wrong besides single numbers."""
+        """Note, or raise, mistakes that are not in a single number."""
 
 
 @cache
 def defaults_of(kind: Any) -> dict[str, Any]:
     """Parameters of the constructor of a class with their defaults, or `REQUIRED`."""
-    return {
-        name: taken.default
-        for name, taken in inspect.signature(kind).parameters.items()
-    }
+    parameters = inspect.signature(kind).parameters
+    return {name: parameter.default for name, parameter in parameters.items()}
 
 
 def short(value: Any) -> str:
@@ -520,26 +593,36 @@ def short(value: Any) -> str:
 
 
 def nearest(word: Any, choices: Collection[str], head: str = "") -> str:
-    """Which of the choices may be meant; `head` is put before them when they are named."""
-    known = {choice.casefold()[:MOST_SHOWN]: head + choice for choice in choices}
-    text = word if isinstance(word, str) else shown(word)
-    near = difflib.get_close_matches(text[:MOST_SHOWN].casefold(), known, n=1)
+    """Hint at the choice that may be meant by a word, else at all choices.
+
+    `head` is put before the choices that are named.
+    """
+    names = {}
+    for choice in choices:
+        names[choice.casefold()[:MOST_SHOWN]] = head + choice
+    text = word
+    if not isinstance(word, str):
+        text = shown(word)
+    near = difflib.get_close_matches(text[:MOST_SHOWN].casefold(), names, n=1)
     if near:
-        return f"perhaps {shown(known[near[0]])} is meant"
-    return f"use one of {listed(list(map(one_line, known.values())))}"
+        return f"perhaps {shown(names[near[0]])} is meant"
+    return f"use one of {listed(list(map(one_line, names.values())))}"
 
 
 def listed(names: list[str]) -> str:
-    """Names in a row, of which the first `MOST_CHOICES` stand for many."""
-    return ", ".join(names[:MOST_CHOICES]) + (
-        ", ..." if len(names) > MOST_CHOICES else ""
-    )
+    """Names with commas between them, the first `MOST_CHOICES` if there are more."""
+    text = ", ".join(names[:MOST_CHOICES])
+    if len(names) > MOST_CHOICES:
+        text += ", ..."
+    return text
 
 
-def plain(value: Any) -> Any:
-    """A number, array, tuple or `Frozen` in JSON's terms."""
+def json_ready(value: Any) -> Any:
+    """A number, array, tuple or `Frozen` as JSON has it."""
     if isinstance(value, Frozen):
         return value.to_dict()
     if isinstance(value, np.ndarray):
         return value.tolist()
-    return [plain(v) for v in value] if isinstance(value, tuple) else value
+    if isinstance(value, tuple):
+        return [json_ready(item) for item in value]
+    return value

@@ -113,13 +113,13 @@ class Samples(Declared):
     _: KW_ONLY
     smooth: bool = False
     error: float = 0.0
-    _whole: ClassVar[tuple[str, ...]] = ("values", "error")
+    _shared_fields: ClassVar[tuple[str, ...]] = ("values", "error")
 
     def _check(self, problems: Problems) -> None:
         is_list = np.ndim(self.values) == 1 and len(self.values) > 1
         if not problems and not is_list:
             wanted = "must be a list of at least two numbers"
-            note(problems, "values", wanted, frozen.plain(self.values))
+            note(problems, "values", wanted, frozen.json_ready(self.values))
         smooth: Any = self.smooth
         if not isinstance(smooth, bool):
             note(problems, "smooth", "must be True or False", smooth)
@@ -175,7 +175,7 @@ class Polynomials(Declared):
     at: Any = quantity("", "sampled", default=None)
     _: KW_ONLY
     error: float = 0.0
-    _whole: ClassVar[tuple[str, ...]] = ("values", "at", "error")
+    _shared_fields: ClassVar[tuple[str, ...]] = ("values", "at", "error")
 
     def _check(self, problems: Problems) -> None:
         if problems:
@@ -446,9 +446,9 @@ def _averages_of_steps(steps: Steps, edges: Floats) -> Floats:
 def _averages_of_samples(samples: Samples, edges: Floats, length: float) -> Floats:
     """Mean values of straight lines between samples; both ends hold on outside.
 
-    Every interval is cut where samples lie in it, and the trapezia of its parts are added. So a
-    small value is exact beside one that is 1e20 times as large, as a difference of integrals from
-    the first sample is not.
+    Every interval is cut where samples lie in it, and the trapezia of its parts are
+    added. So a small value is exact beside one that is 1e20 times as large, as a
+    difference of integrals from the first sample is not.
     """
     if len(edges) < 2:
         return np.zeros(0)

@@ -29,9 +29,9 @@ from .frozen import (
     Number,
     Numeric,
     Problems,
-    Taken,
+    TypedAttribute,
+    json_ready,
     note,
-    plain,
     quantity,
 )
 from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Joint, Law, Plastic, Rigid
@@ -87,12 +87,14 @@ class System(Declared):
     (3,)
     """
 
-    bodies: Taken[tuple[Body, ...], Sequence[Body]]
-    gaps: Taken[tuple[Number, ...], Sequence[ArrayLike] | None] = LEFT_OUT
-    contacts: Taken[tuple[ContactLaw, ...], Sequence[ContactLaw] | None] = LEFT_OUT
+    bodies: TypedAttribute[tuple[Body, ...], Sequence[Body]]
+    gaps: TypedAttribute[tuple[Number, ...], Sequence[ArrayLike] | None] = LEFT_OUT
+    contacts: TypedAttribute[tuple[ContactLaw, ...], Sequence[ContactLaw] | None] = (
+        LEFT_OUT
+    )
     _: KW_ONLY
     gravity: Numeric = quantity("m/s^2", default=0.0)
-    ends: Taken[tuple[End, End], Sequence[End] | None] = LEFT_OUT
+    ends: TypedAttribute[tuple[End, End], Sequence[End] | None] = LEFT_OUT
     _shape: ClassVar[tuple[int, ...]] = ()
 
     def _check(self, problems: Problems) -> None:
@@ -194,15 +196,15 @@ class System(Declared):
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
         contacts = []
         for gap, law in zip(self.gaps, self.contacts, strict=True):
-            contact = {"gap": plain(gap)}
+            contact = {"gap": json_ready(gap)}
             contact.update(law.to_dict())
             contacts.append(contact)
-        description = {"bodies": plain(self.bodies), "contacts": contacts}
+        description = {"bodies": json_ready(self.bodies), "contacts": contacts}
         if not isinstance(self.gravity, float) or self.gravity:
-            description["gravity"] = plain(self.gravity)
+            description["gravity"] = json_ready(self.gravity)
         if self.ends != (FREE, FREE):
             left, right = self.ends
-            description["ends"] = {"left": plain(left), "right": plain(right)}
+            description["ends"] = {"left": json_ready(left), "right": json_ready(right)}
         return description
 
     def check_file(self) -> None:

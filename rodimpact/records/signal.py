@@ -76,11 +76,11 @@ class Signal(Frozen):
     Signal(values=array(3,), times=array(3,), unit='V', name='incident')
     """
 
-    _instead: ClassVar[dict[str, tuple[str, ...]]] = {
+    _alternatives: ClassVar[dict[str, tuple[str, ...]]] = {
         "dt": ("times",),
         "start": ("times",),
     }
-    _whole: ClassVar[tuple[str, ...]] = ("values", "times")
+    _shared_fields: ClassVar[tuple[str, ...]] = ("values", "times")
     values: Floats
     times: Floats
     unit: str

@@ -12,7 +12,7 @@ from ..methods.groups import unilateral
 from ..methods.outcome import Totals
 from ..methods.restitution import effective_restitution, no_restitution
 from ..methods.run import ContactTally, Run
-from ..model.frozen import plain
+from ..model.frozen import json_ready
 from ..rigid import RigidCollision, collide
 from .notebook import as_table
 
@@ -221,7 +221,7 @@ class Outcome(OnlyContact[float]):
         """All entries by name, those of contacts too, in JSON's terms; nan stays a float."""
         contacts = [tally._asdict() for tally in self.contacts]
         return {
-            **{name: plain(v) for name, v in vars(self).items()},
+            **{name: json_ready(v) for name, v in vars(self).items()},
             "contacts": contacts,
         }
 
