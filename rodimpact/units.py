@@ -1,8 +1,8 @@
 """Numbers with units, as people write them: "10 mm" to 0.01 and 0.000385 s to "385 us".
 
-Every unit known here is an exact multiple of its SI unit, and the product is rounded to binary
-once: "10 mm" is the same float as 0.01, and "7.85 g/cm^3" the same as 7850.0. What was given and
-cannot be read is shown in a few words, by `shown`.
+Every unit of `UNITS` is an exact multiple of its SI unit, and the product is rounded to
+binary once: "10 mm" is the same float as 0.01, and "7.85 g/cm^3" the same as 7850.0.
+`shown` shows a value that cannot be read in a few words.
 
 >>> parse("10 mm", "length"), format_si(0.000385, "s")
 (0.01, '385 us')
@@ -21,10 +21,13 @@ from typing import Any, NamedTuple
 __all__ = ["conversion", "format_si", "in_si", "parse"]
 
 TIMES = "\N{MULTIPLICATION SIGN}"
-MOST_CHARACTERS = (
-    1000  # of a number with its unit; a float written out in full has no more
-)
-MOST_SHOWN = 60  # characters of what was given
+"""Sign between the digits of a number and its power of ten."""
+MOST_CHARACTERS = 1000
+"""Characters of a number with its unit; a float written out in full has no more."""
+MOST_SHOWN = 60
+"""Characters of a value that a message shows."""
+ROUNDING_GUARD = 1e-9
+"""Error of a decimal logarithm, so that a power of ten has its own exponent."""
 
 UNITS: dict[str, dict[str, str]] = {
     "length": {
@@ -81,9 +84,12 @@ UNITS: dict[str, dict[str, str]] = {
     },
     "inverse velocity": {"s/m": "1", "s/cm": "1e2", "s/mm": "1e3"},
 }
-"""For each dimension its units, each with what it is in the SI unit, exactly."""
+"""For each dimension its units, each with its value in the SI unit, exactly."""
 
-DIMENSION = {unit: dimension for dimension, units in UNITS.items() for unit in units}
+DIMENSION: dict[str, str] = {}
+"""Dimension of each unit."""
+for _dimension, _units in UNITS.items():
+    DIMENSION.update(dict.fromkeys(_units, _dimension))
 
 _QUANTITY = re.compile(
     r"(?P<number>[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE](?P<power>[+-]?[0-9]+))?)"
@@ -108,7 +114,7 @@ _ALIASES = {
 }
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PREFIXES = {-9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
-LARGE = max(_PREFIXES)
+_LARGEST_PREFIX = max(_PREFIXES)
 # A prefix on m^2 would be squared as well, and kg has one already.
 _TAKES_PREFIX = re.compile(r"(?!kg)[A-Za-z]+(?![A-Za-z^])")
 
@@ -119,22 +125,23 @@ def parse(text: str | float | int, dimension: str) -> float:
     Parameters
     ----------
     text : str, float or int
-        A decimal number with a unit ("200 GPa"), or a bare number, taken to be in SI units
-        already.
+        A decimal number with a unit ("200 GPa"), or a bare number, taken to be in SI
+        units already.
     dimension : str
-        A key of `UNITS`, such as "length" or "pressure"; or a compound unit that is not in `UNITS`,
-        such as "N/m^p". Then no other unit is allowed.
+        A key of `UNITS`, such as "length" or "pressure"; or a compound unit that is not
+        in `UNITS`, such as "N/m^p". Then no other unit is allowed.
 
     Returns
     -------
     float
-        The value in the SI unit of `dimension`: the float nearest to the decimal number.
+        The value in the SI unit of `dimension`: the float nearest to the decimal
+        number.
 
     Raises
     ------
     ValueError
-        If `text` is not a finite number, or its unit is unknown or of another dimension; also if
-        `dimension` is not a key of `UNITS`.
+        If `text` is not a finite number, or its unit is unknown or of another
+        dimension; also if `dimension` is not a key of `UNITS`.
 
     Examples
     --------
@@ -148,57 +155,81 @@ def parse(text: str | float | int, dimension: str) -> float:
     ValueError: cannot read '5 m/s' as time: 'm/s' is a unit of velocity. \
 Use one of s, ms, us, ns, or a bare number in SI units.
     """
-    if not isinstance(dimension, str) or (
-        dimension not in UNITS and "/" not in dimension
-    ):
+    is_word = isinstance(dimension, str)
+    if not is_word or (dimension not in UNITS and "/" not in dimension):
         raise ValueError(
             f"unknown dimension {shown(dimension)}. Use one of {', '.join(UNITS)}."
         )
     units = UNITS.get(dimension, {dimension: "1"})
-
-    def refusal(reason: str) -> ValueError:
-        return ValueError(
-            f"cannot read {shown(text)} as {dimension}: {reason}. "
+    try:
+        value = _exact_value(text, units)
+    except ValueError as error:
+        raise ValueError(
+            f"cannot read {shown(text)} as {dimension}: {error}. "
             f"Use one of {', '.join(units)}, or a bare number in SI units."
-        )
+        ) from None
+    return value
 
+
+def _exact_value(text: Any, units: dict[str, str]) -> float:
+    """Value of a number with one of these units; ValueError says why there is none."""
     exact: Any = text
     if isinstance(text, str):
-        if len(text) > MOST_CHARACTERS:
-            raise refusal(f"it is longer than {MOST_CHARACTERS} characters")
-        quantity = _QUANTITY.fullmatch(text.strip())
-        if quantity is None:
-            raise refusal("it is not a decimal number followed by a unit")
-        unit = _spelt(quantity["unit"] or "")
-        if unit and unit not in units:
-            unknown = f"unknown unit {shown(unit)}{_meant(unit, units)}"
-            other = DIMENSION.get(unit)
-            raise refusal(f"{unit!r} is a unit of {other}" if other else unknown)
-        if abs(int(quantity["power"] or 0)) > 2 * MOST_CHARACTERS:
-            raise refusal("its power of ten is out of range")
-        exact = Fraction(quantity["number"]) * Fraction(units[unit] if unit else 1)
+        exact = _fraction(text, units)
     elif not isinstance(text, int | float) or isinstance(text, bool):
-        raise refusal("it is not a number")
+        raise ValueError("it is not a number")
     try:
         value = float(exact)
     except OverflowError:
         value = math.inf
     if not math.isfinite(value):
-        raise refusal("it is not a finite number")
+        raise ValueError("it is not a finite number")
     if exact and not value:
-        raise refusal("it is too small for a floating-point number")
+        raise ValueError("it is too small for a floating-point number")
     return value
 
 
-class Conversion(NamedTuple):
-    """A unit of the SI, and the factor that makes one of it."""
+def _fraction(text: str, units: dict[str, str]) -> Fraction:
+    """Exact value of a text with one of these units; ValueError gives the reason."""
+    if len(text) > MOST_CHARACTERS:
+        raise ValueError(f"it is longer than {MOST_CHARACTERS} characters")
+    quantity = _QUANTITY.fullmatch(text.strip())
+    if quantity is None:
+        raise ValueError("it is not a decimal number followed by a unit")
+    unit = _spelt(quantity["unit"] or "")
+    if unit and unit not in units:
+        dimension = DIMENSION.get(unit)
+        if dimension is not None:
+            raise ValueError(f"{unit!r} is a unit of {dimension}")
+        raise ValueError(f"unknown unit {shown(unit)}{_hint(unit, units)}")
+    power = int(quantity["power"] or 0)
+    if abs(power) > 2 * MOST_CHARACTERS:
+        raise ValueError("its power of ten is out of range")
+    factor = Fraction(1)
+    if unit:
+        factor = Fraction(units[unit])
+    return Fraction(quantity["number"]) * factor
 
-    unit: str
-    factor: Fraction
+
+class Conversion(NamedTuple):
+    """Conversion of a unit to the SI."""
+
+    unit: str  # of the SI
+    factor: Fraction  # value of one unit in the SI unit
 
 
 def conversion(unit: str) -> Conversion | None:
-    """Unit of the SI for any unit known here; None if it is not known.
+    """Conversion of a unit to the SI; None if the unit is unknown.
+
+    Parameters
+    ----------
+    unit : str
+        One of `UNITS`, or another spelling of it.
+
+    Raises
+    ------
+    ValueError
+        If the unit is no text.
 
     Examples
     --------
@@ -210,70 +241,99 @@ def conversion(unit: str) -> Conversion | None:
     spelt = _spelt(unit)
     if not spelt:
         return Conversion("", Fraction(1))
-    if not (dimension := DIMENSION.get(spelt, "")):
+    dimension = DIMENSION.get(spelt)
+    if dimension is None:
         return None
     return Conversion(si_unit(dimension), Fraction(UNITS[dimension][spelt]))
 
 
 def in_si(values: Any, unit: Any) -> tuple[Any, str]:
-    """Numbers in a unit as numbers in the SI, and its unit; ValueError if there is no such unit.
+    """Numbers in the SI, and their SI unit, of numbers in another unit.
+
+    Parameters
+    ----------
+    values : float or array
+        Numbers in `unit`.
+    unit : str
+        One of `UNITS`, or another spelling of it.
+
+    Returns
+    -------
+    float or array, str
+
+    Raises
+    ------
+    ValueError
+        If the unit is unknown, or the values are no numbers.
 
     Examples
     --------
     >>> in_si(250.0, "us")
     (0.00025, 's')
     """
-    known = conversion(unit) if isinstance(unit, str) else None
-    if known is None:
-        hint = (
-            _meant(shown(unit)[1:-1], DIMENSION) or "; use one such as 'V', 'mV' or 'N'"
-        )
+    to_si = None
+    if isinstance(unit, str):
+        to_si = conversion(unit)
+    if to_si is None:
+        hint = _hint(shown(unit)[1:-1], DIMENSION)
+        if not hint:
+            hint = "; use one such as 'V', 'mV' or 'N'"
         raise ValueError(f"unknown unit {shown(unit)}{hint}")
-    si, factor = known
+    factor = to_si.factor
     try:  # one operation, which rounds once
-        return (
-            values * float(factor) if factor >= 1 else values / float(1 / factor)
-        ), si
+        if factor >= 1:
+            return values * float(factor), to_si.unit
+        return values / float(1 / factor), to_si.unit
     except (TypeError, OverflowError):
-        raise ValueError(
-            f"values: must be numbers of {unit}, got {shown(values)}"
-        ) from None
+        message = f"values: must be numbers of {unit}, got {shown(values)}"
+        raise ValueError(message) from None
 
 
 def dimension_of(unit: str) -> str:
-    """Dimension of which this is the SI unit; the unit itself if it stands in no dimension.
+    """Dimension of an SI unit; the unit itself if `UNITS` has no such dimension.
 
     Examples
     --------
     >>> dimension_of("N/m"), dimension_of(""), dimension_of("N/m^p")
     ('stiffness', 'dimensionless', 'N/m^p')
     """
-    return next((name for name in UNITS if unit == si_unit(name)), unit)
+    for dimension in UNITS:
+        if unit == si_unit(dimension):
+            return dimension
+    return unit
 
 
 def si_unit(dimension: str) -> str:
     """SI unit of a dimension; "" for pure numbers."""
     units = UNITS.get(dimension, {dimension: "1"})
-    return next((unit for unit, factor in units.items() if factor == "1"), "")
+    for unit, factor in units.items():
+        if factor == "1":
+            return unit
+    return ""
 
 
 def _spelt(unit: str) -> str:
-    """A unit as `UNITS` spells it."""
+    """A unit in the spelling of `UNITS`."""
     spelt = " ".join(unit.translate(_SPELLINGS).split())
     return _ALIASES.get(spelt, spelt)
 
 
-def _meant(word: str, units: Iterable[str]) -> str:
-    """Which of the units may be meant: all that differ by capitals alone, or the nearest one."""
-    near = [repr(name) for name in units if name.casefold() == word.casefold()]
-    near = near or list(
-        map(repr, difflib.get_close_matches(word[:MOST_SHOWN], units, n=1))
-    )
-    return f"; perhaps {' or '.join(near)} is meant" if near else ""
+def _hint(word: str, units: Iterable[str]) -> str:
+    """Hint at the units that may be meant; "" if none is near.
+
+    These are all units that differ by capitals alone, or else the nearest one.
+    """
+    near = [repr(unit) for unit in units if unit.casefold() == word.casefold()]
+    if not near:
+        matches = difflib.get_close_matches(word[:MOST_SHOWN], units, n=1)
+        near = [repr(unit) for unit in matches]
+    if not near:
+        return ""
+    return f"; perhaps {' or '.join(near)} is meant"
 
 
 def shown(value: Any) -> str:
-    """A value that was given, as messages show it: in one line of `MOST_SHOWN` characters at most.
+    """A value as messages show it, in one line of at most `MOST_SHOWN` characters.
 
     Examples
     --------
@@ -284,15 +344,21 @@ def shown(value: Any) -> str:
     """
     try:
         return one_line(_SHORT.repr(value))
-    except Exception:  # of the value's own repr, or an integer of too many digits
+    except Exception:  # in the value's own repr, or an integer of too many digits
         return f"a value of type {one_line(type(value).__name__)}"
 
 
 def one_line(text: str) -> str:
-    """The text in one line, cut, and with escapes for what does not print."""
-    line = " ".join(text[: 2 * MOST_SHOWN].split())
-    line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in line)
-    return line if len(line) <= MOST_SHOWN else f"{line[: MOST_SHOWN - 3]}..."
+    """A text in one line, cut, and with escapes for characters that do not print."""
+    line = ""
+    for character in " ".join(text[: 2 * MOST_SHOWN].split()):
+        if character.isprintable():
+            line += character
+        else:
+            line += ascii(character)[1:-1]
+    if len(line) > MOST_SHOWN:
+        return f"{line[: MOST_SHOWN - 3]}..."
+    return line
 
 
 _SHORT = reprlib.Repr()
@@ -302,8 +368,8 @@ _SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = MOST_SHOWN
 def format_si(value: float, unit: str, digits: int = 6) -> str:
     """Write a quantity for people, with an engineering prefix on its SI unit.
 
-    Units that take no prefix (kg, kg/m^3, m^2) and magnitudes outside nano to a million giga are
-    written without one.
+    Units that take no prefix (kg, kg/m^3, m^2) and magnitudes outside nano to a million
+    giga are written without one.
 
     Parameters
     ----------
@@ -322,31 +388,34 @@ def format_si(value: float, unit: str, digits: int = 6) -> str:
     Raises
     ------
     ValueError
-        If that is no number, no unit, or no number of digits.
+        If the value is no number, the unit no text, or `digits` no number of digits.
 
     Examples
     --------
     >>> format_si(0.000385, "s"), format_si(1270.8, "N"), format_si(7850.0, "kg/m^3")
     ('385 us', '1.2708 kN', '7850 kg/m^3')
     """
-    kinds: tuple[tuple[Any, type], ...] = (value, Real), (unit, str), (digits, int)
-    if not all(isinstance(*pair) for pair in kinds) or not 0 < digits < MOST_CHARACTERS:
+    number: Any = value
+    is_number = isinstance(number, Real)
+    is_count = isinstance(digits, int) and 0 < digits < MOST_CHARACTERS
+    if not is_number or not isinstance(unit, str) or not is_count:
         raise ValueError(
             f"cannot write {shown(value)} in {shown(unit)} to {shown(digits)} digits"
         )
     if math.isnan(value):
         return "-"
     if math.isfinite(value) and _TAKES_PREFIX.match(unit):
-        # Rounding comes before the choice of a prefix: 999.9999999 N is 1 kN, not 1000 N.
+        # The prefix is chosen after rounding: 999.9999999 N is 1 kN, not 1000 N.
         mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
-        within, thousands = int(exponent) % 3, int(exponent) // 3 * 3
-        if (
-            thousands == LARGE + 3
-        ):  # 1000 GPa and more, beside which other numbers are in GPa
-            within, thousands = within + 3, LARGE
-        if thousands in _PREFIXES:
-            number = Decimal(mantissa).scaleb(within).normalize() + 0
-            return f"{number:f} {_PREFIXES[thousands]}{unit}"
+        power = int(exponent) // 3 * 3
+        shift = int(exponent) % 3
+        if power == _LARGEST_PREFIX + 3:
+            # 1000 GPa and more stand beside other numbers in GPa.
+            power = _LARGEST_PREFIX
+            shift += 3
+        if power in _PREFIXES:
+            decimal = Decimal(mantissa).scaleb(shift).normalize() + 0
+            return f"{decimal:f} {_PREFIXES[power]}{unit}"
     return f"{value + 0.0:.{digits}g} {unit}".rstrip()
 
 
@@ -359,10 +428,8 @@ def format_factor(number: float) -> str:
     """Write a factor 1, 2 or 5 times a power of ten, or any other."""
     if 1e-3 <= number < 1e5:
         return f"{number:g}"
-    exponent = math.floor(math.log10(number) + 1e-9)
+    exponent = math.floor(math.log10(number) + ROUNDING_GUARD)
     lead = f"{number / 10.0**exponent:.3g}"
-    return (
-        format_power(exponent)
-        if lead == "1"
-        else f"{lead}{TIMES}{format_power(exponent)}"
-    )
+    if lead == "1":
+        return format_power(exponent)
+    return f"{lead}{TIMES}{format_power(exponent)}"
