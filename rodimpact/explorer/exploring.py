@@ -24,16 +24,20 @@ from .page_files import standalone
 from .presets import presets
 from .tables import RULES, is_smooth, lacking, request_of, system_of
 
-FRAME = "width: 100%; height: 58rem; border: 0"
+FRAME_STYLE = "width: 100%; height: 58rem; border: 0"
+"""Style of the frame of the page in a notebook."""
 REMEDY = "rodimpact animate CASE.toml -o FILE.gif makes a moving picture"
+"""Way to see a collision that the page cannot solve."""
+DEFAULT_TITLE = "Elastic rods collide"
 
 
 class Page:
     """A collision to play with in a browser: one file, made by `explore`.
 
-    A notebook shows it. The page solves what its sliders say, and asks no network for anything.
-    With the extra ``notebook`` (``pip install 'rodimpact[notebook]'``) a page that a notebook shows
-    also gives back what its sliders say: see `system`.
+    A notebook shows the page. It solves the collision of its sliders, and asks no
+    network for anything. With the extra ``notebook`` (``pip install
+    'rodimpact[notebook]'``) a page that a notebook shows also gives back the system of
+    its sliders: see `system`.
 
     Attributes
     ----------
@@ -62,9 +66,10 @@ class Page:
     def system(self) -> System:
         """The system that the page shows.
 
-        In a notebook with the extra ``notebook`` it is what the sliders say. A number that is no
-        valid entry, such as a length below 0, is passed over until it is mended. Without the extra,
-        and outside a notebook, it is the system that the page was made of.
+        In a notebook with the extra ``notebook`` it is the system of the sliders. A
+        number that is no valid entry, such as a length below 0, is passed over until it
+        is mended. Without the extra, and outside a notebook, it is the system of which
+        the page was made.
         """
         if self._widget is None or self._widget.case == "":
             return self._system
@@ -72,6 +77,13 @@ class Page:
 
     def save(self, path: PathLike, *, force: bool = False) -> None:
         """Write the page.
+
+        Parameters
+        ----------
+        path : path-like
+            Name of the file.
+        force : bool
+            Whether an existing file is replaced.
 
         Raises
         ------
@@ -91,7 +103,7 @@ class Page:
         Returns
         -------
         str
-            The path of the file.
+            Path of the file.
         """
         path = Path(tempfile.mkdtemp(prefix="rodimpact-"), "collision.html")
         self.save(path)
@@ -99,42 +111,48 @@ class Page:
             webbrowser.open(path.as_uri())
         return str(path)
 
-    def _repr_mimebundle_(self, **asked: Any) -> Any:
-        """What a notebook shows: the widget if anywidget is installed, else the frame alone."""
+    def _repr_mimebundle_(self, **options: Any) -> Any:
+        """Widget for a notebook if anywidget is installed, else the frame alone."""
         if self._widget is None:
             try:
                 from .notebook import PageWidget
             except ModuleNotFoundError:
                 return {"text/html": self._repr_html_(), "text/plain": repr(self)}
             self._widget = PageWidget(page=self.html)
-        return self._widget._repr_mimebundle_(**asked)
+        return self._widget._repr_mimebundle_(**options)
 
     def _repr_html_(self) -> str:
-        inside = html.escape(self.html)
-        return f'<iframe srcdoc="{inside}" style="{FRAME}" title="Elastic rods collide"></iframe>'
+        page = html.escape(self.html)
+        return (
+            f'<iframe srcdoc="{page}" style="{FRAME_STYLE}" title="{DEFAULT_TITLE}">'
+            "</iframe>"
+        )
 
 
 def explore(case: System | Case) -> Page:
-    """Make a page to play with a collision: sliders, the space-time diagram, the rods moving.
+    """Make a page to play with a collision.
 
-    The page solves uniform and stepped rods and rigid masses, in rigid, bonded or compliant
-    contact, while its sliders move. `rodimpact.plot.animation` shows all other collisions.
+    It has sliders, the space-time diagram, and the rods in motion. The page solves
+    uniform and stepped rods and rigid masses, in rigid, bonded or compliant contact,
+    while its sliders move. `rodimpact.plot.animation` shows all other collisions.
 
     Parameters
     ----------
     case : System or Case
-        Of one collision, no family, with a rod at least.
+        One collision, no family, with at least one rod.
 
     Returns
     -------
     Page
-        A notebook shows it; `Page.open` opens it in the browser, `Page.save` writes it. In a
-        notebook `Page.system` is what the sliders say, with the extra ``notebook``.
+        A notebook shows it; `Page.open` opens it in the browser, `Page.save` writes it.
+        In a notebook with the extra ``notebook``, `Page.system` is the system of the
+        sliders.
 
     Raises
     ------
     InvalidModel
-        If it is no such case, the page cannot solve it, or it lasts no time to show.
+        If the argument is no such case, the page cannot solve it, or its run lasts no
+        time.
 
     Examples
     --------
@@ -145,54 +163,68 @@ def explore(case: System | Case) -> Page:
     >>> len(page.html) < 200_000
     True
     """
-    case = Case(case) if isinstance(case, System) else case
+    if isinstance(case, System):
+        case = Case(case)
     if not isinstance(case, Case):
         raise refusal("case", f"must be a System or a Case, got {shown(case)}")
     case = with_gauges(case)
     design = tables_of(case)
     check_solvable(case, design["case"])
-    examples = []
-    for key, title, remark, first in presets():
-        examples.append(
-            {"key": key, "title": title, "remark": remark, "design": tables_of(first)}
-        )
-    begin: dict[str, Any] = {
+    embedded: dict[str, Any] = {
         "version": __version__,
         "design": design,
         "materials": LIBRARY,
         "rules": RULES,
-        "presets": examples,
+        "presets": preset_tables(),
     }
-    name = os.fsencode(Path(case.path).stem).decode(errors="replace")
-    return Page(standalone(begin, name or "Elastic rods collide"), case.system)
+    title = os.fsencode(Path(case.path).stem).decode(errors="replace")
+    if not title:
+        title = DEFAULT_TITLE
+    return Page(standalone(embedded, title), case.system)
+
+
+def preset_tables() -> list[dict[str, Any]]:
+    """Presets as the page takes them."""
+    tables = []
+    for preset in presets():
+        tables.append(
+            {
+                "key": preset.key,
+                "title": preset.title,
+                "remark": preset.remark,
+                "design": tables_of(preset.case),
+            }
+        )
+    return tables
 
 
 def check_solvable(case: Case, tables: dict[str, Any]) -> None:
-    """Raise InvalidModel with the path of the physics, or of the option, for which no page is."""
+    """Raise InvalidModel with the path of an option or physics that the page lacks."""
     check_options(case)
     path, physics = lacking(tables)
     if physics:
         raise refusal(path, f"the page cannot solve {physics}; {REMEDY}")
     if is_smooth(tables):
         return
-    asked = request_of(tables)
-    row = system_of(tables, LIBRARY)
-    result = solved_by_fronts(row, asked)
-    if "problem" in result:
-        raise InvalidModel([result["problem"]])
-    run = run_of(asked, True, space_of(lay_out_family(walk(row))))["run"]
-    smaller_cap = asked.max_events < case.solve.get("max_events", MAX_EVENTS)
+    request = request_of(tables)
+    system = system_of(tables, LIBRARY)
+    solved = solved_by_fronts(system, request)
+    if "problem" in solved:
+        raise InvalidModel([solved["problem"]])
+    state = run_of(request, True, space_of(lay_out_family(walk(system))))
+    run = state["run"]
+    is_cap_of_page = request.max_events < case.solve.get("max_events", MAX_EVENTS)
     limit = ""
     if run.stop_reason == Stop.CLOCK:
         limit = "the clock of the page ends before the collision"
-    elif run.stop_reason == Stop.CAP and smaller_cap:
-        limit = f"the page follows {asked.max_events} arrivals of waves at most"
+    elif run.stop_reason == Stop.CAP and is_cap_of_page:
+        limit = f"the page follows {request.max_events} arrivals of waves at most"
     if limit:
         raise refusal("solve", f"{limit}; give an earlier until=, or {REMEDY}")
 
 
 def check_options(case: Case) -> None:
-    """Raise InvalidModel with the key of each option that no method takes for this system."""
+    """Raise InvalidModel with each option that no method takes for this system."""
     try:
         Options(**case.solve).method_for(case.system)
     except InvalidModel as error:
