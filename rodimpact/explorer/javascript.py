@@ -1,12 +1,16 @@
-"""Functions of this package as JavaScript, so that the page computes with the same kernels.
+"""Translation of functions of this package to JavaScript, for the kernels of the page.
 
-What is translated is what has a template or a method below: numbers, text, lists, tables, named
-tuples and records; loops and conditions; calls of functions that are translated too; constants,
-nested lists and enums of modules. Values are the same, bit for bit, but for exp, logarithms, powers
-and sums. All else is refused with its file and line. Where JavaScript means another thing,
-page/python.js says what Python means, or throws. Whole numbers must stay below 2^53. A condition is
-true, false or a number, no list; division by 0 gives what arrays give. Loops have no `else`, lists
-are joined by unpacking, and no index from the end is assigned to: tests of the numbers find those.
+The translator knows the syntax that has a template or a method below: numbers, text,
+lists, dictionaries, named tuples and records; loops and conditions; calls of functions
+that are translated too; constants, nested lists and enums of modules. Other syntax is
+refused with its file and line. Values are the same, bit for bit, except for exp,
+logarithms, powers and sums.
+
+If JavaScript has another meaning than Python, page/python.js does as Python does, or
+throws. Whole numbers must stay below 2^53. A condition is true, false or a number, no
+list. A division by 0 gives what arrays give. Loops have no `else`, lists are joined by
+unpacking, and no index from the end is assigned to; tests of the numbers find such
+code.
 """
 
 import ast
@@ -26,7 +30,8 @@ from typing import Any
 
 import numpy as np
 
-MOST = 1 << 53  # doubles hold whole numbers below
+MAX_WHOLE = 1 << 53
+"""Doubles hold all whole numbers below this one."""
 TEMPLATES = {
     "Break": "break;\n",
     "Continue": "continue;\n",
@@ -72,8 +77,9 @@ TEMPLATES = {
     "And": " && ",
     "Or": " || ",
 }
-"""What nodes and operators become; with a question mark a part is a condition."""
+"""JavaScript of nodes and operators; a part with a question mark is a condition."""
 SEPARATORS = {"elts": ",", "targets": "=", "values": "+"}
+"""Text between the items of a list of parts."""
 CALLS: dict[Any, str] = {
     abs: "Math.abs",
     int: "py.int",
@@ -119,13 +125,15 @@ CALLS: dict[Any, str] = {
     np.isfinite: "Number.isFinite",
     np.any: "py.truth",
 }
-KINDS = {
+"""JavaScript of functions: a name, or a template for the arguments."""
+TYPES = {
     "float": "number",
     "str": "string",
     "dict": "object",
     "list": "array",
     "Steps": "object",
 }
+"""Type names for `py.isinstance`."""
 METHODS = {
     "append": "{}.push({})",
     "extend": "py.extend({},{})",
@@ -135,12 +143,15 @@ METHODS = {
     "upper": "{}.toUpperCase()",
     "join": "{1}.join({0})",
 }
-ARRAYS = set(dir(np.ndarray)) - {"base", "mean"}
-"""What arrays have and nothing in JavaScript, but for the names of fields of records."""
+"""JavaScript of methods, a template for the object and the arguments."""
+ARRAY_ATTRIBUTES = set(dir(np.ndarray)) - {"base", "mean"}
+"""Attributes of arrays, which JavaScript lacks; two are names of fields of records,
+too.
+"""
 
 
 class Untranslatable(ValueError):
-    """A function uses what is not translated; the message says what, and where."""
+    """A function uses syntax that is not translated; the message says what and where."""
 
 
 def javascript(
@@ -148,27 +159,35 @@ def javascript(
     constants: Mapping[str, float] | None = None,
     known: Mapping[Any, str] | None = None,
 ) -> str:
-    """Functions, and all of the package that they call, as JavaScript.
+    """Translate functions, and all functions of the package that they call.
 
     Parameters
     ----------
     roots : iterable of functions
     constants : mapping of str to number, optional
-        Values that stand in for those of modules, by name.
+        Values of constants in the page, by the name that they have in their module.
     known : mapping of functions to str, optional
-        Functions that the page has under a name of its own.
+        Names in the page of functions that it has in its own way.
+
+    Returns
+    -------
+    str
+        JavaScript.
 
     Raises
     ------
     Untranslatable
-        At the first thing that is not translated.
+        At the first syntax that is not translated.
     """
-    program = _Program(constants or {}, {**CALLS, **(known or {})})
+    calls = dict(CALLS)
+    if known is not None:
+        calls.update(known)
+    program = _Program(constants or {}, calls)
     for root in roots:
         program.name(root, root.__name__, root.__module__)
-    texts = [
-        _Translator(function, program).text() for function in program.functions
-    ]  # they grow
+    texts = []
+    for function in program.functions:  # grows by the functions that are called
+        texts.append(_Translator(function, program).text())
     return "\n".join([*program.tables, *texts])
 
 
@@ -180,252 +199,303 @@ def field_names(record: Any) -> list[str]:
 
 
 class _Program:
-    """Functions with all that they need; `calls` are names of what JavaScript has."""
+    """Functions that are to be translated, with the tables that they need."""
 
     def __init__(
         self, constants: Mapping[str, float], calls: Mapping[Any, str]
     ) -> None:
-        self.constants, self.calls = constants, calls
+        self.constants = constants  # values in the page, by name
+        self.calls = calls  # JavaScript of functions that are not translated
         self.functions: list[FunctionType] = []
-        self.tables: list[str] = []
-        self._names: dict[int, str] = {}
+        self.tables: list[str] = []  # statements that declare tables
+        self._names: dict[int, str] = {}  # by the id of the object
 
     def name(self, thing: Any, name: str, module: str) -> str:
-        """Name of a function, of a list of a module or of an empty record; it is written too.
+        """Name in JavaScript of a function, a list of a module, or an empty record.
 
-        It stands behind those of its modules where another thing bears it.
+        If the name is taken, it is prefixed with the names of its modules until it is
+        unique. A new object is queued for translation, or declared as a table.
         """
         if id(thing) in self._names:
             return self._names[id(thing)]
-        parts = module.split(".")
+        modules = module.split(".")
         while name in self._names.values():
-            name = f"{parts.pop()}_{name}"
+            name = f"{modules.pop()}_{name}"
         self._names[id(thing)] = name
         if isinstance(thing, FunctionType):
             self.functions.append(thing)
-            return name
-        if isinstance(thing, np.dtype):
-            thing = {
-                field: np.zeros(thing[field].shape).tolist()
-                for field in thing.names or ()
-            }
-        self.tables.append(f"const {name}={json.dumps(thing, separators=(',', ':'))};")
+        else:
+            table = json.dumps(_plain_table(thing), separators=(",", ":"))
+            self.tables.append(f"const {name}={table};")
         return name
 
 
+def _plain_table(thing: Any) -> Any:
+    """A list or dictionary as it is; a record with zeros for a dtype."""
+    if not isinstance(thing, np.dtype):
+        return thing
+    record = {}
+    for field in thing.names or ():
+        record[field] = np.zeros(thing[field].shape).tolist()
+    return record
+
+
 class _Translator(ast.NodeVisitor):
-    """Translates one function of a program."""
+    """Translation of one function of a program."""
 
     def __init__(self, function: FunctionType, program: _Program) -> None:
-        self.function, self.program = function, program
+        self.function = function
+        self.program = program
         lines, self.line = inspect.getsourcelines(function)
-        tree: Any = ast.increment_lineno(
-            ast.parse(textwrap.dedent("".join(lines))), self.line - 1
-        )
-        self.tree = tree.body[0]
-        stored = {
-            n.id
-            for n in ast.walk(self.tree)
-            if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
-        }
-        self.arguments = [n.arg for n in self.tree.args.args]
-        self.local = stored | {*self.arguments}
+        module: Any = ast.parse(textwrap.dedent("".join(lines)))
+        ast.increment_lineno(module, self.line - 1)
+        self.tree = module.body[0]
+        self.arguments = [argument.arg for argument in self.tree.args.args]
+        self.local = set(self.arguments)
+        for node in ast.walk(self.tree):
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+                self.local.add(node.id)
 
     def text(self) -> str:
-        """The function in JavaScript."""
-        names = [f"{name}_" for name in self.arguments]
+        """Return the function in JavaScript; its variables end with an underscore."""
+        arguments = [f"{name}_" for name in self.arguments]
         for k, default in enumerate(reversed(self.tree.args.defaults), 1):
-            names[-k] += f"={self.visit(default)}"
-        own = ",".join(f"{name}_" for name in sorted(self.local - {*self.arguments}))
+            arguments[-k] += f"={self.visit(default)}"
+        variables = sorted(self.local - set(self.arguments))
+        declaration = ""
+        if variables:
+            names = ",".join(f"{name}_" for name in variables)
+            declaration = f"let {names};\n"
         name = self.program.name(
             self.function, self.function.__name__, self.function.__module__
         )
-        body = self.tree.body[1 if ast.get_docstring(self.tree) else 0 :]
-        begin = f"let {own};\n" if own else ""
-        return (
-            f"function {name}({','.join(names)}){{\n{begin}{self.part('body', body)}}}"
-        )
+        statements = self.tree.body
+        if ast.get_docstring(self.tree):
+            statements = statements[1:]
+        body = self.part("body", statements)
+        return f"function {name}({','.join(arguments)}){{\n{declaration}{body}}}"
 
     def visit(self, node: ast.AST) -> str:
         """Text of a node."""
         self.line = getattr(node, "lineno", self.line)
         try:
             return str(super().visit(node))
-        except KeyError as missing:  # in a table above
-            where = f"{inspect.getsourcefile(self.function)}:{self.line}"
-            message = f"{where}: {missing.args[0]} is not translated to JavaScript"
+        except KeyError as missing:  # in one of the tables above
+            place = f"{inspect.getsourcefile(self.function)}:{self.line}"
+            message = f"{place}: {missing.args[0]} is not translated to JavaScript"
             raise Untranslatable(message) from None
 
     def generic_visit(self, node: ast.AST) -> str:
-        """Text of a node that needs a template only: its own, or that of its operator."""
+        """Text of a node by its template, or by that of its operator."""
         kind = type(getattr(node, "op", node)).__name__
-        repeats = kind == "Mult" and isinstance(getattr(node, "left", None), ast.List)
-        return self.filled("List Mult" if repeats else kind, node)
+        if kind == "Mult" and isinstance(getattr(node, "left", None), ast.List):
+            kind = "List Mult"
+        return self.filled(kind, node)
 
     def filled(self, kind: str, node: Any) -> str:
-        """The template of a kind with the parts of a node."""
+        """Template of a kind of nodes with the parts of a node."""
 
-        def text(found: re.Match[str]) -> str:
-            value = getattr(node, found[2])
-            return self.truth(value) if found[1] else self.part(found[2], value)
+        def text(placeholder: re.Match[str]) -> str:
+            is_condition, name = placeholder.groups()
+            value = getattr(node, name)
+            if is_condition:
+                return self.truth(value)
+            return self.part(name, value)
 
         return re.sub(r"\{(\??)(\w+)\}", text, TEMPLATES[kind])
 
     def part(self, name: str, value: Any) -> str:
-        """Text of what a node has under a name."""
+        """Text of the part that a node has under a name."""
         if isinstance(value, list):
             return SEPARATORS.get(name, "").join(map(self.visit, value))
-        return self.visit(value) if isinstance(value, ast.AST) else value or ""
+        if isinstance(value, ast.AST):
+            return self.visit(value)
+        return value or ""
 
     def truth(self, value: ast.expr) -> str:
         """Text of a condition: true or false; a number is true unless it is 0."""
-        sure = isinstance(value, ast.Compare | ast.BoolOp | ast.UnaryOp)
-        return self.visit(value) if sure else f"py.truth({self.visit(value)})"
+        text = self.visit(value)
+        if isinstance(value, ast.Compare | ast.BoolOp | ast.UnaryOp):
+            return text
+        return f"py.truth({text})"
 
-    # Statements -----------------------------------------------------------------------------------
+    # Statements -----------------------------------------------------------------------
 
     def visit_For(self, node: ast.For) -> str:
+        """Text of a loop; one over `range` counts in a variable of its own.
+
+        So the variable of the loop keeps its last value, as in Python.
+        """
         match node.iter:
-            case ast.Call(ast.Name("range"), bounds):
-                target, *given = map(self.visit, [node.target, *bounds])
-                start, stop, step = (
-                    given if len(given) == 3 else [*["0", *given][-2:], "1"]
-                )
-                sign = ">" if "-" in step else "<"
-                # a variable of its own: the loop's keeps its last value
-                head = f"let _{target}={start},_end={stop};_{target}{sign}_end;_{target}+={step}"
-                return f"for({head}){{\n{target}=_{target};\n{self.part('body', node.body)}}}\n"
-        return self.generic_visit(node)
+            case ast.Call(ast.Name("range"), arguments):
+                pass
+            case _:
+                return self.generic_visit(node)
+        target = self.visit(node.target)
+        bounds = [self.visit(argument) for argument in arguments]
+        start = "0"
+        step = "1"
+        if len(bounds) == 1:
+            stop = bounds[0]
+        else:
+            start = bounds[0]
+            stop = bounds[1]
+        if len(bounds) == 3:
+            step = bounds[2]
+        sign = "<"
+        if "-" in step:
+            sign = ">"
+        first = f"let _{target}={start},_end={stop}"
+        head = f"{first};_{target}{sign}_end;_{target}+={step}"
+        body = self.part("body", node.body)
+        return f"for({head}){{\n{target}=_{target};\n{body}}}\n"
 
     def visit_Assign(self, node: ast.Assign) -> str:
+        """Text of an assignment; values of a tuple are assigned one by one, for speed."""
         match node.targets, node.value:
-            case [ast.Tuple(targets)], ast.Tuple(values):  # quicker than by a list
-                held = ",".join(
-                    f"_{i}={self.visit(value)}" for i, value in enumerate(values)
-                )
-                sent = "".join(f"{self.visit(x)}=_{i};" for i, x in enumerate(targets))
-                return f"{{const {held};{sent}}}\n"
-        return self.generic_visit(node)
+            case [ast.Tuple(targets)], ast.Tuple(values):
+                pass
+            case _:
+                return self.generic_visit(node)
+        constants = []
+        assignments = ""
+        for i, value in enumerate(values):
+            constants.append(f"_{i}={self.visit(value)}")
+        for i, target in enumerate(targets):
+            assignments += f"{self.visit(target)}=_{i};"
+        return f"{{const {','.join(constants)};{assignments}}}\n"
 
     def visit_AugAssign(self, node: ast.AugAssign) -> str:
         value = self.visit(ast.BinOp(node.target, node.op, node.value))
         return f"{self.visit(node.target)}={value};\n"
 
-    # Expressions ----------------------------------------------------------------------------------
+    # Expressions ----------------------------------------------------------------------
 
     def known(self, node: ast.expr) -> Any:
-        """What a name of a module, or an attribute of a module or an enum, stands for, or None."""
-        constants, owner = self.program.constants, None
+        """Value of a name of a module, or of an attribute of a module or enum."""
+        constants = self.program.constants
         match node:
             case ast.Name(name) if name not in self.local:
-                held = self.function.__globals__
-                return constants.get(
-                    name, held.get(name, getattr(builtins, name, None))
-                )
+                if name in constants:
+                    return constants[name]
+                in_builtins = getattr(builtins, name, None)
+                return self.function.__globals__.get(name, in_builtins)
             case ast.Attribute(value, name):
                 owner = self.known(value)
+            case _:
+                return None
         if not isinstance(owner, ModuleType | Enum | EnumType):
             return None
-        return constants.get(name, getattr(owner, name))
+        if name in constants:
+            return constants[name]
+        return getattr(owner, name)
 
-    def held(self, name: str, value: Any) -> str:
-        """A value of a module: lists and tables by their name, all else as it is written."""
+    def literal(self, name: str, value: Any) -> str:
+        """Text of a value of a module: lists and tables by name, others as literals."""
         if isinstance(value, list | dict | np.dtype):
             return self.program.name(value, name, self.function.__module__)
         if isinstance(value, type):
-            return json.dumps(KINDS[value.__name__])
-        if not isinstance(value, int | float | str) or (
-            isinstance(value, int) and abs(value) >= MOST
-        ):
+            return json.dumps(TYPES[value.__name__])
+        if isinstance(value, int) and abs(value) >= MAX_WHOLE:
             raise KeyError(f"the name {name}")
-        return json.dumps(value)  # which has Infinity and NaN, as JavaScript
+        if not isinstance(value, int | float | str):
+            raise KeyError(f"the name {name}")
+        return json.dumps(value)  # Infinity and NaN are those of JavaScript
 
     def visit_Constant(self, node: ast.Constant) -> str:
-        return "null" if node.value is None else self.held(repr(node.value), node.value)
+        if node.value is None:
+            return "null"
+        return self.literal(repr(node.value), node.value)
 
     def visit_Name(self, node: ast.Name) -> str:
-        return (
-            f"{node.id}_"
-            if node.id in self.local
-            else self.held(node.id, self.known(node))
-        )
+        if node.id in self.local:
+            return f"{node.id}_"
+        return self.literal(node.id, self.known(node))
 
     def visit_Attribute(self, node: ast.Attribute) -> str:
         value = self.known(node)
-        if node.attr in ARRAYS and value is None:
+        if value is not None:
+            return self.literal(node.attr, value)
+        if node.attr in ARRAY_ATTRIBUTES:
             raise KeyError(f"the attribute {node.attr}")
-        return (
-            self.generic_visit(node) if value is None else self.held(node.attr, value)
-        )
+        return self.generic_visit(node)
 
     def visit_Subscript(self, node: ast.Subscript) -> str:
         match node.slice:
             case ast.Slice(lower, upper):
-                ends = self.visit(lower or ast.Constant(0)), self.part("upper", upper)
-                return f"{self.visit(node.value)}.slice({','.join(ends)})"
-            case ast.UnaryOp():
+                start = self.visit(lower or ast.Constant(0))
+                stop = self.part("upper", upper)
+                return f"{self.visit(node.value)}.slice({start},{stop})"
+            case ast.UnaryOp():  # an index from the end
                 return f"{self.visit(node.value)}.at({self.visit(node.slice)})"
         return self.generic_visit(node)
 
     def visit_BoolOp(self, node: ast.BoolOp) -> str:
         sign = TEMPLATES[type(node.op).__name__]
-        return f"({sign.join(self.truth(x) for x in node.values)})"
+        return f"({sign.join(map(self.truth, node.values))})"
 
     def visit_Compare(self, node: ast.Compare) -> str:
-        sides = [node.left, *node.comparators]
-        return "({})".format(
-            " && ".join(
-                self.filled(type(op).__name__, ast.BinOp(left, ast.Add(), right))
-                for left, op, right in zip(sides, node.ops, sides[1:], strict=False)
-            )
-        )
+        comparisons = []
+        left = node.left
+        for operator, right in zip(node.ops, node.comparators, strict=True):
+            pair = ast.BinOp(left, ast.Add(), right)  # has the parts of the template
+            comparisons.append(self.filled(type(operator).__name__, pair))
+            left = right
+        return f"({' && '.join(comparisons)})"
 
     def visit_Dict(self, node: ast.Dict) -> str:
-        entries = [
-            f"...{self.visit(value)}"
-            if key is None
-            else f"[{self.visit(key)}]:{self.visit(value)}"
-            for key, value in zip(node.keys, node.values, strict=True)
-        ]
+        entries = []
+        for key, value in zip(node.keys, node.values, strict=True):
+            if key is None:
+                entries.append(f"...{self.visit(value)}")
+            else:
+                entries.append(f"[{self.visit(key)}]:{self.visit(value)}")
         return f"({{{','.join(entries)}}})"
 
     def visit_ListComp(self, node: ast.ListComp | ast.GeneratorExp) -> str:
+        """Text of a comprehension: the last loop maps, the loops before it flatten."""
         text = self.visit(node.elt)
-        for i, loop in enumerate(reversed(node.generators)):
+        method = "map"
+        for loop in reversed(node.generators):
             item = self.visit(loop.target)
-            kept = "".join(f".filter(({item})=>{self.truth(x)})" for x in loop.ifs)
-            every = "flatMap" if i else "map"
-            text = (
-                f"Array.from({self.visit(loop.iter)}){kept}.{every}(({item})=>({text}))"
-            )
+            filters = ""
+            for condition in loop.ifs:
+                filters += f".filter(({item})=>{self.truth(condition)})"
+            items = f"Array.from({self.visit(loop.iter)}){filters}"
+            text = f"{items}.{method}(({item})=>({text}))"
+            method = "flatMap"
         return text
 
     visit_GeneratorExp = visit_ListComp  # noqa: N815 - a name of ast
 
     def visit_Call(self, node: ast.Call) -> str:
-        called, name, calls = (
-            self.known(node.func),
-            ast.unparse(node.func),
-            self.program.calls,
-        )
-        given = [self.visit(x) for x in node.args]
-        if any(word.arg != "strict" for word in node.keywords):
+        called = self.known(node.func)
+        arguments = [self.visit(argument) for argument in node.args]
+        if any(keyword.arg != "strict" for keyword in node.keywords):
             raise KeyError("an argument by name")
         if called is None and isinstance(node.func, ast.Attribute):
-            return METHODS[node.func.attr].format(
-                self.visit(node.func.value), ",".join(given)
-            )
-        if called in (min, max) and len(given) > 1:
-            return reduce(lambda text, other: f"py.{name}({text},{other})", given)
-        if fields := field_names(called):
-            given_fields = zip(fields, given, strict=False)  # the last have defaults
-            return f"({{{','.join(map(':'.join, given_fields))}}})"
-        if called in calls:
-            text = calls[called]
-        elif isinstance(called, FunctionType) and called.__module__.startswith(
-            "rodimpact."
-        ):
-            text = self.program.name(called, called.__name__, called.__module__)
-        else:
+            owner = self.visit(node.func.value)
+            return METHODS[node.func.attr].format(owner, ",".join(arguments))
+        name = ast.unparse(node.func)
+        if called in (min, max) and len(arguments) > 1:
+            return reduce(lambda left, right: f"py.{name}({left},{right})", arguments)
+        fields = field_names(called)
+        if fields:
+            entries = []  # the last fields may have defaults
+            for field, argument in zip(fields, arguments, strict=False):
+                entries.append(f"{field}:{argument}")
+            return f"({{{','.join(entries)}}})"
+        text = self.name_of_function(called, name)
+        if "{" in text:
+            return text.format(*arguments)
+        return f"{text}({','.join(arguments)})"
+
+    def name_of_function(self, function: Any, name: str) -> str:
+        """Name in JavaScript of a function that is called, or its template."""
+        if function in self.program.calls:
+            return self.program.calls[function]
+        if not isinstance(function, FunctionType):
             raise KeyError(f"calling {name}")
-        return text.format(*given) if "{" in text else f"{text}({','.join(given)})"
+        if not function.__module__.startswith("rodimpact."):
+            raise KeyError(f"calling {name}")
+        return self.program.name(function, function.__name__, function.__module__)
