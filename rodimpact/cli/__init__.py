@@ -1,7 +1,8 @@
-"""The command line: `rodimpact COMMAND ...`, one file a command, imported only when it is called.
+"""The command line: `rodimpact COMMAND ...`, a file for each command.
 
-A command is a module with `add_arguments(parser)` and `run(given)`, which returns the text for
-standard output, or its lines, and the exit status, one of `STATUSES`.
+A command is a module with `add_arguments(parser)` and `run(args)`, which returns a
+`CommandResult`. It is imported only when it is called. Where to begin: `main` here,
+then `arguments`, which reads and checks the arguments, and a command, such as `run`.
 """
 
 import argparse
@@ -12,12 +13,14 @@ import sys
 import traceback
 import warnings
 from collections.abc import Iterable, Sequence
-from contextlib import suppress
-from functools import partial
 from importlib import import_module
+from typing import Any
 
 from ..version import __version__
-from .options import as_options
+from .exit_status import DONE, FAULT, MISTAKE, CommandResult
+from .exit_status import INTERRUPTED as INTERRUPTED
+from .exit_status import STATUSES as STATUSES
+from .messages import complain
 
 COMMANDS = {
     "box": "replay the textbook's collisions of elastic rods, in words and figures",
@@ -35,15 +38,6 @@ COMMANDS = {
     "help": "list the units that a number may have",
     "doctor": "show versions, and where compiled code is kept",
 }
-DONE, FAULT, MISTAKE, INCOMPLETE, UNVERIFIED, INTERRUPTED = 0, 1, 2, 3, 4, 130
-STATUSES = {
-    DONE: "done",
-    FAULT: "an output cannot be written, or a fault of rodimpact",
-    MISTAKE: "a mistake in the call or in the case, or a file that exists, without --force",
-    INCOMPLETE: "a run stopped before what was asked; what is known is printed",
-    UNVERIFIED: "verification failed",
-    INTERRUPTED: "interrupted by Ctrl-C",
-}
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -59,55 +53,108 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         Exit status.
     """
-    for name in ("stdout", "stderr"):
-        if (
-            getattr(sys, name) is None
-        ):  # closed; what is printed to None goes to the other
-            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
+    if argv is None:
+        argv = sys.argv[1:]
+    _replace_closed_streams()
     try:
-        try:
-            with warnings.catch_warnings():
-                warnings.showwarning = _show_warning
-                text, status = _run(sys.argv[1:] if argv is None else list(argv))
-        except SystemExit as stop:  # argparse has printed help or a mistake
-            text, status = "", int(stop.code or DONE)
-        return status if _print(text) else FAULT
+        result = _run_command(list(argv))
+        is_printed = _print(result.text)
+    except Exception as error:
+        return _complain_of(error)
     except KeyboardInterrupt:
         return complain("interrupted", INTERRUPTED)
-    except OSError as error:
-        return complain(
-            str(error), MISTAKE if isinstance(error, FileExistsError) else FAULT
-        )
-    except MemoryError:
+    if not is_printed:
+        return FAULT
+    return result.status
+
+
+def _replace_closed_streams() -> None:
+    """Replace standard streams that are closed by ones that lead nowhere.
+
+    If standard output were None, `print` would write nothing, but writing to the stream
+    itself would fail.
+    """
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
+
+
+def _complain_of(error: Exception) -> int:
+    """Print an error of a command; return its exit status."""
+    if isinstance(error, FileExistsError):
+        return complain(str(error), MISTAKE)
+    if isinstance(error, OSError):
+        return complain(str(error), FAULT)
+    if isinstance(error, MemoryError):
         remedy = "ask for a shorter run, fewer events or fewer values"
         return complain(f"not enough memory; {remedy}", FAULT)
-    except (OverflowError, FloatingPointError) as error:
+    if isinstance(error, OverflowError | FloatingPointError):
         return complain(
             f"a number is too large or too small to compute with: {error}", MISTAKE
         )
-    except Exception as error:
-        if not hasattr(error, "problems"):
-            traceback.print_exc()
-            return complain(
-                "a fault of rodimpact, not yours; please report the lines above", FAULT
-            )
+    if hasattr(error, "problems"):
         return complain(str(error), MISTAKE)
-
-
-def _run(argv: list[str]) -> tuple[str | Iterable[str], int]:
-    parser_of = partial(
-        argparse.ArgumentParser,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
+    traceback.print_exception(error)
+    return complain(
+        "a fault of rodimpact, not yours; please report the lines above", FAULT
     )
-    parser = parser_of(
+
+
+def _run_command(argv: list[str]) -> CommandResult:
+    """Run a command. Help and mistakes of the call are printed by argparse."""
+    try:
+        with warnings.catch_warnings():
+            warnings.showwarning = _show_warning
+            return _parse_and_run(argv)
+    except SystemExit as stop:
+        status = DONE
+        if isinstance(stop.code, int):
+            status = stop.code
+        return CommandResult("", status)
+
+
+def _parse_and_run(argv: list[str]) -> CommandResult:
+    """Find the command, parse its arguments and run it."""
+    parser = _program_parser()
+    call = parser.parse_args(argv)
+    if call.command not in COMMANDS:
+        hint = f"choose one of {', '.join(COMMANDS)}"
+        similar = difflib.get_close_matches(call.command, COMMANDS, n=1)
+        if similar:
+            hint = f"perhaps {similar[0]} is meant"
+        parser.error(f"unknown command {call.command!r}; {hint}")
+    # These import NumPy, which --version and --help need not wait for.
+    arguments = import_module(".arguments", __name__)
+    command = import_module(f".{call.command}", __name__)
+    command_parser = _new_parser(
+        prog=f"rodimpact {call.command}", description=command.__doc__
+    )
+    command.add_arguments(command_parser)
+    # an argument that begins like a number is a value, such as -20cm/s; no option does
+    command_parser._negative_number_matcher = re.compile(r"-\.?[0-9]")
+    args = command_parser.parse_args(
+        call.arguments, arguments.Arguments(command_parser)
+    )
+    os.environ["MPLBACKEND"] = "agg"  # no command opens a window
+    result: CommandResult = command.run(args)
+    return result
+
+
+def _program_parser() -> argparse.ArgumentParser:
+    """Parser of the command, whose arguments are left to the command."""
+    lines = ["commands:"]
+    for name, purpose in COMMANDS.items():
+        lines.append(f"  {name:10} {purpose}")
+    lines += ["", "exit status:"]
+    for status, meaning in STATUSES.items():
+        lines.append(f"  {status:<10} {meaning}")
+    lines += ["", "rodimpact COMMAND --help tells more about a command."]
+    parser = _new_parser(
         prog="rodimpact",
-        description="Collisions of elastic rods: exact waves, and the restitution that follows.",
-        epilog="commands:\n"
-        + "\n".join(f"  {name:10} {what}" for name, what in COMMANDS.items())
-        + "\n\nexit status:\n"
-        + "\n".join(f"  {status:<10} {what}" for status, what in STATUSES.items())
-        + "\n\nrodimpact COMMAND --help tells more about a command.",
+        description=(
+            "Collisions of elastic rods: exact waves, and the restitution that follows."
+        ),
+        epilog="\n".join(lines),
     )
     parser.add_argument(
         "--version", action="version", version=f"rodimpact {__version__}"
@@ -120,54 +167,46 @@ def _run(argv: list[str]) -> tuple[str | Iterable[str], int]:
         help="what to do, see below",
     )
     parser.add_argument(
-        "rest", nargs=argparse.REMAINDER, metavar="...", help="its arguments"
+        "arguments", nargs=argparse.REMAINDER, metavar="...", help="its arguments"
     )
-    called = parser.parse_args(argv)
-    if called.command not in COMMANDS:
-        near = difflib.get_close_matches(called.command, COMMANDS, n=1)
-        hint = (
-            f"perhaps {near[0]} is meant"
-            if near
-            else f"choose one of {', '.join(COMMANDS)}"
-        )
-        parser.error(f"unknown command {called.command!r}; {hint}")
-    asking = import_module(".asking", __name__)  # which imports this package
-    command = import_module(f".{called.command}", __name__)
-    own = parser_of(prog=f"rodimpact {called.command}", description=command.__doc__)
-    command.add_arguments(own)
-    # what begins as a number is a value, such as -20cm/s or -5.npz; no option does
-    own._negative_number_matcher = re.compile(r"-\.?[0-9]")
-    os.environ["MPLBACKEND"] = "agg"  # no command opens a window
-    return command.run(own.parse_args(called.rest, asking.Given(own)))  # type: ignore[no-any-return]
+    return parser
+
+
+def _new_parser(**texts: Any) -> argparse.ArgumentParser:
+    """A parser that keeps the lines of its texts, and takes whole options only."""
+    return argparse.ArgumentParser(
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+        **texts,
+    )
 
 
 def _print(text: str | Iterable[str]) -> bool:
-    """Print the result. False if it cannot be written; a reader who has gone is no failure."""
-    lines = [text] * bool(text) if isinstance(text, str) else text
+    """Print a result; return whether it could be written.
+
+    It is no failure if the reader has gone.
+    """
+    lines = text
+    if isinstance(text, str):
+        lines = [text] if text else []
+    encoding = sys.stdout.encoding
+    if not encoding:
+        encoding = "utf-8"
     try:
-        encoding = sys.stdout.encoding or "utf-8"
         for line in lines:
-            sys.stdout.write(
-                line.encode(encoding, "backslashreplace").decode(encoding) + "\n"
-            )
+            printable = line.encode(encoding, "backslashreplace").decode(encoding)
+            sys.stdout.write(printable + "\n")
         sys.stdout.flush()
     except OSError as error:
         # nothing may be left to write when the interpreter ends
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if not isinstance(error, BrokenPipeError):
-            complain(f"cannot write the result: {error.strerror or error}", FAULT)
+            reason = error.strerror if error.strerror else error
+            complain(f"cannot write the result: {reason}", FAULT)
             return False
     return True
 
 
 def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
-    """Print a warning without the place in the code, which is not the user's."""
+    """Print a warning without its place in the code, which is not the user's."""
     complain(str(message), DONE)
-
-
-def complain(message: str, status: int) -> int:
-    """Print a mistake or fault; returns the exit status that goes with it."""
-    with suppress(OSError):  # nobody reads it
-        for line in as_options(message).splitlines():
-            print(f"rodimpact: {line}", file=sys.stderr)
-    return status

@@ -1,10 +1,10 @@
-"""Make a moving picture of a case: the row, its space-time diagram, and the forces of contacts.
+"""Make a moving picture of a case: the row, its space-time diagram, contact forces.
 
 rodimpact animate CASE.toml -o collision.gif
 
-FILE ends in .gif or .mp4 (needs the program ffmpeg); `rodimpact export` makes a page that plays.
-[output] of the case is for `rodimpact run`. Exit status 3 if the run stopped before what was asked;
-the picture shows what there is.
+FILE ends in .gif or .mp4 (needs the program ffmpeg); `rodimpact export` makes a page
+that plays. [output] of the case is for `rodimpact run`. Exit status 3 if the run
+stopped before what was asked; the picture shows what there is.
 """
 
 import argparse
@@ -13,20 +13,22 @@ from ..model.frozen import InvalidModel
 from ..results.regions import nothing_to_draw
 from ..running.solving import solve
 from ..units import format_si
-from . import DONE
-from .asking import Given, add_run_options, note, number, status_of
+from .arguments import Arguments, add_number, add_run_options, status_of
+from .exit_status import DONE, CommandResult
+from .messages import print_progress
 
-_NAMES = {
+NAMES = {
     "path": "--output",
     "magnification": "--magnify",
     "limit": "--until",
     "stop": "--until",
     "solution": "CASE.toml",
 }
+"""Names of arguments of the library in messages."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """A case, where the picture goes, what it shows, how far to go."""
+    """The case, the file, the shown quantity, the frames, and the end of the run."""
     parser.add_argument("case", metavar="CASE.toml", help="the case file")
     parser.add_argument(
         "-o",
@@ -41,11 +43,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="velocity",
         help="quantity shown in colour; default velocity",
     )
-    number(parser, "--frames", "", "2 to 10000; default 120", default=120)
-    number(
+    add_number(parser, "--frames", "", "2 to 10000; default 120", default=120)
+    add_number(
         parser, "--fps", "dimensionless", "frames a second; default 25", default=25.0
     )
-    number(
+    add_number(
         parser,
         "--magnify",
         "dimensionless",
@@ -56,31 +58,43 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--force", action="store_true", help="replace an existing file")
 
 
-def run(given: Given) -> tuple[str, int]:
-    """Check everything, solve, draw, and tell what was made."""
+def run(args: Arguments) -> CommandResult:
+    """Check all arguments, solve, draw, and describe the film."""
     from .. import plot
     from ..plot.films import check_film
     from ..plot.moving import check_frames
 
-    case = given.read_case()
-    options = given.run_options(case)
-    given.attempt(check_film, given.output, names=_NAMES)
-    given.attempt(check_frames, given.frames, given.fps)
-    given.check_outputs("output")
+    case = args.read_case()
+    options = args.run_options(case)
+    args.build_or_add_problems(check_film, args.output, names=NAMES)
+    args.build_or_add_problems(check_frames, args.frames, args.fps)
+    args.check_outputs("output")
 
     solution = solve(case.system, **options)
-    if reason := nothing_to_draw(solution):
-        raise InvalidModel([("solve" if given.until is None else "--until", reason)])
-    note("drawing")
-    with given.naming(names=_NAMES), plot.look("dark" if given.dark else "light"):
+    reason = nothing_to_draw(solution)
+    if reason:
+        path = "--until"
+        if args.until is None:
+            path = "solve"
+        raise InvalidModel([(path, reason)])
+    print_progress("drawing")
+    look = "light"
+    if args.dark:
+        look = "dark"
+    with args.naming(names=NAMES), plot.look(look):
         film = plot.animation(
-            solution, given.field, given.frames, given.fps, magnification=given.magnify
+            solution, args.field, args.frames, args.fps, magnification=args.magnify
         )
-    film.save(given.output, force=given.force)
-    start, stop = (format_si(float(t), "s") for t in film.times[[0, -1]])
+    film.save(args.output, force=args.force)
+
+    start = format_si(float(film.times[0]), "s")
+    stop = format_si(float(film.times[-1]), "s")
+    seconds = len(film) / film.fps
     text = (
-        f"{len(film)} frames from {start} to {stop}, {len(film) / film.fps:.3g} s to watch: "
-        f"{given.output}"
+        f"{len(film)} frames from {start} to {stop}, {seconds:.3g} s to watch: "
+        f"{args.output}"
     )
     status = status_of(solution)
-    return text if status == DONE else f"{text}\n{solution.status}", status
+    if status != DONE:
+        text = f"{text}\n{solution.status}"
+    return CommandResult(text, status)

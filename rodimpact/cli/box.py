@@ -1,12 +1,14 @@
-"""Replay the textbook's box on the axial collision of elastic rods, in words and figures.
+"""Replay the textbook's box on collisions of elastic rods, in words and figures.
 
-Identical rods, a rod on a rigid wall, and rods of different length: 1 m long and 1 cm^2 thick,
-struck at 1 m/s. Then the coefficient of restitution of sixty pairs of rods against the law
-e = l1/l2. The figures go to a directory of their own, with a page, index.html, that shows it all.
+Identical rods, a rod on a rigid wall, and rods of different length: 1 m long and 1 cm^2
+thick, struck at 1 m/s. Then the coefficient of restitution of sixty pairs of rods
+against the law e = l1/l2. The figures go to a directory of their own, with a page,
+index.html, that shows it all.
 """
 
 import argparse
 import math
+from collections.abc import Iterator, Sequence
 from html import escape
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,38 +20,41 @@ from ..results.pair_theory import pair_theory
 from ..storage.tables import align, as_html, clean
 from ..storage.writing import write_text
 from ..units import format_si
-from . import DONE
-from .asking import Given, note, number
-from .stages import LEGEND, tell
+from .arguments import Arguments, add_number
+from .exit_status import DONE, CommandResult
+from .messages import print_progress
+from .stages import LEGEND, stage_lines
 
 KEYS = ("identical", "wall", "unequal", "dowel")
+"""Keys of the collisions, in the names of their files; the dowel is optional."""
 VIEWS = ("velocity", "stress", "stages", "contact", "energy")
+"""Figures of each collision, in the names of their files."""
 PAGE = "index.html"
-RATIOS = [i / 60 for i in range(1, 61)]  # at which e is compared with l1/l2
-AREA = 1e-4  # m^2
-DOWEL = 0.9144, math.pi / 4 * 0.0127**2  # 3 ft, m, and half an inch thick, m^2
-STAGES = 7  # in a figure
+RATIOS = [i / 60 for i in range(1, 61)]
+"""Ratios l1/l2 at which e is compared with the law e = l1/l2."""
+AREA = 1e-4
+"""Cross-sectional area of the rods, m^2."""
+DOWEL_LENGTH = 0.9144
+"""3 ft, m."""
+DOWEL_AREA = math.pi / 4 * 0.0127**2
+"""Cross-sectional area of a dowel half an inch thick, m^2."""
+SNAPSHOTS = 7
+"""Snapshots in the figure of the stages."""
+BOX_ROD_NAMES = ("left rod", "right rod")
 HEAD = """\
 <!doctype html>
 <html lang="en"><meta charset="utf-8"><title>%s</title>
 <style>
-body { max-width: 64rem; margin: 2rem auto; font-family: sans-serif; background: %s; color: %s; }
+body { max-width: 64rem; margin: 2rem auto; font-family: sans-serif; \
+background: %s; color: %s; }
 img { max-width: 100%%; }
 a { color: inherit; }
 </style>"""
 
 
-class Replay(NamedTuple):
-    """A collision of the box: its title, what to call its bodies, and its solution."""
-
-    title: str
-    names: tuple[str, str]
-    solution: Solution
-
-
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """A ratio of lengths, and where the figures go."""
-    number(
+    """The ratio of lengths, the material, and the figures."""
+    add_number(
         parser,
         "--ratio",
         "dimensionless",
@@ -85,48 +90,61 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--force", action="store_true", help="replace existing figures")
 
 
-def run(given: Given) -> tuple[str, int]:
-    """Solve, tell, and draw."""
+def run(args: Arguments) -> CommandResult:
+    """Solve the collisions, describe and draw them, and write the page."""
     from .. import plot
 
-    if not 0 < given.ratio <= 1:
+    if not 0 < args.ratio <= 1:
         message = "must be above 0 and at most 1, the left rod being the shorter"
-        given.note("--ratio", f"{message}, got {given.ratio!r}")
-    folder, keys = Path(given.output), KEYS if given.dowel else KEYS[:-1]
-    groups = [[f"{key}-{view}.{given.format}" for view in VIEWS] for key in keys]
-    groups.append([f"restitution.{given.format}"])
-    names = [name for group in groups for name in group]
-    there = [name for name in (*names, PAGE) if (folder / name).exists()]
-    if folder.exists() and not folder.is_dir():
-        given.note("--output", f"{given.output!r} is not a directory; name another")
-    elif there and not given.force:
-        message = f"{folder} holds {', '.join(there)} already"
-        given.note(
-            "--output", f"{message}; give --force to replace them, or name another"
-        )
-    raise_noted(given.problems)
-    folder.mkdir(parents=True, exist_ok=True)
+        args.add_problem("--ratio", f"{message}, got {args.ratio!r}")
+    keys = list(KEYS)
+    if not args.dowel:
+        keys.remove("dowel")
+    files = FigureFiles(Path(args.output), keys, args.format)
+    _check_files(args, files)
+    files.folder.mkdir(parents=True, exist_ok=True)
 
-    material = TABLE[given.material]
-    replays = [
-        Replay(title, names, solve(System(bodies)))
-        for title, names, bodies in collisions(material, given.ratio)[: len(keys)]
-    ]
-    struck = rod(material, 1.0)
-    values = [collide(rod(material, r, 1.0), struck).restitution for r in RATIOS]
-    largest = max(abs(e - r) for e, r in zip(values, RATIOS, strict=True))
-    law = (
-        f"Length ratios from {RATIOS[0]:.3g} to 1\n"
-        f"{len(RATIOS)} pairs of rods solved: e agrees with l1/l2 to {largest:.1e}."
+    material = TABLE[args.material]
+    collisions = box_collisions(material, args.ratio)
+    replays = []
+    for collision in collisions[: len(keys)]:
+        solution = solve(System(collision.bodies))
+        replays.append(Replay(collision.title, collision.names, solution))
+    restitutions = [restitution_of(material, ratio) for ratio in RATIOS]
+    texts = [introduction(material)]
+    texts += map(describe, replays)
+    texts.append(law_text(restitutions))
+    print_progress("drawing")
+    look = "light"
+    if args.dark:
+        look = "dark"
+    with plot.look(look):
+        draw(replays, restitutions, files.paths, args.force)
+        page = box_page(texts, [[], *files.groups])
+    write_text(files.folder / PAGE, page, force=args.force)
+    summary = (
+        f"{len(files.names)} figures in {files.folder}, and {PAGE}, which shows them"
     )
-    texts = [introduction(material), *map(describe, replays), law]
-    note("drawing")
-    with plot.look("dark" if given.dark else "light"):
-        draw(replays, values, [folder / name for name in names], given.force)
-        page = box_page(texts, [[], *groups])
-    write_text(folder / PAGE, page, force=given.force)
-    listed = f"{len(names)} figures in {folder}, and {PAGE}, which shows them"
-    return "\n\n\n".join([*texts, listed]), DONE
+    return CommandResult("\n\n\n".join([*texts, summary]), DONE)
+
+
+# The collisions -----------------------------------------------------------------------
+
+
+class Collision(NamedTuple):
+    """A collision of the box."""
+
+    title: str
+    names: tuple[str, str]  # of the bodies
+    bodies: list[Rod | Wall]
+
+
+class Replay(NamedTuple):
+    """A collision of the box that is solved."""
+
+    title: str
+    names: tuple[str, str]
+    solution: Solution
 
 
 def rod(material: Material, length: float, velocity: float = 0.0) -> Rod:
@@ -134,115 +152,226 @@ def rod(material: Material, length: float, velocity: float = 0.0) -> Rod:
     return Rod(length, area=AREA, material=material, velocity=velocity)
 
 
-def collisions(material: Material, ratio: float) -> list[tuple[Any, ...]]:
-    """Title, names of the bodies, and the bodies of each collision of the box."""
-    both = "left rod", "right rod"
-    metre, struck = rod(material, 1.0, 1.0), rod(material, 1.0)
+def box_collisions(material: Material, ratio: float) -> list[Collision]:
+    """The collisions of the box, in the order of `KEYS`.
+
+    `ratio` is l1/l2 of the rods of different length.
+    """
+    striker = rod(material, 1.0, 1.0)
+    struck = rod(material, 1.0)
     shorter = rod(material, ratio, 1.0)
-    dowel = Rod(DOWEL[0], area=DOWEL[1], material=TABLE["oak"], velocity=1.0)
+    dowel = Rod(DOWEL_LENGTH, area=DOWEL_AREA, material=TABLE["oak"], velocity=1.0)
+    different = f"Rods of different length, l1/l2 = {ratio:g}"
+    on_floor = "A wooden dowel, 3 ft long, on a stone floor"
     return [
-        ("Identical rods", both, [metre, struck]),
-        ("A rod on a rigid wall", ("rod", "wall"), [metre, Wall()]),
-        (f"Rods of different length, l1/l2 = {ratio:g}", both, [shorter, struck]),
-        (
-            "A wooden dowel, 3 ft long, on a stone floor",
-            ("dowel", "floor"),
-            [dowel, Wall()],
-        ),
+        Collision("Identical rods", BOX_ROD_NAMES, [striker, struck]),
+        Collision("A rod on a rigid wall", ("rod", "wall"), [striker, Wall()]),
+        Collision(different, BOX_ROD_NAMES, [shorter, struck]),
+        Collision(on_floor, ("dowel", "floor"), [dowel, Wall()]),
     ]
 
 
+def restitution_of(material: Material, ratio: float) -> float:
+    """e of a rod that strikes one of 1 m, with a ratio of their lengths."""
+    striker = rod(material, ratio, 1.0)
+    struck = rod(material, 1.0)
+    return collide(striker, struck).restitution
+
+
+# The texts ----------------------------------------------------------------------------
+
+
 def introduction(material: Material) -> str:
-    """What is collided, and how fast that is."""
-    trips = 2 / float(material.wave_speed)
+    """The rods of the box, their bar speed, and how a collision is described."""
+    bar_speed = float(material.wave_speed)
+    round_trip = 2 / bar_speed
     return (
         "The axial collision of elastic rods\n"
-        f"Rods of {material.name}, cross-sectional area 1 cm^2, the longest 1 m long. The left rod "
-        "comes at v = 1 m/s.\n"
-        f"The bar speed is {material.wave_speed:.0f} m/s (3000 to 6000 m/s in metals, not about "
+        f"Rods of {material.name}, cross-sectional area 1 cm^2, the longest 1 m long. "
+        "The left rod comes at v = 1 m/s.\n"
+        f"The bar speed is {bar_speed:.0f} m/s (3000 to 6000 m/s in metals, not about "
         "1000 m/s). A wave runs twice\n"
-        f"along 1 m in {format_si(trips, 's')}, so the collision lasts about {1e3 * trips:.1g} "
-        "ms.\n\n"
-        "Each line shows the velocity and stress of each uniform piece, from left to right.\n"
+        f"along 1 m in {format_si(round_trip, 's')}, so the collision lasts about "
+        f"{1e3 * round_trip:.1g} ms.\n\n"
+        "Each line shows the velocity and stress of each uniform piece, from left to "
+        "right.\n"
         f"{LEGEND}"
+    )
+
+
+def law_text(restitutions: list[float]) -> str:
+    """Comparison of e with the law e = l1/l2."""
+    differences = []
+    for e, ratio in zip(restitutions, RATIOS, strict=True):
+        differences.append(abs(e - ratio))
+    return (
+        f"Length ratios from {RATIOS[0]:.3g} to 1\n"
+        f"{len(RATIOS)} pairs of rods solved: e agrees with l1/l2 to "
+        f"{max(differences):.1e}."
     )
 
 
 def describe(replay: Replay) -> str:
     """The stages of a collision, and its result beside the closed form."""
-    o, system = replay.solution.outcome, replay.solution.system
-    theory = pair_theory(system).collision()  # type: ignore[union-attr]
+    stages = stage_lines(replay.solution, replay.names)
+    table = align(list(_result_rows(replay)))
+    return f"{replay.title}\n\n{stages}\n\n{table}\n{_remark(replay)}"
+
+
+def _result_rows(replay: Replay) -> Iterator[list[str]]:
+    """Rows of the table: results of the solver beside the theory."""
+    outcome = replay.solution.outcome
+    theory: Any = pair_theory(replay.solution.system)
+    expected = theory.collision()
     episode = replay.solution.contacts[0].episodes[0]
-    opens = episode.opening - episode.start
-    vibration = clean(sum(o.vibration_after), o.kinetic_before)
-    rows = [["", "found", "theory"]]
-    for what, unit, *numbers in (
-        ("coefficient of restitution e", "", o.restitution, theory.restitution),
-        ("contact force lasts", "s", o.duration, theory.duration),
-        ("gap opens after", "s", opens, theory.opening),
-        ("contact force", "N", o.peak_force, theory.peak_force),
-        ("energy left in vibration", "J", vibration, theory.vibration_energy),
+    opening = episode.opening - episode.start
+    vibration = clean(sum(outcome.vibration_after), outcome.kinetic_before)
+    yield ["", "found", "theory"]
+    for quantity, unit, computed, closed_form in (
+        (
+            "coefficient of restitution e",
+            "",
+            outcome.restitution,
+            expected.restitution,
+        ),
+        ("contact force lasts", "s", outcome.duration, expected.duration),
+        ("gap opens after", "s", opening, expected.opening),
+        ("contact force", "N", outcome.peak_force, expected.peak_force),
+        ("energy left in vibration", "J", vibration, expected.vibration_energy),
     ):
-        rows.append([what, *(format_si(float(x), unit) for x in numbers)])
-    for name, v in zip(replay.names, o.velocities_after, strict=True):
-        rows.append(
-            [f"velocity of the {name} afterwards", f"{clean(v, 1.0):.6g} m/s", ""]
-        )
-    rows += [
-        ["momentum balance, relative error", f"{abs(o.momentum_residual):.2g}", "0"],
-        ["energy balance, relative error", f"{abs(o.energy_residual):.2g}", "0"],
-    ]
-    trips = [
-        f"{format_si(2 * float(body.transit_time), 's')} for the {name}"
-        for name, body in zip(replay.names, system.bodies, strict=True)
-        if isinstance(body, Rod)
-    ]
-    remark = f"2 l/c is {' and '.join(trips)}"
+        computed_text = format_si(float(computed), unit)
+        yield [quantity, computed_text, format_si(float(closed_form), unit)]
+    for name, v in zip(replay.names, outcome.velocities_after, strict=True):
+        velocity = f"{clean(v, 1.0):.6g} m/s"
+        yield [f"velocity of the {name} afterwards", velocity, ""]
+    momentum_error = f"{abs(outcome.momentum_residual):.2g}"
+    yield ["momentum balance, relative error", momentum_error, "0"]
+    energy_error = f"{abs(outcome.energy_residual):.2g}"
+    yield ["energy balance, relative error", energy_error, "0"]
+
+
+def _remark(replay: Replay) -> str:
+    """Remark on round trips, and on the end of the contact."""
+    duration = replay.solution.outcome.duration
+    episode = replay.solution.contacts[0].episodes[0]
+    round_trips = []
+    for name, body in zip(replay.names, replay.solution.system.bodies, strict=True):
+        if isinstance(body, Rod):
+            round_trip = 2 * float(body.transit_time)
+            round_trips.append(f"{format_si(round_trip, 's')} for the {name}")
+    remark = f"2 l/c is {' and '.join(round_trips)}"
     if episode.opening > episode.force_end:
+        opening = episode.opening - episode.start
         remark += (
-            f".\nThe force ends after {format_si(o.duration, 's')}. In the textbook the rods part "
-            "then. In fact they touch\nwithout force until the wave of the long rod is back; the "
-            f"gap opens after {format_si(opens, 's')}"
+            f".\nThe force ends after {format_si(duration, 's')}. In the textbook the "
+            "rods part then. In fact they touch\nwithout force until the wave of the "
+            "long rod is back; the gap opens after "
+            f"{format_si(opening, 's')}"
         )
-    remark += ".\nThe vibration energy is (1 - e^2) m_coll v^2/2."
-    story = tell(replay.solution, replay.names)
-    return f"{replay.title}\n\n{story}\n\n{align(rows)}\n{remark}"
+    return remark + ".\nThe vibration energy is (1 - e^2) m_coll v^2/2."
+
+
+# The files ----------------------------------------------------------------------------
+
+
+class FigureFiles:
+    """Files of the figures.
+
+    Attributes
+    ----------
+    folder : Path
+    groups : list of list of str
+        Names of the figures of each collision, and of the last figure.
+    """
+
+    def __init__(self, folder: Path, keys: Sequence[str], file_format: str) -> None:
+        self.folder = folder
+        self.groups: list[list[str]] = []
+        for key in keys:
+            self.groups.append([f"{key}-{view}.{file_format}" for view in VIEWS])
+        self.groups.append([f"restitution.{file_format}"])
+
+    @property
+    def names(self) -> list[str]:
+        """Names of all figures."""
+        names = []
+        for group in self.groups:
+            names += group
+        return names
+
+    @property
+    def paths(self) -> list[Path]:
+        """Paths of all figures."""
+        return [self.folder / name for name in self.names]
+
+
+def _check_files(args: Arguments, files: FigureFiles) -> None:
+    """Raise InvalidModel for files that must not be written, and earlier mistakes."""
+    folder = files.folder
+    existing = [name for name in (*files.names, PAGE) if (folder / name).exists()]
+    if folder.exists() and not folder.is_dir():
+        message = f"{args.output!r} is not a directory; name another"
+        args.add_problem("--output", message)
+    elif existing and not args.force:
+        message = (
+            f"{folder} holds {', '.join(existing)} already; give --force to replace "
+            "them, or name another"
+        )
+        args.add_problem("--output", message)
+    raise_noted(args.problems)
 
 
 def draw(
-    replays: list[Replay], values: list[float], paths: list[Path], force: bool
+    replays: list[Replay], restitutions: list[float], paths: list[Path], force: bool
 ) -> None:
-    """Draw every collision, and e against the ratio of lengths."""
+    """Draw every collision, and e over the ratio of lengths."""
     from .. import plot
     from ..plot.moments import moments
 
     figures: list[Any] = []
-    for title, _, solution in replays:
-        axes = (
+    for replay in replays:
+        solution = replay.solution
+        times = moments(solution, SNAPSHOTS)
+        axes = [
             plot.spacetime(solution, field="velocity").ax,
             plot.spacetime(solution, field="stress").ax,
-            plot.snapshots(solution, times=moments(solution, STAGES)).ax,
+            plot.snapshots(solution, times=times).ax,
             plot.contact(solution).force_ax,
             plot.energy(solution).ax,
-        )
+        ]
+        title = replay.title.replace("l1/l2", "ℓ₁/ℓ₂")
         for ax in axes:
-            ax.set_title(title.replace("l1/l2", "ℓ₁/ℓ₂"), loc="left", pad=18)
+            ax.set_title(title, loc="left", pad=18)
         figures += axes
-    figures.append(plot.restitution(RATIOS, values).ax)
+    figures.append(plot.restitution(RATIOS, restitutions).ax)
     for path, figure in zip(paths, figures, strict=True):
         plot.save(figure, path, force=force)
 
 
 def box_page(texts: list[str], groups: list[list[str]]) -> str:
-    """The page, in HTML: texts whose first line is a heading, each with its figures below it."""
+    """The page, in HTML.
+
+    Parameters
+    ----------
+    texts : list of str
+        Their first lines become headings.
+    groups : list of list of str
+        Names of the figures below each text.
+    """
     from ..plot.style import colours
 
-    lines = [HEAD % (texts[0].partition("\n")[0], *colours()[:2])]
+    title, _, _ = texts[0].partition("\n")
+    paper, ink, *_ = colours()
+    lines = [HEAD % (title, paper, ink)]
     for text, figures in zip(texts, groups, strict=True):
-        title, _, rest = text.partition("\n")
-        level = "h1" if text is texts[0] else "h2"
-        lines += [f"<{level}>{escape(title)}</{level}>", as_html(rest.strip("\n"))]
+        heading, _, paragraphs = text.partition("\n")
+        level = "h2"
+        if text is texts[0]:
+            level = "h1"
+        lines.append(f"<{level}>{escape(heading)}</{level}>")
+        lines.append(as_html(paragraphs.strip("\n")))
         for name in figures:
-            picture = f'<img src="{name}" alt="{escape(title)}: {Path(name).stem}">'
+            alternative = f"{escape(heading)}: {Path(name).stem}"
+            picture = f'<img src="{name}" alt="{alternative}">'
             lines.append(f'<p><a href="{name}">{picture}</a></p>')
     return "\n".join([*lines, "</html>", ""])

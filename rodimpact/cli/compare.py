@@ -1,53 +1,72 @@
-"""Lay a measured record beside what the gauges of a case show: misfit, shift, gain, pulse timing.
+"""Compare a measured record with the gauges of a case: misfit, shift, gain, pulses.
 
 rodimpact compare CASE.toml RECORD.csv --gauge incident=1:0.5 --start -20us --stop 120us
 
-A gauge bears the name of its channel. The prediction is shifted in time and multiplied as suits the
-record best, unless --shift and --scale say how much; pulses are timed after that. Exit status 3 if
-the run stopped before what was asked.
+A gauge bears the name of its channel. The prediction is shifted in time and multiplied
+as suits the record best, unless --shift and --scale say how much; pulses are timed
+after that. Exit status 3 if the run stopped before what was asked.
 """
 
 import argparse
+from collections.abc import Iterator
 from contextlib import suppress
 from functools import partial
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple
 
-from .. import InvalidModel, Misfit, Pulse, Signal, Solution, solve
+from .. import Case, InvalidModel, Misfit, Pulse, Signal, Solution, solve
 from ..records.comparison import gain_unit
 from ..results.regions import nothing_to_draw
 from ..storage.tables import align, as_json
 from ..units import format_si
 from . import record_options
-from .asking import Given, add_run_options, drawn, number, status_of
+from .arguments import (
+    Arguments,
+    add_number,
+    add_run_options,
+    figure_writer,
+    status_of,
+)
+from .exit_status import CommandResult
+from .record_options import GaugePosition, GaugePositions
 
-_PULSE = {
+PULSE_ROWS = {
     "start": "pulse starts",
     "width": "width at half height",
     "rise": "rise from 10 to 90 %",
     "plateau": "plateau",
 }
+"""Rows of the table, by the field of a `Pulse`."""
 
 
-# a channel, its prediction, shift and gain of the prediction, and the pulses of the two, if whole
-Laid: TypeAlias = tuple[Signal, Signal, Misfit, list[Pulse | None]]
+class Comparison(NamedTuple):
+    """A channel of the record beside its prediction."""
+
+    measured: Signal
+    predicted: Signal
+    misfit: Misfit  # with shift and gain of the prediction
+    measured_pulse: Pulse | None  # None if the record has no whole pulse
+    predicted_pulse: Pulse | None  # of the shifted prediction, while the record lasts
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """A case, a record and how to read it, what to compare, what to write, how far to go."""
+    """The case, the record and its form, what is compared, and options of the run."""
     record_options.add_case_and_record(parser)
     compared = parser.add_argument_group("what is compared")
-    number(compared, "--start", "time", "of the part of the record; by default all")
-    number(compared, "--stop", "time", "its end")
-    number(compared, "--shift", "time", "fixed, of the prediction; positive is later")
-    number(compared, "--scale", "dimensionless", "its gain, fixed")
-    number(
+    add_number(compared, "--start", "time", "of the part of the record; by default all")
+    add_number(compared, "--stop", "time", "its end")
+    add_number(
+        compared, "--shift", "time", "fixed, of the prediction; positive is later"
+    )
+    add_number(compared, "--scale", "dimensionless", "its gain, fixed")
+    add_number(
         compared,
         "--carried",
         "length",
         "shift the computed pulse so much farther, with the "
-        "exact dispersion of a round bar, for a gauge placed close behind the struck end",
+        "exact dispersion of a round bar, for a gauge placed close behind the struck "
+        "end",
     )
-    number(
+    add_number(
         compared,
         "--radius",
         "length",
@@ -57,127 +76,182 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_run_options(parser)
 
 
-def run(given: Given) -> tuple[str, int]:
-    """Check everything, solve, compare, write the figure, and hand back the table or JSON."""
-    case = given.read_case()
-    places = record_options.gauge_places(given, case)
-    options = given.run_options(case)
-    if not places:
-        given.problems.append(
+def run(args: Arguments) -> CommandResult:
+    """Check all arguments, solve, compare, write the figure; table or JSON."""
+    case = args.read_case()
+    positions = record_options.gauge_positions(args, case)
+    options = args.run_options(case)
+    _check_arguments(args, positions)
+    records = record_options.read_record(args, positions)
+    args.check_outputs("save", figure="save")
+    for name in positions:
+        records[name] = _window(args, name, records[name])
+    solution = solve(case.system, **options)
+    comparisons = _compare(args, case, solution, positions, records)
+    status = args.write(save=figure_writer(partial(_draw, comparisons)))
+    if not status:
+        status = status_of(solution)
+    if args.json:
+        return CommandResult(_json(comparisons), status)
+    return CommandResult(_tables(comparisons), status)
+
+
+def _check_arguments(args: Arguments, positions: GaugePositions) -> None:
+    """Add problems of options that belong together."""
+    if not positions:
+        args.problems.append(
             (
                 "--gauge",
-                f"is missing; {record_options.FORM} gives a channel and "
-                "the place of its gauge, as [[gauges]] of the case do, with a name",
+                f"is missing; {record_options.GAUGE_FORM} gives a channel and the "
+                "place of its gauge, as [[gauges]] of the case do, with a name",
             )
         )
-    if given.radius is not None and given.radius <= 0:
-        given.problems.append(("--radius", f"must be positive, got {given.radius!r}"))
-    if given.radius is not None and given.carried is None:
-        given.problems.append(("--radius", "goes with --carried"))
-    records = record_options.read_record(given, places)
-    given.check_outputs("save", figure="save")
-    for name in places:
-        record = records[name]
-        with given.naming(names={"start, end": f"--start, --stop of {name}"}):
-            records[name] = record.window(
-                record.start if given.start is None else given.start,
-                record.end if given.stop is None else given.stop,
-            )
-    solution = solve(case.system, **options)
-    if reason := nothing_to_draw(solution):
+    if args.radius is not None and args.radius <= 0:
+        args.problems.append(("--radius", f"must be positive, got {args.radius!r}"))
+    if args.radius is not None and args.carried is None:
+        args.problems.append(("--radius", "goes with --carried"))
+
+
+def _window(args: Arguments, name: str, record: Signal) -> Signal:
+    """The part of a record that is compared."""
+    start = record.start
+    if args.start is not None:
+        start = args.start
+    stop = record.end
+    if args.stop is not None:
+        stop = args.stop
+    with args.naming(names={"start, end": f"--start, --stop of {name}"}):
+        return record.window(start, stop)
+
+
+def _compare(
+    args: Arguments,
+    case: Case,
+    solution: Solution,
+    positions: GaugePositions,
+    records: dict[str, Signal],
+) -> dict[str, Comparison]:
+    """Compare the records with the gauges of a solution, by channel."""
+    reason = nothing_to_draw(solution)
+    if reason:
         raise InvalidModel([(case.path, reason)])
-    laid: dict[str, Laid] = {}
-    for name, place in places.items():
-        with given.naming(f"--gauge {name}"):
-            laid[name] = _laid(records[name], _predicted(solution, place, given), given)
-    status = given.write(save=drawn(partial(_draw, laid))) or status_of(solution)
-    return (_json(laid) if given.json else _table(laid)), status
+    comparisons = {}
+    for name, position in positions.items():
+        with args.naming(f"--gauge {name}"):
+            predicted = _prediction(args, solution, position)
+            comparisons[name] = _comparison(args, records[name], predicted)
+    return comparisons
 
 
-def _predicted(solution: Solution, place: tuple[int, float], given: Given) -> Signal:
-    """What a gauge shows, as much farther along its bar as is asked."""
-    signal = solution.gauge(*place).signal()
-    if given.carried is None:
+def _prediction(args: Arguments, solution: Solution, position: GaugePosition) -> Signal:
+    """Strain at a gauge, or at the distance `carried` farther along its bar."""
+    signal = solution.gauge(position.body, position.x).signal()
+    if args.carried is None:
         return signal
-    rod: Any = solution.system.bodies[place[0]]
-    wide = signal.extended(signal.end / 4, signal.end / 4)
-    return wide.propagated(given.carried, rod, radius=given.radius)
+    rod: Any = solution.system.bodies[position.body]
+    margin = signal.end / 4
+    extended = signal.extended(margin, margin)
+    return extended.propagated(args.carried, rod, radius=args.radius)
 
 
-def _laid(measured: Signal, predicted: Signal, given: Given) -> Laid:
-    """A prediction laid over a record, and the pulses of the two while the record lasts."""
-    found = measured.misfit(predicted, shift=given.shift, scale=given.scale)
-    moved = predicted.replace(
-        values=found.scale * predicted.values,
-        times=predicted.times + found.shift,
+def _comparison(args: Arguments, measured: Signal, predicted: Signal) -> Comparison:
+    """Lay a prediction over a record; find the pulses of both."""
+    misfit = measured.misfit(predicted, shift=args.shift, scale=args.scale)
+    shifted = predicted.replace(
+        values=misfit.scale * predicted.values,
+        times=predicted.times + misfit.shift,
         unit=measured.unit,
     )
-    pulses: list[Pulse | None] = [None, None]
-    for i, signal in enumerate((measured, moved)):
-        with suppress(ValueError):  # there is no whole one
-            pulses[i] = signal.window(measured.start, measured.end).pulse()
-    return measured, predicted, found, pulses
+    start = measured.start
+    end = measured.end
+    return Comparison(
+        measured,
+        predicted,
+        misfit,
+        _pulse(measured, start, end),
+        _pulse(shifted, start, end),
+    )
 
 
-def _table(laid: dict[str, Laid]) -> str:
+def _pulse(signal: Signal, start: float, end: float) -> Pulse | None:
+    """The pulse of a signal between two times, s; None if there is no whole one."""
+    with suppress(ValueError):
+        return signal.window(start, end).pulse()
+    return None
+
+
+def _tables(comparisons: dict[str, Comparison]) -> str:
     """Tables of all channels."""
     blocks = []
-    for name, (measured, predicted, found, pulses) in laid.items():
-        rows = [[name, "measured", "predicted"]]
-        for each, words in _PULSE.items():
-            unit = measured.unit if each == "plateau" else "s"
-            rows.append(
-                [
-                    words,
-                    *(
-                        "-" if pulse is None else format_si(getattr(pulse, each), unit)
-                        for pulse in pulses
-                    ),
-                ]
-            )
-        at_limit = ", at its limit" if found.at_limit else ""
-        gain = f"{found.scale:.6g} {gain_unit(measured.unit, predicted.unit)}"
-        blocks.append(
-            align(rows)
-            + "\n"
-            + align(
-                [
-                    [
-                        "misfit, root mean square over plateau",
-                        f"{100 * found.rms:.4g} %",
-                    ],
-                    ["shift of the prediction", format_si(found.shift, "s") + at_limit],
-                    ["gain of the prediction", gain.rstrip()],
-                ]
-            )
-        )
+    for name, comparison in comparisons.items():
+        pulses = align(list(_pulse_rows(name, comparison)))
+        misfit = align(_misfit_rows(comparison))
+        blocks.append(f"{pulses}\n{misfit}")
     return "\n\n".join(blocks)
 
 
-def _json(laid: dict[str, Laid]) -> str:
-    """The same as JSON, in SI units."""
+def _pulse_rows(name: str, comparison: Comparison) -> Iterator[list[str]]:
+    """Rows on the pulses of a channel and of its prediction."""
+    yield [name, "measured", "predicted"]
+    for field, words in PULSE_ROWS.items():
+        unit = "s"
+        if field == "plateau":
+            unit = comparison.measured.unit
+        row = [words]
+        for pulse in (comparison.measured_pulse, comparison.predicted_pulse):
+            text = "-"
+            if pulse is not None:
+                text = format_si(getattr(pulse, field), unit)
+            row.append(text)
+        yield row
+
+
+def _misfit_rows(comparison: Comparison) -> list[list[str]]:
+    """Rows on misfit, shift and gain of a prediction."""
+    misfit = comparison.misfit
+    shift = format_si(misfit.shift, "s")
+    if misfit.at_limit:
+        shift += ", at its limit"
+    unit = gain_unit(comparison.measured.unit, comparison.predicted.unit)
+    return [
+        ["misfit, root mean square over plateau", f"{100 * misfit.rms:.4g} %"],
+        ["shift of the prediction", shift],
+        ["gain of the prediction", f"{misfit.scale:.6g} {unit}".rstrip()],
+    ]
+
+
+def _json(comparisons: dict[str, Comparison]) -> str:
+    """The comparisons as JSON, in SI units."""
     channels = {}
-    for name, (measured, _, misfit, pulses) in laid.items():
-        timings = [pulse and pulse._asdict() for pulse in pulses]
+    for name, comparison in comparisons.items():
         channels[name] = {
-            "unit": measured.unit,
-            "start": measured.start,
-            "stop": measured.end,
-            "misfit": misfit._asdict(),
-            "measured": timings[0],
-            "predicted": timings[1],
+            "unit": comparison.measured.unit,
+            "start": comparison.measured.start,
+            "stop": comparison.measured.end,
+            "misfit": comparison.misfit._asdict(),
+            "measured": _pulse_entries(comparison.measured_pulse),
+            "predicted": _pulse_entries(comparison.predicted_pulse),
         }
     return as_json(channels=channels)
 
 
-def _draw(laid: dict[str, Laid], plot: Any) -> Any:
+def _pulse_entries(pulse: Pulse | None) -> dict[str, Any] | None:
+    if pulse is None:
+        return None
+    return pulse._asdict()
+
+
+def _draw(comparisons: dict[str, Comparison], plot: Any) -> Any:
     """Draw all channels side by side."""
     from ..plot.records import side_by_side
 
-    pairs = side_by_side(len(laid))
-    for pair, (measured, predicted, found, _) in zip(pairs, laid.values(), strict=True):
-        scale = (
-            found.scale if measured.unit == predicted.unit else None
-        )  # else it was free
-        plot.comparison(measured, predicted, pair, shift=found.shift, scale=scale)
+    pairs = side_by_side(len(comparisons))
+    for pair, comparison in zip(pairs, comparisons.values(), strict=True):
+        measured = comparison.measured
+        predicted = comparison.predicted
+        scale = None  # a gain between different units is free in the figure, too
+        if measured.unit == predicted.unit:
+            scale = comparison.misfit.scale
+        shift = comparison.misfit.shift
+        plot.comparison(measured, predicted, pair, shift=shift, scale=scale)
     return pairs[0][0]

@@ -1,4 +1,4 @@
-"""Show versions, and where compiled code is kept. With --warm, everything is compiled and kept.
+"""Show versions, and the folder of compiled code; with --warm, compile everything.
 
 Exit status 1 if --warm can compile nothing.
 """
@@ -12,9 +12,9 @@ from .. import __version__, warm
 from ..methods import kernels
 from ..methods.fronts.members import run_members
 from ..storage.tables import align, as_json
-from . import DONE, FAULT
+from .exit_status import DONE, FAULT, CommandResult
 
-UNWRITABLE = "no folder can be written; set NUMBA_CACHE_DIR to one"
+NO_CACHE_FOLDER = "no folder can be written; set NUMBA_CACHE_DIR to one"
 PACKAGES = ("numpy", "scipy", "numba", "matplotlib")
 
 
@@ -28,8 +28,49 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
-def run(given: argparse.Namespace) -> tuple[str, int]:
+def run(args: argparse.Namespace) -> CommandResult:
     """Table or JSON of the versions and the cache."""
+    versions = _versions()
+    cache = None
+    seconds = None
+    why_no_compiler = None
+    status = DONE
+    reason = kernels.why_not()
+    if reason:
+        why_no_compiler = reason
+        if args.warm:
+            status = FAULT
+    else:
+        folder = kernels.compiled(run_members).place
+        if folder:
+            cache = folder
+        if args.warm:
+            seconds = warm()
+    if args.json:
+        text = as_json(
+            versions=versions,
+            cache_directory=cache,
+            no_compiler=why_no_compiler,
+            seconds_to_compile_all=seconds,
+        )
+        return CommandResult(text, status)
+    rows = []
+    for name, version in versions.items():
+        if version is None:
+            version = "missing"
+        rows.append([name, version])
+    if cache is None:
+        cache = f"none: {NO_CACHE_FOLDER}"
+        if why_no_compiler is not None:
+            cache = f"none: {why_no_compiler}"
+    rows.append(["cache of compiled code", cache])
+    if seconds is not None:
+        rows.append(["everything compiled", f"in {seconds:.1f} s"])
+    return CommandResult(align(rows, left=(0, 1)), status)
+
+
+def _versions() -> dict[str, str | None]:
+    """Versions of rodimpact, of Python and of `PACKAGES`; None for a missing one."""
     versions: dict[str, str | None] = {
         "rodimpact": __version__,
         "python": f"{platform.python_version()} on {platform.platform()}",
@@ -38,23 +79,4 @@ def run(given: argparse.Namespace) -> tuple[str, int]:
         versions[name] = None
         with suppress(metadata.PackageNotFoundError):
             versions[name] = metadata.version(name)
-    cache = None
-    seconds = None
-    reason = kernels.why_not()
-    if not reason:
-        cache = kernels.compiled(run_members).place or None
-        if given.warm:
-            seconds = warm()
-    status = FAULT if given.warm and reason else DONE
-    if given.json:
-        return as_json(
-            versions=versions,
-            cache_directory=cache,
-            no_compiler=reason or None,
-            seconds_to_compile_all=seconds,
-        ), status
-    rows = [[name, version or "missing"] for name, version in versions.items()]
-    rows.append(["cache of compiled code", cache or f"none: {reason or UNWRITABLE}"])
-    if seconds is not None:
-        rows.append(["everything compiled", f"in {seconds:.1f} s"])
-    return align(rows, left=(0, 1)), status
+    return versions

@@ -1,17 +1,18 @@
-"""Play with a collision in the browser: sliders, the space-time diagram, the rods moving.
+"""Play with a collision in the browser: sliders, space-time diagram, moving rods.
 
-The page is written to a temporary file, whose path is printed, and solves by itself. Without a case
-it begins with two rods of different length.
+The page is written to a temporary file, whose path is printed, and solves by itself.
+Without a case it begins with two rods of different length.
 """
 
 import argparse
 
 from ..explorer.exploring import explore
 from ..explorer.presets import presets
-from ..storage.casefile import read_case
-from . import DONE
+from ..storage.casefile import Case, read_case
+from .exit_status import DONE, CommandResult
 
-FIRST = "unequal"  # of the presets, where no case is given
+DEFAULT_PRESET = "unequal"
+"""Key of the preset with which the page begins without a case."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,8 +25,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(given: argparse.Namespace) -> tuple[str, int]:
-    """Write the page and open it."""
-    first = (preset.case for preset in presets() if preset.key == FIRST)
-    case = next(first) if given.case is None else read_case(given.case)
-    return explore(case).open(not given.no_browser), DONE
+def run(args: argparse.Namespace) -> CommandResult:
+    """Write the page and open it; the result is its path."""
+    if args.case is None:
+        case = _default_case()
+    else:
+        case = read_case(args.case)
+    page = explore(case)
+    return CommandResult(page.open(not args.no_browser), DONE)
+
+
+def _default_case() -> Case:
+    """The case of the default preset."""
+    cases = {preset.key: preset.case for preset in presets()}
+    return cases[DEFAULT_PRESET]

@@ -1,14 +1,14 @@
-"""Write a collision as a page to hand out: one file, for any browser, without a network.
+"""Write a collision as a page to hand out: one file, for any browser, offline.
 
-The page has the solver inside, and its sliders work. It cannot solve everything: for a collision
-with damping, say, `rodimpact animate` makes a moving picture.
+The page has the solver inside, and its sliders work. It cannot solve everything: for a
+collision with damping, say, `rodimpact animate` makes a moving picture.
 """
 
 import argparse
 
 from ..explorer.exploring import explore
-from . import DONE
-from .asking import Given
+from .arguments import Arguments
+from .exit_status import DONE, CommandResult
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,10 +20,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--force", action="store_true", help="replace an existing file")
 
 
-def run(given: Given) -> tuple[str, int]:
-    """Write the page."""
-    case = given.read_case()
-    given.check_outputs("output")
+def run(args: Arguments) -> CommandResult:
+    """Write the page; the result is its path and size."""
+    case = args.read_case()
+    args.check_outputs("output")
     page = explore(case)
-    page.save(given.output, force=given.force)
-    return f"{given.output}: {len(page.html.encode()) / 1000:.0f} kB", DONE
+    page.save(args.output, force=args.force)
+    kilobytes = len(page.html.encode()) / 1000
+    return CommandResult(f"{args.output}: {kilobytes:.0f} kB", DONE)

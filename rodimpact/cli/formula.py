@@ -1,16 +1,19 @@
-"""Solve a case in symbols: formulas of what the collision comes to, and where they hold.
+"""Solve a case in symbols: formulas of its results, and where they hold.
 
 rodimpact formula CASE.toml --symbols length,area
 
-Symbols are paths of the case, such as bodies.0.length, or their last words, which name all of
-these; transit_time and impedance, too, of which rods are made where wave speeds do not matter.
+Symbols are paths of the case, such as bodies.0.length, or the last words of paths, such
+as length, which names all lengths. transit_time and impedance stand for the lengths,
+areas and materials of rods.
 """
 
 import argparse
 
 from .. import ClosedForm, closed_form, read_case
 from ..model.numbering import body_names, contact_names
-from . import DONE, MISTAKE, complain
+from .arguments import Arguments
+from .exit_status import DONE, MISTAKE, CommandResult
+from .messages import complain
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -30,38 +33,42 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--latex", action="store_true", help="print LaTeX")
 
 
-def run(given: argparse.Namespace) -> tuple[str, int]:
-    """Formulas in the cell of the case and, if it lies on a border, in those beside it."""
-    case = read_case(given.case)
-    symbols = given.symbols.replace(" ", "").split(",")
+def run(args: Arguments) -> CommandResult:
+    """Formulas in the cell of the case, and in the cells beside a border."""
+    case = read_case(args.case)
+    symbols = args.symbols.replace(" ", "").split(",")
     try:
-        found = closed_form(case.system, symbols)
+        with args.naming():
+            form = closed_form(case.system, symbols)
     except ImportError as error:
-        return "", complain(str(error), MISTAKE)
-    forms = [found, *found.sides]
-    if given.latex:
-        return "\n".join(form._repr_latex_() for form in forms), DONE
-    names = "\n".join(f"{name}: {path}" for name, path in found.symbols.items())
-    told = [_told(form, case.system.kinds, given.conditions) for form in forms]
-    return "\n\n".join([names, *told]), DONE
+        return CommandResult("", complain(str(error), MISTAKE))
+    forms = [form, *form.sides]
+    if args.latex:
+        lines = [each._repr_latex_() for each in forms]
+        return CommandResult("\n".join(lines), DONE)
+    names = []
+    for name, path in form.symbols.items():
+        names.append(f"{name}: {path}")
+    blocks = ["\n".join(names)]
+    for each in forms:
+        blocks.append(_text_of(each, case.system.kinds, args.conditions))
+    return CommandResult("\n\n".join(blocks), DONE)
 
 
-def _told(form: ClosedForm, kinds: list[str], conditions: bool) -> str:
-    """All that a formula says, with all conditions or the nearest."""
-    results = [("e", form.restitution)] if form.restitution is not None else []
-    results += [
-        (f"velocity of {name} after", v)
-        for name, v in zip(body_names(kinds), form.velocities_after, strict=True)
-    ]
-    contacts = contact_names(kinds)
-    for k, J, episodes in zip(contacts, form.impulses, form.contact_times, strict=True):
-        results.append((f"impulse at contact {k}", J))
-        for start, end in episodes:
-            results += [(f"start of force at contact {k}", start), ("end of it", end)]
-    lines = [f"{name} = {value}" for name, value in results]
-    lines.append(
-        "where " + "\n  and ".join(map(str, form.cell))
-        if conditions and form.cell
-        else form.where("--conditions shows all")
-    )
+def _text_of(form: ClosedForm, kinds: list[str], all_conditions: bool) -> str:
+    """A formula in full, with all conditions or the nearest."""
+    lines = []
+    if form.restitution is not None:
+        lines.append(f"e = {form.restitution}")
+    for body, velocity in zip(body_names(kinds), form.velocities_after, strict=True):
+        lines.append(f"velocity of {body} after = {velocity}")
+    for k, contact in enumerate(contact_names(kinds)):
+        lines.append(f"impulse at contact {contact} = {form.impulses[k]}")
+        for start, end in form.contact_times[k]:
+            lines.append(f"start of force at contact {contact} = {start}")
+            lines.append(f"end of it = {end}")
+    if all_conditions and form.cell:
+        lines.append("where " + "\n  and ".join(map(str, form.cell)))
+    else:
+        lines.append(form.where("--conditions shows all"))
     return "\n".join(lines)

@@ -4,7 +4,7 @@ import argparse
 
 from ..storage.tables import align
 from ..units import UNITS, si_unit
-from . import DONE
+from .exit_status import DONE, CommandResult
 
 TOPICS = """\
 rodimpact help units  Every unit that a number may have.
@@ -13,23 +13,26 @@ docs/input.md         Every table and key of a case file (a page of the manual).
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """What to tell."""
+    """The topic."""
     parser.add_argument(
         "topic", nargs="?", choices=("units",), help="units: every known unit"
     )
 
 
-def run(given: argparse.Namespace) -> tuple[str, int]:
-    """The text on this topic."""
-    text = units() if given.topic else TOPICS
-    return text, DONE
+def run(args: argparse.Namespace) -> CommandResult:
+    """The text on the topic, or the topics."""
+    if args.topic is None:
+        return CommandResult(TOPICS, DONE)
+    return CommandResult(table_of_units(), DONE)
 
 
-def units() -> str:
+def table_of_units() -> str:
     """Every unit that a number in a text may have."""
     rows = [("quantity", "SI", "also")]
-    for quantity, known in UNITS.items():
+    for quantity, units in UNITS.items():
         si = si_unit(quantity)
-        others = [unit for unit in known if unit != si]
-        rows.append((quantity, si or "1", ", ".join(others)))
+        other_units = [unit for unit in units if unit != si]
+        if si == "":
+            si = "1"
+        rows.append((quantity, si, ", ".join(other_units)))
     return align(rows, left=(0, 1, 2)) + "\n\nA bare number is in SI units."

@@ -5,37 +5,51 @@ import argparse
 from ..materials import SOURCES, TABLE
 from ..storage.tables import align, as_json
 from ..units import format_si
-from . import DONE
+from .exit_status import DONE, CommandResult
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Only the form of the answer."""
+    """The form of the answer."""
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
-def run(given: argparse.Namespace) -> tuple[str, int]:
+def run(args: argparse.Namespace) -> CommandResult:
     """Table or JSON of the materials."""
-    if given.json:
-        entries = [
-            {
-                **material.to_dict(),
-                "wave_speed": material.wave_speed,
-                "source": SOURCES[name],
-            }
-            for name, material in TABLE.items()
-        ]
-        return as_json(materials=entries), DONE
+    if args.json:
+        return CommandResult(_json(), DONE)
+    return CommandResult(f"{_table()}\n\n{_sources()}", DONE)
+
+
+def _json() -> str:
+    entries = []
+    for name, material in TABLE.items():
+        entry = dict(material.to_dict())
+        entry["wave_speed"] = material.wave_speed
+        entry["source"] = SOURCES[name]
+        entries.append(entry)
+    return as_json(materials=entries)
+
+
+def _table() -> str:
     rows = [["material", "Young's modulus", "density", "bar speed", "Poisson ratio"]]
-    for name, m in TABLE.items():
-        nu = "-" if m.poisson_ratio is None else f"{m.poisson_ratio:g}"
+    for name, material in TABLE.items():
+        poisson_ratio = "-"
+        if material.poisson_ratio is not None:
+            poisson_ratio = f"{material.poisson_ratio:g}"
         rows.append(
             [
                 name,
-                format_si(float(m.youngs_modulus), "Pa"),
-                format_si(float(m.density), "kg/m^3"),
-                f"{float(m.wave_speed):.0f} m/s",
-                nu,
+                format_si(float(material.youngs_modulus), "Pa"),
+                format_si(float(material.density), "kg/m^3"),
+                f"{float(material.wave_speed):.0f} m/s",
+                poisson_ratio,
             ]
         )
-    sources = "\n".join(f"{name}: {source}" for name, source in SOURCES.items())
-    return f"{align(rows)}\n\nSources\n{sources}", DONE
+    return align(rows)
+
+
+def _sources() -> str:
+    lines = ["Sources"]
+    for name, source in SOURCES.items():
+        lines.append(f"{name}: {source}")
+    return "\n".join(lines)

@@ -1,80 +1,128 @@
-"""Options for the places of gauges, for the form of a record, and for its conversion to strain.
+"""Options for positions of gauges, the form of a record, and its bridge.
 
---gauge incident=1:0.5 is 0.5 m into body 1; without --gauge the gauges are those of the case.
+--gauge incident=1:0.5 is 0.5 m into body 1; without --gauge the gauges are those of the
+case.
 """
 
 import argparse
 from collections.abc import Iterable
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from .. import Bridge, Case, Rod, Signal, read_signals
 from ..model.frozen import nearest
 from ..model.numbering import body_names
 from ..records.bridge import ALONG
-from .asking import Given, number
-from .options import flag
+from .arguments import Arguments, add_number
+from .messages import option_of
 
-_BRIDGE = {
+BRIDGE_NUMBERS = {
     "gauge_factor": "dimensionless",
     "excitation": "voltage",
     "gain": "dimensionless",
     "poisson_ratio": "dimensionless",
 }
-Places: TypeAlias = dict[str, tuple[int, float]]
-FORM = "NAME=BODY:X"
+"""Numbers of a bridge, with their dimensions."""
+GAUGE_FORM = "NAME=BODY:X"
 
 
-def add_gauge_option(parser: argparse.ArgumentParser, what: str) -> None:
-    """The option --gauge, which may be given again and again."""
+class GaugePosition(NamedTuple):
+    """Position of a gauge."""
+
+    body: int
+    x: float  # distance from the left end of the body, m
+
+
+GaugePositions: TypeAlias = dict[str, GaugePosition]
+"""Positions of gauges by name."""
+
+
+# Gauges -------------------------------------------------------------------------------
+
+
+def add_gauge_option(parser: argparse.ArgumentParser, meaning: str) -> None:
+    """Add the option --gauge, which may be given several times."""
     parser.add_argument(
         "--gauge",
-        metavar=FORM,
+        metavar=GAUGE_FORM,
         action="append",
         default=[],
-        help=f"{what}: incident=1:0.5 is 0.5 m into body 1",
+        help=f"{meaning}: incident=1:0.5 is 0.5 m into body 1",
     )
 
 
-def gauge_places(given: Given, case: Case | None) -> Places:
-    """Bodies and places of gauges by name: those given, or else those of the case."""
-    places: Places = {}
-    bodies = case.system.bodies if case else ()
-    rods = {
-        i: float(body.length) for i, body in enumerate(bodies) if isinstance(body, Rod)
-    }
-    names = body_names([body.kind for body in bodies])
-    for i, gauge in enumerate(case.gauges if case and not given.gauge else ()):
-        far = gauge.fraction * rods[gauge.body]
-        name = gauge.name or f"{names[gauge.body]} at {far:g} m"
-        if name in places:
-            given.problems.append(
-                (f"gauges.{i}", f"two gauges are called {name}; rename one")
-            )
-        places[name] = gauge.body, far
-    for text in given.gauge:
-        name, _, place = text.rpartition("=")
-        number, _, x = place.partition(":")
-        if not name or not number.strip().isdecimal() or not x or name in places:
+def gauge_positions(args: Arguments, case: Case | None) -> GaugePositions:
+    """Positions of the gauges of the call, or else of the case."""
+    if not args.gauge:
+        return _positions_in_case(args, case)
+    positions: GaugePositions = {}
+    for text in args.gauge:
+        name, _, position_text = text.rpartition("=")
+        number, _, x = position_text.partition(":")
+        is_complete = all((name, number.strip().isdecimal(), x))
+        if not is_complete or name in positions:
             message = (
-                f"must be {FORM}, such as incident=1:0.5, each name once, got {text!r}"
+                f"must be {GAUGE_FORM}, such as incident=1:0.5, each name once, got "
+                f"{text!r}"
             )
-            given.problems.append(("--gauge", message))
+            args.problems.append(("--gauge", message))
             continue
         option = f"--gauge {name}"
-        places[name] = body, at = int(number), given.number(option, x, "length")
-        if case and body not in rods:
-            message = (
-                f"body {number} is no rod; the rods are {', '.join(map(str, rods))}"
-            )
-            given.note(option, message)
-        elif case and not 0 <= at <= rods[body]:
-            message = f"must lie in body {number}, 0 to {rods[body]!r} m, got {x!r}"
-            given.note(option, message)
-    return places
+        position = GaugePosition(int(number), args.number(option, x, "length"))
+        positions[name] = position
+        if case is not None:
+            _check_position(args, option, position, x, case)
+    return positions
+
+
+def _check_position(
+    args: Arguments, option: str, position: GaugePosition, x: str, case: Case
+) -> None:
+    """Add a problem if a gauge lies in no rod; `x` is its position as it was given."""
+    lengths = _rod_lengths(case)
+    if position.body not in lengths:
+        rods = ", ".join(map(str, lengths))
+        message = f"body {position.body} is no rod; the rods are {rods}"
+        args.add_problem(option, message)
+        return
+    length = lengths[position.body]
+    if not 0 <= position.x <= length:
+        message = f"must lie in body {position.body}, 0 to {length!r} m, got {x!r}"
+        args.add_problem(option, message)
+
+
+def _positions_in_case(args: Arguments, case: Case | None) -> GaugePositions:
+    """Positions of the gauges in a case; two with one name are a problem."""
+    positions: GaugePositions = {}
+    if case is None:
+        return positions
+    lengths = _rod_lengths(case)
+    names_of_bodies = body_names([body.kind for body in case.system.bodies])
+    for i, gauge in enumerate(case.gauges):
+        x = gauge.fraction * lengths[gauge.body]
+        name = gauge.name
+        if not name:
+            name = f"{names_of_bodies[gauge.body]} at {x:g} m"
+        if name in positions:
+            message = f"two gauges are called {name}; rename one"
+            args.problems.append((f"gauges.{i}", message))
+        positions[name] = GaugePosition(gauge.body, x)
+    return positions
+
+
+def _rod_lengths(case: Case) -> dict[int, float]:
+    """Lengths of the rods, m, by the index of the body."""
+    lengths = {}
+    for i, body in enumerate(case.system.bodies):
+        if isinstance(body, Rod):
+            lengths[i] = float(body.length)
+    return lengths
+
+
+# Records ------------------------------------------------------------------------------
 
 
 def add_case_and_record(parser: argparse.ArgumentParser) -> None:
-    """The case, the record, the places of its gauges, and the output."""
+    """Add the case, the record, the positions of its gauges, and the outputs."""
     parser.add_argument("case", metavar="CASE.toml", help="the case file")
     parser.add_argument("record", metavar="RECORD.csv", help="the record, a text table")
     add_gauge_option(parser, "a channel of the record and the place of its gauge")
@@ -86,13 +134,13 @@ def add_case_and_record(parser: argparse.ArgumentParser) -> None:
 
 
 def add_record_options(parser: argparse.ArgumentParser) -> None:
-    """How to read the record, and its bridge."""
+    """Add the form of the record, and its bridge."""
     record = parser.add_argument_group(
         "form of the record, where the file does not state it"
     )
     record.add_argument("--time", metavar="COLUMN", help="the column of times")
     record.add_argument("--time-unit", metavar="UNIT", help="s, ms, us or ns")
-    number(record, "--rate", "frequency", "sampling rate of a record without times")
+    add_number(record, "--rate", "frequency", "sampling rate of a record without times")
     record.add_argument("--decimal", metavar="SIGN", help="decimal sign: . or ,")
     record.add_argument(
         "--unit",
@@ -103,64 +151,76 @@ def add_record_options(parser: argparse.ArgumentParser) -> None:
     )
     bridge = parser.add_argument_group("strain from the volts of a bridge")
     bridge.add_argument("--bridge", choices=tuple(ALONG))
-    for name, dimension in _BRIDGE.items():
-        number(bridge, flag(name), dimension, "")
+    for name, dimension in BRIDGE_NUMBERS.items():
+        add_number(bridge, option_of(name), dimension, "")
 
 
-def _bridge(given: Given) -> Bridge | None:
-    """The bridge, if one is named."""
-    own = {
-        name: number for name in _BRIDGE if (number := getattr(given, name)) is not None
-    }
-    if given.bridge is None:
-        given.problems += [
-            (flag(name), "needs --bridge, the kind of the bridge") for name in own
-        ]
-        return None
-    missing = [name for name in ("gauge_factor", "excitation") if name not in own]
-    given.problems += [
-        (flag(name), "is missing; --bridge needs it") for name in missing
-    ]
-    if missing:
-        return None
-    return given.attempt(Bridge, given.bridge, **own, names={"kind": "--bridge"})
+def read_record(args: Arguments, wanted: Iterable[str]) -> dict[str, Signal]:
+    """Channels of the record; the wanted ones as strain if there is a bridge.
 
-
-def read_record(given: Given, wanted: Iterable[str]) -> dict[str, Signal]:
-    """Channels of the record, the wanted ones as strain if there is a bridge.
-
-    None, and its mistakes noted, if one cannot be read.
+    The result is empty, and problems are added, if the record or its bridge is invalid.
     """
-    bridge = _bridge(given)
-    units: Any = dict(text.rpartition("=")[::2] for text in given.unit) or None
-    if units and units.keys() == {""}:
-        units = units[""]  # for all channels
-    if given.problems:
+    bridge = _bridge(args)
+    if args.problems:
         return {}
     try:
-        signals = (
-            given.attempt(
-                read_signals,
-                given.record,
-                time=given.time,
-                time_unit=given.time_unit,
-                rate=given.rate,
-                units=units,
-                decimal=given.decimal,
-                names={"units": "--unit"},
-            )
-            or {}
+        signals = args.build_or_add_problems(
+            read_signals,
+            args.record,
+            time=args.time,
+            time_unit=args.time_unit,
+            rate=args.rate,
+            units=_units(args.unit),
+            decimal=args.decimal,
+            names={"units": "--unit"},
         )
     except OSError as error:
-        given.problems.append(
-            (given.record, f"cannot be read: {error.strerror or error}")
-        )
+        reason = error.strerror if error.strerror else error
+        args.problems.append((args.record, f"cannot be read: {reason}"))
         return {}
-    for name in wanted if signals else ():
+    if not signals:
+        return {}
+    for name in wanted:
         if name not in signals:
-            near = nearest(name, signals)
-            given.note(f"--gauge {name}", f"the record has no channel {name!r}; {near}")
-        elif bridge:
-            with given.naming(names={"volts": f"--bridge of {name}"}):
+            hint = nearest(name, signals)
+            message = f"the record has no channel {name!r}; {hint}"
+            args.add_problem(f"--gauge {name}", message)
+        elif bridge is not None:
+            with args.naming(names={"volts": f"--bridge of {name}"}):
                 signals[name] = bridge.strain(signals[name])
     return signals
+
+
+def _units(texts: list[str]) -> Any:
+    """Unit of all channels, or units by channel; None if none is given."""
+    units = {}
+    for text in texts:
+        channel, _, unit = text.rpartition("=")
+        units[channel] = unit
+    if not units:
+        return None
+    if units.keys() == {""}:
+        return units[""]
+    return units
+
+
+def _bridge(args: Arguments) -> Bridge | None:
+    """The bridge; None if there is none, or if it is invalid."""
+    numbers = {}
+    for name in BRIDGE_NUMBERS:
+        number = getattr(args, name)
+        if number is not None:
+            numbers[name] = number
+    if args.bridge is None:
+        for name in numbers:
+            message = "needs --bridge, the kind of the bridge"
+            args.problems.append((option_of(name), message))
+        return None
+    missing = [name for name in ("gauge_factor", "excitation") if name not in numbers]
+    for name in missing:
+        args.problems.append((option_of(name), "is missing; --bridge needs it"))
+    if missing:
+        return None
+    return args.build_or_add_problems(
+        Bridge, args.bridge, **numbers, names={"kind": "--bridge"}
+    )

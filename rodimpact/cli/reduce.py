@@ -1,32 +1,34 @@
 """Stress and strain of a specimen between two bars, from the record of their gauges.
 
-rodimpact reduce CASE.toml RECORD.csv --gauge incident=0:0.381 --gauge transmitted=1:0.381
-    --length 3.2mm --diameter 6.34mm
+rodimpact reduce CASE.toml RECORD.csv --length 3.2mm --diameter 6.34mm
+    --gauge incident=0:0.381 --gauge transmitted=1:0.381
 
-The case file contains the two bars as neighbouring rods with their lengths; the case that planned
-the shot can be used. The specimen is between the two rods. Each rod has one or two gauges. The name
-of a gauge is the name of its channel in the record.
+The case file contains the two bars as neighbouring rods with their lengths; the case
+that planned the shot can be used. The specimen is between the two rods. Each rod has
+one or two gauges. The name of a gauge is the name of its channel in the record.
 """
 
 import argparse
 import warnings
 from typing import Any
 
-from .. import BarGauge, DoubtfulReduction, Specimen, reduce
+from .. import BarGauge, Case, DoubtfulReduction, Reduction, Signal, Specimen, reduce
 from ..storage.tables import as_json
 from . import record_options
-from .asking import Given, drawn, number
+from .arguments import Arguments, add_number, figure_writer
+from .exit_status import CommandResult
+from .record_options import GaugePositions
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The bars, the record, the specimen, and what to write."""
+    """The bars, the record and its form, the specimen, the waves, and the outputs."""
     record_options.add_case_and_record(parser)
     parser.add_argument("--csv", metavar="FILE", help="write all columns over time")
     specimen = parser.add_argument_group("the specimen")
-    number(specimen, "--length", "length", "length before the shot", required=True)
-    number(specimen, "--diameter", "length", "diameter, if round; or give")
-    number(specimen, "--area", "area", "cross-sectional area")
-    number(specimen, "--youngs-modulus", "pressure", "of its elastic part")
+    add_number(specimen, "--length", "length", "length before the shot", required=True)
+    add_number(specimen, "--diameter", "length", "diameter, if round; or give")
+    add_number(specimen, "--area", "area", "cross-sectional area")
+    add_number(specimen, "--youngs-modulus", "pressure", "of its elastic part")
     specimen.add_argument(
         "--incompressible",
         action="store_true",
@@ -39,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="negative",
         help="sign of compressive strains in the record; default: negative",
     )
-    number(
+    add_number(
         waves,
         "--align-within",
         "time",
@@ -49,64 +51,100 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     record_options.add_record_options(parser)
 
 
-def run(given: Given) -> tuple[str, int]:
-    """Check everything, reduce, write the files, and hand back the table or JSON."""
-    case = given.read_case()
-    places = record_options.gauge_places(given, case)
-    specimen: Any = given.attempt(
+def run(args: Arguments) -> CommandResult:
+    """Check all arguments, reduce, write the files; table or JSON."""
+    case = args.read_case()
+    positions = record_options.gauge_positions(args, case)
+    specimen: Any = args.build_or_add_problems(
         Specimen,
-        given.length,
-        area=given.area,
-        diameter=given.diameter,
-        youngs_modulus=given.youngs_modulus,
-        incompressible=given.incompressible,
+        args.length,
+        area=args.area,
+        diameter=args.diameter,
+        youngs_modulus=args.youngs_modulus,
+        incompressible=args.incompressible,
     )
-    first = min((body for body, _ in places.values()), default=0)
-    if {body - first for body, _ in places.values()} != {0, 1}:
-        given.problems.append(
+    bodies = {position.body for position in positions.values()}
+    first = min(bodies, default=0)
+    if bodies != {first, first + 1}:
+        args.problems.append(
             (
                 "--gauge",
-                f"give {record_options.FORM} for one gauge or two on "
+                f"give {record_options.GAUGE_FORM} for one gauge or two on "
                 "each of two neighbouring rods",
             )
         )
-    signals = record_options.read_record(given, places)
-    given.problems += [
-        (
-            "--bridge",
-            f"is missing; the channel {name!r} is in {signals[name].unit}, not strain",
-        )
-        for name in places
-        if given.bridge is None and name in signals and signals[name].unit
-    ]
-    given.check_outputs("csv", "save", figure="save")
+    signals = record_options.read_record(args, positions)
+    if args.bridge is None:
+        _check_units(args, positions, signals)
+    args.check_outputs("csv", "save", figure="save")
+    reduction = _reduce(args, case, specimen, positions, signals)
+    status = args.write(
+        csv=reduction.to_csv, save=figure_writer(lambda plot: plot.reduction(reduction))
+    )
+    if args.json:
+        return CommandResult(_json(reduction), status)
+    return CommandResult(str(reduction), status)
+
+
+def _check_units(
+    args: Arguments, positions: GaugePositions, signals: dict[str, Signal]
+) -> None:
+    """Add a problem for each channel that is no strain."""
+    for name in positions:
+        if name in signals and signals[name].unit:
+            message = (
+                f"is missing; the channel {name!r} is in {signals[name].unit}, "
+                "not strain"
+            )
+            args.problems.append(("--bridge", message))
+
+
+def _reduce(
+    args: Arguments,
+    case: Case,
+    specimen: Specimen,
+    positions: GaugePositions,
+    signals: dict[str, Signal],
+) -> Reduction:
+    """Reduce the record of a shot."""
+    first = min(position.body for position in positions.values())
     bars: Any = case.system.bodies[first : first + 2]
-    gauges: tuple[list[BarGauge], list[BarGauge]] = [], []
-    for name, (body, x) in places.items():
-        far = x if body > first else float(bars[0].length) - x
-        with given.naming(f"--gauge {name}"):
-            gauges[body - first].append(BarGauge(signals[name], far))
-    names = dict.fromkeys(("", "input_gauges", "output_gauges"), "--gauge")
-    with given.naming(names={"bars": case.path, **names}), warnings.catch_warnings():
+    input_gauges = []
+    output_gauges = []
+    for name, position in positions.items():
+        with args.naming(f"--gauge {name}"):
+            if position.body == first:
+                distance = float(bars[0].length) - position.x
+                input_gauges.append(BarGauge(signals[name], distance))
+            else:
+                output_gauges.append(BarGauge(signals[name], position.x))
+    names = {
+        "bars": case.path,
+        "": "--gauge",
+        "input_gauges": "--gauge",
+        "output_gauges": "--gauge",
+    }
+    with args.naming(names=names), warnings.catch_warnings():
         # the table and the JSON contain the same sentences
         warnings.simplefilter("ignore", DoubtfulReduction)
-        found = reduce(
-            *gauges,
+        return reduce(
+            input_gauges,
+            output_gauges,
             bars,
             specimen,
-            compression=given.compression,
-            align_within=given.align_within,
+            compression=args.compression,
+            align_within=args.align_within,
         )
-    status = given.write(
-        csv=found.to_csv, save=drawn(lambda plot: plot.reduction(found))
-    )
-    if not given.json:
-        return str(found), status
-    columns = {name: signal.values.tolist() for name, signal in found.signals.items()}
-    text = as_json(
-        shifts=found.shifts,
-        doubts=list(found.doubts),
-        time=found.times.tolist(),
+
+
+def _json(reduction: Reduction) -> str:
+    """The reduction as JSON, in SI units."""
+    columns = {}
+    for name, signal in reduction.signals.items():
+        columns[name] = signal.values.tolist()
+    return as_json(
+        shifts=reduction.shifts,
+        doubts=list(reduction.doubts),
+        time=reduction.times.tolist(),
         **columns,
     )
-    return text, status

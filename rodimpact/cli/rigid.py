@@ -5,25 +5,35 @@ rodimpact rigid --m1 2 --v1 0.5 --m2 10 --v2 0.2 -e 1
 
 import argparse
 import math
+from typing import NamedTuple
 
 from .. import rigid
 from ..model.frozen import raise_noted
 from ..storage.tables import align, as_json, clean
 from ..units import format_si
-from . import DONE
-from .asking import Given, Number, number
+from .arguments import Arguments, NumberAction, add_number
+from .exit_status import DONE, CommandResult
+
+HEADER = [
+    "body",
+    "mass",
+    "velocity before",
+    "velocity after",
+    "momentum before",
+    "momentum after",
+]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Two masses, two velocities, a restitution."""
-    for i, where in ((1, "left"), (2, "right")):
+    for i, side in ((1, "left"), (2, "right")):
         parser.add_argument(
             f"--m{i}",
             required=True,
             metavar="MASS",
-            help=f'mass of the {where} body, "2 kg", or inf for a wall',
+            help=f'mass of the {side} body, "2 kg", or inf for a wall',
         )
-        number(
+        add_number(
             parser,
             f"--v{i}",
             "velocity",
@@ -35,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "-e",
         required=True,
         metavar="E",
-        action=Number,
+        action=NumberAction,
         const="dimensionless",
         help="coefficient of restitution: 0 they stick, 1 no energy is lost; "
         "below 0 one passes through the other",
@@ -48,63 +58,84 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
-def run(given: Given) -> tuple[str, int]:
+def run(args: Arguments) -> CommandResult:
     """Table or JSON of the collision."""
-    m1, m2 = (
-        math.inf
-        if text.strip().lower() == "inf"
-        else given.number(option, text, "mass")
-        for option, text in (("--m1", given.m1), ("--m2", given.m2))
-    )
-    v1, v2, e = given.v1, given.v2, given.restitution
-    raise_noted(given.problems)
-    with given.naming():
+    m1 = _mass(args, "--m1", args.m1)
+    m2 = _mass(args, "--m2", args.m2)
+    raise_noted(args.problems)
+    e = args.restitution
+    with args.naming():
         collision = rigid.collide(
-            m1, v1, m2, v2, e, allow_energy_release=given.energy_release
+            m1, args.v1, m2, args.v2, e, allow_energy_release=args.energy_release
         )
-    found = {name: float(value) for name, value in collision._asdict().items()}
-    if given.json:
-        return as_json(m1=m1, v1=v1, m2=m2, v2=v2, restitution=e, **found), DONE
-    fastest = max(abs(v1), abs(v2))
-
-    def velocity(v: float) -> str:
-        return f"{clean(v, fastest):.6g} m/s"
-
-    def momentum(m: float, v: float) -> str:
-        return format_si(clean(m * v, min(m1, m2) * fastest), "N s")
-
-    rows = [
-        [
-            "body",
-            "mass",
-            "velocity before",
-            "velocity after",
-            "momentum before",
-            "momentum after",
-        ]
+    numbers = {name: float(value) for name, value in collision._asdict().items()}
+    if args.json:
+        text = as_json(m1=m1, v1=args.v1, m2=m2, v2=args.v2, restitution=e, **numbers)
+        return CommandResult(text, DONE)
+    bodies = [
+        Body(m1, args.v1, numbers["velocity_1"]),
+        Body(m2, args.v2, numbers["velocity_2"]),
     ]
-    for i, m, v, w in (
-        (1, m1, v1, found["velocity_1"]),
-        (2, m2, v2, found["velocity_2"]),
-    ):
-        rows.append(
-            [
-                str(i),
-                format_si(m, "kg"),
-                velocity(v),
-                velocity(w),
-                momentum(m, v),
-                momentum(m, w),
-            ]
-        )
+    scales = Scales(
+        velocity=max(abs(args.v1), abs(args.v2)),
+        momentum=min(m1, m2) * max(abs(args.v1), abs(args.v2)),
+    )
+    rows = [HEADER]
+    for number, body in enumerate(bodies, 1):
+        rows.append(_row(number, body, scales))
     sums = [
         ["coefficient of restitution e", format_si(e, "")],
-        ["speed of approach", velocity(-found["relative_velocity_before"])],
-        ["speed of separation", velocity(found["relative_velocity_after"])],
-        ["impulse on body 2", format_si(found["impulse"], "N s")],
-        ["velocity of the centre of mass", velocity(found["centre_of_mass_velocity"])],
-        ["kinetic energy before", format_si(found["energy_before"], "J")],
-        ["kinetic energy after", format_si(found["energy_after"], "J")],
-        ["kinetic energy lost", format_si(found["energy_lost"], "J")],
+        ["speed of approach", scales.speed(-numbers["relative_velocity_before"])],
+        ["speed of separation", scales.speed(numbers["relative_velocity_after"])],
+        ["impulse on body 2", format_si(numbers["impulse"], "N s")],
+        [
+            "velocity of the centre of mass",
+            scales.speed(numbers["centre_of_mass_velocity"]),
+        ],
+        ["kinetic energy before", format_si(numbers["energy_before"], "J")],
+        ["kinetic energy after", format_si(numbers["energy_after"], "J")],
+        ["kinetic energy lost", format_si(numbers["energy_lost"], "J")],
     ]
-    return f"{align(rows)}\n\n{align(sums)}", DONE
+    return CommandResult(f"{align(rows)}\n\n{align(sums)}", DONE)
+
+
+def _mass(args: Arguments, option: str, text: str) -> float:
+    """Mass of a body, kg; infinite for a wall."""
+    if text.strip().lower() == "inf":
+        return math.inf
+    return args.number(option, text, "mass")
+
+
+class Body(NamedTuple):
+    """A body before and after the collision."""
+
+    mass: float  # kg
+    velocity_before: float  # m/s
+    velocity_after: float
+
+
+class Scales(NamedTuple):
+    """Scales of a collision; numbers that are round-off beside them are shown as 0."""
+
+    velocity: float  # m/s
+    momentum: float  # N s
+
+    def speed(self, v: float) -> str:
+        """A velocity as a text."""
+        return f"{clean(v, self.velocity):.6g} m/s"
+
+    def momentum_of(self, mass: float, v: float) -> str:
+        """A momentum as a text."""
+        return format_si(clean(mass * v, self.momentum), "N s")
+
+
+def _row(number: int, body: Body, scales: Scales) -> list[str]:
+    """Row of a body in the table."""
+    return [
+        str(number),
+        format_si(body.mass, "kg"),
+        scales.speed(body.velocity_before),
+        scales.speed(body.velocity_after),
+        scales.momentum_of(body.mass, body.velocity_before),
+        scales.momentum_of(body.mass, body.velocity_after),
+    ]

@@ -1,11 +1,13 @@
 """Solve a case file and print what the collision did.
 
-A number may have a unit: --until "2 ms". The names of files are relative to the current directory.
-Exit status 3 if the run stopped before what was asked, at a cap on events or on time.
+A number may have a unit: --until "2 ms". The names of files are relative to the current
+directory. Exit status 3 if the run stopped before what was asked, at a cap on events or
+on time.
 """
 
 import argparse
 from dataclasses import replace
+from typing import Any
 
 from .. import Case, Gauge, Solution, gauges_to_csv, solve
 from ..results.regions import nothing_to_draw
@@ -13,14 +15,19 @@ from ..results.saved import case_of, difference
 from ..storage.case_writing import check_case_name, save_case
 from ..storage.report import solution_json, solution_table
 from ..storage.tables import misnamed
-from . import DONE, complain
-from .asking import Given, add_run_options, drawn, status_of
-from .options import as_options
-from .record_options import FORM, Places, add_gauge_option, gauge_places
+from .arguments import Arguments, add_run_options, figure_writer, status_of
+from .exit_status import DONE, CommandResult
+from .messages import as_options, complain
+from .record_options import (
+    GAUGE_FORM,
+    GaugePositions,
+    add_gauge_option,
+    gauge_positions,
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """A case, what to write, how far to go."""
+    """The case, the outputs, the gauges, and options of the run."""
     parser.add_argument("case", metavar="CASE.toml", help="the case file")
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument(
@@ -37,67 +44,95 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--force", action="store_true", help="replace existing files")
 
 
-def run(given: Given) -> tuple[str, int]:
-    """Check everything, solve, write the files, and hand back the table or JSON."""
-    case = given.read_case()
-    options = given.run_options(case)
-    places = gauge_places(given, case)
-    if given.gauge or given.gauges:
-        given.problems += [
-            ("--gauge" if given.gauge else "gauges", sentence)
-            for name in places
-            if (sentence := misnamed(name))
-        ]
-    if given.gauges is not None and not places:
-        message = (
-            f"goes with --gauge {FORM}, one for each column, or [[gauges]] of the case"
-        )
-        given.problems.append(("--gauges", message))
-    for name, path in case.output.items() if case else ():
-        if getattr(given, name) is None:
-            setattr(given, name, path)
-            given.options[name] = f"output.{name}"
-    if given.gauge and given.plot is given.gauges is None:
-        given.problems.append(
-            ("--gauge", "goes with --gauges or --plot, which show its record")
-        )
-    if given.save is not None:
-        names = {"path": given.options["save"]}
-        given.attempt(check_case_name, given.save, names=names)
-    given.check_outputs("save", "plot", "gauges", figure="plot")
+def run(args: Arguments) -> CommandResult:
+    """Check all arguments, solve, write the files; table or JSON."""
+    case = args.read_case()
+    options = args.run_options(case)
+    positions = gauge_positions(args, case)
+    _check_gauges(args, positions)
+    if case is not None:
+        _take_outputs_of_case(args, case)
+    if args.gauge and args.plot is None and args.gauges is None:
+        message = "goes with --gauges or --plot, which show its record"
+        args.problems.append(("--gauge", message))
+    if args.save is not None:
+        names = {"path": args.options["save"]}
+        args.build_or_add_problems(check_case_name, args.save, names=names)
+    args.check_outputs("save", "plot", "gauges", figure="plot")
+
     solution = solve(case.system, **options)
     if options == case.solve:
-        _compare(case, solution)
-    wrote = given.write(
-        save=lambda path, force: _save(path, case, solution, force),
-        plot=drawn(lambda plot: plot.overview(solution, _gauges(solution, places))),
-        gauges=lambda path, force: gauges_to_csv(
-            path, _gauges(solution, places), force=force
-        ),
-    )
-    status = (
-        status_of(solution) or wrote
-    )  # a run that stopped early also tells why a file lacks
-    tell = solution_json if given.json else solution_table
-    return as_options(tell(solution)), status
+        _compare_with_saved(case, solution)
+    writing_status = _write(args, case, solution, positions)
+    status = status_of(solution)
+    if status == DONE:  # a run that stopped early also tells why a file lacks
+        status = writing_status
+    if args.json:
+        text = solution_json(solution)
+    else:
+        text = solution_table(solution)
+    return CommandResult(as_options(text), status)
 
 
-def _compare(case: Case, solution: Solution) -> None:
+def _check_gauges(args: Arguments, positions: GaugePositions) -> None:
+    """Add problems of the names of gauges, and of a table without any."""
+    if args.gauge or args.gauges:
+        path = "gauges"
+        if args.gauge:
+            path = "--gauge"
+        for name in positions:
+            sentence = misnamed(name)
+            if sentence:
+                args.problems.append((path, sentence))
+    if args.gauges is not None and not positions:
+        message = (
+            f"goes with --gauge {GAUGE_FORM}, one for each column, or [[gauges]] of "
+            "the case"
+        )
+        args.problems.append(("--gauges", message))
+
+
+def _take_outputs_of_case(args: Arguments, case: Case) -> None:
+    """Take the output files of the case that the call does not name."""
+    for name, path in case.output.items():
+        if getattr(args, name) is None:
+            setattr(args, name, path)
+            args.options[name] = f"output.{name}"
+
+
+def _compare_with_saved(case: Case, solution: Solution) -> None:
     """Say where the outcome differs from the one that a saved case stores."""
     if case.result is None:
         return
-    if sentence := difference(case.result, solution):
+    sentence = difference(case.result, solution)
+    if sentence:
         complain(f"{case.path}: {sentence}", DONE)
 
 
-def _save(path: str, case: Case, solution: Solution, force: bool) -> None:
-    """Write the case with its outcome, and with its gauges."""
-    saved = replace(case_of(solution), gauges=case.gauges)
-    save_case(path, saved, force=force)
+def _write(
+    args: Arguments, case: Case, solution: Solution, positions: GaugePositions
+) -> int:
+    """Write the files of a run; the exit status."""
+
+    def save(path: str, force: bool) -> None:
+        saved = replace(case_of(solution), gauges=case.gauges)
+        save_case(path, saved, force=force)
+
+    def draw(plot: Any) -> Any:
+        return plot.overview(solution, _gauges(solution, positions))
+
+    def write_gauges(path: str, force: bool) -> None:
+        gauges_to_csv(path, _gauges(solution, positions), force=force)
+
+    return args.write(save=save, plot=figure_writer(draw), gauges=write_gauges)
 
 
-def _gauges(solution: Solution, places: Places) -> dict[str, Gauge]:
-    """Records by name; ValueError if the run lasted no time."""
-    if reason := nothing_to_draw(solution):
+def _gauges(solution: Solution, positions: GaugePositions) -> dict[str, Gauge]:
+    """Gauges by name; ValueError if the run lasted no time."""
+    reason = nothing_to_draw(solution)
+    if reason:
         raise ValueError(reason)
-    return {name: solution.gauge(*place) for name, place in places.items()}
+    gauges = {}
+    for name, position in positions.items():
+        gauges[name] = solution.gauge(position.body, position.x)
+    return gauges

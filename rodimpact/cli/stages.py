@@ -1,11 +1,12 @@
-"""The stages of a collision in words: what happens when, and what is where in between.
+"""The stages of a collision in words: events, and the state of the rods in between.
 
-Everything is read off the solution. Moments are the corners of its regions of constant state: there
-a wave front is at an end of a rod, or two fronts cross. Between two moments the pieces of a rod
-keep their order, velocity and stress, and only their boundaries, the fronts, move.
+Everything is read off the solution. Moments are the corners of its regions of constant
+state: there a wave front is at an end of a rod, or two fronts cross. Between two
+moments the pieces of a rod keep their order, velocity and stress, and only their
+boundaries, the fronts, move.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..results.regions import regions_of
 from ..results.solution import Solution
@@ -15,91 +16,118 @@ from ..units import format_si
 LEGEND = "<| is a wave front that runs to the left, |> one that runs to the right."
 
 
-def tell(solution: Solution, names: tuple[str, str]) -> str:
-    """The stages of the collision of two bodies as lines, until the fronts after the parting.
+class Event(NamedTuple):
+    """An event of a collision."""
 
-    Each stage is a moment, what happens then, and for each rod its pieces halfway to the next
+    time: float  # s
+    sentence: str
+
+
+def stage_lines(solution: Solution, names: tuple[str, str]) -> str:
+    """The stages of a collision of two bodies, up to the fronts after opening.
+
+    Each stage is a moment, its events, and for each rod its pieces halfway to the next
     moment, from left to right with the fronts between them.
 
     Parameters
     ----------
     solution : Solution
-        Of uniform rods or walls that meet once.
+        A collision of uniform rods or walls that meet once.
     names : (str, str)
-        What to call the bodies.
+        Names of the bodies.
     """
-    episode = solution.contacts[0].episodes[0]
-    told = [(episode.start, f"the {names[0]} and the {names[1]} meet")]
-    told += [
-        event
-        for event in _fronts(solution, names)
-        if episode.start < event[0] < solution.t_end
-    ]
-    told += [
-        (episode.force_end, "the contact force ends"),
-        (episode.opening, "the gap opens"),
-    ]
-    events: dict[float, list[str]] = {}
-    for time, sentence in dict.fromkeys(told):
-        events.setdefault(time, []).append(sentence)
-    times = sorted(t for t in events if t <= episode.opening)
-    later = min((t for t in events if t > episode.opening), default=solution.t_end)
-    rods = {
-        i: names[i]
-        for i, body in enumerate(solution.system.bodies)
-        if body.kind == "rod"
-    }
+    sentences_at = _sentences_by_time(solution, names)
+    opening = solution.contacts[0].episodes[0].opening
+    times = sorted(time for time in sentences_at if time <= opening)
+    later_times = [time for time in sentences_at if time > opening]
+    end = min(later_times, default=solution.t_end)
+    rods = {}
+    for i, body in enumerate(solution.system.bodies):
+        if body.kind == "rod":
+            rods[i] = names[i]
     width = max(map(len, rods.values()))
     lines = []
-    for time, after in zip(times, [*times[1:], later], strict=True):
-        lines.append(f"{format_si(time, 's'):>12}  " + f"\n{'':14}".join(events[time]))
-        lines += [
-            f"{'':18}{name:{width}}  {_pieces(solution, i, (time + after) / 2)}"
-            for i, name in rods.items()
-        ]
+    for time, next_time in zip(times, [*times[1:], end], strict=True):
+        sentences = f"\n{'':14}".join(sentences_at[time])
+        lines.append(f"{format_si(time, 's'):>12}  {sentences}")
+        for i, name in rods.items():
+            pieces = _pieces(solution, i, (time + next_time) / 2)
+            lines.append(f"{'':18}{name:{width}}  {pieces}")
     return "\n".join(lines)
 
 
-def _fronts(solution: Solution, names: tuple[str, str]) -> list[tuple[float, str]]:
-    """When fronts are at the ends of the rods, and when they cross."""
+def _sentences_by_time(
+    solution: Solution, names: tuple[str, str]
+) -> dict[float, list[str]]:
+    """Sentences on all events, by their time, s."""
+    episode = solution.contacts[0].episodes[0]
+    events = [Event(episode.start, f"the {names[0]} and the {names[1]} meet")]
+    for event in _front_events(solution, names):
+        if episode.start < event.time < solution.t_end:
+            events.append(event)
+    events.append(Event(episode.force_end, "the contact force ends"))
+    events.append(Event(episode.opening, "the gap opens"))
+    sentences_at: dict[float, list[str]] = {}
+    for event in dict.fromkeys(events):  # each once
+        sentences_at.setdefault(event.time, []).append(event.sentence)
+    return sentences_at
+
+
+def _front_events(solution: Solution, names: tuple[str, str]) -> list[Event]:
+    """Fronts at the ends of the rods, and fronts that cross."""
     regions = regions_of(solution)
-    told = []
-    for time, i, x in zip(
-        regions.t.tolist(),
-        regions.body_of_vertices().tolist(),
-        regions.x.tolist(),
-        strict=True,
-    ):
+    times = regions.t.tolist()
+    bodies = regions.body_of_vertices().tolist()
+    positions = regions.x.tolist()
+    events = []
+    for time, i, x in zip(times, bodies, positions, strict=True):
         rod: Any = solution.system.bodies[i]
-        place = f"{format_si(x, 'm', 3)} from its left end"
-        sentence = f"two fronts cross in the {names[i]}, {place}"
-        if x in (0.0, rod.length):
-            sentence = f"the wave turns back at the free end of the {names[i]}"
-        if x == (0.0 if i else rod.length):
+        contact_end = rod.length
+        if i > 0:
+            contact_end = 0.0
+        if x == contact_end:
             sentence = "the wave is back at the contact"
-        told.append((time, sentence))
-    return told
+        elif x in (0.0, rod.length):
+            sentence = f"the wave turns back at the free end of the {names[i]}"
+        else:
+            distance = f"{format_si(x, 'm', 3)} from its left end"
+            sentence = f"two fronts cross in the {names[i]}, {distance}"
+        events.append(Event(time, sentence))
+    return events
 
 
 def _pieces(solution: Solution, body: int, time: float) -> str:
-    """The pieces of a rod, with the fronts between them."""
-    v0 = max(map(abs, solution.outcome.velocities_before))
+    """The pieces of a rod at a time, s, with the fronts between them."""
+    impact_velocity = max(map(abs, solution.outcome.velocities_before))
     rod: Any = solution.system.bodies[body]
     material = rod.segments[0].material
-    impact = float(material.density) * float(material.wave_speed) * v0
-    state = solution.fields.profile(body, int(solution.fields.to_ticks(time)))
+    impedance = float(material.density) * float(material.wave_speed)
+    impact_stress = impedance * impact_velocity
+    tick = int(solution.fields.to_ticks(time))
+    state = solution.fields.profile(body, tick)
+    velocities = state.velocity
+    stresses = state.strain * float(material.youngs_modulus)
     text = ""
-    before: Any = None
-    for v, s in zip(
-        state.velocity, state.strain * float(material.youngs_modulus), strict=True
-    ):
-        if (
-            before
-        ):  # v + sigma/(rho c) is the same on both sides of a front that runs right
-            right = (v - before[0]) * (s - before[1]) < 0
-            text += "  |>  " if right else "  <|  "
-        before = v, s
-        s = clean(float(s), impact)
-        stress = f"{format_si(abs(s), 'Pa', 3)} {'tension' if s > 0 else 'compression'}"
-        text += f"{clean(float(v), v0):.3g} m/s, {stress if s else 'no stress'}"
+    for k in range(len(velocities)):
+        v = velocities[k]
+        stress = stresses[k]
+        if k > 0:
+            # v + stress/(rho c) is equal on both sides of a front that runs right
+            v_change = v - velocities[k - 1]
+            stress_change = stress - stresses[k - 1]
+            is_rightward = v_change * stress_change < 0
+            text += "  |>  " if is_rightward else "  <|  "
+        shown_velocity = f"{clean(float(v), impact_velocity):.3g} m/s"
+        text += f"{shown_velocity}, {_stress_text(float(stress), impact_stress)}"
     return text
+
+
+def _stress_text(stress: float, scale: float) -> str:
+    """A stress as a text: tension, compression, or none beside its scale."""
+    stress = clean(stress, scale)
+    if stress == 0:
+        return "no stress"
+    kind = "compression"
+    if stress > 0:
+        kind = "tension"
+    return f"{format_si(abs(stress), 'Pa', 3)} {kind}"

@@ -1,15 +1,16 @@
 """Map a family of collisions over one or more numbers of a case.
 
-rodimpact sweep CASE.toml --vary bodies.0.length=0.05:1:200 --vary "contacts.0.gap=0,1 um,10 um"
+rodimpact sweep CASE.toml --vary bodies.0.length=0.05:1:200
+    --vary "contacts.0.gap=0,1 um,10 um"
 
-A grid is start:stop:count, start:stop:count:log for equal ratios, or a list; a number may have a
-unit. The first --vary is the first axis. Every collision runs as [solve] of the case says, or what
-is given here instead, and without an end in time to its proof; [output] is for `rodimpact run`.
-Exit status 3 if some did not come to their end; the status of each says why.
+A grid is start:stop:count, start:stop:count:log for equal ratios, or a list; a number
+may have a unit. The first --vary is the first axis. Every collision runs as [solve] of
+the case says, or what is given here instead, and without an end in time to its proof;
+[output] is for `rodimpact run`. Exit status 3 if some did not come to their end; the
+status of each says why.
 """
 
 import argparse
-from collections.abc import Iterable
 
 from .. import Case, sweep
 from ..methods.abilities import driven
@@ -18,16 +19,16 @@ from ..model.paths import suggestion
 from ..running.columns import layout_of
 from ..running.readings import Readings
 from ..running.sweep_report import sweep_json, sweep_table
-from . import INCOMPLETE
-from .asking import Given, add_run_options, drawn, number
-from .options import as_options
+from .arguments import Arguments, add_number, add_run_options, figure_writer
+from .exit_status import INCOMPLETE, CommandResult
+from .messages import as_options
 
 EXAMPLE = "bodies.0.length=0.05:1:200"
-MORE = "--csv prints all, --save keeps them"
+OUTPUT_HINT = "--csv prints all, --save keeps them"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """A case, what varies in it, how to go about it, what to print and write."""
+    """The case, what varies, options of the runs, and the outputs."""
     parser.add_argument("case", metavar="CASE.toml", help="the case file")
     parser.add_argument(
         "--vary",
@@ -36,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         help=f"a number and its values, {EXAMPLE}; once for each axis",
     )
-    number(parser, "--workers", "", "threads; default one a processor")
+    add_number(parser, "--workers", "", "threads; default one a processor")
     parser.add_argument(
         "--checkpoint",
         metavar="DIR",
@@ -71,69 +72,77 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--force", action="store_true", help="replace existing files")
 
 
-def run(given: Given) -> tuple[str | Iterable[str], int]:
-    """Check everything, solve, write the files, and hand back the table, CSV or JSON."""
-    case = given.read_case(_vary(given))
-    if case:
-        _check_case(given, case)
-    how = {name: getattr(given, name) for name in ("checkpoint", "also", "workers")}
-    options = given.run_options(case)
-    given.check_outputs("save", "plot", figure="plot")
+def run(args: Arguments) -> CommandResult:
+    """Check all arguments, solve, write the files; table, CSV or JSON."""
+    case = args.read_case(_grids(args))
+    if case is not None:
+        _check_case(args, case)
+        if args.plot is not None:
+            _check_figure(args, case)
+    options = args.run_options(case)
+    args.check_outputs("save", "plot", figure="plot")
 
-    with given.naming():
-        result = sweep(case.system, **options, **how)
-    # refused for a quantity that no collision has; the table tells why
-    figure = drawn(lambda plot: plot.sweep(result, quantity=given.quantity))
-    wrote = given.write(save=result.save, plot=figure)
-    status = INCOMPLETE if result.incomplete.any() else wrote
-    if given.csv:
-        return result.csv_lines(), status
-    if given.json:
-        return sweep_json(result, case.varied), status
-    return as_options(sweep_table(result, case.varied, MORE)), status
+    with args.naming():
+        result = sweep(
+            case.system,
+            checkpoint=args.checkpoint,
+            also=args.also,
+            workers=args.workers,
+            **options,
+        )
+    # A quantity that no collision has is refused here; the table tells why.
+    draw = figure_writer(lambda plot: plot.sweep(result, quantity=args.quantity))
+    status = args.write(save=result.save, plot=draw)
+    if result.incomplete.any():
+        status = INCOMPLETE
+    if args.csv:
+        return CommandResult(result.csv_lines(), status)
+    if args.json:
+        return CommandResult(sweep_json(result, case.varied), status)
+    table = sweep_table(result, case.varied, OUTPUT_HINT)
+    return CommandResult(as_options(table), status)
 
 
-def _vary(given: Given) -> dict[str, str]:
-    """Grids by path."""
-    vary: dict[str, str] = {}
-    if not given.vary:
-        given.problems.append(("--vary", f"name what to vary: --vary {EXAMPLE}"))
-    for item in given.vary:
-        path, _, grid = (part.strip() for part in item.rpartition("="))
+def _grids(args: Arguments) -> dict[str, str]:
+    """Grids of the numbers that vary, by path."""
+    grids: dict[str, str] = {}
+    if not args.vary:
+        message = f"name what to vary: --vary {EXAMPLE}"
+        args.problems.append(("--vary", message))
+    for item in args.vary:
+        path, _, grid = item.rpartition("=")
+        path = path.strip()
         if not path:
-            given.problems.append(
-                ("--vary", f"must be PATH=GRID, such as {EXAMPLE}, got {item!r}")
-            )
-        elif path in vary:
-            given.problems.append(
-                (path, "is varied twice; write one list or one range")
-            )
+            message = f"must be PATH=GRID, such as {EXAMPLE}, got {item!r}"
+            args.problems.append(("--vary", message))
+        elif path in grids:
+            message = "is varied twice; write one list or one range"
+            args.problems.append((path, message))
         else:
-            vary[path] = grid
-    return vary
+            grids[path] = grid.strip()
+    return grids
 
 
-def _check_case(given: Given, case: Case) -> None:
-    """Refuse what only a single run takes, and a figure that cannot be drawn."""
+def _check_case(args: Arguments, case: Case) -> None:
+    """Add a problem for an entry that only a single run takes."""
     if "snapshots" in case.solve:
-        given.note(
-            "solve.snapshots", "a sweep keeps no states; take snapshots out of the case"
-        )
-    if given.plot is None:
-        return
-    known = layout_of(case.system, Readings())
-    if given.quantity not in known:
-        message = f"there is no {given.quantity!r}; {suggestion(given.quantity, known)}"
-        given.note("--quantity", message)
-    wide = sum(len(axis.values) > 1 for axis in case.varied)
+        message = "a sweep keeps no states; take snapshots out of the case"
+        args.add_problem("solve.snapshots", message)
+
+
+def _check_figure(args: Arguments, case: Case) -> None:
+    """Add problems of a figure that cannot be drawn."""
+    columns = layout_of(case.system, Readings())
+    if args.quantity not in columns:
+        hint = suggestion(args.quantity, columns)
+        args.add_problem("--quantity", f"there is no {args.quantity!r}; {hint}")
+    axes = sum(len(axis.values) > 1 for axis in case.varied)
     contacts = sum(law.opens for law in case.system.contacts)
-    if case.varied and not 1 <= wide <= 2:
-        given.note(
-            "--plot",
-            f"a figure has one or two axes, and {wide} numbers vary; leave it out",
-        )
-    elif given.quantity == "restitution" and (contacts != 1 or driven(case.system)):
+    if case.varied and not 1 <= axes <= 2:
+        message = f"a figure has one or two axes, and {axes} numbers vary; leave it out"
+        args.add_problem("--plot", message)
+    elif args.quantity == "restitution" and (contacts != 1 or driven(case.system)):
         message = (
             "such a row has no e; name another --quantity, such as velocity_after.0"
         )
-        given.note("--plot", message)
+        args.add_problem("--plot", message)

@@ -1,7 +1,7 @@
 """Check each method against a closed form for e. Exit status 4 if a number is off.
 
-The validation pages of the manual, docs/validation.md, compare hundreds of numbers with closed
-forms, published test problems and measured records.
+The validation pages of the manual, docs/validation.md, compare hundreds of numbers with
+closed forms, published test problems and measured records.
 """
 
 import argparse
@@ -10,12 +10,13 @@ from typing import NamedTuple
 from .. import RigidMass, Rod, System, solve, theory
 from ..materials import brass, steel
 from ..storage.tables import align, as_json
-from . import DONE, UNVERIFIED
+from .exit_status import DONE, UNVERIFIED, CommandResult
 
 FRONTS_RTOL = 1e-12
 CHARACTERISTICS_RTOL = 1e-9
 GRID_RTOL = 1e-2
-CELLS = 100  # of the grid
+CELLS = 100
+"""Cells of the grid."""
 STRIKER = Rod(0.4, area=2e-4, material=steel, velocity=1.0)
 HAMMER = RigidMass(0.5, velocity=1.0)  # kg, m/s
 BAR = Rod(1.0, area=1e-4, material=brass)
@@ -53,34 +54,46 @@ class Check(NamedTuple):
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Only the form of the answer."""
+    """The form of the answer."""
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
-def run(given: argparse.Namespace) -> tuple[str, int]:
+def run(args: argparse.Namespace) -> CommandResult:
     """Table or JSON of the differences."""
     results = checks()
     failed = sum(not check.passed for check in results)
-    status = UNVERIFIED if failed else DONE
-    if given.json:
-        rows = []
-        for check in results:
-            row = check._asdict()
-            row["difference"] = check.difference
-            row["passed"] = check.passed
-            rows.append(row)
-        return as_json(passed=not failed, checks=rows), status
-    table = [["e of", "expected", "computed", "difference", "bound", ""]]
-    for check in results:
-        verdict = "ok" if check.passed else "FAILED"
-        numbers = [f"{check.expected:.9g}", f"{check.computed:.9g}"]
-        errors = [f"{check.difference:.1e}", f"{check.bound:.0e}"]
-        table.append([check.name, *numbers, *errors, verdict])
+    status = DONE
+    if failed:
+        status = UNVERIFIED
+    if args.json:
+        return CommandResult(_json(results), status)
     total = f"All {len(results)} checks passed"
     if failed:
         total = f"{failed} of {len(results)} checks FAILED"
     pages = "The validation pages of the manual (docs/validation.md) compare many more."
-    return f"{align(table, left=(0, 5))}\n\n{total}. {pages}", status
+    return CommandResult(f"{_table(results)}\n\n{total}. {pages}", status)
+
+
+def _json(results: list[Check]) -> str:
+    rows = []
+    for check in results:
+        row = check._asdict()
+        row["difference"] = check.difference
+        row["passed"] = check.passed
+        rows.append(row)
+    return as_json(passed=all(check.passed for check in results), checks=rows)
+
+
+def _table(results: list[Check]) -> str:
+    rows = [["e of", "expected", "computed", "difference", "bound", ""]]
+    for check in results:
+        verdict = "FAILED"
+        if check.passed:
+            verdict = "ok"
+        numbers = [f"{check.expected:.9g}", f"{check.computed:.9g}"]
+        errors = [f"{check.difference:.1e}", f"{check.bound:.0e}"]
+        rows.append([check.name, *numbers, *errors, verdict])
+    return align(rows, left=(0, 5))
 
 
 def checks() -> list[Check]:

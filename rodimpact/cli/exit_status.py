@@ -1,0 +1,28 @@
+"""Exit statuses of the program, and what a command hands back."""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+DONE = 0
+FAULT = 1
+MISTAKE = 2
+INCOMPLETE = 3
+UNVERIFIED = 4
+INTERRUPTED = 130
+STATUSES = {
+    DONE: "done",
+    FAULT: "an output cannot be written, or a fault of rodimpact",
+    MISTAKE: (
+        "a mistake in the call or in the case, or a file that exists, without --force"
+    ),
+    INCOMPLETE: "a run stopped before what was asked; what is known is printed",
+    UNVERIFIED: "verification failed",
+    INTERRUPTED: "interrupted by Ctrl-C",
+}
+
+
+class CommandResult(NamedTuple):
+    """Result of a command."""
+
+    text: str | Iterable[str]  # for standard output: a text, or lines
+    status: int  # one of `STATUSES`

@@ -1,0 +1,103 @@
+"""Messages to the user, on standard error.
+
+The library names arguments of Python in its messages. On the command line they become
+options.
+"""
+
+import re
+import sys
+from contextlib import suppress
+
+ONLY_ARGUMENTS = ("max_events", "rtol", "dt")
+"""Arguments that are no words of English, so they are replaced wherever they stand."""
+ARGUMENTS = (
+    *ONLY_ARGUMENTS,
+    "until",
+    "cells",
+    "method",
+    "force",
+    "time",
+    "time_unit",
+    "rate",
+    "units",
+    "decimal",
+    "radius",
+    "allow_energy_release",
+)
+"""Arguments that are replaced if a value is given, as in ``force=True``."""
+OPTION_OF = {"units": "unit", "allow_energy_release": "energy_release"}
+"""Options that do not bear the name of their argument."""
+
+_NOT_QUOTED = r"(?<![-\w.'\"])"  # no option, key of a case file, or text of the user
+_WITH_VALUE = rf'(?P<named>{"|".join(ARGUMENTS)})=(?:True|"(?P<value>[^"]*)")?'
+_BARE = rf"(?P<bare>{'|'.join(ONLY_ARGUMENTS)})\b"
+_ARGUMENT = re.compile(rf"{_NOT_QUOTED}(?:{_WITH_VALUE}|{_BARE}|\(until\))")
+_GRID = re.compile(r'vary=\{"([^"]+)": "([^"]+)"\}')
+
+
+def complain(message: str, status: int) -> int:
+    """Print a mistake or a fault; return the exit status that goes with it."""
+    with suppress(OSError):  # standard error is closed
+        for line in as_options(message).splitlines():
+            print(f"rodimpact: {line}", file=sys.stderr)
+    return status
+
+
+def print_progress(text: str) -> None:
+    """Print how far the work is, at a terminal only.
+
+    A program that reads the results never sees it.
+    """
+    if sys.stderr.isatty():
+        print(text, file=sys.stderr)
+
+
+def option_of(argument: str) -> str:
+    """The option of this argument: ``--max-events`` of ``max_events``."""
+    return "--" + argument.replace("_", "-")
+
+
+def as_options(text: str) -> str:
+    """The text with options of the command line in place of arguments of Python.
+
+    Examples
+    --------
+    >>> as_options('leave out until= to run to the proof, or give force=True')
+    'leave out --until to run to the proof, or give --force'
+    """
+    lines = []
+    for line in text.split("\n"):
+        line = _GRID.sub(r"rodimpact sweep --vary \1=\2", line)
+        if line.startswith(("solve.", "solve:")):
+            line = _ARGUMENT.sub(_as_key, line)
+        else:
+            line = _ARGUMENT.sub(_as_option, line)
+        lines.append(line)
+    return "\n".join(lines)
+
+
+def _as_key(match: re.Match[str]) -> str:
+    """The key of a case file, for a message about the table [solve]."""
+    argument = _argument_in(match)
+    if match["value"]:
+        return f'solve.{argument} = "{match["value"]}"'
+    return f"solve.{argument}"
+
+
+def _as_option(match: re.Match[str]) -> str:
+    """The option, with its value if the message gives one."""
+    if match[0] == "(until)":
+        return "(--until)"
+    argument = _argument_in(match)
+    option = option_of(OPTION_OF.get(argument, argument))
+    if match["value"]:
+        return f"{option} {match['value']}"
+    return option
+
+
+def _argument_in(match: re.Match[str]) -> str:
+    """Name of the argument in a match of `_ARGUMENT`."""
+    for group in ("named", "bare"):
+        if match[group] is not None:
+            return match[group]
+    return "until"
