@@ -224,7 +224,9 @@ class GridFields(Fields):
                 a, b = self.motion.first[first], self.motion.last[last]
                 piece = int(np.searchsorted(self.motion.starts, a, "right")) - 1
                 before = stretched[:, a] - stretched[:, self.motion.starts[piece]]
-                left = self.motion.place[:, piece] * self.step + before - before[0]
+                left = (
+                    self.motion.displacement[:, piece] * self.step + before - before[0]
+                )
                 moved = stretched[:, a : b + 1] + (left - stretched[:, a])[:, None]
                 displaced[body] = self._node_places(body), moved
         return displaced

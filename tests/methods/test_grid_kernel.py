@@ -14,7 +14,7 @@ from rodimpact.methods import compiling, kernels
 from rodimpact.methods.grid import contact_kernel as contacts
 from rodimpact.methods.grid import elimination_kernel as elimination
 from rodimpact.methods.grid.proof import finality_time, present, side_of
-from rodimpact.methods.grid.records import LINK, PER_STATE
+from rodimpact.methods.grid.records import LINK, STATE_FIELDS
 from rodimpact.methods.link import Law
 
 seeds = st.integers(0, 10**6)
@@ -26,8 +26,8 @@ def bits(run, states=True):
     del grid["run"]
     entered = {
         name: x
-        for name, x in run.track._asdict().items()
-        if states or name not in PER_STATE
+        for name, x in run.history._asdict().items()
+        if states or name not in STATE_FIELDS
     }
     return {name: x.tobytes() for name, x in (grid | entered).items()}
 
@@ -99,19 +99,19 @@ def test_newton_solves_a_chain_of_stiff_links_in_few_sweeps(monkeypatch):
         "law": Law.SPRING,
         "stiffness": 1e4,
         "exponent": 1.0,
-        "own": 1.0,
-        "shared": 0.49,
-        "free": 0.1,
-        "place": 1e-3,
-        "last": 11,
+        "self_mobility": 1.0,
+        "coupling_mobility": 0.49,
+        "force_free_closing": 0.1,
+        "overlap": 1e-3,
+        "chain_end": 11,
     }.items():
         links[name] = value
-    links["shared"][0] = 0.0
-    link, sweeps, relax = compiling.as_objects(links), [], contacts.relax
+    links["coupling_mobility"][0] = 0.0
+    link, sweeps, relax = compiling.as_objects(links), [], contacts.gauss_seidel_sweep
     monkeypatch.setattr(
-        contacts, "relax", lambda *given: sweeps.append(1) or relax(*given)
+        contacts, "gauss_seidel_sweep", lambda *given: sweeps.append(1) or relax(*given)
     )
-    assert contacts.balance(link, 0, 11, 1.0)
+    assert contacts.solve_chain(link, 0, 11, 1.0)
     mobility = np.eye(12) - 0.49 * (np.eye(12, k=1) + np.eye(12, k=-1))
     force = np.linalg.solve(mobility + 2e-4 * np.eye(12), np.full(12, 0.1))  # F = k w/2
     assert [at.force for at in link] == pytest.approx(force, rel=1e-12)
@@ -167,10 +167,10 @@ def test_steps_against_dense_matrices(seed, ends):
     system = ri.System(row, contacts=[ri.Bonded()] * (len(row) - 1), ends=kinds[ends])
     run = grid_run(system, 40)
     run.advance(40)
-    n, velocity, force = len(run.mesh.mass), run.track.velocity, run.track.force
+    n, velocity, force = len(run.mesh.mass), run.history.velocity, run.history.force
     radial = np.zeros_like(force)
     if run.mesh.has_radial_strain:
-        radial = run.step * run.track.radial
+        radial = run.step * run.history.radial
     v, F, q = dense_run(
         run.mesh, run.step, velocity[0], force[0, 1:n], radial[0, 1:n], 40, push
     )
@@ -184,7 +184,7 @@ def test_steps_against_dense_matrices(seed, ends):
 
 def energy_of_bodies(run):
     """[state] kinetic and strain energy, J: what leapfrog keeps."""
-    mesh, states, h = run.mesh, run.track, run.step
+    mesh, states, h = run.mesh, run.history, run.step
     v = (
         states.velocity
         + run.row.frame
@@ -219,13 +219,13 @@ def energy_of_contacts(run):
             total += law.stored(
                 -gap if isinstance(law, ri.Joint) else np.maximum(-gap, 0.0)
             )
-    return total[run.track.when]
+    return total[run.history.when]
 
 
 @given(seeds, st.booleans())
 def test_energies_at_every_state_are_those_that_leapfrog_keeps(seed, driven):
     run = run_row(random_row(seed, driven=driven, bodies=4), 1.5)
-    ledger = solution_of(run, 1.5).energy(run.track.when * run.step)
+    ledger = solution_of(run, 1.5).energy(run.history.when * run.step)
     scale = ledger.total.max() + np.abs(ledger.drive_work).max()
     close = {"rtol": 0, "atol": 1e-11 * scale}
     np.testing.assert_allclose(
@@ -251,10 +251,10 @@ def test_what_stops_no_more_than_the_tolerance_is_no_force(pair):
     system = ri.System([*pair, unit_rod()], [STEP / 2, 10.0], laws)
     for slack, pressed in ((1.0, 0), (1.0 - 2**-50, 1)):
         run = grid_run(system, 1)
-        own = float(run.grid.link["own"][0])
-        run.grid.run["tolerance"] = 0.5 / own * own * slack
+        own = float(run.grid.links["self_mobility"][0])
+        run.grid.run["velocity_tolerance"] = 0.5 / own * own * slack
         run.advance(1)
-        assert (run.track.signal["force"][0, 0] > 0) == pressed
+        assert (run.history.signals["force"][0, 0] > 0) == pressed
 
 
 @pytest.mark.parametrize("share", [0.4, 0.9, 1.5])
@@ -264,9 +264,9 @@ def test_a_gap_closes_at_its_time_but_not_before_the_first_kick(share):
         ri.System([unit_rod(velocity=1.0), unit_rod(1.3)], [share * STEP]), 20
     )
     run.advance(20)
-    pressed = run.track.signal["force"].sum() / 0.5  # steps
+    pressed = run.history.signals["force"].sum() / 0.5  # steps
     assert pressed == pytest.approx(20 - max(share, 0.5), abs=0.01)
-    assert run.track.signal["gap"].min() == 0
+    assert run.history.signals["gap"].min() == 0
 
 
 @pytest.mark.parametrize("law", [ri.Rigid(), ri.Rigid(restitution=0.5)])
@@ -275,9 +275,9 @@ def test_a_mass_squeezed_between_walls_stops_the_run(law):
     laws = [ri.Rigid(restitution=0.5), law if law.restitution is None else ri.Rigid()]
     system = ri.System([ri.Wall(0.5), ri.RigidMass(1.0), unit_rod()], [0.1, 0.1], laws)
     run = grid_run(system, 50)
-    node = int(run.grid.link["left"][0]) + 1
-    run.grid.link["own"][1] -= run.grid.by_first[node + 1] / 2
-    run.grid.by_first[node + 1] = 0.0
+    node = int(run.grid.links["left_node"][0]) + 1
+    run.grid.links["self_mobility"][1] -= run.grid.velocity_by_first[node + 1] / 2
+    run.grid.velocity_by_first[node + 1] = 0.0
     assert refused(r"two walls squeeze .* at 0\.\d+ s; give", run.advance, 50) == [
         "contacts"
     ]

@@ -100,7 +100,7 @@ def sides_of(system, steps):
     run, found = grid_run(system, steps[-1], step=1 / 64), []
     for j in steps:
         run.advance(j)
-        side = side_of(run, int(run.grid.link["left"][-1]), True, present(run))
+        side = side_of(run, int(run.grid.links["left_node"][-1]), True, present(run))
         found.append((side.mean + run.row.frame, side.deviation, side.bound))
     return found
 

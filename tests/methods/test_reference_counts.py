@@ -98,6 +98,6 @@ def test_characteristics_count_references_once_a_call():
 
 def test_grids_count_no_references_in_their_steps():
     """Decrements stand behind the loop, where the arrays of a call are given back."""
-    increments, decrements = reference_counts("finite-difference")["follow"]
+    increments, decrements = reference_counts("finite-difference")["run_steps"]
     assert increments == 0
     assert decrements <= 72

@@ -238,20 +238,20 @@ def test_the_mean_force_of_a_power_is_accurate_where_indentations_are_near(expon
 
 @pytest.mark.parametrize("exponent", [1.01, 1.5, 2.0, 2.7, 6.0])
 def test_its_mean_force_is_the_difference_quotient_of_its_energy(exponent):
-    rng, at = np.random.default_rng(2), compiling.blank(1, LINK)[0]
-    at.law, at.stiffness, at.exponent = Law.POWER, 5.0, exponent
+    rng, link = np.random.default_rng(2), compiling.blank(1, LINK)[0]
+    link.law, link.stiffness, link.exponent = Law.POWER, 5.0, exponent
     for x0, x1 in rng.uniform(-1, 2, (200, 2)).tolist():
-        F, dF = contact_laws.mean_force(at, x0, x1)
+        F, dF = contact_laws.mean_force(link, x0, x1)
         held, holds = (
             5.0 * max(x, 0.0) ** (exponent + 1) / (exponent + 1) for x in (x0, x1)
         )
         assert F * (x1 - x0) == pytest.approx(holds - held, rel=1e-12, abs=1e-13)
-        up, down = (contact_laws.mean_force(at, x0, x1 + s)[0] for s in (1e-6, -1e-6))
+        up, down = (contact_laws.mean_force(link, x0, x1 + s)[0] for s in (1e-6, -1e-6))
         assert dF == pytest.approx((up - down) / 2e-6, rel=1e-4, abs=1e-3)
 
 
 def test_what_yields_meets_its_mean_force_on_any_table():
-    at = compiling.blank(1, LINK)[0]
+    link = compiling.blank(1, LINK)[0]
     for seed in range(200):
         rng = np.random.default_rng(seed)
         k, strength, count = (
@@ -259,26 +259,32 @@ def test_what_yields_meets_its_mean_force_on_any_table():
             10 ** rng.uniform(-4, 2),
             rng.integers(6),
         )
-        at.law, at.stiffness, at.yield_force, at.own = (
-            Law.YIELD,
-            k,
-            strength,
-            10 ** rng.uniform(-4, 4),
-        )
-        at.knots = [*(strength + np.cumsum(10 ** rng.uniform(-3, 2, count))), UNREACHED]
-        at.hardening_share, *at.shares = rng.uniform(0, 1, count + 1)
+        link.law = Law.YIELD
+        link.stiffness = k
+        link.yield_force = strength
+        link.self_mobility = 10 ** rng.uniform(-4, 4)
+        link.knots = [
+            *(strength + np.cumsum(10 ** rng.uniform(-3, 2, count))),
+            UNREACHED,
+        ]
+        link.hardening_share, *link.shares = rng.uniform(0, 1, count + 1)
         x0 = strength / k * min(1.0, rng.uniform(-3, 2))
         c = (
             rng.choice([1, -1])
             * 10 ** rng.uniform(-8, 1)
             * rng.choice([1.0, strength / k])
         )
-        at.gap, at.place = -x0, x0 + c * rng.random()
-        F, x, _ = ck.solve_link(at, c)
+        link.gap = -x0
+        link.overlap = x0 + c * rng.random()
+        F, x, _ = ck.solve_link(link, c)
         size = abs(x) + abs(x0) + abs(c)
-        assert x == pytest.approx(x0 + c - at.own * F, abs=1e-11 * size), seed
-        mean, _ = contact_laws.mean_force(at, x0, x)
-        assert pytest.approx(mean, rel=1e-6, abs=1e-11 * size / at.own) == F, seed
+        assert x == pytest.approx(x0 + c - link.self_mobility * F, abs=1e-11 * size), (
+            seed
+        )
+        mean, _ = contact_laws.mean_force(link, x0, x)
+        assert (
+            pytest.approx(mean, rel=1e-6, abs=1e-11 * size / link.self_mobility) == F
+        ), seed
 
 
 # What yields --------------------------------------------------------------------------------------

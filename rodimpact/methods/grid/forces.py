@@ -40,14 +40,16 @@ def outside_of(run: GridRun, side: int) -> Outside | None:
         return None
     v = run.velocity(run.mesh.ends[side])
     speed = (v[:-1] + v[1:]) / 2
-    force = run.track.given[:, side]
+    force = run.history.prescribed[:, side]
     if link in run.mesh.touching:
         force = run.entered(link, "force")
     elif kind == "velocity":
         force = run.bond(link)
     elif kind == "absorbing":
-        end = run.grid.end[side]
-        force = INWARD[side] * (end["impedance"] * (end["rest"] + force - speed))
+        end = run.grid.ends[side]
+        force = INWARD[side] * (
+            end["impedance"] * (end["background_wave"] + force - speed)
+        )
     fall = row.system.gravity * run.step * (np.arange(run.steps) + 0.5)
     return Outside(
         row.outside_name(side),

@@ -83,7 +83,7 @@ class GridMotion(NamedTuple):
     """m/s, in the frame [state, node]."""
     force: Array
     """Elastic tension, N [state, cell]."""
-    place: Array
+    displacement: Array
     """Displacement of the first node of each piece, m/s times steps [state, piece]."""
     lost: Array
     """Energy turned to heat, W times steps [state]."""

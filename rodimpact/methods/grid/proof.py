@@ -29,15 +29,15 @@ def finality_time(run: GridRun) -> float:
     """Time until it may be proved that nothing meets again, s: 0 if it is, inf if not as it is."""
     if abilities.driven(run.row.system):
         return math.inf
-    wait, tol, now = 0.0, float(run.grid.run["tolerance"][0]), present(run)
+    wait, tol, now = 0.0, float(run.grid.run["velocity_tolerance"][0]), present(run)
     still = tol * run.step  # a bound up to which ends move as their groups do
-    for at in run.grid.link[run.grid.link["law"] != Law.JOINT]:
+    for at in run.grid.links[run.grid.links["law"] != Law.JOINT]:
         gap = float(at["gap"]) * run.step
         if gap < 0:
             return math.inf
         one, other = (
-            side_of(run, at["left"], True, now),
-            side_of(run, at["right"], False, now),
+            side_of(run, at["left_node"], True, now),
+            side_of(run, at["right_node"], False, now),
         )
         reach, opening = one.bound + other.bound, other.mean - one.mean
         least = opening if max(one.bound, other.bound) <= still else -math.inf
@@ -73,7 +73,8 @@ def side_of(
     for side, (kind, _) in enumerate(run.row.outside):
         if kind == "absorbing" and mesh.ends[side] == far:
             Z, mean = (
-                float(run.grid.end[name][side]) for name in ("impedance", "rest")
+                float(run.grid.ends[name][side])
+                for name in ("impedance", "background_wave")
             )
     if a == b:
         return Side(mean, 0.0, 0.0)
@@ -86,7 +87,7 @@ def side_of(
         if a < right <= b:
             cell, k = right - a - 1, float(run.row.links[link].stiffness)
             if k > 0:
-                stretch[cell] = run.grid.link["gap"][place] * h
+                stretch[cell] = run.grid.links["gap"][place] * h
                 slack[cell] = 1 / k
                 energy += k * stretch[cell] ** 2 / 2
             else:

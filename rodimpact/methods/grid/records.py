@@ -1,10 +1,14 @@
-"""The arrays on which the kernels of the grid work.
+"""The arrays and records on which the kernels of the grid work.
 
-Loops over all nodes and cells stream through plain arrays of numbers; all else is records. Cell i
-lies between the nodes i - 1 and i, so the cells 0, those between pieces, and the last stand for
-nothing. Time is counted in steps: lengths are velocity times steps, and masses and stiffnesses are
-scaled to match: M/h, E A h/dx, k h^p for a force k x^p, a dashpot's constant as it is; J/h, G h,
-b h, s h and q/h for a radial strain q.
+Loops over all nodes and cells run on plain arrays of numbers, all else is records. Cell i lies
+between the nodes i - 1 and i. Cell 0, the cells between pieces and the last cell stand for nothing.
+
+Time is counted in steps h, so a length is a velocity times steps. Masses and stiffnesses are scaled
+to match: M/h, E A h/dx, k h^p for a force k x^p, the constant of a dashpot as it is. With a radial
+strain q/h, its inertia is J/h and its stiffnesses are G h, b h and s h.
+
+In machine code a list of records is a structured array, in plain Python a list of objects with the
+same fields, see `compiling`.
 """
 
 from typing import Any, NamedTuple
@@ -12,118 +16,153 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .. import link
+from ..compiling import dtype_of
 
-NONE = -1
-FAR = (
-    1 << 40
-) - 1  # n & FAR tells the compiler that n >= 0, so that its loops run in vectors
+NONE = -1  # no link
+INDEX_MASK = (1 << 40) - 1
+"""n & INDEX_MASK is n, and tells the compiler that n >= 0, so that it vectorises a loop."""
 
-RUN = np.dtype(
-    [
-        ("step", "i8"),
-        ("first", "i8"),  # steps taken, now and as the arrays of `Track` begin
-        ("kept", "i8"),  # states entered there
-        ("swells", "i8"),  # 1: cells have radial strains
-        ("implicit", "i8"),  # 1: there is damping or lateral inertia
-        ("tolerance", "f8"),  # velocity below which contacts graze and impacts rest
-    ],
-    align=True,
-)
-PIECE = np.dtype(
-    [("start", "i8"), ("place", "f8")], align=True
-)  # first node, its displacement
-LINK = np.dtype(
-    [  # a contact or joint; its `gap` is that of now, or the stretch
-        *link.LINK.descr,
-        (
-            "knot",
-            "i8",
-        ),  # the next of the knots, from which on YIELD has another hardening
-        ("left", "i8"),
-        ("right", "i8"),  # nodes
-        ("leftmost", "i8"),
-        ("rightmost", "i8"),  # nodes that its force moves in the same step
-        (
-            "last",
-            "i8",
-        ),  # of those that feel each other, at the first of them; else NONE
-        ("own", "f8"),  # half the mobility of both sides together
-        ("shared", "f8"),  # half the mobility that it shares with the link before
-        ("force", "f8"),
-        ("closing", "f8"),  # mean closing velocity of the last step
-        ("shut", "i8"),  # 1 while a rigid contact is closed
-        ("before", "f8"),  # closing velocity at the start of the step
-        ("free", "f8"),  # by how much it would close without forces
-        ("limit", "f8"),  # greatest closing of a pressing rigid contact or impact
-        ("place", "f8"),  # indentation at the end of the step
-        ("slope", "f8"),  # dF/dw, -1 where the closing w is fixed
-        ("kept", "f8"),  # force before a Newton step
-        ("upper", "f8"),  # for the elimination
-        # mean force over a step, and energy lost, as a rigid contact shut before the first kick
-        ("early_force", "f8"),
-        ("early_loss", "f8"),
-    ],
-    align=True,
-)
-END = np.dtype(
-    [  # left or right
-        ("kind", "i8"),
-        ("node", "i8"),
-        ("impedance", "f8"),  # of an endless bar
-        ("rest", "f8"),  # the wave that comes from it beside the given one
-        ("given", "f8"),  # in this step
-    ],
-    align=True,
-)
-SIGNAL = np.dtype([("force", "f8"), ("gap", "f8"), ("closing", "f8")])
+
+class Run:
+    """The state of a run."""
+
+    step: int  # steps taken
+    first_step: int  # steps taken when the present window of `StepHistory` began
+    kept_states: int  # states stored in this window
+    has_radial_strain: int  # 1: cells have radial strains
+    is_implicit: int  # 1: there is damping or lateral inertia
+    velocity_tolerance: float  # contacts graze, and impacts rest, below this velocity
+
+
+class Piece:
+    """A piece of neighbouring nodes: bodies that are bonded together."""
+
+    first_node: int
+    displacement: float  # of its first node
+
+
+class Link(link.Link):
+    """A contact or joint between two neighbouring pieces.
+
+    The gap and the yield force are those at present, and the gap is the stretch of a joint.
+    """
+
+    knot: int  # index of the knot at which the hardening changes next
+    left_node: int
+    right_node: int
+    leftmost_node: int  # first and last node whose velocity its force changes in a step
+    rightmost_node: int
+    chain_end: (
+        int  # last link of a coupled chain, at its first link; NONE at other links
+    )
+    # Closing per force over a step
+    self_mobility: float  # half of the velocity change of both ends by the own force
+    coupling_mobility: float  # half of that by the force of the link before it
+
+    force: float  # mean over the step
+    closing: float  # mean closing velocity of the step
+    is_closed: int  # 1 while a rigid contact is closed
+    initial_closing: float  # closing velocity at the start of the step
+    force_free_closing: float  # closing in the step without any force
+    max_closing: float  # largest closing of a rigid contact or impact under force
+    overlap: float  # at the end of the step
+    force_slope: float  # dF/d(closing); -1 where the closing is fixed
+    force_before: float  # force before a Newton step
+    upper: float  # factor of the elimination of a chain
+    # Mean force over the first step, and energy lost, as a contact closed at t = 0
+    initial_force: float
+    initial_loss: float
+
+
+class End:
+    """What acts on the left or right end of the row."""
+
+    kind: int  # `states.Beyond`
+    node: int
+    impedance: float  # of a semi-infinite bar
+    background_wave: float  # wave that comes from this bar in addition to the given one
+    prescribed: float  # force, velocity or incident wave in the present step
+
+
+class Signal:
+    """State of a link in a step."""
+
+    force: float  # mean over the step
+    gap: float  # at the end of the step
+    closing: float  # mean closing velocity
+
+
+RUN = dtype_of(Run)
+PIECE = dtype_of(Piece)
+LINK = dtype_of(Link)
+END = dtype_of(End)
+SIGNAL = dtype_of(Signal)
 
 
 class Grid(NamedTuple):
-    """What a step reads and changes."""
+    """The state of a grid, and the constants of its equations."""
 
     run: Any  # one RUN
     velocity: Any  # [node]
     force: (
         Any  # [cell] elastic tension in the middle of the last step; 0 between pieces
     )
-    into: Any  # [node] multipliers of the elimination, 0 where nothing is implicit
-    inverse: Any  # [node] of its diagonal: 1/mass where nothing is implicit; 1 at a given velocity
-    back: Any  # [node]
-    by_first: Any  # [node] velocity for a unit force on the first node of its piece
-    by_last: Any  # [node] on the last one
+    # LU factors of the tridiagonal matrix of a step, [node], see `elimination_kernel`
+    lower: Any  # 0 where nothing is implicit
+    inverse_diagonal: (
+        Any  # 1/mass where nothing is implicit; 1 at a prescribed velocity
+    )
+    upper: Any
+    velocity_by_first: (
+        Any  # [node] velocity by a unit force on the first node of its piece
+    )
+    velocity_by_last: (
+        Any  # [node] velocity by a unit force on the last node of its piece
+    )
     stiffness: Any  # [cell]
-    piece: Any  # PIECE
+    pieces: Any  # [piece] PIECE
     viscous: Any  # [cell] eta A/dx
-    lost: Any  # [cell] turned to heat
-    old: Any  # [node] velocity before this step, if there is viscosity
-    change: Any  # [node] since then
-    strain: Any  # [cell] radial strain q in the middle of the last step
-    rate: Any  # [cell]
-    ease: Any  # [cell] 1/J
+    lost: Any  # [cell] energy turned to heat
+    old_velocity: Any  # [node] velocity before this step
+    change: Any  # [node] change of velocity in this step, where it is implicit
+    radial_strain: Any  # [cell] q in the middle of the last step
+    radial_rate: Any  # [cell] rate of q
+    inverse_radial_inertia: Any  # [cell] 1/J
     coupling: Any  # [cell] b
-    own: Any  # [cell] G - b^2/k
-    share: Any  # [cell] b/k
-    shear: Any  # [cell] s between it and the next one
-    link: Any  # LINK, from left to right
-    end: Any  # two END
-    watched: Any  # nodes whose velocities are entered after each step
-    pulled: Any  # cells whose forces are
+    radial_stiffness: Any  # [cell] G - b^2/k
+    tension_share: Any  # [cell] b/k
+    shear: Any  # [cell] s between it and the next cell
+    links: Any  # [link] LINK, from left to right
+    ends: Any  # two END
+    watched: Any  # nodes whose velocities are recorded after each step
+    pulled: Any  # cells whose tensions are recorded in each step
 
 
-class Track(NamedTuple):
-    """What is entered of each step, one after the other, and of states that are kept."""
+class StepHistory(NamedTuple):
+    """Records of each step, and states that are kept."""
 
-    signal: Any  # [step, link] SIGNAL
-    given: Any  # [step, end] force, wave, or velocity at the end of the step
-    speed: Any  # [step, watched node] velocity at the end of the step
-    pull: Any  # [step, pulled cell] elastic tension in the middle of the step
-    when: Any  # [state] at the end of which step
-    lost: Any  # [state] turned to heat
+    signals: Any  # [step, link] SIGNAL
+    prescribed: (
+        Any  # [step, end] force, incident wave, or velocity at the end of the step
+    )
+    velocities: Any  # [step, watched node] velocity at the end of the step
+    tensions: Any  # [step, pulled cell] elastic tension in the middle of the step
+    when: Any  # [state] steps taken when it is stored
+    lost: Any  # [state] energy turned to heat
     velocity: Any  # [state, node]
-    force: Any  # [state, cell]
-    place: Any  # [state, piece]
-    radial: Any  # [state, cell] radial strains, none where no cell has its own
+    force: Any  # [state, cell] tension
+    displacement: Any  # [state, piece] displacement of its first node
+    radial: Any  # [state, cell] radial strains; [state, 0] where no cell has its own
     radial_rate: Any  # [state, cell]
 
 
-PER_STATE = Track._fields[4:]
+STATE_FIELDS = StepHistory._fields[4:]
+"""Fields of `StepHistory` that have an entry for each state."""
+
+
+def filled(kind: np.dtype[Any], count: int, /, **columns: Any) -> Any:
+    """Array of records, some of whose fields are given."""
+    records = np.zeros(count, kind)
+    for name, values in columns.items():
+        records[name] = values
+    return records

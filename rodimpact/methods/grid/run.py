@@ -16,7 +16,7 @@ from ..row import Array, squeezed
 from . import grid_kernel, scheme, start
 from .measures import largest_force, pressings
 from .mesh import STEP_TICKS, GridMotion, Mesh
-from .records import PER_STATE, SIGNAL, Track
+from .records import SIGNAL, STATE_FIELDS, StepHistory
 
 GAP_RESOLUTION = (
     1.0  # of what bodies cover in a step: dispersed waves open smaller gaps
@@ -40,7 +40,7 @@ class GridRun:
     clock : Clock
         Its tick is the step's `STEP_TICKS`-th part.
     grid : Grid
-    track : Track
+    history : StepHistory
         What was entered of the steps taken, and of the states kept.
     proved : int
         Step at whose end the collision was proved final, -1 as long as it is not.
@@ -91,7 +91,7 @@ class GridRun:
         )  # sets the distance of states, so that few are kept in vain
         self.grid = scheme.grid_of(mesh, step)
         kick = start.begin(mesh, step, self.grid)
-        self.track = self._blank(0, 0)
+        self.history = self._blank(0, 0)
         self.advance(0)
         start.slow_down(mesh, step, self.grid, kick)
 
@@ -161,12 +161,12 @@ class GridRun:
             return 3 * (end // self._stride + 2)
         return end // self._stride + 2
 
-    def _blank(self, steps: int, states: int) -> Track:
+    def _blank(self, steps: int, states: int) -> StepHistory:
         """Room for what the kernel enters."""
         grid, n = self.grid, len(self.mesh.mass)
         swollen = states, (n + 1) * self.mesh.has_radial_strain
-        return Track(
-            np.empty((steps, len(grid.link)), SIGNAL),
+        return StepHistory(
+            np.empty((steps, len(grid.links)), SIGNAL),
             np.empty((steps, 2)),
             np.empty((steps, len(grid.watched))),
             np.empty((steps, len(grid.pulled))),
@@ -174,7 +174,7 @@ class GridRun:
             np.empty(states),
             np.empty((states, n)),
             np.empty((states, n + 1)),
-            np.empty((states, len(grid.piece))),
+            np.empty((states, len(grid.pieces))),
             np.empty(swollen),
             np.empty(swollen),
         )
@@ -184,37 +184,39 @@ class GridRun:
         if end > self.room:
             self._ask(max(end, 2 * self.room))
         when, first = self._when(end), self.steps
-        left = np.isin(self.track.when, when, assume_unique=True)
+        left = np.isin(self.history.when, when, assume_unique=True)
         new = when[left.sum() :]  # both increase, and all states left are among them
         window = self._blank(end - first, len(new))
         window.when[:] = new
         for side in (0, 1):
-            window.given[:, side] = scheme.driven(self.mesh, self.step, side, end)[
-                first:
-            ]
+            window.prescribed[:, side] = scheme.boundary_values(
+                self.mesh, self.step, side, end
+            )[first:]
         self._take(window, end, tell)
-        self.track = Track(
+        self.history = StepHistory(
             *(
-                compiling.joined(old[left] if name in PER_STATE else old, more)
+                compiling.joined(old[left] if name in STATE_FIELDS else old, more)
                 for name, old, more in zip(
-                    Track._fields, self.track, window, strict=True
+                    StepHistory._fields, self.history, window, strict=True
                 )
             )
         )
 
     def _take(
-        self, window: Track, end: int, tell: Callable[[int], None] | None
+        self, window: StepHistory, end: int, tell: Callable[[int], None] | None
     ) -> None:
         """Take the steps to `end`, and fill a window with them."""
         first = self.steps
-        arrays: list[Any] = [self.grid, Track(*(x.reshape(-1) for x in window))]
-        self.grid.run["first"], self.grid.run["kept"] = first, 0
+        arrays: list[Any] = [self.grid, StepHistory(*(x.reshape(-1) for x in window))]
+        self.grid.run["first_step"], self.grid.run["kept_states"] = first, 0
         numbers = sum(x.nbytes for held in arrays for x in held) // 8
         seconds = (end - first) * cost(
             self.mesh, plain=True
         ) + numbers * kernels.LIST_TIME
-        fast = kernels.worth_compiling(seconds, grid_kernel.follow)
-        go: Any = kernels.compiled(grid_kernel.follow) if fast else grid_kernel.follow
+        fast = kernels.worth_compiling(seconds, grid_kernel.run_steps)
+        go: Any = (
+            kernels.compiled(grid_kernel.run_steps) if fast else grid_kernel.run_steps
+        )
         given = (
             arrays
             if fast
@@ -247,7 +249,7 @@ class GridRun:
     def motion(self, states: Any = slice(None)) -> GridMotion:
         """The states that were kept, or some of them, without what pushes."""
         mesh = self.mesh
-        kept = {name: getattr(self.track, name)[states] for name in PER_STATE}
+        kept = {name: getattr(self.history, name)[states] for name in STATE_FIELDS}
         return GridMotion(
             mesh.counts,
             mesh.first,
@@ -263,7 +265,7 @@ class GridRun:
     def entered(self, link: int, field: str) -> Array:
         """What a link that is not bonded entered in each step."""
         place = list(self.mesh.touching).index(link)
-        return np.ascontiguousarray(self.track.signal[:, place][field])
+        return np.ascontiguousarray(self.history.signals[:, place][field])
 
     def contact(self, contact: int) -> tuple[Array, Array]:
         """Mean force in each step, N, and gap at the ends of steps, m; not of a bonded contact."""
@@ -287,8 +289,8 @@ class GridRun:
 
     def velocity(self, node: int) -> Array:
         """Velocity of a watched node at the ends of the steps, the first at t = 0, in the frame."""
-        entered = self.track.speed[:, self.mesh.watched.index(node)]
-        return np.concatenate((self.track.velocity[:1, node], entered))
+        entered = self.history.velocities[:, self.mesh.watched.index(node)]
+        return np.concatenate((self.history.velocity[:1, node], entered))
 
     def speed(self, mass: int) -> Array:
         """Velocity of a mass at the ends of the steps, in the frame."""
@@ -303,8 +305,8 @@ class GridRun:
         mesh, (node, cell) = self.mesh, self.mesh.bonds[link]
         sign, v = (1 if cell == node else -1), self.velocity(node)
         stretch = sign * (v - self.velocity(node - sign))
-        bound = scheme.bound_of(mesh, self.step)[cell] * np.diff(stretch)
-        force = self.track.pull[:, mesh.pulled.index(cell)]
+        bound = scheme.off_diagonal_of(mesh, self.step)[cell] * np.diff(stretch)
+        force = self.history.tensions[:, mesh.pulled.index(cell)]
         pulled = force + mesh.viscous[cell] * stretch[:-1] + bound
         gained = mesh.cell_mass[cell] / 2 / self.step * np.diff(v)
         return np.asarray(-pulled - sign * gained)
@@ -312,7 +314,7 @@ class GridRun:
     @property
     def states_bytes(self) -> int:
         """Memory of the states that are kept."""
-        return sum(getattr(self.track, name).nbytes for name in PER_STATE)
+        return sum(getattr(self.history, name).nbytes for name in STATE_FIELDS)
 
     @property
     def largest_strain(self) -> float:

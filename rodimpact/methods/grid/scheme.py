@@ -1,6 +1,6 @@
-"""From a mesh and a step to the arrays of the kernels, all but the state of motion."""
+"""The constants of the equations of a grid: from a mesh and a step to the arrays of the kernels."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,159 +14,177 @@ from ..states import Beyond
 from . import elimination_kernel as elimination
 from . import records
 from .mesh import Mesh, quotient
-from .records import NONE, Grid
+from .records import NONE, Grid, filled
 
-LEAST = 2.0**-800  # stiffness, where time is counted in steps
-TOLERANCE = (
-    2.0**-40
-)  # of the velocities, below which contacts graze: round-off of many steps
+SMALLEST_STIFFNESS = 2.0**-800
+"""Smallest stiffness of a contact with time in steps: below it forces vanish."""
+VELOCITY_RTOL = 2.0**-40
+"""Contacts graze below this part of the velocity scale, which is round-off of many steps."""
 KINDS = {
     "none": Beyond.STEADY,
     "force": Beyond.PUSHED,
     "velocity": Beyond.MOVED,
     "absorbing": Beyond.ENDLESS,
 }
+"""What is outside the ends of a row, by the names of `Row.outside`."""
+
+
+class Factors(NamedTuple):
+    """LU factors of the equations of a step, see `elimination_kernel`, [node] each."""
+
+    lower: Array
+    inverse_diagonal: Array
+    upper: Array
 
 
 def grid_of(mesh: Mesh, step: float) -> Grid:
-    """Everything at rest and without force, gaps as they are."""
-    row, h, n = mesh.row, step, len(mesh.mass)
-    mass, Z, cells = mesh.mass / h, _impedances(mesh), mesh.cells
-    mass[mesh.ends] += Z / 2
-    multipliers = eliminated(mesh, mass, bound_of(mesh, h))
-    by_first, by_last = (
-        answered(multipliers, np.bincount(nodes, mesh.held[nodes] == 0, n))
-        for nodes in (mesh.starts, mesh.stops)
-    )
+    """Make a grid at rest and without force, with the gaps of the row."""
+    row = mesh.row
+    n = len(mesh.mass)
+    cells = mesh.cells
+    mass = mesh.mass / step
+    impedance = _end_impedances(mesh)
+    mass[mesh.ends] += impedance / 2
+    factors = factorise(mesh, mass, off_diagonal_of(mesh, step))
+    free = mesh.held == 0
+    by_first = velocity_changes(factors, np.bincount(mesh.starts, free[mesh.starts], n))
+    by_last = velocity_changes(factors, np.bincount(mesh.stops, free[mesh.stops], n))
+    coupling_share = quotient(cells.coupling**2, cells.stiffness)
     return Grid(
         run=filled(
             records.RUN,
             1,
-            tolerance=TOLERANCE * row.scale,
-            swells=mesh.has_radial_strain,
-            implicit=mesh.implicit,
+            velocity_tolerance=VELOCITY_RTOL * row.scale,
+            has_radial_strain=mesh.has_radial_strain,
+            is_implicit=mesh.implicit,
         ),
         velocity=np.zeros(n),
         force=np.zeros(n + 1),
-        **dict(zip(("into", "inverse", "back"), multipliers, strict=True)),
-        by_first=by_first,
-        by_last=by_last,
-        stiffness=mesh.stiffness * h,
-        piece=filled(records.PIECE, len(mesh.starts), start=mesh.starts),
+        lower=factors.lower,
+        inverse_diagonal=factors.inverse_diagonal,
+        upper=factors.upper,
+        velocity_by_first=by_first,
+        velocity_by_last=by_last,
+        stiffness=mesh.stiffness * step,
+        pieces=filled(records.PIECE, len(mesh.starts), first_node=mesh.starts),
         viscous=mesh.viscous,
         lost=np.zeros(n + 1),
         change=np.zeros(n),
-        old=np.zeros(n),
-        strain=np.zeros(n + 1),
-        rate=np.zeros(n + 1),
-        ease=quotient(h, cells.swelling),
-        coupling=cells.coupling * h,
-        own=(cells.radial - quotient(cells.coupling**2, cells.stiffness)) * h,
-        share=quotient(cells.coupling, cells.stiffness),
-        shear=np.append(mesh.shear * h, 0.0),
-        link=_links(mesh, h, by_first, by_last),
-        end=filled(
+        old_velocity=np.zeros(n),
+        radial_strain=np.zeros(n + 1),
+        radial_rate=np.zeros(n + 1),
+        inverse_radial_inertia=quotient(step, cells.swelling),
+        coupling=cells.coupling * step,
+        radial_stiffness=(cells.radial - coupling_share) * step,
+        tension_share=quotient(cells.coupling, cells.stiffness),
+        shear=np.append(mesh.shear * step, 0.0),
+        links=_links(mesh, step, by_first, by_last),
+        ends=filled(
             records.END,
             2,
             kind=[KINDS[kind] for kind, _ in row.outside],
             node=mesh.ends,
-            impedance=Z,
+            impedance=impedance,
         ),
         watched=np.array(mesh.watched, np.int64),
         pulled=np.array(mesh.pulled, np.int64),
     )
 
 
-def bound_of(mesh: Mesh, step: float) -> Array:
-    """By what a cell joins the changes of velocity at its nodes [cell]."""
+def off_diagonal_of(mesh: Mesh, step: float) -> Array:
+    """Off-diagonal entries of the matrix M + J + D/2, with opposite sign [cell]."""
     return np.asarray(mesh.lateral / step + mesh.viscous / 2)
 
 
-def filled(kind: Any, count: int, /, **columns: Any) -> Array:
-    """Records of a kind, some of whose fields are given."""
-    found = np.zeros(count, kind)
-    for name, values in columns.items():
-        found[name] = values
-    return found
+def _end_impedances(mesh: Mesh) -> Array:
+    """Impedances of semi-infinite bars beyond the ends, kg/s [end]; 0 where there is none.
+
+    They are sqrt(E A rho A) of the cells there.
+    """
+    cells = mesh.end_cells
+    endless = [kind == "absorbing" for kind, _ in mesh.row.outside]
+    impedances = np.sqrt(mesh.cells.relaxed[cells] * mesh.cell_mass[cells])
+    return np.where(endless, impedances, 0.0)
 
 
-def _impedances(mesh: Mesh) -> Array:
-    """Impedances of endless bars beyond the ends, sqrt(E A rho A) of the cells there; else 0."""
-    cells, endless = (
-        mesh.end_cells,
-        [kind == "absorbing" for kind, _ in mesh.row.outside],
+def factorise(mesh: Mesh, mass: Array, off_diagonal: Array) -> Factors:
+    """LU factors for nodes of these masses and cells that couple them."""
+    diagonal = mass + off_diagonal[:-1] + off_diagonal[1:]
+    lists = elimination.factor(
+        off_diagonal.tolist(), diagonal.tolist(), mesh.held.tolist()
     )
-    return np.where(
-        endless, np.sqrt(mesh.cells.relaxed[cells] * mesh.cell_mass[cells]), 0.0
-    )
+    return Factors(*map(np.array, lists))
 
 
-def eliminated(mesh: Mesh, mass: Array, bound: Array) -> tuple[Array, ...]:
-    """Multipliers of the elimination for nodes of these masses and cells that bind them."""
-    diagonal = mass + bound[:-1] + bound[1:]
-    found = elimination.factor(bound.tolist(), diagonal.tolist(), mesh.held.tolist())
-    return tuple(map(np.array, found))
-
-
-def answered(multipliers: tuple[Array, ...], push: Any) -> Array:
-    """Changes of velocity for these forces on the nodes; given ones where they are."""
-    (into, inverse, back), x = multipliers, np.array(push, float)
-    elimination.substitute(into, inverse, back, x)
+def velocity_changes(factors: Factors, forces: Any) -> Array:
+    """Changes of velocity by forces on the nodes; where a change is prescribed, that change."""
+    x = np.array(forces, float)
+    elimination.substitute(*factors, x)
     return x
 
 
 # Links -------------------------------------------------------------------------------------------
 
 
-def _links(mesh: Mesh, h: float, by_first: Array, by_last: Array) -> Array:
+def _links(mesh: Mesh, step: float, by_first: Array, by_last: Array) -> Array:
     """Links, each between two neighbouring pieces."""
-    given = as_records([mesh.row.links[i] for i in mesh.touching], LINK)
-    count, k, p = len(given), given["stiffness"], given["exponent"]
-    stiffness = k * h**p
-    gap = (given["gap"] + given["stretch"]) / h  # one of them is 0
-    for i in np.flatnonzero((k > 0) & (stiffness < LEAST)):
-        message = f"a force of {float(k[i])!r} times the indentation to the {p[i]:g} vanishes in"
-        raise InvalidModel(
-            [("contacts", f"{message} steps of {h:.3g} s; use a lower power")]
+    laws = as_records([mesh.row.links[i] for i in mesh.touching], LINK)
+    count = len(laws)
+    k = laws["stiffness"]
+    p = laws["exponent"]
+    stiffness = k * step**p
+    gap = (laws["gap"] + laws["stretch"]) / step  # one of them is 0
+    for i in np.flatnonzero((k > 0) & (stiffness < SMALLEST_STIFFNESS)):
+        message = (
+            f"a force of {float(k[i])!r} times the indentation to the {p[i]:g} vanishes in "
+            f"steps of {step:.3g} s; use a lower power"
         )
-    left, right = (
-        np.array(mesh.stops[:-1], np.int64),
-        np.array(mesh.starts[1:], np.int64),
-    )
-    # two links feel each other through a piece of one node, or one that answers as a whole
-    shared = np.zeros(count)
-    shared[1:] = by_first[left[1:]] / 2
-    begins = np.flatnonzero(shared == 0)
-    last = np.full(count, NONE)
-    last[begins] = np.append(begins[1:], count) - 1
-    return filled(
+        raise InvalidModel([("contacts", message)])
+    left = np.array(mesh.stops[:-1], np.int64)
+    right = np.array(mesh.starts[1:], np.int64)
+    leftmost: Any = left
+    rightmost: Any = right
+    if mesh.implicit:
+        leftmost = mesh.starts[:-1]
+        rightmost = mesh.stops[1:]
+    # Two links are coupled by a piece of one node, or by one that moves as a whole.
+    coupling = np.zeros(count)
+    coupling[1:] = by_first[left[1:]] / 2
+    begins = np.flatnonzero(coupling == 0)
+    chain_end = np.full(count, NONE)
+    chain_end[begins] = np.append(begins[1:], count) - 1
+    links: Array = filled(
         records.LINK,
         count,
-        **{name: given[name] for name in given.dtype.names}
-        | {
-            "stiffness": stiffness,
-            "gap": gap,
-            "shut": gap == 0,
-            "last": last,
-            "left": left,
-            "leftmost": mesh.starts[:-1] if mesh.implicit else left,
-            "right": right,
-            "rightmost": mesh.stops[1:] if mesh.implicit else right,
-            "own": by_last[left] / 2 + by_first[right] / 2,
-            "shared": shared,
-        },
+        chain_end=chain_end,
+        left_node=left,
+        right_node=right,
+        leftmost_node=leftmost,
+        rightmost_node=rightmost,
+        self_mobility=by_last[left] / 2 + by_first[right] / 2,
+        coupling_mobility=coupling,
+        is_closed=gap == 0,
     )
+    for name in laws.dtype.names:
+        links[name] = laws[name]
+    links["stiffness"] = stiffness
+    links["gap"] = gap
+    return links
 
 
 # What drives the ends -----------------------------------------------------------------------------
 
 
-def driven(mesh: Mesh, step: float, side: int, steps: int) -> Array:
-    """What is given at an end in each step: force, wave, or velocity at its end in the frame."""
+def boundary_values(mesh: Mesh, step: float, side: int, steps: int) -> Array:
+    """Prescribed value at an end in each step.
+
+    It is a force, a wave, or the velocity at the end of the step, in the frame.
+    """
     kind, value = mesh.row.outside[side]
     if kind == "velocity":
-        return moved(mesh.row, step, value, step * np.arange(1, steps + 1))
-    # at each kick the mean over two steps, which waves can follow
+        times = step * np.arange(1, steps + 1)
+        return boundary_velocity(mesh.row, step, value, times)
+    # At each kick the mean over two steps, which waves can follow.
     halves = averages(value, step / 2 * np.arange(2 * steps + 2), 0.0)
     around = np.concatenate((halves[:1], halves))
     pushes = np.asarray(
@@ -177,8 +195,8 @@ def driven(mesh: Mesh, step: float, side: int, steps: int) -> Array:
     return pushes
 
 
-def moved(row: Row, step: float, value: Any, t: Array) -> Array:
+def boundary_velocity(row: Row, step: float, value: Any, t: Array) -> Array:
     """Velocity of a wall or a driven end, averaged over a step about times t, in the frame."""
     edges = np.append(t - step / 2, t[-1:] + step / 2)
-    found = averages(value, np.maximum(edges, 0.0), 0.0)
-    return np.asarray(found - row.frame - row.system.gravity * t)
+    velocity = averages(value, np.maximum(edges, 0.0), 0.0)
+    return np.asarray(velocity - row.frame - row.system.gravity * t)

@@ -26,23 +26,25 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
     v[:] = _velocities(mesh, strain)
     v += _dragged(mesh, step, grid)
     radial = quotient(-mesh.cells.coupling, mesh.cells.radial) * strain
-    grid.strain[:] = radial / step
+    grid.radial_strain[:] = radial / step
     tension = mesh.stiffness * strain + mesh.cells.coupling * radial
     kick = _first_kick(mesh, step, grid, tension)
     stretching = np.diff(kick - v, prepend=0.0, append=0.0)
     grid.force[:] = tension + grid.stiffness * stretching / 2
-    grid.piece["place"] = kick[mesh.starts] / 2
+    grid.pieces["displacement"] = kick[mesh.starts] / 2
     # v - F/Z, seen from the row, comes from an endless bar. It is carried on to the end from
     # means over half a cell and over a cell.
     nodes = np.array(mesh.ends)
     cells = np.array(mesh.end_cells)
     pull = tension[cells] - (tension[cells + INWARD] - tension[cells]) / 2
     speed = v[nodes] - (v[nodes + INWARD] - v[nodes]) / 3
-    grid.end["rest"] = speed - INWARD * quotient(pull, grid.end["impedance"])
+    grid.ends["background_wave"] = speed - INWARD * quotient(
+        pull, grid.ends["impedance"]
+    )
     # Contacts that close before the first kick are shut.
-    link = grid.link
-    closing = v[link["left"]] - v[link["right"]]
-    link["shut"][link["gap"] <= closing / 2] = 1
+    link = grid.links
+    closing = v[link["left_node"]] - v[link["right_node"]]
+    link["is_closed"][link["gap"] <= closing / 2] = 1
     return kick
 
 
@@ -75,9 +77,11 @@ def _dragged(mesh: Mesh, step: float, grid: Grid) -> Array:
     bound = mesh.lateral / step
     for node, (kind, value) in zip(mesh.ends, mesh.row.outside, strict=True):
         if kind == "velocity":
-            start = scheme.moved(mesh.row, step, value, np.zeros(1))[0]
+            start = scheme.boundary_velocity(mesh.row, step, value, np.zeros(1))[0]
             jump[node] = start - grid.velocity[node]
-    return scheme.answered(scheme.eliminated(mesh, mesh.mass / step, bound), jump)
+    return scheme.velocity_changes(
+        scheme.factorise(mesh, mesh.mass / step, bound), jump
+    )
 
 
 def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
@@ -91,13 +95,13 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
     for side, (kind, _) in enumerate(row.outside):
         node = mesh.ends[side]
         if kind == "force":
-            force[node] += INWARD[side] * scheme.driven(mesh, step, side, 1)[0]
+            force[node] += INWARD[side] * scheme.boundary_values(mesh, step, side, 1)[0]
         elif kind == "absorbing":
-            wave = scheme.driven(mesh, step, side, 1)[0]
-            force[node] = grid.end["impedance"][side] * wave
-    for link in grid.link:
-        left = link["left"]
-        right = link["right"]
+            wave = scheme.boundary_values(mesh, step, side, 1)[0]
+            force[node] = grid.ends["impedance"][side] * wave
+    for link in grid.links:
+        left = link["left_node"]
+        right = link["right_node"]
         touches = link["law"] == Law.RIGID and link["gap"] == 0
         if touches and force[left] > force[right]:
             force[left] = 0.0
@@ -105,8 +109,8 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
         elif link["law"] == Law.JOINT:
             force[left] += link["stiffness"] * link["gap"]
             force[right] -= link["stiffness"] * link["gap"]
-    multipliers = grid.into, grid.inverse, grid.back
-    return scheme.answered(multipliers, np.where(mesh.held == 1, 0.0, force / 2))
+    factors = scheme.Factors(grid.lower, grid.inverse_diagonal, grid.upper)
+    return scheme.velocity_changes(factors, np.where(mesh.held == 1, 0.0, force / 2))
 
 
 def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
@@ -121,27 +125,31 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     """
     v = grid.velocity
     force = grid.force
-    links = grid.link
-    left = links["left"]
-    right = links["right"]
+    links = grid.links
+    left = links["left_node"]
+    right = links["right_node"]
     closing = v[left] - v[right]
     parting = kick[right] - kick[left]
     excess = (closing - parting) / 2 - links["gap"]
-    late = (links["law"] == Law.RIGID) & (links["shut"] == 1) & (links["own"] > 0)
-    late &= (excess > grid.run["tolerance"]) & (closing > 2 * parting)
+    late = (
+        (links["law"] == Law.RIGID)
+        & (links["is_closed"] == 1)
+        & (links["self_mobility"] > 0)
+    )
+    late &= (excess > grid.run["velocity_tolerance"]) & (closing > 2 * parting)
     retardation = quotient(mesh.viscous, mesh.stiffness)[[left, right + 1]].max(axis=0)
     share = retardation / (retardation + LITTLE_RETARDATION * step)
     late &= share > 0
     for i in np.flatnonzero(late):
         link = links[i]
         before = v.copy()
-        push = share[i] * excess[i] / (2 * link["own"])
-        nodes = slice(link["leftmost"], link["left"] + 1)
-        v[nodes] -= grid.by_last[nodes] * push
-        nodes = slice(link["right"], link["rightmost"] + 1)
-        v[nodes] += grid.by_first[nodes] * push
+        push = share[i] * excess[i] / (2 * link["self_mobility"])
+        nodes = slice(link["leftmost_node"], link["left_node"] + 1)
+        v[nodes] -= grid.velocity_by_last[nodes] * push
+        nodes = slice(link["right_node"], link["rightmost_node"] + 1)
+        v[nodes] += grid.velocity_by_first[nodes] * push
         gained = v - before
-        grid.piece["place"] += gained[mesh.starts] / 2
+        grid.pieces["displacement"] += gained[mesh.starts] / 2
         # What the kinetic energy, and the strain energy of forces that are there, lose.
         mean = (v + before) / 2
         stretching = np.diff(mean, prepend=0.0, append=0.0)
@@ -152,5 +160,5 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
         gain = gain / step + force @ faster / 2
         heat = grid.viscous * stretching**2
         grid.lost[:] += heat
-        link["early_force"] = push
-        link["early_loss"] = -gain - heat.sum()
+        link["initial_force"] = push
+        link["initial_loss"] = -gain - heat.sum()
