@@ -4,13 +4,19 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from rodimpact.methods.grid.measures import largest_force, pressings, share_of_jump
+from rodimpact.methods.grid.measures import (
+    contact_intervals,
+    largest_force,
+    share_of_jump,
+)
 
 EVEN = np.arange(41.0)
 
 
 def spans(force, gap):
-    return pressings(np.array(force, float), np.array(gap, float), np.inf)[:, :2]
+    return contact_intervals(np.array(force, float), np.array(gap, float), np.inf)[
+        :, :2
+    ]
 
 
 def means(force, times):

@@ -18,11 +18,11 @@ def contact_forces(run: GridRun, left: Outside | None) -> list[Floats]:
         elif link < 0:
             forces.append(None)  # between rigid bodies: it follows from their momenta
         else:
-            forces.append(run.bond(link))
+            forces.append(run.bond_force(link))
 
     def spent(body: int) -> Floats:
         mass = float(row.system.bodies[body].mass)
-        gained = np.diff(run.speed(row.mass_of[body]))
+        gained = np.diff(run.mass_velocity(row.mass_of[body]))
         return np.asarray(mass * gained / run.step)
 
     pushed: Floats = np.zeros(run.steps)
@@ -42,9 +42,9 @@ def outside_of(run: GridRun, side: int) -> Outside | None:
     speed = (v[:-1] + v[1:]) / 2
     force = run.history.prescribed[:, side]
     if link in run.mesh.touching:
-        force = run.entered(link, "force")
+        force = run.recorded(link, "force")
     elif kind == "velocity":
-        force = run.bond(link)
+        force = run.bond_force(link)
     elif kind == "absorbing":
         end = run.grid.ends[side]
         force = INWARD[side] * (

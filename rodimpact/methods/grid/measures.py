@@ -1,7 +1,7 @@
-"""What a force did that is known by its averages over steps, and gaps at step ends.
+"""What a force did that is known by its means over time steps, and by gaps at the ends of steps.
 
-Its largest value, when it began and ended, and when contacts press and open. Times are counted in
-steps; arrays of forces have an entry a step, N, those of gaps one more, m.
+Largest force, begin and end of forces, contact intervals and openings. Times are counted in steps.
+Arrays of forces have an entry for each step, N, those of gaps one entry more, m.
 """
 
 import math
@@ -12,34 +12,42 @@ from ..run import Episode, episodes_of
 from ..signals import Floats
 from ..states import Status
 
-LATEST = 2.0  # steps, by which a gap can close later than its contact first presses
-FAINT = 1e-6  # of the next mean force: what presses less is round-off
-SMOOTH = 0.3  # relative change of forces from step to step, beyond which they jump
-KINK = (
-    4  # times less curvature of a parabola beside a jump or kink than of one across it
-)
-FLAT = 1e-9  # relative change of forces from step to step that is round-off
+MAX_CLOSING_STEPS = 2.0
+"""A gap can close later than its contact first presses, by less than this number of steps."""
+NEGLIGIBLE_FORCE_RATIO = 1e-6
+"""A first mean force of less than this part of the next one is round-off."""
+JUMP_RATIO = 0.3
+"""Relative change of forces from step to step, beyond which they jump."""
+KINK_CURVATURE_RATIO = 4
+"""A parabola across a jump or kink is this many times as curved as one beside it, or more."""
+FLAT_RTOL = 1e-9
+"""Relative change of forces from step to step that is round-off."""
 
 
 def largest_force(force: Floats) -> float:
-    """Largest force behind averages, in the step of the largest one.
+    """Largest force of a curve with these means, in the step of the largest mean.
 
-    It is that of the parabola with the averages of this step and of those around it; or, where that
-    spans a jump or a kink, of this step and two before or behind it: if that has much less
-    curvature, and is less curved than steep, or flat.
+    The curve is the parabola with the means of this step and of both neighbours. Where these span
+    a jump or a kink, it is the parabola through this step and two steps before or behind it: if
+    that has much less curvature, and is less curved than steep, or flat.
     """
     if np.max(force, initial=0.0) <= 0:
         return 0.0
     top = int(np.argmax(force))
     earlier, before, F, after, later = np.pad(force, 2)[top : top + 5].tolist()
     value, slope, curve = _parabola(before, F, after)
-    begin, largest, least = 1, F, abs(curve)  # the step begins one behind the first
+    begin = 1  # the step begins one step behind the first of the three
+    largest = F
+    least_curvature = abs(curve)
     for second, third in ((after, later), (before, earlier)):
         a, b, c = _parabola(F, second, third)
-        if KINK * abs(c) < least and (
-            abs(c) < abs(F - second) / 2 or abs(c) <= FLAT * F
-        ):
-            value, slope, curve, begin, least = a, b, c, 0, KINK * abs(c)
+        is_smooth = abs(c) < abs(F - second) / 2 or abs(c) <= FLAT_RTOL * F
+        if KINK_CURVATURE_RATIO * abs(c) < least_curvature and is_smooth:
+            value = a
+            slope = b
+            curve = c
+            begin = 0
+            least_curvature = KINK_CURVATURE_RATIO * abs(c)
             largest = max(a, a + b + c)
     if curve < 0 and begin < -slope / (2 * curve) < begin + 1:
         largest = value - slope * slope / (4 * curve)
@@ -47,103 +55,145 @@ def largest_force(force: Floats) -> float:
 
 
 def _parabola(first: float, second: float, third: float) -> tuple[float, float, float]:
-    """Value, slope and curvature, where the first step begins, for averages of three steps."""
+    """Value, slope and curvature at the begin of the first of three steps, from their means."""
     curve = (first - 2 * second + third) / 2
     slope = second - first - 2 * curve
     return first - slope / 2 - curve / 3, slope, curve
 
 
-def pressings(force: Floats, gap: Floats, least: float) -> Floats:
-    """[n, 3] when a contact begins and ceases to press, and has opened before it presses again.
+def contact_intervals(force: Floats, gap: Floats, open_gap: float) -> Floats:
+    """When a force begins and ends, and when the gap has opened before it presses again, [n, 3].
 
-    A gap has opened once it passes `least`, m. What does not come is nan.
+    A gap has opened once it passes `open_gap`, m. A time that does not come is nan.
     """
     edges = np.flatnonzero(np.diff(force > 0, prepend=False, append=False)).tolist()
-    far, ends, found = np.flatnonzero(gap > least), [*edges, len(force)], []
-    for i, j, following in zip(edges[::2], edges[1::2], ends[2::2], strict=True):
-        begin, end, opening = begin_of_force(force, gap, i), math.nan, math.nan
-        if j < len(force):
-            end = max(begin, end_of_force(force, gap, i, j))
-        opened = far[np.searchsorted(far, j) :][:1]
+    wide = np.flatnonzero(gap > open_gap)
+    next_begins = [*edges, len(force)][2::2]
+    intervals = []
+    for first, stop, following in zip(
+        edges[::2], edges[1::2], next_begins, strict=True
+    ):
+        begin = begin_of_force(force, gap, first)
+        end = math.nan
+        if stop < len(force):
+            end = max(begin, end_of_force(force, gap, first, stop))
+        opening = math.nan
+        opened = wide[np.searchsorted(wide, stop) :][:1]
         if opened.size and opened[0] <= following:
-            opening = _parting(gap, int(opened[0]), least, end)
-        found.append((begin, end, opening))
-    return np.array(found).reshape(-1, 3)
+            opening = _opening(gap, int(opened[0]), open_gap, end)
+        intervals.append((begin, end, opening))
+    return np.array(intervals).reshape(-1, 3)
 
 
-def touchings(pressed: Floats) -> tuple[Episode, ...]:
-    """From the first force until a gap has opened."""
-    statuses = np.broadcast_to([Status.PRESS, Status.GRAZE, Status.OPEN], pressed.shape)
-    known = ~np.isnan(pressed)
-    return episodes_of(pressed[known], statuses[known], 1.0)
+def episodes_from_intervals(intervals: Floats) -> tuple[Episode, ...]:
+    """Episodes of touching, from the first force until a gap has opened."""
+    changes = [Status.PRESS, Status.GRAZE, Status.OPEN]
+    statuses = np.broadcast_to(changes, intervals.shape)
+    known = ~np.isnan(intervals)
+    return episodes_of(intervals[known], statuses[known], 1.0)
 
 
 def begin_of_force(force: Floats, gap: Floats, i: int) -> float:
     """When the force begins that first presses in step i.
 
-    A contact begins where its gap is closed that goes on as in the step before.
+    It begins where the gap closes, if the gap goes on as in the step before.
     """
-    if i + 1 < len(force) and force[i] <= FAINT * force[i + 1]:
+    if i + 1 < len(force) and force[i] <= NEGLIGIBLE_FORCE_RATIO * force[i + 1]:
         return i + 1.0
     before = max(i - 1, 0)
-    fell = gap[before] - gap[before + 1]
-    return i + float(gap[i] / fell) if 0 < gap[i] < LATEST * fell else float(i)
+    fall = gap[before] - gap[before + 1]
+    if 0 < gap[i] < MAX_CLOSING_STEPS * fall:
+        return i + float(gap[i] / fall)
+    return float(i)
 
 
 def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
     """When the force ends that presses in the steps i to j - 1.
 
-    That of a compliant contact ends where its indentation does, on the parabola through the last
-    three step ends. The force of a rigid one ends with a jump inside its last step: after that
-    share of it which its mean is of what the means before lead to. If it falls evenly, it ends
-    where the line through the last means reaches 0. A dashpot lets go while there is an
-    indentation, where the force has fallen to 0 from what means lead to.
+    The force of a compliant contact ends where its overlap does, on the parabola through the last
+    three step ends. The force of a rigid contact drops to 0 inside its last step: with Fe
+    extrapolated from the earlier step means and Fm the mean of the last step, it ends after the
+    fraction Fm/Fe of that step. If it falls evenly, it ends where the line through the last means
+    reaches 0. A dashpot can lose its force while there is overlap: then it ends as a rigid one.
     """
-    begin, start, stop = j - 1, float(gap[j - 1]), float(gap[j])
-    if start < 0 < stop:
-        rate = stop - start
-        curve = (1 - (start - float(gap[j - 2])) / rate) / 2 if j - i >= 3 else 0.0
-        slope, depth = 1 - curve, -start / rate
-        root = math.sqrt(max(slope * slope + 4 * curve * depth, 0.0))
-        return begin + 2 * depth / (slope + root)
+    begin = j - 1
+    first_gap = float(gap[j - 1])
+    last_gap = float(gap[j])
+    if first_gap < 0 < last_gap:
+        return begin + _closing_share(gap, i, j)
     if j - i >= 3:
-        third, second, last = (float(F) for F in force[j - 3 : j])
-        fall, last_fall = third - second, second - last
-        if start < 0:
-            led = second - fall / 2
-            return begin + min(1.0, 2 * last / led) if led > 0 else begin
+        third = float(force[j - 3])
+        second = float(force[j - 2])
+        last = float(force[j - 1])
+        fall = third - second
+        last_fall = second - last
+        if first_gap < 0:
+            extrapolated = second - fall / 2
+            if extrapolated <= 0:
+                return begin
+            return begin + min(1.0, 2 * last / extrapolated)
         if 0 < fall <= 2 * last_fall <= 4 * fall and last <= last_fall:
             return begin + 0.5 + last / last_fall
-    return begin + (1.0 if start < 0 else share_of_jump(force[max(i, j - 4) : j]))
+    if first_gap < 0:
+        return begin + 1.0
+    return begin + share_of_jump(force[max(i, j - 4) : j])
+
+
+def _closing_share(gap: Floats, i: int, j: int) -> float:
+    """Share of step j - 1 after which an overlap is 0."""
+    first_gap = float(gap[j - 1])
+    rate = float(gap[j]) - first_gap
+    curve = 0.0
+    if j - i >= 3:
+        curve = (1 - (first_gap - float(gap[j - 2])) / rate) / 2
+    slope = 1 - curve
+    depth = -first_gap / rate
+    root = math.sqrt(max(slope * slope + 4 * curve * depth, 0.0))
+    return 2 * depth / (slope + root)
 
 
 def share_of_jump(force: Floats) -> float:
-    """Share of the last step that a force presses which jumps, from up to four means.
+    """Fraction Fm/Fe of the last step during which a force acts that ends with a jump.
 
-    All of it where the mean differs from what those before lead to by no more than their curvature.
+    Fm is the mean of the last step and Fe is extrapolated from up to three means before. It is 1 if
+    Fe - Fm is at most twice the curvature of these means.
     """
     *before, last = force.tolist()
-    led, curvature = before[-1] if before else 0.0, 0.0
-    if len(before) > 1 and max(before) - min(before) <= SMOOTH * led:
-        led, curvature = 2 * led - before[-2], float(np.abs(np.diff(before, 2)).sum())
-    return 1.0 if led - last <= 2 * curvature else last / led
+    extrapolated = 0.0
+    curvature = 0.0
+    if before:
+        extrapolated = before[-1]
+    is_smooth = len(before) > 1 and max(before) - min(before) <= JUMP_RATIO * before[-1]
+    if is_smooth:
+        extrapolated = 2 * before[-1] - before[-2]
+        curvature = float(np.abs(np.diff(before, 2)).sum())
+    if extrapolated - last <= 2 * curvature:
+        return 1.0
+    return float(last / extrapolated)
 
 
-def _parting(gap: Floats, k: int, least: float, end: float) -> float:
-    """When bodies part whose force ends, and whose gap passes `least` before step end k.
+def _opening(gap: Floats, k: int, open_gap: float, force_end: float) -> float:
+    """When bodies part whose force ends, and whose gap passes `open_gap` before step end k.
 
-    Dispersed waves hold bodies that touch a little apart: a gap that has not grown faster and
-    faster since it left 0 was of their making. Bodies then part at t - (t - s)/(1 - sqrt(1/2)), t
-    and s when the gap passed `least` and half of it, as on a parabola.
+    Numerical dispersion opens small false gaps. Take the vertex of the parabola through the times t
+    and s at which the gap passes `open_gap` and half of it, t - (t - s)/(1 - sqrt(1/2)). If the gap
+    did not accelerate before the vertex, that earlier gap is false and the vertex is the opening;
+    else the last zero of the gap is.
     """
-    left, half, passed = (_passed(gap, k, level) for level in (0.0, least / 2, least))
-    left = max(left, end)
-    parting = passed - (passed - half) / (1 - math.sqrt(0.5))
-    halfway, then = np.interp([(left + parting) / 2, parting], np.arange(len(gap)), gap)
-    return parting if parting > left and 3 * halfway > then else left
+    last_zero = max(_passing_time(gap, k, 0.0), force_end)
+    half = _passing_time(gap, k, open_gap / 2)
+    passed = _passing_time(gap, k, open_gap)
+    vertex = passed - (passed - half) / (1 - math.sqrt(0.5))
+    midpoint = (last_zero + vertex) / 2
+    at_midpoint, at_vertex = np.interp([midpoint, vertex], np.arange(len(gap)), gap)
+    if vertex > last_zero and 3 * at_midpoint > at_vertex:
+        return vertex
+    return last_zero
 
 
-def _passed(gap: Floats, k: int, level: float) -> float:
-    """When a gap that is more at step end k was at this level for the last time."""
-    i = next((i for i in range(k - 1, -1, -1) if gap[i] <= level), None)
-    return k - 1.0 if i is None else i + float((level - gap[i]) / (gap[i + 1] - gap[i]))
+def _passing_time(gap: Floats, k: int, level: float) -> float:
+    """When a gap that is larger at step end k was at this level for the last time."""
+    for i in range(k - 1, -1, -1):
+        if gap[i] <= level:
+            return i + float((level - gap[i]) / (gap[i + 1] - gap[i]))
+    return k - 1.0

@@ -13,7 +13,7 @@ from ..run import DURATION, IMPULSE, PEAK_FORCE, VELOCITY
 from ..signals import ROUND_OFF
 from .forces import contact_forces, outside_of
 from .measures import largest_force
-from .run import STATES_BYTES, GridRun
+from .run import MAX_STATES_BYTES, GridRun
 
 FACTORS = (1, *(k << n for n in range(60) for k in (2, 3)))
 """By how much the step is divided on each level: not by powers of two only.
@@ -119,7 +119,7 @@ def comparable_runs(
     coarser = [run for run in runs if run.step > finest.step][-LOOK_BACK:]
     if len(coarser) + 1 < FEWEST:
         return []
-    if sum(run.states_bytes for run in coarser) > STATES_BYTES:
+    if sum(run.states_bytes for run in coarser) > MAX_STATES_BYTES:
         return []
     return [(DOUBT / ((run.step / finest.step) ** order - 1), run) for run in coarser]
 

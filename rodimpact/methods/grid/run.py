@@ -1,9 +1,8 @@
-"""A run on a grid: the kernels in plain Python or compiled, and what passed in each step."""
+"""A run on a grid: its steps, compiled or in plain Python, and the results of each step."""
 
 import math
 from collections.abc import Callable
 from functools import cached_property
-from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -14,84 +13,107 @@ from ..link import Law, initial_gap
 from ..memory import ask
 from ..row import Array, squeezed
 from . import grid_kernel, scheme, start
-from .measures import largest_force, pressings
+from .measures import contact_intervals, largest_force
 from .mesh import STEP_TICKS, GridMotion, Mesh
 from .records import SIGNAL, STATE_FIELDS, StepHistory
 
-GAP_RESOLUTION = (
-    1.0  # of what bodies cover in a step: dispersed waves open smaller gaps
-)
-RINGING = 8  # steps in which waves beside a jump swing about their mean
-ROUND = 0.25  # s between two looks at the clock
-FEWEST_IN_THREES = 12  # kept states, from which they come in threes in damped rods
-STATES_BYTES = 64 << 20  # of kept states, where their number is not given
+GAP_RESOLUTION = 1.0
+"""Gap that counts as open, over the distance that bodies cover in a step.
+
+Dispersed waves open smaller gaps.
+"""
+OVERSHOOT_STEPS = 8
+"""Steps in which waves beside a jump oscillate about their mean."""
+REPORT_INTERVAL = 0.25
+"""Time between two reports of the progress, s."""
+MIN_STATES_IN_THREES = 12
+"""Number of states to keep, from which on those of damped rods come in threes."""
+MAX_STATES_BYTES = 64 << 20
+"""Memory of the states that are kept where their number is not given."""
 CELL_TIMES = 7e-10, 8e-7
 """Time of a cell and a step, s, compiled and in plain Python, where nothing is implicit."""
 STEP_TIMES = 3e-7, 1e-5
-"""Time of a step beside that of its cells, with what results take."""
+"""Time of a step beside that of its cells, with the results made of it, s."""
 
 
 class GridRun:
-    """A run on a mesh with a step, s, of so many steps as far as is known.
+    """A run on a mesh, as far as it has gone.
 
     Attributes
     ----------
+    mesh : Mesh
+    step : float
+        Time step, s.
     row : Row
     clock : Clock
-        Its tick is the step's `STEP_TICKS`-th part.
+        Its tick is the `STEP_TICKS`-th part of the step.
     grid : Grid
     history : StepHistory
-        What was entered of the steps taken, and of the states kept.
+        Records of the steps taken, and the states that were kept.
     proved : int
         Step at whose end the collision was proved final, -1 as long as it is not.
     stopped_by : str
         ``"final"``, ``"until"`` or ``"max_events"``.
     estimates : dict of str to float
-        Error of each measure of the outcome, relative to its largest value, as `refined` finds it;
-        empty where the step was given.
+        Estimated error of each measure of the outcome, relative to its largest value, see
+        `refinement.refined`; empty where the step was given.
     rtol : float
-        What they were to come to.
+        Bound that was wanted for them.
     coarser : list of (float, GridRun)
         Runs on coarser meshes, with the share of the differences of fields that bounds the error.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    step : float
+        s.
+    snapshots : int or tuple of float, optional
+        Number of states to keep, or the times of the states, s.
+    expected_steps : int, optional
+        Number of steps for which memory is checked at the start.
     """
 
     proved = -1
     stopped_by = "until"
     rtol = 0.0
-    room: int
 
     def __init__(
         self,
         mesh: Mesh,
         step: float,
         snapshots: int | tuple[float, ...] | None = None,
-        room: int | None = None,
+        expected_steps: int | None = None,
     ) -> None:
-        self.mesh, self.step, self.row = mesh, step, mesh.row
-        self.clock, self.estimates = clock_on(mesh, step), dict[str, float]()
+        self.mesh = mesh
+        self.step = step
+        self.row = mesh.row
+        self.clock = clock_on(mesh, step)
+        self.estimates: dict[str, float] = {}
         self.coarser: list[tuple[float, GridRun]] = []
-        self._chosen, self._stride = (
-            None,
-            1,
-        )  # steps after which states are kept, or how many apart
+        self._stride = 1  # steps between two states
+        self._chosen_steps: Array | None = None  # steps after which states are kept
         if snapshots is None or isinstance(snapshots, int):
-            fitting = max(
-                64, STATES_BYTES // (16 * len(mesh.mass) * (1 + mesh.has_radial_strain))
-            )
-            self._most = max(snapshots or fitting, 3)
+            state_bytes = 16 * len(mesh.mass) * (1 + mesh.has_radial_strain)
+            count = snapshots
+            if not count:
+                count = max(64, MAX_STATES_BYTES // state_bytes)
+            self._max_states = max(count, 3)
         else:
-            at = np.array(snapshots) / step
-            self._chosen = np.concatenate((np.floor(at), np.ceil(at), [0.0]))
-            self._most = 3 * len(self._chosen)
+            steps = np.array(snapshots) / step
+            self._chosen_steps = np.concatenate(
+                (np.floor(steps), np.ceil(steps), [0.0])
+            )
+            self._max_states = 3 * len(self._chosen_steps)
         # States of damped rods are smoothed with the states one step before and after.
-        self._in_threes = bool(mesh.viscous.any()) and self._most >= FEWEST_IN_THREES
-        self._ask(room or 4 * self.round_trip)
-        self._when(
-            self.room
-        )  # sets the distance of states, so that few are kept in vain
+        is_damped = bool(mesh.viscous.any())
+        self._in_threes = is_damped and self._max_states >= MIN_STATES_IN_THREES
+        self.checked_steps = expected_steps or 4 * self.round_trip
+        self._require_memory(self.checked_steps)
+        # This sets the stride of states, so that few are kept in vain.
+        self._choose_states(self.checked_steps)
         self.grid = scheme.grid_of(mesh, step)
         kick = start.begin(mesh, step, self.grid)
-        self.history = self._blank(0, 0)
+        self.history = self._empty_history(0, 0)
         self.advance(0)
         start.slow_down(mesh, step, self.grid, kick)
 
@@ -107,45 +129,40 @@ class GridRun:
 
     # The steps ------------------------------------------------------------------------------------
 
-    def _ask(self, steps: int) -> None:
+    def _require_memory(self, steps: int) -> None:
         """Raise TooLong where so many steps, with states and results, take too much memory."""
-        mesh, row, states, self.room = (
-            self.mesh,
-            self.row,
-            min(steps, self._most) + 2.0,
-            steps,
-        )
-        kept = 3 * len(mesh.touching) + 2 + len(mesh.watched) + len(mesh.pulled)
-        # what the kernel enters; force, gap, path, rate and power with integrals; ends and times
-        record = steps * (
-            2.0 * kept + 10 * len(row.contact_link) + 5 * len(row.masses) + 26
-        )
-        # two of each, while they are joined or fields are made of them
-        fields = (
-            2
-            * states
-            * (2 * len(mesh.mass) * (1 + mesh.has_radial_strain) + len(mesh.starts) + 3)
-        )
-        if (
-            not kernels.enabled()
-        ):  # lists take four times what arrays take, and stand beside them
-            record, fields = record + 4.0 * steps * kept, 3 * fields
-        what = (
-            f"a run of {steps:.4g} steps of {self.step:.3g} s with {states:.4g} states"
-        )
+        mesh = self.mesh
+        row = self.row
+        states = min(steps, self._max_states) + 2.0
+        self.checked_steps = steps
+        recorded = 3 * len(mesh.touching) + 2 + len(mesh.watched) + len(mesh.pulled)
+        # Records of the kernel, twice while they are joined; force, gap, path, rate and power
+        # of a contact with their integrals; masses; ends and times.
+        results = 10 * len(row.contact_link) + 5 * len(row.masses) + 26
+        record = steps * (2.0 * recorded + results)
+        # Two of each state, while they are joined or fields are made of them.
+        numbers = 2 * len(mesh.mass) * (1 + mesh.has_radial_strain)
+        fields = 2 * states * (numbers + len(mesh.starts) + 3)
+        if not kernels.enabled():
+            # Lists take four times the memory of arrays, and stand beside them.
+            record = record + 4.0 * steps * recorded
+            fields = 3 * fields
+        argument = "until"
+        if record <= fields:
+            argument = "snapshots"
         ask(
             record + fields,
-            "until" if record > fields else "snapshots",
-            what,
+            argument,
+            f"a run of {steps:.4g} steps of {self.step:.3g} s with {states:.4g} states",
             "stop earlier, keep fewer states, or take fewer cells",
         )
 
-    def _when(self, end: int) -> Array:
+    def _choose_states(self, end: int) -> Array:
         """Steps at whose ends states are kept, of a run to step `end`."""
-        if self._chosen is not None:
-            steps = self._chosen[self._chosen <= end].astype(int)
+        if self._chosen_steps is not None:
+            steps = self._chosen_steps[self._chosen_steps <= end].astype(int)
         else:
-            while self._states(end) > self._most:
+            while self._bound_states(end) > self._max_states:
                 self._stride *= 2
             steps = np.arange(0, end, self._stride)
         last = np.array([end])
@@ -155,86 +172,89 @@ class GridRun:
         steps = np.union1d(steps, last)
         return np.asarray(steps[(steps >= 0) & (steps <= end)])
 
-    def _states(self, end: int) -> int:
+    def _bound_states(self, end: int) -> int:
         """Upper bound of the number of states that are kept of a run to step `end`."""
         if self._in_threes and self._stride > 1:
             return 3 * (end // self._stride + 2)
         return end // self._stride + 2
 
-    def _blank(self, steps: int, states: int) -> StepHistory:
-        """Room for what the kernel enters."""
-        grid, n = self.grid, len(self.mesh.mass)
-        swollen = states, (n + 1) * self.mesh.has_radial_strain
+    def _empty_history(self, steps: int, states: int) -> StepHistory:
+        """Memory for the records of the kernel."""
+        grid = self.grid
+        n = len(self.mesh.mass)
+        radial_shape = states, (n + 1) * self.mesh.has_radial_strain
         return StepHistory(
-            np.empty((steps, len(grid.links)), SIGNAL),
-            np.empty((steps, 2)),
-            np.empty((steps, len(grid.watched))),
-            np.empty((steps, len(grid.pulled))),
-            np.empty(states, np.int64),
-            np.empty(states),
-            np.empty((states, n)),
-            np.empty((states, n + 1)),
-            np.empty((states, len(grid.pieces))),
-            np.empty(swollen),
-            np.empty(swollen),
+            signals=np.empty((steps, len(grid.links)), SIGNAL),
+            prescribed=np.empty((steps, 2)),
+            velocities=np.empty((steps, len(grid.watched))),
+            tensions=np.empty((steps, len(grid.pulled))),
+            when=np.empty(states, np.int64),
+            lost=np.empty(states),
+            velocity=np.empty((states, n)),
+            force=np.empty((states, n + 1)),
+            displacement=np.empty((states, len(grid.pieces))),
+            radial=np.empty(radial_shape),
+            radial_rate=np.empty(radial_shape),
         )
 
-    def advance(self, end: int, tell: Callable[[int], None] | None = None) -> None:
-        """Run to step `end`; `tell` hears of the steps taken, several times a second."""
-        if end > self.room:
-            self._ask(max(end, 2 * self.room))
-        when, first = self._when(end), self.steps
-        left = np.isin(self.history.when, when, assume_unique=True)
-        new = when[left.sum() :]  # both increase, and all states left are among them
-        window = self._blank(end - first, len(new))
+    def advance(self, end: int, report: Callable[[int], None] | None = None) -> None:
+        """Run to step `end`; `report` is told the steps taken, several times a second."""
+        if end > self.checked_steps:
+            self._require_memory(max(end, 2 * self.checked_steps))
+        when = self._choose_states(end)
+        first = self.steps
+        still_wanted = np.isin(self.history.when, when, assume_unique=True)
+        # Both increase, and all states that are still wanted are among them.
+        new = when[still_wanted.sum() :]
+        window = self._empty_history(end - first, len(new))
         window.when[:] = new
         for side in (0, 1):
-            window.prescribed[:, side] = scheme.boundary_values(
-                self.mesh, self.step, side, end
-            )[first:]
-        self._take(window, end, tell)
-        self.history = StepHistory(
-            *(
-                compiling.joined(old[left] if name in STATE_FIELDS else old, more)
-                for name, old, more in zip(
-                    StepHistory._fields, self.history, window, strict=True
-                )
-            )
-        )
+            values = scheme.boundary_values(self.mesh, self.step, side, end)
+            window.prescribed[:, side] = values[first:]
+        self._run_kernel(window, end, report)
+        joined = {}
+        for name in StepHistory._fields:
+            old = getattr(self.history, name)
+            if name in STATE_FIELDS:
+                old = old[still_wanted]
+            joined[name] = compiling.joined(old, getattr(window, name))
+        self.history = StepHistory(**joined)
 
-    def _take(
-        self, window: StepHistory, end: int, tell: Callable[[int], None] | None
+    def _run_kernel(
+        self, window: StepHistory, end: int, report: Callable[[int], None] | None
     ) -> None:
-        """Take the steps to `end`, and fill a window with them."""
+        """Take the steps to `end`, compiled or in plain Python, and fill a window with them."""
         first = self.steps
-        arrays: list[Any] = [self.grid, StepHistory(*(x.reshape(-1) for x in window))]
-        self.grid.run["first_step"], self.grid.run["kept_states"] = first, 0
-        numbers = sum(x.nbytes for held in arrays for x in held) // 8
-        seconds = (end - first) * cost(
-            self.mesh, plain=True
-        ) + numbers * kernels.LIST_TIME
-        fast = kernels.worth_compiling(seconds, grid_kernel.run_steps)
-        go: Any = (
-            kernels.compiled(grid_kernel.run_steps) if fast else grid_kernel.run_steps
-        )
-        given = (
-            arrays
-            if fast
-            else [held._make(map(compiling.as_objects, held)) for held in arrays]
-        )
-        done = True
-        chunk = max(1, int(ROUND / cost(self.mesh, plain=not fast)))
+        flat_window = StepHistory(*(array.reshape(-1) for array in window))
+        arrays = [*self.grid, *flat_window]
+        self.grid.run["first_step"] = first
+        self.grid.run["kept_states"] = 0
+        numbers = sum(array.nbytes for array in arrays) // 8
+        seconds = (end - first) * step_time(self.mesh, plain=True)
+        seconds += numbers * kernels.LIST_TIME
+        is_compiled = kernels.worth_compiling(seconds, grid_kernel.run_steps)
+        kernel: Any = grid_kernel.run_steps
+        grid: Any = self.grid
+        history: Any = flat_window
+        if is_compiled:
+            kernel = kernels.compiled(grid_kernel.run_steps)
+        else:
+            grid = grid._make(map(compiling.as_objects, grid))
+            history = history._make(map(compiling.as_objects, history))
+        is_solved = True
+        time_of_step = step_time(self.mesh, plain=not is_compiled)
+        chunk = max(1, int(REPORT_INTERVAL / time_of_step))
         for taken in (*range(first + chunk, end, chunk), end):
-            done = done and go(*given, taken)
-            if done and tell and taken < end:
-                tell(taken)
-        for x, found in zip(chain(*arrays), chain(*given), strict=True):
-            if not fast:
-                x[:] = compiling.as_records(found, x.dtype)
-        if not done:
+            is_solved = is_solved and kernel(grid, history, taken)
+            if is_solved and report and taken < end:
+                report(taken)
+        if not is_compiled:
+            for array, objects in zip(arrays, [*grid, *history], strict=True):
+                array[:] = compiling.as_records(objects, array.dtype)
+        if not is_solved:
             raise squeezed(self.steps * self.step)
 
-    # What passed ----------------------------------------------------------------------------------
+    # Results --------------------------------------------------------------------------------------
 
     @property
     def edges(self) -> Array:
@@ -247,67 +267,74 @@ class GridRun:
         return np.asarray(self.edges * self.clock.tick)
 
     def motion(self, states: Any = slice(None)) -> GridMotion:
-        """The states that were kept, or some of them, without what pushes."""
+        """The states that were kept, or some of them, without `pushes`."""
         mesh = self.mesh
         kept = {name: getattr(self.history, name)[states] for name in STATE_FIELDS}
         return GridMotion(
-            mesh.counts,
-            mesh.first,
-            mesh.last,
-            mesh.starts,
-            mesh.mass,
-            mesh.shear,
-            mesh.cells,
+            counts=mesh.counts,
+            first=mesh.first,
+            last=mesh.last,
+            starts=mesh.starts,
+            mass=mesh.mass,
+            shear=mesh.shear,
+            cells=mesh.cells,
             **kept,
             pushes={},
         )
 
-    def entered(self, link: int, field: str) -> Array:
-        """What a link that is not bonded entered in each step."""
-        place = list(self.mesh.touching).index(link)
-        return np.ascontiguousarray(self.history.signals[:, place][field])
+    def recorded(self, link: int, field: str) -> Array:
+        """A field of `SIGNAL` of a link that has a law, in each step."""
+        column = list(self.mesh.touching).index(link)
+        return np.ascontiguousarray(self.history.signals[:, column][field])
 
     def contact(self, contact: int) -> tuple[Array, Array]:
         """Mean force in each step, N, and gap at the ends of steps, m; not of a bonded contact."""
         link = self.row.contact_link[contact]
-        gap = self.entered(link, "gap") * self.step
-        return self.entered(link, "force"), np.append(
-            float(initial_gap(self.row.links[link])), gap
-        )
+        gap = self.recorded(link, "gap") * self.step
+        first_gap = float(initial_gap(self.row.links[link]))
+        return self.recorded(link, "force"), np.append(first_gap, gap)
 
     def pressed(self, contact: int) -> Array:
-        """[n, 3] as of `pressings`, s; none of a contact that cannot open."""
+        """Times of a contact [n, 3] as in `contact_intervals`, s; none where it cannot open."""
         if contact not in self.row.opening:
             return np.zeros((0, 3))
-        least = GAP_RESOLUTION * float(self.row.scale) * self.step
-        return self.step * pressings(*self.contact(contact), least)
+        open_gap = GAP_RESOLUTION * float(self.row.scale) * self.step
+        return self.step * contact_intervals(*self.contact(contact), open_gap)
 
     def spans(self, pressed: Array) -> tuple[Array, Array]:
-        """When a contact that has `pressed` so begins and ceases to, or the run ends, s."""
+        """When forces begin, and when they end or the run does, s; `pressed` as above."""
         begins, ends, _ = pressed.T
         return begins, np.nan_to_num(ends, nan=self.times[-1])
 
     def velocity(self, node: int) -> Array:
-        """Velocity of a watched node at the ends of the steps, the first at t = 0, in the frame."""
-        entered = self.history.velocities[:, self.mesh.watched.index(node)]
-        return np.concatenate((self.history.velocity[:1, node], entered))
+        """Velocity of a watched node at the ends of the steps, from t = 0 on, in the frame."""
+        velocities = self.history.velocities[:, self.mesh.watched.index(node)]
+        return np.concatenate((self.history.velocity[:1, node], velocities))
 
-    def speed(self, mass: int) -> Array:
-        """Velocity of a mass at the ends of the steps, in the frame."""
+    def mass_velocity(self, mass: int) -> Array:
+        """Velocity of a mass at the ends of the steps, in the frame.
+
+        Indices beyond the masses of the row are its left and right wall.
+        """
         side = mass - len(self.row.masses)
         if side >= 0:
             wall = float(self.row.outside[side][1]) - self.row.frame
             return np.asarray(wall - self.row.system.gravity * self.times)
         return self.velocity(self.mesh.node_of_mass[mass])
 
-    def bond(self, link: int) -> Array:
+    def bond_force(self, link: int) -> Array:
         """Mean force in a bonded link in each step, N: Newton's law for the half cell beside it."""
-        mesh, (node, cell) = self.mesh, self.mesh.bonds[link]
-        sign, v = (1 if cell == node else -1), self.velocity(node)
+        mesh = self.mesh
+        node, cell = mesh.bonds[link]
+        sign = -1
+        if cell == node:
+            sign = 1
+        v = self.velocity(node)
         stretch = sign * (v - self.velocity(node - sign))
-        bound = scheme.off_diagonal_of(mesh, self.step)[cell] * np.diff(stretch)
-        force = self.history.tensions[:, mesh.pulled.index(cell)]
-        pulled = force + mesh.viscous[cell] * stretch[:-1] + bound
+        coupling = scheme.off_diagonal_of(mesh, self.step)[cell]
+        implicit = coupling * np.diff(stretch)
+        tension = self.history.tensions[:, mesh.pulled.index(cell)]
+        pulled = tension + mesh.viscous[cell] * stretch[:-1] + implicit
         gained = mesh.cell_mass[cell] / 2 / self.step * np.diff(v)
         return np.asarray(-pulled - sign * gained)
 
@@ -318,60 +345,74 @@ class GridRun:
 
     @property
     def largest_strain(self) -> float:
-        """Largest strain of the states that were kept."""
-        return float(np.abs(self.motion().stretches(self.step) / self.mesh.width).max())
+        """Largest absolute strain of the states that were kept."""
+        strains = self.motion().stretches(self.step) / self.mesh.width
+        return float(np.abs(strains).max())
 
     @cached_property
     def overshoot(self) -> float:
-        """How much less the peak force of rigid contacts is over a few steps; relative.
+        """Relative overshoot of the peak force of rigid contacts.
 
-        Beside a jump waves on a grid overshoot by a share that no finer mesh makes less; averages
-        over a few steps do not.
+        It is (peak of the step means - peak of the means over `OVERSHOOT_STEPS`)/peak. Beside a
+        jump waves on a grid overshoot by a share that no finer mesh makes less; averages over a few
+        steps do not.
         """
-        peaks, less = [0.0], [0.0]
+        largest_peak = 0.0
+        largest_excess = 0.0
         for contact, link in self.row.opening.items():
-            if self.row.links[link].law == Law.RIGID:
-                force = self.contact(contact)[0]
-                passed = np.concatenate((np.zeros(RINGING), np.cumsum(force)))
-                means = (passed[RINGING:] - passed[:-RINGING]) / RINGING
-                peaks.append(largest_force(force))
-                less.append(peaks[-1] - float(means.max(initial=0.0)))
-        return max(less) / (max(peaks) or 1.0)
+            if self.row.links[link].law != Law.RIGID:
+                continue
+            force = self.contact(contact)[0]
+            sums = np.concatenate((np.zeros(OVERSHOOT_STEPS), np.cumsum(force)))
+            means = (sums[OVERSHOOT_STEPS:] - sums[:-OVERSHOOT_STEPS]) / OVERSHOOT_STEPS
+            peak = largest_force(force)
+            excess = peak - float(means.max(initial=0.0))
+            largest_peak = max(largest_peak, peak)
+            largest_excess = max(largest_excess, excess)
+        if largest_peak == 0:
+            return largest_excess
+        return largest_excess / largest_peak
 
     @property
     def peak_error(self) -> float:
-        """Error of the peak force that no finer mesh makes less; relative."""
-        steep = (
-            self.mesh.viscous.any()
-            or self.mesh.lateral.any()
-            or self.mesh.has_radial_strain
-        )
-        if steep and any(it.law == Law.RIGID for it in self.row.links):
-            return (
-                math.inf
-            )  # of flat ends that meet, any finer mesh finds a larger force
+        """Relative error of the peak force that no finer mesh makes less.
+
+        It is inf where flat ends of damped rods, or of rods with lateral inertia, meet: any finer
+        mesh finds a larger force.
+        """
+        mesh = self.mesh
+        is_dispersive = mesh.lateral.any() or mesh.has_radial_strain
+        has_flat_ends = any(link.law == Law.RIGID for link in self.row.links)
+        if has_flat_ends and (mesh.viscous.any() or is_dispersive):
+            return math.inf
         return 2 * float(self.overshoot)
 
 
-def cost(mesh: Mesh, plain: bool) -> float:
-    """About how long a step takes, s, in plain Python or compiled."""
-    times = 1 + mesh.has_radial_strain + (2 if plain else 6) * mesh.implicit
+def step_time(mesh: Mesh, *, plain: bool) -> float:
+    """Approximate time of a step, s, in plain Python or compiled."""
+    implicit = 6
+    if plain:
+        implicit = 2
+    times = 1 + mesh.has_radial_strain + implicit * mesh.implicit
     return STEP_TIMES[plain] + len(mesh.mass) * times * CELL_TIMES[plain]
 
 
 def clock_on(mesh: Mesh, step: float) -> Clock:
     """Clock of a mesh; impedances are means, so that Z T is the mass."""
-    row, segments, tick = mesh.row, mesh.row.segments, step / STEP_TICKS
-    ticks = [max(1, round(float(s.transit_time) / tick)) for s in segments]
-    impedance = [
-        float(mesh.cell_mass[a + 1 : b + 1].sum()) / (T * tick)
-        for a, b, T in zip(mesh.first[1:], mesh.last[1:], ticks, strict=True)
-    ]
+    row = mesh.row
+    tick = step / STEP_TICKS
+    transits = []
+    impedances = [0.0]
+    for s, segment in enumerate(row.segments, start=1):
+        transit = max(1, round(float(segment.transit_time) / tick))
+        cells = slice(mesh.first[s] + 1, mesh.last[s] + 1)
+        transits.append(transit)
+        impedances.append(float(mesh.cell_mass[cells].sum()) / (transit * tick))
     return clock_of(
         row,
-        ticks,
+        transits,
         tick,
-        impedance=[0.0, *impedance, 0.0],
+        impedance=[*impedances, 0.0],
         scale=row.scale,
         is_mesh=True,
     )

@@ -11,10 +11,10 @@ from ..run import INWARD, Coarser, ContactSignal, ContactTally, Run, Signals
 from ..signals import Floats, Pieces
 from ..status import ending, last_contact, proof_sentence, strain_warning
 from .forces import contact_forces, outside_of, over_steps
-from .measures import largest_force, touchings
+from .measures import episodes_from_intervals, largest_force
 from .mesh import STEP_TICKS
 from .refinement import ROUGH
-from .run import RINGING, GridRun
+from .run import OVERSHOOT_STEPS, GridRun
 from .smoothness import order_of
 
 LARGE_CHANGE = 1e-2  # of the peak force, from which it is said
@@ -79,7 +79,7 @@ def _own_peak(run: GridRun) -> str:
         reason = "flat ends meet, and a finer mesh finds a larger force"
     elif run.overshoot > max(run.rtol, LARGE_CHANGE):
         reason = (
-            f"waves overshoot beside jumps, and the mean over {RINGING} steps is lower by "
+            f"waves overshoot beside jumps, and the mean over {OVERSHOOT_STEPS} steps is lower by "
             f"{100 * run.overshoot:.1g} %"
         )
     return f" The peak force is that of this mesh: {reason}." if reason else ""
@@ -125,7 +125,7 @@ def _tally(run: GridRun, k: int, force: Floats, pressed: Floats) -> ContactTally
         float((ends - begins).sum()),
         first,
         last,
-        len(touchings(pressed)),
+        len(episodes_from_intervals(pressed)),
     )
 
 
@@ -137,13 +137,13 @@ def _signals(
     for k, (force, link) in enumerate(zip(forces, row.contact_link, strict=True)):
         gap, closing = np.zeros(run.steps + 1), np.zeros(run.steps)
         if k in row.by_law:
-            gap, closing = run.contact(k)[1], run.entered(link, "closing")
+            gap, closing = run.contact(k)[1], run.recorded(link, "closing")
         contacts.append(
             ContactSignal(
                 over_steps(run, force),
                 Pieces.through(edges, gap),
                 over_steps(run, closing),
-                touchings(pressed[k]),
+                episodes_from_intervals(pressed[k]),
             )
         )
         for node, sign in zip(mesh.touching.get(link, ()), INWARD[::-1], strict=False):
@@ -152,7 +152,7 @@ def _signals(
         if end is not None:
             pushes[node] = pushes.get(node, 0.0) + sign * end.push.values
     masses = {
-        body: Pieces.through(edges, run.speed(m))
+        body: Pieces.through(edges, run.mass_velocity(m))
         for body, m in enumerate(row.mass_of)
         if m >= 0
     }
