@@ -43,6 +43,9 @@ from .known import Ending, errors_of, outcome_shown
 from .motion import curve_of, grids_of
 
 ROOM = 512  # of the log at first
+MAX_STEPS = (
+    100_000  # of a run that starts: more take longer than a page may stand still
+)
 LOG_GROWTH = 256  # rows that logs grow by; whenever they grow, the deadline is checked
 TOO_MUCH_WORK = (
     "This collision takes too long for the page. Usually one rod is very much shorter than "
@@ -69,6 +72,22 @@ def clock_of(row: Any, until: Any) -> Any:
     tick = reference / total
     last_tick = round(end / tick)
     return Clock(row, tick, ticks, frame_of(row), scale, reference, last_tick)
+
+
+def least_steps(clock: Clock, until: Any) -> float:
+    """Lower bound of the steps of one member; to its proof of finality where no end is given.
+
+    A node goes on by twice the shorter transit time beside it at most. A run without an end goes on
+    for a round trip of the longest rod after its proof.
+    """
+    transits = clock.transits
+    duration = 2 * max(transits)
+    if until is not None:
+        duration = clock.last_tick
+    steps = 0.0
+    for k in range(1, len(transits)):
+        steps += duration / (2 * min(transits[k - 1], transits[k]))
+    return steps
 
 
 def waves_at_start(row: Any, clock: Clock) -> Any:
@@ -120,6 +139,8 @@ def run_of(
     clock = clock_of(row, until)
     if clock is None:
         return {"problem": ("bodies", TOO_FAR_APART)}
+    if least_steps(clock, until) > MAX_STEPS:
+        return {"problem": ("", TOO_MUCH_WORK)}
     log, outside = waves_at_start(row, clock)
     for l in range(len(log)):
         log[l].line = l

@@ -36,6 +36,7 @@ CALL = 64  # members between two looks whether to stop
 PLAIN = 500  # steps in plain Python between two looks at the clock
 STEP_TIME = 1.5e-3  # s, about what such a step takes
 BRIEF = 0.02  # s that a run takes at least: many short ones are worth machine code, too
+UNEQUAL = 1000  # ratio of transit times from which on the shortest decides the number of pieces
 SLICE = 100_000  # compiled steps between two looks at the clock
 
 
@@ -150,6 +151,20 @@ class Members:
             return None
         return min(limit, int(run.steps * (float(run.end) / reached)) + 1)
 
+    def _remedy(self) -> str:
+        """What to do where a run has too many pieces."""
+        transits = [float(np.max(transit)) for transit in self.clock.transits]
+        shortest = min(transits, default=0.0)
+        longest = max(transits, default=0.0)
+        if longest <= UNEQUAL * shortest:
+            return "stop earlier, or take a larger rtol"
+        path = self.row.paths[transits.index(shortest) + 1]
+        return (
+            f"no piece is longer than the transit time of {path}, which is "
+            f"{shortest / longest:.1g} of the longest: make it longer, replace it by a rigid "
+            "mass, or stop earlier"
+        )
+
     def _slice(self, member: int, fast: bool) -> Stop:
         """Run on: on arrays of records, or on lists of objects in plain Python."""
         held = self.records(member)
@@ -164,7 +179,7 @@ class Members:
                 4 * pieces * PIECE.itemsize / 8,
                 "until",
                 f"a run of more than {pieces} pieces of waves",
-                "stop earlier, or take a larger rtol",
+                self._remedy(),
             )
             for name, kind in LISTS.items():
                 held[name] = compiling.lengthened(held[name], kind)

@@ -37,7 +37,7 @@ def look(
         elif run.check < NEVER and run.stop == Stop.NONE and tick < run.end:
             time = time_until_over(run, link, part)
             run.check = tick + max(
-                run.shortest, int(min(time / run.tick, 0.5 * NEVER)) + 1
+                run.proof_interval, int(min(time / run.tick, 0.5 * NEVER)) + 1
             )
             if time == 0:
                 run.proved, run.check = tick, NEVER

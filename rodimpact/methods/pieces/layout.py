@@ -22,6 +22,7 @@ WINDOW = 2.0**-40  # of the longest transit: what comes nearer is taken together
 NEAR = (
     1e-7  # of the velocity scale: over which the slopes of a law of the user are taken
 )
+PROOFS = 8  # in the longest transit at most: each looks at all waves under way
 GRAZE = 2.0**-40  # of the velocity scale: forces that move no faster are none
 
 
@@ -134,7 +135,9 @@ def run_of(row: Any, clock: Clock, asked: Asked, shortest: Any, known: Any) -> A
     run.window = np.maximum(np.rint(clock.reference / clock.tick * WINDOW), 1)
     run.end, run.limit, run.keep = clock.last_tick, asked.limit, 1 if asked.keep else 0
     run.proved = run.first_rough = run.surveyed = NONE
-    run.check = NEVER if driven(row.system) else shortest
+    longest = np.rint(clock.reference / clock.tick)
+    run.proof_interval = np.maximum(shortest, longest // PROOFS)
+    run.check = NEVER if driven(row.system) else run.proof_interval
     run.held = 0 if all(law.opens for law in row.system.contacts) else 1
     run.extra = 0 if asked.until is None else NEVER
     return run

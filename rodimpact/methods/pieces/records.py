@@ -181,6 +181,7 @@ RUN = np.dtype(
             "check",
             "i8",
         ),  # when they are to be looked at again, NEVER where nothing is to be proved
+        ("proof_interval", "i8"),  # least time between two looks for a proof, ticks
         ("extra", "i8"),  # ticks to go on after the proof
         ("pieces", "i8"),
         ("turns", "i8"),

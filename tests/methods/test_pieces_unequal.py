@@ -1,0 +1,92 @@
+"""Rods of very unequal transit times: work that grows with the ratio alone, and a sentence."""
+
+import numpy as np
+import pytest
+from exhaustive import few_of
+from networks import unit_rod
+
+import rodimpact as ri
+from rodimpact.explorer import pieces as page
+from rodimpact.explorer.design import LIBRARY, tables_of
+from rodimpact.explorer.tables import asked_of, system_of
+from rodimpact.methods import kernels, memory
+from rodimpact.methods.pieces import finality, march
+from rodimpact.methods.walk import walk
+
+HERTZ = ri.Hertz(3.0)
+KINDS = {
+    "bonded hertz": (ri.Bonded(), HERTZ),
+    "hertz bonded": (HERTZ, ri.Bonded()),
+    "hertz": (HERTZ, HERTZ),
+    "rigid": (ri.Rigid(), ri.Rigid()),
+}
+
+
+def row(length, kind):
+    """A long rod strikes a very short one, behind which is another long rod."""
+    rods = [unit_rod(1.0, velocity=1.0), unit_rod(length), unit_rod(0.3)]
+    return ri.System(rods, contacts=KINDS[kind])
+
+
+@pytest.mark.parametrize("kind", few_of(KINDS, {"hertz bonded", "rigid"}))
+def test_the_looks_for_a_proof_do_not_grow_with_the_ratio(monkeypatch, kind):
+    """Each of them reads all waves under way: one in each short transit made 10 s of 0.4 s."""
+    looks = []
+    survey = finality.survey
+
+    def counted(*arguments):
+        looks.append(arguments)
+        survey(*arguments)
+
+    monkeypatch.setattr(finality, "survey", counted)
+    with kernels.forced(False):
+        solution = ri.solve(row(0.01, kind), method="characteristics")
+    assert solution.final
+    runs = 4  # one at rtol, and others for the stated error
+    assert len(looks) <= runs * (8 * solution.t_end + 6)
+
+
+@pytest.mark.skipif(not kernels.enabled(), reason="a hundred thousand steps")
+def test_a_row_with_a_ratio_of_1e4_is_right():
+    pytest.importorskip("numba")
+    system = row(1e-4, "rigid")
+    with kernels.forced(True):
+        found = ri.solve(system, method="characteristics")
+    exact = ri.solve(system, method="fronts")
+    stated = found.accuracy["velocity"] * found.fields.clock.scale
+    off = np.subtract(found.outcome.velocities_after, exact.outcome.velocities_after)
+    assert np.abs(off).max() <= stated + 1e-13
+
+
+def test_a_run_with_too_many_pieces_names_the_short_rod(monkeypatch):
+    monkeypatch.setattr(memory, "MOST_BYTES", 3e5)
+    with pytest.raises(memory.TooLong) as refusal:
+        ri.solve(row(1e-5, "bonded hertz"), method="characteristics")
+    ((field, sentence),) = refusal.value.problems
+    assert field == "until"
+    assert "the transit time of bodies.1, which is 1e-05 of the longest" in sentence
+    assert "replace it by a rigid mass" in sentence
+    with pytest.raises(memory.TooLong, match="take a larger rtol"):
+        ri.solve(row(0.1, "hertz"), method="characteristics", until=1e3)
+
+
+def run_of_page(system, until):
+    """What the page makes of a system."""
+    options = {} if until is None else {"until": until}
+    tables = {"solve": {}, **tables_of(ri.Case(system, options))["case"]}
+    return page.run_of(
+        walk(system_of(tables, LIBRARY)), asked_of(tables), 1e-8, True, None
+    )
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("until", [None, 5.0])
+def test_the_page_says_at_once_that_a_row_takes_too_long(monkeypatch, kind, until):
+    def run(*_):
+        raise AssertionError("the page has begun")
+
+    monkeypatch.setattr(march, "follow", run)
+    problem = run_of_page(row(1e-6, kind), until)["problem"]
+    assert problem == ("", page.TOO_MUCH_WORK)
+    with pytest.raises(AssertionError, match="the page has begun"):
+        run_of_page(row(0.01, kind), until)
