@@ -108,16 +108,19 @@ def _border_kinds(plane: Atlas) -> NDArray[np.int_]:
     """What changes at each border: the formula, the contacts, or neither but e = 1."""
     contacts = dict(enumerate(plane.contacts))
     kinds = np.full(len(plane.between), OTHER_FORMULA)
-    for border, (one, other) in enumerate(plane.between.tolist()):
-        before = contacts.get(one)
-        after = contacts.get(other)
+    for border, regions in enumerate(plane.between.tolist()):
+        before = contacts.get(regions[0])
+        after = contacts.get(regions[1])
         if before is not None and after is not None and before != after:
             kinds[border] = OTHER_CONTACTS
     cell_of_region = {region: i for i, region in enumerate(plane.region)}
     for region, i in cell_of_region.items():
-        beside = np.flatnonzero((plane.between == region).any(axis=1))
-        e = plane.cells[i].restitution(*plane.borders[beside].T)
-        kinds[beside[np.abs(e - 1) < ONE_ATOL]] = E_IS_ONE
+        is_beside = (plane.between == region).any(axis=1)
+        its_borders = np.flatnonzero(is_beside)
+        cell = plane.cells[i]
+        e = cell.restitution(*plane.borders[its_borders].T)
+        is_one = np.abs(e - 1) < ONE_ATOL
+        kinds[its_borders[is_one]] = E_IS_ONE
     return kinds
 
 
@@ -125,14 +128,16 @@ def _draw_borders(
     ax: Axes, plane: Atlas, scales: Sequence[Scale], kinds: NDArray[np.int_]
 ) -> list[collections.LineCollection]:
     """Draw the borders, those of a kind together."""
-    lines = plane.lines * [scale.factor for scale in scales]
+    factors = [scale.factor for scale in scales]
+    lines = plane.lines * factors
     styles = {
         OTHER_FORMULA: (0.8, colours().ink),
         OTHER_CONTACTS: (2.0, colours().ink),
         E_IS_ONE: (2.0, colours().series[4]),
     }
     drawn = []
-    for kind, (width, colour) in styles.items():
+    for kind, style in styles.items():
+        width, colour = style
         segments = lines[kinds[plane.of_line] == kind]
         if len(segments):
             border = collections.LineCollection(

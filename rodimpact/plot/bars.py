@@ -28,8 +28,8 @@ from .borders import (
     wall_style,
 )
 from .layout import PictureLayout
-from .sampling import is_smooth, middles, properties, state_at
-from .scales import Scale
+from .sampling import is_smooth, middles, properties, rods_of, state_at
+from .scales import Scale, largest_of
 from .style import SMALL, colours
 
 LEGEND = "thick: compressed, thin: stretched, thick line: pressing"
@@ -105,20 +105,21 @@ class Bars:
         self.times = times
         self.rows = -np.arange(float(times.size))
         states: list[tuple[int, int, Profile]] = []
-        for row, t in enumerate(np.maximum(times, 0.0).tolist()):
-            for i, body in enumerate(self.system.bodies):
-                if isinstance(body, Rod):
-                    states.append((row, i, state_at(self.solution, i, t)))
+        seen_times = np.maximum(times, 0.0).tolist()
+        for row, t in enumerate(seen_times):
+            for i in rods_of(self.system):
+                profile = state_at(self.solution, i, t)
+                states.append((row, i, profile))
         if self.largest == 0:
             self.largest = _largest_strain([profile for _, _, profile in states])
 
         parts = []
         for row, i, profile in states:
-            found = self._pieces_of(row, i, profile)
-            if len(found) > MAX_PIECES and not self.is_smooth:
+            pieces = self._pieces_of(row, i, profile)
+            if len(pieces) > MAX_PIECES and not self.is_smooth:
                 spread = MERGED_SPREAD * float(np.ptp(profile.velocity))
-                found = merged(found, spread)
-            parts.append(found)
+                pieces = merged(pieces, spread)
+            parts.append(pieces)
         self.pieces: Any = np.concatenate(parts).view(np.recarray)
 
     def _pieces_of(self, row: int, body: int, profile: Profile) -> Any:
@@ -128,9 +129,10 @@ class Bars:
         ends = self.layout.point(body, edges, self.times[row]) * self.x_scale.factor
         segment, _ = self.solution.fields.locate(body, x)
         area, modulus, density = properties(self.solution, body, x)
-        thickness = np.maximum(MIN_THICKNESS, np.sqrt(area / self._widest_area()))
+        thickness = np.sqrt(area / self._widest_area())
+        thickness = np.maximum(MIN_THICKNESS, thickness)
         swelling = 1 - SWELLING * profile.strain / self.largest
-        pieces: Any = np.empty(x.size, PIECE).view(np.recarray)
+        pieces: Any = np.recarray(x.size, PIECE)
         pieces.row = row
         pieces.body = body
         pieces.segment = segment
@@ -154,7 +156,8 @@ class Bars:
 
     def end(self, body: int, is_right: bool) -> Floats:
         """Positions of an end of a body, in the unit of the picture."""
-        return self.layout.end(body, is_right, self.times) * self.x_scale.factor
+        X = self.layout.end(body, is_right, self.times)
+        return X * self.x_scale.factor
 
     # What is drawn -----------------------------------------------------------------------
 
@@ -320,16 +323,16 @@ class Bars:
     def _draw_upright(self, x: Floats, **style: Any) -> None:
         """Draw an upright line in each row in which x is known, by default in ink."""
         style.setdefault("color", colours().ink)
-        known = np.isfinite(x)
-        rows = self.rows[known]
-        self.ax.vlines(x[known], rows - HALF_HEIGHT, rows + HALF_HEIGHT, **style)
+        is_finite = np.isfinite(x)
+        rows = self.rows[is_finite]
+        self.ax.vlines(x[is_finite], rows - HALF_HEIGHT, rows + HALF_HEIGHT, **style)
 
 
 def _largest_strain(profiles: list[Profile]) -> float:
     """Largest absolute strain of profiles, or 1 if there is none."""
     largest = 0.0
     for profile in profiles:
-        largest = max(largest, float(np.abs(profile.strain).max()))
+        largest = max(largest, largest_of(profile.strain))
     if largest == 0:
         return 1.0
     return largest
@@ -349,7 +352,8 @@ def merged(pieces: Any, spread: float) -> Any:
     whole = pieces[starts]
     whole.right = pieces.right[last]
     for name in STATE:
-        whole[name] = np.add.reduceat(width * pieces[name], starts) / total_width
+        sums = np.add.reduceat(width * pieces[name], starts)
+        whole[name] = sums / total_width
     return whole
 
 

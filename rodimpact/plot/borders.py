@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
 from ..methods.signals import Floats
-from ..model import Absorbing, Joint, Moved, Pushed, Rigid, RigidMass, Rod
+from ..model import Absorbing, Joint, Moved, Pushed, Rigid, RigidMass
 from ..results.contacts import ContactHistory
 from ..results.gauges import Gauge
 from .layout import RowEnd
@@ -20,7 +20,7 @@ from .moments import event_times
 from .plane import Plane
 from .polygons import Polygons
 from .raster import Raster
-from .sampling import evenly, is_smooth
+from .sampling import evenly, is_smooth, rods_of
 from .scales import NEGLIGIBLE_RTOL
 from .style import SMALL, colours
 
@@ -62,9 +62,7 @@ class Borders:
         absorbing = self._absorbing_ends()
         paths = []
         styles = []
-        for i, body in enumerate(self.system.bodies):
-            if not isinstance(body, Rod):
-                continue
+        for i in rods_of(self.system):
             edges = self.solution.fields.edges(i)
             for is_right, x in ((False, edges[0]), (True, edges[-1])):
                 times = self.cut.bends(i, x)
@@ -171,7 +169,8 @@ class Borders:
             beyond = x + depth if is_right else x - depth
             face = self.plane.points(x, times)
             back = self.plane.points(beyond, times)
-            bands.append(self._fill(face, back, zorder=1, **wall_style()))
+            band = self._fill(face, back, zorder=1, **wall_style())
+            bands.append(band)
             self.ax.plot(*face.T, color=colours().ink, linewidth=1.5, zorder=3.5)
         return bands
 
@@ -219,18 +218,18 @@ class Borders:
             linewidth=2.2, foreground=colours().paper, alpha=0.6
         )
         lines: list[Line2D] = []
-        for i, body in enumerate(self.system.bodies):
-            if isinstance(body, Rod):
-                path = self.plane.points(self.layout.centre(i, times), times)
-                lines += self.ax.plot(
-                    *path.T,
-                    linestyle=(0, (5, 4)),
-                    color=colours().ink,
-                    linewidth=0.9,
-                    zorder=4.5,
-                    path_effects=[casing],
-                    label="centre of mass",
-                )
+        for i in rods_of(self.system):
+            X = self.layout.centre(i, times)
+            path = self.plane.points(X, times)
+            lines += self.ax.plot(
+                *path.T,
+                linestyle=(0, (5, 4)),
+                color=colours().ink,
+                linewidth=0.9,
+                zorder=4.5,
+                path_effects=[casing],
+                label="centre of mass",
+            )
         return lines
 
     def gauges(self, gauges: Mapping[str, Gauge]) -> list[Line2D]:
@@ -291,7 +290,8 @@ class Borders:
 
     def _end_path(self, body: int, is_right: bool, times: Floats) -> Floats:
         """Path of an end of a body, straight between `times`."""
-        return self.plane.points(self.layout.end(body, is_right, times), times)
+        X = self.layout.end(body, is_right, times)
+        return self.plane.points(X, times)
 
     def _fill(self, left: Floats, right: Floats, **style: Any) -> patches.Polygon:
         """Fill the strip between two paths."""

@@ -65,7 +65,7 @@ def _levels(values: Floats) -> list[float]:
 def label_contours(
     ax: Axes,
     contours: contour.QuadContourSet,
-    others: Sequence[contour.QuadContourSet],
+    borders: Sequence[contour.QuadContourSet],
 ) -> list[Text]:
     """Write the value of each line into it, clear of other labels, lines and the frame.
 
@@ -77,8 +77,10 @@ def label_contours(
         return signed(f"{level:g}")
 
     trial = list(ax.clabel(contours, fmt=value, inline=False, fontsize=LETTERS))
-    taken = [_points_of(ax, line) for other in others for line in other.allsegs[0]]
-    obstacles = np.concatenate([np.empty((0, 2)), *taken])
+    obstacles = np.empty((0, 2))
+    for border in borders:
+        for line in border.allsegs[0]:
+            obstacles = np.vstack([obstacles, _points_of(ax, line)])
     clear = np.full(len(obstacles), LETTERS / 2)  # distance to keep from each obstacle
     chosen = []
     for text in trial:
@@ -88,7 +90,8 @@ def label_contours(
                 continue
             if (np.hypot(*(obstacles - point).T) < half + clear).any():
                 continue
-            chosen.append(ax.transData.inverted().transform(point * _pixels(ax)))
+            to_map = ax.transData.inverted()
+            chosen.append(to_map.transform(point * _pixels(ax)))
             obstacles = np.vstack([obstacles, point])
             clear = np.append(clear, half)
             break
@@ -113,9 +116,9 @@ def _points_of(ax: Axes, line: Floats) -> Floats:
     """Evenly many points [n, 2] along a line of the map, on paper."""
     corners = _in_points(ax, line)
     index = np.linspace(0, len(corners) - 1, POINTS_OF_LINE)
-    known = np.arange(len(corners))
-    x = np.interp(index, known, corners[:, 0])
-    y = np.interp(index, known, corners[:, 1])
+    corner = np.arange(len(corners))
+    x = np.interp(index, corner, corners[:, 0])
+    y = np.interp(index, corner, corners[:, 1])
     return np.column_stack([x, y])
 
 
@@ -130,7 +133,8 @@ def _candidates(
     for lines in contours.allsegs:
         for line in lines:
             points = _points_of(ax, line)
-            distance = float(np.hypot(*(points - start).T).min())
+            distances = np.hypot(*(points - start).T)
+            distance = float(distances.min())
             if distance < least:
                 least = distance
                 nearest = points
@@ -143,6 +147,7 @@ def _candidates(
 def _is_inside(ax: Axes, point: Floats, half: float) -> bool:
     """Whether a label at a point is clear of the frame."""
     box = ax.get_window_extent()
-    low = np.array([box.x0, box.y0]) / _pixels(ax)
-    high = np.array([box.x1, box.y1]) / _pixels(ax)
-    return bool((point - half > low).all() and (point + half < high).all())
+    low = box.p0 / _pixels(ax)
+    high = box.p1 / _pixels(ax)
+    is_inside = (point - half > low) & (point + half < high)
+    return bool(is_inside.all())

@@ -11,7 +11,7 @@ from ..design.pulses import PulseDesign
 from ..model.arguments import of_kind
 from ..records.signal import Signal
 from .panels import Picture, axes_or_new, draw_zero, format_axes, new_figure
-from .scales import engineering, time_scale, x_scale
+from .scales import engineering, largest_of, time_scale, x_scale
 from .style import SMALL, colours, styled
 
 MIN_MISFIT = 1e-4  # smaller ones cannot be seen
@@ -54,7 +54,7 @@ def design(result: PulseDesign, ax: Axes | None = None) -> Picture:
     # What is measured.
     largest = 0.0
     for signal in (result.wanted, result.reached):
-        largest = max(largest, float(np.abs(signal.values).max()))
+        largest = max(largest, largest_of(signal.values))
     time = time_scale(result.wanted.end)
     force = engineering(result.reached.name, largest, "N")
 
@@ -108,9 +108,9 @@ def _reached(result: PulseDesign, segments: int) -> str:
 def _draw_silhouette(ax: Axes, rod: Any) -> StepPatch:
     """Draw the outline of a stepped rod as if it were round."""
     lengths = [float(segment.length) for segment in rod.segments]
-    areas = np.array([float(segment.area) for segment in rod.segments])
+    areas = [float(segment.area) for segment in rod.segments]
     edges = np.cumsum([0.0, *lengths])
-    radii = np.sqrt(areas / np.pi)
+    radii = np.sqrt(np.array(areas) / np.pi)
     along = x_scale(float(edges[-1]))
     thickness = engineering("diameter", 2 * float(radii.max()), "m")
     x = edges * along.factor

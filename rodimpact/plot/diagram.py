@@ -16,7 +16,7 @@ from ..model.arguments import one_of
 from ..model.frozen import refusal
 from ..results.gauges import Gauge, check_gauges
 from ..results.solution import Solution, check_waves
-from .borders import Borders, Cut, apart_style, open_end_style
+from .borders import Borders, ContactLines, Cut, apart_style, open_end_style
 from .labels import legend_above
 from .layout import PictureLayout, choose_layout
 from .panels import Draft, Picture, add_colour_bar, axes_or_new, finish
@@ -193,12 +193,7 @@ def draft_spacetime(
     plane.format()
     bar = add_colour_bar(ax, regions, scale.label, reference)
 
-    named: list[artist.Artist] = []
-    for lines in (contacts.pressing, contacts.touching):
-        if lines.get_segments():
-            named.append(lines)
-    if contacts.apart.get_segments():
-        named.append(Line2D([], [], label="apart", **apart_style()))
+    named = _named_contacts(contacts)
     for kind in (springs, masses, joints):
         named += kind[:1]
     named += [*drives, *centres[:1]]
@@ -228,6 +223,17 @@ def draft_spacetime(
         picture.labels = cut.write()
 
     return Draft(picture, write_words)
+
+
+def _named_contacts(contacts: ContactLines) -> list[artist.Artist]:
+    """Legend entries of the kinds of contact lines that there are."""
+    named: list[artist.Artist] = []
+    for lines in (contacts.pressing, contacts.touching):
+        if lines.get_segments():
+            named.append(lines)
+    if contacts.apart.get_segments():
+        named.append(Line2D([], [], label="apart", **apart_style()))
+    return named
 
 
 def _with_frame(scale: Scale, field: str, layout: PictureLayout) -> Scale:

@@ -255,13 +255,13 @@ def _draw_law(
     """Draw the closed form as a wide line, also between the values of the family."""
     is_positive = axis.values[0] > 0
     intervals = axis.values.size - 1
-    known = axis.values
+    members = axis.values
     if is_positive:
-        known = np.log(known)
+        members = np.log(members)
     parts = -(-MIN_THEORY_POINTS // intervals)
     fine = np.arange(intervals * parts + 1) / parts
-    wanted = np.interp(fine, np.arange(intervals + 1), known)
-    values = theory.along(known, wanted).column(shown.name) * shown.scale.factor
+    wanted = np.interp(fine, np.arange(intervals + 1), members)
+    values = theory.along(members, wanted).column(shown.name) * shown.scale.factor
     x = wanted
     if is_positive:
         x = np.exp(wanted)
@@ -292,18 +292,18 @@ def _draw_scatter(ax: Axes, axis: FamilyAxis, shown: Quantity) -> Picture:
     )
     add_grid(ax)
     format_axes(ax, ylabel=shown.scale.label)
-    beside = ax.inset_axes((1.04, 0.0, HISTOGRAM_WIDTH, 1.0), sharey=ax)
+    bars = ax.inset_axes((1.04, 0.0, HISTOGRAM_WIDTH, 1.0), sharey=ax)
     values = shown.values[np.isfinite(shown.values)]
     bins: Any = "auto"
     if shown.is_count:
         bins = np.arange(shown.low - 0.5, shown.high + 1.0)
         _set_count_ticks(ax.yaxis, shown)
-    _, _, histogram = beside.hist(
+    _, _, histogram = bars.hist(
         values, bins, orientation="horizontal", color=colours().series[0], alpha=0.6
     )
-    format_axes(beside, xlabel="members")
-    beside.xaxis.set_major_locator(ticker.MaxNLocator(2, integer=True))
-    beside.tick_params(labelleft=False)
+    format_axes(bars, xlabel="members")
+    bars.xaxis.set_major_locator(ticker.MaxNLocator(2, integer=True))
+    bars.tick_params(labelleft=False)
     return Picture(ax=ax, values=points, theory=None, histogram=histogram)
 
 

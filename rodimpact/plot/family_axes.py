@@ -40,7 +40,8 @@ class FamilyAxis(NamedTuple):
         steps = np.diff(self.values)
         log_steps = np.diff(np.log(self.values))
         unevenness = np.std(steps) / np.mean(steps)
-        return bool(np.std(log_steps) / np.mean(log_steps) < unevenness / 2)
+        log_unevenness = np.std(log_steps) / np.mean(log_steps)
+        return bool(log_unevenness < unevenness / 2)
 
     @property
     def edges(self) -> Floats:
@@ -69,17 +70,19 @@ def family_axis(result: SweepResult, dimension: int) -> FamilyAxis:
     order = np.argsort(values, kind="stable")
     scale = scale_of(parameter(result.system, name), float(np.abs(values).max()))
 
-    others = []
+    companions = []
     is_ordered = True
     for path, numbers in _varying_along(result, dimension).items():
-        if path != name:
-            others.append(parameter(result.system, path).name)
-            is_ordered = is_ordered and _is_monotonic(numbers[order])
+        if path == name:
+            continue
+        companions.append(parameter(result.system, path).name)
+        if not _is_monotonic(numbers[order]):
+            is_ordered = False
     label = scale.label
-    if others:
-        label += f"\nwith {others[0]}"
-    if len(others) > 1:
-        label += f" and {len(others) - 1} more"
+    if companions:
+        label += f"\nwith {companions[0]}"
+    if len(companions) > 1:
+        label += f" and {len(companions) - 1} more"
     return FamilyAxis(order, values[order], scale, label, is_ordered)
 
 

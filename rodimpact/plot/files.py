@@ -98,12 +98,12 @@ def _smaller_svg(data: bytes) -> bytes:
     return data.replace(b"<svg ", head, 1)
 
 
-def format_of(path: str | os.PathLike[str], known: Collection[str]) -> str:
+def format_of(path: str | os.PathLike[str], formats: Collection[str]) -> str:
     """The one of the formats that the suffix of a path names; ValueError if it names none."""
     path = file_name(path)
     kind = Path(path).suffix.lower().removeprefix(".")
-    if kind not in known:
-        suffixes = ", ".join(f".{name}" for name in known)
+    if kind not in formats:
+        suffixes = ", ".join(f".{name}" for name in formats)
         raise refusal("path", f"must end in one of {suffixes}, got {path!r}")
     return kind
 

@@ -42,7 +42,8 @@ def check_film(path: str | os.PathLike[str]) -> str:
 
 def write_gif(file: BinaryIO, film: Any, report: Report = no_report) -> None:
     """Write the frames of an Animation, in the colours of the last one, which shows all of it."""
-    palette = _palette(Image.fromarray(film.frame(len(film) - 1)))
+    last = film.frame(len(film) - 1)
+    palette = _palette(Image.fromarray(last))
     pictures = (
         Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
         for frame in film.frames(report)
@@ -105,9 +106,12 @@ def _write_mp4(file: BinaryIO, film: Any, report: Report) -> None:
         with contextlib.suppress(BrokenPipeError):  # the errors tell why
             for picture in film.frames(report):
                 process.stdin.write(picture.tobytes())
-        reason = process.communicate()[1].decode(errors="replace").strip()
+        _, errors = process.communicate()
     if process.returncode:
-        raise OSError(f"ffmpeg failed: {reason or f'status {process.returncode}'}")
+        reason = errors.decode(errors="replace").strip()
+        if not reason:
+            reason = f"status {process.returncode}"
+        raise OSError(f"ffmpeg failed: {reason}")
 
 
 WRITERS = {"gif": write_gif, "mp4": _write_mp4}

@@ -154,7 +154,11 @@ def gauge(
         transmitted=beyond,
         windows=windows,
     )
-    return finish(Draft(picture, lambda: legend_above(ax, lines, title=title)))
+
+    def write_words() -> None:
+        legend_above(ax, lines, title=title)
+
+    return finish(Draft(picture, write_words))
 
 
 def _draw_steps(

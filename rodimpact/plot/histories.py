@@ -39,7 +39,7 @@ from .sampling import (
     steps_until,
     thinned,
 )
-from .scales import Scale, engineering, time_scale, written
+from .scales import Scale, engineering, largest_of, time_scale, written
 from .style import DASHES, SMALL, colours, styled
 
 MAX_MARKED_EPISODES = 3  # of contact, whose ends are named
@@ -99,7 +99,8 @@ def contact(
         if count:
             allowed = f"from 0 to {count - 1}"
         raise refusal("contact", f"must be {allowed}, got {shown(contact)}")
-    return finish(draft_contact(solution, ax, [int(k) for k in chosen]))
+    contacts = [int(k) for k in chosen]
+    return finish(draft_contact(solution, ax, contacts))
 
 
 def draft_contact(
@@ -128,7 +129,8 @@ def draft_contact(
 
     def label() -> None:
         for each, scale in ((force_ax, curves.scale), (gap_ax, gap_scale)):
-            each.set_ylabel(break_label(scale.label, size_in_points(each)[1]))
+            _, height = size_in_points(each)
+            each.set_ylabel(break_label(scale.label, height))
 
     label()
     picture = Picture(
@@ -274,11 +276,12 @@ class ContactCurves:
                 force = steps_until(self.end, times, values, is_smooth)
             gap = history.gap(force.edges)
             chosen = extreme_indices(gap)
+            times = force.edges[chosen]
             self.forces.append(thinned(force))
-            self.gaps.append(GapCurve(force.edges[chosen], gap[chosen]))
+            self.gaps.append(GapCurve(times, gap[chosen]))
         self.largest = 0.0
         for force in self.forces:
-            self.largest = max(self.largest, float(np.abs(force.values).max()))
+            self.largest = max(self.largest, largest_of(force.values))
         self.scale = engineering(f"contact force{mean}", self.largest, "N")
 
     def _mean_force(self, history: ContactHistory) -> StepCurve:
@@ -289,8 +292,9 @@ class ContactCurves:
 
     def gap_scale(self) -> Scale:
         """Scale of the gaps; its name says what negative gaps and gaps of joints are."""
-        low = min(float(gap.values.min()) for gap in self.gaps)
-        high = max(float(gap.values.max()) for gap in self.gaps)
+        gaps = np.concatenate([gap.values for gap in self.gaps])
+        low = float(gaps.min())
+        high = float(gaps.max())
         laws = {type(history.law) for history in self.histories}
         name = "gap"
         if low < 0 and not laws <= {Rigid, Bonded, Joint}:

@@ -23,8 +23,8 @@ from ..results.magnification import BLOCK, drifts, magnified, round_down
 from ..results.solution import Solution
 from ..units import TIMES, format_factor
 from .labels import break_label
-from .sampling import middles, pieces, properties
-from .scales import Scale, written
+from .sampling import middles, pieces, properties, rods_of
+from .scales import Scale, largest_of, written
 
 MIN_SPRING_LENGTH = 0.04  # of a spring at its shortest, in lengths of the row
 TIMES_OF_MOTION = 101  # instants at which the motion of the bodies is looked at
@@ -130,9 +130,13 @@ class PictureLayout:
 
         Before t = 0 bodies come as they are at t = 0, with their velocity.
         """
-        before = np.minimum(t, 0.0) * self.solution.outcome.velocities_before[body]
-        displacement = self.solution.displacement(body, x, np.maximum(t, 0.0)) + before
-        return self.position(body, x, t, displacement)
+        velocity = self.solution.outcome.velocities_before[body]
+        before = np.minimum(t, 0.0) * velocity
+        inside = x
+        if not isinstance(self.solution.system.bodies[body], Rod):
+            inside = np.zeros_like(x)  # the block of a mass moves as one
+        after = self.solution.displacement(body, inside, np.maximum(t, 0.0))
+        return self.position(body, x, t, after + before)
 
     def end(self, body: int, is_right: bool, t: ArrayLike) -> Floats:
         """Position X of the left or right end of a body at t."""
@@ -249,7 +253,7 @@ def choose_layout(
     times = np.linspace(start, stop, TIMES_OF_OVERLAP)
     free = _spring_lengths(solution, times, magnification, shortest)
     left = left + np.cumsum([0.0, *free])
-    rods = [i for i, b in enumerate(solution.system.bodies) if isinstance(b, Rod)]
+    rods = rods_of(solution.system)
     if rods:
         left = left - left[rods[0]]
     return PictureLayout(
@@ -304,8 +308,8 @@ def _largest_strain(solution: Solution, times: Floats) -> float:
     for body, length in enumerate(_lengths(solution)):
         if length:
             x = np.linspace(0, length, POINTS_OF_STRAIN)
-            strain = np.abs(solution.strain(body, x[:, None], times))
-            largest = max(largest, float(strain.max()))
+            strain = solution.strain(body, x[:, None], times)
+            largest = max(largest, largest_of(strain))
     return largest
 
 
@@ -318,6 +322,7 @@ def _spring_lengths(
         return free
     for contact in solution.contacts:
         if not isinstance(contact.law, Rigid | Bonded):
-            deepest = max(0.0, -float(np.min(contact.gap(times))))
-            free[contact.index] = shortest + magnification * deepest
+            least_gap = float(np.min(contact.gap(times)))
+            overlap = max(0.0, -least_gap)
+            free[contact.index] = shortest + magnification * overlap
     return free

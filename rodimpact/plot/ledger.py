@@ -11,7 +11,6 @@ from matplotlib.text import Text
 
 from ..methods.groups import movable
 from ..methods.signals import Floats
-from ..model import Rod
 from ..results.energy import EnergyLedger
 from ..results.regions import regions_of
 from ..results.solution import Solution, check_solution
@@ -20,7 +19,7 @@ from .labels import legend_above
 from .layout import choose_layout
 from .moments import contact_event_times
 from .panels import Draft, Picture, axes_or_new, finish, format_axes, units_per_point
-from .sampling import is_smooth
+from .sampling import is_smooth, rods_of
 from .scales import NEGLIGIBLE_RTOL, engineering, listed, time_scale, written
 from .style import INK, SMALL, styled
 
@@ -128,7 +127,7 @@ def draft_energy(solution: Solution, ax: Axes | None) -> Draft:
         ax,
         xlim=(0, solution.t_end * time.factor),
         xlabel=time.label,
-        ylim=(0, top or 1.0),
+        ylim=(0, top if top > 0 else 1.0),
         ylabel=f"{scale.name}{frame} ({scale.unit})",
     )
     work = None
@@ -147,9 +146,11 @@ def draft_energy(solution: Solution, ax: Axes | None) -> Draft:
 
     def write_words() -> None:
         nameless: list[artist.Artist | None] = [work]
-        for band, (low, high) in zip(bands, pairwise(borders), strict=True):
+        for band, curves in zip(bands, pairwise(borders), strict=True):
             color = "white" if band is bands[0] else INK
-            name = _name_band(ax, str(band.get_label()), x, (low, high), color)
+            label = str(band.get_label())
+            name = _name_band(ax, label, x, curves, color)
+            low, high = curves
             if name is not None:
                 picture.labels.append(name)
             elif (high - low).max() > NEGLIGIBLE_RTOL * borders.max():
@@ -189,8 +190,11 @@ def _energy_of_drift(solution: Solution, frame: float, times: Floats) -> Floats:
     """Energy of a row that drifts at the velocity of a frame, J: v (P - M v/2)."""
     bodies = movable(solution.system)
     masses = solution.outcome.masses
-    momentum = sum(masses[i] * solution.mean_velocity(i, times) for i in bodies)
-    mass = sum(masses[i] for i in bodies)
+    momentum = np.zeros_like(times)
+    mass = 0.0
+    for i in bodies:
+        momentum += masses[i] * solution.mean_velocity(i, times)
+        mass += masses[i]
     return np.asarray(frame * (momentum - frame / 2 * mass))
 
 
@@ -208,7 +212,7 @@ def _times(solution: Solution) -> Floats:
         with suppress(ValueError):  # too many regions
             events = np.unique(regions_of(solution, limit=MAX_REGIONS).t)
     count = TIMES_OF_MASSES
-    if any(isinstance(body, Rod) for body in solution.system.bodies):
+    if rods_of(solution.system):
         count = TIMES_WITH_RODS
     even = np.linspace(0.0, solution.t_end, count)
     return np.union1d(even, np.minimum(events, solution.t_end))

@@ -49,9 +49,9 @@ def moments(solution: Solution, at_most: int = 8) -> Floats:
     if after.size and chosen.size < at_most:
         chosen = np.union1d(chosen, (first + after[0]) / 2)
     for candidates in (reflections.first, reflections.all):
-        others = np.setdiff1d(candidates, chosen)
-        others = others[evenly(others.size, at_most - chosen.size)]
-        chosen = np.union1d(chosen, others)
+        new = np.setdiff1d(candidates, chosen)
+        new = new[evenly(new.size, at_most - chosen.size)]
+        chosen = np.union1d(chosen, new)
     shortest = 0.0
     if after.size:
         waits = np.diff(np.union1d(first, after))
@@ -113,9 +113,9 @@ def events_at(solution: Solution, t: float) -> str:
     names = contact_names(solution.system.kinds)
     lines = []
     for contact in solution.contacts:
-        place = ""
+        where = ""
         if several:
-            place = f" at contact {names[contact.index]}"
+            where = f" at contact {names[contact.index]}"
         for episode in contact.episodes:
             events = []
             if t == episode.start:
@@ -126,7 +126,7 @@ def events_at(solution: Solution, t: float) -> str:
                 if t == episode.opening:
                     events.append("gap opens")
             if events:
-                lines.append(", ".join(events) + place)
+                lines.append(", ".join(events) + where)
     return "\n".join(lines)
 
 

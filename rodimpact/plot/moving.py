@@ -131,9 +131,9 @@ class Animation:
         self._caption = self._write_line(CLOCK_HEIGHT, NORMAL)
         self._growing = [below]
         if solution.outcome.unilateral:
-            beside = self.figure.add_subplot(places.forces, sharey=below)
-            _draw_forces(beside, solution)
-            self._growing.append(beside)
+            forces = self.figure.add_subplot(places.forces, sharey=below)
+            _draw_forces(forces, solution)
+            self._growing.append(forces)
         lay_out(self.figure)
         diagram.write_words()
         self._canvas = cast("Any", FigureCanvasAgg(self.figure))
@@ -179,10 +179,11 @@ class Animation:
 
     def _show_approach(self, ax: Axes, layout: PictureLayout) -> None:
         """Widen the axis of x so that bodies are inside before they touch."""
-        first = min(
-            float(layout.end(i, False, self.times[0])) for i in range(len(layout.left))
-        )
-        left = (first - 0.02 * layout.row) * self._bars.x_scale.factor
+        starts = []
+        for body in range(len(layout.left)):
+            starts.append(float(layout.end(body, False, self.times[0])))
+        start = min(starts) - 0.02 * layout.row
+        left = start * self._bars.x_scale.factor
         ax.set_xlim(left=min(ax.get_xlim()[0], left))
 
     def _write_notes(self, solution: Solution, times: Floats) -> None:
@@ -199,12 +200,12 @@ class Animation:
                 f"first {written(stop, 's')} of {written(solution.t_end, 's')}"
             )
         lines.append(LEGEND.replace(", ", ",\n"))
-        place: dict[str, Any] = {"x": 0.0, "y": 0.0, "va": "baseline"}
+        position: dict[str, Any] = {"x": 0.0, "y": 0.0, "va": "baseline"}
         if self._is_narrow():
-            place = {"x": 0.45, "y": 1.0, "va": "top"}
+            position = {"x": 0.45, "y": 1.0, "va": "top"}
         self._words.text(
             s="\n".join(lines),
-            **place,
+            **position,
             fontsize=SMALL + 1,
             color=self.colours.faint,
             linespacing=1.4,
@@ -255,7 +256,8 @@ class Animation:
         """Draw the bodies at a time; nothing else is on their Axes."""
         bars = self._bars
         bars.move_to(np.array([t]))
-        bars.draw_rods(bars.pieces[self.field] * self._factor, self._norm)
+        values = bars.pieces[self.field] * self._factor
+        bars.draw_rods(values, self._norm)
         bars.draw_walls()
         bars.draw_masses()
         bars.draw_outlines()
@@ -264,7 +266,8 @@ class Animation:
     def clock(self, number: int) -> str:
         """Time of a frame, in words."""
         now, end = self.times[[number, -1]] * self._time.factor
-        decimals = max(0, 2 - math.floor(math.log10(end)))
+        power = math.floor(math.log10(end))
+        decimals = max(0, 2 - power)
         return signed(f"t = {now:.{decimals}f} {self._time.unit}")
 
     def __len__(self) -> int:
@@ -331,6 +334,7 @@ def animation(
     fps: float = 25.0,
     start: float = 0.0,
     stop: float | None = None,
+    *,
     magnification: float | None = None,
 ) -> Animation:
     """Make a moving picture of a collision; `save` writes it, a notebook plays it.

@@ -15,6 +15,7 @@ from .labels import break_label, wrap_words
 from .ledger import draft_energy
 from .panels import Draft, lay_out, new_figure
 from .polygons import drawn_until
+from .sampling import rods_of
 from .scales import closing_speed, digits, engineering, listed, time_scale, written
 from .style import NORMAL, SMALL, styled, wanted_width
 
@@ -73,7 +74,7 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
     # What is shown.
     contacts = solution.outcome.unilateral
     is_crowded = len(contacts) > MAX_GAPS
-    has_waves = any(isinstance(body, Rod) for body in solution.system.bodies)
+    has_waves = bool(rods_of(solution.system))
     stop = solution.t_end
     if has_waves:
         stop = drawn_until(solution)
@@ -93,9 +94,8 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
     drafts: list[Draft] = []
     if has_waves:
         for field in ("velocity", "stress"):
-            draft = draft_spacetime(
-                solution, panels[field], field, stop=stop, gauges=gauges
-            )
+            ax = panels[field]
+            draft = draft_spacetime(solution, ax, field, stop=stop, gauges=gauges)
             drafts.append(draft)
     if is_crowded:
         ContactCurves(solution, contacts).draw_rows(panels["force"])
@@ -171,10 +171,12 @@ def headline(solution: Solution) -> str:
 def _bodies(solution: Solution) -> str:
     """Numbers of rods, masses and walls, in words."""
     parts = []
-    for kind, (one, several) in KINDS.items():
+    for kind, (singular, plural) in KINDS.items():
         count = sum(isinstance(body, kind) for body in solution.system.bodies)
-        if count:
-            parts.append(f"{count} {several if count > 1 else one}")
+        if count == 1:
+            parts.append(f"1 {singular}")
+        elif count > 1:
+            parts.append(f"{count} {plural}")
     return listed(parts)
 
 

@@ -15,7 +15,6 @@ from matplotlib.ticker import AutoLocator
 from numpy.typing import ArrayLike
 
 from ..methods.signals import Floats
-from ..model import Rod
 from .labels import (
     LETTER,
     NAME_GAP,
@@ -26,6 +25,7 @@ from .labels import (
 from .layout import PictureLayout
 from .moments import round_trips
 from .panels import format_axes, room_below, size_in_points
+from .sampling import rods_of
 from .scales import AxisScales, digits
 from .style import NORMAL
 
@@ -128,7 +128,8 @@ class Plane:
         x_length = height if self.across else width
         self.time_axis.set_label_text(self.scales.time.label)
         room = height if self.across else room_below(self.ax)
-        self.x_axis.set_label_text(self.layout.label(self.scales.x, room))
+        label = self.layout.label(self.scales.x, room)
+        self.x_axis.set_label_text(label)
         self._fit_times(time_length)
         per_point = np.ptp(self.x_axis.get_view_interval()) / x_length
         rods = self._rods()
@@ -158,16 +159,15 @@ class Plane:
             if low <= x <= high and _is_clear(x, marks, least):
                 numbers[x] = digits(x, high)
         ticks = numbers | marks
-        self.time_axis.set_ticks(list(ticks), labels=list(ticks.values()))
+        labels = list(ticks.values())
+        self.time_axis.set_ticks(list(ticks), labels=labels)
 
     def _rods(self) -> list[RodOnAxis]:
         """The rods at the start, from left to right."""
         layout = self.layout
         factor = self.scales.x.factor
         rods = []
-        for i, body in enumerate(layout.solution.system.bodies):
-            if not isinstance(body, Rod):
-                continue
+        for i in rods_of(layout.solution.system):
             left, right = layout.material_ends(i)
             rods.append(
                 RodOnAxis(
@@ -193,7 +193,8 @@ class Plane:
             ):
                 if _is_clear(x, numbers, least):
                     numbers[x] = digits(number, last)
-        self.x_axis.set_ticks(list(numbers), labels=list(numbers.values()))
+        labels = list(numbers.values())
+        self.x_axis.set_ticks(list(numbers), labels=labels)
 
     def _fit_names(self, rods: list[RodOnAxis], per_point: float) -> None:
         """Name the rods beside the numbers, and their lengths between the numbers."""

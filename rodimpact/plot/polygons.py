@@ -94,7 +94,8 @@ class Polygons:
         """Sides that two regions share, with their darkness in the picture."""
         regions = self.regions
         sides = self._shared_sides()
-        corner_times = np.add.reduceat(regions.t, regions.start[:-1])
+        starts = regions.start[:-1]
+        corner_times = np.add.reduceat(regions.t, starts)
         mean_time = corner_times / np.diff(regions.start)
         owners = self._region[sides]
         earlier = np.argsort(mean_time[owners], axis=1, kind="stable")
@@ -119,7 +120,8 @@ class Polygons:
         for i, j in enumerate(self._next.tolist()):
             side_of[corners[i], corners[j]] = i
         shared = []
-        for (start, stop), i in side_of.items():
+        for ends, i in side_of.items():
+            start, stop = ends
             if start < stop and (stop, start) in side_of:
                 shared.append((i, side_of[stop, start]))
         return np.array(shared, dtype=np.int64).reshape(-1, 2)
@@ -210,7 +212,9 @@ class Polygons:
         stress = self.regions.stress
         centres = _in_points(ax, self._centres(self._corners))
         corners = _in_points(ax, self._corners)
-        for (first, last), (before, after) in zip(sides, owners, strict=True):
+        for side, regions in zip(sides, owners, strict=True):
+            first, last = side
+            before, after = regions
             word = "tension"
             if stress[after] < stress[before]:
                 word = "compression"
@@ -302,18 +306,19 @@ class Polygons:
         to_centre = _in_points(ax, centres)[self._region] - corners
         room = np.abs(_cross(sides, to_centre))
         needed = (np.abs(sides[:, ::-1]) * half_sizes[self._region]).sum(axis=1)
-        return np.logical_and.reduceat(room > needed, self.regions.start[:-1])
+        starts = self.regions.start[:-1]
+        return np.logical_and.reduceat(room > needed, starts)
 
     def _centres(self, corners: Floats) -> Floats:
         """Centre of area of each region, [n, 2]; NaN without area, where no number fits."""
         origin = corners[self._first]
         starts = self.regions.start[:-1]
-        one = corners - origin
-        other = corners[self._next] - origin
-        turn = _cross(one, other)[:, None]
+        here = corners - origin
+        after = corners[self._next] - origin
+        turn = _cross(here, after)[:, None]
         areas = np.add.reduceat(turn, starts)
         areas[areas == 0] = np.nan
-        away: Floats = np.add.reduceat(turn * (one + other), starts) / (3 * areas)
+        away: Floats = np.add.reduceat(turn * (here + after), starts) / (3 * areas)
         return origin[starts] + away
 
 

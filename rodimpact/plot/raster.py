@@ -8,11 +8,10 @@ from matplotlib import cm, colors
 from matplotlib.text import Text
 
 from ..methods.signals import Floats
-from ..model import Rod
 from ..model.frozen import refusal
 from ..results.solution import Solution
 from .plane import Plane
-from .sampling import middles, pieces, properties
+from .sampling import middles, pieces, properties, rods_of
 from .style import colours
 
 MAX_ROWS = 400  # cells one above the other
@@ -37,11 +36,9 @@ class Raster:
                 "stop", f"must be later than start = {start!r} s, got {stop!r}"
             )
         self.solution = solution
-        self.times = np.linspace(start, stop, min(MAX_ROWS, ticks) + 1)
-        self._rods: list[int] = []
-        for i, body in enumerate(solution.system.bodies):
-            if isinstance(body, Rod):
-                self._rods.append(i)
+        rows = min(MAX_ROWS, ticks)
+        self.times = np.linspace(start, stop, rows + 1)
+        self._rods = rods_of(solution.system)
 
     def values(self, field: str, frame: float) -> Floats:
         """Values of a field in each cell [times, pieces], SI; NaN between rods.
@@ -60,7 +57,8 @@ class Raster:
         x = middles(pieces(self.solution, body))
         if field == "displacement":
             t = middles(self.times)
-            return self.solution.displacement(body, x[:, None], t) - frame * t
+            displacement = self.solution.displacement(body, x[:, None], t)
+            return displacement - frame * t
         velocity, strain = self.solution.fields.averaged(body, x, self.times)
         area, modulus, density = properties(self.solution, body, x[:, None])
         stress = modulus * strain
@@ -85,7 +83,8 @@ class Raster:
         for body in self._rods:
             edges = pieces(self.solution, body)
             corners.append(plane.path(body, edges, self.times[:, None]))
-        x, y = np.moveaxis(np.concatenate(corners, axis=1), -1, 0)
+        points = np.concatenate(corners, axis=1)
+        x, y = np.moveaxis(points, -1, 0)
         return plane.ax.pcolormesh(
             x,
             y,

@@ -25,7 +25,7 @@ from .panels import (
     two_axes_or_new,
 )
 from .sampling import extreme_indices
-from .scales import engineering, signed, written
+from .scales import engineering, largest_of, signed, written
 from .style import SMALL, colours, styled
 
 RESIDUAL_RANGE = 1.9  # of the axis of the residual, in largest residuals
@@ -94,9 +94,9 @@ def comparison(
         _check_band(band, predicted)
         half_width = np.interp(shifted, band.times, np.abs(band.values))
         half_width = abs(misfit.scale) * half_width
-    time = engineering("time t", float(np.abs(t).max()), "s")
+    time = engineering("time t", largest_of(t), "s")
     name = measured.name or "signal"
-    unit = engineering(name, float(np.abs(values).max()), measured.unit)
+    unit = engineering(name, largest_of(values), measured.unit)
     percent = 100 / plateau(values)
 
     # What is drawn.
@@ -311,7 +311,7 @@ def reduction(curve: Reduction, ax: Sequence[Axes] | None = None) -> Picture:
     strain = 100 * curve.strain[loading]
     stress = curve.stress[loading]
     half_width = curve.stress_band[loading]
-    unit = engineering("stress", float(np.abs(stress).max()), "Pa")
+    unit = engineering("stress", largest_of(stress), "Pa")
 
     # What is drawn.
     upper, lower = two_axes_or_new(ax, "stress and strain rate", 4.6, (3, 1))

@@ -5,12 +5,12 @@ it. Of a long record the least and the largest value in each of many intervals a
 """
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..methods.signals import Floats, Ints
-from ..model import Rod
+from ..model import Rod, System
 from ..results.fields import Profile
 from ..results.solution import Solution
 
@@ -24,11 +24,18 @@ def is_smooth(solution: Solution) -> bool:
     return not solution.fields.constant_between_fronts
 
 
+def rods_of(system: System) -> list[int]:
+    """Indices of the bodies that are rods."""
+    return [i for i, body in enumerate(system.bodies) if isinstance(body, Rod)]
+
+
 def pieces(solution: Solution, body: int) -> Floats:
     """Ends of the pieces of a rod, m from its left end; each piece is in one segment."""
-    row = sum(float(b.length) for b in solution.system.bodies if isinstance(b, Rod))
+    bodies: Any = solution.system.bodies
+    row = sum(float(bodies[i].length) for i in rods_of(solution.system))
     corners = solution.fields.edges(body)
-    counts = np.rint(PIECES_OF_ROW * np.diff(corners) / row).astype(int)
+    shares = np.diff(corners) / row
+    counts = np.rint(PIECES_OF_ROW * shares).astype(int)
     parts = []
     for left, right, count in zip(corners[:-1], corners[1:], counts, strict=True):
         parts.append(np.linspace(left, right, max(1, count), endpoint=False))

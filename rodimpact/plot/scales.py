@@ -5,8 +5,10 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
+import numpy as np
 from matplotlib.ticker import EngFormatter
 
+from ..methods.signals import Floats
 from ..model import Rod
 from ..model.frozen import refusal
 from ..model.profiles import extremes
@@ -105,6 +107,11 @@ def scale_of(quantity: Quantity, largest: float) -> Scale:
     return engineering(name, largest, unit)
 
 
+def largest_of(values: Floats) -> float:
+    """Largest absolute value of an array."""
+    return float(np.abs(values).max())
+
+
 def digits(value: float, largest: float, count: int = 3) -> str:
     """Write a number to some digits; round-off beside the largest number shown is 0.
 
@@ -171,10 +178,10 @@ class ReferenceRod(NamedTuple):
 def first_rod(solution: Solution) -> ReferenceRod:
     """The leftmost rod of a row that has one."""
     system = solution.system
-    i, rod = next(
-        (i, body) for i, body in enumerate(system.bodies) if isinstance(body, Rod)
-    )
-    return ReferenceRod(rod, length_name(system, i))
+    for i, body in enumerate(system.bodies):
+        if isinstance(body, Rod):
+            return ReferenceRod(body, length_name(system, i))
+    raise refusal("solution", "has no rod")
 
 
 def time_scale(end: float) -> Scale:

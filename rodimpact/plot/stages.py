@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.text import Text
 
 from ..methods.signals import Floats
-from ..model import RigidMass, Rod
+from ..model import RigidMass
 from ..model.arguments import array
 from ..model.frozen import refusal
 from ..results.gauges import Gauge, check_gauges
@@ -36,11 +36,13 @@ from .panels import (
     size_in_points,
     units_per_point,
 )
+from .sampling import rods_of
 from .scales import (
     closing_speed,
     digits,
     engineering,
     first_rod,
+    largest_of,
     multiple,
     written,
     x_scale,
@@ -132,7 +134,8 @@ def snapshots(
     walls = bars.draw_walls()
     masses = bars.draw_masses()
     bars.draw_marks()
-    bars.draw_gauges(check_gauges(gauges or {}))
+    if gauges is not None:
+        bars.draw_gauges(check_gauges(gauges))
     _set_limits(bars)
     _draw_first_ends(bars)
 
@@ -212,7 +215,7 @@ class _VelocityLabels:
     """
 
     def __init__(self, bars: Bars) -> None:
-        self._largest = float(np.abs(bars.pieces.velocity).max())
+        self._largest = largest_of(bars.pieces.velocity)
         self._closing = closing_speed(bars.solution)
         self._frame = bars.layout.frame
         self._is_smooth = bars.is_smooth
@@ -271,7 +274,11 @@ def _label_masses(bars: Bars, write: Callable[[float], str]) -> list[Text]:
         if not isinstance(body, RigidMass):
             is_above = False
             continue
-        side, va = (BESIDE, "bottom") if is_above else (-BESIDE, "top")
+        side = -BESIDE
+        va = "top"
+        if is_above:
+            side = BESIDE
+            va = "bottom"
         x = bars.layout.middle(i, bars.times) * bars.x_scale.factor
         velocities = bars.solution.velocity(i, 0.0, bars.times).tolist()
         for row, velocity in enumerate(velocities):
@@ -339,14 +346,13 @@ def _with_room_below(labels: list[_Label]) -> list[tuple[float, str]]:
 def _name_rods(bars: Bars) -> None:
     """Write the names of the rods above the first row."""
     per_point = float(units_per_point(bars.ax)[0])
-    rods = []
+    rods = rods_of(bars.system)
     x = []
-    for i, body in enumerate(bars.system.bodies):
-        if isinstance(body, Rod):
-            middle = float(bars.layout.middle(i, bars.times[0]))
-            rods.append(i)
-            x.append(middle * bars.x_scale.factor)
-    centres = [each / per_point for each in x]
+    centres = []
+    for i in rods:
+        middle = float(bars.layout.middle(i, bars.times[0]))
+        x.append(middle * bars.x_scale.factor)
+        centres.append(x[-1] / per_point)
     names = rod_labels(bars.system, rods, centres, LETTERS)
     for position, name in zip(x, names, strict=True):
         _write(bars.ax, position, 0.5, name, va="bottom")
