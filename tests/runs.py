@@ -3,12 +3,12 @@
 import numpy as np
 
 from rodimpact.methods import kernels
-from rodimpact.methods.compiling import as_objects
 from rodimpact.methods.fronts import finality
 from rodimpact.methods.fronts import method as fronts
 from rodimpact.methods.fronts.run import FrontRun
 from rodimpact.methods.grid import method as grid
 from rodimpact.methods.grid.run import GridRun
+from rodimpact.methods.record_lists import as_objects
 from rodimpact.methods.registry import Options
 from rodimpact.methods.run import MAX_EVENTS
 from rodimpact.methods.walk import walk

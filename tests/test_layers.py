@@ -98,6 +98,7 @@ def test_kernels_of_fronts_know_numbers_and_each_other():
         "methods.states",
         "methods.link",
         "methods.compiling",
+        "methods.record_lists",
     }
     for name, path in modules():
         if name in kernels:

@@ -8,7 +8,6 @@ from typing import Any
 
 from ..methods.abilities import driven
 from ..methods.clock import Clock, most_rounded
-from ..methods.compiling import blank
 from ..methods.fronts import events, members
 from ..methods.fronts.family_layout import lay_out_family, make_state
 from ..methods.fronts.initial_state import round_trip
@@ -23,6 +22,7 @@ from ..methods.fronts.totals import (
 from ..methods.pieces import reading
 from ..methods.pieces.layout import piece_of
 from ..methods.pieces.records import NEVER
+from ..methods.record_lists import blank
 from ..methods.scales import smallest
 from ..methods.states import Stop
 from ..methods.status import rounding, strain_warning

@@ -14,7 +14,6 @@ from ..methods.clock import (
     crossing_time_of,
     flight_time_of,
 )
-from ..methods.compiling import blank
 from ..methods.groups import body_velocities
 from ..methods.link import Law
 from ..methods.outcome import Motion
@@ -33,6 +32,7 @@ from ..methods.pieces.totals import (
     why_stopped,
     why_stuck,
 )
+from ..methods.record_lists import blank
 from ..methods.scales import frame_of, largest, scale_of, wave_of_strain
 from ..methods.states import Stop
 from ..methods.status import strain_warning

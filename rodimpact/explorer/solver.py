@@ -8,7 +8,7 @@ again on a coarser clock.
 import functools
 from time import monotonic
 
-from ..methods.compiling import blank
+from ..methods.record_lists import blank
 from ..model.numbering import body_numbers, contact_names
 from ..model.profiles import Steps, extremes
 from ..units import format_factor, format_si

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..model import System
 from . import tick_rule as rule
-from .compiling import blank
+from .record_lists import blank
 from .row import Row
 
 MIN_TRANSIT = 4096

@@ -2,8 +2,8 @@
 
 A kernel module holds plain functions, whole constants and tables of numbers (nested lists), and
 imports other kernel modules whole. Plain Python runs it as it stands. Compiled, it has a twin in
-which every function is jitted and every table is an array. State is arrays of records: structured
-arrays compiled, lists of small objects in plain Python.
+which every function is jitted and every table is an array. State is lists of
+records, see `record_lists`.
 
 Numba counts references to the arrays of a function, atomically, unless it sees that each is last
 used in one place that is always reached, and that no call before may raise. A kernel that runs
@@ -12,15 +12,11 @@ that. Or it is given arrays that are `borrowed`, of which no references are coun
 """
 
 import contextlib
-import dataclasses
 import functools
 import gc
 import hashlib
-import itertools
-import operator
 import sys
 import threading
-import typing
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -47,9 +43,8 @@ INNER = OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 OPTIMISATION_LEVEL = 2
 """LLVM's level for kernels. Level 3, numba's default, takes longer, and its code is no faster."""
 
-LARGE_FRAME = (
-    1 << 15
-)  # words of a stack frame that is larger than a chunk of CPython's stack
+LARGE_FRAME = 1 << 15
+"""Words of a stack frame that is larger than a chunk of CPython's stack."""
 
 ONE_AT_A_TIME = threading.RLock()
 """Lock for threads that start numba or compile; a thread that forks waits for it, too."""
@@ -143,7 +138,8 @@ class Compiled:
         self._make(keep=not own)  # what calls functions of the user is theirs
 
     def _make(self, keep: bool) -> None:
-        njit, options = compiler().njit, {"no_cfunc_wrapper": True, **OPTIONS}
+        njit = compiler().njit
+        options = {"no_cfunc_wrapper": True, **OPTIONS}
         self._fast: Any = njit(**options)(self._twin)
         if keep:
             with contextlib.suppress(RuntimeError):  # there is no place for a cache
@@ -163,23 +159,25 @@ class Compiled:
         except Exception as error:
             if not self.place or type(error).__module__.startswith("numba"):
                 raise
-            if not isinstance(
-                error, OSError
-            ):  # the disk is not full, but what it holds no code
-                for file in self.files():
-                    with contextlib.suppress(OSError):
-                        file.unlink()
-                message = (
-                    "machine code in the compiler's cache is damaged; it is made anew"
-                )
-                warnings.warn(message, DamagedCache, stacklevel=2)
+            is_disk_full = isinstance(error, OSError)
+            if not is_disk_full:
+                self._discard_cache()
             self._make(keep=False)
             return self(*given)
 
+    def _discard_cache(self) -> None:
+        """Delete machine code that cannot be read, and warn."""
+        for file in self.files():
+            with contextlib.suppress(OSError):
+                file.unlink()
+        message = "machine code in the compiler's cache is damaged; it is made anew"
+        warnings.warn(message, DamagedCache, stacklevel=4)
+
     def files(self) -> list[Path]:
         """Indices of machine code on disk, of any sources."""
-        name = f"*.{self._twin.__name__}-*.nbi"
-        return list(Path(self.place).glob(name)) if self.place else []
+        if not self.place:
+            return []
+        return list(Path(self.place).glob(f"*.{self._twin.__name__}-*.nbi"))
 
 
 def compiled(kernel: Kernel, own: Functions = ()) -> Compiled:
@@ -215,19 +213,18 @@ def _entry(kernel: Any, own: Functions) -> FunctionType:
     digest = (CellType(f"{kernel.__name__} {digest_of(module)}"),)
     scope = vars(_twin(module, own, _once(module)))
     twin = FunctionType(code, scope, kernel.__name__, kernel.__defaults__, digest)
-    twin.__qualname__, twin.__module__ = kernel.__qualname__, kernel.__module__
+    twin.__qualname__ = kernel.__qualname__
+    twin.__module__ = kernel.__module__
     return twin
 
 
 def _once(module: ModuleType) -> frozenset[str]:
     """Names that one function uses, of those in a kernel module and in what it imports."""
-    uses = Counter(
-        name
-        for one in _modules(module)
-        for value in vars(one).values()
-        if isinstance(value, FunctionType)
-        for name in {*value.__code__.co_names}
-    )
+    uses: Counter[str] = Counter()
+    for each in _modules(module):
+        for value in vars(each).values():
+            if isinstance(value, FunctionType):
+                uses.update(set(value.__code__.co_names))
     return frozenset(name for name, times in uses.items() if times == 1)
 
 
@@ -247,21 +244,21 @@ def _twin(
         return compiler().njit(**INNER, forceinline=name in once)(function)
 
     for name, value in vars(module).items():
-        made = value
+        counterpart = value
         if name == "own" and own:
-            made = _one_of(own, jit)
+            counterpart = _one_of(own, jit)
         elif name == "borrowed" and once is not None:
-            made = _borrowing()
+            counterpart = _borrowing()
         elif isinstance(value, FunctionType) and value.__module__ == module.__name__:
-            made = jit(
-                FunctionType(value.__code__, vars(twin), name, value.__defaults__), name
-            )
+            scope = vars(twin)
+            copy = FunctionType(value.__code__, scope, name, value.__defaults__)
+            counterpart = jit(copy, name)
         elif _is_kernel(value):
-            made = _twin(value, own, once)
+            counterpart = _twin(value, own, once)
         elif isinstance(value, list) and once is not None:
-            made = np.array(value)
+            counterpart = np.array(value)
         if not name.startswith("__"):
-            setattr(twin, name, made)
+            setattr(twin, name, counterpart)
     return twin
 
 
@@ -314,90 +311,24 @@ def _is_kernel(value: Any) -> bool:
 
 def _modules(module: ModuleType) -> list[ModuleType]:
     """A kernel module, and those that it imports."""
-    found = [module]
-    for one in found:
-        found += [it for it in vars(one).values() if _is_kernel(it) and it not in found]
-    return found
+    modules = [module]
+    for each in modules:  # the list grows
+        for value in vars(each).values():
+            if _is_kernel(value) and value not in modules:
+                modules.append(value)
+    return modules
 
 
 def digest_of(module: ModuleType) -> str:
-    """Of all sources in the folders of a kernel module and of those that it imports.
+    """Digest of all sources in the folders of a kernel module and of those that it imports.
 
     Constants and records come from files of which a module keeps no more than names.
     """
-    folders = {Path(str(one.__file__)).parent for one in _modules(module)}
-    files = {Path(__file__)}.union(*(folder.glob("*.py") for folder in folders))
+    folders = {Path(str(each.__file__)).parent for each in _modules(module)}
+    files = {Path(__file__)}
+    for folder in folders:
+        files.update(folder.glob("*.py"))
     digest = hashlib.blake2b(digest_size=16)
     for file in sorted(files):
         digest.update(hashlib.blake2b(file.read_bytes()).digest())
     return digest.hexdigest()
-
-
-def dtype_of(record: type) -> np.dtype[Any]:
-    """Return the structured type of a record class: a field for each annotated name, in order.
-
-    What a field is in an array stands in its annotation: ``tick: int``, or where that differs from
-    what it is in plain Python, ``line: Annotated[int, "i4"]``.
-    """
-    fields = []
-    for name, hint in typing.get_type_hints(record, include_extras=True).items():
-        (kind,) = getattr(hint, "__metadata__", (hint,))
-        fields.append((name, kind))
-    return np.dtype(fields, align=True)
-
-
-@functools.cache
-def _kind(record: Any) -> Any:
-    """A class with the fields of a record, numbers and lists of numbers, 0 at first."""
-    zeros = []
-    for name in record.names:
-        zero = np.zeros((), record[name]).tolist
-        new = (
-            dataclasses.field(default_factory=zero) if record[name].subdtype else zero()
-        )
-        zeros.append((name, Any, new))
-    return dataclasses.make_dataclass("Record", zeros, slots=True)
-
-
-def blank(count: int, record: Any) -> list[Any]:
-    """Return objects with the fields of a record, numbers and lists of numbers, all 0."""
-    kind = _kind(record)
-    return [kind() for _ in range(count)]
-
-
-def as_objects(records: Any) -> list[Any]:
-    """Return an array as a list, for plain Python: of numbers, or of small objects for records."""
-    kind = records.dtype
-    if kind.names is None:
-        return records.tolist()  # type: ignore[no-any-return]
-    if any(kind[name].subdtype for name in kind.names):
-        return list(map(_kind(kind), *(records[name].tolist() for name in kind.names)))
-    return list(itertools.starmap(_kind(kind), records.tolist()))
-
-
-def as_records(objects: list[Any], record: Any) -> Any:
-    """Return a list of `as_objects` as an array of that kind again."""
-    rows = (
-        list(map(operator.attrgetter(*record.names), objects))
-        if record.names
-        else objects
-    )
-    return np.array(rows, record)
-
-
-def lengthened(records: Any, kind: Any) -> Any:
-    """Return records with room for more behind them: twice a list of objects, four times an array.
-
-    What an array has room for takes no memory until it is set.
-    """
-    if isinstance(records, list):
-        return records + blank(len(records), kind)
-    longer, raw = np.empty(4 * len(records), kind), f"V{kind.itemsize}"
-    longer.view(raw)[: len(records)] = records.view(raw)
-    return longer
-
-
-def joined(first: Any, second: Any) -> Any:
-    """Return two arrays of one kind as one; field by field, as NumPy does it, takes longer."""
-    raw = f"V{first.dtype.itemsize}"
-    return np.concatenate((first.view(raw), second.view(raw))).view(first.dtype)

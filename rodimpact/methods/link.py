@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 from ..model import laws as contact_laws
 from ..model.laws import CONTACT_LAWS, KNOTS
-from .compiling import blank, dtype_of
+from .record_lists import blank, dtype_of
 
 
 class Law(IntEnum):

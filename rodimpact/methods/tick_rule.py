@@ -11,7 +11,7 @@ all durations in a simple ratio to the leader.
 import math
 from collections.abc import Sequence
 
-from .compiling import dtype_of
+from .record_lists import dtype_of
 
 MAX_TERM = 1 << 20  # largest numerator or denominator of a recognised ratio
 RATIO_RTOL = 4.0 * 2.0**-52  # round-off in a ratio of two quotients of floats

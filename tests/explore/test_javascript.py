@@ -23,7 +23,7 @@ from rodimpact.explorer.presets import presets
 from rodimpact.explorer.solved import scene_of
 from rodimpact.explorer.solver import CONSTANTS, KNOWN
 from rodimpact.explorer.tables import RULES, request_of, system_of
-from rodimpact.methods import compiling, tick_rule
+from rodimpact.methods import record_lists, tick_rule
 from rodimpact.methods.fronts import records as front_records
 from rodimpact.methods.fronts.family_layout import lay_out_family
 from rodimpact.methods.pieces import driver, finality, layout, march
@@ -235,7 +235,7 @@ def recorded(system, until):
     for name in ("log", "turn"):
         records[name] = np.concatenate([records[name]] * 4)
     return {
-        name: x.tolist() if name == "matrix" else compiling.as_objects(x)
+        name: x.tolist() if name == "matrix" else record_lists.as_objects(x)
         for name, x in records.items()
     }
 

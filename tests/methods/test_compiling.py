@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rodimpact.methods import compiling, kernels
+from rodimpact.methods import compiling, kernels, record_lists
 from rodimpact.methods.fronts import members as fronts
 from rodimpact.methods.fronts.records import NODE
 from rodimpact.methods.pieces import march as pieces
@@ -139,27 +139,27 @@ def test_records_become_objects_and_objects_records(record):
         % 64
     )
     records = filled.view(record)
-    made = compiling.as_records(compiling.as_objects(records), record)
+    made = record_lists.as_records(record_lists.as_objects(records), record)
     assert all((made[name] == records[name]).all() for name in record.names)
-    assert len(compiling.as_records([], record)) == 0
+    assert len(record_lists.as_records([], record)) == 0
 
 
 def test_longer_records_begin_with_what_there_was():
     pieces = np.ones(5, PIECE)
     pieces["start"] = np.arange(5)
-    longer = compiling.lengthened(pieces, PIECE)
+    longer = record_lists.lengthened(pieces, PIECE)
     assert len(longer) > 5
     assert np.array_equal(longer[:5], pieces)
-    objects = compiling.lengthened(compiling.as_objects(pieces), PIECE)
-    assert objects[:5] == compiling.as_objects(pieces)
+    objects = record_lists.lengthened(record_lists.as_objects(pieces), PIECE)
+    assert objects[:5] == record_lists.as_objects(pieces)
     assert len(objects) > 5
 
 
 def test_blank_objects_are_records_of_zeros():
-    nodes = compiling.blank(3, NODE)
-    assert compiling.as_records(nodes, NODE).tobytes() == np.zeros(3, NODE).tobytes()
+    nodes = record_lists.blank(3, NODE)
+    assert record_lists.as_records(nodes, NODE).tobytes() == np.zeros(3, NODE).tobytes()
     nodes[1].gap = 0.1
-    assert compiling.as_records(nodes, NODE)["gap"].tolist() == [0.0, 0.1, 0.0]
+    assert record_lists.as_records(nodes, NODE)["gap"].tolist() == [0.0, 0.1, 0.0]
 
 
 # The cache ----------------------------------------------------------------------------------------

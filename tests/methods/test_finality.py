@@ -10,11 +10,11 @@ from runs import group_of, records_of, solution_of, tracked
 from systems import horizon, random_system
 
 import rodimpact as ri
-from rodimpact.methods.compiling import blank
 from rodimpact.methods.fronts import contact as contacts
 from rodimpact.methods.fronts import finality
 from rodimpact.methods.fronts.records import FRONT, NODE, RUN
 from rodimpact.methods.groups import groups
+from rodimpact.methods.record_lists import blank
 from rodimpact.methods.states import Status
 
 M = ri.Material("m", youngs_modulus=1.0, density=1.0)

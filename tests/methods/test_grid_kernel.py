@@ -10,7 +10,7 @@ from networks import STEP, unit_rod
 from runs import solution_of
 
 import rodimpact as ri
-from rodimpact.methods import compiling, kernels
+from rodimpact.methods import kernels, record_lists
 from rodimpact.methods.grid import contact_kernel as contacts
 from rodimpact.methods.grid import elimination_kernel as elimination
 from rodimpact.methods.grid.proof import finality_time, present, side_of
@@ -107,7 +107,11 @@ def test_newton_solves_a_chain_of_stiff_links_in_few_sweeps(monkeypatch):
     }.items():
         links[name] = value
     links["coupling_mobility"][0] = 0.0
-    link, sweeps, relax = compiling.as_objects(links), [], contacts.gauss_seidel_sweep
+    link, sweeps, relax = (
+        record_lists.as_objects(links),
+        [],
+        contacts.gauss_seidel_sweep,
+    )
     monkeypatch.setattr(
         contacts, "gauss_seidel_sweep", lambda *given: sweeps.append(1) or relax(*given)
     )

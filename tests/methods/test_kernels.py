@@ -18,9 +18,9 @@ from systems import horizon, random_system
 
 import rodimpact as ri
 from rodimpact.methods import kernels
-from rodimpact.methods.compiling import blank
 from rodimpact.methods.fronts import batch, members
 from rodimpact.methods.pieces import march as pieces
+from rodimpact.methods.record_lists import blank
 from rodimpact.methods.tick_rule import DURATION, assign_ticks, recognise
 
 

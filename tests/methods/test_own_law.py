@@ -7,7 +7,7 @@ import pytest
 from exhaustive import few_of
 
 import rodimpact as ri
-from rodimpact.methods import compiling, contact_laws, kernels
+from rodimpact.methods import compiling, contact_laws, kernels, record_lists
 from rodimpact.methods.link import Law
 from rodimpact.methods.pieces.records import LINK
 
@@ -98,7 +98,7 @@ def test_compiled_and_plain_kernels_call_the_function_of_a_link(own):
         for make in (compiling.compiled, compiling.interpreted)
     )
     for link, object_, (_, function) in zip(
-        links, compiling.as_objects(links), own, strict=True
+        links, record_lists.as_objects(links), own, strict=True
     ):
         for d, closing in ((1e-5, 1.0), (2e-4, -0.3)):
             F, *slopes = fast(link, d, closing)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import chebyshev, legendre
 
-from rodimpact.methods import compiling, contact_laws
+from rodimpact.methods import contact_laws, record_lists
 from rodimpact.methods.link import Law
 from rodimpact.methods.pieces import lines, nodes, series, waves
 from rodimpact.methods.pieces.records import (
@@ -33,7 +33,7 @@ def drawn(seed, n=POINTS):
 
 def one(record, **fields):
     """An object with the fields of a record; those that are not given are 0."""
-    made = compiling.as_objects(np.zeros(1, record))[0]
+    made = record_lists.as_objects(np.zeros(1, record))[0]
     for name, value in fields.items():
         setattr(made, name, value)
     return made
@@ -138,7 +138,7 @@ def stock(*pieces, delay=0, room=4, **run):
             hard=sum(order <= HARD for _, _, order, _ in pieces[1:]),
         )
     ]
-    log = compiling.as_objects(np.zeros(len(pieces) + room, PIECE))
+    log = record_lists.as_objects(np.zeros(len(pieces) + room, PIECE))
     for i, (start, stop, order, c) in enumerate(pieces):
         it = log[i]
         it.start, it.stop, it.order = start, stop, order

@@ -6,7 +6,7 @@ from exhaustive import few_of
 from networks import unit_rod
 
 import rodimpact as ri
-from rodimpact.methods import compiling
+from rodimpact.methods import record_lists
 from rodimpact.methods.link import Law
 from rodimpact.methods.pieces import finality
 from rodimpact.methods.pieces.driver import Members
@@ -36,7 +36,7 @@ def surveyed(system):
     """The parts of a row at t = 0."""
     r = Members(walk(system), Asked(8.0, 1e-8, 10**6, keep=True)).start()
     link, mass, line, log, part = (
-        compiling.as_objects(r[name])
+        record_lists.as_objects(r[name])
         for name in ("link", "mass", "line", "log", "part")
     )
     finality.survey(link, mass, line, log, part, float(r["run"][0]["tick"]), 0)
@@ -114,7 +114,8 @@ def test_the_energy_about_the_mean_is_that_of_the_ledger():
 def test_a_gap_must_be_wider_than_both_bounds(gap, opening, over):
     """Each side deviates by up to 1: sqrt(2 E slack) with E = 2, slack = 1/4."""
     run, link, *part = (
-        compiling.as_objects(np.zeros(1, kind))[0] for kind in (RUN, LINK, PART, PART)
+        record_lists.as_objects(np.zeros(1, kind))[0]
+        for kind in (RUN, LINK, PART, PART)
     )
     run.scale, run.tolerance, run.tick = 1.0, 1e-12, 1e-9
     link.law, link.status, link.left_group, link.right_group = (

@@ -7,7 +7,7 @@ import pytest
 from mistakes import assert_told
 
 import rodimpact as ri
-from rodimpact.methods import compiling, contact_laws
+from rodimpact.methods import contact_laws, record_lists
 from rodimpact.methods.grid import contact_kernel as ck
 from rodimpact.methods.grid.records import LINK
 from rodimpact.methods.link import Law
@@ -238,7 +238,7 @@ def test_the_mean_force_of_a_power_is_accurate_where_indentations_are_near(expon
 
 @pytest.mark.parametrize("exponent", [1.01, 1.5, 2.0, 2.7, 6.0])
 def test_its_mean_force_is_the_difference_quotient_of_its_energy(exponent):
-    rng, link = np.random.default_rng(2), compiling.blank(1, LINK)[0]
+    rng, link = np.random.default_rng(2), record_lists.blank(1, LINK)[0]
     link.law, link.stiffness, link.exponent = Law.POWER, 5.0, exponent
     for x0, x1 in rng.uniform(-1, 2, (200, 2)).tolist():
         F, dF = contact_laws.mean_force(link, x0, x1)
@@ -251,7 +251,7 @@ def test_its_mean_force_is_the_difference_quotient_of_its_energy(exponent):
 
 
 def test_what_yields_meets_its_mean_force_on_any_table():
-    link = compiling.blank(1, LINK)[0]
+    link = record_lists.blank(1, LINK)[0]
     for seed in range(200):
         rng = np.random.default_rng(seed)
         k, strength, count = (

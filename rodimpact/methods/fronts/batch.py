@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .. import kernels
-from ..compiling import as_objects, as_records, blank, lengthened
 from ..memory import ask
+from ..record_lists import as_objects, as_records, blank, lengthened
 from ..row import Array
 from .family_layout import FamilyLayout, make_state
 from .members import run_members

@@ -6,8 +6,8 @@ The page has this as JavaScript.
 from typing import Any, NamedTuple
 
 from ...model import Steps
-from ..compiling import blank
 from ..link import Law
+from ..record_lists import blank
 from ..scales import frame_of, scale_of
 from ..states import Beyond, Status
 from . import event_queue

@@ -21,7 +21,7 @@ objects with the same fields, see `compiling`.
 from collections.abc import MutableSequence, Sequence
 from typing import Annotated, Any, NamedTuple, TypeAlias
 
-from ..compiling import dtype_of
+from ..record_lists import dtype_of
 from ..tick_rule import CLOCK_BITS, Duration
 
 NEVER = 1 << CLOCK_BITS  # tick at which the clock ends

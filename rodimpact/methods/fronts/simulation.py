@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from ..compiling import blank
+from ..record_lists import blank
 from ..states import Stop
 from . import energy, events, initial_state
 from .batch import INITIAL_LOG_ROWS

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .. import link
-from ..compiling import dtype_of
+from ..record_lists import dtype_of
 
 NONE = -1  # no link
 INDEX_MASK = (1 << 40) - 1

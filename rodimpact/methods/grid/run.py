@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import compiling, kernels
+from .. import kernels, record_lists
 from ..clock import Clock, clock_of
 from ..link import Law, initial_gap
 from ..memory import ask
@@ -217,7 +217,7 @@ class GridRun:
             old = getattr(self.history, name)
             if name in STATE_FIELDS:
                 old = old[still_wanted]
-            joined[name] = compiling.joined(old, getattr(window, name))
+            joined[name] = record_lists.joined(old, getattr(window, name))
         self.history = StepHistory(**joined)
 
     def _run_kernel(
@@ -239,8 +239,8 @@ class GridRun:
         if is_compiled:
             kernel = kernels.compiled(grid_kernel.run_steps)
         else:
-            grid = grid._make(map(compiling.as_objects, grid))
-            history = history._make(map(compiling.as_objects, history))
+            grid = grid._make(map(record_lists.as_objects, grid))
+            history = history._make(map(record_lists.as_objects, history))
         is_solved = True
         time_of_step = step_time(self.mesh, plain=not is_compiled)
         chunk = max(1, int(REPORT_INTERVAL / time_of_step))
@@ -250,7 +250,7 @@ class GridRun:
                 report(taken)
         if not is_compiled:
             for array, objects in zip(arrays, [*grid, *history], strict=True):
-                array[:] = compiling.as_records(objects, array.dtype)
+                array[:] = record_lists.as_records(objects, array.dtype)
         if not is_solved:
             raise squeezed(self.steps * self.step)
 

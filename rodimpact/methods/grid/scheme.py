@@ -6,8 +6,8 @@ import numpy as np
 
 from ...model.frozen import InvalidModel
 from ...model.profiles import averages
-from ..compiling import as_records
 from ..link import LINK
+from ..record_lists import as_records
 from ..row import Array, Row
 from ..scales import wave_of_strain
 from ..states import Beyond

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...progress import Report, no_report
-from .. import compiling, kernels
+from .. import compiling, kernels, record_lists
 from ..memory import ask
 from ..row import Row
 from ..run import Stopped
@@ -98,7 +98,7 @@ class Members:
     def ended(self, member: int) -> Ended:
         """What a member came to, as objects."""
         run, link, part = map(
-            compiling.as_objects,
+            record_lists.as_objects,
             (self.run[member], self.link[member], self.part[member]),
         )
         return Ended(run[0], link, part)
@@ -172,7 +172,9 @@ class Members:
             follow: Any = compiling.compiled(march.follow, self.own)
         else:
             follow = compiling.interpreted(march.follow, self.own)
-            held = {name: compiling.as_objects(array) for name, array in held.items()}
+            held = {
+                name: record_lists.as_objects(array) for name, array in held.items()
+            }
         while (stop := Stop(follow(*held.values()))) == Stop.FULL:
             pieces = len(held["log"])
             ask(
@@ -182,10 +184,10 @@ class Members:
                 self._remedy(),
             )
             for name, kind in LISTS.items():
-                held[name] = compiling.lengthened(held[name], kind)
+                held[name] = record_lists.lengthened(held[name], kind)
         if not fast:
             held = {
-                name: compiling.as_records(held[name], kind)
+                name: record_lists.as_records(held[name], kind)
                 for name, kind in (RECORDS | LISTS).items()
             }
             for name in RECORDS:

@@ -10,8 +10,8 @@ import numpy as np
 
 from ..abilities import driven
 from ..clock import Clock
-from ..compiling import blank
 from ..link import FIELDS, Law, initial_gap
+from ..record_lists import blank
 from ..scales import largest
 from ..states import Status
 from .records import LINE, LINK, MASS, NEVER, NODE, NONE, PART, PIECE, RUN, SMOOTH, Part

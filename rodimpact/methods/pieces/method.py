@@ -17,7 +17,7 @@ import numpy as np
 from ...model.frozen import InvalidModel
 from ...progress import Report, no_report
 from .. import abilities as physics
-from .. import compiling
+from .. import record_lists
 from .. import run as runs
 from ..clock import clock_of
 from ..family import Columns, family_columns, status_column
@@ -67,7 +67,7 @@ def solve(
     fine = Members(row, Asked(until, tolerance_of(rtol), max_events, keep=True))
     fine.go(report=report)
     if fine.run_of(0).stop == Stop.STUCK:
-        nodes = compiling.as_objects(fine.node[0])
+        nodes = record_lists.as_objects(fine.node[0])
         stuck = min(nodes, key=lambda node: node.now)
         seconds = float(fine.clock.tick * stuck.now)
         raise InvalidModel([totals.why_stuck(row, stuck, seconds)])
