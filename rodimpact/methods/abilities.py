@@ -8,61 +8,67 @@ from typing import Any
 from .. import model
 from ..model.frozen import vanishes
 
-MASSES, COMPLIANCE, GRAVITY = "rigid masses", "compliant contacts", "gravity"
-JOINTS, OWN_LAWS = "joints", "laws given as a Python function"
-SMOOTH_STATES, SMOOTH_DRIVES = "profiles other than steps", "drives other than steps"
-DAMPING, LATERAL, TAPER = "damping", "lateral inertia", "tapered rods"
+# Names of physics, as messages say them.
+MASSES = "rigid masses"
+COMPLIANCE = "compliant contacts"
+GRAVITY = "gravity"
+JOINTS = "joints"
+OWN_LAWS = "laws given as a Python function"
+SMOOTH_STATES = "profiles other than steps"
+SMOOTH_DRIVES = "drives other than steps"
+DAMPING = "damping"
+LATERAL = "lateral inertia"
+TAPER = "tapered rods"
 RODLESS = "rows without a rod"
-OF_LAWS = {
-    "joint": JOINTS,
-    "own": OWN_LAWS,
-}  # that are no compliant contacts of the package's own
-SINGLE = (
-    GRAVITY,
-    DAMPING,
-    LATERAL,
-)  # which one entry of a rod or of the system switches on
+
+PHYSICS_OF_LAWS = {"joint": JOINTS, "own": OWN_LAWS}
+"""Physics of the contact laws that are no compliant contacts of the package's own."""
+SINGLE = (GRAVITY, DAMPING, LATERAL)
+"""Physics that one entry of a rod or of the system switches on."""
+
+Needs = list[tuple[str, str]]
+"""Path and name of physics that a system has."""
 
 
-def needs(system: model.System) -> list[tuple[str, str]]:
+def needs(system: model.System) -> Needs:
     """Path and name of all the physics of a system that not every method has."""
-    found = [] if vanishes(system.gravity) else [("gravity", GRAVITY)]
+    physics: Needs = []
+    if not vanishes(system.gravity):
+        physics.append(("gravity", GRAVITY))
     if not any(isinstance(body, model.Rod) for body in system.bodies):
-        found.append(("bodies", RODLESS))
+        physics.append(("bodies", RODLESS))
     for i, body in enumerate(system.bodies):
         if isinstance(body, model.RigidMass):
-            found.append((f"bodies.{i}", MASSES))
+            physics.append((f"bodies.{i}", MASSES))
         elif isinstance(body, model.Rod):
-            found += [(f"bodies.{i}.{where}", what) for where, what in _of_rod(body)]
-    found += [
-        (f"contacts.{i}.law", OF_LAWS.get(law.law, COMPLIANCE))
-        for i, law in enumerate(system.contacts)
-        if law.law not in ("rigid", "bonded")
-    ]
-    found += [
-        (f"ends.{side}.value", SMOOTH_DRIVES)
-        for side, end in zip(model.SIDES, system.ends, strict=True)
-        if isinstance(getattr(end, "value", None), model.Samples)
-    ]
-    return found
+            physics += _needs_of_rod(body, f"bodies.{i}")
+    for k, law in enumerate(system.contacts):
+        if law.law not in ("rigid", "bonded"):
+            name = PHYSICS_OF_LAWS.get(law.law, COMPLIANCE)
+            physics.append((f"contacts.{k}.law", name))
+    for side, end in zip(model.SIDES, system.ends, strict=True):
+        if isinstance(getattr(end, "value", None), model.Samples):
+            physics.append((f"ends.{side}.value", SMOOTH_DRIVES))
+    return physics
 
 
-def _of_rod(rod: model.Rod) -> list[tuple[str, str]]:
-    states = {"velocity": rod.velocity, "strain": rod.strain}
-    found = [
-        (name, SMOOTH_STATES)
-        for name, v in states.items()
-        if isinstance(v, model.Samples | model.Polynomials)
-    ]
+def _needs_of_rod(rod: model.Rod, path: str) -> Needs:
+    """Path and name of the physics of a rod that not every method has."""
+    physics: Needs = []
+    for name, profile in (("velocity", rod.velocity), ("strain", rod.strain)):
+        if isinstance(profile, model.Samples | model.Polynomials):
+            physics.append((f"{path}.{name}", SMOOTH_STATES))
     for j, segment in enumerate(rod.segments):
-        place = f"segments.{j}." if len(rod.segments) > 1 else ""
+        place = path
+        if len(rod.segments) > 1:
+            place = f"{path}.segments.{j}"
         if not vanishes(segment.material.viscosity):
-            found.append((f"{place}material.viscosity", DAMPING))
+            physics.append((f"{place}.material.viscosity", DAMPING))
         if segment.lateral_inertia is not None:
-            found.append((f"{place}lateral_inertia", LATERAL))
+            physics.append((f"{place}.lateral_inertia", LATERAL))
         if segment.tapered:
-            found.append((f"{place}area", TAPER))
-    return found
+            physics.append((f"{place}.area", TAPER))
+    return physics
 
 
 def driven(system: Any) -> bool:
@@ -71,6 +77,6 @@ def driven(system: Any) -> bool:
     The page has this as JavaScript.
     """
     kinds = [each.kind for each in (*system.bodies, *system.ends)]
-    held = any(kind in ("wall", "fixed", "absorbing") for kind in kinds)
-    pushed = any(kind in ("force", "velocity", "incoming") for kind in kinds)
-    return pushed or (held and not vanishes(system.gravity))
+    is_held = any(kind in ("wall", "fixed", "absorbing") for kind in kinds)
+    is_pushed = any(kind in ("force", "velocity", "incoming") for kind in kinds)
+    return is_pushed or (is_held and not vanishes(system.gravity))

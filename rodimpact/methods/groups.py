@@ -53,25 +53,31 @@ def velocities_in_group(
     ground = grounds(system, group)
     if len(ground) == 0:
         return [own for _ in group]
-    shared, moving = ground[0], inside if len(inside) > 0 else group
+    moving = inside if len(inside) > 0 else group
+    shared = ground[0]
     if len(ground) == 2:
-        shared = (
-            np.where(ground[0] == ground[1], ground[0], own) + 0.0
-        )  # a number, where one is
-    return [
-        ground[0] if i < moving[0] else ground[-1] if i > moving[-1] else shared
-        for i in group
-    ]
+        # adding 0 makes a number of an array of no dimension
+        shared = np.where(ground[0] == ground[1], ground[0], own) + 0.0
+    velocities = []
+    for i in group:
+        if i < moving[0]:
+            velocities.append(ground[0])
+        elif i > moving[-1]:
+            velocities.append(ground[-1])
+        else:
+            velocities.append(shared)
+    return velocities
 
 
 def movable(system: System) -> list[int]:
     """Bodies that can move against the walls: all but the walls and the masses bonded to them."""
     row = walk(system)
-    return [
-        i
-        for i, m in enumerate(row.mass_of)
-        if system.bodies[i].kind == "rod" or 0 <= m < len(row.masses)
-    ]
+    bodies = []
+    for i, mass in enumerate(row.mass_of):
+        is_free_mass = 0 <= mass < len(row.masses)
+        if system.bodies[i].kind == "rod" or is_free_mass:
+            bodies.append(i)
+    return bodies
 
 
 def without_walls(system: Any, group: list[int]) -> list[int]:
@@ -81,19 +87,28 @@ def without_walls(system: Any, group: list[int]) -> list[int]:
 
 def body_velocities(system: Any, own: list[Any]) -> list[Any]:
     """Velocities of the bodies, m/s: `own` of their group, or that of its wall."""
-    return [
-        v
-        for g, group in enumerate(groups(system))
-        for v in velocities_in_group(
-            system, group, without_walls(system, group), own[g]
-        )
-    ]
+    velocities = []
+    for g, group in enumerate(groups(system)):
+        inside = without_walls(system, group)
+        velocities.extend(velocities_in_group(system, group, inside, own[g]))
+    return velocities
 
 
 def heads(system: Any, spans: Any) -> list[int]:
-    """A segment of each group of bonded rods, from the first and last one of each body."""
-    first = [[*without_walls(system, group), *group][0] for group in groups(system)]
-    return [spans[body][0] for body in first]
+    """The first segment of each group of bonded rods; of a lone wall 0.
+
+    Parameters
+    ----------
+    system : System
+    spans : list of (int, int)
+        First and last segment of each body.
+    """
+    segments = []
+    for group in groups(system):
+        inside = without_walls(system, group)
+        body = inside[0] if len(inside) > 0 else group[0]
+        segments.append(spans[body][0])
+    return segments
 
 
 def fill_bonds(
@@ -111,15 +126,16 @@ def fill_bonds(
     pushed : signal
         Force of what is outside the left end.
     """
-    whole, rigid = [*forces], [force is None for force in forces]
-    held = (
-        rigid.index(False)
-        if isinstance(system.bodies[0], Wall) and False in rigid
-        else 0
-    )
-    for k in range(held - 1, -1, -1):
-        whole[k] = whole[k + 1] + spent(k + 1)
-    for k in range(held, len(whole)):
-        if rigid[k]:
-            whole[k] = (whole[k - 1] if k else pushed) - spent(k)
-    return whole
+    filled = [*forces]
+    is_rigid = [force is None for force in forces]
+    # Forces between a wall on the left and the first rod follow from the right.
+    first = 0
+    if isinstance(system.bodies[0], Wall) and False in is_rigid:
+        first = is_rigid.index(False)
+    for k in range(first - 1, -1, -1):
+        filled[k] = filled[k + 1] + spent(k + 1)
+    for k in range(first, len(filled)):
+        if is_rigid[k]:
+            from_left = filled[k - 1] if k > 0 else pushed
+            filled[k] = from_left - spent(k)
+    return filled

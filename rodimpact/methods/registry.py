@@ -14,6 +14,7 @@ from ..model.frozen import Declared, Problems, quantity, raise_noted, refusal
 from ..progress import Report, no_report
 from ..units import shown
 from . import abilities
+from .abilities import Needs
 from .family import Columns
 from .fronts import families as front_families
 from .fronts import method as fronts
@@ -23,21 +24,32 @@ from .row import Row
 from .run import MAX_EVENTS, READ, Run
 from .walk import walk
 
-Needs = list[tuple[str, str]]
-"""Path and name of physics that a system has."""
-
 
 class Method(NamedTuple):
-    """A way to solve a system: physics that it lacks, its own options, its run."""
+    """A way to solve a system.
+
+    Attributes
+    ----------
+    lacks : sequence of str
+        Physics that it lacks, by the names of `abilities`.
+    takes : tuple of str
+        Names of its own options.
+    run : function
+        Runs a single collision.
+    family : function, optional
+        Runs many members of a family in one call; returns their columns.
+    members_per_call : function
+        How many of a row's members; 0 where each member is to be run alone.
+    also : tuple of str
+        Further columns that `family` finds if asked. All others are read member by member.
+    """
 
     lacks: Sequence[str]
     takes: tuple[str, ...]
     run: Callable[..., Run]
-    family: Callable[..., Columns] | None = None  # runs many members in one call
-    members_per_call: Callable[[Row], int] = lambda _: 0  # 0: each member runs alone
-    also: tuple[
-        str, ...
-    ] = ()  # what its family finds if asked; the rest is read member by member
+    family: Callable[..., Columns] | None = None
+    members_per_call: Callable[[Row], int] = lambda _: 0
+    also: tuple[str, ...] = ()
 
     def lacking(self, needs: Needs) -> Needs:
         """What of these the method cannot do."""
@@ -67,7 +79,7 @@ METHODS = {
 }
 """In the order in which ``"auto"`` tries them; the last can do anything."""
 
-MOST_COUNTED = 10**15
+LARGEST_COUNT = 10**15
 METHOD_NAMES = ("auto", *METHODS)
 
 
@@ -121,14 +133,12 @@ class Options(Declared):
             self._set(cells=count(problems, "cells", self.cells))
         if self.snapshots is not None:
             self._set(snapshots=_snapshots(problems, self.snapshots, self.until))
-        told = [path for path, _ in problems]
-        problems += [
-            (name, "fixes the step, rtol chooses it; give one of them")
-            for name in ("dt", "cells")
-            if self.rtol is not None
-            and getattr(self, name) is not None
-            and name not in told
-        ]
+        reported = [path for path, _ in problems]
+        for name in ("dt", "cells"):
+            both = self.rtol is not None and getattr(self, name) is not None
+            if both and name not in reported:
+                message = "fixes the step, rtol chooses it; give one of them"
+                problems.append((name, message))
         one_of("method", self.method, METHOD_NAMES)
 
     def method_for(self, system: Any) -> str:
@@ -148,28 +158,18 @@ class Options(Declared):
         of_kind("system", system, System, "System([rod, Wall()])")
         needs = abilities.needs(system)
         able = [name for name, method in METHODS.items() if not method.lacking(needs)]
-        method = self._first(needs) if self.method == "auto" else self.method
+        method = self.method
+        if method == "auto":
+            method = self._first(needs)
         missing = METHODS[method].lacking(needs)
         remedy = f'method "{able[0]}" has'
-        if all(what == abilities.TAPER for _, what in missing):
+        if all(physics == abilities.TAPER for _, physics in missing):
             remedy += ", or give rod.in_steps(n)"
-        raise_noted(
-            [
-                (path, f'method "{method}" has no {what}; {remedy}')
-                for path, what in missing
-            ]
-        )
-        used = f'"{method}"' + (', which "auto" takes' if self.method == "auto" else "")
-        raise_noted(
-            [
-                (
-                    name,
-                    f"is for method {_takers(name)}, not {used}; leave it out, or give another",
-                )
-                for name in METHODS["finite-difference"].takes
-                if getattr(self, name) is not None and name not in METHODS[method].takes
-            ]
-        )
+        problems: Problems = []
+        for path, physics in missing:
+            problems.append((path, f'method "{method}" has no {physics}; {remedy}'))
+        raise_noted(problems)
+        self._check_options_of(method)
         if self.until is None and abilities.driven(system):
             raise refusal(
                 "until",
@@ -177,6 +177,19 @@ class Options(Declared):
                 "contact to wait for",
             )
         return method
+
+    def _check_options_of(self, method: str) -> None:
+        """Refuse options that are for other methods than this one."""
+        used = f'"{method}"'
+        if self.method == "auto":
+            used += ', which "auto" takes'
+        problems: Problems = []
+        for name in METHODS["finite-difference"].takes:
+            is_given = getattr(self, name) is not None
+            if is_given and name not in METHODS[method].takes:
+                message = f"is for method {_takers(name)}, not {used}"
+                problems.append((name, f"{message}; leave it out, or give another"))
+        raise_noted(problems)
 
     def run(self, method: str, system: System, report: Report = no_report) -> Run:
         """Run a single collision by the method that `method_for` chose.
@@ -193,32 +206,35 @@ class Options(Declared):
         run = METHODS[method].run(
             walk(system), self.until, self.max_events, **own, report=report
         )
-        slower = self.method == "auto" and method != next(iter(METHODS))
-        why = self._why(method, system) if slower else ""
-        return replace(run, status=f"{run.status} {why}") if why else run
+        fastest = next(iter(METHODS))
+        if self.method == "auto" and method != fastest:
+            reason = self._why(method, system)
+            if reason:
+                return replace(run, status=f"{run.status} {reason}")
+        return run
 
     def _first(self, needs: Needs) -> str:
         """The first method that has this physics, and an accuracy if one is asked for."""
-        return next(
-            name
-            for name, method in METHODS.items()
-            if not method.lacking(needs)
-            and (self.rtol is None or "rtol" in method.takes)
-        )
+        able = []
+        for name, method in METHODS.items():
+            is_accurate = self.rtol is None or "rtol" in method.takes
+            if is_accurate and not method.lacking(needs):
+                able.append(name)
+        return able[0]
 
     def _why(self, method: str, system: System) -> str:
         """Sentence on what keeps a system from a faster method, if single entries do."""
         needs = abilities.needs(system)
-        faster = self._first(
-            [need for need in needs if need[1] not in abilities.SINGLE]
-        )
+        of_many = [need for need in needs if need[1] not in abilities.SINGLE]
+        faster = self._first(of_many)
         if faster == method:
             return ""
-        (path, what), *others = METHODS[faster].lacking(needs)
-        more = f" and {len(others)} more" if others else ""
+        missing = METHODS[faster].lacking(needs)
+        path, physics = missing[0]
+        more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
         return (
             f'Solved by the slower method "{method}" because of {path}{more}: the method '
-            f'"{faster}" has no {what}.'
+            f'"{faster}" has no {physics}.'
         )
 
 
@@ -233,9 +249,9 @@ def count(problems: Problems, name: str, value: Any) -> int:
     """A positive whole number; 0 and a problem if it is none."""
     is_whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
     counted = int(value) if is_whole else 0
-    if 1 <= counted <= MOST_COUNTED:
+    if 1 <= counted <= LARGEST_COUNT:
         return counted
-    limit = f" of at most {MOST_COUNTED:g}" if counted > 1 else ""
+    limit = f" of at most {LARGEST_COUNT:g}" if counted > 1 else ""
     problems.append(
         (name, f"must be a positive whole number{limit}, got {shown(value)}")
     )
