@@ -151,13 +151,13 @@ too.
 
 
 class Untranslatable(ValueError):
-    """A function uses syntax that is not translated; the message says what and where."""
+    """A function uses syntax that is not translated; the message tells the place."""
 
 
 def javascript(
     roots: Iterable[Any],
     constants: Mapping[str, float] | None = None,
-    known: Mapping[Any, str] | None = None,
+    provided: Mapping[Any, str] | None = None,
 ) -> str:
     """Translate functions, and all functions of the package that they call.
 
@@ -166,7 +166,7 @@ def javascript(
     roots : iterable of functions
     constants : mapping of str to number, optional
         Values of constants in the page, by the name that they have in their module.
-    known : mapping of functions to str, optional
+    provided : mapping of functions to str, optional
         Names in the page of functions that it has in its own way.
 
     Returns
@@ -180,8 +180,8 @@ def javascript(
         At the first syntax that is not translated.
     """
     calls = dict(CALLS)
-    if known is not None:
-        calls.update(known)
+    if provided is not None:
+        calls.update(provided)
     program = _Program(constants or {}, calls)
     for root in roots:
         program.name(root, root.__name__, root.__module__)
@@ -210,33 +210,33 @@ class _Program:
         self.tables: list[str] = []  # statements that declare tables
         self._names: dict[int, str] = {}  # by the id of the object
 
-    def name(self, thing: Any, name: str, module: str) -> str:
+    def name(self, value: Any, name: str, module: str) -> str:
         """Name in JavaScript of a function, a list of a module, or an empty record.
 
         If the name is taken, it is prefixed with the names of its modules until it is
         unique. A new object is queued for translation, or declared as a table.
         """
-        if id(thing) in self._names:
-            return self._names[id(thing)]
+        if id(value) in self._names:
+            return self._names[id(value)]
         modules = module.split(".")
         while name in self._names.values():
             name = f"{modules.pop()}_{name}"
-        self._names[id(thing)] = name
-        if isinstance(thing, FunctionType):
-            self.functions.append(thing)
+        self._names[id(value)] = name
+        if isinstance(value, FunctionType):
+            self.functions.append(value)
         else:
-            table = json.dumps(_plain_table(thing), separators=(",", ":"))
+            table = json.dumps(_plain_table(value), separators=(",", ":"))
             self.tables.append(f"const {name}={table};")
         return name
 
 
-def _plain_table(thing: Any) -> Any:
+def _plain_table(value: Any) -> Any:
     """A list or dictionary as it is; a record with zeros for a dtype."""
-    if not isinstance(thing, np.dtype):
-        return thing
+    if not isinstance(value, np.dtype):
+        return value
     record = {}
-    for field in thing.names or ():
-        record[field] = np.zeros(thing[field].shape).tolist()
+    for field in value.names or ():
+        record[field] = np.zeros(value[field].shape).tolist()
     return record
 
 
@@ -281,8 +281,8 @@ class _Translator(ast.NodeVisitor):
         try:
             return str(super().visit(node))
         except KeyError as missing:  # in one of the tables above
-            place = f"{inspect.getsourcefile(self.function)}:{self.line}"
-            message = f"{place}: {missing.args[0]} is not translated to JavaScript"
+            location = f"{inspect.getsourcefile(self.function)}:{self.line}"
+            message = f"{location}: {missing.args[0]} is not translated to JavaScript"
             raise Untranslatable(message) from None
 
     def generic_visit(self, node: ast.AST) -> str:
@@ -332,7 +332,7 @@ class _Translator(ast.NodeVisitor):
             case _:
                 return self.generic_visit(node)
         target = self.visit(node.target)
-        bounds = [self.visit(argument) for argument in arguments]
+        bounds = list(map(self.visit, arguments))
         start = "0"
         step = "1"
         if len(bounds) == 1:
@@ -351,7 +351,7 @@ class _Translator(ast.NodeVisitor):
         return f"for({head}){{\n{target}=_{target};\n{body}}}\n"
 
     def visit_Assign(self, node: ast.Assign) -> str:
-        """Text of an assignment; values of a tuple are assigned one by one, for speed."""
+        """Text of an assignment; a tuple is assigned item by item, which is quicker."""
         match node.targets, node.value:
             case [ast.Tuple(targets)], ast.Tuple(values):
                 pass
@@ -470,9 +470,10 @@ class _Translator(ast.NodeVisitor):
 
     def visit_Call(self, node: ast.Call) -> str:
         called = self.known(node.func)
-        arguments = [self.visit(argument) for argument in node.args]
-        if any(keyword.arg != "strict" for keyword in node.keywords):
-            raise KeyError("an argument by name")
+        arguments = list(map(self.visit, node.args))
+        for keyword in node.keywords:
+            if keyword.arg != "strict":
+                raise KeyError("an argument by name")
         if called is None and isinstance(node.func, ast.Attribute):
             owner = self.visit(node.func.value)
             return METHODS[node.func.attr].format(owner, ",".join(arguments))

@@ -11,7 +11,7 @@ from ..results.magnification import BLOCK, drifts, magnified, round_down
 from ..storage.tables import clean
 from ..units import TIMES, format_factor, format_si
 from .known import body_told, initial_offsets, slowest_of
-from .reason import reason_of
+from .reason import peak_of, reason_of
 from .texts import capital, stated, written
 
 NO_VALUE = "-"
@@ -121,14 +121,15 @@ def layout_of_row(system: Any, facts: Any) -> Any:
     A point is drawn at X = left + x + magnification * (apart + displacement - frame t).
     ``block`` is the width of a mass; bodies lie side by side.
     """
-    length = sum(
-        piece["length"] for body in facts["bodies"] for piece in body["pieces"]
-    )
+    length = 0.0
+    for body in facts["bodies"]:
+        for piece in body["pieces"]:
+            length += piece["length"]
     slowest = slowest_of(system, facts["outcome"]["before"])
     offsets = initial_offsets(system, facts["tiling"])
     reach = spread(facts, offsets, 0.0)
     relative_reach = spread(facts, offsets, slowest)
-    strain = max([abs(e) for e in facts["tiling"]["strain"]])
+    strain = peak_of(facts["tiling"]["strain"])
     magnification = magnified(length, reach, relative_reach, strain)
     frame = 0.0
     if drifts(reach, relative_reach):
@@ -170,9 +171,13 @@ def spread(facts: Any, offsets: list[float], frame: float) -> float:
 def ratio_of(facts: Any) -> Any:
     """l1/l2 of two uniform rods; None for any other row."""
     bodies = facts["bodies"]
-    if len(bodies) != 2 or any(len(body["pieces"]) != 1 for body in bodies):
+    if len(bodies) != 2:
         return None
-    return bodies[0]["pieces"][0]["length"] / bodies[1]["pieces"][0]["length"]
+    left = bodies[0]["pieces"]
+    right = bodies[1]["pieces"]
+    if len(left) != 1 or len(right) != 1:
+        return None
+    return left[0]["length"] / right[0]["length"]
 
 
 def restitution_of(facts: Any) -> Any:
@@ -234,8 +239,10 @@ def rows_by_contact(facts: Any) -> Any:
     rows: list[Any] = []
     if len(unilateral) > 1:
         for i in unilateral:
-            texts = [text for _, text in rows_of_contact(facts, i)]
-            rows.append([facts["contacts"][i]["name"], *texts])
+            row = [facts["contacts"][i]["name"]]
+            for _, text in rows_of_contact(facts, i):
+                row.append(text)
+            rows.append(row)
     return rows
 
 
@@ -265,7 +272,7 @@ def velocity_rows(facts: Any, after: str) -> list[Any]:
     if facts["method"] == "fronts":
         digits = 6
     error = outcome["errors"]["velocity"]
-    fastest = max([abs(v) for v in [*outcome["before"], *outcome["after"]]])
+    fastest = peak_of([*outcome["before"], *outcome["after"]])
     rows = []
     for i, body in enumerate(facts["bodies"]):
         if body["kind"] != "wall":

@@ -78,9 +78,9 @@ def spells_of(contact: Any) -> list[Any]:
     force = contact["force"]
     gap = contact["gap"]
     if gap is None:  # a bond never opens
-        gap = {"t": force["t"], "y": [0.0 for _ in force["t"]]}
-    zero_force = NEGLIGIBLE * max([abs(y) for y in force["y"]])
-    zero_gap = NEGLIGIBLE * max([abs(y) for y in gap["y"]])
+        gap = {"t": force["t"], "y": [0.0] * len(force["t"])}
+    zero_force = NEGLIGIBLE * peak_of(force["y"])
+    zero_gap = NEGLIGIBLE * peak_of(gap["y"])
     spells: list[Any] = []
     before = force["t"][0]
     for t in sorted([*force["t"], *gap["t"]]):
@@ -98,9 +98,19 @@ def spells_of(contact: Any) -> list[Any]:
     return spells
 
 
+def peak_of(values: Any) -> float:
+    """Largest magnitude of numbers."""
+    peak: float = max([abs(value) for value in values])
+    return peak
+
+
 def presses_of(contact: Any) -> list[Any]:
     """Spells in which a contact presses."""
-    return [spell for spell in spells_of(contact) if spell["state"] == "pressing"]
+    presses = []
+    for spell in spells_of(contact):
+        if spell["state"] == "pressing":
+            presses.append(spell)
+    return presses
 
 
 def bodies_of(facts: Any, contact: Any) -> Any:
@@ -146,16 +156,15 @@ def events_of_contact(facts: Any, contact: Any) -> str:
     end = presses[-1]["to"]
     last = spells[-1]
     pair = capital(pair_of(facts, contact))
-    reopens = [
-        spell
-        for spell in spells
-        if spell["state"] == "open" and start < spell["from"] < end
-    ]
+    reopens = False
+    for spell in spells:
+        if spell["state"] == "open" and start < spell["from"] < end:
+            reopens = True
     if last["state"] == "pressing":
         text = f"{pair} press to the end of the run"
     elif not facts["exact"]:
         text = end_of_smooth_force(facts, contact, presses)
-    elif len(reopens) > 0:
+    elif reopens:
         text = f"{pair} part and meet again; the last force ends at "
         text = f"{text}{written(end, 's', 4)}"
     else:
@@ -268,7 +277,9 @@ def in_transits(facts: Any, contact: Any, duration: float) -> str:
     shortest = 0.0
     text = ""
     for body in bodies_of(facts, contact):
-        time = sum(piece["transit_time"] for piece in body["pieces"])
+        time = 0.0
+        for piece in body["pieces"]:
+            time += piece["transit_time"]
         if time > 0 and (shortest == 0 or time < shortest):
             shortest = time
             text = f", {duration / time:.3g} transit times of {body['name']}"
@@ -285,8 +296,8 @@ def result_of(facts: Any, pressed: list[Any], e: str) -> str:
     text = velocities[-1]
     noun = "velocity"
     if len(velocities) > 1:
-        others = ", ".join(velocities[: len(velocities) - 1])
-        text = f"{others} and {text}"
+        all_but_last = ", ".join(velocities[: len(velocities) - 1])
+        text = f"{all_but_last} and {text}"
         noun = "velocities"
     if len(pressed) == 1 and len(outcome["able"]) == 1:
         tally = outcome["contacts"][pressed[0]["index"]]
@@ -309,7 +320,7 @@ def result_of(facts: Any, pressed: list[Any], e: str) -> str:
 def velocities_of(facts: Any) -> list[str]:
     """Velocities of rods and masses after the collision, as texts."""
     after = facts["outcome"]["after"]
-    fastest = max([abs(v) for v in [*facts["outcome"]["before"], *after]])
+    fastest = peak_of([*facts["outcome"]["before"], *after])
     texts = []
     for i, body in enumerate(facts["bodies"]):
         if body["kind"] != "wall":
@@ -320,9 +331,9 @@ def velocities_of(facts: Any) -> list[str]:
 def kinetic_energy(facts: Any) -> float:
     """Energy of the centre-of-mass motions of all bodies after the collision, J."""
     after = facts["outcome"]["after"]
-    energy: float = sum(
-        body["mass"] * after[i] ** 2 / 2 for i, body in enumerate(facts["bodies"])
-    )
+    energy = 0.0
+    for i, body in enumerate(facts["bodies"]):
+        energy += body["mass"] * after[i] ** 2 / 2
     return energy
 
 
@@ -335,9 +346,11 @@ def ratio_named(facts: Any) -> str:
     bodies = facts["bodies"]
     if len(bodies) != 2 or facts["contacts"][0]["compliant"]:
         return ""
-    if any(len(body["pieces"]) != 1 or body["approach"] is None for body in bodies):
-        return ""
-    left, right = [body["pieces"][0] for body in bodies]
+    for body in bodies:
+        if len(body["pieces"]) != 1 or body["approach"] is None:
+            return ""
+    left = bodies[0]["pieces"][0]
+    right = bodies[1]["pieces"][0]
     short = "₁"
     long = "₂"
     ratio = left["transit_time"] / right["transit_time"]

@@ -96,17 +96,23 @@ def is_smooth(case: Any) -> bool:
     Fronts carry no masses and no compliant contacts.
     """
     method = case.get("solve", {}).get("method", "auto")
+    if method != "auto":
+        return bool(method == "characteristics")
     laws = [contact.get("law", "rigid") for contact in case.get("contacts", [])]
-    is_compliant = any(law not in ("rigid", "bonded") for law in laws)
-    has_mass = any(body["kind"] == "mass" for body in case["bodies"])
-    if method == "auto":
-        return is_compliant or has_mass
-    return bool(method == "characteristics")
+    for law in laws:
+        if law not in ("rigid", "bonded"):
+            return True
+    return any(body["kind"] == "mass" for body in case["bodies"])
 
 
 def contacts_in(case: Any) -> Any:
     """Tables of all contacts; empty ones where the case has none."""
-    return case.get("contacts", [{} for _ in range(len(case["bodies"]) - 1)])
+    return case.get("contacts", [{}] * (len(case["bodies"]) - 1))
+
+
+def rods_in(case: Any) -> list[int]:
+    """Numbers of the bodies that are rods."""
+    return [i for i, body in enumerate(case["bodies"]) if body["kind"] == "rod"]
 
 
 def segments_of(body: Any) -> Any:
@@ -275,7 +281,7 @@ def mistakes_of_row(case: Any) -> list[Any]:
     """A row without rods, and a wrong number of contacts."""
     problems = []
     n_pairs = len(case["bodies"]) - 1
-    if not any(body["kind"] == "rod" for body in case["bodies"]):
+    if len(rods_in(case)) == 0:
         problems.append(("bodies", "needs at least one rod"))
     if len(contacts_in(case)) != n_pairs:
         wanted = f"needs one entry for each neighbouring pair, {n_pairs} in all"
@@ -286,8 +292,7 @@ def mistakes_of_row(case: Any) -> list[Any]:
 def mistakes_of_gauges(case: Any, gauges: Any) -> list[Any]:
     """Gauges on no rod, and an end of the run before which there is nothing to show."""
     problems = []
-    bodies = case["bodies"]
-    rods = [i for i, body in enumerate(bodies) if body["kind"] == "rod"]
+    rods = rods_in(case)
     for i, gauge in enumerate(gauges):
         if gauge["body"] not in rods:
             problems.append((f"gauges.{i}.body", "must be the number of a rod"))
@@ -468,9 +473,11 @@ def request_of(case: Any) -> RunRequest:
 
 def body_of(table: Any, materials: Any) -> PageBody:
     """Body from its table."""
-    segments = [segment_of(segment, materials) for segment in segments_of(table)]
+    segments = []
     mass = table.get("mass", 0.0)
-    for segment in segments:
+    for segment_table in segments_of(table):
+        segment = segment_of(segment_table, materials)
+        segments.append(segment)
         mass += segment.mass
     velocity = profile_of(table.get("velocity", 0.0))
     strain = profile_of(table.get("strain", 0.0))

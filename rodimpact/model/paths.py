@@ -1,7 +1,7 @@
 """Numbers of a system by their paths in a case file.
 
-A place is the path of a number in ``System.to_dict()``: ``bodies.0.material.density``.
-The path ``materials.NAME.density`` has the places of all bodies of this material. A
+An entry is the path of a number in ``System.to_dict()``: ``bodies.0.material.density``.
+The path ``materials.NAME.density`` has the entries of all bodies of this material. A
 number may stand for another: a material has a ``wave_speed`` that stands for Young's
 modulus at its density, a round rod an ``area`` that stands for its diameter.
 """
@@ -34,19 +34,19 @@ FIELDS = {
 """Declarations of the numbers of a system, by their last name."""
 
 
-class _Entry(NamedTuple):
-    """Place of a number in a description."""
+class _Slot(NamedTuple):
+    """Table of a description that holds a number, with the key of the number."""
 
     table: Any  # dictionary or list that holds the number
     key: Any  # its key or index there
 
 
 def numbers_of(system: System) -> dict[str, Number]:
-    """Every number that can vary, by its place in ``System.to_dict()``."""
+    """Every number that can vary, by its entry."""
     stored_numbers = dict(system._numbers())
     numbers = dict(stored_numbers)
-    for place, value in stored_numbers.items():
-        owner, _, field = place.rpartition(".")
+    for entry, value in stored_numbers.items():
+        owner, _, field = entry.rpartition(".")
         if field == MODULUS:
             density = stored_numbers[f"{owner}.density"]
             numbers[f"{owner}.{SPEED}"] = np.sqrt(value / density)[()]
@@ -56,27 +56,27 @@ def numbers_of(system: System) -> dict[str, Number]:
 
 
 def places_of(system: System) -> dict[str, list[str]]:
-    """Every path of a number that can vary, with its places in ``System.to_dict()``."""
-    places: dict[str, list[str]] = {}
+    """Every path of a number that can vary, with its entries."""
+    entries: dict[str, list[str]] = {}
     description = system.to_dict()
-    for place in numbers_of(system):
-        places[place] = [place]
-        owner, _, field = place.rpartition(".")
+    for entry in numbers_of(system):
+        entries[entry] = [entry]
+        owner, _, field = entry.rpartition(".")
         if owner.endswith(".material"):
-            material = _entry(description, place).table
+            material = _slot(description, entry).table
             path = f"materials.{material['name']}.{field}"
-            places.setdefault(path, []).append(place)
-    return places
+            entries.setdefault(path, []).append(entry)
+    return entries
 
 
-def alternative_of(place: str) -> str:
-    """Place of the number for which the one at a place stands, or the place itself."""
-    owner, dot, field = place.rpartition(".")
+def alternative_of(entry: str) -> str:
+    """Entry of the number for which the one of an entry stands, or the entry itself."""
+    owner, dot, field = entry.rpartition(".")
     return owner + dot + ALTERNATIVES.get(field, field)
 
 
 def with_numbers(system: System, numbers: Mapping[str, float]) -> System:
-    """System with other numbers at places; InvalidModel if it is none.
+    """System with other numbers at entries; InvalidModel if it is none.
 
     A wave speed is set after the density, on which its modulus depends. A negative
     speed or area is passed on as a negative modulus or diameter, so that the model
@@ -84,8 +84,8 @@ def with_numbers(system: System, numbers: Mapping[str, float]) -> System:
     """
     description = system.to_dict()
     speeds = []
-    for place, value in numbers.items():
-        table, field = _entry(description, place)
+    for entry, value in numbers.items():
+        table, field = _slot(description, entry)
         if field == SPEED:
             speeds.append((table, value))
         elif field == "area" and "diameter" in table:
@@ -98,19 +98,19 @@ def with_numbers(system: System, numbers: Mapping[str, float]) -> System:
     return System.from_dict(description)
 
 
-def field_at(system: System, place: str) -> Field:
-    """Declaration of the number at a place."""
-    owner, _, field = place.rpartition(".")
+def field_at(system: System, entry: str) -> Field:
+    """Declaration of the number at an entry."""
+    owner, _, field = entry.rpartition(".")
     if owner.startswith("contacts") and field != "gap":
-        parts = place.split(".")  # contacts, index, field, for a list the index in it
+        parts = entry.split(".")  # contacts, index, field, for a list the index in it
         law = system.contacts[int(parts[1])]
         return law.fields[parts[2]]
     return FIELDS.get(field, Field())
 
 
-def unit_at(system: System, place: str) -> str:
-    """SI unit of the number at a place."""
-    return field_at(system, place).unit
+def unit_at(system: System, entry: str) -> str:
+    """SI unit of the number at an entry."""
+    return field_at(system, entry).unit
 
 
 def suggestion(path: str, choices: Collection[str]) -> str:
@@ -139,13 +139,13 @@ def suggestion(path: str, choices: Collection[str]) -> str:
     return hint
 
 
-def _entry(description: Any, place: str) -> _Entry:
-    """Entry of a description at a place."""
-    *steps, last = place.split(".")
+def _slot(description: Any, entry: str) -> _Slot:
+    """Slot of an entry in a description."""
+    *steps, last = entry.split(".")
     table = description
     for step in steps:
         table = table[_key(step)]
-    return _Entry(table, _key(last))
+    return _Slot(table, _key(last))
 
 
 def _key(step: str) -> Any:

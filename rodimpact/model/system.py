@@ -315,14 +315,13 @@ class System(Declared):
         >>> ri.System([rod, ri.Wall()]).mirrored().kinds
         ['wall', 'rod']
         """
-        bodies = [_mirrored_body(body) for body in reversed(self.bodies)]
-        ends = [_mirrored_end(end) for end in reversed(self.ends)]
+        left, right = self.ends
         return System(
-            bodies,
+            list(map(_mirrored_body, reversed(self.bodies))),
             self.gaps[::-1],
             self.contacts[::-1],
             gravity=-self.gravity,
-            ends=ends,
+            ends=(_mirrored_end(right), _mirrored_end(left)),
         )
 
 
@@ -403,10 +402,17 @@ def _check_bodies(problems: Problems, bodies: Any) -> None:
 
 def _check_any_moves(problems: Problems, bodies: Any, laws: Any) -> None:
     """Note a row of walls, and of masses that are all bonded to a wall."""
-    n_walls = sum(isinstance(body, Wall) for body in bodies)
-    n_not_bonded = sum(not isinstance(law, Bonded) for law in laws)
-    has_rod = any(isinstance(body, Rod) for body in bodies)
-    if n_walls > n_not_bonded and not has_rod:
+    n_walls = 0
+    for body in bodies:
+        if isinstance(body, Rod):
+            return
+        if isinstance(body, Wall):
+            n_walls += 1
+    n_not_bonded = 0
+    for law in laws:
+        if not isinstance(law, Bonded):
+            n_not_bonded += 1
+    if n_walls > n_not_bonded:
         message = "needs a rod or a rigid mass that is not bonded to a wall"
         problems.append(("bodies", message))
 
@@ -416,8 +422,7 @@ def _check_contact(
 ) -> None:
     """Note a law that is none, or that does not go with its gap or its two bodies."""
     if type(law) not in _LAWS:
-        names = ", ".join(kind.__name__ for kind in _LAWS)
-        message = f"must be a contact law itself, one of {names}"
+        message = f"must be a contact law itself, one of {_class_names(_LAWS)}"
         note(problems, f"contacts.{i}", message, law)
     elif not law.opens:
         message = (
@@ -430,7 +435,7 @@ def _check_contact(
 
 def _check_rigid(problems: Problems, i: int, law: Rigid, pair: Any) -> None:
     """Note a rigid contact that is undetermined, and one that is determined twice."""
-    kinds = {type(body) for body in pair}
+    kinds = set(map(type, pair))
     has_mass = RigidMass in kinds
     are_rigid = kinds <= {RigidMass, Wall}
     if law.restitution is None and has_mass and are_rigid:
@@ -480,8 +485,8 @@ def _check_end(problems: Problems, side: str, end: Any, body: Any) -> None:
     path = f"ends.{side}"
     name = type(end).__name__
     if type(end) not in _ENDS:
-        names = ", ".join(kind.__name__ for kind in ENDS.values())
-        note(problems, path, f"must be an end itself, one of {names}", end)
+        message = f"must be an end itself, one of {_class_names(_ENDS)}"
+        note(problems, path, message, end)
     elif isinstance(body, Wall) and not isinstance(end, Free):
         message = f"{name} has no place beyond a wall; leave this end out, or the wall"
         problems.append((path, message))
@@ -491,3 +496,8 @@ def _check_end(problems: Problems, side: str, end: Any, body: Any) -> None:
             "Wall"
         )
         problems.append((path, message))
+
+
+def _class_names(classes: tuple[type, ...]) -> str:
+    """Names of classes with commas between them."""
+    return ", ".join(kind.__name__ for kind in classes)
