@@ -226,6 +226,10 @@ def conversion(unit: str) -> Conversion | None:
     unit : str
         One of `UNITS`, or another spelling of it.
 
+    Returns
+    -------
+    Conversion or None
+
     Raises
     ------
     ValueError

@@ -432,7 +432,19 @@ class Segment(Declared):
         return np.full(A.shape, self.polar_moment)
 
     def mirrored(self) -> Segment:
-        """Return the segment with left and right exchanged."""
+        """Return the segment with left and right exchanged.
+
+        Returns
+        -------
+        Segment
+
+        Examples
+        --------
+        >>> steel = Material("steel", youngs_modulus=200e9, density=7850)
+        >>> wedge = Segment(0.5, Samples([1e-4, 3e-4]), steel)
+        >>> wedge.mirrored().area.values.tolist()
+        [0.0003, 0.0001]
+        """
         if not self.tapered:
             return self
         return self.replace(area=profiles.flipped(self.area, self.length))
@@ -449,6 +461,13 @@ class Segment(Declared):
         -------
         list of Segment
             Each has the volume of its piece of the taper.
+
+        Examples
+        --------
+        >>> steel = Material("steel", youngs_modulus=200e9, density=7850)
+        >>> wedge = Segment(0.5, Samples([1e-4, 3e-4]), steel)
+        >>> [round(segment.area, 9) for segment in wedge.in_steps(2)]
+        [0.00015, 0.00025]
         """
         if not self.tapered:
             return [self]

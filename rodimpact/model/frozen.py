@@ -428,6 +428,13 @@ class Frozen:
         ------
         InvalidModel
             Naming every change that is no parameter, or is not what it should be.
+
+        Examples
+        --------
+        >>> import rodimpact as ri
+        >>> rod = ri.Rod(1.0, area=1e-4, material=ri.materials.steel)
+        >>> rod.replace(length=0.5).length
+        0.5
         """
         kind: Any = type(self)
         defaults = defaults_of(kind)
@@ -451,7 +458,19 @@ class Frozen:
         return {name: v for name, v in self.__dict__.items() if name[0] != "_"}
 
     def to_dict(self) -> dict[str, Any]:
-        """Return a JSON-ready description from which an equal object can be made."""
+        """Return a JSON-ready description from which an equal object can be made.
+
+        Returns
+        -------
+        dict
+            Parameters of the constructor by name, and the entry that names the class.
+
+        Examples
+        --------
+        >>> import rodimpact as ri
+        >>> ri.RigidMass(2.0, velocity=1.0).to_dict()
+        {'kind': 'mass', 'mass': 2.0, 'velocity': 1.0}
+        """
         description = dict(self._tag)
         for name, value in self._parameters().items():
             if value is not None:

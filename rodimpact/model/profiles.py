@@ -198,7 +198,18 @@ class Polynomials(Declared):
         return borders
 
     def coefficients(self) -> Floats:
-        """Chebyshev coefficients, [interval, degree], over y from -1 to 1 in each."""
+        """Chebyshev coefficients of the polynomials.
+
+        Returns
+        -------
+        [interval, degree] array
+            Coefficients of T_k(y), with y from -1 to 1 in each interval.
+
+        Examples
+        --------
+        >>> Polynomials([0.0, 1.0]).coefficients().round(12).tolist()
+        [[0.5, 0.5]]
+        """
         n_intervals = len(self.inner) + 1
         values = np.asarray(self.values, dtype=float).reshape(n_intervals, -1)
         n = values.shape[1]
