@@ -64,10 +64,10 @@ def phases_of_contact(
     """Phases of a contact up to a tick, and the ticks of the events after it."""
     simulation = run.simulation
     node = run.nodes[contact]
-    left_line = 2 * node
-    right_line = 2 * node + 3
+    left_line = 2 * node  # of the wave a
+    right_line = 2 * node + 3  # of the wave b
     waves = {left_line: ZERO, right_line: ZERO}
-    # what comes from outside is not in the log
+    # The log has no waves from outside the row.
     if node == 0:
         waves[left_line] = simulation.lines[0].incoming_wave
     if node == len(simulation.nodes) - 1:
@@ -92,7 +92,7 @@ def phases_of_contact(
         elif event.tick > 0:
             jump = closing - earlier_closing
             phases[-1].jumps.append(VelocityJump(event.tick, jump))
-        else:
+        else:  # the initial state: fronts that left before t = 0
             phases[-1].closing = closing
     return ContactPhases(phases, later_ticks)
 

@@ -112,7 +112,7 @@ def run_exactly(row: Row, numbers: RowNumbers, max_events: int) -> ExactRun:
         layout, _kernel_values(numbers), ticks, 1 / tick_rate, ZERO
     )
     is_final = simulation.run_to_proof(max_events, ZERO) == Stop.FINAL
-    energy.update_motion(simulation)
+    energy.update_motion(simulation)  # velocities of groups, which `_motion` reads
     motions = []
     velocities_after = []
     for body in range(len(row.spans)):

@@ -316,7 +316,7 @@ class ClosedForm:
         Parameters
         ----------
         remedy : str
-            What shows all conditions.
+            How to see all conditions, such as "--conditions shows all".
         """
         line = "where always"
         if self.nearest:

@@ -79,13 +79,13 @@ class Edges(NamedTuple):
         """Both parts of each edge, which is cut at a point that lies in a cell."""
         starts = np.stack([self.start, points], axis=1)
         ends = np.stack([points, self.end], axis=1)
-        first_parts = np.column_stack([self.cells[:, 0], cells])
-        second_parts = np.column_stack([cells, self.cells[:, 1]])
-        parts = np.stack([first_parts, second_parts], axis=1)
+        cells_of_first_parts = np.column_stack([self.cells[:, 0], cells])
+        cells_of_second_parts = np.column_stack([cells, self.cells[:, 1]])
+        cells_of_parts = np.stack([cells_of_first_parts, cells_of_second_parts], axis=1)
         return Edges(
             starts.reshape(-1, 2),
             ends.reshape(-1, 2),
-            parts.reshape(-1, 2),
+            cells_of_parts.reshape(-1, 2),
             np.repeat(self.lattice_edge, 2),
         )
 
@@ -152,7 +152,10 @@ class PlaneSearch:
     # Cells
 
     def _cells_at(self, shares: Floats) -> Indices:
-        """Cells of points. Where there is none yet, the collision is solved."""
+        """Index of the cell of each point; the collision is solved where none is known.
+
+        UNRESOLVED or UNDECIDED where there is no cell.
+        """
         points = self.in_plane(shares)
         cells = locate(self.cells, *points.T)
         for i in range(len(points)):
@@ -164,11 +167,13 @@ class PlaneSearch:
             if cell is None:
                 continue
             unresolved = np.flatnonzero(cells == UNRESOLVED)
-            inside = unresolved[cell.inside(*points[unresolved].T)]
-            cells[i] = UNDECIDED  # unless floats say that the point is in its cell
+            x, y = points[unresolved].T
+            inside = unresolved[cell.inside(x, y)]
             if i in inside:
                 cells[inside] = len(self.cells)
                 self._add(cell)
+            else:  # in floats its own cell does not contain the point
+                cells[i] = UNDECIDED
         self._points_done = min(self._points_done + len(points), ALL_POINTS)
         return cells
 

@@ -66,10 +66,10 @@ def _vibration_energy(run: ExactRun) -> TracedFraction:
     It is the energy that the centres of mass have lost, and the work of moving walls.
     """
     numbers = run.numbers
-    impulses = [ZERO, *run.results.impulses, ZERO]
+    impulses = [ZERO, *run.results.impulses, ZERO]  # at both faces of each body
     energy = ZERO
     for i, body in enumerate(run.row.system.bodies):
-        v = numbers.velocities[i]
+        v = numbers.velocities[i]  # before
         V = run.results.velocities_after[i]
         if isinstance(body, Wall):
             energy = energy + (impulses[i + 1] - impulses[i]) * run.tick_rate * v

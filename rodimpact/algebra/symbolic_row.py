@@ -247,11 +247,11 @@ class _SymbolSource:
             f"E{number}", f"{path}.youngs_modulus", material.youngs_modulus
         )
         rho = self._name_or_value(f"rho{number}", f"{path}.density", material.density)
-        squared_speed = decimal_fraction(material.youngs_modulus) / decimal_fraction(
-            material.density
-        )
+        modulus = decimal_fraction(material.youngs_modulus)
+        squared_speed = modulus / decimal_fraction(material.density)
         speed = NamedWaveSpeed(E, rho)
         c = self._roots.root(squared_speed)
+        # A wave speed needs a name if it changes with E or rho, or if it is rounded.
         if rational_root(squared_speed) and not speed.has_symbol:
             return WaveMaterial(TracedFraction(c), TracedFraction(rho))
         name = f"c{number}"

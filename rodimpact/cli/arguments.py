@@ -218,7 +218,7 @@ class Arguments(argparse.Namespace):
         Parameters
         ----------
         **writers : function
-            By argument, a function of a path that writes its file.
+            Function of a path that writes the file, by the argument with the path.
 
         Returns
         -------

@@ -183,20 +183,19 @@ def differences(wanted: Signal, reached: Signal, edges: Floats) -> StepDifferenc
     times = _between(times, edges[0], edges[-1])
     kinks = np.unique(times)
     durations = np.diff(kinks)
-    lasts = durations > MIN_DURATION_RTOL * edges[-1]
-    middles = (kinks[1:] + kinks[:-1]) / 2
-    middle = middles[lasts]
-    half = durations[lasts] / 2
-    offset = half / math.sqrt(3)
-    gauss_points = np.column_stack([middle - offset, middle + offset])
+    is_long = durations > MIN_DURATION_RTOL * edges[-1]
+    middles = (kinks[1:] + kinks[:-1])[is_long] / 2
+    half_durations = durations[is_long] / 2
+    offsets = half_durations / math.sqrt(3)
+    gauss_points = np.column_stack([middles - offsets, middles + offsets])
     reached_force = np.interp(gauss_points, reached.times, reached.values)
     wanted_force = np.interp(gauss_points, wanted.times, wanted.values)
     difference = reached_force - wanted_force
-    interval = np.searchsorted(edges[1:-1], middle, "right")
+    interval = np.searchsorted(edges[1:-1], middles, "right")
 
     def mean(values: Floats) -> Floats:
         """Mean over each interval, from values at Gauss's points."""
-        integrals = half * values.sum(axis=1)
+        integrals = half_durations * values.sum(axis=1)
         sums = np.bincount(interval, integrals, len(edges) - 1)
         return sums / np.diff(edges)
 

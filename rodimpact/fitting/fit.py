@@ -62,9 +62,9 @@ def fit(
     until : float
         Time to which each collision runs, s.
     method, dt, rtol, cells
-        Of each collision, as for `solve`. If `dt`, `rtol` and `cells` are not given, a
-        wave crosses a cell of a grid in one `interval`. Thus the number of cells is
-        fixed, and predictions vary smoothly with the parameters.
+        Options of each collision, as for `solve`. If `dt`, `rtol` and `cells` are not
+        given, a wave crosses a cell of a grid in one `interval`. Thus the number of
+        cells is fixed, and predictions vary smoothly with the parameters.
     interval : float, optional
         Time step of the computed signals, s; by default the shortest time step of the
         records.
@@ -75,8 +75,8 @@ def fit(
         one.
     progress : bool or function
         Whether a bar may show that a long fit goes on. A function is called with the
-        number of collisions solved so far, and None: nobody knows how many there will
-        be.
+        number of collisions solved so far, and None, since their number is not known
+        before.
 
     Returns
     -------
@@ -147,7 +147,8 @@ def fit(
             vary_system[path] = bounds
     parameters = system_parameters(system, vary_system)
     of_records = record_parameters(system, records, vary_records, options.until)
-    if dt is rtol is cells is None and "cells" in METHODS[options.method].takes:
+    is_step_given = not (dt is None and rtol is None and cells is None)
+    if not is_step_given and "cells" in METHODS[options.method].takes:
         options = replace(options, cells=_cell_count(system, step))
     objective = Objective(
         system=system,

@@ -230,7 +230,7 @@ class Objective:
         for index, shift in zip(shift_indices, best_shifts, strict=True):
             start = point.copy()
             start[shift_indices] = best_shifts
-            start[index] = shift
+            start[index] = shift  # for all records with this shift in common
             self._set_best_gains(curves, start)
             difference = self._predictions(curves, start) - self._recorded
             starts.append(Start(float(np.sum(difference**2)), start))

@@ -137,7 +137,8 @@ def system_parameters(system: System, vary: Mapping[str, Any]) -> list[SystemPar
     """Numbers of the system to vary, each with its bounds."""
     places = places_of(system)
     numbers = numbers_of(system)
-    path_that_varies: dict[str, str] = {}  # by the place of the number
+    # by the place of the number; a wave speed stands for the modulus
+    path_that_varies: dict[str, str] = {}
     parameters = []
     for path, bounds in vary.items():
         if path not in places:

@@ -66,7 +66,7 @@ class Fitted(NamedTuple):
 
 
 class Descent(NamedTuple):
-    """Where a search ended.
+    """End of a search.
 
     Attributes
     ----------
@@ -109,7 +109,7 @@ class Fit(Shown):
     fitted : tuple of Fitted
         Every number with its standard error.
     covariance : array, shape (number, number)
-        Of `fitted`, in their units.
+        Covariance of the errors of `fitted`, in their units.
     predicted : tuple of Signal
         At the times of each record, in its unit.
     bands : tuple of array
@@ -117,7 +117,7 @@ class Fit(Shown):
     misfits : tuple of float
         Root mean square of the residual of each record, divided by its level.
     descents : tuple of Descent
-        Where the searches ended, the best first.
+        Ends of the searches, the best first.
     notes : tuple of str
         Numbers that are not determined, lie at a bound, or depend on the start of the
         search; and records whose misfit is far above the noise before their pulse.
@@ -169,7 +169,7 @@ class Fit(Shown):
         Parameters
         ----------
         other : Fit
-            Of the same records, with another law or theory.
+            A fit of the same records, with another law or theory.
 
         Returns
         -------
