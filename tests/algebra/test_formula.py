@@ -14,24 +14,32 @@ UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
 STEEL = ri.materials.steel
 
 
-def row(lengths, areas, material=UNIT, **more):
-    return ri.System(
-        [
-            ri.Rod(float(l), area=float(A), material=material, velocity=float(i == 0))
-            for i, (l, A) in enumerate(zip(lengths, areas, strict=True))
-        ],
-        **more,
-    )
+def row(lengths, areas, material=UNIT, **settings):
+    """Rods in a row; the first one moves with 1 m/s."""
+    rods = []
+    velocity = 1.0
+    for length, area in zip(lengths, areas, strict=True):
+        rod = ri.Rod(
+            float(length), area=float(area), material=material, velocity=velocity
+        )
+        rods.append(rod)
+        velocity = 0.0
+    return ri.System(rods, **settings)
 
 
-def names(*bases):
-    return sympy.symbols(
-        [f"{base}{i}" for base in bases for i in (1, 2)], positive=True
-    )
+def names(*letters):
+    """Positive symbols: each letter with 1, then with 2."""
+    numbered = []
+    for letter in letters:
+        numbered += [f"{letter}1", f"{letter}2"]
+    return sympy.symbols(numbered, positive=True)
 
 
 def same(formula, expected):
     return sympy.simplify(formula - expected) == 0
+
+
+# Formulas of two rods -----------------------------------------------------------------
 
 
 def test_the_box_is_the_ratio_of_lengths_on_both_sides_of_its_tie():
@@ -45,12 +53,15 @@ def test_the_box_is_the_ratio_of_lengths_on_both_sides_of_its_tie():
     assert form.holds(l1=0.99)
     assert not form.holds(l1=1)
     assert form.sides == ()
-    E = STEEL.youngs_modulus
+
+
+def test_the_contact_of_the_box_lasts_two_transits_of_the_striker():
+    form = ri.closed_form(row([0.4, 1.0], [1e-4, 1e-4], STEEL), ["length"])
     ((start, end),) = form.contact_times[0]
+    l1, _ = names("l")
+    slowness = (STEEL.density / STEEL.youngs_modulus) ** 0.5
     assert start == 0
-    assert float(end.subs(l1, 0.4)) == pytest.approx(
-        0.8 * (STEEL.density / E) ** 0.5, rel=1e-14
-    )
+    assert float(end.subs(l1, 0.4)) == pytest.approx(0.8 * slowness, rel=1e-14)
 
 
 def test_a_longer_rod_of_higher_impedance():
@@ -67,153 +78,185 @@ def test_a_longer_rod_of_lower_impedance(K):
     form = ri.closed_form(row([2, 2 * K + 1], [2, 1]))
     T1, T2, Z1, Z2 = names("T", "Z")
     q = (Z1 - Z2) / (Z1 + Z2)
-    impulse = (
-        2
-        * Z1
-        * Z2
-        / (Z1 + Z2)
-        * (sum(q**k for k in range(K)) * T1 + q**K * (T2 - K * T1))
-    )
-    assert same(form.restitution, impulse * (1 / (Z1 * T1) + 1 / (Z2 * T2)) - 1)
-    first = T1 < T2 if K == 1 else K * T1 < T2
-    assert set(form.cell) == {Z2 < Z1, first, T2 < (K + 1) * T1}
+    whole_round_trips = sum(q**k for k in range(K)) * T1
+    last_round_trip = q**K * (T2 - K * T1)
+    impulse = 2 * Z1 * Z2 / (Z1 + Z2) * (whole_round_trips + last_round_trip)
+    inverse_masses = 1 / (Z1 * T1) + 1 / (Z2 * T2)
+    assert same(form.restitution, impulse * inverse_masses - 1)
+    shortest = K * T1 < T2
+    assert set(form.cell) == {Z2 < Z1, shortest, T2 < (K + 1) * T1}
 
 
-def test_on_a_border_both_formulas_are_told():
+# Borders between formulas -------------------------------------------------------------
+
+
+def test_on_a_border_there_are_both_formulas():
     form = ri.closed_form(row([1, 2], [1, 0.5]))
     (other,) = form.sides
     T1, T2, *_ = names("T")
     borders = {T2 < 2 * T1, 2 * T1 < T2}
-    assert len(borders & set(form.cell)) == len(borders & set(other.cell)) == 1
+    assert len(borders & set(form.cell)) == 1
+    assert len(borders & set(other.cell)) == 1
     assert form.restitution != other.restitution
-    assert form.at().restitution == other.at().restitution == Fraction(7, 9)
+    assert form.at().restitution == Fraction(7, 9)
+    assert other.at().restitution == Fraction(7, 9)
     assert not form.holds()
     assert form.holds(T2=Fraction(21, 10)) != other.holds(T2=Fraction(21, 10))
 
 
-def test_what_meets_the_formula_is_told():
-    told = str(ri.closed_form(row([1, 1, 1], [1, 1, 1]), ["transit_time"])).splitlines()
-    assert told[3:] == [
+def test_a_formula_prints_the_formulas_that_it_meets():
+    three = ri.closed_form(row([1, 1, 1], [1, 1, 1]), ["transit_time"])
+    assert str(three).splitlines()[3:] == [
         "where T1 < T3",
         "It meets another formula where T1 = T3, as here:",
         "V1 = 0, V2 = (T1 - T3)/T2, V3 = 1 where T3 < T1",
     ]
-    told = str(ri.closed_form(row([0.4, 1.0], [1e-4, 1e-4], STEEL))).splitlines()
-    assert told[1] == "where T1 < T2, Z1 < Z2"
-    assert told[2] == "It meets another formula where Z1 = Z2, as here (e = 2/5):"
-    assert told[3].endswith(" where Z2 < Z1")
+    box = ri.closed_form(row([0.4, 1.0], [1e-4, 1e-4], STEEL))
+    lines = str(box).splitlines()
+    assert lines[1] == "where T1 < T2, Z1 < Z2"
+    assert lines[2] == "It meets another formula where Z1 = Z2, as here (e = 2/5):"
+    assert lines[3].endswith(" where Z2 < Z1")
 
 
-def test_that_a_cap_on_cells_leaves_out_sides_is_told(monkeypatch):
+def test_sides_beyond_the_cap_on_cells_are_announced(monkeypatch):
     monkeypatch.setattr("rodimpact.algebra.formula.MAX_CELLS", 1)
     form = ri.closed_form(row([1, 1], [1, 1]))
     assert form.unsolved
     assert str(form).endswith("cells, left out by max_events or by the cap on cells.")
 
 
+# Other rows, other symbols ------------------------------------------------------------
+
+
 def test_a_bond_has_an_average_impulse_which_has_a_formula():
-    rods = [
-        ri.Rod(T, area=Z, material=UNIT, velocity=v)
-        for T, Z, v in [(3.0, 2.5, 1.0), (1.0, 2.0, 0.5), (3.0, 0.5, 0.0)]
-    ]
+    rods = []
+    for T, Z, v in [(3.0, 2.5, 1.0), (1.0, 2.0, 0.5), (3.0, 0.5, 0.0)]:
+        rods.append(ri.Rod(T, area=Z, material=UNIT, velocity=v))
     system = ri.System(rods, contacts=[ri.Bonded(), ri.Rigid()])
     form = ri.closed_form(system)
-    assert agree(form, system, form.symbols, random.Random(2), 3)
-    done = ri.exact(system)
-    assert done.impulses[0] == Fraction(15, 2) * (1 - done.velocities_after[0])
+    assert count_agreements(form, system, form.symbols, random.Random(2), 3) > 0
+
+    collision = ri.exact(system)
+    momentum_lost = Fraction(15, 2) * (1 - collision.velocities_after[0])
+    assert collision.impulses[0] == momentum_lost
 
 
-def test_materials_gaps_and_velocities_in_symbols():
-    form = ri.closed_form(
-        row([1, 2], [1, 3], gaps=[0.25]), ["gap", "velocity", "length"]
-    )
+def test_gaps_and_velocities_in_symbols():
+    system = row([1, 2], [1, 3], gaps=[0.25])
+    form = ri.closed_form(system, ["gap", "velocity", "length"])
     l1, l2 = names("l")
     v1, v2 = sympy.symbols("v1 v2", real=True)
     g1 = sympy.Symbol("g1", positive=True)
     assert same(form.restitution, (l1 + l2) / (2 * l2))
     assert set(form.cell) == {l1 < l2, v2 < v1}
-    assert same(form.contact_times[0][0][0], g1 / (v1 - v2))
+    ((start, _),) = form.contact_times[0]
+    assert same(start, g1 / (v1 - v2))
+
+
+def test_materials_in_symbols():
+    system = row([2, 5], [1, 1], STEEL)
+    form = ri.closed_form(system, ["youngs_modulus", "density"])
     E1, rho1 = sympy.symbols("E1 rho1", positive=True)
-    form = ri.closed_form(row([2, 5], [1, 1], STEEL), ["youngs_modulus", "density"])
     assert form.restitution == Fraction(2, 5)
-    assert same(form.contact_times[0][0][1], 4 * sympy.sqrt(rho1 / E1))
+    ((_, end),) = form.contact_times[0]
+    assert same(end, 4 * sympy.sqrt(rho1 / E1))
     assert not form.holds(E1=-1)
     assert form.at(rho1=0).contact_times == (((0, None),),)
 
 
 def test_a_stepped_striker():
-    striker = ri.Rod(
-        segments=[ri.Segment(0.3, 1.0, UNIT), ri.Segment(0.2, 3.0, UNIT)], velocity=1.0
-    )
+    segments = [ri.Segment(0.3, 1.0, UNIT), ri.Segment(0.2, 3.0, UNIT)]
+    striker = ri.Rod(segments=segments, velocity=1.0)
     system = ri.System([striker, ri.Rod(1.0, area=2.0, material=UNIT)])
     form = ri.closed_form(system, ["length"])
     for side in (form, *form.sides):
         assert side.at().restitution == ri.exact(system).restitution
-    agree(
-        form,
-        system,
-        {
-            "l1": "bodies.0.segments.0.length",
-            "l2": "bodies.0.segments.1.length",
-            "l3": "bodies.1.length",
-        },
-        random.Random(1),
-        4,
-    )
+    paths = {
+        "l1": "bodies.0.segments.0.length",
+        "l2": "bodies.0.segments.1.length",
+        "l3": "bodies.1.length",
+    }
+    count_agreements(form, system, paths, random.Random(1), 4)
 
 
-def agree(form, system, paths, rng, count):
-    """Compare the formulas with runs at places near the system; return how many there were."""
-    places = 0
+# Random rows --------------------------------------------------------------------------
+
+
+def exact_at(system, paths, point):
+    """The collision in fractions with the values of a point, by the paths of its names."""
+    return ri.exact(system, {paths[name]: value for name, value in point.items()})
+
+
+def point_near(form, rng, low, high, step):
+    """Values of the symbols, each changed at random by `low` to `high` steps."""
+    point = {}
+    for name, value in form.values.items():
+        point[name] = value * (1 + rng.randint(low, high) * step)
+    return point
+
+
+def count_agreements(form, system, paths, rng, count):
+    """Compare the formulas with runs at points near the system.
+
+    Return the number of comparisons.
+    """
+    comparisons = 0
     for _ in range(count):
-        near = {
-            name: x * (1 + Fraction(rng.randint(-50, 50), 1000))
-            for name, x in form.values.items()
-        }
+        point = point_near(form, rng, -50, 50, Fraction(1, 1000))
         for side in (form, *form.sides):
-            if side.holds(**near):
-                there = ri.exact(system, {paths[name]: x for name, x in near.items()})
-                assert side.at(**near) == there
-                places += 1
-    return places
+            if side.holds(**point):
+                assert side.at(**point) == exact_at(system, paths, point)
+                comparisons += 1
+    return comparisons
 
 
-def agree_at_the_border(form, system, paths, rng):
-    """Go from the system to where the formula ends, and compare there, just inside."""
-    inside, outside = (
-        {
-            name: x * (1 + Fraction(rng.randint(-50, 100) * far, 100))
-            for name, x in form.values.items()
-        }
-        for far in (Fraction(1, 500), 1)
-    )
+def agrees_at_its_border(form, system, paths, rng):
+    """Compare the formula with a run just inside the border where it ends.
+
+    False if no border was found between two random points.
+    """
+    inside = point_near(form, rng, -50, 100, Fraction(1, 50_000))
+    outside = point_near(form, rng, -50, 100, Fraction(1, 100))
     if not form.holds(**inside) or form.holds(**outside):
-        return 0
+        return False
     for _ in range(20):
         middle = {name: (x + outside[name]) / 2 for name, x in inside.items()}
         if form.holds(**middle):
             inside = middle
         else:
             outside = middle
-    assert form.at(**inside) == ri.exact(
-        system, {paths[name]: x for name, x in inside.items()}
-    )
-    return 1
+    assert form.at(**inside) == exact_at(system, paths, inside)
+    return True
 
 
 def random_row(rng, count):
-    common = rng.random() < 0.4
-    T = [
-        Fraction(rng.randint(1, 9)) if common else Fraction(rng.randint(100, 900), 100)
-        for _ in range(count)
-    ]
-    Z = [
-        Fraction(rng.randint(1, 6), 2)
-        if common
-        else Fraction(rng.randint(30, 300), 100)
-        for _ in range(count)
-    ]
+    """Rods of random transit times and impedances, often commensurate ones."""
+    commensurate = rng.random() < 0.4
+    T = []
+    Z = []
+    for _ in range(count):
+        if commensurate:
+            T.append(Fraction(rng.randint(1, 9)))
+        else:
+            T.append(Fraction(rng.randint(100, 900), 100))
+    for _ in range(count):
+        if commensurate:
+            Z.append(Fraction(rng.randint(1, 6), 2))
+        else:
+            Z.append(Fraction(rng.randint(30, 300), 100))
     return row(T, Z)
+
+
+def check_formula_at_its_system(form, collision):
+    """The formula agrees with the run; on a border, one of the formulas does."""
+    if form.holds():
+        assert form.at() == collision
+        return
+    results = []
+    for side in (form, *form.sides):
+        values = side.at()
+        results.append((values.velocities_after, values.impulses))
+    assert (collision.velocities_after, collision.impulses) in results
 
 
 @pytest.mark.parametrize(
@@ -221,34 +264,29 @@ def random_row(rng, count):
     [
         (2, 8),
         (3, 2),
-        *(
-            pytest.param(*case, marks=pytest.mark.exhaustive)
-            for case in [(2, 40), (3, 8)]
-        ),
+        pytest.param(2, 40, marks=pytest.mark.exhaustive),
+        pytest.param(3, 8, marks=pytest.mark.exhaustive),
     ],
 )
 def test_random_rows_agree_with_runs_on_fractions(bodies, rows):
-    rng, places, borders = random.Random(rows), 0, 0
+    rng = random.Random(rows)
+    comparisons = 0
+    borders = 0
     for _ in range(rows):
         system = random_row(rng, bodies)
         form = ri.closed_form(system)
-        there = ri.exact(system)
-        if form.holds():
-            assert form.at() == there
-        else:  # on a border the formulas meet, or the run does as one of them
-            results = [
-                (at.velocities_after, at.impulses)
-                for at in (side.at() for side in (form, *form.sides))
-            ]
-            assert (there.velocities_after, there.impulses) in results
-        places += agree(form, system, form.symbols, rng, 3)
-        borders += agree_at_the_border(form, system, form.symbols, rng)
-    assert places >= rows
+        check_formula_at_its_system(form, ri.exact(system))
+        comparisons += count_agreements(form, system, form.symbols, rng, 3)
+        borders += agrees_at_its_border(form, system, form.symbols, rng)
+    assert comparisons >= rows
     assert borders >= rows / 8
 
 
+# Mistakes and texts -------------------------------------------------------------------
+
+
 @pytest.mark.parametrize(
-    ("symbols", "cap", "said"),
+    ("symbols", "cap", "sentence"),
     [
         (
             ["lenght"],
@@ -265,11 +303,15 @@ def test_random_rows_agree_with_runs_on_fractions(bodies, rows):
         (["length"], 1, "max_events: the collision is not over after 1"),
     ],
 )
-def test_mistakes_and_a_cap_are_told(symbols, cap, said):
-    with pytest.raises(ri.InvalidModel, match=said):
+def test_mistakes_and_a_cap_are_named(symbols, cap, sentence):
+    with pytest.raises(ri.InvalidModel, match=sentence):
         ri.closed_form(row([2, 5], [1, 1]), symbols, max_events=cap)
+
+
+def test_a_value_of_an_unknown_symbol_is_refused():
+    form = ri.closed_form(row([2, 5], [1, 1]), ["length"])
     with pytest.raises(ri.InvalidModel, match="l3: is no symbol here"):
-        ri.closed_form(row([2, 5], [1, 1]), ["length"]).at(l3=1)
+        form.at(l3=1)
 
 
 def test_without_sympy_the_extra_is_named(monkeypatch):
@@ -295,11 +337,14 @@ def test_a_formula_that_would_be_too_long_is_refused_with_a_remedy(monkeypatch):
 
 
 def test_the_steps_of_a_formula_are_counted_over_all_its_parts():
-    heard = []
-    form = ri.closed_form(
-        row([0.4, 1.0], [1e-4, 2e-4]), ["length"], progress=lambda *at: heard.append(at)
-    )
+    steps = []
+    totals = set()
+
+    def progress(step, total):
+        steps.append(step)
+        totals.add(total)
+
+    form = ri.closed_form(row([0.4, 1.0], [1e-4, 2e-4]), ["length"], progress=progress)
     assert str(form)
-    steps = [done for done, _ in heard]
     assert steps == list(range(1, len(steps) + 1))
-    assert {total for _, total in heard} == {None}
+    assert totals == {None}
