@@ -1,8 +1,9 @@
-"""Fits find what made a record, say how well, and say what they cannot find."""
+"""Fits find the system that made a record, and say how well they know it."""
 
 import csv
 import math
 from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -23,136 +24,175 @@ from rodimpact.units import format_si
 
 STEEL = ri.materials.steel
 UNTIL = 1.5e-4
-PATHS = "bodies.0.length", "bodies.0.velocity"
+INTERVAL = 5e-7
+GAUGE = (1, 0.2)
+LENGTH = "bodies.0.length"
+VELOCITY = "bodies.0.velocity"
 
 
-def rods(length=0.2, velocity=10.0, material=STEEL, **row):
-    pair = [
-        ri.Rod(x, area=1e-4, material=material, velocity=v)
-        for x, v in ((length, velocity), (0.6, 0.0))
-    ]
-    return ri.System(pair, **row)
+def rods(length=0.2, velocity=10.0, material=STEEL, **settings):
+    """A striker and a bar of 0.6 m."""
+    striker = ri.Rod(length, area=1e-4, material=material, velocity=velocity)
+    bar = ri.Rod(0.6, area=1e-4, material=material)
+    return ri.System([striker, bar], **settings)
 
 
-def record(system, noise=0.0, interval=5e-7):
-    signal = ri.solve(system, until=UNTIL).gauge(1, 0.2).signal(interval, name="gauge")
-    random = np.random.default_rng(7).standard_normal(len(signal))
-    return signal.replace(values=signal.values + noise * random)
+def record(system, noise=0.0):
+    """Strain at the gauge, with white noise of this standard deviation."""
+    gauge = ri.solve(system, until=UNTIL).gauge(*GAUGE)
+    signal = gauge.signal(INTERVAL, name="gauge")
+    white = np.random.default_rng(7).standard_normal(len(signal))
+    return signal.replace(values=signal.values + noise * white)
 
 
-def measured(signal, **how):
-    return ri.Measured(signal, (1, 0.2), **{"shift": 0.0, "gain": 1.0, **how})
+def measured(signal, shift=0.0, gain=1.0):
+    """A record at the gauge, with known shift and gain."""
+    return ri.Measured(signal, GAUGE, shift=shift, gain=gain)
 
 
-def test_a_fit_finds_what_made_a_record():
+# Best values --------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def noisy_fit():
+    """Fit of length and velocity of the striker to a record with 2 % of noise."""
     strain = 10.0 / (2 * STEEL.wave_speed)
     noisy = measured(record(rods(), 0.02 * strain))
-    found = ri.fit(
-        rods(0.24, 5.0), noisy, {PATHS[0]: (0.15, 0.25), PATHS[1]: (1.0, 20.0)}, UNTIL
-    )
-    assert not found.notes
-    for path, wanted in zip(PATHS, (0.2, 10.0), strict=True):
-        assert found.values[path] == pytest.approx(wanted, rel=5e-3)
-        assert abs(found.values[path] - wanted) < 4 * found.standard_errors[path]
-    during = int(0.4 / STEEL.wave_speed / 5e-7)  # samples of the pulse
-    assert found.standard_errors[PATHS[1]] == pytest.approx(
-        10 * 0.02 / during**0.5, rel=0.7
-    )
-    assert found.misfits[0] == pytest.approx(0.02, rel=0.1)
-    assert found.system.bodies[0].length == found.values[PATHS[0]]
-    off = found.predicted[0].values - noisy.signal.values
-    assert math.sqrt(np.mean(off**2)) == pytest.approx(
-        found.misfits[0] * noisy.size, rel=1e-9
-    )
-    assert len(found.descents) == 3
-    for end in found.descents:
-        assert end.values[PATHS[0]] == pytest.approx(found.values[PATHS[0]], rel=1e-6)
+    vary = {LENGTH: (0.15, 0.25), VELOCITY: (1.0, 20.0)}
+    return ri.fit(rods(0.24, 5.0), noisy, vary, UNTIL)
+
+
+@pytest.mark.parametrize(("path", "true_value"), [(LENGTH, 0.2), (VELOCITY, 10.0)])
+def test_a_fit_finds_the_system_that_made_a_record(noisy_fit, path, true_value):
+    value = noisy_fit.values[path]
+    assert value == pytest.approx(true_value, rel=5e-3)
+    assert abs(value - true_value) < 4 * noisy_fit.standard_errors[path]
+    assert not noisy_fit.notes
+    assert noisy_fit.system.bodies[0].length == noisy_fit.values[LENGTH]
+
+
+def test_the_standard_error_is_that_of_a_mean_over_the_pulse(noisy_fit):
+    samples = int(0.4 / STEEL.wave_speed / INTERVAL)
+    expected = 10 * 0.02 / samples**0.5
+    assert noisy_fit.standard_errors[VELOCITY] == pytest.approx(expected, rel=0.7)
+
+
+def test_the_misfit_is_the_noise_and_that_of_the_prediction(noisy_fit):
+    noisy = noisy_fit.measured[0]
+    difference = noisy_fit.predicted[0].values - noisy.signal.values
+    rms = math.sqrt(np.mean(difference**2))
+    assert noisy_fit.misfits[0] == pytest.approx(0.02, rel=0.1)
+    assert rms == pytest.approx(noisy_fit.misfits[0] * noisy.size, rel=1e-9)
+
+
+def test_all_searches_end_at_the_same_point(noisy_fit):
+    assert len(noisy_fit.descents) == 3
+    for end in noisy_fit.descents:
+        best = noisy_fit.values[LENGTH]
+        assert end.values[LENGTH] == pytest.approx(best, rel=1e-6)
 
 
 def test_several_records_have_shifts_of_their_own_and_one_system():
-    system = rods()
-    solution = ri.solve(system, until=UNTIL)
-    places = (1, 0.2), (1, 0.4)
-    records = [
-        ri.Measured(solution.gauge(*place).signal(5e-7).shifted(late), place, gain=1.0)
-        for place, late in zip(places, (1e-6, 2e-6), strict=True)
-    ]
-    alone = ri.fit(system, records, {PATHS[0]: (0.1, 0.4)}, UNTIL)
+    solution = ri.solve(rods(), until=UNTIL)
+    records = []
+    for gauge, delay in (((1, 0.2), 1e-6), ((1, 0.4), 2e-6)):
+        signal = solution.gauge(*gauge).signal(INTERVAL)
+        records.append(ri.Measured(signal.shifted(delay), gauge, gain=1.0))
+    vary = {LENGTH: (0.1, 0.4)}
+
+    alone = ri.fit(rods(), records, vary, UNTIL)
     with ThreadPoolExecutor(2) as pool:
-        together = ri.fit(system, records, {PATHS[0]: (0.1, 0.4)}, UNTIL, executor=pool)
-    assert alone.values == together.values
+        in_threads = ri.fit(rods(), records, vary, UNTIL, executor=pool)
+
+    assert alone.values == in_threads.values
     assert alone.values["records.0.shift"] == pytest.approx(1e-6, abs=1e-9)
     assert alone.values["records.1.shift"] == pytest.approx(2e-6, abs=1e-9)
 
 
-def test_records_share_what_is_tied():
-    """One pulse passes two gauges of one amplifier, whose clock and blur are not known."""
+class Shot(NamedTuple):
+    """Records of one pulse by two gauges of one amplifier, with and without noise."""
+
+    records: list[ri.Measured]
+    clean: list[ri.Signal]
+
+
+@pytest.fixture(scope="module")
+def shot():
     solution = ri.solve(rods(), until=UNTIL)
-    random, places = np.random.default_rng(3), ((1, 0.2), (1, 0.4))
-    records, squares = (
-        [],
-        {"gain": 0.0, "shift": 0.0},
-    )  # of what a record changes with each
-    for place in places:
-        strain = (
-            solution.gauge(*place).signal(5e-7).low_pass(0.1325 / 3e-6).shifted(4e-6)
-            * 1.5
-        )
-        noise = 2e-5 * random.standard_normal(len(strain))
-        squares["gain"] += float(np.sum((strain.values / 1.5) ** 2))
-        squares["shift"] += float(np.sum(np.gradient(strain.values, 5e-7) ** 2))
-        records.append(ri.Measured(strain.replace(values=strain.values + noise), place))
-    tied = {
-        PATHS[0]: (0.1, 0.4),
+    random = np.random.default_rng(3)
+    shot = Shot([], [])
+    for gauge in ((1, 0.2), (1, 0.4)):
+        strain = solution.gauge(*gauge).signal(INTERVAL).low_pass(0.1325 / 3e-6)
+        signal = strain.shifted(4e-6) * 1.5
+        noise = 2e-5 * random.standard_normal(len(signal))
+        noisy = signal.replace(values=signal.values + noise)
+        shot.records.append(ri.Measured(noisy, gauge))
+        shot.clean.append(signal)
+    return shot
+
+
+@pytest.fixture(scope="module")
+def tied_fit(shot):
+    vary = {
+        LENGTH: (0.1, 0.4),
         "records.*.gain": None,
         "records.*.shift": (-1e-5, 1e-5),
         "records.[01].blur": (0.0, 1e-5),
     }
-    found = ri.fit(rods(), records, tied, UNTIL)
-    wanted = {
-        PATHS[0]: 0.2,
+    return ri.fit(rods(), shot.records, vary, UNTIL)
+
+
+def test_records_share_the_numbers_that_are_tied(tied_fit):
+    true_values = {
+        LENGTH: 0.2,
         "records.*.gain": 1.5,
         "records.*.shift": 4e-6,
         "records.[01].blur": 3e-6,
     }
-    assert found.values.keys() == wanted.keys()
-    for name, value in wanted.items():
-        assert found.values[name] == pytest.approx(value, rel=2e-2), name
-        assert abs(found.values[name] - value) < 4 * found.standard_errors[name], name
-    alone = ri.fit(
-        rods(), records, {PATHS[0]: (0.1, 0.4), "records.*.blur": (0.0, 1e-5)}, UNTIL
-    )
-    assert {
-        "records.0.shift",
-        "records.1.shift",
-        "records.1.gain",
-    } < alone.values.keys()
-    assert (
-        found.standard_errors["records.*.gain"]
-        < alone.standard_errors["records.0.gain"]
-    )
-    for (
-        name,
-        total,
-    ) in squares.items():  # the others are known nearly as well without this one
-        assert (
-            1 <= found.standard_errors[f"records.*.{name}"] / (2e-5 / total**0.5) < 1.5
-        ), name
+    assert tied_fit.values.keys() == true_values.keys()
+    for name, true_value in true_values.items():
+        value = tied_fit.values[name]
+        assert value == pytest.approx(true_value, rel=2e-2), name
+        assert abs(value - true_value) < 4 * tied_fit.standard_errors[name], name
 
 
-def objective_of(records, vary):
-    """Parameters of the system, and the objective of a fit."""
-    parameters = system_parameters(rods(), vary)
-    objective = Objective(
+def test_shift_and_gain_are_known_nearly_as_well_as_each_alone(shot, tied_fit):
+    gain_information = 0.0
+    shift_information = 0.0
+    for signal in shot.clean:
+        gain_derivative = signal.values / 1.5
+        shift_derivative = np.gradient(signal.values, INTERVAL)
+        gain_information += float(np.sum(gain_derivative**2))
+        shift_information += float(np.sum(shift_derivative**2))
+    gain_error = 2e-5 / gain_information**0.5
+    shift_error = 2e-5 / shift_information**0.5
+    assert 1 <= tied_fit.standard_errors["records.*.gain"] / gain_error < 1.5
+    assert 1 <= tied_fit.standard_errors["records.*.shift"] / shift_error < 1.5
+
+
+def test_a_gain_of_one_record_is_known_less_well_than_a_common_one(shot, tied_fit):
+    vary = {LENGTH: (0.1, 0.4), "records.*.blur": (0.0, 1e-5)}
+    separate = ri.fit(rods(), shot.records, vary, UNTIL)
+    names = {"records.0.shift", "records.1.shift", "records.1.gain"}
+    assert names < separate.values.keys()
+    common_error = tied_fit.standard_errors["records.*.gain"]
+    assert common_error < separate.standard_errors["records.0.gain"]
+
+
+# Standard errors ----------------------------------------------------------------------
+
+
+def objective_of(measured_record, vary):
+    """Objective of a fit to one record."""
+    return Objective(
         system=rods(),
-        measured=records,
-        parameters=parameters,
-        record_parameters=record_parameters(rods(), records, {}, UNTIL),
+        measured=[measured_record],
+        parameters=system_parameters(rods(), vary),
+        record_parameters=record_parameters(rods(), [measured_record], {}, UNTIL),
         options=Options(UNTIL, "fronts"),
-        interval=5e-7,
+        interval=INTERVAL,
         executor=None,
     )
-    return parameters, objective
 
 
 def derivatives_of(objective, point):
@@ -166,247 +206,292 @@ def derivatives_of(objective, point):
 
 def coloured(random, n, steps):
     """Noise of variance 1 whose correlation falls to 1/e within so many steps."""
-    a = math.exp(-1 / steps) if steps else 0.0
+    a = 0.0
+    if steps > 0:
+        a = math.exp(-1 / steps)
     noise = [random.standard_normal()]
     for white in math.sqrt(1 - a * a) * random.standard_normal(n - 1):
         noise.append(a * noise[-1] + white)
     return np.array(noise)
 
 
-@pytest.mark.parametrize("correlation", [0.0, 5e-6])
-def test_standard_errors_are_the_scatter_of_fits(correlation):
-    """Of 200 records with noise: length, velocity, shift and blur move as far as their errors say.
-
-    Fits are linear in the noise where this is small.
-    """
-    m = ri.Measured(record(rods()), (1, 0.2), gain=1.0, blur=(0.0, 1e-5))
-    _, objective = objective_of([m], {PATHS[0]: (0.1, 0.4), PATHS[1]: (1.0, 20.0)})
-    point = np.array([1 / 3, 9 / 19, 0.0, 1.0, 2e-6])
-    J = derivatives_of(objective, point)[:, objective.is_free]
-    J *= [1.0, 1.0, UNTIL, 1e-5]
-    random, solve = np.random.default_rng(2), np.linalg.pinv(J)
-    moved, errors = [], []
-    for _ in range(200):
-        noise = 0.02 * coloured(random, len(J), correlation / 5e-7)
-        moved.append(solve @ noise)
-        left = J @ moved[-1] - noise
-        errors.append(np.sqrt(np.diag(covariance(J, left, [len(J)]))))
-    ratio = np.mean(errors, axis=0) / np.std(moved, axis=0)
-    assert (ratio > 0.8).all()
-    assert (ratio < 1.3).all()
-
-
-@pytest.mark.exhaustive
-def test_all_searches_for_a_measured_pulse_end_at_one_place():
-    pulses = validation_module("measured_pulses")
-    vary = {**pulses.ENDS, pulses.SPEED: (4200.0, 5400.0)}
-    found = pulses.fitted(pulses.TITANIUM, vary, starts=3)
-    for end in found.descents:
-        for name, value in end.values.items():
-            assert abs(value - found.values[name]) < 0.01 * found.standard_errors[name]
-    assert found.misfits[0] < 0.02
-
-
-@pytest.mark.exhaustive
-def test_standard_errors_are_the_scatter_of_fits_of_noisy_pulses():
-    near, until, step = (
-        (1, 0.02),
-        2.5e-4,
-        4e-7,
-    )  # where the exact mode begins; between samples
-    correlation = 5e-6  # s; that of white noise is tested above
-    pulses = validation_module("measured_pulses")
-    shot, random = pulses.TITANIUM, np.random.default_rng(4)
-    system = pulses.row_of(shot, shot.bar.wave_speed, ri.Hertz(6e10), None, until)
-    carried = {"distance": 0.361, "radius": shot.bar.radius}
-    strain = (
-        ri.solve(system, until=until).gauge(*near).signal(step / 4).extended(1e-4, 1e-4)
-    )
-    pulse = strain.propagated(carried["distance"], shot.bar).low_pass(0.1325 / 2e-6)
-    clean = pulse.resampled(times=np.arange(5e-5, 2e-4, step))
-    values, errors = [], []
-    for _ in range(50):
-        noise = (
-            0.02
-            * np.abs(clean.values).max()
-            * coloured(random, len(clean), correlation / step)
-        )
-        measured = ri.Measured(
-            clean.replace(values=clean.values + noise), near, **carried
-        )
-        vary = {
-            pulses.LENGTH: shot.length,
-            **pulses.ENDS,
-            "records.0.blur": (0.0, 1e-5),
-        }
-        found = ri.fit(system, measured, vary, until, starts=1)
-        values.append(list(found.values.values()))
-        errors.append(list(found.standard_errors.values()))
+def assert_errors_are_the_scatter(errors, values):
+    """Standard errors of many fits agree with the standard deviation of their values."""
     ratio = np.mean(errors, axis=0) / np.std(values, axis=0)
     assert (ratio > 0.8).all(), ratio
     assert (ratio < 1.3).all(), ratio
 
 
-@pytest.mark.parametrize("lasting", [1, 10])
-def test_standard_errors_of_a_mean(lasting):
-    """Of n samples, each `lasting` times in a row, it is sigma/sqrt(n/lasting)."""
-    random, n = np.random.default_rng(1), 1200
+@pytest.mark.parametrize("correlation_time", [0.0, 5e-6])
+def test_standard_errors_are_the_scatter_of_fits(correlation_time):
+    """Length, velocity, shift and blur of 200 noisy records scatter by their errors.
+
+    Fits are linear in the noise where this is small.
+    """
+    noiseless = ri.Measured(record(rods()), GAUGE, gain=1.0, blur=(0.0, 1e-5))
+    vary = {LENGTH: (0.1, 0.4), VELOCITY: (1.0, 20.0)}
+    objective = objective_of(noiseless, vary)
+    point = np.array([1 / 3, 9 / 19, 0.0, 1.0, 2e-6])
+    J = derivatives_of(objective, point)[:, objective.is_free]
+    J *= [1.0, 1.0, UNTIL, 1e-5]
+    pseudo_inverse = np.linalg.pinv(J)
+    random = np.random.default_rng(2)
+
+    values = []
+    errors = []
+    for _ in range(200):
+        noise = 0.02 * coloured(random, len(J), correlation_time / INTERVAL)
+        value = pseudo_inverse @ noise
+        residuals = J @ value - noise
+        values.append(value)
+        errors.append(np.sqrt(np.diag(covariance(J, residuals, [len(J)]))))
+
+    assert_errors_are_the_scatter(errors, values)
+
+
+@pytest.mark.exhaustive
+def test_all_searches_for_a_measured_pulse_end_at_one_point():
+    pulses = validation_module("measured_pulses")
+    vary = {**pulses.ENDS, pulses.SPEED: (4200.0, 5400.0)}
+    best = pulses.fitted(pulses.TITANIUM, vary, starts=3)
+    for end in best.descents:
+        for name, value in end.values.items():
+            difference = abs(value - best.values[name])
+            assert difference < 0.01 * best.standard_errors[name]
+    assert best.misfits[0] < 0.02
+
+
+@pytest.mark.exhaustive
+def test_standard_errors_are_the_scatter_of_fits_of_noisy_pulses():
+    gauge = (1, 0.02)  # where the exact mode begins
+    until = 2.5e-4
+    interval = 4e-7
+    correlation_time = 5e-6  # white noise is tested above
+    pulses = validation_module("measured_pulses")
+    bar = pulses.TITANIUM.bar
+    system = pulses.row_of(pulses.TITANIUM, bar.wave_speed, ri.Hertz(6e10), None, until)
+    strain = ri.solve(system, until=until).gauge(*gauge).signal(interval / 4)
+    pulse = strain.extended(1e-4, 1e-4).propagated(0.361, bar)
+    times = np.arange(5e-5, 2e-4, interval)
+    clean = pulse.low_pass(0.1325 / 2e-6).resampled(times=times)
+    noise_level = 0.02 * np.abs(clean.values).max()
+    vary = {
+        pulses.LENGTH: pulses.TITANIUM.length,
+        **pulses.ENDS,
+        "records.0.blur": (0.0, 1e-5),
+    }
+    random = np.random.default_rng(4)
+
+    values = []
+    errors = []
+    for _ in range(50):
+        noise = coloured(random, len(clean), correlation_time / interval)
+        noisy = clean.replace(values=clean.values + noise_level * noise)
+        at_gauge = ri.Measured(noisy, gauge, distance=0.361, radius=bar.radius)
+        best = ri.fit(system, at_gauge, vary, until, starts=1)
+        values.append(list(best.values.values()))
+        errors.append(list(best.standard_errors.values()))
+
+    assert_errors_are_the_scatter(errors, values)
+
+
+@pytest.mark.parametrize("repetitions", [1, 10])
+def test_the_standard_error_of_a_mean(repetitions):
+    """It is sigma/sqrt(n/r) for n samples, each r times in a row."""
+    random = np.random.default_rng(1)
+    n = 1200
+    J = np.ones((n, 1))
     variances = []
     for _ in range(150):
-        noise = np.repeat(random.standard_normal(n // lasting), lasting)
-        J = np.ones((n, 1))
-        variances.append(covariance(J, noise - noise.mean(), [n // 2, n // 2])[0, 0])
-    assert 0.8 < np.mean(variances) * n / lasting < 1.2
+        noise = np.repeat(random.standard_normal(n // repetitions), repetitions)
+        residuals = noise - noise.mean()
+        variances.append(covariance(J, residuals, [n // 2, n // 2])[0, 0])
+    assert 0.8 < np.mean(variances) * n / repetitions < 1.2
 
 
-def test_another_law_tells_by_how_much_numbers_move():
+# Shifts, blurs and other laws ---------------------------------------------------------
+
+
+def test_another_law_tells_by_how_much_numbers_change():
     noisy = measured(record(rods(), 1e-5))
-    vary = {PATHS[0]: (0.1, 0.4)}
+    vary = {LENGTH: (0.1, 0.4)}
     rigid = ri.fit(rods(), noisy, vary, UNTIL)
     soft = ri.fit(rods(contacts=[ri.Spring(3e8)]), noisy, vary, UNTIL)
+
     both = rigid.against(soft)
-    moved = soft.values[PATHS[0]] - rigid.values[PATHS[0]]
-    assert abs(moved) > 5 * rigid.standard_errors[PATHS[0]]
-    said = (
-        f"With the other law or theory {PATHS[0]} changes by {format_si(moved, 'm', 3)}"
-    )
-    assert both.notes[-2].startswith(said)
+
+    change = soft.values[LENGTH] - rigid.values[LENGTH]
+    sentence = f"With the other law or theory {LENGTH} changes by "
+    sentence += format_si(change, "m", 3)
+    assert abs(change) > 5 * rigid.standard_errors[LENGTH]
+    assert both.notes[-2].startswith(sentence)
     assert both.notes[:-2] == rigid.notes
     assert both.fitted == rigid.fitted
-    assert said in str(both)
+    assert sentence in str(both)
+
+
+def test_fits_of_other_numbers_cannot_be_compared():
+    noisy = measured(record(rods(), 1e-5))
+    of_length = ri.fit(rods(), noisy, {LENGTH: (0.1, 0.4)}, UNTIL, starts=1)
+    of_velocity = ri.fit(rods(), noisy, {VELOCITY: (1.0, 20.0)}, UNTIL, starts=1)
     with pytest.raises(ri.InvalidModel, match="other: has no number in common"):
-        rigid.against(ri.fit(rods(), noisy, {PATHS[1]: (1.0, 20.0)}, UNTIL))
+        of_length.against(of_velocity)
 
 
 @pytest.mark.parametrize("seed", few_of(range(200), range(2)))
 def test_a_shift_is_found_wherever_a_window_of_a_record_lies(seed):
-    """Random steps of strain run along a bar and back; the bar's length is varied as well."""
+    """Random steps of strain run along a bar and back; its length is varied as well."""
     random = np.random.default_rng(seed)
-    steps = ri.Steps(
-        random.uniform(-1e-3, 1e-3, 30).tolist(),
-        at=np.cumsum(random.uniform(5e-6, 2e-5, 29)).tolist(),
-    )
-    driven = ri.System(
-        [ri.Rod(0.5, area=1e-4, material=STEEL)], ends=(ri.Incoming(steps), ri.Free())
-    )
-    whole = ri.solve(driven, until=4e-4).gauge(0, 0.2).signal(5e-7)
-    start, late = random.uniform(5e-5, 3.2e-4), random.uniform(-4e-4, 4e-4)
-    window = whole.window(start, start + 7e-5).shifted(late) * 2.5
-    vary = {"bodies.0.length": (0.45, 0.55)}
-    found = ri.fit(driven, ri.Measured(window, (0, 0.2)), vary, 4e-4, starts=1)
-    assert found.values["records.0.shift"] == pytest.approx(late, abs=1e-8)
-    assert found.values["records.0.gain"] == pytest.approx(2.5, rel=1e-4)
-    assert "at its bound" not in " ".join(found.notes)
-    short = ri.Measured(window, (0, 0.2), shift=(late - 1e-4, late - 1e-6))
-    told = ri.fit(driven, short, vary, 4e-4, starts=1)
-    assert told.values["records.0.shift"] < late - 1e-6 / 2
-    assert told.misfits[0] > 0.05 or "records.0.shift is at its bound" in " ".join(
-        told.notes
-    )
+    values = random.uniform(-1e-3, 1e-3, 30).tolist()
+    times = np.cumsum(random.uniform(5e-6, 2e-5, 29)).tolist()
+    incoming = ri.Incoming(ri.Steps(values, at=times))
+    bar = ri.Rod(0.5, area=1e-4, material=STEEL)
+    driven = ri.System([bar], ends=(incoming, ri.Free()))
+    whole = ri.solve(driven, until=4e-4).gauge(0, 0.2).signal(INTERVAL)
+    start = random.uniform(5e-5, 3.2e-4)
+    delay = random.uniform(-4e-4, 4e-4)
+    window = whole.window(start, start + 7e-5).shifted(delay) * 2.5
+    vary = {LENGTH: (0.45, 0.55)}
+
+    free = ri.fit(driven, ri.Measured(window, (0, 0.2)), vary, 4e-4, starts=1)
+    assert free.values["records.0.shift"] == pytest.approx(delay, abs=1e-8)
+    assert free.values["records.0.gain"] == pytest.approx(2.5, rel=1e-4)
+    assert "at its bound" not in " ".join(free.notes)
+
+    too_early = (delay - 1e-4, delay - 1e-6)
+    bounded_record = ri.Measured(window, (0, 0.2), shift=too_early)
+    bounded = ri.fit(driven, bounded_record, vary, 4e-4, starts=1)
+    is_at_bound = "records.0.shift is at its bound" in " ".join(bounded.notes)
+    assert bounded.values["records.0.shift"] < delay - 1e-6 / 2
+    assert is_at_bound or bounded.misfits[0] > 0.05
 
 
-def test_what_is_not_determined_is_told():
-    """Amplitude is velocity times scale, and the density of a lone material alters neither."""
-    noisy = record(rods(), 1e-5)
-    both = ri.fit(
-        rods(), measured(noisy, gain=(0.1, 10.0)), {PATHS[1]: (1.0, 100.0)}, UNTIL
-    )
-    assert any(
-        "not determined" in s or "hardly distinguishable" in s for s in both.notes
-    )
-    bounded = ri.fit(rods(), measured(noisy), {PATHS[0]: (0.1, 0.15)}, UNTIL)
-    assert any(
-        f"{PATHS[0]} is at its bound, 150 mm" in sentence for sentence in bounded.notes
-    )
-    silent = ri.fit(rods(), measured(noisy), {"bodies.1.length": (0.58, 0.6)}, 1e-4)
-    assert any(
-        "bodies.1.length is not determined" in sentence for sentence in silent.notes
-    )
-
-
-def test_doubts_about_where_searches_end():
-    numbers = [ri.Fitted(name, "m", 1.0, 0.01, 0.0, 2.0) for name in "ab"]
-    ends = [
-        ri.Descent(rms, {"a": a, "b": 1.0}, True)
-        for rms, a in ((0.02, 1.0), (0.02, 1.5))
-    ]
-    said = list(notes_on_numbers(numbers, np.diag([1e-4, 1e-4]), ends))
-    assert said == [
-        "Searches with the same misfit ended at different values of a: 1 m to 1.5 m."
-    ]
-    ends[1] = ends[1]._replace(misfit=0.04)
-    (said,) = notes_on_numbers(numbers, np.diag([1e-4, 1e-4]), ends)
-    assert "1 of 2 searches ended at larger misfits, 4 % and more" in said
-    close = np.array([[1e-4, 0.99e-4], [0.99e-4, 1e-4]])
-    (said,) = notes_on_numbers(numbers, close, ends[:1])
-    assert (
-        "a and b are hardly distinguishable: the correlation of their errors is 0.990"
-        in said
-    )
-
-
-def test_a_bound_is_as_near_as_the_scale_of_its_range_says():
-    """3e13 lies in the middle of 1e7 to 1e19: the range is a ratio."""
-    end = ri.Descent(0.02, {"k": 3e13, "x": 0.1005}, True)
-    numbers = [
-        ri.Fitted("k", "N/m", 3e13, 1e12, 1e7, 1e19),
-        ri.Fitted("x", "m", 0.1005, 1e-5, 0.1, 0.9),
-    ]
-    (said,) = notes_on_numbers(numbers, np.diag([1e-4, 1e-4]), [end])
-    assert said.startswith("x is at its bound, 100 mm")
-    low, high = (numbers[0]._replace(value=v) for v in (1.01e7, 9.9e18))
-    for number in (low, high):
-        (said,) = notes_on_numbers(
-            [number], np.array([[1e-4]]), [end._replace(values={"k": 1.0})]
-        )
-        assert said.startswith("k is at its bound")
-
-
-def test_a_misfit_far_above_the_noise_before_the_pulse_is_told():
-    """Flat ends do not make the record of rounded ends."""
-    true = rods(contacts=[ri.Hertz(1e10)])
-    strain = record(true)
-    noisy = measured(record(true, 0.002 * float(np.abs(strain.values).max())))
-    vary = {PATHS[0]: (0.1, 0.4)}
-    flat = ri.fit(rods(), noisy, vary, UNTIL)
-    assert flat.misfits[0] > 0.03
-    (said,) = (s for s in flat.notes if "noise before the pulse" in s)
-    assert said.startswith("gauge: the misfit, ")
-    noise = noise_before_pulse(noisy, flat.predicted[0])
-    assert noise == pytest.approx(0.002, rel=0.3)
-    assert f"{100 * noise:.2g} %" in said
-    right = ri.fit(true, noisy, vary, UNTIL)
-    assert not any("noise before the pulse" in s for s in right.notes)
+def rounded_rods(random):
+    """Rods with rounded ends; length of the striker and stiffness are random."""
+    length = float(random.uniform(0.1, 0.3))
+    stiffness = float(10 ** random.uniform(9, 12))
+    return rods(length, contacts=[ri.Hertz(stiffness)])
 
 
 @pytest.mark.parametrize("seed", few_of(range(30), [12]))
 def test_a_richer_model_ends_no_worse_than_the_poorer_one(seed):
     """With one start, some fits with a blur ended worse than those without one."""
     random = np.random.default_rng(seed)
-    rounded = ri.Hertz(1.0)
-    true = rods(
-        float(random.uniform(0.1, 0.3)),
-        contacts=[rounded.replace(stiffness=float(10 ** random.uniform(9, 12)))],
-    )
+    true_system = rounded_rods(random)
     until = float(random.uniform(1.2e-4, 3.5e-4))
-    strain = ri.solve(true, until=until).gauge(1, 0.2).signal(1e-6)
+    strain = ri.solve(true_system, until=until).gauge(*GAUGE).signal(1e-6)
     start = float(random.uniform(0, 0.3)) * until
-    strain = strain.window(start, start + float(random.uniform(0.3, 0.65)) * until)
-    noise = 0.01 * float(np.abs(strain.values).max())
-    noisy = strain.replace(
-        values=strain.values + noise * random.standard_normal(len(strain))
-    )
-    guess = rods(
-        float(random.uniform(0.1, 0.3)),
-        contacts=[rounded.replace(stiffness=float(10 ** random.uniform(9, 12)))],
-    )
-    numbers = {PATHS[0]: (0.08, 0.35), "contacts.0.stiffness": (1e7, 1e13)}
-    blurred = {**numbers, "records.0.blur": (0.0, 1e-5)}
-    poorer, richer = (
-        ri.fit(guess, ri.Measured(noisy, (1, 0.2)), vary, until, starts=1)
-        for vary in (numbers, blurred)
-    )
+    window = strain.window(start, start + float(random.uniform(0.3, 0.65)) * until)
+    noise_level = 0.01 * float(np.abs(window.values).max())
+    noise = noise_level * random.standard_normal(len(window))
+    noisy = ri.Measured(window.replace(values=window.values + noise), GAUGE)
+    guess = rounded_rods(random)
+    numbers = {LENGTH: (0.08, 0.35), "contacts.0.stiffness": (1e7, 1e13)}
+    with_blur = {**numbers, "records.0.blur": (0.0, 1e-5)}
+
+    poorer = ri.fit(guess, noisy, numbers, until, starts=1)
+    richer = ri.fit(guess, noisy, with_blur, until, starts=1)
+
     assert richer.misfits[0] <= poorer.misfits[0] * (1 + 1e-6)
+
+
+# Notes --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("how", "vary", "until", "sentences"),
+    [
+        # the amplitude is velocity times gain
+        (
+            {"gain": (0.1, 10.0)},
+            {VELOCITY: (1.0, 100.0)},
+            UNTIL,
+            ("not determined", "hardly distinguishable"),
+        ),
+        ({}, {LENGTH: (0.1, 0.15)}, UNTIL, (f"{LENGTH} is at its bound, 150 mm",)),
+        # no wave from the far end of the bar reaches the gauge in time
+        (
+            {},
+            {"bodies.1.length": (0.58, 0.6)},
+            1e-4,
+            ("bodies.1.length is not determined",),
+        ),
+    ],
+)
+def test_numbers_that_are_not_determined_are_named(how, vary, until, sentences):
+    noisy = measured(record(rods(), 1e-5), **how)
+    notes = " ".join(ri.fit(rods(), noisy, vary, until).notes)
+    assert any(sentence in notes for sentence in sentences)
+
+
+INDEPENDENT = np.diag([1e-4, 1e-4])
+
+
+def notes_of(*ends, relative=INDEPENDENT):
+    """Notes on two numbers, a and b, after searches that ended here."""
+    numbers = [ri.Fitted(name, "m", 1.0, 0.01, 0.0, 2.0) for name in ("a", "b")]
+    return notes_on_numbers(numbers, relative, ends)
+
+
+def test_searches_that_end_elsewhere_are_noted():
+    best = ri.Descent(0.02, {"a": 1.0, "b": 1.0}, True)
+    equal_misfit = ri.Descent(0.02, {"a": 1.5, "b": 1.0}, True)
+    assert notes_of(best, equal_misfit) == [
+        "Searches with the same misfit ended at different values of a: 1 m to 1.5 m."
+    ]
+    larger_misfit = equal_misfit._replace(misfit=0.04)
+    (note,) = notes_of(best, larger_misfit)
+    assert "1 of 2 searches ended at larger misfits, 4 % and more" in note
+
+
+def test_numbers_with_correlated_errors_are_noted():
+    best = ri.Descent(0.02, {"a": 1.0, "b": 1.0}, True)
+    correlated = np.array([[1e-4, 0.99e-4], [0.99e-4, 1e-4]])
+    (note,) = notes_of(best, relative=correlated)
+    assert "a and b are hardly distinguishable" in note
+    assert "the correlation of their errors is 0.990" in note
+
+
+@pytest.mark.parametrize(
+    ("number", "beginning"),
+    [
+        # 3e13 lies in the middle of 1e7 to 1e19: the range is a ratio
+        (ri.Fitted("k", "N/m", 3e13, 1e12, 1e7, 1e19), None),
+        (ri.Fitted("k", "N/m", 1.01e7, 1e12, 1e7, 1e19), "k is at its bound, 10 MN/m"),
+        (ri.Fitted("k", "N/m", 9.9e18, 1e12, 1e7, 1e19), "k is at its bound"),
+        (ri.Fitted("x", "m", 0.1005, 1e-5, 0.1, 0.9), "x is at its bound, 100 mm"),
+    ],
+)
+def test_a_bound_is_as_near_as_the_scale_of_its_range_says(number, beginning):
+    end = ri.Descent(0.02, {number.name: number.value}, True)
+    notes = notes_on_numbers([number], np.array([[1e-4]]), [end])
+    if beginning is None:
+        assert notes == []
+    else:
+        (note,) = notes
+        assert note.startswith(beginning)
+
+
+def test_a_misfit_far_above_the_noise_before_the_pulse_is_noted():
+    """Flat ends do not make the record of rounded ends."""
+    rounded = rods(contacts=[ri.Hertz(1e10)])
+    peak = float(np.abs(record(rounded).values).max())
+    noisy = measured(record(rounded, 0.002 * peak))
+    vary = {LENGTH: (0.1, 0.4)}
+
+    flat = ri.fit(rods(), noisy, vary, UNTIL)
+    assert flat.misfits[0] > 0.03
+    (note,) = [note for note in flat.notes if "noise before the pulse" in note]
+    noise = noise_before_pulse(noisy, flat.predicted[0])
+    assert note.startswith("gauge: the misfit, ")
+    assert noise == pytest.approx(0.002, rel=0.3)
+    assert f"{100 * noise:.2g} %" in note
+
+    right = ri.fit(rounded, noisy, vary, UNTIL)
+    assert "noise before the pulse" not in " ".join(right.notes)
+
+
+# Paths, tables and mistakes -----------------------------------------------------------
 
 
 def test_paths_are_those_of_case_files():
@@ -422,53 +507,66 @@ def test_paths_are_those_of_case_files():
     assert [p.unit for p in parameters] == ["m/s", "kg/m^3", "N/m^1.5", "m"]
     assert parameters[0].initial == titanium.wave_speed
     assert parameters[2].value(0.5) == pytest.approx(1e10)
-    other = ri.Material("titanium", youngs_modulus=4500 * 5000.0**2, density=4500)
-    wanted = rods(material=other, contacts=[ri.Hertz(1e11)], gaps=[2e-3])
-    assert with_values(system, parameters, [5000.0, 4500.0, 1e11, 2e-3]) == wanted
-    steps = rods(velocity=ri.Steps([1.0, 2.0], at=[0.1]))
-    moved = with_values(
-        steps, system_parameters(steps, {"bodies.0.velocity.values.1": (0, 9)}), [3.0]
-    )
-    assert moved == rods(velocity=ri.Steps([1.0, 3.0], at=[0.1]))
-    for p in parameters:
-        assert p.value(p.share(p.low * 0.7 + p.high * 0.3)) == pytest.approx(
-            p.low * 0.7 + p.high * 0.3
-        )
+
+    changed = with_values(system, parameters, [5000.0, 4500.0, 1e11, 2e-3])
+    alloy = ri.Material("titanium", youngs_modulus=4500 * 5000.0**2, density=4500)
+    assert changed == rods(material=alloy, contacts=[ri.Hertz(1e11)], gaps=[2e-3])
+
+    for parameter in parameters:
+        value = 0.7 * parameter.low + 0.3 * parameter.high
+        share = parameter.share(value)
+        assert parameter.value(share) == pytest.approx(value)
 
 
-def test_a_result_as_table_and_file(tmp_path):
-    found = ri.fit(
-        rods(), measured(record(rods(), 1e-5)), {PATHS[0]: (0.1, 0.4)}, UNTIL
-    )
-    assert "do not include model error" in str(found)
-    assert found._repr_html_().count("<img") == 1
-    drawn = ri.plot.fit(found)
-    assert drawn.misfit.rms == pytest.approx(found.misfits[0], rel=1e-9)
-    assert (drawn.misfit.shift, drawn.misfit.scale) == (0, 1)
-    with pytest.raises(
-        ValueError, match="record: must be a whole number from 0 to 0, got 1"
-    ):
-        ri.plot.fit(found, record=1)
-    found.to_csv(tmp_path / "fit.csv")
-    (row,) = csv.DictReader((tmp_path / "fit.csv").read_text().splitlines())
-    assert float(row["value"]) == found.values[PATHS[0]]
-    assert float(row["standard error"]) == found.standard_errors[PATHS[0]] > 0
-    assert (row["number"], row["unit"], row["low"], row["high"]) == (
-        PATHS[0],
-        "m",
-        "0.1",
-        "0.4",
-    )
+def test_a_path_may_lead_into_a_profile():
+    system = rods(velocity=ri.Steps([1.0, 2.0], at=[0.1]))
+    parameters = system_parameters(system, {"bodies.0.velocity.values.1": (0, 9)})
+    changed = with_values(system, parameters, [3.0])
+    assert changed == rods(velocity=ri.Steps([1.0, 3.0], at=[0.1]))
+
+
+@pytest.fixture(scope="module")
+def length_fit():
+    noisy = measured(record(rods(), 1e-5))
+    return ri.fit(rods(), noisy, {LENGTH: (0.1, 0.4)}, UNTIL)
+
+
+def test_a_result_prints_and_draws(length_fit):
+    assert "do not include model error" in str(length_fit)
+    assert length_fit._repr_html_().count("<img") == 1
+    misfit = ri.plot.fit(length_fit).misfit
+    assert misfit.rms == pytest.approx(length_fit.misfits[0], rel=1e-9)
+    assert misfit.shift == 0
+    assert misfit.scale == 1
+    message = "record: must be a whole number from 0 to 0, got 1"
+    with pytest.raises(ValueError, match=message):
+        ri.plot.fit(length_fit, record=1)
+
+
+def test_a_result_as_a_file(length_fit, tmp_path):
+    path = tmp_path / "fit.csv"
+    length_fit.to_csv(path)
+    (row,) = csv.DictReader(path.read_text().splitlines())
+    assert row == {
+        "number": LENGTH,
+        "unit": "m",
+        "value": repr(length_fit.values[LENGTH]),
+        "standard error": repr(length_fit.standard_errors[LENGTH]),
+        "low": "0.1",
+        "high": "0.4",
+    }
+    assert float(row["standard error"]) > 0
     with pytest.raises(FileExistsError):
-        found.to_csv(tmp_path / "fit.csv")
+        length_fit.to_csv(path)
 
 
 FLAT = ri.Signal([0.0, 1.0, 1.0, 0.0], dt=1e-5, name="flat")
-OK, VOLTS = (ri.Measured(signal, (1, 0.2)) for signal in (FLAT, FLAT.replace(unit="V")))
+STRAINS = ri.Measured(FLAT, GAUGE)
+VOLTS = ri.Measured(FLAT.replace(unit="V"), GAUGE)
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "sentence"),
     [
         ({"vary": {}}, "vary: must name numbers with their bounds"),
         (
@@ -476,12 +574,12 @@ OK, VOLTS = (ri.Measured(signal, (1, 0.2)) for signal in (FLAT, FLAT.replace(uni
             "perhaps 'bodies.0.length' is meant",
         ),
         (
-            {"vary": {PATHS[0]: (0.2, 0.1)}},
+            {"vary": {LENGTH: (0.2, 0.1)}},
             r"vary.bodies.0.length: must be \(low, high\)",
         ),
-        ({"vary": {PATHS[0]: 0.1}}, r"vary.bodies.0.length: must be \(low, high\)"),
+        ({"vary": {LENGTH: 0.1}}, r"vary.bodies.0.length: must be \(low, high\)"),
         (
-            {"vary": {PATHS[0]: ("a", 1)}},
+            {"vary": {LENGTH: ("a", 1)}},
             "vary.bodies.0.length: must be a number of metres",
         ),
         (
@@ -522,7 +620,7 @@ OK, VOLTS = (ri.Measured(signal, (1, 0.2)) for signal in (FLAT, FLAT.replace(uni
             "names records.0.gain, which",
         ),
         (
-            {"vary": {"records.*.gain": None}, "measured": [OK, VOLTS]},
+            {"vary": {"records.*.gain": None}, "measured": [STRAINS, VOLTS]},
             "is not one number of records",
         ),
         ({"measured": FLAT}, "measured: must be a Measured"),
@@ -537,19 +635,20 @@ OK, VOLTS = (ri.Measured(signal, (1, 0.2)) for signal in (FLAT, FLAT.replace(uni
         ({"system": 3}, "system: must be a System"),
     ],
 )
-def test_mistakes_are_named(change, said):
-    how = {
+def test_mistakes_are_named(change, sentence):
+    arguments = {
         "system": rods(),
-        "measured": OK,
-        "vary": {PATHS[0]: (0.1, 0.2)},
+        "measured": STRAINS,
+        "vary": {LENGTH: (0.1, 0.2)},
         "until": UNTIL,
     }
-    with pytest.raises(ri.InvalidModel, match=said):
-        ri.fit(**{**how, **change})
+    arguments |= change
+    with pytest.raises(ri.InvalidModel, match=sentence):
+        ri.fit(**arguments)
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "sentence"),
     [
         ({"signal": [1, 2]}, "signal: must be a Signal"),
         ({"gauge": 1}, r"gauge: must be \(body, x\)"),
@@ -562,6 +661,8 @@ def test_mistakes_are_named(change, said):
         ({"signal": 0 * FLAT}, "there is no pulse"),
     ],
 )
-def test_mistakes_of_records_are_named(change, said):
-    with pytest.raises(ValueError, match=said):
-        ri.Measured(**{"signal": FLAT, "gauge": (1, 0.2), **change})
+def test_mistakes_of_records_are_named(change, sentence):
+    arguments = {"signal": FLAT, "gauge": GAUGE}
+    arguments |= change
+    with pytest.raises(ValueError, match=sentence):
+        ri.Measured(**arguments)
