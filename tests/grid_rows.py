@@ -6,7 +6,7 @@ from scipy.linalg import block_diag
 
 import rodimpact as ri
 from rodimpact.methods.grid.mesh import Mesh
-from rodimpact.methods.grid.method import _mesh_size, follow
+from rodimpact.methods.grid.method import _mesh_size, run_grid
 from rodimpact.methods.grid.run import GridRun
 from rodimpact.methods.walk import walk
 
@@ -87,4 +87,4 @@ def grid_run(system, room, snapshots=None, step=STEP):
 
 
 def run_row(system, until=SECONDS, step=STEP):
-    return follow(walk(system), until, 10**9, dt=step)
+    return run_grid(walk(system), until, 10**9, dt=step)

@@ -14,7 +14,7 @@ from rodimpact.methods.run import MAX_EVENTS
 from rodimpact.methods.walk import walk
 from rodimpact.results.solution import Solution
 
-MAKERS = {FrontRun: fronts.make_run, GridRun: grid.hand_over}
+MAKERS = {FrontRun: fronts.make_run, GridRun: grid.make_run}
 
 
 def tracked(system, until=None, max_events=MAX_EVENTS):

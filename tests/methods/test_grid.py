@@ -14,7 +14,7 @@ from runs import gaps_of
 import rodimpact as ri
 from rodimpact.methods.grid import method as finite_difference
 from rodimpact.methods.grid.mesh import STEP_TICKS
-from rodimpact.methods.grid.signals import _accuracy
+from rodimpact.methods.grid.signals import _accuracy_sentence
 
 METHOD = "finite-difference"
 
@@ -407,16 +407,16 @@ def test_every_known_error_is_stated_and_rough_ones_are_not_waited_for(
         row=SimpleNamespace(by_law={0: 1}),
         estimates={"velocity": velocity, "peak force": peak, "duration": 0.02},
     )
-    assert _accuracy(run) == stated + late
+    assert _accuracy_sentence(run) == stated + late
 
 
 def test_rtol_tells_how_still_the_outcome_stands(monkeypatch):
     row = [unit_rod(0.7, velocity=1.0), unit_rod(1.1, 0.5)]
     e = ri.collide(*row).restitution
-    monkeypatch.setattr(finite_difference, "FIRST", 20)
+    monkeypatch.setattr(finite_difference, "MIN_LONGEST_CELLS", 20)
     s = solved(row, rtol=2e-2)
     assert s.outcome.restitution == pytest.approx(e, abs=2e-2)
-    monkeypatch.setattr(finite_difference, "FINEST", 40)
+    monkeypatch.setattr(finite_difference, "MAX_REFINED_CELLS", 40)
     s = solved(row, rtol=1e-9)
     stated, late = s.status.split(" Stated relative error: ")[1].split(
         ". Not converged to "
@@ -464,7 +464,7 @@ def test_stated_errors_bound_those_of_the_outcome(rods, until):
 
 def test_bodies_at_rest_need_no_refinement(monkeypatch):
     """A rod squeezed by both sides keeps its place; its round-off is no change."""
-    monkeypatch.setattr(finite_difference, "FIRST", 10)
+    monkeypatch.setattr(finite_difference, "MIN_LONGEST_CELLS", 10)
     row = [ri.Wall(0.5), unit_rod(), ri.Wall(-0.5)]
     s = solved(row, 0.4, rtol=1e-2)
     assert "Not converged" not in s.status
@@ -603,7 +603,7 @@ def test_ends_that_approach_at_the_start_and_part_at_once_have_no_negative_gap(s
 
 def test_a_peak_that_grows_with_the_mesh_is_named(monkeypatch):
     """Flat ends of viscous rods meet with a force that has no largest value."""
-    monkeypatch.setattr(finite_difference, "FIRST", 16)
+    monkeypatch.setattr(finite_difference, "MIN_LONGEST_CELLS", 16)
     lossy = ri.materials.steel.damped(0.02, 1e3)
     rods = [
         ri.Rod(x, area=1e-4, material=lossy, velocity=v)

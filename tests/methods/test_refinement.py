@@ -6,7 +6,12 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from rodimpact.methods.grid.refinement import DOUBT, FACTORS, PART, refined
+from rodimpact.methods.grid.refinement import (
+    FACTORS,
+    SAFETY_FACTOR,
+    TIME_RESOLUTION,
+    refined,
+)
 from rodimpact.methods.memory import TooLong
 
 
@@ -49,7 +54,7 @@ def test_what_powers_of_two_do_not_see_is_seen():
     """A sawtooth that is the same on all of them, as of a contact that closes inside a step."""
     _, estimates, run = search(lambda n: 1.0 if n & (n - 1) == 0 else 1 + 0.1 / n, 1e-3)
     assert run[-1] == 64
-    assert estimates["impulse"] == pytest.approx(DOUBT * 0.1 / 48 * 3)
+    assert estimates["impulse"] == pytest.approx(SAFETY_FACTOR * 0.1 / 48 * 3)
 
 
 @pytest.mark.parametrize("order", [0.5, 1, 2])
@@ -59,7 +64,7 @@ def test_the_estimate_bounds_the_error_of_a_method_of_that_order(order):
     )
     error = 0.01 / found.factor**order
     assert estimates["impulse"] <= 1e-3
-    assert DOUBT * error == pytest.approx(estimates["impulse"], rel=0.02)
+    assert SAFETY_FACTOR * error == pytest.approx(estimates["impulse"], rel=0.02)
 
 
 def test_a_duration_is_known_to_a_part_of_a_step_at_best_and_not_waited_for():
@@ -73,10 +78,13 @@ def test_a_duration_is_known_to_a_part_of_a_step_at_best_and_not_waited_for():
     assert found.factor == 4
     assert estimates == {
         "impulse": 0.0,
-        "duration": pytest.approx(DOUBT * 5 / 3 * 3.0 / 2),
+        "duration": pytest.approx(SAFETY_FACTOR * 5 / 3 * 3.0 / 2),
     }
     _, estimates = refined(Run, lambda _: {**measures(found)}, 1.0, 0.01, 64)
-    assert estimates == {"impulse": 0.0, "duration": pytest.approx(PART / 4 / 2)}
+    assert estimates == {
+        "impulse": 0.0,
+        "duration": pytest.approx(TIME_RESOLUTION / 4 / 2),
+    }
 
 
 def test_a_run_that_is_too_long_ends_the_search():

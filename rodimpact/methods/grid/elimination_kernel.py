@@ -12,10 +12,12 @@ other.
 from typing import Any
 
 
-def factor(off_diagonal: Any, diagonal: Any, held: Any) -> tuple[list[float], ...]:
+def factor(
+    off_diagonal: Any, diagonal: Any, prescribed: Any
+) -> tuple[list[float], ...]:
     """LU factors of the equations: `lower`, `inverse_diagonal` and `upper`, each [node].
 
-    `held` nodes have prescribed values. The factors of the middle node are those of its neighbours:
+    `prescribed` is 1 at nodes whose values are prescribed. The factors of the middle node are those of its neighbours:
     `lower` of the left one, `upper` of the right one.
     """
     n = len(diagonal)
@@ -26,7 +28,7 @@ def factor(off_diagonal: Any, diagonal: Any, held: Any) -> tuple[list[float], ..
     upper = [0.0] * (n + 1)
     for i in (*range(m), *range(n - 1, m, -1), m):
         inverse_diagonal[i] = 1.0
-        if held[i]:
+        if prescribed[i]:
             continue
         before = i - 1
         near = i

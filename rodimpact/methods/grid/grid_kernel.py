@@ -144,23 +144,23 @@ def keep_state(grid: Any, history: Any) -> None:
     radial_strain = grid.radial_strain
     radial_rate = grid.radial_rate
     coupling = grid.coupling
-    kept = history.force
+    kept_force = history.force
     radial = history.radial
     n = len(v)
     nodes = run.kept_states * n
     cells = run.kept_states * (n + 1) & INDEX_MASK
     pieces = run.kept_states * len(grid.pieces)
-    kept[cells] = 0.0
-    kept[cells + n] = 0.0
+    kept_force[cells] = 0.0
+    kept_force[cells + n] = 0.0
     # Numba compiles a loop in a tenth of the time of a copied slice.
     for i in range(n):
         history.velocity[nodes + i] = v[i]
         if i > 0:
-            kept[cells + i] = force[i] + stiffness[i] * (v[i] - v[i - 1]) / 2
+            kept_force[cells + i] = force[i] + stiffness[i] * (v[i] - v[i - 1]) / 2
     if run.has_radial_strain > 0:
         for i in range(n + 1):
             history.radial_rate[cells + i] = radial_rate[i]
-            kept[cells + i] += coupling[i] * radial_rate[i] / 2
+            kept_force[cells + i] += coupling[i] * radial_rate[i] / 2
             radial[cells + i] = radial_strain[i] + radial_rate[i] / 2
     for i in range(len(grid.pieces)):
         history.displacement[pieces + i] = grid.pieces[i].displacement

@@ -89,8 +89,8 @@ def episodes_from_intervals(intervals: Floats) -> tuple[Episode, ...]:
     """Episodes of touching, from the first force until a gap has opened."""
     changes = [Status.PRESS, Status.GRAZE, Status.OPEN]
     statuses = np.broadcast_to(changes, intervals.shape)
-    known = ~np.isnan(intervals)
-    return episodes_of(intervals[known], statuses[known], 1.0)
+    happens = ~np.isnan(intervals)
+    return episodes_of(intervals[happens], statuses[happens], 1.0)
 
 
 def begin_of_force(force: Floats, gap: Floats, i: int) -> float:

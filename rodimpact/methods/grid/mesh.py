@@ -102,7 +102,7 @@ class GridMotion(NamedTuple):
         return quotient(force, self.cells.stiffness)
 
     def energies(
-        self, nodes: slice, mass: Array, place: int, v: Array, step: float
+        self, nodes: slice, mass: Array, state: int, v: Array, step: float
     ) -> tuple[float, float]:
         """Kinetic and strain energy of some nodes in a state, J.
 
@@ -111,8 +111,8 @@ class GridMotion(NamedTuple):
         nodes : slice
         mass : array
             Masses of these nodes that count, kg.
-        place : int
-            Of the state.
+        state : int
+            Index of the state.
         v : array
             Velocities of these nodes, m/s.
         step : float
@@ -124,14 +124,14 @@ class GridMotion(NamedTuple):
         off_diagonal = self.cells.lateral[inside] - k * step**2 / 4
         k = np.where(k > 0, k, np.inf)
         kinetic = float(mass @ (v * v) + off_diagonal @ (change * change)) / 2
-        strained = float(np.sum(self.force[place, inside] ** 2 / k)) / 2
+        strained = float(np.sum(self.force[state, inside] ** 2 / k)) / 2
         if not self.radial.size:
             return kinetic, strained
         J = self.cells.swelling[inside]
         b = self.cells.coupling[inside]
         G = self.cells.radial[inside]
-        q = self.radial[place] * step
-        rate = self.radial_rate[place]
+        q = self.radial[state] * step
+        rate = self.radial_rate[state]
         slope = np.diff(q)[nodes]
         slope_rate = np.diff(rate)[nodes]
         q = q[inside]
@@ -430,9 +430,9 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
     n = len(M)
     K[:n, n:] = np.diff(np.eye(n), axis=0).T * cells.coupling
     K[n:, :n] = K[:n, n:].T
-    kept = np.append(np.ones(n, bool), cells.swelling > 0)
-    M = block_diag(M, np.diag(cells.swelling))[np.ix_(kept, kept)]
-    squares, modes = eigh(K[np.ix_(kept, kept)], M, subset_by_index=[1, MODES])
+    moves = np.append(np.ones(n, bool), cells.swelling > 0)
+    M = block_diag(M, np.diag(cells.swelling))[np.ix_(moves, moves)]
+    squares, modes = eigh(K[np.ix_(moves, moves)], M, subset_by_index=[1, MODES])
     rates = np.einsum("im,ij,jm->m", modes[:n], _chain(cells.viscous), modes[:n]) / 2
     slowest = int(np.argmin(rates))
     return float(np.sqrt(squares[slowest])), float(rates[slowest])

@@ -1,15 +1,17 @@
-"""The method "finite-difference": rods on a staggered grid, for physics that breaks d'Alembert.
+"""The method "finite-difference": rods on a staggered grid.
 
-It carries everything the other methods carry, and damping, tapers and lateral inertia; it stores
-states and rebuilds nothing from signals at the ends. Waves cross all but a cell in a step (Courant
-number 0.999) in the segment with the longest transit; every other segment gets as many cells as its
-transit has whole steps of this, so that it runs just below: one cell more would be unstable, one
-less disperses waves more than it must. At 1 exactly leapfrog has no error, but the even and the odd
-nodes do not know of each other: what a contact does between two steps makes them part for good, and
-velocities never converge.
+It carries everything that the other methods carry, and also damping, tapers and lateral inertia. It
+stores states and rebuilds nothing from signals at the ends.
+
+Waves cross nearly a cell in a step (Courant number 0.999) in the segment with the longest transit.
+Every other segment gets as many cells as its transit time has whole steps, so its Courant number is
+just below: one cell more would be unstable, one less would disperse waves more than necessary. At a
+Courant number of exactly 1 leapfrog has no error, but the even and the odd nodes are not coupled: a
+contact that acts between two steps makes them part for good, and velocities never converge.
 """
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -17,38 +19,45 @@ import numpy as np
 from ...model.frozen import InvalidModel
 from ...progress import Report, no_report
 from .. import abilities as physics
-from ..row import Row
+from ..row import Array, Row
 from ..run import PEAK_FORCE, Run
 from ..scales import check_scales
 from . import refinement
 from .mesh import Mesh, check_polar_moments, crossing_time, most_cells, stable_step
 from .proof import finality_time
 from .run import GridRun
-from .signals import hand_over
+from .signals import make_run
 from .smoothness import order_of
 
 RTOL = 1e-3
+"""Relative accuracy to which the mesh is refined where nothing else is given."""
 COURANT = 0.999
-FIRST = 100  # fewest cells of the longest transit
-FEWEST = (
-    8  # cells of a segment, where nothing else is asked for, and steps of a short run
-)
-FINEST = 1 << 13  # most cells of the longest transit in the search for an accurate mesh
-MOST_CELLS = 1 << 20
-STABLE = (
-    1 + 2.0**-30
-)  # Courant number up to which a mesh is taken; beyond 1 by round-off only
+"""Courant number of a step that is not given."""
+STABLE_COURANT = 1 + 2.0**-30
+"""Courant number up to which a mesh is taken: beyond 1 by round-off only."""
+MIN_LONGEST_CELLS = 100
+"""Fewest cells of the longest transit, where nothing is given."""
+MIN_CELLS = 8
+"""Fewest cells of a segment, where nothing is given, and steps of a short run."""
+MAX_REFINED_CELLS = 1 << 13
+"""Most cells of the longest transit in the search for an accurate mesh."""
+MAX_CELLS = 1 << 20
+"""Most cells of a row."""
+EQUAL_WASTE = 2.0**-20
+"""Courant numbers that differ by less are equally good."""
+UNTIL_RTOL = 1e-12
+"""An end that exceeds a whole number of steps by this part of it is that number of steps."""
 
 LACKS = (physics.RODLESS, physics.OWN_LAWS)
 
 
-@np.errstate(under="ignore")  # ahead of the waves all is next to nothing
+@np.errstate(under="ignore")  # ahead of the waves all numbers are nearly 0
 def solve(row: Row, until: float | None, max_events: int, **options: Any) -> Run:
-    """Run a single collision; arguments as of `follow`."""
-    return hand_over(follow(row, until, max_events, **options), until)
+    """Run a single collision; the arguments are those of `run_grid`."""
+    return make_run(run_grid(row, until, max_events, **options), until)
 
 
-def follow(
+def run_grid(
     row: Row,
     until: float | None,
     max_events: int,
@@ -61,29 +70,29 @@ def follow(
 ) -> GridRun:
     """Run a single collision.
 
-    The step is divided until velocities and impulses stand still. The errors of the peak force
-    and of the duration are told and not waited for: beside a jump waves overshoot, on any mesh,
-    flat ends of viscous rods, or of rods with lateral inertia, meet with a force that has no
-    largest value, and faint forces begin and end late.
+    The step is divided until velocities and impulses no longer change. The errors of the peak force
+    and of the duration are stated, but the mesh is not refined for them: beside a jump waves
+    overshoot on any mesh, flat ends of viscous rods, or of rods with lateral inertia, meet with a
+    force that has no largest value, and weak forces begin and end late.
 
     Parameters
     ----------
     row : Row
-        Of a single system.
+        Row of a single system.
     until : float, optional
-        s; by default the run ends a round trip of the longest rod after the proof of finality.
+        End of the run, s; by default a round trip of the longest rod after the proof of finality.
     max_events : int
         Cap on steps times contacts and ends, where no end is given.
     cells : int, optional
-        Of the segment with the longest transit.
+        Number of cells of the segment with the longest transit.
     dt : float, optional
-        Step, s; less where `until` is no multiple of it.
+        Step, s; it is smaller where `until` is no multiple of it.
     rtol : float, optional
-        Relative accuracy to which cells and step are halved, where neither is given.
+        Relative accuracy to which the mesh is refined, where neither cells nor step are given.
     snapshots : int or tuple of float, optional
-        How many states to keep at most, or the times at which to keep them, s.
+        Largest number of states to keep, or the times at which to keep them, s.
     report : function
-        Told how many steps are done on each mesh, and how many there are.
+        It is told how many steps are done on each mesh, and how many there are.
 
     Raises
     ------
@@ -95,117 +104,180 @@ def follow(
     check_scales(row)
     check_polar_moments(row)
     counts, step = _mesh_size(row, cells, dt, until)
-    stepping = until is None or 2 * until > step
-    if until is not None and stepping:
-        step = until / math.ceil(until / step * (1 - 1e-12))
-
-    searching = cells is None and dt is None and stepping
-    order = order_of(row)
+    takes_steps = until is None or 2 * until > step
+    if until is not None and takes_steps:
+        step = until / math.ceil(until / step * (1 - UNTIL_RTOL))
     runs: list[GridRun] = []
 
-    def level(factor: int) -> GridRun:
-        mesh, h = Mesh(row, [factor * N for N in counts]), step / factor
-        last = (
-            max(1, max_events // len(row.links)) if until is None else round(until / h)
-        )
-        run = GridRun(mesh, h, snapshots, None if until is None else max(1, last))
-        _go(run, last, until is not None, report)
+    def run_level(factor: int) -> GridRun:
+        mesh = Mesh(row, [factor * count for count in counts])
+        h = step / factor
+        if until is None:
+            last = max(1, max_events // len(row.links))
+            run = GridRun(mesh, h, snapshots)
+            _run_to_proof(run, last, report)
+        else:
+            last = round(until / h)
+            run = GridRun(mesh, h, snapshots, max(1, last))
+            _run_to_end(run, last, report)
         runs.append(run)
         return run
 
-    if searching:
-        goal = RTOL if rtol is None else rtol
+    if cells is None and dt is None and takes_steps:
+        order = order_of(row)
+        goal = RTOL
+        if rtol is not None:
+            goal = rtol
         run, estimates = refinement.refined(
-            level,
+            run_level,
             refinement.measures_of,
             order,
             goal,
-            FINEST // max(counts),
+            MAX_REFINED_CELLS // max(counts),
         )
-        run.rtol, run.estimates = goal, estimates
+        run.rtol = goal
+        run.estimates = estimates
         run.coarser = refinement.comparable_runs(runs, run, order)
         if PEAK_FORCE in estimates:
             estimates[PEAK_FORCE] += run.peak_error
     else:
-        run = level(1)
+        run = run_level(1)
     if run.stopped_by == "final":
         run.advance(run.steps + run.round_trip)
     return run
 
 
-def _mesh_size(
-    row: Row, cells: int | None, dt: float | None, until: float | None
-) -> tuple[list[int], float]:
-    """Cells of each segment, and the step, s, that is stable for them."""
-    T = np.array([crossing_time(s) for s in row.segments])
-    longest, shortest = int(np.argmax(T)), int(np.argmin(T))
-    given = "cells" if cells is not None else "dt" if dt is not None else ""
-    if not given:
-        least = max(FIRST, math.ceil(FEWEST * T[longest] / T[shortest]))
-        if until:
-            least = max(
-                least, math.ceil(min(FINEST / 4, FEWEST * float(T[longest]) / until))
-            )
-        # of the numbers up to twice as many, the first for which all segments run nearest to 1
-        numbers = float(least) + np.arange(min(least, 1 + MOST_CELLS // len(T)))
-        steps = numbers[:, None] * (T / T[longest])
-        waste = (1 - np.floor(steps * STABLE) / steps).max(axis=1)
-        cells = int(numbers[int(np.argmax(waste <= waste.min() + 2.0**-20))])
-    base: Any = dt if cells is None else float(T[longest]) / cells
-    counts = np.floor(T / base * STABLE)
-    if cells is not None:
-        counts[longest] = cells
-    name, path = given or row.paths[shortest + 1], row.paths[shortest + 1]
-    if counts.min() < 1:
-        bound = (
-            f"{T[shortest]:.6g} s or less"
-            if cells is None
-            else f"{math.ceil(T[longest] / T[shortest] / STABLE)} or more"
-        )
-        message = f"must be {bound} for a cell in {path}, which waves cross in {T[shortest]:.6g} s"
-        raise InvalidModel([(name, message)])
-    if counts.sum() > MOST_CELLS:
-        message = f"asks for {counts.sum():.10g} cells, of {MOST_CELLS} at most"
-        if not given:
-            message = f"its transit time, {T[shortest]:.3g} s, {message}; leave this segment out"
-        raise InvalidModel([(name, message)])
-    whole = counts.astype(int).tolist()
-    if cells is None:  # the most for which it is stable
-        whole = [
-            most_cells(s, N, base / STABLE)
-            for s, N in zip(row.segments, whole, strict=True)
-        ]
-    stable = list(map(stable_step, row.segments, whole))
-    step = min(stable) * COURANT if dt is None else dt
-    worst = int(np.argmin(stable))
-    if step > STABLE * stable[worst]:
-        message = (
-            f"would be unstable in {row.paths[worst + 1]}, where {whole[worst]:g} cells "
-            f"allow {stable[worst]:.6g} s, got {dt!r}; take a smaller dt or fewer cells"
-        )
-        raise InvalidModel([("dt", message)])
-    return whole, step
+# Running ------------------------------------------------------------------------------------------
 
 
-def _go(run: GridRun, last: int, on: bool, report: Report) -> None:
-    """Run to the proof, but not beyond the last step; `on` to that in any case."""
+def _run_to_end(run: GridRun, last: int, report: Report) -> None:
+    """Run to step `last`, and try the proof of finality on the way."""
+
+    def report_of(taken: int) -> None:
+        report(taken, last)
+
+    _try_proofs(run, last, report_of)
+    run.advance(last, report_of)
+
+
+def _run_to_proof(run: GridRun, last: int, report: Report) -> None:
+    """Run to the proof of finality, but not beyond step `last`."""
+
+    def report_of(taken: int) -> None:
+        report(taken, None)  # nobody knows when a proof will succeed
+
+    _try_proofs(run, last, report_of)
+    run.stopped_by = "max_events"
+    if run.proved >= 0:
+        run.stopped_by = "final"
+
+
+def _try_proofs(run: GridRun, last: int, report_of: Callable[[int], None]) -> None:
+    """Run until the proof of finality succeeds, but not beyond step `last`."""
     longest = run.round_trip // 2
-    total = last if on else None  # nobody knows when a proof will succeed
-
-    def tell(taken: int) -> None:
-        report(taken, total)
-
-    tell(0)
+    report_of(0)
     while run.proved < 0:
         wait = finality_time(run) / run.step
         if wait == 0:
             run.proved = run.steps
         elif run.steps < last:
-            more = math.ceil(max(min(wait, max(longest // 4, run.steps // 8)), FEWEST))
-            run.advance(min(last, run.steps + more), tell)
+            # A proof costs about as much as these steps.
+            between = max(longest // 4, run.steps // 8)
+            more = math.ceil(max(min(wait, between), MIN_CELLS))
+            run.advance(min(last, run.steps + more), report_of)
         else:
             break
-    if on:
-        run.advance(last, tell)
-    else:
-        run.stopped_by = "final" if run.proved >= 0 else "max_events"
+
+
+# The mesh -----------------------------------------------------------------------------------------
+
+
+def _mesh_size(
+    row: Row, cells: int | None, dt: float | None, until: float | None
+) -> tuple[list[int], float]:
+    """Find the cells of each segment, and the step, s, that is stable for them."""
+    transits = np.array([crossing_time(segment) for segment in row.segments])
+    shortest = int(np.argmin(transits))
+    # Problems are told of the argument that was given, else of the shortest segment.
+    name = row.paths[shortest + 1]
+    if cells is not None:
+        name = "cells"
+    elif dt is not None:
+        name = "dt"
+    if cells is None and dt is None:
+        cells = _least_wasteful(transits, until)
+    counts = _stable_counts(row, transits, cells, dt, name)
+    stable_steps = list(map(stable_step, row.segments, counts))
+    step = min(stable_steps) * COURANT
+    if dt is not None:
+        step = dt
+    worst = int(np.argmin(stable_steps))
+    if step > STABLE_COURANT * stable_steps[worst]:
+        message = (
+            f"would be unstable in {row.paths[worst + 1]}, where {counts[worst]:g} cells "
+            f"allow {stable_steps[worst]:.6g} s, got {dt!r}; take a smaller dt or fewer cells"
+        )
+        raise InvalidModel([("dt", message)])
+    return counts, step
+
+
+def _least_wasteful(transits: Array, until: float | None) -> int:
+    """Cells of the longest transit for which all segments have Courant numbers nearest to 1.
+
+    It is the first such number among those up to twice as many as are needed.
+    """
+    longest = float(transits.max())
+    least = max(MIN_LONGEST_CELLS, math.ceil(MIN_CELLS * longest / transits.min()))
+    if until:
+        of_short_run = min(MAX_REFINED_CELLS / 4, MIN_CELLS * longest / until)
+        least = max(least, math.ceil(of_short_run))
+    candidates = min(least, 1 + MAX_CELLS // len(transits))
+    numbers = float(least) + np.arange(candidates)
+    steps = numbers[:, None] * (transits / longest)
+    waste = (1 - np.floor(steps * STABLE_COURANT) / steps).max(axis=1)
+    best = int(np.argmax(waste <= waste.min() + EQUAL_WASTE))
+    return int(numbers[best])
+
+
+def _stable_counts(
+    row: Row, transits: Array, cells: int | None, dt: float | None, name: str
+) -> list[int]:
+    """Cells of each segment: as many as are stable.
+
+    `name` is the path of a problem.
+    """
+    longest = int(np.argmax(transits))
+    shortest = int(np.argmin(transits))
+    step: Any = dt
+    if cells is not None:
+        step = float(transits[longest]) / cells
+    counts = np.floor(transits / step * STABLE_COURANT)
+    if cells is not None:
+        counts[longest] = cells
+    path = row.paths[shortest + 1]
+    if counts.min() < 1:
+        bound = f"{transits[shortest]:.6g} s or less"
+        if cells is not None:
+            ratio = transits[longest] / transits[shortest]
+            bound = f"{math.ceil(ratio / STABLE_COURANT)} or more"
+        message = (
+            f"must be {bound} for a cell in {path}, which waves cross in "
+            f"{transits[shortest]:.6g} s"
+        )
+        raise InvalidModel([(name, message)])
+    if counts.sum() > MAX_CELLS:
+        message = f"asks for {counts.sum():.10g} cells, of {MAX_CELLS} at most"
+        if name == path:
+            message = (
+                f"its transit time, {transits[shortest]:.3g} s, {message}; "
+                "leave this segment out"
+            )
+        raise InvalidModel([(name, message)])
+    whole: list[int] = counts.astype(int).tolist()
+    if cells is not None:
+        return whole
+    # By Mindlin and Herrmann the stable step is no whole share of the transit.
+    most = []
+    for segment, count in zip(row.segments, whole, strict=True):
+        most.append(most_cells(segment, count, step / STABLE_COURANT))
+    return most

@@ -1,8 +1,8 @@
 """The proof of finality on a grid: how each side of a contact moves, from the present state.
 
-On each side stands a group of pieces with the joints between them. A far endless bar of impedance Z
-gives way by the momentum it has taken, over Z, and a joint that is a dashpot alone by the change of
-momentum over its c.
+On each side stands a group of pieces with the joints between them. A semi-infinite bar of impedance
+Z yields by the momentum that it has taken, over Z. A joint without a spring yields by the change of
+momentum over the constant of its dashpot.
 """
 
 import math
@@ -17,89 +17,112 @@ from .mesh import GridMotion, quotient
 from .run import GridRun
 
 
-class Side(NamedTuple):
-    """One side of a contact, SI."""
+class GroupState(NamedTuple):
+    """Motion of the group on one side of a contact."""
 
-    mean: float  # velocity
-    deviation: float  # of the end from the mean motion, positive to the right
-    bound: float  # that it can ever reach
+    mean: float  # velocity, m/s
+    deviation: float  # of its end from the mean motion, m, positive to the right
+    bound: float  # largest deviation that it can ever reach, m
 
 
 def finality_time(run: GridRun) -> float:
-    """Time until it may be proved that nothing meets again, s: 0 if it is, inf if not as it is."""
+    """Time after which the proof that no contact closes again can succeed, s.
+
+    It is 0 if the proof succeeds now, and inf if the mean motions do not open the gaps.
+    """
     if abilities.driven(run.row.system):
         return math.inf
-    wait, tol, now = 0.0, float(run.grid.run["velocity_tolerance"][0]), present(run)
-    still = tol * run.step  # a bound up to which ends move as their groups do
-    for at in run.grid.links[run.grid.links["law"] != Law.JOINT]:
-        gap = float(at["gap"]) * run.step
+    wait = 0.0
+    tolerance = float(run.grid.run["velocity_tolerance"][0])
+    rest_bound = tolerance * run.step  # up to this bound ends move as their groups do
+    state = present(run)
+    for link in run.grid.links[run.grid.links["law"] != Law.JOINT]:
+        gap = float(link["gap"]) * run.step
         if gap < 0:
             return math.inf
-        one, other = (
-            side_of(run, at["left_node"], True, now),
-            side_of(run, at["right_node"], False, now),
+        left = side_of(run, link["left_node"], True, state)
+        right = side_of(run, link["right_node"], False, state)
+        reach = left.bound + right.bound
+        opening = right.mean - left.mean
+        least = -math.inf
+        if max(left.bound, right.bound) <= rest_bound:
+            least = opening
+        mean_gap = gap + left.deviation - right.deviation
+        time = finality_kernel.separation_time(
+            opening, least, mean_gap, reach * reach, tolerance
         )
-        reach, opening = one.bound + other.bound, other.mean - one.mean
-        least = opening if max(one.bound, other.bound) <= still else -math.inf
-        apart = gap + one.deviation - other.deviation
-        wait = max(
-            wait,
-            finality_kernel.separation_time(opening, least, apart, reach * reach, tol),
-        )
+        wait = max(wait, time)
     return wait
 
 
 def present(run: GridRun) -> tuple[GridMotion, Array]:
-    """The last state, and by how much cells are longer in it, m."""
+    """The last state, and the elongation of the cells in it, m."""
     motion = run.motion(slice(-1, None))
     return motion, motion.stretches(run.step)[0]
 
 
 def side_of(
-    run: GridRun, node: int, right_end: bool, now: tuple[GridMotion, Array]
-) -> Side:
-    """What the proof asks of a group that has this node at its right or left end.
+    run: GridRun, node: int, right_end: bool, state: tuple[GridMotion, Array]
+) -> GroupState:
+    """Motion of the group that has this node at its right or left end.
 
-    The end is half a step ahead of the cells, by no more than the velocity that the energy gives.
+    With g(x) the mass fraction beyond x as seen from this end, or 1 where the far end is held, the
+    end deviates from the mean motion by integral(g eps dx), and by at most
+    sqrt(2 E_vib integral(g^2 dx/(E A))). The end is half a step ahead of the cells, by no more than
+    the velocity that the energy gives.
     """
-    mesh, (motion, longer), h = run.mesh, now, run.step
-    a, b = next((a, b) for a, b in mesh.groups if a <= node <= b)
-    nodes, far = slice(a, b + 1), a if right_end else b
-    m, v = mesh.mass[nodes], motion.velocity[0, nodes]
-    # relative to the first node, so that a body without vibration has no deviation
-    mean, Z = float(v[0] + m @ (v - v[0]) / (m.sum() or 1.0)), 0.0
+    mesh = run.mesh
+    motion, elongation = state
+    h = run.step
+    for a, b in mesh.groups:
+        if a <= node <= b:
+            break
+    nodes = slice(a, b + 1)
+    far = b
+    sign = -1
+    if right_end:
+        far = a
+        sign = 1
+    m = mesh.mass[nodes]
+    v = motion.velocity[0, nodes]
+    # Relative to the first node, so that a body without vibration has no deviation.
+    mean = float(v[0] + m @ (v - v[0]) / (m.sum() or 1.0))
+    Z = 0.0
     if mesh.held[far]:
         mean = float(motion.velocity[0, far])
     for side, (kind, _) in enumerate(run.row.outside):
         if kind == "absorbing" and mesh.ends[side] == far:
-            Z, mean = (
-                float(run.grid.ends[name][side])
-                for name in ("impedance", "background_wave")
-            )
+            Z = float(run.grid.ends["impedance"][side])
+            mean = float(run.grid.ends["background_wave"][side])
     if a == b:
-        return Side(mean, 0.0, 0.0)
-    beyond = np.cumsum(m[:-1]) / m.sum()
-    g = np.ones(b - a) if mesh.held[far] or Z else beyond if right_end else 1 - beyond
+        return GroupState(mean, 0.0, 0.0)
+    g = np.cumsum(m[:-1]) / m.sum()
+    if mesh.held[far] or Z:
+        g = np.ones(b - a)
+    elif not right_end:
+        g = 1 - g
     energy = sum(motion.energies(nodes, m, 0, v - mean, h))
-    stretch, loose = longer[a + 1 : b + 1].copy(), 0.0
-    slack = quotient(1.0, mesh.cells.relaxed[a + 1 : b + 1])
-    for place, (link, (_, right)) in enumerate(mesh.touching.items()):
-        if a < right <= b:
-            cell, k = right - a - 1, float(run.row.links[link].stiffness)
+    stretch = elongation[a + 1 : b + 1].copy()
+    compliance = quotient(1.0, mesh.cells.relaxed[a + 1 : b + 1])
+    dashpots = 0.0  # deviation of the end for a momentum, s/kg
+    for column, (link, (_, right)) in enumerate(mesh.touching.items()):
+        if a < right <= b:  # a joint
+            cell = right - a - 1
+            k = float(run.row.links[link].stiffness)
             if k > 0:
-                stretch[cell] = run.grid.links["gap"][place] * h
-                slack[cell] = 1 / k
+                stretch[cell] = run.grid.links["gap"][column] * h
+                compliance[cell] = 1 / k
                 energy += k * stretch[cell] ** 2 / 2
             else:
-                loose += 2 * g[cell] / float(run.row.links[link].damping)
-    d, yielding = float(stretch @ g) * (1 if right_end else -1), float(g * g @ slack)
+                dashpots += 2 * g[cell] / float(run.row.links[link].damping)
+    deviation = float(stretch @ g) * sign
+    compliance_integral = float(g * g @ compliance)
     if Z > 0:
-        d -= float(m @ (v - mean)) / Z
-        yielding = 2 * (yielding + m.sum() / (Z * Z))
-    if loose > 0:
-        yielding = 2 * (yielding + m.sum() * loose * loose)
+        deviation -= float(m @ (v - mean)) / Z
+        compliance_integral = 2 * (compliance_integral + m.sum() / (Z * Z))
+    if dashpots > 0:
+        compliance_integral = 2 * (compliance_integral + m.sum() * dashpots * dashpots)
     energy = max(energy, 0.0)
-    bound = math.sqrt(2 * energy * yielding) + h * math.sqrt(
-        energy / (2 * mesh.mass[node])
-    )
-    return Side(mean, d, bound)
+    half_step = h * math.sqrt(energy / (2 * mesh.mass[node]))
+    bound = math.sqrt(2 * energy * compliance_integral) + half_step
+    return GroupState(mean, deviation, bound)

@@ -1,8 +1,9 @@
-"""Divide cells and step until the outcome of a run stands still, and tell how wrong it may be."""
+"""Refine a mesh until the outcome of a run no longer changes, and estimate its error."""
 
 import math
 from collections.abc import Callable, Sequence
 from itertools import takewhile
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,40 +17,53 @@ from .measures import largest_force
 from .run import MAX_STATES_BYTES, GridRun
 
 FACTORS = (1, *(k << n for n in range(60) for k in (2, 3)))
-"""By how much the step is divided on each level: not by powers of two only.
+"""Factors by which the step is divided on each level: not powers of two only.
 
 An error that depends on where in a step something happens may be the same on all of those.
 """
-FEWEST = 4  # levels
-LOOK_BACK = 4  # coarser levels with which the finest is compared
-DOUBT = 3  # times what changes tell: where they cancel, errors are larger
-FAINT = (
-    5 / 3
-)  # times that for a duration: a faint force may be missed on all levels alike
-PART = 0.1  # of a step, to which times are known at best
-ROUGH = (PEAK_FORCE, DURATION)  # told, and not waited for: they hang on few steps
+MIN_LEVELS = 4
+"""Levels, from which on an error is estimated."""
+MAX_COMPARED = 4
+"""Coarser levels with which the finest is compared."""
+SAFETY_FACTOR = 3
+"""Estimated error over the error that the changes tell: where they cancel, errors are larger."""
+DURATION_FACTOR = 5 / 3
+"""Further factor of the error of a duration: all levels may miss a weak force alike."""
+TIME_RESOLUTION = 0.1
+"""Steps to which times are known at best."""
+UNREFINED = (PEAK_FORCE, DURATION)
+"""Measures that the mesh is not refined for: they depend on few steps."""
+
+
+class Level(NamedTuple):
+    """Measures of the run on one level."""
+
+    step: float  # s
+    measures: dict[str, Array]
 
 
 def refined(
-    level: Callable[[int], GridRun],
+    run_level: Callable[[int], GridRun],
     measures: Callable[[GridRun], dict[str, Array]],
     order: float,
-    goal: float,
-    last: int,
+    rtol: float,
+    max_factor: int,
 ) -> tuple[GridRun, dict[str, float]]:
-    """Divide the step until no measure is wrong by more than `goal`, or as far as it goes.
+    """Divide the step until the estimated error of each measure is at most `rtol`.
+
+    It ends earlier if the factor is too large, or memory is short.
 
     Parameters
     ----------
-    level : function
-        Run with the step divided by about a factor; raises `TooLong` where there is no room for it.
-        One that met a cap on events goes no further.
+    run_level : function
+        Run with the step divided by about a factor. It raises `TooLong` where it takes too much
+        memory. A run that met a cap on events is refined no further.
     measures : function
-        What is to be known, of a run; what is `ROUGH` need not come to the goal.
+        Measures of the outcome of a run; those of `UNREFINED` need not come to `rtol`.
     order : float
         Power of the step with which errors fall at least.
-    goal : float
-    last : int
+    rtol : float
+    max_factor : int
         Largest factor, 4 at least.
 
     Returns
@@ -59,10 +73,10 @@ def refined(
     estimates : dict of str to float
         Error of each measure, relative to its largest value; inf where there are too few levels.
     """
-    levels: list[tuple[float, dict[str, Array]]] = []
-    for factor in takewhile(lambda factor: factor <= max(4, last), FACTORS):
+    levels: list[Level] = []
+    for factor in takewhile(lambda factor: factor <= max(4, max_factor), FACTORS):
         try:
-            finer = level(factor)
+            finer = run_level(factor)
         except TooLong:
             if not levels:
                 raise
@@ -70,64 +84,72 @@ def refined(
         if levels and finer.stopped_by == "max_events":
             break
         finest = finer
-        levels.append((finest.step, measures(finest)))
-        estimates = {name: error_of(levels, name, order) for name in levels[-1][1]}
-        late = any(
-            error > goal for name, error in estimates.items() if name not in ROUGH
-        )
-        if finest.stopped_by == "max_events" or not late:
+        levels.append(Level(finest.step, measures(finest)))
+        estimates = {}
+        is_converged = True
+        for name in levels[-1].measures:
+            estimates[name] = error_of(levels, name, order)
+            if estimates[name] > rtol and name not in UNREFINED:
+                is_converged = False
+        if finest.stopped_by == "max_events" or is_converged:
             break
     return finest, estimates
 
 
-def error_of(
-    levels: Sequence[tuple[float, dict[str, Array]]], name: str, order: float
-) -> float:
+def error_of(levels: Sequence[Level], name: str, order: float) -> float:
     """Estimated error of a measure on the last level, relative to its largest value.
 
     With q(g) the result of a coarser step g, an error that falls with the power p of the step h is
-    |q(g) - q(h)|/((g/h)^p - 1); one of higher order is less. The largest over the last coarser
-    levels is the estimate: errors that differ from level to level are not all equal by accident.
+    abs(q(g) - q(h))/((g/h)^p - 1); one of higher order is less. The estimate is the largest over
+    the last coarser levels: errors that differ from level to level are not all equal by accident.
     """
-    if len(levels) < FEWEST:
+    if len(levels) < MIN_LEVELS:
         return math.inf
-    (h, values), coarser = levels[-1], levels[-1 - LOOK_BACK : -1]
-    latest = float(np.abs(values[name]).max(initial=0.0))
-    changes = [
-        float(np.abs(measured[name] - values[name]).max(initial=0.0))
-        / ((g / h) ** order - 1)
-        for g, measured in coarser
-    ]
-    error: float = DOUBT * max(changes)
+    h = levels[-1].step
+    values = levels[-1].measures[name]
+    latest = float(np.abs(values).max(initial=0.0))
+    errors = []
+    for coarser in levels[-1 - MAX_COMPARED : -1]:
+        change = float(np.abs(coarser.measures[name] - values).max(initial=0.0))
+        errors.append(change / ((coarser.step / h) ** order - 1))
+    error: float = SAFETY_FACTOR * max(errors)
     if not error < math.inf:  # nan where a measure overflows
         return math.inf
     if name == DURATION:
-        within = (
-            PART if order > 1 / 2 else 1.0
-        )  # of a step: where forces jump, all levels may ring
-        error = max(FAINT * error, within * h if latest > 0 else 0.0)
-    return error / latest if latest > 0 else error
+        least = 0.0
+        if latest > 0 and order > 1 / 2:
+            least = TIME_RESOLUTION * h
+        elif latest > 0:  # where forces jump, waves may oscillate on all levels
+            least = h
+        error = max(DURATION_FACTOR * error, least)
+    if latest > 0:
+        return error / latest
+    return error
 
 
 def comparable_runs(
     runs: Sequence[GridRun], finest: GridRun, order: float
 ) -> list[tuple[float, GridRun]]:
-    """The last coarser runs, with the share of differences of fields that bounds the error.
+    """Return the last coarser runs, with the share of differences of fields that bounds the error.
 
-    None where there are too few, or where they would take too much memory.
+    There are none if the levels are too few, or if the states would take too much memory.
     """
-    coarser = [run for run in runs if run.step > finest.step][-LOOK_BACK:]
-    if len(coarser) + 1 < FEWEST:
+    coarser = [run for run in runs if run.step > finest.step][-MAX_COMPARED:]
+    if len(coarser) + 1 < MIN_LEVELS:
         return []
     if sum(run.states_bytes for run in coarser) > MAX_STATES_BYTES:
         return []
-    return [(DOUBT / ((run.step / finest.step) ** order - 1), run) for run in coarser]
+    shares = []
+    for run in coarser:
+        share = SAFETY_FACTOR / ((run.step / finest.step) ** order - 1)
+        shares.append((share, run))
+    return shares
 
 
 def measures_of(run: GridRun) -> dict[str, Array]:
-    """What the outcome of a run consists of: velocities, impulses, peak forces and durations.
+    """Measures of the outcome of a run: velocities, impulses, peak forces and durations.
 
-    Restitution follows from the impulses. Only what the row has is among the measures.
+    Restitution follows from the impulses. A row without contacts has no forces among its measures.
     """
     measures = {VELOCITY: velocities_of(run)}
     impulses: list[float] = []
@@ -143,13 +165,13 @@ def measures_of(run: GridRun) -> dict[str, Array]:
                 peaks.append(largest_force(force))
                 durations.append(float((ends - begins).sum()))
         elif run.stopped_by == "until":
-            # A bond or joint is never done: its impulse counts up to the given end, and
-            # so does the largest one on the way, beside which that may be small.
+            # A bond or joint acts to the end of the run: its impulse up to there counts,
+            # and the largest impulse on the way, beside which the last may be small.
             passed = np.cumsum(force) * run.step
             impulses.extend(passed[-1:])
             impulses.append(float(np.abs(passed).max(initial=0.0)))
             peaks.append(float(force.max(initial=0.0)))
-    # Beside these, what differs by round-off alone is the same.
+    # Changes count beside round-off: without it, round-off itself would be an error.
     round_off = round_off_of(run) * float(run.mesh.mass.sum())
     if impulses:
         measures[IMPULSE] = np.array([*impulses, round_off])
@@ -162,15 +184,15 @@ def measures_of(run: GridRun) -> dict[str, Array]:
 
 
 def round_off_of(run: GridRun) -> float:
-    """Velocities of this size or less may be round-off, m/s."""
+    """Return the velocity that may be round-off, m/s."""
     return ROUND_OFF * (abs(float(run.row.frame)) + float(run.row.scale))
 
 
 def velocities_of(run: GridRun) -> Array:
     """Velocities at the end of a run, and their scale, so that round-off at rest is none.
 
-    Groups of bodies that hang together and are not held keep theirs after the last contact. The
-    bodies of a group swing on, so that each body has a velocity of its own at a given end only.
+    Groups of joined bodies that are not held keep their velocity after the last contact. The bodies
+    of a group oscillate on, so each body has a velocity of its own at a given end only.
     """
     mesh = run.mesh
     v = run.grid.velocity

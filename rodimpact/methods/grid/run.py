@@ -269,7 +269,7 @@ class GridRun:
     def motion(self, states: Any = slice(None)) -> GridMotion:
         """The states that were kept, or some of them, without `pushes`."""
         mesh = self.mesh
-        kept = {name: getattr(self.history, name)[states] for name in STATE_FIELDS}
+        fields = {name: getattr(self.history, name)[states] for name in STATE_FIELDS}
         return GridMotion(
             counts=mesh.counts,
             first=mesh.first,
@@ -278,7 +278,7 @@ class GridRun:
             mass=mesh.mass,
             shear=mesh.shear,
             cells=mesh.cells,
-            **kept,
+            **fields,
             pushes={},
         )
 

@@ -1,4 +1,4 @@
-"""From a run on a grid to what every method hands back: signals, tallies, and a status."""
+"""From a run on a grid to the `Run` that all methods return: signals, tallies, and a status."""
 
 import math
 from functools import partial
@@ -13,47 +13,45 @@ from ..status import ending, last_contact, proof_sentence, strain_warning
 from .forces import contact_forces, outside_of, over_steps
 from .measures import episodes_from_intervals, largest_force
 from .mesh import STEP_TICKS
-from .refinement import ROUGH
+from .refinement import UNREFINED
 from .run import OVERSHOOT_STEPS, GridRun
 from .smoothness import order_of
 
-LARGE_CHANGE = 1e-2  # of the peak force, from which it is said
+OVERSHOOT_TO_TELL = 1e-2
+"""Relative overshoot of the peak force from which the status tells it."""
+STEP_RTOL = 1e-9
+"""An impact that lasts no longer than a step, to this part of it, takes no time."""
 
 
-def hand_over(run: GridRun, until: float | None) -> Run:
-    """What every method hands back, of a run to `until`, s."""
+def make_run(run: GridRun, until: float | None) -> Run:
+    """Make the form of a finished run that all methods return; it went to `until`, s."""
     outside = outside_of(run, 0), outside_of(run, 1)
-    size = sum(run.mesh.counts)
     forces = contact_forces(run, outside[0])
-    pressed = [run.pressed(k) for k in range(len(forces))]
-    contacts = tuple(
-        _tally(run, k, *of) for k, of in enumerate(zip(forces, pressed, strict=True))
-    )
-    final, t_final = run.proved >= 0, math.nan
-    t_end = until if until is not None else float(run.times[-1])
-    t_proved = float(run.times[run.proved]) if final else math.nan
-    if final:
-        ends = [last[1:] for of in pressed for last in of[-1:].tolist()]
+    intervals = []
+    contacts = []
+    for k, force in enumerate(forces):
+        pressed = run.pressed(k)
+        intervals.append(pressed)
+        contacts.append(_tally(run, k, force, pressed))
+    t_end = until
+    if t_end is None:
+        t_end = float(run.times[-1])
+    t_final = math.nan
+    t_proved = math.nan
+    proof = ""
+    if run.proved >= 0:
+        t_proved = float(run.times[run.proved])
+        ends = [pressed[-1, 1:].tolist() for pressed in intervals if len(pressed)]
         t_final = last_contact(ends, t_end, 2 * run.clock.longest * run.clock.tick)
-    proof = proof_sentence(any(x.episodes for x in contacts), t_final) if final else ""
+        proof = proof_sentence(any(x.episodes for x in contacts), t_final)
     events = run.steps * len(run.row.links)
-    status = ending(
-        run.stopped_by,
-        proof,
-        format_si(t_end, "s"),
-        f"{events} steps times ends",
-        run.row.system,
-    )
-    status += f" Time step {format_si(run.step, 's')}, {size} cells."
     end = run.steps * STEP_TICKS
     if until and not run.steps:
-        status += " The run ends before half a step, and none was taken. More cells shorten it."
         end = math.ceil(until / run.clock.tick)
-    status += _accuracy(run) + _own_peak(run) + strain_warning(run.largest_strain)
     steep = bool(run.coarser) and order_of(run.row) < 1
     coarser = []
     for share, other in run.coarser:
-        coarser.append(Coarser(share, steep, partial(hand_over, other, until)))
+        coarser.append(Coarser(share, steep, partial(make_run, other, until)))
     return Run(
         method="finite-difference",
         until=until,
@@ -63,99 +61,131 @@ def hand_over(run: GridRun, until: float | None) -> Run:
         t_final=t_final,
         t_proved=t_proved,
         stopped_by=run.stopped_by,
-        status=status,
+        status=_status(run, proof, t_end, events),
         events=events,
-        contacts=contacts,
+        contacts=tuple(contacts),
         accuracy=run.estimates,
         coarser=tuple(coarser),
-        make_signals=lambda: _signals(run, forces, pressed, outside),
+        make_signals=lambda: _signals(run, forces, intervals, outside),
     )
 
 
-def _own_peak(run: GridRun) -> str:
-    """A warning of a peak force that is not that of the bodies."""
+# Status -------------------------------------------------------------------------------------------
+
+
+def _status(run: GridRun, proof: str, t_end: float, events: int) -> str:
+    """Why the run ended, its mesh, and how accurate it is."""
+    cap = f"{events} steps times ends"
+    end = format_si(t_end, "s")
+    status = ending(run.stopped_by, proof, end, cap, run.row.system)
+    size = sum(run.mesh.counts)
+    status += f" Time step {format_si(run.step, 's')}, {size} cells."
+    if t_end and not run.steps:
+        status += " The run ends before half a step, and none was taken. More cells shorten it."
+    status += _accuracy_sentence(run)
+    status += _overshoot_sentence(run)
+    return status + strain_warning(run.largest_strain)
+
+
+def _overshoot_sentence(run: GridRun) -> str:
+    """Warning of a peak force that depends on the mesh; empty if it does not."""
     reason = ""
     if run.peak_error == math.inf:
         reason = "flat ends meet, and a finer mesh finds a larger force"
-    elif run.overshoot > max(run.rtol, LARGE_CHANGE):
+    elif run.overshoot > max(run.rtol, OVERSHOOT_TO_TELL):
         reason = (
             f"waves overshoot beside jumps, and the mean over {OVERSHOOT_STEPS} steps is lower by "
             f"{100 * run.overshoot:.1g} %"
         )
-    return f" The peak force is that of this mesh: {reason}." if reason else ""
-
-
-def _accuracy(run: GridRun) -> str:
-    """How wrong the outcome may be, and what makes it less.
-
-    Durations may stay rough: they hang on where faint forces begin and end.
-    """
-    if not run.estimates:
+    if reason == "":
         return ""
-    errors = ", ".join(
-        f"{name} {error:.1g}"
-        for name, error in run.estimates.items()
-        if error < math.inf
-    )
-    told = f" Stated relative error: {errors}." if errors else ""
-    if any(
-        error > run.rtol for name, error in run.estimates.items() if name not in ROUGH
-    ):
-        told += (
-            f" Not converged to {run.rtol:g}. Take a larger rtol, or give more cells."
-        )
-    return told
+    return f" The peak force is that of this mesh: {reason}."
 
 
-def _tally(run: GridRun, k: int, force: Floats, pressed: Floats) -> ContactTally:
+def _accuracy_sentence(run: GridRun) -> str:
+    """Stated errors of the outcome, and the remedy where they are too large.
+
+    Peak forces and durations may stay inaccurate: they depend on few steps and on weak forces.
+    """
+    stated = []
+    for name, error in run.estimates.items():
+        if error < math.inf:
+            stated.append(f"{name} {error:.1g}")
+    sentence = ""
+    if stated:
+        sentence = f" Stated relative error: {', '.join(stated)}."
+    for name, error in run.estimates.items():
+        if error > run.rtol and name not in UNREFINED:
+            remedy = "Take a larger rtol, or give more cells."
+            return f"{sentence} Not converged to {run.rtol:g}. {remedy}"
+    return sentence
+
+
+# Contacts and signals -----------------------------------------------------------------------------
+
+
+def _tally(run: GridRun, k: int, force: Floats, intervals: Floats) -> ContactTally:
     """Totals of contact k in SI units."""
-    law, (begins, ends) = run.row.system.contacts[k], run.spans(pressed)
-    peak = largest_force(force) if law.opens else float(np.max(force, initial=0.0))
-    if (
-        getattr(law, "restitution", None) is not None
-    ):  # takes no time, though it takes a step here
-        peak, ends = (
-            math.nan,
-            np.where(ends - begins <= run.step * (1 + 1e-9), begins, ends),
-        )
-    first, last = (float(t[0]) if len(t) else math.nan for t in (begins, ends[::-1]))
+    law = run.row.system.contacts[k]
+    begins, ends = run.spans(intervals)
+    if law.opens:
+        peak = largest_force(force)
+    else:
+        peak = float(np.max(force, initial=0.0))
+    if getattr(law, "restitution", None) is not None:
+        # An impact takes no time, though it takes a step here.
+        peak = math.nan
+        is_instant = ends - begins <= run.step * (1 + STEP_RTOL)
+        ends = np.where(is_instant, begins, ends)
+    first = math.nan
+    last = math.nan
+    if len(begins):
+        first = float(begins[0])
+        last = float(ends[-1])
     return ContactTally(
-        float(force.sum() * run.step),
-        peak,
-        float((ends - begins).sum()),
-        first,
-        last,
-        len(episodes_from_intervals(pressed)),
+        impulse=float(force.sum() * run.step),
+        peak_force=peak,
+        duration=float((ends - begins).sum()),
+        first=first,
+        last=last,
+        episodes=len(episodes_from_intervals(intervals)),
     )
 
 
 def _signals(
-    run: GridRun, forces: list[Floats], pressed: list[Floats], outside: Any
+    run: GridRun, forces: list[Floats], intervals: list[Floats], outside: Any
 ) -> Signals:
-    row, mesh, edges, contacts = run.row, run.mesh, run.edges, []
+    """Signals of contacts, ends and masses; the motion with the forces between pieces."""
+    row = run.row
+    mesh = run.mesh
+    edges = run.edges
+    contacts = []
     pushes: dict[int, Floats] = {}  # by node
-    for k, (force, link) in enumerate(zip(forces, row.contact_link, strict=True)):
-        gap, closing = np.zeros(run.steps + 1), np.zeros(run.steps)
+    for k, force in enumerate(forces):
+        link = row.contact_link[k]
+        gap = np.zeros(run.steps + 1)
+        closing = np.zeros(run.steps)
         if k in row.by_law:
-            gap, closing = run.contact(k)[1], run.recorded(link, "closing")
-        contacts.append(
-            ContactSignal(
-                over_steps(run, force),
-                Pieces.through(edges, gap),
-                over_steps(run, closing),
-                episodes_from_intervals(pressed[k]),
-            )
+            gap = run.contact(k)[1]
+            closing = run.recorded(link, "closing")
+        signal = ContactSignal(
+            over_steps(run, force),
+            Pieces.through(edges, gap),
+            over_steps(run, closing),
+            episodes_from_intervals(intervals[k]),
         )
-        for node, sign in zip(mesh.touching.get(link, ()), INWARD[::-1], strict=False):
-            pushes[node] = pushes.get(node, 0.0) + sign * force
-    for node, sign, end in zip(mesh.ends, INWARD, outside, strict=True):
+        contacts.append(signal)
+        if link in mesh.touching:
+            left, right = mesh.touching[link]
+            pushes[left] = pushes.get(left, 0.0) - force
+            pushes[right] = pushes.get(right, 0.0) + force
+    for side, end in enumerate(outside):
         if end is not None:
-            pushes[node] = pushes.get(node, 0.0) + sign * end.push.values
-    masses = {
-        body: Pieces.through(edges, run.mass_velocity(m))
-        for body, m in enumerate(row.mass_of)
-        if m >= 0
-    }
-    return Signals(
-        run.motion()._replace(pushes=pushes), tuple(contacts), outside, edges, masses
-    )
+            node = mesh.ends[side]
+            pushes[node] = pushes.get(node, 0.0) + INWARD[side] * end.push.values
+    masses = {}
+    for body, mass in enumerate(row.mass_of):
+        if mass >= 0:
+            masses[body] = Pieces.through(edges, run.mass_velocity(mass))
+    motion = run.motion()._replace(pushes=pushes)
+    return Signals(motion, tuple(contacts), outside, edges, masses)

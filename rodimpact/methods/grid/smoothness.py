@@ -55,9 +55,9 @@ def order_of(row: Row) -> float:
 def waves_jump(row: Row) -> bool:
     """Whether any wave jumps: from t = 0 on, or later on."""
     system = row.system
-    for thing in (*system.bodies, *system.ends):
+    for part in (*system.bodies, *system.ends):
         for name in ("velocity", "strain", "value"):
-            if isinstance(getattr(thing, name, 0.0), Steps | Polynomials):
+            if isinstance(getattr(part, name, 0.0), Steps | Polynomials):
                 return True
     for law in system.contacts:
         if law.opens and not isinstance(law, GENTLE_LAWS):
