@@ -17,8 +17,8 @@ def factor(
 ) -> tuple[list[float], ...]:
     """LU factors of the equations: `lower`, `inverse_diagonal` and `upper`, each [node].
 
-    `prescribed` is 1 at nodes whose values are prescribed. The factors of the middle node are those of its neighbours:
-    `lower` of the left one, `upper` of the right one.
+    `prescribed` is 1 at nodes whose values are prescribed. The factors of the middle node are those
+    of its neighbours: `lower` of the left one, `upper` of the right one.
     """
     n = len(diagonal)
     m = (n - 1) // 2

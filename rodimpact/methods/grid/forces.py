@@ -9,18 +9,21 @@ from .run import GridRun
 
 
 def contact_forces(run: GridRun, left: Outside | None) -> list[Floats]:
-    """Mean force of each contact in each step, N; `left` acts on the left end of the row."""
+    """Mean force of each contact in each step, N [contact][step].
+
+    `left` is what acts on the left end of the row.
+    """
     row = run.row
     forces: list[Floats | None] = []
     for k, link in enumerate(row.contact_link):
         if k in row.by_law:
             forces.append(run.contact(k)[0])
         elif link < 0:
-            forces.append(None)  # between rigid bodies: it follows from their momenta
+            forces.append(None)  # a bond of rigid bodies: it follows from their momenta
         else:
             forces.append(run.bond_force(link))
 
-    def spent(body: int) -> Floats:
+    def momentum_rate(body: int) -> Floats:
         mass = float(row.system.bodies[body].mass)
         gained = np.diff(run.mass_velocity(row.mass_of[body]))
         return np.asarray(mass * gained / run.step)
@@ -28,11 +31,11 @@ def contact_forces(run: GridRun, left: Outside | None) -> list[Floats]:
     pushed: Floats = np.zeros(run.steps)
     if left is not None:
         pushed = left.push.values
-    return fill_bonds(row.system, forces, spent, pushed)
+    return fill_bonds(row.system, forces, momentum_rate, pushed)
 
 
 def outside_of(run: GridRun, side: int) -> Outside | None:
-    """What acts on the left or right end, in the laboratory, and its velocity."""
+    """Force and velocity of what acts on the left or right end, in the laboratory."""
     row = run.row
     link = (0, len(row.links) - 1)[side]
     kind, _ = row.outside[side]
