@@ -203,6 +203,8 @@ class Plane:
         middles = [(rod.left + rod.right) / 2 for rod in rods]
         centres = [middle / per_point for middle in middles]
         names = rod_labels(system, [rod.body for rod in rods], centres, size)
+        # matplotlib leaves out minor ticks at a major one, such as a rod's middle at 0.2
+        self.x_axis.remove_overlapping_locs = False
         if self.across:
             self.x_axis.set_ticks(
                 middles, labels=names, minor=True, rotation=90, va="center"

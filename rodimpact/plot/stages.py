@@ -20,7 +20,6 @@ from .labels import (
     rod_labels,
     spread_apart,
     text_width,
-    wrap_words,
 )
 from .layout import choose_layout
 from .moments import events_at, moments
@@ -255,7 +254,7 @@ def _name_rows(ax: Axes, solution: Solution, when: Floats) -> None:
     for row, t in enumerate(when.tolist()):
         events = []
         for line in events_at(solution, t).splitlines():
-            events.append(wrap_words(line, room, LETTERS))
+            events.append(break_label(line, room))
         ax.text(
             1.01,
             -row,

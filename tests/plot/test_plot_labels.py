@@ -106,6 +106,14 @@ def test_ten_rods_are_all_named_at_full_width_and_short_rods_too(solved):
             assert len([name for name in names if name]) == count
 
 
+@pytest.mark.parametrize("across", [False, True])
+def test_a_rod_whose_middle_is_at_a_tick_is_named(solved, across):
+    ax = plot.spacetime(solved["unequal"], coordinates="lab", across=across).ax
+    axis = ax.yaxis if across else ax.xaxis
+    assert axis.get_minorticklocs() == pytest.approx([0.2, 0.9])
+    assert 0.2 in axis.get_majorticklocs().round(9)
+
+
 def test_a_short_rod_is_named_in_films_and_snapshots(solved):
     film = plot.animation(solved["short"], frames=2)
     names = [t.get_text() for t in film.figure.axes[0].get_xminorticklabels()]
