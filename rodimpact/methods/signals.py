@@ -17,8 +17,8 @@ Floats: TypeAlias = NDArray[np.floating[Any]]
 Ints: TypeAlias = NDArray[np.int64]
 Side: TypeAlias = Literal["right", "left"]
 
-STRAIGHT = 5e-5  # of the range of a signal, where straight lines stand for it
-ROUND_OFF = 1e-12  # of the largest value, where a signal hardly varies
+LINE_RTOL = 5e-5  # error of straight lines that stand for a signal, over its range
+ROUND_OFF = 1e-12  # error of values over the largest one, where a signal hardly varies
 
 
 class Pieces:
@@ -62,9 +62,9 @@ class Pieces:
     @classmethod
     def lines(cls, ticks: ArrayLike, starts: Floats, stops: Floats, end: int) -> Pieces:
         """Straight lines from `starts` to `stops`, both [n]; other arguments as above."""
-        return cls(
-            ticks, np.stack(((starts + stops) / 2, (stops - starts) / 2), axis=1), end
-        )
+        means = (starts + stops) / 2
+        half_rises = (stops - starts) / 2
+        return cls(ticks, np.stack((means, half_rises), axis=1), end)
 
     @classmethod
     def through(cls, ticks: ArrayLike, values: Floats) -> Pieces:
@@ -82,7 +82,9 @@ class Pieces:
     @cached_property
     def breaks(self) -> Ints:
         """Ticks at which the polynomial changes, the end included; constants have no end."""
-        return self.ticks if self.size == 1 else each_once(self.ticks, [self.end])
+        if self.size == 1:
+            return self.ticks
+        return each_once(self.ticks, [self.end])
 
     @cached_property
     def widths(self) -> Ints:
@@ -97,9 +99,11 @@ class Pieces:
         """
         from numpy.polynomial.chebyshev import chebint
 
-        scale = np.diff(self.ticks, append=self.end)[:, None] / 2
-        each = np.asarray(chebint(self.coefficients, lbnd=-1, axis=1) * scale)
-        return each, np.concatenate(([0.0], np.cumsum(each[:-1].sum(axis=1))))
+        half_widths = np.diff(self.ticks, append=self.end)[:, None] / 2
+        integral = chebint(self.coefficients, lbnd=-1, axis=1)
+        of_pieces = np.asarray(integral * half_widths)
+        whole_pieces = of_pieces[:-1].sum(axis=1)  # all polynomials are 1 at y = 1
+        return of_pieces, np.concatenate(([0.0], np.cumsum(whole_pieces)))
 
     @cached_property
     def bends(self) -> Floats:
@@ -109,35 +113,31 @@ class Pieces:
 
     @cached_property
     def marks(self) -> Ints:
-        """Ticks between which straight lines follow the signal to `STRAIGHT` of its range.
+        """Ticks between which straight lines follow the signal to `LINE_RTOL` of its range.
 
         Just before each jump stands one of them. Constant pieces have their starts alone.
         """
         if self.size == 1:
             return self.ticks
-        middle, swing = (
-            self.coefficients[:, 0],
-            np.abs(self.coefficients[:, 1:]).sum(axis=1),
-        )
-        low, high = float((middle - swing).min()), float((middle + swing).max())
-        error = max(STRAIGHT * (high - low), ROUND_OFF * max(high, -low))
-        # a line over the n-th part of a piece is off by less than (2/n)^2/8 of its bend
-        parts = (
-            np.ceil(np.sqrt(self.bends / (2 * error)))
-            if error
-            else np.ones(len(middle))
-        )
+        middle = self.coefficients[:, 0]
+        swing = np.abs(self.coefficients[:, 1:]).sum(axis=1)
+        low = float((middle - swing).min())
+        high = float((middle + swing).max())
+        error = max(LINE_RTOL * (high - low), ROUND_OFF * max(high, -low))
+        parts = np.ones(len(middle))
+        if error > 0:
+            # a line over the n-th part of a piece is off by less than (2/n)^2/8 of its bend
+            parts = np.ceil(np.sqrt(self.bends / (2 * error)))
         counts = np.clip(parts, 1, self.widths).astype(np.int64)
-        place = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-        inside = (
-            np.repeat(self.ticks, counts)
-            + np.repeat(self.widths // counts, counts) * place
-        )
-        jumps = np.abs(self.values[1:] - self.at(self.ticks[1:], "left")) > error
-        starts = self.ticks[1:][jumps]
-        return each_once(
-            inside, starts - 1 - (starts >> 51), [self.end]
-        )  # floats tell them apart
+        firsts = np.cumsum(counts) - counts
+        index_in_piece = np.arange(counts.sum()) - np.repeat(firsts, counts)
+        part_widths = np.repeat(self.widths // counts, counts)
+        inside = np.repeat(self.ticks, counts) + part_widths * index_in_piece
+        later_starts = self.ticks[1:]
+        rises = self.values[1:] - self.at(later_starts, "left")
+        jumps = later_starts[np.abs(rises) > error]
+        before_jumps = jumps - 1 - (jumps >> 51)  # floats tell both ticks apart
+        return each_once(inside, before_jumps, [self.end])
 
     def piece(self, ticks: ArrayLike, side: Side = "right") -> Ints:
         """Index of the piece in which ticks lie."""
@@ -164,12 +164,13 @@ class Pieces:
 
         [n, share]; of constants [n, 1].
         """
-        starts, stops = np.asarray(starts), np.asarray(stops)
-        i = self.piece(starts + (stops - starts) // 2)
+        starts = np.asarray(starts)
+        lengths = np.asarray(stops) - starts
+        i = self.piece(starts + lengths // 2)
         if self.size == 1:
             return self.coefficients[i]
-        after = (starts - self.ticks[i])[:, None] + (stops - starts)[:, None] * shares
-        y = np.clip(after / self.widths[i][:, None] * 2 - 1, -1.0, 1.0)
+        since_start = (starts - self.ticks[i])[:, None] + lengths[:, None] * shares
+        y = np.clip(since_start / self.widths[i][:, None] * 2 - 1, -1.0, 1.0)
         return _polynomials(self.coefficients, i[:, None], y)
 
     def means(self, starts: ArrayLike, stops: ArrayLike) -> Floats:
@@ -182,15 +183,17 @@ class Pieces:
         return self._from_first(stop) - self._from_first(start)
 
     def _from_first(self, ticks: ArrayLike) -> Floats:
+        """Integral from the start of the first piece, value times ticks."""
         ticks = np.asarray(ticks)
-        i, (primitive, before) = self.piece(ticks), self._primitive
+        i = self.piece(ticks)
+        of_pieces, before = self._primitive
         if self.size == 1:
             return before[i] + self.values[i] * (ticks - self.ticks[i])
-        passed = _polynomials(primitive, i, self._own_time(i, ticks))
+        in_piece = _polynomials(of_pieces, i, self._own_time(i, ticks))
         outside = ticks - np.clip(ticks, self.ticks[0], self.end)
         if np.any(outside):
-            passed = passed + outside * self.at(ticks)
-        return before[i] + passed
+            in_piece = in_piece + outside * self.at(ticks)
+        return before[i] + in_piece
 
     def integrated_twice(self, stop: Any) -> Floats:
         """Integral of (stop - t) f(t) over t from 0 to `stop`, value times ticks squared."""
@@ -201,15 +204,19 @@ class Pieces:
 
     def breaks_in(self, start: int, stop: int) -> Ints:
         """Breaks strictly between `start` and `stop`."""
-        low, high = self.breaks.searchsorted([start, stop], "right")
-        return self.breaks[low : high - (high > low and self.breaks[high - 1] == stop)]
+        first = self.breaks.searchsorted(start, "right")
+        after_last = self.breaks.searchsorted(stop, "left")
+        return self.breaks[first:after_last]
 
     def within(self, start: int, stop: int) -> Pieces:
         """The pieces that make up the signal from `start` to `stop`."""
-        low, high = int(self.piece(start)), int(self.ticks.searchsorted(stop, "right"))
-        high = max(high, low + 1)
-        end = self.end if high == len(self.ticks) else int(self.ticks[high])
-        return Pieces(self.ticks[low:high], self.coefficients[low:high], end)
+        first = int(self.piece(start))
+        after_last = max(int(self.ticks.searchsorted(stop, "right")), first + 1)
+        end = self.end
+        if after_last < len(self.ticks):
+            end = int(self.ticks[after_last])
+        ticks = self.ticks[first:after_last]
+        return Pieces(ticks, self.coefficients[first:after_last], end)
 
     def plus(self, constant: float) -> Pieces:
         """The signal and a constant."""
@@ -218,23 +225,22 @@ class Pieces:
         return Pieces(self.ticks, coefficients, self.end)
 
     def __add__(self, other: Pieces) -> Pieces:
-        return self._with(other, np.add, max(self.size, other.size))
+        return self._combined(other, np.add, max(self.size, other.size))
 
     def __sub__(self, other: Pieces) -> Pieces:
-        return self._with(other, np.subtract, max(self.size, other.size))
+        return self._combined(other, np.subtract, max(self.size, other.size))
 
     def __mul__(self, other: Pieces) -> Pieces:
-        return self._with(other, np.multiply, self.size + other.size - 1)
+        return self._combined(other, np.multiply, self.size + other.size - 1)
 
-    def _with(self, other: Pieces, operation: Any, size: int) -> Pieces:
+    def _combined(self, other: Pieces, operation: Any, size: int) -> Pieces:
         """What an operation makes of two signals, in pieces of `size` coefficients."""
         starts = each_once(self.breaks, other.breaks)
         stops = np.append(starts[1:], starts[-1])
         shares, to_coefficients = _interpolation(size)
-        values = operation(
-            self.inside(starts, stops, shares), other.inside(starts, stops, shares)
-        )
-        return Pieces(starts, values @ to_coefficients)
+        own = self.inside(starts, stops, shares)
+        others = other.inside(starts, stops, shares)
+        return Pieces(starts, operation(own, others) @ to_coefficients)
 
     def times(self, factor: float) -> Pieces:
         """The signal times a factor."""
@@ -259,15 +265,19 @@ class Pieces:
         end : int
         """
         shares, to_coefficients = _interpolation(self.size)
-        values = self.inside(ticks, np.append(ticks[1:], end), shares)
+        stops = np.append(ticks[1:], end)
+        values = self.inside(ticks, stops, shares)
         return Pieces(ticks, values @ to_coefficients, end)
 
 
 def _polynomials(coefficients: Floats, i: Ints, y: Floats) -> Floats:
-    """Values of the polynomials i at y, which broadcast."""
-    before = last = np.zeros(())
-    for column in coefficients.T[:0:-1]:  # Clenshaw's recurrence
-        last, before = column[i] + 2 * y * last - before, last
+    """Values of the polynomials i at y, which broadcast, by Clenshaw's recurrence."""
+    before = np.zeros(())
+    last = np.zeros(())
+    for column in coefficients.T[:0:-1]:
+        following = column[i] + 2 * y * last - before
+        before = last
+        last = following
     value: Floats = coefficients[i, 0] + y * last - before
     return value
 
