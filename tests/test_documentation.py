@@ -179,12 +179,13 @@ def blocks(kind):
 @pytest.mark.parametrize("block", blocks("sh"))
 def test_commands_of_the_manual_take_their_options(block, monkeypatch):
     from rodimpact.cli import main
+    from rodimpact.cli.exit_status import CommandResult
 
     for line in block.replace("\\\n", " ").splitlines():
         program, *arguments = shlex.split(line.partition(">")[0], comments=True) or [""]
         if program == "rodimpact":
             command = importlib.import_module(f"rodimpact.cli.{arguments[0]}")
-            monkeypatch.setattr(command, "run", lambda given: ("", 0))
+            monkeypatch.setattr(command, "run", lambda given: CommandResult("", 0))
             assert main(arguments) == 0
 
 
