@@ -1,4 +1,4 @@
-"""Collisions of elastic rods: exact waves, unilateral contact, and the restitution that follows.
+"""Collisions of elastic rods: exact waves, unilateral contact, and restitution.
 
 >>> import rodimpact as ri
 >>> left = ri.Rod(length=0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
@@ -11,11 +11,13 @@ from importlib import import_module
 
 from .version import __version__ as __version__
 
-with open(f"{__path__[0]}/__init__.pyi", encoding="utf-8") as _names:
-    _HOME = {
-        line[3]: line[1] for line in map(str.split, _names) if line[:1] == ["from"]
-    }
-"""Module of each public name, from the lines ``from .model.bodies import Rod as Rod``."""
+_HOME: dict[str, str] = {}
+"""Module of each public name: lines ``from .model.bodies import Rod as Rod`` say it."""
+with open(f"{__path__[0]}/__init__.pyi", encoding="utf-8") as _stub:
+    for _line in _stub:
+        _words = _line.split()
+        if _words[:1] == ["from"]:
+            _HOME[_words[3]] = _words[1]
 
 __all__ = sorted(_HOME)
 

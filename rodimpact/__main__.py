@@ -7,7 +7,7 @@ INTERRUPTED = 130  # exit status after Ctrl-C, as shells have it
 
 
 def main() -> int:
-    """Run the command; after Ctrl-C, end at once, without waiting for threads that compute."""
+    """Run the command; after Ctrl-C, end at once, without waiting for threads."""
     try:
         from . import cli
     except KeyboardInterrupt:

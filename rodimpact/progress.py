@@ -5,11 +5,11 @@ A call that may take long says how far it is::
     with Progress(progress, "sweep", "collisions") as report:
         report(done, total)
 
-Only the outermost of such calls has a bar: a fit that runs sweeps shows one bar, not many.
-A call inside another of the same name goes on with the bar of that one.
-The bar appears after two seconds, on a terminal or in a notebook, and never in worker
-threads or worker processes. tqdm is imported when the bar appears, as it takes longer to
-import than most calls take. Messages and warnings stand above the bar.
+Only the outermost of such calls has a bar: a fit that runs sweeps shows one bar, not
+many. A call inside another of the same name goes on with the bar of that one. The bar
+appears after two seconds, on a terminal or in a notebook, and never in worker threads
+or worker processes. tqdm is imported when the bar appears, as it takes longer to import
+than most calls take. Messages and warnings stand above the bar.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ NOTEBOOK_KERNELS = ("ipykernel.zmqshell", "IPython.utils._process_emscripten")
 ProgressFunction = Callable[[int, int | None], object]
 """Called with the work that is done and all of it, None where that is not known."""
 Report = Callable[[int, int | None], None]
-"""What a long call tells: the work that is done and all of it."""
+"""Function that a long call calls with the work that is done and all of it."""
 
 
 def no_report(done: int, total: int | None) -> None:
@@ -44,7 +44,7 @@ def no_report(done: int, total: int | None) -> None:
 
 
 def check_progress(problems: list[tuple[str, str]], value: object) -> None:
-    """Note what cannot be the argument `progress`."""
+    """Note a value that cannot be the argument `progress`."""
     if not isinstance(value, bool) and not callable(value):
         wanted = "must be True, False or a function of (done, total)"
         problems.append(("progress", f"{wanted}, got {shown(value)}"))
@@ -72,7 +72,7 @@ class Progress:
         self._bar: Any = None
         self._showwarning: Any = None  # that of `warnings` without the bar
         self._began = math.inf  # s, time.time()
-        self._done_before: int | None = None  # of the first report: from a checkpoint
+        self._done_before: int | None = None  # first report: work of a checkpoint
 
     def __enter__(self) -> Report:
         global _outermost
@@ -147,7 +147,7 @@ class Progress:
             bar.initial = 0
         if total != bar.total:
             bar.total = total
-            if total and hasattr(bar, "container"):  # in a notebook
+            if total and hasattr(bar, "container"):  # the bar of a notebook
                 bar.container.children[1].max = total
         bar.unit_scale = max(done, total or 0) >= MANY
         bar.update(done - bar.n)
@@ -171,7 +171,7 @@ class Progress:
 
 
 _outermost: Progress | None = None
-"""The call whose progress is shown: only the main thread of the main process has one."""
+"""Call whose progress is shown; only the main thread of the main process has one."""
 
 
 def write_message(sentence: str) -> None:

@@ -84,7 +84,7 @@ UNITS: dict[str, dict[str, str]] = {
     },
     "inverse velocity": {"s/m": "1", "s/cm": "1e2", "s/mm": "1e3"},
 }
-"""For each dimension its units, each with its value in the SI unit, exactly."""
+"""Units of each dimension, each with its exact value in the SI unit."""
 
 DIMENSION: dict[str, str] = {}
 """Dimension of each unit."""
@@ -214,7 +214,7 @@ def _fraction(text: str, units: dict[str, str]) -> Fraction:
 class Conversion(NamedTuple):
     """Conversion of a unit to the SI."""
 
-    unit: str  # of the SI
+    unit: str  # SI unit
     factor: Fraction  # value of one unit in the SI unit
 
 
@@ -348,7 +348,7 @@ def shown(value: Any) -> str:
     """
     try:
         return one_line(_SHORT.repr(value))
-    except Exception:  # in the value's own repr, or an integer of too many digits
+    except Exception:  # the value's own repr fails, or an integer has too many digits
         return f"a value of type {one_line(type(value).__name__)}"
 
 

@@ -1,4 +1,4 @@
-"""A case as the page takes it: the tables of a case file, with its gauges."""
+"""Tables of a case for the page: those of its case file, with its gauges."""
 
 import math
 import tomllib
@@ -10,37 +10,50 @@ from ..model import Rod
 from ..model.frozen import InvalidModel
 from ..storage.casefile import Case, GaugePlace, write_case
 
-LIBRARY = {
-    name: {key: v for key, v in m.to_dict().items() if key != "name" and v is not None}
-    for name, m in materials.TABLE.items()
-}
+
+def _library() -> dict[str, dict[str, Any]]:
+    """Tables of the materials of this package, by name."""
+    library = {}
+    for name, material in materials.TABLE.items():
+        table = material.to_dict()
+        del table["name"]
+        library[name] = {key: v for key, v in table.items() if v is not None}
+    return library
+
+
+LIBRARY = _library()
 """Materials that a case may name."""
 
 
 def with_gauges(case: Case) -> Case:
-    """A case; one without gauges gets one in the middle of its last rod."""
+    """A case with gauges: without any it gets one in the middle of its last rod."""
     rods = [i for i, body in enumerate(case.system.bodies) if isinstance(body, Rod)]
     if not rods:
         raise InvalidModel([("bodies", "needs at least one rod")])
-    return replace(case, gauges=case.gauges or (GaugePlace(rods[-1], 0.5),))
+    if case.gauges:
+        return case
+    return replace(case, gauges=(GaugePlace(rods[-1], 0.5),))
 
 
 def tables_of(case: Case) -> dict[str, Any]:
-    """The ``case`` in the terms of a case file, with materials of the library by name; ``gauges``.
+    """Tables of a case file, so that mistakes on the page have the path of their field.
 
-    Mistakes that the page finds then have the path of their field.
+    Returns
+    -------
+    dict
+        The tables of the ``case``, which name materials of the library, and the
+        ``gauges``.
     """
     tables = tomllib.loads(write_case(case))
     tables.pop("output", None)
-    own = {
-        name: entry
-        for name, entry in tables.pop("materials", {}).items()
-        if entry != LIBRARY.get(name)
-    }
-    if own:
-        tables["materials"] = own
-    for rod in tables["bodies"]:  # the page knows round rods by their areas
-        for piece in rod.get("segments", [rod]):
-            if "diameter" in piece:
-                piece["area"] = math.pi * piece["diameter"] * piece.pop("diameter") / 4
-    return {"gauges": tables.pop("gauges", []), "case": tables}
+    all_materials = tables.pop("materials", {})
+    new = {name: m for name, m in all_materials.items() if m != LIBRARY.get(name)}
+    if new:
+        tables["materials"] = new
+    for body in tables["bodies"]:
+        for segment in body.get("segments", [body]):
+            if "diameter" in segment:  # the page has round rods by their areas
+                diameter = segment.pop("diameter")
+                segment["area"] = math.pi * diameter * diameter / 4
+    gauges = tables.pop("gauges", [])
+    return {"gauges": gauges, "case": tables}

@@ -111,7 +111,7 @@ CALLS: dict[Any, str] = {
     math.gcd: "py.gcd",
     math.frexp: "py.frexp",
     math.isfinite: "Number.isFinite",
-    # of single numbers
+    # NumPy's functions have single numbers as arguments
     np.where: "py.where",
     np.minimum: "py.min",
     np.maximum: "py.max",
@@ -208,7 +208,7 @@ class _Program:
         self.calls = calls  # JavaScript of functions that are not translated
         self.functions: list[FunctionType] = []
         self.tables: list[str] = []  # statements that declare tables
-        self._names: dict[int, str] = {}  # by the id of the object
+        self._names: dict[int, str] = {}  # names by the id of the object
 
     def name(self, value: Any, name: str, module: str) -> str:
         """Name in JavaScript of a function, a list of a module, or an empty record.
@@ -280,7 +280,7 @@ class _Translator(ast.NodeVisitor):
         self.line = getattr(node, "lineno", self.line)
         try:
             return str(super().visit(node))
-        except KeyError as missing:  # in one of the tables above
+        except KeyError as missing:  # one of the tables above lacks it
             location = f"{inspect.getsourcefile(self.function)}:{self.line}"
             message = f"{location}: {missing.args[0]} is not translated to JavaScript"
             raise Untranslatable(message) from None

@@ -56,7 +56,7 @@ def grids_of(run: Any) -> Any:
     grids = no_cells()
     for i, body in enumerate(row.system.bodies):
         left = 0.0
-        initial_displacement = 0.0  # of the segment's left end, by the initial strain
+        initial_displacement = 0.0  # the left end's, by the initial strain
         for j, segment in enumerate(body.segments):
             s = row.spans[i][0] - 1 + j
             n_cells = across_of(row.system, segment)
@@ -192,7 +192,8 @@ def gauge_curve(run: Any, s: int, x: float) -> Any:
     """
     segment = run["row"].segments[s]
     T = run["transits"][s]
-    delay = max(0, min(T, round(x / segment.length * T)))  # of the right-going wave
+    # The right-going wave needs this delay, the left-going one the rest of the transit.
+    delay = max(0, min(T, round(x / segment.length * T)))
     factor = 0.5 / segment.wave_speed
     right_going = run["waves"][2 * s]
     left_going = run["waves"][2 * s + 1]
@@ -252,7 +253,7 @@ def energies_at(run: Any, now: float) -> list[float]:
     row = run["row"]
     frame = run["frame"]
     momenta = []
-    energy = 0.0  # of all bodies
+    energy = 0.0  # kinetic and strain energy of all bodies
     for i, body in enumerate(row.system.bodies):
         momentum = body.mass * frame
         for s in range(row.spans[i][0] - 1, row.spans[i][1]):
@@ -297,7 +298,7 @@ def strain_energy(run: Any, now: float) -> float:
         T = run["transits"][s]
         right_going = run["waves"][2 * s]
         left_going = run["waves"][2 * s + 1]
-        delays = jump_delays(run, s, now)  # of the right-going wave
+        delays = jump_delays(run, s, now)
         for i in range(len(delays) - 1):
             width = delays[i + 1] - delays[i]
             count = 1

@@ -1,7 +1,10 @@
-"""The page in a notebook that gives its case back; needs the extra `notebook`, which is anywidget.
+"""The page in a notebook, which gives its case back; it needs the extra `notebook`.
 
-The page posts the case file of its sliders to the frame around it. There `page/notebook.js` takes
-it and hands it to the kernel. The page still asks no network for anything.
+The extra is anywidget.
+
+The page posts the case file of its sliders to the frame around it. There
+`page/notebook.js` takes it and hands it to the kernel. The page still asks no network
+for anything.
 """
 
 from typing import Any
@@ -13,7 +16,7 @@ from .page_files import read
 
 
 class PageWidget(anywidget.AnyWidget):
-    """A page, and the case file of what its sliders say."""
+    """A page, and the case file of its sliders."""
 
     _esm = read("notebook.js")
     page: Any = traitlets.Unicode().tag(sync=True)

@@ -1,4 +1,4 @@
-"""The files of the page, put together in one that opens from disk."""
+"""Files of the page, put together in one file that opens from disk."""
 
 import base64
 import hashlib
@@ -34,34 +34,35 @@ SCRIPTS = (
     "address.js",
     "main.js",
 )
-LOADER = "loader.js"  # unpacks the others
+"""Scripts of the page, in the order of their use."""
+LOADER = "loader.js"
+"""Script that unpacks the others."""
 
 
 def read(name: str) -> str:
-    """Text of a file of the page; the kernels are translated as they are now."""
+    """Text of a file of the page; the kernels are translated now."""
     if name == "kernels.js":
         return script()
-    return (
-        resources.files(__package__).joinpath("page", name).read_text(encoding="utf-8")
-    )
+    file = resources.files(__package__).joinpath("page", name)
+    return file.read_text(encoding="utf-8")
 
 
 def lean(text: str) -> str:
-    """A script or a style without indentation, and without comments on lines of their own."""
+    """A script or a style without indentation and without lines of comments."""
     return re.sub(
         r"^(\s+|\s*//.*\n|\s*/\*\*(.|\n)*?\*/\n)", "", text, flags=re.MULTILINE
     )
 
 
 def standalone(embedded: Mapping[str, Any], title: str) -> str:
-    """The page with all that it needs inside, in one file that asks nobody for anything.
+    """The page in one file, which asks no network for anything.
 
     Parameters
     ----------
     embedded : dict
-        What the page begins with.
+        Data with which the page begins.
     title : str
-        Of the window.
+        Title of the window.
 
     Returns
     -------
@@ -69,7 +70,8 @@ def standalone(embedded: Mapping[str, Any], title: str) -> str:
         HTML.
     """
     style = lean(read("page.css"))
-    loader, script = lean(read(LOADER)), lean("\n".join(map(read, SCRIPTS)))
+    loader = lean(read(LOADER))
+    script = lean("\n".join(map(read, SCRIPTS)))
     policy = "; ".join(
         [
             "default-src 'none'",
@@ -106,7 +108,6 @@ def packed(text: str) -> str:
 
 
 def _digest(text: str) -> str:
-    """What a policy calls a script or style of this text."""
-    return (
-        f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
-    )
+    """Name of a script or style of this text in a content security policy."""
+    digest = hashlib.sha256(text.encode()).digest()
+    return f"'sha256-{base64.b64encode(digest).decode()}'"

@@ -7,81 +7,78 @@ from ..model import System
 from ..model.bodies import Material, Rod, Wall
 from ..storage.casefile import Case, GaugePlace
 
-AREA = 1e-4  # m^2, of the rods of the box
+AREA = 1e-4
+"""Cross-sectional area of the rods of the box, m^2."""
+HALF_SPEED_METAL = Material("half-speed metal", youngs_modulus=50e9, density=7850.0)
+"""Material with half the bar speed of steel."""
 
 
 class Preset(NamedTuple):
-    """A collision to begin with: its key, its name, what it shows, and its case."""
+    """A collision to begin with."""
 
-    key: str
+    key: str  # name in addresses
     title: str
-    remark: str
+    remark: str  # what the collision shows
     case: Case
 
 
 def presets() -> list[Preset]:
     """The collisions of the textbook's box 10.4, and three more."""
-    half_speed = Material(
-        "half-speed metal", youngs_modulus=50e9, density=7850.0
-    )  # of steel's
-    rows: list[
-        tuple[str, str, str, list[Rod | Wall], list[int]]
-    ] = [  # and rods with gauges
-        (
+    return [
+        Preset(
             "identical",
             "Identical rods",
             "They swap velocities: e = 1, and nothing is left to vibrate.",
-            [steel_rod(1.0, 1.0), steel_rod(1.0)],
-            [1],
+            case_of([steel_rod(1.0, 1.0), steel_rod(1.0)], gauges=[1]),
         ),
-        (
+        Preset(
             "wall",
             "A rod on a rigid wall",
-            "The wave runs to the free end and back; the rod leaves as fast as it came.",
-            [steel_rod(1.0, 1.0), Wall()],
-            [0],
+            "The wave runs to the free end and back; the rod leaves as fast as it "
+            "came.",
+            case_of([steel_rod(1.0, 1.0), Wall()], gauges=[0]),
         ),
-        (
+        Preset(
             "unequal",
             "Rods of different length",
             "The short rod stops dead, the long one keeps vibrating: e = l₁/l₂.",
-            [steel_rod(0.4, 1.0), steel_rod(1.0)],
-            [1],
+            case_of([steel_rod(0.4, 1.0), steel_rod(1.0)], gauges=[1]),
         ),
-        (
+        Preset(
             "equal-transits",
             "Equal transit times",
-            "Waves take equally long in both, so e = 1, whatever lengths and impedances are.",
-            [steel_rod(1.0, 1.0), Rod(0.5, area=3 * AREA, material=half_speed)],
-            [1],
+            "Waves take equally long in both, so e = 1, whatever lengths and "
+            "impedances are.",
+            case_of(
+                [
+                    steel_rod(1.0, 1.0),
+                    Rod(0.5, area=3 * AREA, material=HALF_SPEED_METAL),
+                ],
+                gauges=[1],
+            ),
         ),
-        (
+        Preset(
             "hopkinson",
             "Hopkinson bar",
-            "A striker sends a pulse twice its length through the incident and the transmission "
-            "bar, past a gauge on each.",
-            [steel_rod(0.2, 10.0), steel_rod(1.0), steel_rod(1.0)],
-            [1, 2],
+            "A striker sends a pulse twice its length through the incident and the "
+            "transmission bar, past a gauge on each.",
+            case_of(
+                [steel_rod(0.2, 10.0), steel_rod(1.0), steel_rod(1.0)], gauges=[1, 2]
+            ),
         ),
-        (
+        Preset(
             "chain",
             "Chain of five",
             "Equal rods hand the velocity on; the last one leaves with all of it.",
-            [steel_rod(0.2, 1.0), *(steel_rod(0.2) for _ in range(4))],
-            [2],
+            case_of([steel_rod(0.2, 1.0), *[steel_rod(0.2)] * 4], gauges=[2]),
         ),
     ]
-    return [
-        Preset(
-            key,
-            title,
-            remark,
-            Case(
-                System(bodies), gauges=tuple(GaugePlace(body, 0.5) for body in gauges)
-            ),
-        )
-        for key, title, remark, bodies, gauges in rows
-    ]
+
+
+def case_of(bodies: list[Rod | Wall], gauges: list[int]) -> Case:
+    """Case with a gauge in the middle of some rods."""
+    places = tuple(GaugePlace(body, 0.5) for body in gauges)
+    return Case(System(bodies), gauges=places)
 
 
 def steel_rod(length: float, velocity: float = 0.0) -> Rod:

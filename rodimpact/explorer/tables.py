@@ -1,4 +1,4 @@
-"""From the tables of a case to a system, for the page, which has this as JavaScript.
+"""Tables of a case, and the system that the page makes of them, as JavaScript.
 
 `lacking` names the first physics that the page cannot solve, `mistakes` lists the
 mistakes of a case in the words of the model (`RULES` are the rules of its fields), and
@@ -427,7 +427,7 @@ class PageEnd(NamedTuple):
     """Boundary condition at an end of the row."""
 
     kind: str
-    value: Any  # of a driven end: a number or steps
+    value: Any  # a number or steps of a driven end; else 0
 
 
 class PageSystem(NamedTuple):

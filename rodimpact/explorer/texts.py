@@ -1,4 +1,4 @@
-"""Names and quantities in sentences. Plain Python, which the page has as JavaScript."""
+"""Names and quantities in sentences. The page has these functions as JavaScript."""
 
 import math
 
@@ -7,7 +7,9 @@ from ..units import format_si
 
 def name_of(kind: str, number: str) -> str:
     """The name of a body in a sentence."""
-    return "the wall" if number == "wall" else f"{kind} {number}"
+    if number == "wall":
+        return "the wall"
+    return f"{kind} {number}"
 
 
 def capital(word: str) -> str:
@@ -18,13 +20,16 @@ def capital(word: str) -> str:
 def written(value: float, unit: str, digits: int) -> str:
     """A quantity for people, with a µ."""
     number, _, prefixed = format_si(value, unit, digits).partition(" ")
-    return f"{number} {'µ' + prefixed[1:] if prefixed.startswith('u') else prefixed}".strip()
+    if prefixed.startswith("u"):
+        prefixed = f"µ{prefixed[1:]}"
+    return f"{number} {prefixed}".strip()
 
 
 def stated(text: str, value: float, digits: int, error: float, unit: str) -> str:
-    """The text of a value of so many digits, with its error if that is above half of the last."""
-    if value == 0 or not error > 0.5 * 10.0 ** (
-        math.floor(math.log10(abs(value))) + 1 - digits
-    ):
+    """Text of a value with its error, if this is above half of the last digit."""
+    if value == 0:
         return text
-    return f"{text} ± {written(error, unit, 1)}"
+    last_digit = math.floor(math.log10(abs(value))) + 1 - digits
+    if error > 0.5 * 10.0**last_digit:
+        return f"{text} ± {written(error, unit, 1)}"
+    return text

@@ -1,20 +1,24 @@
 """Grids of points over place and time, for solutions that have no fronts.
 
-One grid a segment. Between its points displacement is linear, so the cells cut at time t are the
-rods at time t; each has the mean state that its corners' displacements imply. Grids are a table of
-lists: the ``body`` of each, its cells ``across``, and where in ``x`` (m), ``t`` (s) and
-``displacement`` (m) of the points it has its ``start``; ``velocity`` (m/s), ``strain`` and
-``stress`` (Pa) of the cells. Row after row, upwards in time. Plain Python, which the page has as
+Each segment has a grid. Between its points the displacement is linear, so that the
+cells cut at time t are the rods at time t; each cell has the mean state of its corners'
+displacements. Grids are a dictionary of lists. For each grid it has the ``body``, the
+number of cells ``across``, and the ``start`` of its points in ``x`` (m), ``t`` (s) and
+``displacement`` (m). For each cell it has ``velocity`` (m/s), ``strain`` and ``stress``
+(Pa). Cells and points are in rows, from t = 0 on. The page has these functions as
 JavaScript.
 """
 
 from typing import Any
 
-CELLS, ROWS = 2000, 50  # in all, about, and one above the other
+CELLS = 2000
+"""Number of cells of all grids, about."""
+ROWS = 50
+"""Number of cells over the time."""
 
 
 def no_cells() -> Any:
-    """A grid to begin with."""
+    """Grids without any cell."""
     return {
         "start": [0],
         "body": [],
@@ -29,48 +33,58 @@ def no_cells() -> Any:
 
 
 def across_of(system: Any, piece: Any) -> int:
-    """How many cells a segment has beside each other: cells are of about equal width."""
-    total = sum(
-        one.length
-        for body in system.bodies
-        if body.kind == "rod"
-        for one in body.segments
-    )
-    across: int = round(CELLS / ROWS * piece.length / total)
+    """Number of cells along a segment; all cells have about the same width."""
+    length = 0.0
+    for body in system.bodies:
+        if body.kind == "rod":
+            for segment in body.segments:
+                length += segment.length
+    across: int = round(CELLS / ROWS * piece.length / length)
     return max(1, across)
 
 
 def add_cells(
-    found: Any, body: int, piece: Any, left: float, end: float, rows: Any
+    grids: Any, body: int, segment: Any, left: float, end: float, rows: Any
 ) -> None:
     """Add the grid of a segment of a body.
 
     Parameters
     ----------
-    found : dict
+    grids : dict
     body : int
-    piece : Segment
+    segment : Segment
     left : float
-        Where its left end is in the body, m.
+        Distance of the segment's left end from that of the body, m.
     end : float
         Last time, s.
     rows : list of list of float
-        Displacements, m, at even places, at even times from 0 on.
+        Displacements, m, at places at equal distances, at equal steps of time from 0
+        on.
     """
-    L, across, step = piece.length, len(rows[0]) - 1, end / (len(rows) - 1)
-    for j, here in enumerate(rows):
-        found["x"].extend([left + L * k / across for k in range(across + 1)])
-        found["t"].extend([end * j / (len(rows) - 1) for _ in here])
-        found["displacement"].extend(here)
-        before = rows[max(0, j - 1)]
-        for k in range(across if j > 0 else 0):
-            strain = (
-                (here[k + 1] - here[k] + before[k + 1] - before[k]) / 2 * across / L
-            )
-            rise = here[k] + here[k + 1] - before[k] - before[k + 1]
-            found["velocity"].append(rise / 2 / step)
-            found["strain"].append(strain)
-            found["stress"].append(strain * piece.material.youngs_modulus)
-    found["body"].append(body)
-    found["across"].append(across)
-    found["start"].append(len(found["x"]))
+    L = segment.length
+    across = len(rows[0]) - 1
+    n_steps = len(rows) - 1
+    for j, displacements in enumerate(rows):
+        for k in range(across + 1):
+            grids["x"].append(left + L * k / across)
+            grids["t"].append(end * j / n_steps)
+        grids["displacement"].extend(displacements)
+        if j > 0:
+            add_row_of_cells(grids, segment, rows[j - 1], displacements, end / n_steps)
+    grids["body"].append(body)
+    grids["across"].append(across)
+    grids["start"].append(len(grids["x"]))
+
+
+def add_row_of_cells(
+    grids: Any, segment: Any, before: list[float], now: list[float], step: float
+) -> None:
+    """Add the mean states of the cells between two rows of displacements, s apart."""
+    across = len(now) - 1
+    for k in range(across):
+        stretch = (now[k + 1] - now[k] + before[k + 1] - before[k]) / 2
+        strain = stretch * across / segment.length
+        rise = now[k] + now[k + 1] - before[k] - before[k + 1]
+        grids["velocity"].append(rise / 2 / step)
+        grids["strain"].append(strain)
+        grids["stress"].append(strain * segment.material.youngs_modulus)

@@ -260,7 +260,7 @@ def quantity(unit: str = "", sign: str = "any", label: str = "", **more: Any) ->
 
 
 class TypedAttribute(Generic[Held, Given]):
-    """To type checkers, the type of an attribute and that of its argument."""
+    """Types of an attribute and of its argument, for type checkers."""
 
     if TYPE_CHECKING:
 
