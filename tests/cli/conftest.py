@@ -32,8 +32,8 @@ def refuses(capsys):
 
 
 @pytest.fixture
-def told(capsys):
-    """What a call prints that ends with this status."""
+def output_of(capsys):
+    """Function that runs a call, checks its exit status, and returns what it prints."""
 
     def call(*argv, status=0):
         capsys.readouterr()

@@ -49,26 +49,26 @@ def test_version_and_help_need_no_numpy():
         "import sys; from rodimpact.cli import main; main([{!r}]);"
         "assert not {{'numpy', 'numba', 'matplotlib'}} & set(sys.modules)"
     )
-    for option, said in (
+    for option, sentence in (
         ("--version", f"rodimpact {ri.__version__}\n"),
         ("--help", "usage: "),
     ):
         done = python("-c", code.format(option))
         assert (done.returncode, done.stderr) == (0, "")
-        assert done.stdout.startswith(said)
+        assert done.stdout.startswith(sentence)
 
 
-def test_help_lists_exit_statuses_and_commands_with_their_own_help(told):
-    text = told("--help")
+def test_help_lists_exit_statuses_and_commands_with_their_own_help(output_of):
+    text = output_of("--help")
     statuses = re.findall(r"^  (\d+)  ", text.partition("exit status:")[2], re.M)
     assert [int(status) for status in statuses] == [0, 1, 2, 3, 4, 130]
     for command in COMMANDS:
         assert f"\n  {command} " in text
-        assert f"usage: rodimpact {command}" in told(command, "--help")
+        assert f"usage: rodimpact {command}" in output_of(command, "--help")
 
 
 @pytest.mark.parametrize(
-    ("argv", "said"),
+    ("argv", "sentence"),
     [
         ([], "unknown command ''; choose one of box, run"),
         (["verfy"], "unknown command 'verfy'; perhaps verify is meant"),
@@ -89,8 +89,8 @@ def test_help_lists_exit_statuses_and_commands_with_their_own_help(told):
         ),
     ],
 )
-def test_a_wrong_call_ends_with_2_and_says_what_is_meant(argv, said, refuses):
-    refuses(argv, said)
+def test_a_wrong_call_ends_with_2_and_says_what_is_meant(argv, sentence, refuses):
+    refuses(argv, sentence)
 
 
 def test_an_internal_fault_ends_with_1_and_shows_where(monkeypatch, capsys):
@@ -183,7 +183,7 @@ def test_a_deleted_working_directory_is_named(case, tmp_path):
     ("argv", "status"), [(["run", "missing.toml"], 2), (["materials"], 0)]
 )
 def test_nothing_but_results_goes_to_standard_output_when_stderr_is_closed(
-    told, argv, status
+    output_of, argv, status
 ):
     closed = [
         "sh",
@@ -198,7 +198,7 @@ def test_nothing_but_results_goes_to_standard_output_when_stderr_is_closed(
     done = subprocess.run(
         closed, env=ENVIRONMENT, stdout=subprocess.PIPE, text=True, check=False
     )
-    expected = told(*argv, status=status)
+    expected = output_of(*argv, status=status)
     assert (done.returncode, done.stdout) == (status, expected)
     assert bool(expected) == (status == 0)
 
@@ -262,7 +262,7 @@ def test_a_run_of_no_time_prints_its_table_and_tells_why_it_draws_nothing(
 
 
 @pytest.mark.parametrize(
-    ("command", "said"),
+    ("command", "sentence"),
     [
         (["export", "-o", "a.html"], "lasts no time to show"),
         (["animate", "-o", "a.gif"], "there is nothing to draw"),
@@ -276,16 +276,16 @@ def test_a_run_of_no_time_prints_its_table_and_tells_why_it_draws_nothing(
     ],
 )
 def test_a_run_of_no_time_is_no_page_and_no_film(
-    case, refuses, command, said, change, remedy
+    case, refuses, command, sentence, change, remedy
 ):
     case.write_text(CASE + change)
-    error = refuses([command[0], "case.toml", *command[1:]], said, remedy)
+    error = refuses([command[0], "case.toml", *command[1:]], sentence, remedy)
     assert "--until" not in error
     assert [path.name for path in case.parent.iterdir()] == ["case.toml"]
 
 
 @pytest.mark.parametrize(
-    ("argv", "said"),
+    ("argv", "sentence"),
     [
         (
             ["--save", "a.png", "--plot", "./a.png"],
@@ -295,17 +295,17 @@ def test_a_run_of_no_time_is_no_page_and_no_film(
         (["--plot", "a.xyz"], "--plot: must end in one of .png, .svg"),
     ],
 )
-def test_outputs_are_checked_before_solving(case, refuses, monkeypatch, argv, said):
+def test_outputs_are_checked_before_solving(case, refuses, monkeypatch, argv, sentence):
     monkeypatch.setattr(
         "rodimpact.cli.run.solve", lambda *_, **__: pytest.fail("solved")
     )
     Path("there.toml").write_text("precious")
-    refuses(["run", str(case), *argv], said)
+    refuses(["run", str(case), *argv], sentence)
     assert {path.name for path in case.parent.iterdir()} == {"case.toml", "there.toml"}
 
 
 @pytest.mark.parametrize(
-    ("argv", "said"),
+    ("argv", "sentence"),
     [
         (["-o", "film.avi"], "--output: must end in one of .gif, .mp4, got 'film.avi'"),
         (
@@ -322,8 +322,8 @@ def test_outputs_are_checked_before_solving(case, refuses, monkeypatch, argv, sa
         ([], "required: -o/--output"),
     ],
 )
-def test_a_film_that_cannot_be_made_is_refused(case, refuses, argv, said):
-    refuses(["animate", "case.toml", *argv], said)
+def test_a_film_that_cannot_be_made_is_refused(case, refuses, argv, sentence):
+    refuses(["animate", "case.toml", *argv], sentence)
     assert [path.name for path in case.parent.iterdir()] == ["case.toml"]
 
 
@@ -381,8 +381,8 @@ def test_run_prints_the_table(case, capsys):
     assert err == ""  # notes are for terminals
 
 
-def test_run_prints_json_in_full_precision(case, told):
-    data = json.loads(told("run", str(case), "--json"))
+def test_run_prints_json_in_full_precision(case, output_of):
+    data = json.loads(output_of("run", str(case), "--json"))
     expected = ri.collide(
         ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0),
         ri.Rod(1.0, area=1e-4, material=ri.materials.steel),
@@ -420,28 +420,34 @@ def test_notes_go_to_a_terminal(case, capsys, monkeypatch):
     assert "wrote" not in out
 
 
-def test_options_overrule_the_case(case, told):
+def test_options_overrule_the_case(case, output_of):
     case.write_text(CASE + '[solve]\nuntil = "0.1 ms"\n[output]\nsave = "b.toml"\n')
-    text = told("run", str(case), "--json", "--until", "200 us", "--save", "c.toml")
+    text = output_of(
+        "run", str(case), "--json", "--until", "200 us", "--save", "c.toml"
+    )
     assert json.loads(text)["t_end"] == 2e-4
     assert Path("c.toml").exists()
     assert not Path("b.toml").exists()
 
 
-def test_a_run_that_stops_early_ends_with_3_and_still_reports_and_saves(case, told):
+def test_a_run_that_stops_early_ends_with_3_and_still_reports_and_saves(
+    case, output_of
+):
     case.write_text(f"{ENDLESS}solve.max_events = 40\n")
-    out = told("run", "case.toml", "--max-events", "50", "--save", "a.toml", status=3)
+    out = output_of(
+        "run", "case.toml", "--max-events", "50", "--save", "a.toml", status=3
+    )
     assert "velocity at the end" in out
     assert "Raise --max-events" in out
     assert ri.load("a.toml").stopped_by == "max_events"
-    out = told("animate", "case.toml", "-o", "a.gif", "--frames", "2", status=3)
+    out = output_of("animate", "case.toml", "-o", "a.gif", "--frames", "2", status=3)
     assert "cap of 40 events" in out
     assert Path("a.gif").exists()
 
 
-def test_a_page_of_a_run_that_stops_early_says_so_itself(case, told):
+def test_a_page_of_a_run_that_stops_early_says_so_itself(case, output_of):
     case.write_text(f"{ENDLESS}solve.max_events = 40\n")
-    told("export", "case.toml", "-o", "a.html")
+    output_of("export", "case.toml", "-o", "a.html")
     sent = tables_of(with_gauges(ri.read_case(case)))
     notes = scene_of(sent["case"], sent["gauges"], LIBRARY)["notes"]
     assert "cap of 40 events" in notes[0]
@@ -455,15 +461,18 @@ def test_an_existing_file_needs_force_and_is_left_alone(case, refuses):
     assert ri.load("a.toml").final
 
 
-def test_a_saved_solution_is_a_case_with_its_gauges(case, told, capsys):
+def test_a_saved_solution_is_a_case_with_its_gauges(case, output_of, capsys):
     case.write_text(CASE + "[[gauges]]\nbody = 1\nfraction = 0.5\n")
-    table = told("run", str(case), "--save", "run.toml")
+    table = output_of("run", str(case), "--save", "run.toml")
     saved = ri.read_case("run.toml")
     assert saved.gauges == ri.read_case(case).gauges
-    assert told("run", "run.toml") == table
-    assert told("run", "run.toml", "--save", "again.toml", "--gauges", "a.csv") == table
+    assert output_of("run", "run.toml") == table
+    assert (
+        output_of("run", "run.toml", "--save", "again.toml", "--gauges", "a.csv")
+        == table
+    )
     assert Path("again.toml").read_bytes() == Path("run.toml").read_bytes()
-    assert told("sweep", "run.toml", "--vary", "bodies.0.velocity=1,2")
+    assert output_of("sweep", "run.toml", "--vary", "bodies.0.velocity=1,2")
     assert capsys.readouterr().err == ""
 
 
@@ -475,12 +484,12 @@ def test_a_falsified_outcome_is_told_where_the_same_run_is_made(case, capsys):
     )
     capsys.readouterr()
     assert main(["run", "run.toml"]) == 0
-    told = capsys.readouterr().err
-    assert told.startswith(
+    printed = capsys.readouterr().err
+    assert printed.startswith(
         "rodimpact: run.toml: the outcome differs from the stored one"
     )
-    assert "peak_force.0 is " in told
-    assert told.count("\n") == 1
+    assert "peak_force.0 is " in printed
+    assert printed.count("\n") == 1
     assert main(["run", "run.toml", "--until", "1 ms"]) == 0
     assert capsys.readouterr().err == ""
 
@@ -528,11 +537,11 @@ def test_all_mistakes_are_reported_at_once(case, refuses):
         "a.toml",
     ]
     lines = refuses(argv).splitlines()
-    said = {line.split(": ")[1]: line for line in lines}
+    sentence = {line.split(": ")[1]: line for line in lines}
     assert all(line.startswith("rodimpact: ") for line in lines)
     options = {"--until", "--max-events", "--cells", "--snapshots", "--plot"}
-    assert options | {"bodies.0.length"} <= set(said)
-    assert "unit of mass" in said["--until"]
+    assert options | {"bodies.0.length"} <= set(sentence)
+    assert "unit of mass" in sentence["--until"]
 
 
 PROFILE = {
@@ -555,15 +564,15 @@ def test_a_run_that_no_picture_can_show_keeps_its_table(case, capsys):
 # rigid --------------------------------------------------------------------------------------------
 
 
-def test_rigid_prints_sample_10_19(told):
-    lines = told(*SAMPLE, "-e", "1").splitlines()
+def test_rigid_prints_sample_10_19(output_of):
+    lines = output_of(*SAMPLE, "-e", "1").splitlines()
     assert " ".join(lines[1].split()) == "1 2 kg 0.5 m/s 0 m/s 1 N s 0 N s"
     assert " ".join(lines[2].split()) == "2 10 kg 0.2 m/s 0.3 m/s 2 N s 3 N s"
 
 
-def test_rigid_takes_units_signs_walls_and_percent(told):
+def test_rigid_takes_units_signs_walls_and_percent(output_of):
     data = json.loads(
-        told(
+        output_of(
             "rigid",
             "--m1",
             "500 g",
@@ -589,16 +598,16 @@ def test_rigid_reports_all_mistakes_at_once(refuses):
     assert {line.split(": ")[1] for line in lines} == {"--m1", "--v1", "-e"}
 
 
-def test_rigid_refuses_energy_unless_it_is_released(refuses, told):
+def test_rigid_refuses_energy_unless_it_is_released(refuses, output_of):
     refuses([*SAMPLE, "-e", "1.5"], "--energy-release")
-    assert "-93.75 mJ" in told(*SAMPLE, "-e", "1.5", "--energy-release")
+    assert "-93.75 mJ" in output_of(*SAMPLE, "-e", "1.5", "--energy-release")
 
 
 # verify, materials, doctor ------------------------------------------------------------------------
 
 
-def test_verify_checks_each_method_and_names_the_validation_pages(told):
-    *table, verdict = told("verify").splitlines()
+def test_verify_checks_each_method_and_names_the_validation_pages(output_of):
+    *table, verdict = output_of("verify").splitlines()
     passed = [line for line in table if line.endswith("  ok")]
     assert len(passed) == len(METHODS)
     assert verdict.startswith(f"All {len(METHODS)} checks passed. ")
@@ -607,7 +616,7 @@ def test_verify_checks_each_method_and_names_the_validation_pages(told):
 
 
 @pytest.mark.parametrize(
-    ("computed", "said", "status"),
+    ("computed", "sentence", "status"),
     [
         (1.0 + 9e-10, "All 2 checks passed", 0),
         (1.0 - 2e-9, "1 of 2 checks FAILED", 4),
@@ -615,12 +624,12 @@ def test_verify_checks_each_method_and_names_the_validation_pages(told):
     ],
 )
 def test_verify_ends_with_4_if_a_number_is_off(
-    monkeypatch, told, computed, said, status
+    monkeypatch, output_of, computed, sentence, status
 ):
-    found = [Check("a", 1.0, 1.0, 1e-9), Check("b", 1.0, computed, 1e-9)]
-    monkeypatch.setattr("rodimpact.cli.verify.checks", lambda: found)
-    assert said in told("verify", status=status)
-    data = json.loads(told("verify", "--json", status=status))
+    result = [Check("a", 1.0, 1.0, 1e-9), Check("b", 1.0, computed, 1e-9)]
+    monkeypatch.setattr("rodimpact.cli.verify.checks", lambda: result)
+    assert sentence in output_of("verify", status=status)
+    data = json.loads(output_of("verify", "--json", status=status))
     assert data["passed"] is (status == 0)
     assert [check["passed"] for check in data["checks"]] == [True, status == 0]
 
@@ -640,8 +649,8 @@ def test_a_wrong_solver_is_noticed(monkeypatch, method):
     assert sum(not check.passed for check in checks()) == 1
 
 
-def test_materials_names_speeds_and_sources(told):
-    out = told("materials")
+def test_materials_names_speeds_and_sources(output_of):
+    out = output_of("materials")
     steel = next(line for line in out.splitlines() if line.startswith("steel"))
     assert steel.split() == [
         "steel",
@@ -653,36 +662,36 @@ def test_materials_names_speeds_and_sources(told):
         "m/s",
         "0.29",
     ]
-    data = json.loads(told("materials", "--json"))["materials"]
+    data = json.loads(output_of("materials", "--json"))["materials"]
     assert {m["name"] for m in data} == set(ri.materials.TABLE)
     assert all(m["source"] for m in data)
 
 
-def test_doctor_shows_versions_and_the_cache(told):
-    data = json.loads(told("doctor", "--json"))
+def test_doctor_shows_versions_and_the_cache(output_of):
+    data = json.loads(output_of("doctor", "--json"))
     assert data["versions"]["rodimpact"] == ri.__version__
     assert data["versions"]["numpy"] == np.__version__
     assert bool(data["no_compiler"]) is not kernels.enabled()
     cache = data["cache_directory"]
     assert cache is None or Path(cache).is_dir()
-    assert cache is None or cache in told("doctor")
+    assert cache is None or cache in output_of("doctor")
 
 
-def test_doctor_says_how_long_it_took_to_compile_everything(monkeypatch, told):
+def test_doctor_says_how_long_it_took_to_compile_everything(monkeypatch, output_of):
     monkeypatch.setattr(kernels, "why_not", lambda: "")
     monkeypatch.setattr(kernels, "compiled", lambda kernel: SimpleNamespace(place=""))
     monkeypatch.setattr("rodimpact.cli.doctor.warm", lambda: 24.04)
-    data = json.loads(told("doctor", "--warm", "--json"))
+    data = json.loads(output_of("doctor", "--warm", "--json"))
     assert data["seconds_to_compile_all"] == 24.04
-    text = told("doctor", "--warm")
+    text = output_of("doctor", "--warm")
     assert "none: no folder can be written; set NUMBA_CACHE_DIR" in text
     assert "in 24.0 s" in text
 
 
-def test_doctor_says_why_it_compiles_nothing(monkeypatch, told):
+def test_doctor_says_why_it_compiles_nothing(monkeypatch, output_of):
     monkeypatch.setattr(kernels, "why_not", lambda: "numba is not installed")
-    assert "none: numba is not installed" in told("doctor")
-    assert "none: numba is not installed" in told("doctor", "--warm", status=1)
+    assert "none: numba is not installed" in output_of("doctor")
+    assert "none: numba is not installed" in output_of("doctor", "--warm", status=1)
 
 
 # box ----------------------------------------------------------------------------------------------
@@ -736,16 +745,16 @@ def test_box_puts_theory_beside_what_it_found_and_says_where_the_textbook_lets_r
         "277.363 us two fronts cross in the right rod, 600 mm from its left end",
     ):
         assert line in lines
-    said = "The force ends after 158.493 us. In the textbook the rods part then."
-    assert said in " ".join(lines)
+    sentence = "The force ends after 158.493 us. In the textbook the rods part then."
+    assert sentence in " ".join(lines)
     assert "In the textbook" not in " ".join(story(box[0], "Identical rods"))
     assert "coefficient of restitution e 1 1" in story(box[0], "A rod on a rigid wall")
 
 
 @pytest.mark.exhaustive
-def test_box_draws_another_format_material_and_look_and_a_dowel(tmp_path, told):
-    given = ["--format", "svg", "--dark", "--material", "brass", "--dowel"]
-    text = told("box", *given, "-o", str(tmp_path))
+def test_box_draws_another_format_material_and_look_and_a_dowel(tmp_path, output_of):
+    options = ["--format", "svg", "--dark", "--material", "brass", "--dowel"]
+    text = output_of("box", *options, "-o", str(tmp_path))
     assert "3434 m/s" in text
     dowel = story(text, "A wooden dowel, 3 ft long, on a stone floor")
     assert "coefficient of restitution e 1 1" in dowel
@@ -791,12 +800,14 @@ def test_box_needs_a_directory(no_figures, case, refuses, capsys):
     assert "Traceback" not in capsys.readouterr().err
 
 
-def test_options_replace_what_they_exclude_in_the_case(tmp_path, monkeypatch, told):
+def test_options_replace_what_they_exclude_in_the_case(
+    tmp_path, monkeypatch, output_of
+):
     monkeypatch.chdir(tmp_path)
     cases = Path(__file__).parents[2] / "validation" / "cases"
     text = (cases / "lossy-rods.toml").read_text().replace("cells = 100", "cells = 20")
     Path("lossy.toml").write_text(text.replace('until = "20 ms"', 'until = "1 ms"'))
-    found = json.loads(told("run", "lossy.toml", "--rtol", "0.05", "--json"))
-    assert "Stated relative error: " in found["outcome"]["status"]
-    found = json.loads(told("run", "lossy.toml", "--cells", "10", "--json"))
-    assert "14 cells" in found["outcome"]["status"]
+    result = json.loads(output_of("run", "lossy.toml", "--rtol", "0.05", "--json"))
+    assert "Stated relative error: " in result["outcome"]["status"]
+    result = json.loads(output_of("run", "lossy.toml", "--cells", "10", "--json"))
+    assert "14 cells" in result["outcome"]["status"]

@@ -51,13 +51,13 @@ def shot(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def compared(told):
+def compared(output_of):
     """What a comparison prints."""
-    return lambda *options: told("compare", "case.toml", "shot.txt", *options)
+    return lambda *options: output_of("compare", "case.toml", "shot.txt", *options)
 
 
 def test_what_was_done_to_the_record_is_found(compared, tmp_path):
-    found = json.loads(
+    result = json.loads(
         compared(
             "--gauge",
             "near #1=1:0.5",
@@ -71,7 +71,7 @@ def test_what_was_done_to_the_record_is_found(compared, tmp_path):
         )
     )["channels"]
     for name, x in (("near #1", 0.5), ("far", 1.0)):
-        channel = found[name]
+        channel = result[name]
         assert channel["unit"] == "V"
         assert channel["misfit"]["shift"] == pytest.approx(33e-6, abs=1e-8)
         assert channel["misfit"]["scale"] == pytest.approx(250.0, rel=1e-3)
@@ -133,7 +133,7 @@ def test_what_passes_near_the_end_is_carried_on(compared):
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "sentence"),
     [
         ([], "--gauge: is missing; NAME=BODY:X gives a channel and the place"),
         (
@@ -190,8 +190,8 @@ def test_what_passes_near_the_end_is_carried_on(compared):
         (["--gauge", "far=1:1", "--until", "0"], "case.toml: "),
     ],
 )
-def test_mistakes(refuses, tmp_path, options, said):
-    refuses(["compare", "case.toml", "shot.txt", *options], said)
+def test_mistakes(refuses, tmp_path, options, sentence):
+    refuses(["compare", "case.toml", "shot.txt", *options], sentence)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["case.toml", "shot.txt"]
 
 
@@ -227,11 +227,11 @@ def test_waves_are_carried_along_a_rod_that_has_a_diameter(compared, refuses, tm
 
 @pytest.mark.filterwarnings("always::rodimpact.ClippedSignal")
 def test_records_that_cannot_be_read(capsys, refuses, tmp_path):
-    for name, said in (
+    for name, sentence in (
         ("none.csv", "none.csv: cannot be read: No such file"),
         ("case.toml", "case.toml: has no table of numbers"),
     ):
-        refuses(["compare", "case.toml", name, "--gauge", "far=1:1"], said)
+        refuses(["compare", "case.toml", name, "--gauge", "far=1:1"], sentence)
     (tmp_path / "clipped.csv").write_text(
         "t_us,far_V\n" + "".join(f"{i},{min(i, 20, 60 - i)}\n" for i in range(61))
     )

@@ -54,23 +54,23 @@ def reduced(*options):
 
 def test_it_says_what_the_function_says(capsys):
     assert reduced(*ALL, "--incompressible", "--json") == 0
-    told = json.loads(capsys.readouterr().out)
+    printed = json.loads(capsys.readouterr().out)
     case = ri.read_case("bars.toml")
     bridge = ri.Bridge("quarter", gauge_factor=2.061, excitation=8.0, gain=200.0)
     gauges = [
         ri.BarGauge(bridge.strain(signal), 0.381)
         for signal in ri.read_signals(RECORD).values()
     ]
-    found = ri.reduce(
+    result = ri.reduce(
         *gauges,
         case.system.bodies,
         ri.Specimen(3.204e-3, diameter=6.34e-3, incompressible=True),
         compression="positive",
     )
-    assert np.array_equal(told["true_stress"], found.true_stress)
-    assert np.array_equal(told["time"], found.times)
+    assert np.array_equal(printed["true_stress"], result.true_stress)
+    assert np.array_equal(printed["time"], result.times)
     assert reduced(*ALL) == 0
-    assert capsys.readouterr().out.rstrip("\n") == str(found)
+    assert capsys.readouterr().out.rstrip("\n") == str(result)
 
 
 def test_it_writes_a_table_and_a_figure(refuses):
@@ -89,18 +89,18 @@ def test_it_says_what_is_doubtful_once(capsys):
     near = ["--gauge", "incident=0:562mm", *GAUGES[2:]]  # 200 mm from the specimen
     options = [*near, *ALL[len(GAUGES) :]]
     assert reduced(*options) == 0
-    told = capsys.readouterr()
-    assert told.err == ""
-    lines = told.out.splitlines()
+    printed = capsys.readouterr()
+    assert printed.err == ""
+    lines = printed.out.splitlines()
     doubts = [line for line in lines if line.startswith("doubtful: ")]
     assert "the reflected wave arrives 156 us after the incident wave" in doubts[0]
     assert reduced(*options, "--json") == 0
-    told = json.loads(capsys.readouterr().out)
-    assert [f"doubtful: {doubt}" for doubt in told["doubts"]] == doubts
+    printed = json.loads(capsys.readouterr().out)
+    assert [f"doubtful: {doubt}" for doubt in printed["doubts"]] == doubts
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "sentence"),
     [
         ([*GAUGES, *BRIDGE, "--area", "-1"], "are required: --length"),
         ([*GAUGES, *SPECIMEN, *BRIDGE, "--area", "1 mm^2"], "--area: give either"),
@@ -115,8 +115,8 @@ def test_it_says_what_is_doubtful_once(capsys):
         ),
     ],
 )
-def test_mistakes_are_named_by_option(options, said, refuses):
-    refuses(["reduce", "bars.toml", RECORD, *options], said)
+def test_mistakes_are_named_by_option(options, sentence, refuses):
+    refuses(["reduce", "bars.toml", RECORD, *options], sentence)
 
 
 def test_a_planned_shot_is_reduced_with_its_own_case(capsys):
@@ -155,7 +155,7 @@ hardening = 1e7
         },
     )
     assert main(["reduce", "plan.toml", "plan.csv", *GAUGES, *SPECIMEN, "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert max(told["output_force"]) == pytest.approx(
-        float(np.max(run.contacts[1].force(np.asarray(told["time"])))), rel=0.01
+    printed = json.loads(capsys.readouterr().out)
+    assert max(printed["output_force"]) == pytest.approx(
+        float(np.max(run.contacts[1].force(np.asarray(printed["time"])))), rel=0.01
     )

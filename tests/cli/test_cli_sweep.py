@@ -39,9 +39,9 @@ def sweep(*argv):
 
 
 @pytest.fixture
-def swept(told):
+def swept(output_of):
     """What a sweep prints."""
-    return lambda *argv, **status: told("sweep", "case.toml", *argv, **status)
+    return lambda *argv, **status: output_of("sweep", "case.toml", *argv, **status)
 
 
 @pytest.fixture
@@ -304,16 +304,16 @@ def test_all_mistakes_are_reported_at_once(case, no_sweep, refused):
 
 
 @pytest.mark.parametrize(
-    "given", ["0", "-1", "1.5", "many", "\u00b2", "9" * 30, "9" * 5000]
+    "arguments", ["0", "-1", "1.5", "many", "\u00b2", "9" * 30, "9" * 5000]
 )
 @pytest.mark.parametrize("option", ["--workers", "--max-events"])
-def test_whole_numbers(case, no_sweep, refused, option, given):
+def test_whole_numbers(case, no_sweep, refused, option, arguments):
     refused(
         f"rodimpact: {option}: must be a positive whole number",
         "--vary",
         LENGTHS,
         option,
-        given,
+        arguments,
     )
 
 
@@ -327,7 +327,7 @@ def test_a_sweep_keeps_no_states(case, no_sweep, refused):
 
 
 @pytest.mark.parametrize(
-    ("solve", "argv", "path", "said"),
+    ("solve", "argv", "path", "sentence"),
     [
         ("", ["--dt", "1 us", "--method", "fronts"], "--dt", "leave it out"),
         (
@@ -342,18 +342,18 @@ def test_a_sweep_keeps_no_states(case, no_sweep, refused):
 )
 @pytest.mark.usefixtures("no_sweep")
 def test_options_are_checked_as_for_a_single_run(
-    case, refuses, refused, solve, argv, path, said
+    case, refuses, refused, solve, argv, path, sentence
 ):
     case.write_text(CASE + f"[solve]\n{solve}\n")
     swept = refused(f"rodimpact: {path}: ", "--vary", LENGTHS, *argv)
-    assert refuses(["run", "case.toml", *argv], said) == swept
+    assert refuses(["run", "case.toml", *argv], sentence) == swept
 
 
 def test_the_options_reach_the_sweep(case, monkeypatch):
-    given = {}
+    arguments = {}
 
     def spy(system, **options):
-        given.update(options, shape=system.shape)
+        arguments.update(options, shape=system.shape)
         return ri.sweep(system)
 
     monkeypatch.setattr(command, "sweep", spy)
@@ -367,7 +367,7 @@ def test_the_options_reach_the_sweep(case, monkeypatch):
         "also": [],
         "workers": None,
     }
-    assert given == expected
+    assert arguments == expected
     assert (
         sweep(
             "--vary",
@@ -382,7 +382,7 @@ def test_the_options_reach_the_sweep(case, monkeypatch):
         == 0
     )
     changed = {"workers": 2, "max_events": 8, "checkpoint": "d"}
-    assert given == expected | changed
+    assert arguments == expected | changed
 
 
 def test_a_checkpoint_keeps_the_sweep(case, refused, swept):
@@ -412,9 +412,9 @@ def test_a_damaged_checkpoint_is_told_in_a_line(case, capsys, swept):
 
 
 def test_what_else_is_wanted_has_columns(case, refused, capsys, swept):
-    given = "--vary", LENGTHS, "--also", "dissipated", "--also", "largest_stress"
-    assert sweep(*given, "--csv") == 0
+    arguments = "--vary", LENGTHS, "--also", "dissipated", "--also", "largest_stress"
+    assert sweep(*arguments, "--csv") == 0
     names = capsys.readouterr().out.partition("\n")[0].split(",")
     assert names[-3:] == ["dissipated", "largest_stress.0", "largest_stress.1"]
-    assert "largest stress in rod 1" in swept(*given)
+    assert "largest stress in rod 1" in swept(*arguments)
     refused("--until", "--vary", LENGTHS, "--also", "displacement")

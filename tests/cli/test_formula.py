@@ -8,22 +8,22 @@ from case_texts import HEAD, with_area
 pytest.importorskip("sympy")
 
 
-def test_the_formula_of_the_box(case, told):
-    text = told("formula", str(case), "--symbols", "length")
+def test_the_formula_of_the_box(case, output_of):
+    text = output_of("formula", str(case), "--symbols", "length")
     for line in ("l1: bodies.0.length", "e = l1/l2", "where l1 < l2"):
         assert line in text
-    assert r"\begin{aligned}e &=" in told("formula", str(case), "--latex")
+    assert r"\begin{aligned}e &=" in output_of("formula", str(case), "--latex")
 
 
-def test_many_conditions_are_told_by_an_option(case, told):
-    first, *others = (
+def test_many_conditions_are_told_by_an_option(case, output_of):
+    first, *other_lines = (
         with_area(area).replace("0.4", length)
         for area, length in [("1e-4", "0.4"), ("2e-4", "1.0"), ("1e-4", "0.7")]
     )
-    case.write_text(HEAD + first + "velocity = 1.0\n" + "".join(others))
-    short = told("formula", str(case))
+    case.write_text(HEAD + first + "velocity = 1.0\n" + "".join(other_lines))
+    short = output_of("formula", str(case))
     assert "more; --conditions shows all" in short
-    text = told("formula", str(case), "--conditions")
+    text = output_of("formula", str(case), "--conditions")
     assert "shows all" not in text
     assert text.count("\n  and ") > short.count("<")
 
