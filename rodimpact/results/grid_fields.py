@@ -1,18 +1,16 @@
 """Fields from states of a grid: velocities of nodes and strains of cells at some times.
 
-Between nodes, between the middles of cells, and between two states fields change evenly. At the
-ends of a segment the force is what the momentum of the node there asks for: none at a free end,
-that of the contact where rods touch, and the same on both sides of a step; strains follow.
+Between nodes, between the middles of cells, and between two states fields change linearly. At the
+ends of a segment the force follows from the momentum of the node there: it is 0 at a free end, the
+force of the contact where rods touch, and the same on both sides of a step. Strains follow from it.
 
-Energies are those that the scheme keeps: kinetic energy is less by what the change of velocity
-along a cell would strain it in half a step, which keeps both kinetic and strain energy from being
-negative.
+Energies are those that the scheme conserves. The kinetic energy is less by the strain energy of
+half a step of motion, which keeps both kinetic and strain energy from being negative.
 """
 
-import itertools
 from collections.abc import Iterator
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,8 +23,52 @@ from ..model.profiles import Samples
 from .extreme_stress import ExtremeStress, StressPeak, strongest
 from .fields import Fields, Profile
 
-Tables: TypeAlias = dict[int, tuple[Floats, Floats]]
-"""By rod: places, m from its left end, and values there, [state, place]."""
+
+class Table(NamedTuple):
+    """Values of a field of a rod at the states."""
+
+    places: Floats
+    """m from the left end of the rod [place]; a place occurs twice where a field jumps."""
+    values: Floats
+    """[state, place]."""
+
+
+class CellStates(NamedTuple):
+    """State of all cells [state, cell]."""
+
+    strain: Floats
+    rate: Floats
+    """Rate of the strain, 1/s."""
+    tension: Floats
+    """Elastic and viscous tension, N; 0 between pieces."""
+
+
+class SegmentStrain(NamedTuple):
+    """Strain of a segment at its left end, in its cells, and at its right end."""
+
+    strain: Floats
+    """[state, place]."""
+    rate: Floats
+    """1/s [state, place]."""
+
+
+class Span(NamedTuple):
+    """The part of the mesh that is a rod."""
+
+    nodes: slice
+    cells: slice
+    mass: Floats
+    """Masses of the nodes that belong to the rod, kg."""
+
+
+class NodeNeighbour(NamedTuple):
+    """A segment as seen from the node at one of its ends."""
+
+    node: int
+    cell: int  # cell of the segment beside the node
+    second_cell: int  # cell behind it, or the same one
+    inward: int  # 1 at the left end, -1 at the right one
+    area: float  # at the end, m^2
 
 
 class GridFields(Fields):
@@ -38,7 +80,7 @@ class GridFields(Fields):
     end : int
         Last tick.
     signals : Signals
-        Whose motion is a `GridMotion`.
+        Signals with a `GridMotion`.
     """
 
     motion: GridMotion
@@ -46,43 +88,50 @@ class GridFields(Fields):
 
     @cached_property
     def known(self) -> Ints:
-        """Increasing ticks of the states, at which alone energies are known."""
+        """Increasing ticks of the states; energies are known at these alone."""
         return np.asarray(self.motion.when * STEP_TICKS)
 
     def nearest_known(self, ticks: Ints) -> Ints:
-        return self.known[
-            np.searchsorted((self.known[1:] + self.known[:-1]) / 2, ticks, "right")
-        ]
+        middles = (self.known[1:] + self.known[:-1]) / 2
+        return self.known[np.searchsorted(middles, ticks, "right")]
 
     # Between states and between nodes -------------------------------------------------------------
 
-    def _in_time(self, table: Floats, place: Any, ticks: Ints) -> Floats:
-        """Values of columns of [state, column] at ticks; the two broadcast."""
-        when, last = self.known, len(self.known) - 1  # 0 where nothing moves: one state
-        i = np.clip(np.searchsorted(when, ticks, "right") - 1, 0, max(last - 1, 0))
+    def _in_time(self, values: Floats, column: Any, ticks: Ints) -> Floats:
+        """Interpolate columns of [state, column] at ticks; the two broadcast."""
+        when = self.known
+        last = len(when) - 1  # 0 where nothing moves: there is one state
+        i = np.searchsorted(when, ticks, "right") - 1
+        i = np.clip(i, 0, max(last - 1, 0))
         after = np.minimum(i + 1, last)
-        share = np.minimum(
-            (ticks - when[i]) / np.maximum(when[after] - when[i], 1), 1.0
+        lasts = np.maximum(when[after] - when[i], 1)
+        share = np.minimum((ticks - when[i]) / lasts, 1.0)
+        return np.asarray(
+            values[i, column] * (1 - share) + values[after, column] * share
         )
-        return np.asarray(table[i, place] * (1 - share) + table[after, place] * share)
 
-    def _at(self, body: int, x: Floats, ticks: Ints, tables: Tables) -> Floats:
-        """Values of a rod at places x, m, between those of its table."""
+    def _at(self, body: int, x: Floats, ticks: Ints, table: Table) -> Floats:
+        """Interpolate a table at places x of a rod, m, and at ticks."""
         self._together(self.locate(body, x)[0], ticks)
-        places, table = tables[body]
+        places = table.places
         i = np.clip(np.searchsorted(places, x, "right") - 1, 0, len(places) - 2)
         share = np.minimum((x - places[i]) / (places[i + 1] - places[i]), 1.0)
-        before, after = (self._in_time(table, at, ticks) for at in (i, i + 1))
+        before = self._in_time(table.values, i, ticks)
+        after = self._in_time(table.values, i + 1, ticks)
         return np.asarray(before * (1 - share) + after * share)
 
     def _places(self, body: int) -> list[Floats]:
-        """Of the nodes of each segment of a rod, m from its left end."""
+        """Places of the nodes of each segment of a rod, m from its left end."""
         first, last = self.clock.spans[body]
         counts = self.motion.counts[first - 1 : last]
-        ends = itertools.pairwise(self.edges(body))
-        return [np.linspace(*of, N + 1) for of, N in zip(ends, counts, strict=True)]
+        edges = self.edges(body)
+        places = []
+        for i, count in enumerate(counts):
+            places.append(np.linspace(edges[i], edges[i + 1], count + 1))
+        return places
 
     def _node_places(self, body: int) -> Floats:
+        """Places of the nodes of a rod, m from its left end."""
         return np.unique(np.concatenate(self._places(body)))
 
     @cached_property
@@ -99,8 +148,8 @@ class GridFields(Fields):
         when = self.motion.when
         if not damped.any() or len(when) < 3:
             return velocity
-        places = np.flatnonzero(damped)
-        nodes = slice(int(places[0]), int(places[-1]) + 1)
+        damped_nodes = np.flatnonzero(damped)
+        nodes = slice(int(damped_nodes[0]), int(damped_nodes[-1]) + 1)
         raw = velocity[:, nodes]
         smooth = raw.copy()
         follows = np.diff(when) == 1
@@ -128,135 +177,159 @@ class GridFields(Fields):
         return velocities
 
     @cached_property
-    def _moving(self) -> Tables:
-        """Velocities of nodes in the frame, m/s."""
+    def _velocities(self) -> dict[int, Table]:
+        """Velocities of the nodes of each rod in the frame, m/s."""
         tables = {}
         for body in self.rods:
-            nodes, _, _ = self._span(body)
-            tables[body] = self._node_places(body), self._velocity[:, nodes]
+            velocities = self._velocity[:, self._span(body).nodes]
+            tables[body] = Table(self._node_places(body), velocities)
         return tables
 
     @cached_property
-    def _stretched(self) -> tuple[Tables, Tables]:
-        """Strains and their rates, 1/s.
+    def _strain(self) -> Floats:
+        """Strains of the cells [state, cell]."""
+        return np.asarray(self.motion.stretches(self.step) / self.motion.cells.width)
+
+    def _cell_states(self) -> CellStates:
+        """Strains, their rates, and tensions of all cells."""
+        cells = self.motion.cells
+        rate = np.zeros(self.motion.force.shape)
+        rate[:, 1:-1] = np.diff(self._velocity, axis=1) / cells.width[1:-1]
+        tension = self.motion.force + cells.viscous * cells.width * rate
+        return CellStates(self._strain, rate, tension)
+
+    @cached_property
+    def _strains(self) -> tuple[dict[int, Table], dict[int, Table]]:
+        """Strains of each rod, and their rates, 1/s.
 
         Places are the ends of segments, on either side of a step, and the middles of cells.
         """
-        found: tuple[Tables, Tables] = {}, {}
-        cells, kept = self.motion.cells, np.zeros((2, *self.motion.force.shape))
-        kept[0] = self._strain
-        kept[1, :, 1:-1] = np.diff(self._velocity, axis=1) / cells.width[1:-1]
-        tension = (
-            self.motion.force + cells.viscous * cells.width * kept[1]
-        )  # none between pieces
+        cells = self._cell_states()
+        strains = {}
+        rates = {}
         for body, rod in self.rods.items():
-            segments = enumerate(rod.segments, self.clock.spans[body][0])
-            parts = [
-                (
-                    np.concatenate((x[:1], (x[1:] + x[:-1]) / 2, x[-1:])),
-                    self._held(*of, tension, kept),
-                )
-                for of, x in zip(segments, self._places(body), strict=True)
-            ]
-            places, states = (
-                np.concatenate(of, axis=-1) for of in zip(*parts, strict=True)
-            )
-            found[0][body], found[1][body] = ((places, values) for values in states)
-        return found
+            first = self.clock.spans[body][0]
+            places = []
+            parts = []
+            for i, nodes in enumerate(self._places(body)):
+                middles = (nodes[1:] + nodes[:-1]) / 2
+                places.append(np.concatenate((nodes[:1], middles, nodes[-1:])))
+                parts.append(self._segment_strain(first + i, rod.segments[i], cells))
+            all_places = np.concatenate(places)
+            strain = np.concatenate([part.strain for part in parts], axis=-1)
+            rate = np.concatenate([part.rate for part in parts], axis=-1)
+            strains[body] = Table(all_places, strain)
+            rates[body] = Table(all_places, rate)
+        return strains, rates
 
-    def _held(self, s: int, segment: Segment, tension: Floats, kept: Floats) -> Floats:
-        """Strains of a segment and their rates at its left end, in its cells, at its right end.
+    def _segment_strain(
+        self, s: int, segment: Segment, cells: CellStates
+    ) -> SegmentStrain:
+        """Strain of segment s of the row, and its rate.
 
-        `tension` and `kept`, strains and rates, are those of all cells, [state, cell].
-
-        At the ends both are extrapolated, and then changed to give the stress that the node's
-        momentum asks for: in a step, viscosity eta resists a change of strain by eta/step. Where
+        At the ends both are extrapolated, and then changed to give the stress that follows from the
+        momentum of the node: in a step, viscosity eta resists a change of strain by eta/step. Where
         lateral inertia takes a share of the force they stay.
         """
-        mesh, cells, (E, eta) = self.motion, self.motion.cells, _moduli(segment)
-        a, b = mesh.first[s], mesh.last[s]
-        held = kept[..., a : b + 2].copy()
-        areas = (
-            segment.area.values if isinstance(segment.area, Samples) else [segment.area]
-        )
-        for node, cell, inward, area in (
-            (a, a + 1, 1, areas[0]),
-            (b, b, -1, areas[-1]),
-        ):
-            behind, end = cell + inward * (b > a + 1), (inward - 1) // 2
-            held[..., end] = strain, rate = (
-                1.5 * kept[..., cell] - 0.5 * kept[..., behind]
-            )
-            if not (
-                cells.lateral[node] or cells.lateral[node + 1] or cells.swelling[cell]
-            ):
-                pull = tension[:, node + 1] - tension[:, node] + self._pushed(node)
-                gained = pull * cells.cell_mass[cell] / 2 / mesh.mass[node]
-                stress = (tension[:, cell] - inward * gained) / float(area)
-                missing = stress - E * strain - eta * rate
-                held[0, :, end] += missing / (E + eta / self.step)
-                held[1, :, end] += missing / (E * self.step + eta)
-        return held
+        E, eta = _moduli(segment)
+        a = self.motion.first[s]
+        b = self.motion.last[s]
+        strain = cells.strain[:, a : b + 2].copy()
+        rate = cells.rate[:, a : b + 2].copy()
+        inner = b > a + 1
+        first_area, last_area = _end_areas(segment)
+        left = NodeNeighbour(a, a + 1, a + 1 + inner, 1, first_area)
+        right = NodeNeighbour(b, b, b - inner, -1, last_area)
+        for neighbour, end in ((left, 0), (right, -1)):
+            near = neighbour.cell
+            behind = neighbour.second_cell
+            end_strain = 1.5 * cells.strain[:, near] - 0.5 * cells.strain[:, behind]
+            end_rate = 1.5 * cells.rate[:, near] - 0.5 * cells.rate[:, behind]
+            strain[:, end] = end_strain
+            rate[:, end] = end_rate
+            if not self._has_lateral_inertia(neighbour):
+                stress = self._end_stress(neighbour, cells.tension)
+                missing = stress - E * end_strain - eta * end_rate
+                strain[:, end] += missing / (E + eta / self.step)
+                rate[:, end] += missing / (E * self.step + eta)
+        return SegmentStrain(strain, rate)
 
-    def _pushed(self, node: int) -> Floats:
-        """Force to the right on a node from outside its piece, at the states."""
-        F = self.motion.pushes.get(node, np.zeros(1))
-        if len(F) < 2:
-            return np.repeat(F, len(self.motion.when)) if len(F) else np.zeros(1)
-        ends = 1.5 * F[[0, -1]] - 0.5 * F[[1, -2]]
-        at_steps = np.concatenate((ends[:1], (F[1:] + F[:-1]) / 2, ends[1:]))
+    def _has_lateral_inertia(self, neighbour: NodeNeighbour) -> bool:
+        """Whether lateral inertia takes a share of the force on the node of an end."""
+        cells = self.motion.cells
+        node = neighbour.node
+        lateral = cells.lateral[node] or cells.lateral[node + 1]
+        return bool(lateral or cells.swelling[neighbour.cell])
+
+    def _end_stress(self, neighbour: NodeNeighbour, tension: Floats) -> Floats:
+        """Stress at the end of a segment by the momentum of its half cell, Pa [state]."""
+        motion = self.motion
+        node = neighbour.node
+        cell = neighbour.cell
+        pull = tension[:, node + 1] - tension[:, node] + self._push_on(node)
+        gained = pull * motion.cells.cell_mass[cell] / 2 / motion.mass[node]
+        stress = (tension[:, cell] - neighbour.inward * gained) / neighbour.area
+        return np.asarray(stress)
+
+    def _push_on(self, node: int) -> Floats:
+        """Force to the right on a node from outside its piece, N [state]."""
+        means = self.motion.pushes.get(node, np.zeros(1))
+        if len(means) == 0:
+            return np.zeros(1)
+        if len(means) == 1:
+            return np.repeat(means, len(self.motion.when))
+        ends = 1.5 * means[[0, -1]] - 0.5 * means[[1, -2]]
+        inside = (means[1:] + means[:-1]) / 2
+        at_steps = np.concatenate((ends[:1], inside, ends[1:]))
         return np.asarray(at_steps[self.motion.when])
 
     @cached_property
-    def _strain(self) -> Floats:
-        """[state, cell]."""
-        return np.asarray(self.motion.stretches(self.step) / self.motion.cells.width)
-
-    @cached_property
-    def _displaced(self) -> Tables:
-        """Displacements of nodes in the frame, m."""
-        stretched = np.cumsum(
-            self._strain[:, :-1] * self.motion.cells.width[:-1], axis=1
-        )
-        displaced = {}
-        for body, (first, last) in enumerate(self.clock.spans):
-            if last:
-                a, b = self.motion.first[first], self.motion.last[last]
-                piece = int(np.searchsorted(self.motion.starts, a, "right")) - 1
-                before = stretched[:, a] - stretched[:, self.motion.starts[piece]]
-                left = (
-                    self.motion.displacement[:, piece] * self.step + before - before[0]
-                )
-                moved = stretched[:, a : b + 1] + (left - stretched[:, a])[:, None]
-                displaced[body] = self._node_places(body), moved
-        return displaced
+    def _displacements(self) -> dict[int, Table]:
+        """Displacements of the nodes of each rod in the frame, m."""
+        motion = self.motion
+        elongation = self._strain[:, :-1] * motion.cells.width[:-1]
+        stretched = np.cumsum(elongation, axis=1)  # from the first node of the row
+        tables = {}
+        for body in self.rods:
+            first, last = self.clock.spans[body]
+            a = motion.first[first]
+            b = motion.last[last]
+            piece = int(np.searchsorted(motion.starts, a, "right")) - 1
+            before = stretched[:, a] - stretched[:, motion.starts[piece]]
+            left = motion.displacement[:, piece] * self.step + before - before[0]
+            moved = stretched[:, a : b + 1] + (left - stretched[:, a])[:, None]
+            tables[body] = Table(self._node_places(body), moved)
+        return tables
 
     # Fields ---------------------------------------------------------------------------------------
 
     def rod_velocity(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:  # noqa: ARG002
-        return self._at(body, x, ticks, self._moving) + self.clock.frame
+        return self._at(body, x, ticks, self._velocities[body]) + self.clock.frame
 
     def rod_strain(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:  # noqa: ARG002
-        return self._at(body, x, ticks, self._stretched[0])
+        return self._at(body, x, ticks, self._strains[0][body])
 
     def rod_strain_rate(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        return self._at(body, x, ticks, self._stretched[1])
+        return self._at(body, x, ticks, self._strains[1][body])
 
     def rod_displacement(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        moved = self._at(body, x, ticks, self._displaced)
+        moved = self._at(body, x, ticks, self._displacements[body])
         return moved + self.clock.frame * (ticks * self.clock.tick)
 
     def strained(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        strains = self._at(body, x[:, None], self.known, self._stretched[0])
-        return np.array(
-            [Pieces.through(self.known, of).integral(0, ticks) for of in strains]
-        )
+        strains = self._at(body, x[:, None], self.known, self._strains[0][body])
+        integrals = []
+        for strain in strains:
+            integrals.append(Pieces.through(self.known, strain).integral(0, ticks))
+        return np.array(integrals)
 
     def trace(self, body: int, x: float) -> tuple[Pieces, Pieces, Pieces, float]:
-        c, ticks = self.clock.wave_speed[int(self.locate(body, x)[0])], self.known
+        segment = int(self.locate(body, x)[0])
+        c = self.clock.wave_speed[segment]
+        ticks = self.known
         place = np.asarray(x)
-        v = self._at(body, place, ticks, self._moving)
-        stretch = c * self._at(body, place, ticks, self._stretched[0])
+        v = self._at(body, place, ticks, self._velocities[body])
+        stretch = c * self._at(body, place, ticks, self._strains[0][body])
         return (
             Pieces.through(ticks, v - stretch),
             Pieces.through(ticks, v + stretch),
@@ -266,35 +339,32 @@ class GridFields(Fields):
 
     # Integrals over bodies ------------------------------------------------------------------------
 
-    def _span(self, body: int) -> tuple[slice, slice, Floats]:
-        """Nodes and cells of a rod, and the masses of its nodes."""
+    def _span(self, body: int) -> Span:
+        """The part of the mesh that is a rod."""
         first, last = self.clock.spans[body]
-        a, b = self.motion.first[first], self.motion.last[last]
+        a = self.motion.first[first]
+        b = self.motion.last[last]
         cells = slice(a + 1, b + 1)
         half = self.motion.cells.cell_mass[cells] / 2
-        return slice(a, b + 1), cells, np.append(half, 0.0) + np.append(0.0, half)
+        mass = np.append(half, 0.0) + np.append(0.0, half)
+        return Span(slice(a, b + 1), cells, mass)
 
     def momentum(self, body: int, t: ArrayLike) -> Floats:
-        nodes, _, mass = self._span(body)
-        own = (self.motion.velocity[:, nodes] * mass).sum(
-            axis=1
-        )  # state by state the same bits
+        span = self._span(body)
+        # A product of matrices would give other bits for other numbers of states.
+        in_frame = (self.motion.velocity[:, span.nodes] * span.mass).sum(axis=1)
         ticks = self.to_ticks(t)
-        moving = self._in_time(own[:, None], 0, ticks)
-        return np.asarray(
-            moving + mass.sum() * (self.clock.frame + self._fallen(ticks))
-        )
+        moving = self._in_time(in_frame[:, None], 0, ticks)
+        frame = self.clock.frame + self._fallen(ticks)
+        return np.asarray(moving + span.mass.sum() * frame)
 
     def energy(self, body: int, tick: int, velocity: float) -> tuple[float, float]:
-        a, (nodes, _, mass) = self.clock, self._span(body)
-        place = int(np.searchsorted(self.motion.when, tick // STEP_TICKS))
-        v = (
-            self.motion.velocity[place, nodes]
-            + a.frame
-            + a.gravity * tick * a.tick
-            - velocity
-        )
-        return self.motion.energies(nodes, mass, place, v, self.step)
+        clock = self.clock
+        span = self._span(body)
+        state = int(np.searchsorted(self.motion.when, tick // STEP_TICKS))
+        in_frame = self.motion.velocity[state, span.nodes]
+        v = in_frame + clock.frame + clock.gravity * tick * clock.tick - velocity
+        return self.motion.energies(span.nodes, span.mass, state, v, self.step)
 
     def extreme_stress(self, body: int) -> ExtremeStress:
         peaks = [*self._state_peaks(body), *self._end_peaks(body)]
@@ -303,14 +373,14 @@ class GridFields(Fields):
         return ExtremeStress(strongest(tensions), strongest(compressions))
 
     def _state_peaks(self, body: int) -> Iterator[StressPeak]:
-        """Highest and lowest stress in a rod of the states that are kept."""
+        """Highest and lowest stress in a rod at the states that are kept."""
         segments = self.rods[body].segments
         moduli = np.array([_moduli(segment) for segment in segments])
         counts = [len(x) + 1 for x in self._places(body)]
         E, eta = np.repeat(moduli, counts, axis=0).T
-        strains, rates = self._stretched
-        places, strain = strains[body]
-        stress = E * strain + eta * rates[body][1]
+        strains, rates = self._strains
+        places = strains[body].places
+        stress = E * strains[body].values + eta * rates[body].values
         for extreme in (stress.argmax(), stress.argmin()):
             state, place = np.unravel_index(extreme, stress.shape)
             t = float(self.known[state]) * self.clock.tick
@@ -322,40 +392,49 @@ class GridFields(Fields):
         Lateral inertia takes a share of the force on an end.
         """
         segments = self.rods[body].segments
-        ends = ((segments[0], 0, 0.0), (segments[-1], -1, self.edges(body)[-1]))
+        places = (0.0, float(self.edges(body)[-1]))
         forces = self._forces_on(body)
-        for (segment, last, x), force in zip(ends, forces, strict=True):
+        for end in (0, -1):
+            segment = segments[end]
+            force = forces[end]
             if force is None or segment.lateral_inertia is not None:
                 continue
-            area = segment.area
-            if isinstance(area, Samples):
-                area = area.values[last]
+            area = _end_areas(segment)[end]
             for sign in (1.0, -1.0):
                 means = sign * force
                 t = (int(np.argmax(means)) + 0.5) * self.step
-                stress = -sign * largest_force(means) / float(area)
-                yield StressPeak(stress, float(x), t)
+                stress = -sign * largest_force(means) / area
+                yield StressPeak(stress, places[end], t)
 
     def _forces_on(self, body: int) -> tuple[Floats | None, Floats | None]:
-        """Mean push in each step on the left and on the right end of a rod, N."""
-        contacts = [contact.force for contact in self.signals.contacts]
-        outside = [side and side.push for side in self.signals.outside]
-        pushes = [outside[0], *contacts, outside[1]]
-        left = pushes[body]
-        right = pushes[body + 1]
-        return (
-            None if left is None else left.values,
-            None if right is None else right.values,
-        )
+        """Mean push in each step on the left and on the right end of a rod, N; None if free."""
+        left: Pieces | None
+        right: Pieces | None
+        left, right = self._outside_pushes()
+        if body > 0:
+            left = self.signals.contacts[body - 1].force
+        if body < len(self.signals.contacts):
+            right = self.signals.contacts[body].force
+        return _values_of(left), _values_of(right)
+
+    def _outside_pushes(self) -> list[Pieces | None]:
+        """Forces of what acts on the left and on the right end of the row, N."""
+        pushes: list[Pieces | None] = []
+        for side in self.signals.outside:
+            if side is None:
+                pushes.append(None)
+            else:
+                pushes.append(side.push)
+        return pushes
 
     def damped(self, ticks: Ints) -> Floats:
-        place = np.searchsorted(self.motion.when, ticks // STEP_TICKS)
-        return np.asarray(self.motion.lost[place] * self.step)
+        states = np.searchsorted(self.motion.when, ticks // STEP_TICKS)
+        return np.asarray(self.motion.lost[states] * self.step)
 
     def profile(self, body: int, tick: int) -> Profile:
-        nodes, cells, _ = self._span(body)
-        v = self._in_time(self.motion.velocity, nodes, np.asarray(tick))
-        strain = self._in_time(self._strain, cells, np.asarray(tick))
+        span = self._span(body)
+        v = self._in_time(self.motion.velocity, span.nodes, np.asarray(tick))
+        strain = self._in_time(self._strain, span.cells, np.asarray(tick))
         drift = self.clock.frame + self.clock.gravity * tick * self.clock.tick
         return Profile(self._node_places(body), (v[1:] + v[:-1]) / 2 + drift, strain)
 
@@ -363,3 +442,18 @@ class GridFields(Fields):
 def _moduli(segment: Segment) -> tuple[float, float]:
     """Young's modulus and viscosity."""
     return float(segment.material.youngs_modulus), float(segment.material.viscosity)
+
+
+def _end_areas(segment: Segment) -> tuple[float, float]:
+    """Areas at the left and at the right end of a segment, m^2."""
+    area = segment.area
+    if isinstance(area, Samples):
+        return float(area.values[0]), float(area.values[-1])
+    return float(area), float(area)
+
+
+def _values_of(pieces: Pieces | None) -> Floats | None:
+    """Values of a signal; None if there is none."""
+    if pieces is None:
+        return None
+    return pieces.values
