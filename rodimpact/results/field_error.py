@@ -68,34 +68,42 @@ def field_error(
     """
     errors: dict[str, Floats] = {}
     for name in FieldError._fields:
-        largest = np.full(t.size, np.inf)
-        for mesh, solution in coarser:
-            step = solution.fields.step
-            times = t.ravel()[:, None] + step * np.array(NEAR_STEPS)
-            times = np.clip(times, 0.0, fine.t_end)
-            compared = times.max(axis=1) <= solution.t_end
-            if not compared.any():
-                continue
-            apart = _difference(name, fine, solution, times[compared])
-            before = largest[compared]
-            before[np.isinf(before)] = 0.0
-            largest[compared] = np.maximum(before, mesh.share * apart)
-        errors[name] = largest.reshape(t.shape)
+        errors[name] = _error_of(name, fine, coarser, t.ravel()).reshape(t.shape)
     if any(mesh.steep for mesh, _ in coarser):
         errors["velocity"] = np.full(t.shape, np.inf)
         errors["stress"] = np.full(t.shape, np.inf)
     return FieldError(**errors)
 
 
+def _error_of(
+    name: str, fine: Any, coarser: Sequence[tuple[Coarser, Any]], t: Floats
+) -> Floats:
+    """Stated error of a field at the times t, [time]; inf where no mesh is compared."""
+    largest = np.full(t.size, np.inf)
+    for mesh, solution in coarser:
+        times = t[:, None] + solution.fields.step * np.array(NEAR_STEPS)
+        times = np.clip(times, 0.0, fine.t_end)
+        compared = times.max(axis=1) <= solution.t_end
+        if not compared.any():
+            continue
+        difference = _difference(name, fine, solution, times[compared])
+        before = largest[compared]
+        before[np.isinf(before)] = 0.0
+        largest[compared] = np.maximum(before, mesh.share * difference)
+    return largest
+
+
 def _difference(name: str, fine: Any, coarse: Any, times: Floats) -> Floats:
     """Largest difference of a field over all rods, [time]; times are [time, near]."""
     largest = np.zeros(len(times))
+    instants = times.ravel()
     for body, rod in enumerate(fine.system.bodies):
         if not isinstance(rod, Rod):
             continue
         x = np.linspace(0.0, float(rod.length), PLACES)[:, None]
-        fine_values = getattr(fine, name)(body, x, times.ravel())
-        coarse_values = getattr(coarse, name)(body, x, times.ravel())
-        apart = np.abs(fine_values - coarse_values).max(axis=0).reshape(times.shape)
-        largest = np.maximum(largest, apart.max(axis=1))
+        fine_values = getattr(fine, name)(body, x, instants)
+        coarse_values = getattr(coarse, name)(body, x, instants)
+        over_places = np.abs(fine_values - coarse_values).max(axis=0)
+        over_near_times = over_places.reshape(times.shape).max(axis=1)
+        largest = np.maximum(largest, over_near_times)
     return largest

@@ -68,7 +68,7 @@ class NodeNeighbour(NamedTuple):
     cell: int  # cell of the segment beside the node
     second_cell: int  # cell behind it, or the same one
     inward: int  # 1 at the left end, -1 at the right one
-    area: float  # at the end, m^2
+    area: float  # area of the segment at this end, m^2
 
 
 class GridFields(Fields):
@@ -288,7 +288,8 @@ class GridFields(Fields):
         """Displacements of the nodes of each rod in the frame, m."""
         motion = self.motion
         elongation = self._strain[:, :-1] * motion.cells.width[:-1]
-        stretched = np.cumsum(elongation, axis=1)  # from the first node of the row
+        # Elongation from the first node of the row to each node
+        stretched = np.cumsum(elongation, axis=1)
         tables = {}
         for body in self.rods:
             first, last = self.clock.spans[body]

@@ -1,4 +1,4 @@
-"""What a force did that is known by its means over time steps, and by gaps at the ends of steps.
+"""Measures of a force that is known by its means over time steps, and by gaps at their ends.
 
 Largest force, begin and end of forces, contact intervals and openings. Times are counted in steps.
 Arrays of forces have an entry for each step, N, those of gaps one entry more, m.

@@ -21,7 +21,7 @@ class GroupState(NamedTuple):
     """Motion of the group on one side of a contact."""
 
     mean: float  # velocity, m/s
-    deviation: float  # of its end from the mean motion, m, positive to the right
+    deviation: float  # its end less the mean motion, m, positive to the right
     bound: float  # largest deviation that it can ever reach, m
 
 

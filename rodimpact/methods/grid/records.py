@@ -38,7 +38,7 @@ class Piece:
     """A piece of neighbouring nodes: bodies that are bonded together."""
 
     first_node: int
-    displacement: float  # of its first node
+    displacement: float  # displacement of its first node
 
 
 class Link(link.Link):
@@ -65,7 +65,7 @@ class Link(link.Link):
     initial_closing: float  # closing velocity at the start of the step
     force_free_closing: float  # closing in the step without any force
     max_closing: float  # largest closing of a rigid contact or impact under force
-    overlap: float  # at the end of the step
+    overlap: float  # overlap at the end of the step
     force_slope: float  # dF/d(closing); -1 where the closing is fixed
     force_before: float  # force before a Newton step
     upper: float  # factor of the elimination of a chain
@@ -75,11 +75,11 @@ class Link(link.Link):
 
 
 class End:
-    """What acts on the left or right end of the row."""
+    """The outside that acts on the left or right end of the row."""
 
     kind: int  # `states.Beyond`
     node: int
-    impedance: float  # of a semi-infinite bar
+    impedance: float  # impedance of a semi-infinite bar
     background_wave: float  # wave that comes from this bar in addition to the given one
     prescribed: float  # force, velocity or incident wave in the present step
 
@@ -88,7 +88,7 @@ class Signal:
     """State of a link in a step."""
 
     force: float  # mean over the step
-    gap: float  # at the end of the step
+    gap: float  # gap at the end of the step
     closing: float  # mean closing velocity
 
 

@@ -119,7 +119,7 @@ def error_of(levels: Sequence[Level], name: str, order: float) -> float:
         least = 0.0
         if latest > 0 and order > 1 / 2:
             least = TIME_RESOLUTION * h
-        elif latest > 0:  # where forces jump, waves may oscillate on all levels
+        elif latest > 0:  # forces jump, and waves may oscillate on all levels
             least = h
         error = max(DURATION_FACTOR * error, least)
     if latest > 0:

@@ -26,7 +26,7 @@ KINDS = {
     "velocity": Beyond.MOVED,
     "absorbing": Beyond.ENDLESS,
 }
-"""What is outside the ends of a row, by the names of `Row.outside`."""
+"""Kinds of ends, by the names of `Row.outside`."""
 
 
 class Factors(NamedTuple):

@@ -1,4 +1,4 @@
-"""From a run on a grid to the `Run` that all methods return: signals, tallies, and a status."""
+"""The `Run` that all methods return, made of a run on a grid: signals, tallies and a status."""
 
 import math
 from functools import partial
@@ -160,7 +160,7 @@ def _signals(
     mesh = run.mesh
     edges = run.edges
     contacts = []
-    pushes: dict[int, Floats] = {}  # by node
+    pushes: dict[int, Floats] = {}  # forces to the right, N, by node
     for k, force in enumerate(forces):
         link = row.contact_link[k]
         gap = np.zeros(run.steps + 1)
