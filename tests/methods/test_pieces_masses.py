@@ -167,3 +167,35 @@ def test_masses_at_rest_stay(law, gap, other):
     assert rest.final
     assert rest.outcome.contacts[0].impulse == 0
     assert rest.velocity(0, 0, rest.t_end) == 0
+
+
+# Long flights ----------------------------------------------------------------------------------
+
+
+def hertz_time(mass, velocity, stiffness):
+    """Contact time of a mass on a Hertz contact: d/v times the integral of 2/sqrt(1 - x^2.5)."""
+    depth = (1.25 * mass * velocity**2 / stiffness) ** 0.4
+    integral = 0.8 * math.gamma(0.4) * math.gamma(0.5) / math.gamma(0.9)
+    return integral * depth / velocity
+
+
+@pytest.mark.parametrize("stiffness", [1e6, 1e10])
+@pytest.mark.parametrize("gap", [1.0, 1e2, 1e4])
+def test_the_stated_error_of_a_contact_after_a_long_flight_bounds_the_true_one(
+    gap, stiffness
+):
+    law = ri.Hertz(stiffness)
+    row = ri.System([ri.RigidMass(1.0, velocity=1.0), ri.Wall()], [gap], [law])
+    solution = ri.solve(row)
+    duration = solution.contacts[0].duration
+    right = hertz_time(1.0, 1.0, stiffness)
+    assert abs(duration - right) <= solution.accuracy["duration"] * duration
+
+
+@pytest.mark.parametrize("gap", [1e10, 1e20])
+def test_a_contact_too_short_for_the_clock_is_refused(gap):
+    row = ri.System(
+        [ri.RigidMass(1.0, velocity=1.0), ri.Wall()], [gap], [ri.Hertz(1e10)]
+    )
+    with pytest.raises(ri.InvalidModel, match=r"it lasts about 0\.0003 s, too short"):
+        ri.solve(row)

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..link import Law
+from .records import Part
 
 COARSER = 5.0  # tolerance of the run that the first is compared with, over its own
 COARSER_FLOOR = 2  # its floor, if breaks come too densely to be followed
@@ -56,10 +57,28 @@ def left_open(fine: Ended, fit: float) -> list[float]:
     loose = LOOSE_FACTOR * (run.roughest / run.scale) ** LOOSE_POWER
     common = ROUND_OFF + loose + MISSED * fit
     found = [common, common, common, common, common]
+    if all(part.kind != Part.SEGMENT for part in fine.part):
+        add_faint_times(fine, found)
     peak = size_of([it.peak for it in fine.link])
     if peak > 0:
         found[PEAK_FORCE] += size_of([it.peak_error for it in fine.link]) / peak
     return found
+
+
+def add_faint_times(fine: Ended, found: list[float]) -> None:
+    """Add the error of durations and times of a row without rods, where a flight may be long.
+
+    A contact does not press while its overlap is less than the length that `graze` makes in the
+    reference time of the run, at its beginning and at its end.
+    """
+    run = fine.run
+    episodes = max([1, *[it.episodes for it in fine.link]])
+    faint = 2 * run.graze / run.scale * run.shortest * run.tick * episodes
+    values = measured(fine)
+    for i in range(SHOWN, len(found)):
+        longest = size_of(values[i])
+        if longest > 0:
+            found[i] += faint / longest
 
 
 def measured(r: Ended) -> list[list[float]]:

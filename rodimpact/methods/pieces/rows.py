@@ -36,22 +36,54 @@ def is_even(row: Row) -> bool:
     )
 
 
+def closing_velocity(row: Row) -> Any:
+    """Largest velocity with which rigid masses may close, m/s; 1 where none approaches another."""
+    speeds = velocities_of(row)
+    v = largest(speeds) - smallest(speeds)
+    return np.where(v > 0, v, 1.0)
+
+
+def contact_times(row: Row) -> dict[int, Any]:
+    """About how long each compliant link between rigid masses is closed, s, by its number.
+
+    A mass m that closes with velocity v on F = k d^p stops where m v^2/2 = k d^(p+1)/(p+1), after
+    about d/v, and comes back. All masses count as the largest.
+    """
+    v = closing_velocity(row)
+    times = {}
+    for i, link in enumerate(row.links):
+        if np.any(np.asarray(link.stiffness) > 0):
+            power = link.exponent + 1
+            stop = (power / 2 * largest(row.masses) / link.stiffness) ** (1 / power)
+            times[i] = 3 * stop * v ** (2 / power - 1)
+    return times
+
+
 def reference_time(row: Row, until: float | None) -> Any:
     """Longest transit, s; without rods `until`, else the longest time of a contact or a flight."""
     if row.segments:
         return largest([s.transit_time for s in row.segments])
     if until:
         return until
-    speeds = velocities_of(row)
-    v = largest(speeds) - smallest(speeds)
-    v = np.where(v > 0, v, 1.0)  # bodies that do not approach each other never meet
-    m, times = largest(row.masses), [it.gap / v for it in row.links]
-    for it in row.links:
-        if np.any(np.asarray(it.stiffness) > 0):
-            power = it.exponent + 1
-            times.append(3 * (power / 2 * m * v * v / it.stiffness) ** (1 / power) / v)
-    longest = largest(times)
+    flights = [link.gap / closing_velocity(row) for link in row.links]
+    longest = largest([*flights, *contact_times(row).values()])
     return np.where(longest > 0, longest, 1.0)
+
+
+def refuse_short_contacts(row: Row, tick: Any) -> None:
+    """Raise InvalidModel if a contact of a row without rods lasts too few ticks to be followed."""
+    speeds = velocities_of(row)
+    moving = largest(speeds) > smallest(speeds)
+    times = contact_times(row)
+    for k, i in enumerate(row.contact_link):
+        if i not in times or not np.any(moving & (times[i] <= MIN_TRANSIT * tick)):
+            continue
+        short = float(np.min(times[i]))
+        sentence = (
+            f"it lasts about {short:.1g} s, too short beside the flight or the run: the clock "
+            "holds ratios up to about 1e11; take a smaller gap, an earlier end or a softer law"
+        )
+        raise InvalidModel([(f"contacts.{k}", sentence)])
 
 
 def velocity_scale(row: Row, time: Any) -> Any:
@@ -97,6 +129,8 @@ def family_clock(
     tick = tick.reshape(shape)
     last_tick: Any = np.rint(end.reshape(shape) / tick)
     by_segment: Any = [*ticks.reshape((segments, *shape))]
+    if not row.segments:
+        refuse_short_contacts(row, tick)
     clock = Clock(row, tick, by_segment, row.frame, scale, reference, last_tick)
     # Only a single row, not a family, has states that jump.
     return clock, dict(zip(jumps, counted[segments:], strict=True))
