@@ -11,6 +11,7 @@ from ..methods.groups import groups, movable, velocities_in_group
 from ..methods.outcome import Motion, Totals, Works, relative_residual
 from ..methods.run import INWARD, Run
 from ..methods.signals import Floats, Ints
+from ..model import System
 from .contacts import ContactHistory
 from .fields import Fields
 
@@ -80,107 +81,160 @@ class EnergyLedger:
 
 
 class BondedGroups(NamedTuple):
-    """Groups of bonded bodies at some times; without walls and what is bonded to them.
+    """Groups of bonded bodies at some times; without walls and what is bonded to them."""
 
-    ticks [time]; bodies [group]: the bodies that can move against the walls, none of a lone wall;
-    velocity [group, time] of the centre of mass, momentum over mass, in m/s, 0 without such bodies;
-    mass of all together, kg; momentum, kg m/s, and kinetic, the energy of the motion of the centres
-    of mass, J, of all together [time]; moving, strained [body, time]: kinetic energy relative to
-    the velocity of the group, and strain energy, in J, 0 for a wall.
-    """
+    ticks: Ints  # [time]
+    bodies: list[list[int]]  # by group: those that can move; none of a lone wall
+    velocity: Floats  # [group, time], m/s, of the centre of mass; 0 of a lone wall
+    mass: float  # of all groups together, kg
+    momentum: Floats  # [time], of all groups together, kg m/s
+    kinetic: Floats  # [time], of the motion of all centres of mass, J
+    vibrational_kinetic: Floats  # [body, time], relative to its group, J; 0 of a wall
+    strain: Floats  # [body, time], strain energy, J; 0 of a wall
 
-    ticks: Ints
-    bodies: list[list[int]]
-    velocity: Floats
-    mass: float
-    momentum: Floats
-    kinetic: Floats
-    moving: Floats
-    strained: Floats
+    @property
+    def vibration(self) -> Floats:
+        """Energy of the motion relative to the group, and of strain, J, [body, time]."""
+        return self.vibrational_kinetic + self.strain
 
 
 def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
     """Velocities and energies of the groups at [n] ticks at which the fields know energies."""
-    a, system, times = fields.clock, fields.clock.system, ticks * fields.clock.tick
-    free, rods = movable(system), fields.rods
-    bodies = [[i for i in group if i in free] for group in groups(system)]
-    mass, velocities = np.zeros((len(bodies), 1)), np.zeros((len(bodies), len(ticks)))
-    moving, strained = np.zeros((2, len(system.bodies), len(ticks)))
-    for g, (velocity, inside) in enumerate(zip(velocities, bodies, strict=True)):
-        mass[g] = sum(a.mass(i) for i in inside)
-        velocity[:] = sum(
-            fields.momentum(i, times)
-            if i in rods
-            else a.mass(i) * fields.velocity(i, 0.0, times)
-            for i in inside
-        ) / (mass[g] or 1.0)
-        for i in inside:
-            if i in rods:
-                known = zip(ticks.tolist(), velocity.tolist(), strict=True)
-                moving[i], strained[i] = np.transpose(
-                    [fields.energy(i, *at) for at in known]
-                )
+    clock = fields.clock
+    system = clock.system
+    times = ticks * clock.tick
+    bodies = movable_groups(system)
+    mass = np.zeros((len(bodies), 1))
+    velocities = np.zeros((len(bodies), len(ticks)))
+    vibrational_kinetic = np.zeros((len(system.bodies), len(ticks)))
+    strain = np.zeros((len(system.bodies), len(ticks)))
+    for g, group in enumerate(bodies):
+        momentum: Any = 0.0
+        for i in group:
+            mass[g] += clock.mass(i)
+            momentum = momentum + _momentum(fields, i, times)
+        if len(group) > 0:
+            velocities[g] = momentum / mass[g]
+        for i in group:
+            if i in fields.rods:
+                for k, tick in enumerate(ticks.tolist()):
+                    energy = fields.energy(i, tick, float(velocities[g, k]))
+                    vibrational_kinetic[i, k] = energy.kinetic
+                    strain[i, k] = energy.strain
             else:
-                off = fields.velocity(i, 0.0, times) - velocity
-                moving[i] = a.mass(i) * off * off / 2
+                relative = fields.velocity(i, 0.0, times) - velocities[g]
+                vibrational_kinetic[i] = clock.mass(i) * relative * relative / 2
     return BondedGroups(
-        ticks,
-        bodies,
-        velocities,
-        float(mass.sum()),
-        np.sum(mass * velocities, axis=0),
-        np.sum(mass * velocities**2, axis=0) / 2,
-        moving,
-        strained,
+        ticks=ticks,
+        bodies=bodies,
+        velocity=velocities,
+        mass=float(mass.sum()),
+        momentum=np.sum(mass * velocities, axis=0),
+        kinetic=np.sum(mass * velocities**2, axis=0) / 2,
+        vibrational_kinetic=vibrational_kinetic,
+        strain=strain,
     )
+
+
+def movable_groups(system: System) -> list[list[int]]:
+    """Groups of bonded bodies; without those that cannot move, of which a group may consist."""
+    free = movable(system)
+    movable_bodies = []
+    for group in groups(system):
+        movable_bodies.append([i for i in group if i in free])
+    return movable_bodies
+
+
+def _momentum(fields: Fields, body: int, times: Floats) -> Floats:
+    """Momentum of a rod or of a rigid mass, kg m/s."""
+    if body in fields.rods:
+        return fields.momentum(body, times)
+    return fields.clock.mass(body) * fields.velocity(body, 0.0, times)
 
 
 def stored(law: Any, gap: Floats) -> Floats:
     """Energy in a contact whose gap is minus the indentation, or in a joint, J."""
-    x = np.maximum(-gap, 0.0) if law.opens else -gap
-    return np.asarray(law.stored(x)) if hasattr(law, "stored") else np.zeros(x.shape)
+    compression = -gap
+    if law.opens:
+        compression = np.maximum(compression, 0.0)
+    if not hasattr(law, "stored"):
+        return np.zeros(compression.shape)
+    return np.asarray(law.stored(compression))
 
 
 def ledger(
     fields: Fields, contacts: Sequence[ContactHistory], states: BondedGroups
 ) -> EnergyLedger:
     """Energy ledger at the ticks of the states, the first of which is 0."""
-    a, ticks = fields.clock, states.ticks
-    t = ticks * a.tick
-    works = {kind: np.zeros(t.shape) for kind in ("wall", "drive", "absorbing")}
-    path = (states.mass * a.gravity * t / 2 + states.momentum[0]) * t
-    for side, sign in zip(fields.signals.outside, INWARD, strict=True):
-        if side is not None:
-            works[side.kind] += (
-                sign * (side.push * side.speed).integral(0, ticks) * a.tick
-            )
-            path = path + sign * side.push.integrated_twice(ticks) * a.tick * a.tick
-    fallen = a.gravity * path if a.gravity else np.zeros(t.shape)
-    contact, dissipated, numerical = np.zeros((3, *t.shape))
+    clock = fields.clock
+    ticks = states.ticks
+    t = ticks * clock.tick
+    works = _works_from_outside(fields, ticks)
+    gravity_work = _gravity_work(fields, states)
+    contact = np.zeros(t.shape)
+    dissipated = np.zeros(t.shape)
+    numerical = np.zeros(t.shape)
     for history in contacts:
         energy = stored(history.law, history.gap(t))
         contact += energy
-        meets = getattr(history.law, "restitution", 0.0) is None
-        lost = numerical if meets else dissipated
-        lost += history.work_until(t) - (energy - energy[0])
+        loss = history.work_until(t) - (energy - energy[0])
+        # Rigid contact without a restitution loses energy to the half cells of a grid alone.
+        if getattr(history.law, "restitution", 0.0) is None:
+            numerical += loss
+        else:
+            dissipated += loss
     damped = fields.damped(ticks)
-    in_bodies = states.kinetic, states.moving.sum(axis=0), states.strained.sum(axis=0)
-    missing = sum(x - x[0] for x in in_bodies) + contact - contact[0]
-    missing += dissipated + damped + numerical
-    for work in (*works.values(), fallen):
-        missing = missing - work
+    vibrational_kinetic = states.vibrational_kinetic.sum(axis=0)
+    strain = states.strain.sum(axis=0)
+    gained = states.kinetic - states.kinetic[0]
+    gained = gained + (vibrational_kinetic - vibrational_kinetic[0])
+    gained = gained + (strain - strain[0])
+    residual = gained + contact - contact[0]
+    residual += dissipated + damped + numerical
+    for work in (*works.values(), gravity_work):
+        residual = residual - work
     return EnergyLedger(
-        *in_bodies,
-        contact,
-        dissipated,
-        damped,
-        numerical,
-        -works["absorbing"],
-        works["wall"],
-        works["drive"],
-        fallen,
-        missing,
+        kinetic=states.kinetic,
+        vibrational_kinetic=vibrational_kinetic,
+        strain=strain,
+        contact=contact,
+        dissipated=dissipated,
+        damped=damped,
+        numerical=numerical,
+        radiated=-works["absorbing"],
+        wall_work=works["wall"],
+        drive_work=works["drive"],
+        gravity_work=gravity_work,
+        residual=residual,
     )
+
+
+def _works_from_outside(fields: Fields, ticks: Ints) -> dict[str, Floats]:
+    """Work that is done on the two ends of the row since t = 0, J, by kind of what does it."""
+    works = {}
+    for kind in ("wall", "drive", "absorbing"):
+        works[kind] = np.zeros(ticks.shape)
+    for side, sign in zip(fields.signals.outside, INWARD, strict=True):
+        if side is not None:
+            power = side.push * side.speed
+            works[side.kind] += sign * power.integral(0, ticks) * fields.clock.tick
+    return works
+
+
+def _gravity_work(fields: Fields, states: BondedGroups) -> Floats:
+    """g (integral of the momentum over time): work of gravity since t = 0, J."""
+    clock = fields.clock
+    ticks = states.ticks
+    t = ticks * clock.tick
+    if not clock.gravity:
+        return np.zeros(t.shape)
+    momentum_integral = (states.mass * clock.gravity * t / 2 + states.momentum[0]) * t
+    for side, sign in zip(fields.signals.outside, INWARD, strict=True):
+        if side is not None:
+            push_integral = side.push.integrated_twice(ticks)
+            by_push = sign * push_integral * clock.tick * clock.tick
+            momentum_integral = momentum_integral + by_push
+    return clock.gravity * momentum_integral
 
 
 def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> Totals:
@@ -192,10 +246,9 @@ def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> T
     before = _motion_at(run, states, book, 0)
     after = _motion_at(run, states, book, -1)
     if run.motion is not None:  # the kernel knows better
-        before = before._replace(velocities=run.motion[0].velocities)
-        after = after._replace(
-            velocities=run.motion[1].velocities, vibration=run.motion[1].vibration
-        )
+        first, last = run.motion
+        before = before._replace(velocities=first.velocities)
+        after = after._replace(velocities=last.velocities, vibration=last.vibration)
     works = Works(
         wall_work=float(book.wall_work[-1]),
         drive_work=float(book.drive_work[-1]),
@@ -209,27 +262,25 @@ def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> T
     )
     time = float(ticks[-1]) * clock.tick
     impulse = _impulse_from_outside(fields, ticks[-1])
-    gained = float(states.momentum[-1] - states.momentum[0])
-    missing_momentum = gained - impulse - states.mass * clock.gravity * time
+    gained_momentum = float(states.momentum[-1] - states.momentum[0])
+    gravity_impulse = states.mass * clock.gravity * time
+    missing_momentum = gained_momentum - impulse - gravity_impulse
     momentum_scale = states.mass * clock.scale
     for tally in run.contacts:
         if not math.isnan(tally.impulse):
             momentum_scale += abs(tally.impulse)
     energy_scale = float(book.total[0]) + states.mass * clock.scale**2 / 2
-    for work in (
-        works.gravity_work,
-        works.wall_work,
-        works.drive_work,
-        works.radiated,
-    ):
-        energy_scale += abs(work)
+    energy_scale += abs(works.gravity_work)
+    energy_scale += abs(works.wall_work)
+    energy_scale += abs(works.drive_work)
+    energy_scale += abs(works.radiated)
     return Totals(
-        [clock.mass(i) for i in range(len(run.system.bodies))],
-        before,
-        after,
-        works,
-        relative_residual(missing_momentum, momentum_scale),
-        relative_residual(float(book.residual[-1]), energy_scale),
+        masses=[clock.mass(i) for i in range(len(run.system.bodies))],
+        before=before,
+        after=after,
+        works=works,
+        momentum_residual=relative_residual(missing_momentum, momentum_scale),
+        energy_residual=relative_residual(float(book.residual[-1]), energy_scale),
     )
 
 
@@ -238,12 +289,12 @@ def _motion_at(
 ) -> Motion:
     """Motion of the bodies at one of the instants of the states."""
     velocities = []
-    for group, inside, own in zip(
-        groups(run.system), states.bodies, states.velocity[:, instant], strict=True
-    ):
-        for velocity in velocities_in_group(run.system, group, inside, own):
+    own = states.velocity[:, instant]
+    for g, group in enumerate(groups(run.system)):
+        bodies = states.bodies[g]
+        for velocity in velocities_in_group(run.system, group, bodies, own[g]):
             velocities.append(float(velocity))
-    vibration = states.moving[:, instant] + states.strained[:, instant]
+    vibration = states.vibration[:, instant]
     return Motion(velocities, vibration.tolist(), float(book.kinetic[instant]))
 
 

@@ -20,14 +20,36 @@ from .extreme_stress import ExtremeStress
 
 
 class Profile(NamedTuple):
-    """State of one body at one time: pieces from left to right, each constant.
+    """State of one body at one time: n pieces from left to right, each constant."""
 
-    edges [n + 1] in m from the left end, those of segments among them; velocity [n] in m/s;
-    strain [n].
+    edges: Floats  # [n + 1], m from the left end; ends of segments are among them
+    velocity: Floats  # [n], m/s
+    strain: Floats  # [n]
+
+
+class PassingWaves(NamedTuple):
+    """The waves that pass a place in a rod from t = 0 to the end, in the frame of the clock.
+
+    With velocity v, strain eps and wave speed c:
     """
 
-    edges: Floats
-    velocity: Floats
+    rightward: Pieces  # v - c eps, m/s
+    leftward: Pieces  # v + c eps, m/s
+    difference: Pieces  # 2 c eps, m/s
+    wave_speed: float  # c, m/s
+
+
+class RodEnergy(NamedTuple):
+    """Energy of a rod at one time, J."""
+
+    kinetic: float
+    strain: float
+
+
+class MeanState(NamedTuple):
+    """Means over intervals of time, [place, interval]."""
+
+    velocity: Floats  # m/s
     strain: Floats
 
 
@@ -37,7 +59,10 @@ def to_side(ticks: Ints, side: Side) -> Ints:
     A float cannot name a single tick beyond 2^51 of them. ValueError for what is no side of a jump.
     """
     one_of("side", side, ("right", "left"))
-    return ticks + (ticks >> 51) if side == "right" else ticks - (ticks >> 51)
+    round_off = ticks >> 51
+    if side == "right":
+        return ticks + round_off
+    return ticks - round_off
 
 
 class Fields(Protocol):
@@ -61,16 +86,15 @@ class Fields(Protocol):
     rods: dict[int, Rod]
 
     def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
-        self.clock, self.end, self.signals, self.motion = (
-            clock,
-            end,
-            signals,
-            signals.motion,
-        )
+        self.clock = clock
+        self.end = end
+        self.signals = signals
+        self.motion = signals.motion
         self.step = clock.tick * self.resolution
-        self.rods = {
-            i: b for i, b in enumerate(clock.system.bodies) if isinstance(b, Rod)
-        }
+        self.rods = {}
+        for i, body in enumerate(clock.system.bodies):
+            if isinstance(body, Rod):
+                self.rods[i] = body
 
     resolution: int = 1
     """Ticks in which nothing is resolved, of a grid those of its step; `step` is the same in s."""
@@ -99,30 +123,29 @@ class Fields(Protocol):
         It counts from the unstrained rod whose left end is at its place at t = 0.
         """
 
-    def averaged(self, body: int, x: Floats, t: Floats) -> tuple[Floats, Floats]:
-        """Mean velocity and strain [places, intervals] at places x between increasing times t."""
+    def averaged(self, body: int, x: Floats, t: Floats) -> MeanState:
+        """Mean velocity and strain at places x between increasing times t."""
         ticks = self.to_ticks(t)
-        moved, strained = (
-            self.displacement(body, x[:, None], t),
-            self.strained(body, x, ticks),
-        )
-        lasts = np.diff(ticks)
-        return np.diff(moved) / (lasts * self.clock.tick), np.diff(strained) / lasts
+        displacement = self.displacement(body, x[:, None], t)
+        strain_integral = self.strain_integral(body, x, ticks)
+        durations = np.diff(ticks)
+        velocity = np.diff(displacement) / (durations * self.clock.tick)
+        return MeanState(velocity, np.diff(strain_integral) / durations)
 
-    def strained(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        """Integral of the strain at places x from t = 0 on [places, ticks], in ticks."""
+    def strain_integral(self, body: int, x: Floats, ticks: Ints) -> Floats:
+        """Integral over time of the strain at places x, [place, tick], in ticks.
 
-    def trace(self, body: int, x: float) -> tuple[Pieces, Pieces, Pieces, float]:
-        """What passes a place in a rod, from t = 0 to the end; m/s, in the frame of the clock.
-
-        The waves v - c eps to the right and v + c eps to the left, their difference 2 c eps, and c.
+        Its values at one place differ by what they should; where it is 0 is left open.
         """
 
-    def momentum(self, body: int, t: ArrayLike) -> Floats:
-        """kg m/s; of a rod."""
+    def trace(self, body: int, x: float) -> PassingWaves:
+        """The waves that pass a place in a rod."""
 
-    def energy(self, body: int, tick: int, velocity: float) -> tuple[float, float]:
-        """Kinetic energy of the motion relative to `velocity`, and strain energy; J, of a rod."""
+    def momentum(self, body: int, t: ArrayLike) -> Floats:
+        """Momentum of a rod, kg m/s."""
+
+    def energy(self, body: int, tick: int, velocity: float) -> RodEnergy:
+        """Kinetic energy of the motion relative to `velocity`, and strain energy, of a rod."""
 
     def extreme_stress(self, body: int) -> ExtremeStress:
         """Largest tension and compression in a rod, with place and time."""
@@ -149,15 +172,10 @@ class Fields(Protocol):
         end = self.end * self.clock.tick
         inside = (t >= 0) & (t <= end * (1 + 1e-12) + self.clock.tick)
         if not inside.all():
-            demand(
-                inside,
-                "t",
-                f"must lie in the solution, 0 to {end:.9g} s, got {{0!r}}",
-                t,
-            )
-        ticks: Ints = np.minimum(
-            np.rint(t / self.clock.tick).astype(np.int64), self.end
-        )
+            message = f"must lie in the solution, 0 to {end:.9g} s, got {{0!r}}"
+            demand(inside, "t", message, t)
+        nearest = np.rint(t / self.clock.tick).astype(np.int64)
+        ticks: Ints = np.minimum(nearest, self.end)
         return ticks if side is None else to_side(ticks, side)
 
     def edges(self, body: int) -> Floats:
@@ -174,34 +192,28 @@ class Fields(Protocol):
         if last == 0:
             kind = "a rigid mass" if body in self.signals.masses else "a wall"
             raise refusal("body", f"{body} is {kind} and has no inside; ask for a rod")
-        x, edges = array("x", x, "m"), self.edges(body)
+        x = array("x", x, "m")
+        edges = self.edges(body)
         inside = (x >= 0) & (x <= edges[-1] * (1 + 1e-12))
         if not inside.all():
-            demand(
-                inside,
-                "x",
-                f"must lie in body {body}, 0 to {edges[-1]:.9g} m, got {{0!r}}",
-                x,
-            )
+            message = f"must lie in body {body}, 0 to {edges[-1]:.9g} m, got {{0!r}}"
+            demand(inside, "x", message, x)
         piece = np.clip(np.searchsorted(edges, x, "right") - 1, 0, last - first)
         return np.asarray(piece + first), np.asarray(x - edges[piece])
 
-    def _together(self, x: Any, t: Any) -> tuple[int, ...]:
+    def _broadcast_shape(self, x: Any, t: Any) -> tuple[int, ...]:
         """Shape that places and times broadcast to; raise ValueError where they do not."""
         try:
             return np.broadcast_shapes(np.shape(x), np.shape(t))
         except ValueError:
-            message = (
-                f"shape {np.shape(x)} does not broadcast with shape {np.shape(t)} of t"
-            )
-            raise refusal(
-                "x", f"{message}; for a grid ask for x[:, None] and t"
-            ) from None
+            shapes = f"shape {np.shape(x)} does not broadcast with shape {np.shape(t)}"
+            message = f"{shapes} of t; for a grid ask for x[:, None] and t"
+            raise refusal("x", message) from None
 
     # Rods, masses and walls at places and times as users give them ------------------------------
 
-    def _fallen(self, ticks: Ints) -> Floats:
-        """Velocity that the frame has gained, m/s."""
+    def _fall_velocity(self, ticks: Ints) -> Floats:
+        """Velocity that the frame has gained by gravity, m/s."""
         return np.asarray(self.clock.gravity * ticks * self.clock.tick)
 
     def _is_rod(self, body: int) -> bool:
@@ -212,7 +224,7 @@ class Fields(Protocol):
         """Ticks broadcast with places in a rigid mass or in a wall, all of which are 0 m."""
         message = f"must be 0 in body {body}, which has no length, got {{0!r}}"
         demand(x == 0, "x", message, x)
-        return np.broadcast_to(ticks, self._together(x, ticks))
+        return np.broadcast_to(ticks, self._broadcast_shape(x, ticks))
 
     def velocity(
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
@@ -221,34 +233,35 @@ class Fields(Protocol):
         ticks = self.to_ticks(t, side)
         places = array("x", x, "m")
         if self._is_rod(body):
-            v = self.rod_velocity(body, places, ticks, side)
+            velocity = self.rod_velocity(body, places, ticks, side)
         else:
             ticks = self._at_rigid_body(body, places, ticks)
             mass = self.signals.masses.get(body)
             if mass is None:
                 wall: Any = self.clock.system.bodies[body]
                 return np.asarray(wall.velocity + 0.0 * ticks)
-            v = mass.at(ticks, side) + self.clock.frame
+            velocity = mass.at(ticks, side) + self.clock.frame
         if self.clock.gravity:
-            return v + self._fallen(self.to_ticks(t))
-        return v
+            return velocity + self._fall_velocity(self.to_ticks(t))
+        return velocity
 
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Displacement from the place at t = 0, m; arguments as for the velocity."""
         ticks = self.to_ticks(t)
         places = array("x", x, "m")
         if self._is_rod(body):
-            moved = self.rod_displacement(body, places, ticks)
+            displacement = self.rod_displacement(body, places, ticks)
         else:
             ticks = self._at_rigid_body(body, places, ticks)
             mass = self.signals.masses.get(body)
             if mass is None:
                 wall: Any = self.clock.system.bodies[body]
                 return np.asarray(wall.velocity * ticks * self.clock.tick)
-            seen = self.clock.frame * (ticks * self.clock.tick)
-            moved = mass.integral(0, ticks) * self.clock.tick + seen
+            of_frame = self.clock.frame * (ticks * self.clock.tick)
+            in_frame = mass.integral(0, ticks) * self.clock.tick
+            displacement = in_frame + of_frame
         time = ticks * self.clock.tick
-        return moved + self.clock.gravity * time * time / 2
+        return displacement + self.clock.gravity * time * time / 2
 
     def strain(
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
@@ -267,15 +280,16 @@ class Fields(Protocol):
 
         The place of a point is position + x + displacement; a wall's is its face.
         """
-        a, places, x = self.clock, [], 0.0
-        for body, (first, last) in enumerate(a.spans):
-            if body:
-                law = a.system.contacts[body - 1]
-                x += float(a.system.gaps[body - 1]) + float(
-                    getattr(law, "stretch", 0.0)
-                )
-            places.append(x)
-            if last:
-                x += sum(a.length[first : last + 1])
+        clock = self.clock
+        system = clock.system
+        positions = []
+        x = 0.0
+        for body, (first, last) in enumerate(clock.spans):
+            if body > 0:
+                stretch = getattr(system.contacts[body - 1], "stretch", 0.0)
+                x += float(system.gaps[body - 1]) + float(stretch)
+            positions.append(x)
+            if self._is_rod(body):
+                x += sum(clock.length[first : last + 1])
                 x += float(self.displacement(body, self.edges(body)[-1], 0.0))
-        return places
+        return positions

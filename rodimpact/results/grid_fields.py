@@ -21,7 +21,7 @@ from ..methods.signals import Floats, Ints, Pieces, Side
 from ..model import Segment
 from ..model.profiles import Samples
 from .extreme_stress import ExtremeStress, StressPeak, strongest
-from .fields import Fields, Profile
+from .fields import Fields, PassingWaves, Profile, RodEnergy
 
 
 class Table(NamedTuple):
@@ -112,7 +112,7 @@ class GridFields(Fields):
 
     def _at(self, body: int, x: Floats, ticks: Ints, table: Table) -> Floats:
         """Interpolate a table at places x of a rod, m, and at ticks."""
-        self._together(self.locate(body, x)[0], ticks)
+        self._broadcast_shape(self.locate(body, x)[0], ticks)
         places = table.places
         i = np.clip(np.searchsorted(places, x, "right") - 1, 0, len(places) - 2)
         share = np.minimum((x - places[i]) / (places[i + 1] - places[i]), 1.0)
@@ -317,21 +317,21 @@ class GridFields(Fields):
         moved = self._at(body, x, ticks, self._displacements[body])
         return moved + self.clock.frame * (ticks * self.clock.tick)
 
-    def strained(self, body: int, x: Floats, ticks: Ints) -> Floats:
+    def strain_integral(self, body: int, x: Floats, ticks: Ints) -> Floats:
         strains = self._at(body, x[:, None], self.known, self._strains[0][body])
         integrals = []
         for strain in strains:
             integrals.append(Pieces.through(self.known, strain).integral(0, ticks))
         return np.array(integrals)
 
-    def trace(self, body: int, x: float) -> tuple[Pieces, Pieces, Pieces, float]:
+    def trace(self, body: int, x: float) -> PassingWaves:
         segment = int(self.locate(body, x)[0])
         c = self.clock.wave_speed[segment]
         ticks = self.known
         place = np.asarray(x)
         v = self._at(body, place, ticks, self._velocities[body])
         stretch = c * self._at(body, place, ticks, self._strains[0][body])
-        return (
+        return PassingWaves(
             Pieces.through(ticks, v - stretch),
             Pieces.through(ticks, v + stretch),
             Pieces.through(ticks, 2 * stretch),
@@ -356,16 +356,17 @@ class GridFields(Fields):
         in_frame = (self.motion.velocity[:, span.nodes] * span.mass).sum(axis=1)
         ticks = self.to_ticks(t)
         moving = self._in_time(in_frame[:, None], 0, ticks)
-        frame = self.clock.frame + self._fallen(ticks)
+        frame = self.clock.frame + self._fall_velocity(ticks)
         return np.asarray(moving + span.mass.sum() * frame)
 
-    def energy(self, body: int, tick: int, velocity: float) -> tuple[float, float]:
+    def energy(self, body: int, tick: int, velocity: float) -> RodEnergy:
         clock = self.clock
         span = self._span(body)
         state = int(np.searchsorted(self.motion.when, tick // STEP_TICKS))
         in_frame = self.motion.velocity[state, span.nodes]
         v = in_frame + clock.frame + clock.gravity * tick * clock.tick - velocity
-        return self.motion.energies(span.nodes, span.mass, state, v, self.step)
+        energies = self.motion.energies(span.nodes, span.mass, state, v, self.step)
+        return RodEnergy(*energies)
 
     def extreme_stress(self, body: int) -> ExtremeStress:
         peaks = [*self._state_peaks(body), *self._end_peaks(body)]

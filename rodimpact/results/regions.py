@@ -180,7 +180,7 @@ def _rods(fields: WaveFields) -> list[dict[str, Any]]:
                     "leftward": wave_of(B.ticks.tolist(), B.values.tolist()),
                 }
                 for (s, T, A, B), segment in zip(
-                    fields.along(body), rod.segments, strict=True
+                    fields.waves_along(body), rod.segments, strict=True
                 )
             ],
         }

@@ -84,7 +84,7 @@ def ring_down(fields: Fields, start: float, end: float) -> RingDown:
         )
     times = ticks * fields.clock.tick
     states = bonded_groups(fields, ticks)
-    rigid, vibration = states.kinetic, (states.moving + states.strained).sum(axis=0)
+    rigid, vibration = states.kinetic, states.vibration.sum(axis=0)
     masses = [fields.clock.mass(i) for group in states.bodies for i in group]
     scale = sum(m * math.sqrt(2 * (rigid + vibration).max() / m) for m in masses)
     modes = {i: lasting_mode(rod.segments) for i, rod in fields.rods.items()}

@@ -44,7 +44,7 @@ def _sizes(fields: WaveFields, body: int, tick: int) -> tuple[float, float]:
     """Largest wave in a rod, and largest change within a piece of a wave, m/s."""
     scale = 0.0
     swing = 0.0
-    for _, transit, *waves in fields.along(body):
+    for _, transit, *waves in fields.waves_along(body):
         for wave in waves:
             sizes = np.abs(wave.within(tick - transit, tick).coefficients)
             scale = max(scale, float(sizes.sum(axis=1).max()))
@@ -60,14 +60,14 @@ def _polynomials(
     corners = fields.edges(body)
     fall = clock.frame + clock.gravity * tick * clock.tick
     count = max(
-        2, *(wave.size for _, _, *waves in fields.along(body) for wave in waves)
+        2, *(wave.size for _, _, *waves in fields.waves_along(body) for wave in waves)
     )
     shares = (1 - np.cos(np.pi * np.arange(count) / (count - 1))) / 2
     borders: list[float] = []
     velocities = []
     strains = []
     for (s, transit, right, left), corner in zip(
-        fields.along(body), corners, strict=False
+        fields.waves_along(body), corners, strict=False
     ):
         edges = _edges_of_waves(right, left, tick, transit)
         # what is at `edge` ticks from the left end left that end so many ticks ago
@@ -81,7 +81,7 @@ def _polynomials(
     inner = None
     if len(borders) > 1:
         inner = borders[1:]
-    slowest = min(clock.wave_speed[s] for s, *_ in fields.along(body))
+    slowest = min(clock.wave_speed[s] for s, *_ in fields.waves_along(body))
     return {
         "velocity": Polynomials(np.concatenate(velocities).ravel(), inner, error=error),
         "strain": Polynomials(
