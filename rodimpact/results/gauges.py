@@ -3,22 +3,30 @@
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods.signals import Floats, Ints, Pieces, Side, quadrature
 from ..model.arguments import array, demand, single
-from ..model.frozen import raise_noted, refusal
+from ..model.frozen import Problems, raise_noted, refusal
 from ..records.signal import Signal
 from ..storage.tables import heading, misnamed, write_table
 from ..units import shown
 from .fields import to_side
 
-SAMPLES = 10_000  # of a record where no interval is given
-MOST_ROWS = 100_000_000  # of a table, some gigabytes
-TOGETHER = 4096  # rows that are made at a time
+DEFAULT_SAMPLES = 10_000  # in a record where no interval is given
+MAX_TABLE_ROWS = 100_000_000  # some gigabytes
+ROWS_PER_BLOCK = 4096  # which are made at a time
+SAMPLE_COUNT_RTOL = 1e-12  # by which a last sample may come after the end
+
+
+class Sampling(NamedTuple):
+    """Samples at equal intervals from t = 0 on."""
+
+    step: float  # s, from one sample to the next
+    rows: int  # number of samples
 
 
 @dataclass(frozen=True)
@@ -82,12 +90,13 @@ class Gauge:
     @property
     def strain_rate(self) -> Floats:
         """How fast the strain changes until the next time, 1/s; on average."""
-        until = np.append(self.times[1:], self.end)
-        lasts = until - self.times
-        gained = self.record.at(self._ticks(until, "left"), "left") - self.strain_after
-        return np.asarray(
-            np.divide(gained, lasts, out=np.zeros(len(lasts)), where=lasts > 0)
-        )
+        stops = np.append(self.times[1:], self.end)
+        durations = stops - self.times
+        strain_before = self.record.at(self._ticks(stops, "left"), "left")
+        changes = strain_before - self.strain_after
+        rates = np.zeros(len(durations))
+        np.divide(changes, durations, out=rates, where=durations > 0)
+        return rates
 
     def _ticks(self, t: Floats, side: Side = "right") -> Ints:
         return to_side(np.rint(t / self.tick).astype(np.int64), side)
@@ -119,34 +128,45 @@ class Gauge:
         >>> round(gauge.signal(1e-7).pulse().width / (0.2 / ri.materials.steel.wave_speed), 4)
         1.0
         """
-        step, rows = _sampling(interval, self.end)
+        sampling = _sampling(interval, self.end)
+        step = sampling.step
         message = f"must not be longer than the record, {self.end!r} s, got {step!r}"
         demand(step <= self.end, "interval", message)
-        means = [self._means(step / self.tick, block) for block in _blocks(rows)]
-        return Signal(np.concatenate(means), step * np.arange(rows), name=name)
+        samples = []
+        for block in _blocks(sampling.rows):
+            samples.append(self._spline_means(step / self.tick, block))
+        times = step * np.arange(sampling.rows)
+        return Signal(np.concatenate(samples), times, name=name)
 
-    def _means(self, step: float, rows: Ints) -> Floats:
-        """Samples that are so many ticks apart."""
-        # each cell of a step is cut where the record has breaks; Gauss's rule is exact in between
+    def _spline_means(self, step: float, rows: Ints) -> Floats:
+        """Means about row * step, weighted by a parabolic spline; the step is in ticks.
+
+        With u from 0 to 1 in each of its three cells, the spline is u^2/2, 1/2 + u - u^2, and
+        (1 - u)^2/2. So a mean is made of the integrals of the strain, of u times the strain, and of
+        u^2 times the strain over these cells.
+        """
         bounds = step * (np.append(rows, rows[-1] + [1, 2, 3]) - 1.5)
-        low, high = np.searchsorted(self.record.breaks, bounds[[0, -1]])
-        breaks = self.record.breaks[low:high]
-        place = np.searchsorted(bounds[:-1], breaks, "right")
-        cuts = np.insert(bounds, place, breaks)
-        cell = np.insert(np.arange(len(bounds) - 1), place, place - 1)
-        begins, lasts = (cuts[:-1] - bounds[cell]) / step, np.diff(cuts) / step
+        cell_count = len(bounds) - 1
+        # Gauss's rule is exact for the parts into which breaks of the record cut the cells.
+        first, stop = np.searchsorted(self.record.breaks, bounds[[0, -1]])
+        breaks = self.record.breaks[first:stop]
+        after = np.searchsorted(bounds[:-1], breaks, "right")
+        cuts = np.insert(bounds, after, breaks)
+        cell = np.insert(np.arange(cell_count), after, after - 1)
+        begins = (cuts[:-1] - bounds[cell]) / step
+        widths = np.diff(cuts)[:, None] / step
         shares, weights = quadrature((self.record.size + 3) // 2)
-        u = begins[:, None] + lasts[:, None] * shares  # place in its cell, 0 to 1
-        values = (
-            self.record.inside(cuts[:-1], cuts[1:], shares) * weights * lasts[:, None]
-        )
-        value, lever, square = (
-            np.bincount(cell, (values * power).sum(axis=1), len(bounds) - 1)
-            for power in (1.0, u, u * u)
-        )
-        # parabolic spline: u^2/2 in the first cell, 1/2 + u - u^2, then (1 - u)^2/2
-        samples: Floats = square[:-2] / 2 + (value / 2 + lever - square)[1:-1]
-        return samples + (value / 2 - lever + square / 2)[2:]
+        u = begins[:, None] + widths * shares
+        strain = self.record.inside(cuts[:-1], cuts[1:], shares)
+        weighted = strain * weights * widths
+        by_1 = np.bincount(cell, weighted.sum(axis=1), cell_count)
+        by_u = np.bincount(cell, (weighted * u).sum(axis=1), cell_count)
+        by_u2 = np.bincount(cell, (weighted * (u * u)).sum(axis=1), cell_count)
+        rising = by_u2 / 2
+        middle = by_1 / 2 + by_u - by_u2
+        falling = by_1 / 2 - by_u + by_u2 / 2
+        means: Floats = rising[:-2] + middle[1:-1] + falling[2:]
+        return means
 
     def to_csv(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Write time, strain, rightward and leftward strain and velocity, one row an entry.
@@ -213,48 +233,57 @@ def gauges_to_csv(
     'time [s],incident [1],transmitted [1]'
     """
     check_gauges(gauges)
-    demand(
-        len(gauges) > 0,
-        "gauges",
-        "needs at least one record, such as solution.gauge(1, 0.5)",
-    )
-    raise_noted(
-        [("gauges", sentence) for name in gauges if (sentence := misnamed(name))]
-    )
-    step, rows = _sampling(interval, min(record.end for record in gauges.values()))
-    columns = (
-        [step * block, *(record.strain_at(step * block) for record in gauges.values())]
-        for block in _blocks(rows)
-    )
-    heads = [heading("time", "s"), *(heading(name, "") for name in gauges)]
+    message = "needs at least one record, such as solution.gauge(1, 0.5)"
+    demand(len(gauges) > 0, "gauges", message)
+    problems: Problems = []
+    for name in gauges:
+        sentence = misnamed(name)
+        if sentence:
+            problems.append(("gauges", sentence))
+    raise_noted(problems)
+    sampling = _sampling(interval, min(record.end for record in gauges.values()))
+    heads = [heading("time", "s")]
+    for name in gauges:
+        heads.append(heading(name, ""))
+    columns = _columns(list(gauges.values()), sampling)
     write_table(path, heads, columns, force=force)
+
+
+def _columns(records: list[Gauge], sampling: Sampling) -> Iterator[list[Floats]]:
+    """Times and strains of all records, a block of rows after the other."""
+    for block in _blocks(sampling.rows):
+        times = sampling.step * block
+        yield [times, *(record.strain_at(times) for record in records)]
 
 
 def check_gauges(gauges: Any) -> Mapping[str, Gauge]:
     """Gauges by name; InvalidModel for anything else."""
-    if not isinstance(gauges, Mapping) or not all(
-        isinstance(g, Gauge) for g in gauges.values()
-    ):
+    records: Any = [None]
+    if isinstance(gauges, Mapping):
+        records = gauges.values()
+    if all(isinstance(record, Gauge) for record in records):
+        return cast("Mapping[str, Gauge]", gauges)
+    message = "must be records by name, such as {'incident': solution.gauge(1, 0.5)}"
+    raise refusal("gauges", f"{message}, got {shown(gauges)}")
+
+
+def _sampling(interval: Any, end: float) -> Sampling:
+    """Samples of a record that ends at `end`, s; InvalidModel for no interval, or too many."""
+    if interval is None:
+        step = end / DEFAULT_SAMPLES or 1.0
+    else:
+        step = single("interval", interval, "s", "positive")
+    if end / step > MAX_TABLE_ROWS:
         message = (
-            "must be records by name, such as {'incident': solution.gauge(1, 0.5)}"
+            f"gives {end / step:.3g} rows, more than {MAX_TABLE_ROWS}; take at least"
         )
-        raise refusal("gauges", f"{message}, got {shown(gauges)}")
-    return gauges
-
-
-def _sampling(interval: Any, end: float) -> tuple[float, int]:
-    """Seconds between samples of a record, and how many; InvalidModel if none, or too many."""
-    usual = end / SAMPLES or 1.0
-    step = usual if interval is None else single("interval", interval, "s", "positive")
-    if end / step > MOST_ROWS:
-        message = f"gives {end / step:.3g} rows, more than {MOST_ROWS}; take at least"
-        raise refusal("interval", f"{message} {end / MOST_ROWS:.3g} s, got {step!r}")
-    return step, int(end / step * (1 + 1e-12)) + 1
+        raise refusal(
+            "interval", f"{message} {end / MAX_TABLE_ROWS:.3g} s, got {step!r}"
+        )
+    return Sampling(step, int(end / step * (1 + SAMPLE_COUNT_RTOL)) + 1)
 
 
 def _blocks(rows: int) -> Iterator[Ints]:
     """All rows of a table, some at a time."""
-    return (
-        np.arange(start, min(start + TOGETHER, rows))
-        for start in range(0, rows, TOGETHER)
-    )
+    for start in range(0, rows, ROWS_PER_BLOCK):
+        yield np.arange(start, min(start + ROWS_PER_BLOCK, rows))

@@ -33,8 +33,13 @@ from .saved import case_of
 from .state_profiles import state_profiles
 from .wave_fields import WaveFields
 
-_FAINT = np.errstate(under="ignore")
+_ALLOW_UNDERFLOW = np.errstate(under="ignore")
 """Squares of round-off and of very slow motion may vanish, and strains ahead of waves."""
+
+
+FIELDS_OF_ALL_BODIES = ("velocity", "displacement", "position")
+FIELDS_OF_RODS = ("strain", "stress", "axial_force")
+END_RTOL = 1e-12  # by which a place may lie beyond the end of a body
 
 
 class Solution(Shown):
@@ -101,19 +106,25 @@ class Solution(Shown):
         self.system = run.system
         self.method = run.method
         self.until = run.until
-        # the cap may end what follows the proof, in which nothing more can happen
-        proved = run.final and run.until is None
-        self.stopped_by, self.events = "final" if proved else run.stopped_by, run.events
-        self.t_end, self.t_final, self.final = run.t_end, run.t_final, run.final
+        self.stopped_by = run.stopped_by
+        # The cap may end what follows the proof, in which nothing more can happen.
+        if run.final and run.until is None:
+            self.stopped_by = "final"
+        self.events = run.events
+        self.t_end = run.t_end
+        self.t_final = run.t_final
         self.t_proved = run.t_proved
-        self.accuracy, self.transit_error = dict(run.accuracy), run.clock.transit_error
+        self.final = run.final
+        self.accuracy = dict(run.accuracy)
+        self.transit_error = run.clock.transit_error
 
     @cached_property
     def fields(self) -> Fields:
         """The state of every point of the row at every time."""
         signals = self.run.signals
-        kind = WaveFields if isinstance(signals.motion, Waves) else GridFields
-        return kind(self.run.clock, self.run.end, signals)
+        if isinstance(signals.motion, Waves):
+            return WaveFields(self.run.clock, self.run.end, signals)
+        return GridFields(self.run.clock, self.run.end, signals)
 
     @cached_property
     def outcome(self) -> Outcome:
@@ -126,9 +137,11 @@ class Solution(Shown):
         return self.outcome.status
 
     @cached_property
-    @_FAINT
+    @_ALLOW_UNDERFLOW
     def _totals(self) -> Totals:
-        return self.run.totals or totals_of(self.run, self.fields, self.contacts)
+        if self.run.totals:
+            return self.run.totals
+        return totals_of(self.run, self.fields, self.contacts)
 
     @cached_property
     def contacts(self) -> tuple[ContactHistory, ...]:
@@ -138,7 +151,7 @@ class Solution(Shown):
 
     # Fields -------------------------------------------------------------------------------------
 
-    @_FAINT
+    @_ALLOW_UNDERFLOW
     def velocity(
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
@@ -167,14 +180,14 @@ class Solution(Shown):
         """
         return self.fields.velocity(self._index(body), x, t, side)
 
-    @_FAINT
+    @_ALLOW_UNDERFLOW
     def strain(
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
         """Strain, positive in tension; arguments as in `velocity`."""
         return self.fields.strain(self._index(body), x, t, side)
 
-    @_FAINT
+    @_ALLOW_UNDERFLOW
     def stress(
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
@@ -185,14 +198,14 @@ class Solution(Shown):
             stress = stress + self.fields.strain_rate(body, x, t) * viscosity
         return stress
 
-    @_FAINT
+    @_ALLOW_UNDERFLOW
     def axial_force(
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
         """Stress times area in N, positive in tension; arguments as in `velocity`."""
         return self.stress(body, x, t, side) * self._along(body, x, "area")
 
-    @_FAINT
+    @_ALLOW_UNDERFLOW
     def extreme_stress(self, body: int) -> ExtremeStress:
         """Largest tension and largest compression in a rod, at any place and time of the run.
 
@@ -236,7 +249,7 @@ class Solution(Shown):
         self.fields.locate(index, 0.0)
         return self.fields.extreme_stress(index)
 
-    @_FAINT
+    @_ALLOW_UNDERFLOW
     def field_error(self, t: ArrayLike) -> FieldError:
         """Stated errors of velocity, stress and displacement anywhere in the row at times t in s.
 
@@ -275,11 +288,12 @@ class Solution(Shown):
     @cached_property
     def _coarser(self) -> list[tuple[Coarser, Solution]]:
         """Solutions on coarser meshes."""
-        return [
-            (mesh, Solution(mesh.make_run(), self.options)) for mesh in self.run.coarser
-        ]
+        solutions = []
+        for mesh in self.run.coarser:
+            solutions.append((mesh, Solution(mesh.make_run(), self.options)))
+        return solutions
 
-    @_FAINT
+    @_ALLOW_UNDERFLOW
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Displacement in m; arguments as in `velocity`.
 
@@ -289,40 +303,43 @@ class Solution(Shown):
 
     def position(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Place in the laboratory in m; the left end of the row starts at 0. As `velocity`."""
-        base = self.fields.positions[self._index(body)]
-        inside = (
-            array("x", x, "m") if isinstance(self.system.bodies[body], Rod) else 0.0
-        )
-        return base + inside + self.displacement(body, x, t)
+        place: Any = self.fields.positions[self._index(body)]
+        if isinstance(self.system.bodies[body], Rod):
+            place = place + array("x", x, "m")
+        return place + self.displacement(body, x, t)
 
-    @_FAINT
+    @_ALLOW_UNDERFLOW
     def mean_velocity(self, body: int, t: ArrayLike) -> Floats:
         """Velocity of a body's centre of mass in m/s at times t in s."""
         if not isinstance(self.system.bodies[self._index(body)], Rod):
             return self.velocity(body, 0.0, t)
         return self.fields.momentum(body, t) / self.fields.clock.mass(body)
 
-    @_FAINT
+    @_ALLOW_UNDERFLOW
     def gauge(self, body: int, x: float) -> Gauge:
         """Record of a strain gauge at x, m from the left end of a body."""
         x = single("x", x, "m", "")
-        rightward, leftward, stretch, c = self.fields.trace(self._index(body), x)
-        a, per_wave = self.fields.clock, 0.5 / c
-        ticks = each_once(rightward.marks, leftward.marks)
-        right, left = rightward.at(ticks), leftward.at(ticks)
-        times, rest = ticks * a.tick, (right[0] + left[0]) / 2
+        waves = self.fields.trace(self._index(body), x)
+        clock = self.fields.clock
+        ticks = each_once(waves.rightward.marks, waves.leftward.marks)
+        times = ticks * clock.tick
+        rightward = waves.rightward.at(ticks)
+        leftward = waves.leftward.at(ticks)
+        initial_velocity = (rightward[0] + leftward[0]) / 2
+        frame = clock.frame + clock.gravity * times
+        per_wave = 0.5 / waves.wave_speed
         return Gauge(
-            body,
-            x,
-            times,
-            (left - right) * per_wave,
-            (left + right) / 2 + (a.frame + a.gravity * times),
-            (rest - right) * per_wave,
-            (left - rest) * per_wave,
-            self.t_end,
-            stretch.times(per_wave),
-            a.tick,
-            body_names(self.system.kinds)[body],
+            body=body,
+            x=x,
+            times=times,
+            strain=(leftward - rightward) * per_wave,
+            velocity=(leftward + rightward) / 2 + frame,
+            rightward=(initial_velocity - rightward) * per_wave,
+            leftward=(leftward - initial_velocity) * per_wave,
+            end=self.t_end,
+            record=waves.difference.times(per_wave),
+            tick=clock.tick,
+            name=body_names(self.system.kinds)[body],
         )
 
     def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
@@ -360,64 +377,69 @@ class Solution(Shown):
         >>> data["force"].dims, data["stress"].attrs["units"]
         (('contact', 'time'), 'Pa')
         """
-        x, t = array("x", x, "m").ravel(), array("t", t, "s").ravel()
-        bodies = self.system.bodies
-        lengths = [float(b.length) if isinstance(b, Rod) else 0.0 for b in bodies]
-        inside = [(x >= 0) & (x <= length * (1 + 1e-12)) for length in lengths]
-        message = f"must lie in a body, from 0 to {max(lengths):.9g} m, got {{0!r}}"
-        demand(np.any(inside, axis=0), "x", message, x)
+        x = array("x", x, "m").ravel()
+        t = array("t", t, "s").ravel()
+        inside = self._inside(x)
         data: dict[str, Any] = {}
-        for name in (
-            "velocity",
-            "displacement",
-            "position",
-            "strain",
-            "stress",
-            "axial_force",
-        ):
-            values = np.full((len(bodies), x.size, t.size), np.nan)
-            for i, body in enumerate(bodies):
-                if isinstance(body, Rod) or name in (
-                    "velocity",
-                    "displacement",
-                    "position",
-                ):
-                    values[i, inside[i]] = getattr(self, name)(i, x[inside[i], None], t)
-            data[name] = ["body", "x", "time"], values
-        means = np.array([self.mean_velocity(i, t) for i in range(len(bodies))])
-        data["mean_velocity"] = ["body", "time"], means
+        for name in FIELDS_OF_ALL_BODIES + FIELDS_OF_RODS:
+            data[name] = ["body", "x", "time"], self._field(name, x, t, inside)
+        means = [self.mean_velocity(i, t) for i in range(len(self.system.bodies))]
+        data["mean_velocity"] = ["body", "time"], np.array(means)
         for name in ("force", "gap"):
             histories = [getattr(contact, name)(t) for contact in self.contacts]
-            data[name] = (
-                ["contact", "time"],
-                np.reshape(histories, (len(histories), t.size)),
-            )
-        parts = vars(self.energy(t))
-        data["energy"] = ["part", "time"], np.array([*parts.values()])
-        over = {
-            "body": (["body"], range(len(bodies))),
+            values = np.reshape(histories, (len(histories), t.size))
+            data[name] = ["contact", "time"], values
+        energies = vars(self.energy(t))
+        data["energy"] = ["part", "time"], np.array(list(energies.values()))
+        coordinates = {
+            "body": (["body"], range(len(self.system.bodies))),
             "kind": (["body"], self.system.kinds),
             "x": (["x"], x),
             "time": (["time"], t),
-            "part": (["part"], [*parts]),
+            "part": (["part"], list(energies)),
             "contact": (["contact"], range(len(self.contacts))),
             "law": (["contact"], [law.law for law in self.system.contacts]),
         }
-        return dataset(self.system, data, over, method=self.method, status=self.status)
+        return dataset(
+            self.system, data, coordinates, method=self.method, status=self.status
+        )
+
+    def _inside(self, x: Floats) -> list[Any]:
+        """Which of some places lie in each body; InvalidModel for places in no body."""
+        longest = 0.0
+        inside = []
+        for body in self.system.bodies:
+            length = float(getattr(body, "length", 0.0))
+            longest = max(longest, length)
+            inside.append((x >= 0) & (x <= length * (1 + END_RTOL)))
+        message = f"must lie in a body, from 0 to {longest:.9g} m, got {{0!r}}"
+        demand(np.any(inside, axis=0), "x", message, x)
+        return inside
+
+    def _field(self, name: str, x: Floats, t: Floats, inside: list[Any]) -> Floats:
+        """Values of a field in all bodies, [body, x, time]; nan outside of a body."""
+        bodies = self.system.bodies
+        values = np.full((len(bodies), x.size, t.size), np.nan)
+        for i, body in enumerate(bodies):
+            if isinstance(body, Rod) or name in FIELDS_OF_ALL_BODIES:
+                field = getattr(self, name)
+                values[i, inside[i]] = field(i, x[inside[i], None], t)
+        return values
 
     # Energy and state ---------------------------------------------------------------------------
 
-    @_FAINT
+    @_ALLOW_UNDERFLOW
     def energy(self, t: ArrayLike) -> EnergyLedger:
         """Energy ledger at times t in s."""
         ticks = self.fields.nearest_known(self.fields.to_ticks(t))
         states = bonded_groups(self.fields, np.concatenate(([0], ticks.ravel())))
-        entries = vars(ledger(self.fields, self.contacts, states)).items()
-        return EnergyLedger(
-            **{name: of[1:].reshape(ticks.shape) for name, of in entries}
-        )
+        since_start = ledger(self.fields, self.contacts, states)
+        entries = {}
+        for name, energies in vars(since_start).items():
+            entries[name] = energies[1:].reshape(ticks.shape)
+        return EnergyLedger(**entries)
 
-    @_FAINT
+    @_ALLOW_UNDERFLOW
     def ring_down(self) -> RingDown:
         """How the vibration that the collision left dies out, until the end of the solution.
 
@@ -447,15 +469,14 @@ class Solution(Shown):
         1.0
         """
         demand(self.final, "ring_down", f"the collision is not over. {self.status}")
-        demand(
-            not self.outcome.driven,
-            "ring_down",
-            "gravity or a driven end acts on and on",
-        )
-        start = self.t_final if self.t_final < self.t_end else self.t_proved
+        message = "gravity or a driven end acts on and on"
+        demand(not self.outcome.driven, "ring_down", message)
+        start = self.t_final
+        if not start < self.t_end:
+            start = self.t_proved
         return ring_down(self.fields, start, self.t_end)
 
-    @_FAINT
+    @_ALLOW_UNDERFLOW
     def system_at(self, t: float) -> System:
         """State at time t in s as a new system: continue it, change it, or reverse it.
 
@@ -473,21 +494,27 @@ class Solution(Shown):
         tick = int(self.fields.to_ticks(single("t", t, "s", "")))
         for side, end in zip(("left", "right"), self.system.ends, strict=True):
             if isinstance(getattr(end, "value", 0.0), Steps | Samples):
-                raise refusal(
-                    f"ends.{side}", "is driven by a function of time; drive it anew"
-                )
+                message = "is driven by a function of time; drive it anew"
+                raise refusal(f"ends.{side}", message)
         error = self.accuracy.get("velocity", 0.0) * self.fields.clock.scale
-        bodies = [
-            body.replace(**state_profiles(self.fields, i, tick, error))
-            if isinstance(body, Rod)
-            else body.replace(velocity=float(self.velocity(i, 0.0, t)))
-            for i, body in enumerate(self.system.bodies)
-        ]
-        return self.system.replace(
-            bodies=bodies,
-            gaps=[float(c.gap(t)) if c.law.opens else 0.0 for c in self.contacts],
-            contacts=[contact.law_at(t) for contact in self.contacts],
-        )
+        bodies: list[Any] = []
+        for i, body in enumerate(self.system.bodies):
+            if isinstance(body, Rod):
+                state = state_profiles(self.fields, i, tick, error)
+                bodies.append(
+                    body.replace(velocity=state.velocity, strain=state.strain)
+                )
+            else:
+                bodies.append(body.replace(velocity=float(self.velocity(i, 0.0, t))))
+        gaps = []
+        contacts = []
+        for contact in self.contacts:
+            gap = 0.0
+            if contact.law.opens:
+                gap = float(contact.gap(t))
+            gaps.append(gap)
+            contacts.append(contact.law_at(t))
+        return self.system.replace(bodies=bodies, gaps=gaps, contacts=contacts)
 
     # Files and pictures -------------------------------------------------------------------------
 
@@ -531,16 +558,19 @@ class Solution(Shown):
 
     def _along(self, body: int, x: ArrayLike, name: str) -> Floats:
         """Area or a number of the material at places x, m from the left end of a rod."""
-        segment, inside = self.fields.locate(body, x)
-        values, rod = np.empty(segment.shape), self.fields.rods[body]
-        for s, piece in enumerate(rod.segments, self.fields.clock.spans[body][0]):
-            held: Any = piece.area if name == "area" else getattr(piece.material, name)
-            even = np.atleast_1d(held.values if isinstance(held, Samples) else held)
-            here, places = (
-                segment == s,
-                np.linspace(0.0, float(piece.length), len(even)),
-            )
-            values[here] = np.interp(inside[here], places, even)
+        index, distance = self.fields.locate(body, x)
+        values = np.empty(index.shape)
+        first, _ = self.fields.clock.spans[body]
+        for s, segment in enumerate(self.fields.rods[body].segments, first):
+            number: Any = segment.area
+            if name != "area":
+                number = getattr(segment.material, name)
+            if isinstance(number, Samples):
+                number = number.values
+            samples = np.atleast_1d(number)
+            places = np.linspace(0.0, float(segment.length), len(samples))
+            here = index == s
+            values[here] = np.interp(distance[here], places, samples)
         return values
 
 
@@ -553,8 +583,8 @@ def check_waves(value: Any) -> None:
     """Raise ValueError for what is no solution, or has no rod whose waves could be drawn."""
     check_solution(value)
     if not any(isinstance(body, Rod) for body in value.system.bodies):
-        raise refusal(
-            "solution",
-            "has no rod, and rigid masses have no waves to be drawn; draw "
-            "its contacts and its energy",
+        message = (
+            "has no rod, and rigid masses have no waves to be drawn; draw its contacts "
+            "and its energy"
         )
+        raise refusal("solution", message)
