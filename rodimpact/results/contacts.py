@@ -44,12 +44,19 @@ class ContactHistory:
     """
 
     def __init__(self, index: int, fields: Fields, run: Run) -> None:
-        self.index, self.law = index, run.system.contacts[index]
-        tally, signal = run.contacts[index], run.signals.contacts[index]
-        self.impulse, self.duration = tally.impulse, tally.duration
-        self.peak_force, self.episodes = tally.peak_force, tuple(signal.episodes)
-        self._fields, self._tick = fields, fields.clock.tick
-        self.push, self._gap, self._closing = signal.force, signal.gap, signal.closing
+        tally = run.contacts[index]
+        signal = run.signals.contacts[index]
+        self.index = index
+        self.law = run.system.contacts[index]
+        self.impulse = tally.impulse
+        self.duration = tally.duration
+        self.peak_force = tally.peak_force
+        self.episodes = tuple(signal.episodes)
+        self.push = signal.force
+        self._gap = signal.gap
+        self._closing = signal.closing
+        self._fields = fields
+        self._tick = fields.clock.tick
 
     def force(self, t: ArrayLike, side: Side = "right") -> Floats:
         """Contact force, N, positive in compression; `side` decides at jumps.
@@ -65,7 +72,9 @@ class ContactHistory:
         stretch of a joint. Where one has yielded it counts from the faces as they are then.
         """
         gap = self._gap.at(self._fields.to_ticks(t, "right"))
-        return np.maximum(gap, 0.0) if isinstance(self.law, Rigid) else gap
+        if isinstance(self.law, Rigid):
+            return np.maximum(gap, 0.0)
+        return gap
 
     def law_at(self, t: float) -> ContactLaw:
         """The law as it is at t: what has yielded has hardened, and a joint is stretched."""
@@ -74,8 +83,9 @@ class ContactHistory:
         if isinstance(self.law, Joint):
             return self.law.replace(stretch=float(self.gap(t)))
         if isinstance(self.law, Yielding | Tabulated):
-            earlier = self._gap.values[self._gap.ticks <= ticks]
-            deepest = -min(float(np.min(earlier, initial=0.0)), float(self.gap(t)))
+            earlier_gaps = self._gap.values[self._gap.ticks <= ticks]
+            smallest_gap = float(np.min(earlier_gaps, initial=0.0))
+            deepest = -min(smallest_gap, float(self.gap(t)))
             return self.law.hardened(self.law.stiffness * deepest)
         return self.law
 
@@ -85,10 +95,9 @@ class ContactHistory:
         Force and velocities jump at these times alone. Where the force changes smoothly there are
         more of them: straight lines between them follow force and gap to 5e-5 of their ranges.
         """
-        smooth = self.push.size > 1
-        ticks = (
-            each_once(self.push.marks, self._gap.marks) if smooth else self.push.ticks
-        )
+        ticks = self.push.ticks
+        if self.push.size > 1:  # it changes smoothly
+            ticks = each_once(self.push.marks, self._gap.marks)
         return ticks * self._tick, self.push.at(ticks), self._gap.at(ticks)
 
     def impulse_until(self, t: ArrayLike) -> Floats:
@@ -118,12 +127,13 @@ class ContactHistory:
         right_end = getattr(left_body, "length", 0.0)  # rigid masses have none
         left_face = fields.displacement(self.index, right_end, times)
         right_face = fields.displacement(self.index + 1, 0.0, times)
-        start, end = self.gap(times) - (right_face - left_face)
-        return max(0.0, float(end - start))
+        yielded = self.gap(times) - (right_face - left_face)
+        return max(0.0, float(yielded[1] - yielded[0]))
 
     def __repr__(self) -> str:
+        law = type(self.law).__name__
         return (
-            f"<contact {self.index} ({type(self.law).__name__}): {len(self.episodes)} episodes, "
-            f"impulse {self.impulse:.6g} N s, peak force {self.peak_force:.6g} N, force duration "
-            f"{self.duration:.6g} s>"
+            f"<contact {self.index} ({law}): {len(self.episodes)} episodes, "
+            f"impulse {self.impulse:.6g} N s, peak force {self.peak_force:.6g} N, "
+            f"force duration {self.duration:.6g} s>"
         )

@@ -8,9 +8,23 @@ is a rectangle in (p, q), cut by the ends of the segment, |q - p| <= T, and of t
 """
 
 from bisect import bisect_left, bisect_right
-from typing import Any
+from typing import Any, NamedTuple
 
 Corner = tuple[int, int]
+"""Ticks p and q."""
+
+
+class Lattice(NamedTuple):
+    """Rectangles in (p, q) into which the fronts of both waves cut a segment and an interval."""
+
+    p: list[
+        int
+    ]  # fronts that leave the left end, ticks, and the bounds of the interval
+    q: list[int]  # those that leave the right end
+    first: list[
+        int
+    ]  # by rectangle along p: the first one along q that makes a region with it
+    stop: list[int]  # the one after the last
 
 
 def wave_of(ticks: list[int], values: list[float]) -> Any:
@@ -21,14 +35,19 @@ def wave_of(ticks: list[int], values: list[float]) -> Any:
     return {"tick": ticks, "value": values, "passed": passed}
 
 
-def at(wave: Any, tick: int) -> Any:
+def front_before(wave: Any, tick: int) -> int:
+    """Index of the last front of a wave up to a tick; the first one before it."""
+    return max(0, bisect_right(wave["tick"], tick) - 1)
+
+
+def value_from(wave: Any, tick: int) -> Any:
     """Value of a wave from a tick on."""
-    return wave["value"][max(0, bisect_right(wave["tick"], tick) - 1)]
+    return wave["value"][front_before(wave, tick)]
 
 
-def passed_by(wave: Any, tick: int) -> Any:
+def integral_to(wave: Any, tick: int) -> Any:
     """Integral of a wave from its first front to a tick, velocity times ticks."""
-    i = max(0, bisect_right(wave["tick"], tick) - 1)
+    i = front_before(wave, tick)
     return wave["passed"][i] + wave["value"][i] * (tick - wave["tick"][i])
 
 
@@ -37,28 +56,28 @@ def edges_of(wave: Any, start: int, stop: int) -> list[int]:
     return [start, *[tick for tick in wave["tick"] if start < tick < stop], stop]
 
 
-def stretch_of(piece: Any) -> Any:
+def lengthening_of(piece: Any) -> Any:
     """How much longer a segment is at t = 0 than without strain, velocity times ticks."""
-    a, b, T = piece["rightward"], piece["leftward"], piece["ticks"]
-    return (passed_by(b, 0) - passed_by(b, -T) - passed_by(a, 0) + passed_by(a, -T)) / 2
+    a = piece["rightward"]
+    b = piece["leftward"]
+    T = piece["ticks"]
+    from_right = integral_to(b, 0) - integral_to(b, -T)
+    return (from_right - integral_to(a, 0) + integral_to(a, -T)) / 2
 
 
-def regions_in(piece: Any, start: int, stop: int) -> Any:
-    """Ticks at which fronts leave the left and the right end of a segment, and what they cut.
-
-    For each interval of the first ones this is the first interval of the others that makes a region
-    with it between `start` and `stop`, and the end.
-    """
-    T, found = piece["ticks"], []
+def lattice_of(piece: Any, start: int, stop: int) -> Lattice:
+    """Rectangles of a segment between the ticks `start` and `stop`."""
+    T = piece["ticks"]
     ps = edges_of(piece["rightward"], start - T, stop)
     qs = edges_of(piece["leftward"], start - T, stop)
+    firsts = []
+    stops = []
     for i in range(len(ps) - 1):
         low = max(ps[i] - T, start - T + (start - ps[i + 1]))
         high = min(ps[i + 1] + T, stop - T + (stop - ps[i]))
-        found.append(
-            (bisect_right(qs, low, 1) - 1, bisect_left(qs, high, 0, len(qs) - 1))
-        )
-    return ps, qs, found
+        firsts.append(bisect_right(qs, low, 1) - 1)
+        stops.append(bisect_left(qs, high, 0, len(qs) - 1))
+    return Lattice(ps, qs, firsts, stops)
 
 
 def region(
@@ -66,14 +85,10 @@ def region(
 ) -> list[Corner]:
     """Corners (p, q) of the part of a rectangle that lies in the segment and the interval."""
     corners = [(p0, q0), (p1, q0), (p1, q1), (p0, q1)]
-    for n0, n1, bound in (
-        (-1, 1, T),
-        (1, -1, T),
-        (1, 1, 2 * stop - T),
-        (-1, -1, T - 2 * start),
-    ):
-        corners = clip(corners, n0, n1, bound)
-    return corners
+    corners = clip(corners, -1, 1, T)
+    corners = clip(corners, 1, -1, T)
+    corners = clip(corners, 1, 1, 2 * stop - T)
+    return clip(corners, -1, -1, T - 2 * start)
 
 
 def clip(corners: list[Corner], n0: int, n1: int, bound: int) -> list[Corner]:
@@ -87,17 +102,23 @@ def clip(corners: list[Corner], n0: int, n1: int, bound: int) -> list[Corner]:
         return inside
     for i, (p, q) in enumerate(corners):
         j = (i + 1) % len(corners)
-        here, there = depth[i], depth[j]
+        here = depth[i]
+        there = depth[j]
         if here >= 0:
             inside.append((p, q))
         if (here < 0 and there > 0) or (here > 0 and there < 0):
-            pj, qj = corners[j]
-            inside.append((along(p, pj, here, there), along(q, qj, here, there)))
+            next_p, next_q = corners[j]
+            p_cut = crossing(p, next_p, here, there)
+            q_cut = crossing(q, next_q, here, there)
+            inside.append((p_cut, q_cut))
     return inside
 
 
-def along(start: int, stop: int, here: int, there: int) -> int:
-    """Where a depth that falls from `here` to `there` is 0; in parts, as products are too large."""
+def crossing(start: int, stop: int, here: int, there: int) -> int:
+    """Tick at which a depth is 0 that changes from `here` at `start` to `there` at `stop`.
+
+    The quotient comes first, since products are too large.
+    """
     if start == stop:
         return start
     return start + here // ((here - there) // (stop - start))
@@ -109,8 +130,9 @@ def count_of(rods: Any, start: int, stop: int, limit: float) -> int:
     for rod in rods:
         for piece in rod["pieces"]:
             if count <= limit:
-                _, _, spans = regions_in(piece, start, stop)
-                count += sum(high - low for low, high in spans)
+                lattice = lattice_of(piece, start, stop)
+                for k in range(len(lattice.first)):
+                    count += lattice.stop[k] - lattice.first[k]
     return count
 
 
@@ -129,7 +151,7 @@ def polygons_of(rods: Any, tick: float, frame: float, start: int, stop: int) -> 
         Its velocity, m/s.
     start, stop : int
     """
-    found: Any = {
+    polygons: Any = {
         "body": [],
         "segment": [],
         "start": [0],
@@ -141,40 +163,43 @@ def polygons_of(rods: Any, tick: float, frame: float, start: int, stop: int) -> 
         "stress": [],
     }
     for rod in rods:
-        left, moved = 0.0, 0.0
+        left = 0.0  # m, of a segment from the left end of the rod
+        left_displacement = 0.0  # m, at t = 0
         for s, piece in enumerate(rod["pieces"]):
-            a, b, T, length = (
-                piece["rightward"],
-                piece["leftward"],
-                piece["ticks"],
-                piece["length"],
-            )
-            ps, qs, spans = regions_in(piece, start, stop)
-            begun, ready = passed_by(a, 0), passed_by(b, -T)
-            for k, (low, high) in enumerate(spans):
-                right = at(a, ps[k])
-                for j in range(low, high):
-                    back = at(b, qs[j])
-                    strain = (back - right) * (0.5 / piece["wave_speed"])
-                    found["body"].append(rod["body"])
-                    found["segment"].append(s)
-                    found["velocity"].append((right + back) / 2 + frame)
-                    found["strain"].append(strain)
-                    found["stress"].append(strain * piece["youngs_modulus"])
-                    for p, q in region(
-                        ps[k], ps[k + 1], qs[j], qs[j + 1], T, start, stop
-                    ):
-                        u = (
-                            passed_by(a, p)
-                            - begun
-                            + passed_by(b, q)
-                            - ready
+            a = piece["rightward"]
+            b = piece["leftward"]
+            T = piece["ticks"]
+            length = piece["length"]
+            lattice = lattice_of(piece, start, stop)
+            ps = lattice.p
+            qs = lattice.q
+            a_at_start = integral_to(a, 0)
+            b_at_start = integral_to(b, -T)
+            for k in range(len(lattice.first)):
+                a_value = value_from(a, ps[k])
+                for j in range(lattice.first[k], lattice.stop[k]):
+                    b_value = value_from(b, qs[j])
+                    strain = (b_value - a_value) * (0.5 / piece["wave_speed"])
+                    polygons["body"].append(rod["body"])
+                    polygons["segment"].append(s)
+                    polygons["velocity"].append((a_value + b_value) / 2 + frame)
+                    polygons["strain"].append(strain)
+                    polygons["stress"].append(strain * piece["youngs_modulus"])
+                    corners = region(ps[k], ps[k + 1], qs[j], qs[j + 1], T, start, stop)
+                    for p, q in corners:
+                        twice = (
+                            integral_to(a, p)
+                            - a_at_start
+                            + integral_to(b, q)
+                            - b_at_start
                             + frame * (p + q + T)
                         )
-                        found["x"].append(left + (q - p + T) / 2 / T * length)
-                        found["t"].append((p + q + T) / 2 * tick)
-                        found["displacement"].append(u / 2 * tick + moved)
-                    found["start"].append(len(found["x"]))
+                        polygons["x"].append(left + (q - p + T) / 2 / T * length)
+                        polygons["t"].append((p + q + T) / 2 * tick)
+                        polygons["displacement"].append(
+                            twice / 2 * tick + left_displacement
+                        )
+                    polygons["start"].append(len(polygons["x"]))
             left += length
-            moved += stretch_of(piece) * tick
-    return found
+            left_displacement += lengthening_of(piece) * tick
+    return polygons

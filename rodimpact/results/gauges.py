@@ -3,7 +3,7 @@
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -258,11 +258,10 @@ def _columns(records: list[Gauge], sampling: Sampling) -> Iterator[list[Floats]]
 
 def check_gauges(gauges: Any) -> Mapping[str, Gauge]:
     """Gauges by name; InvalidModel for anything else."""
-    records: Any = [None]
     if isinstance(gauges, Mapping):
-        records = gauges.values()
-    if all(isinstance(record, Gauge) for record in records):
-        return cast("Mapping[str, Gauge]", gauges)
+        are_gauges = [isinstance(record, Gauge) for record in gauges.values()]
+        if all(are_gauges):
+            return gauges
     message = "must be records by name, such as {'incident': solution.gauge(1, 0.5)}"
     raise refusal("gauges", f"{message}, got {shown(gauges)}")
 

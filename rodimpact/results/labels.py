@@ -78,9 +78,9 @@ def parameter(system: System, path: str) -> Quantity:
                 return Quantity(path, "1")
             name, unit = _quantity(field, law.fields[field])
             return Quantity(f"{name} of contact {_pair(system, contact)}", unit)
-        case ["ends", ("left" | "right") as side, "value", *rest]:
-            return _of_end(system, side, rest)
-        case ["materials", *name, field]:
+        case ["ends", ("left" | "right") as side, "value", *within]:
+            return _of_end(system, side, within)
+        case ["materials", *name, field]:  # a name may have dots
             owner = f"material {'.'.join(name)}"
         case ["bodies", body, "segments", segment, *_, field]:
             owner = f"segment {int(segment) + 1} of {_body(system, body)}"
@@ -114,27 +114,34 @@ def outcome(system: System, column: str) -> Quantity:
         return Quantity(f"displacement of {_body(system, index)} at the end", "m")
     if kind == "largest_stress":
         return Quantity(f"largest stress in {_body(system, index)}", "Pa")
-    name, unit = _NAMES.get(kind) or parameter(system, column)
-    where = (
-        f" at contact {_pair(system, index)}"
-        if index and len(system.contacts) > 1
-        else ""
-    )
-    return Quantity(name + where, unit)
+    if kind not in _NAMES:
+        name, unit = parameter(system, column)
+    else:
+        name, unit = _NAMES[kind]
+    if index and len(system.contacts) > 1:
+        name = f"{name} at contact {_pair(system, index)}"
+    return Quantity(name, unit)
 
 
 def dataset(
-    system: System, data: dict[str, Any], over: dict[str, Any], **attributes: str
+    system: System,
+    variables: dict[str, Any],
+    coordinates: dict[str, Any],
+    **attributes: str,
 ) -> Any:
     """An xarray Dataset of variables and coordinates, (dimensions, values) by name, with labels."""
-    labelled = (
-        {
-            name: (*values, outcome(system, name).attributes)
-            for name, values in of.items()
-        }
-        for of in (data, over)
+    xarray = optional("xarray", "xarray")
+    return xarray.Dataset(
+        _labelled(system, variables), _labelled(system, coordinates), attributes
     )
-    return optional("xarray", "xarray").Dataset(*labelled, attributes)
+
+
+def _labelled(system: System, variables: dict[str, Any]) -> dict[str, Any]:
+    """Variables, (dimensions, values) by name, with their labels."""
+    labelled = {}
+    for name, (dimensions, values) in variables.items():
+        labelled[name] = (dimensions, values, outcome(system, name).attributes)
+    return labelled
 
 
 def _body(system: System, index: str) -> str:
@@ -143,15 +150,23 @@ def _body(system: System, index: str) -> str:
 
 def _quantity(name: str, field: Field) -> Quantity:
     """What the number of that name is."""
-    pure = "" if name == "strain" else "1"
-    return Quantity(field.label or name.replace("_", " "), field.unit or pure)
+    label = field.label
+    if not label:
+        label = name.replace("_", " ")
+    unit = field.unit
+    if not unit and name != "strain":
+        unit = "1"
+    return Quantity(label, unit)
 
 
-def _of_end(system: System, side: str, rest: list[str]) -> Quantity:
-    """A number of what drives an end."""
-    what, unit = _quantity("value", system.ends[side == "right"].fields["value"])
-    name = f"{what} {'on' if what == 'force' else 'of'} the {side} end"
-    match rest:
+def _of_end(system: System, side: str, path: list[str]) -> Quantity:
+    """A number of what drives an end, at a path within it."""
+    end = system.ends[side == "right"]
+    label, unit = _quantity("value", end.fields["value"])
+    name = f"{label} of the {side} end"
+    if label == "force":
+        name = f"force on the {side} end"
+    match path:
         case ["values", number]:
             name = f"piece {int(number) + 1} of {name}"
         case ["at", number]:

@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 
 from ..methods.signals import Floats, Ints
+from ..model import Segment
 from ..model.arguments import demand, single
 from ..model.frozen import refusal
 from .front_polygons import count_of, polygons_of, wave_of
 from .solution import Solution, check_solution
-from .wave_fields import WaveFields
+from .wave_fields import SegmentWaves, WaveFields
 
 
 @dataclass(frozen=True)
@@ -100,25 +101,30 @@ def regions_of(
     [0.0, 0.5, 0.5, 1.0]
     """
     check_solution(solution)
-    fields, first_tick, last_tick = _interval(solution, start, stop)
+    fields = _constant_fields(solution)
+    if stop is None:
+        stop = solution.t_end
+    first_tick, last_tick = _interval(fields, start, stop)
     limit = single("limit", limit, "", "")
     demand(limit >= 1, "limit", "must be 1 or more, got {0:g}", limit)
     rods = _rods(fields)
     if count_of(rods, first_tick, last_tick, limit) > limit:
-        raise refusal(
-            "limit", f"more than {limit:.15g} regions; choose a shorter interval"
-        )
-    found = polygons_of(
-        rods, fields.clock.tick, fields.clock.frame, first_tick, last_tick
-    )
-    return Regions(**{name: np.array(values) for name, values in found.items()})
+        message = f"more than {limit:.15g} regions; choose a shorter interval"
+        raise refusal("limit", message)
+    clock = fields.clock
+    polygons = polygons_of(rods, clock.tick, clock.frame, first_tick, last_tick)
+    arrays = {}
+    for name, values in polygons.items():
+        arrays[name] = np.array(values)
+    return Regions(**arrays)
 
 
 def nothing_to_draw(solution: Solution) -> str:
     """Why there is no picture of a solution, with the remedy; "" if there is one."""
     if solution.fields.end > 0:
         return ""
-    return f"there is nothing to draw, the run ended at {solution.t_end:.3g} s. {solution.status}"
+    ended = f"the run ended at {solution.t_end:.3g} s. {solution.status}"
+    return f"there is nothing to draw, {ended}"
 
 
 def readable_until(solution: Solution, limit: int) -> float:
@@ -129,60 +135,60 @@ def readable_until(solution: Solution, limit: int) -> float:
     ValueError
         If there are more at all times, the solution lasts no time, or the method has no fronts.
     """
-    fields, _, last_tick = _interval(solution, 0.0, None)
-    rods, stop = _rods(fields), solution.t_end
+    fields = _constant_fields(solution)
+    stop = solution.t_end
+    _, last_tick = _interval(fields, 0.0, stop)
+    rods = _rods(fields)
     while last_tick and count_of(rods, 0, last_tick, limit) > limit:
         stop /= 2
         last_tick = int(fields.to_ticks(stop))
     if not last_tick:
-        raise refusal(
-            "solution",
-            f"has more than {limit} regions of constant state at the "
-            "start, too many for a picture; describe the row in fewer pieces",
+        message = (
+            f"has more than {limit} regions of constant state at the start, too many for a "
+            "picture; describe the row in fewer pieces"
         )
+        raise refusal("solution", message)
     return stop
 
 
-def _interval(
-    solution: Solution, start: float, stop: float | None
-) -> tuple[WaveFields, int, int]:
-    """Fields between whose fronts there are regions, and first and last tick of an interval."""
-    fields, stop = solution.fields, solution.t_end if stop is None else stop
+def _constant_fields(solution: Solution) -> WaveFields:
+    """Fields that are constant between fronts; InvalidModel for others."""
+    fields = solution.fields
     if not isinstance(fields, WaveFields) or not fields.constant_between_fronts:
-        raise refusal(
-            "solution", f'method "{solution.method}" has no fronts to draw between'
-        )
-    first_tick, last_tick = (
-        int(fields.to_ticks(single(name, t, "s", "")))
-        for name, t in (("start", start), ("stop", stop))
-    )
-    demand(
-        last_tick > first_tick,
-        "stop",
-        f"must be later than start = {start!r} s, got {stop!r}",
-    )
-    return fields, first_tick, last_tick
+        message = f'method "{solution.method}" has no fronts to draw between'
+        raise refusal("solution", message)
+    return fields
+
+
+def _interval(fields: WaveFields, start: float, stop: float) -> tuple[int, int]:
+    """First and last tick of an interval of time, s; InvalidModel for none."""
+    first_tick = int(fields.to_ticks(single("start", start, "s", "")))
+    last_tick = int(fields.to_ticks(single("stop", stop, "s", "")))
+    message = f"must be later than start = {start!r} s, got {stop!r}"
+    demand(last_tick > first_tick, "stop", message)
+    return first_tick, last_tick
 
 
 def _rods(fields: WaveFields) -> list[dict[str, Any]]:
     """The rods with their waves, as `polygons_of` has them."""
-    a = fields.clock
-    return [
-        {
-            "body": body,
-            "pieces": [
-                {
-                    "ticks": T,
-                    "length": a.length[s],
-                    "wave_speed": a.wave_speed[s],
-                    "youngs_modulus": float(segment.material.youngs_modulus),
-                    "rightward": wave_of(A.ticks.tolist(), A.values.tolist()),
-                    "leftward": wave_of(B.ticks.tolist(), B.values.tolist()),
-                }
-                for (s, T, A, B), segment in zip(
-                    fields.waves_along(body), rod.segments, strict=True
-                )
-            ],
-        }
-        for body, rod in fields.rods.items()
-    ]
+    rods = []
+    for body, rod in fields.rods.items():
+        pieces = []
+        for waves, segment in zip(fields.waves_along(body), rod.segments, strict=True):
+            pieces.append(_piece(fields, waves, segment))
+        rods.append({"body": body, "pieces": pieces})
+    return rods
+
+
+def _piece(fields: WaveFields, waves: SegmentWaves, segment: Segment) -> dict[str, Any]:
+    """A segment with its waves, as `polygons_of` has it."""
+    A = waves.rightward
+    B = waves.leftward
+    return {
+        "ticks": waves.transit,
+        "length": fields.clock.length[waves.segment],
+        "wave_speed": fields.clock.wave_speed[waves.segment],
+        "youngs_modulus": float(segment.material.youngs_modulus),
+        "rightward": wave_of(A.ticks.tolist(), A.values.tolist()),
+        "leftward": wave_of(B.ticks.tolist(), B.values.tolist()),
+    }

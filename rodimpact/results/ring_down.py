@@ -9,18 +9,23 @@ lowest one of the longest lasting rod remains.
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from ..methods.grid.mesh import lasting_mode
 from ..methods.signals import Floats
 from ..model.frozen import refusal
-from .energy import bonded_groups
+from .energy import BondedGroups, bonded_groups
 from .fields import Fields
 
-SAMPLES, FEWEST = 400, 50
-TAIL = 3  # the decay is read off the last third
-ENOUGH = 1e-12  # of the energy of the motion, below which vibration is round-off
+DECAY_SAMPLES = 400  # times at which the vibration is read
+MIN_DECAY_SAMPLES = 50
+FIRST_FITTED_SHARE = 1 - 1 / 3  # of the record: the decay is read off the last third
+VIBRATION_RTOL = (
+    1e-12  # vibration below this share of all energy of motion is round-off
+)
+DECAY_RATE_RTOL = 1e-9  # slower decay, relative to one over the record, is round-off
 
 
 @dataclass(frozen=True)
@@ -75,39 +80,81 @@ class RingDown:
 
 def ring_down(fields: Fields, start: float, end: float) -> RingDown:
     """Read how vibration dies out from `start` to `end`, s; see `Solution.ring_down`."""
-    even = np.linspace(start, end, SAMPLES + 1)
+    even = np.linspace(start, end, DECAY_SAMPLES + 1)
     ticks = np.unique(fields.nearest_known(fields.to_ticks(even)))
-    if len(ticks) < FEWEST and end - start > FEWEST * fields.step:
-        message = f"only {len(ticks)} states were kept after the collision"
-        raise refusal(
-            "ring_down", f"{message}; leave snapshots out, or give more of them"
+    is_long = end - start > MIN_DECAY_SAMPLES * fields.step
+    if len(ticks) < MIN_DECAY_SAMPLES and is_long:
+        message = (
+            f"only {len(ticks)} states were kept after the collision; leave snapshots out, or "
+            "give more of them"
         )
+        raise refusal("ring_down", message)
     times = ticks * fields.clock.tick
     states = bonded_groups(fields, ticks)
-    rigid, vibration = states.kinetic, states.vibration.sum(axis=0)
-    masses = [fields.clock.mass(i) for group in states.bodies for i in group]
-    scale = sum(m * math.sqrt(2 * (rigid + vibration).max() / m) for m in masses)
-    modes = {i: lasting_mode(rod.segments) for i, rod in fields.rods.items()}
-    slowest = max(
-        (1 / (2 * rate) if rate > 0 else math.inf, i, omega / (2 * math.pi))
-        for i, (omega, rate) in modes.items()
-    )
+    vibration = states.vibration.sum(axis=0)
+    largest = float(states.kinetic.max() + vibration.max())
+    slowest = _slowest_mode(fields)
     return RingDown(
-        times,
-        vibration,
-        float(rigid[-1]),
-        float(np.ptp(states.momentum)) / scale if scale else 0.0,
-        _decay_time(times, vibration, ENOUGH * float(rigid.max() + vibration.max())),
-        *slowest,
+        times=times,
+        vibration=vibration,
+        rigid=float(states.kinetic[-1]),
+        momentum_change=_momentum_change(fields, states, vibration),
+        decay_time=_decay_time(times, vibration, VIBRATION_RTOL * largest),
+        modal_decay_time=slowest.decay_time,
+        body=slowest.body,
+        frequency=slowest.frequency,
     )
+
+
+class SlowestMode(NamedTuple):
+    """The mode that lasts longest."""
+
+    decay_time: float  # of its energy, to 1/e, s
+    body: int
+    frequency: float  # Hz
+
+
+def _slowest_mode(fields: Fields) -> SlowestMode:
+    """The mode that lasts longest of the rods each free by itself."""
+    modes = []
+    for body, rod in fields.rods.items():
+        omega, rate = lasting_mode(rod.segments)
+        decay_time = math.inf
+        if rate > 0:
+            decay_time = 1 / (2 * rate)
+        modes.append(SlowestMode(decay_time, body, omega / (2 * math.pi)))
+    return max(modes)
+
+
+def _momentum_change(fields: Fields, states: BondedGroups, vibration: Floats) -> float:
+    """Largest change of the momentum of the row, relative to the momenta of its bodies together.
+
+    A body of mass m has the momentum sqrt(2 m E) with all the energy E of motion.
+    """
+    largest = (states.kinetic + vibration).max()
+    scale = 0.0
+    for group in states.bodies:
+        for body in group:
+            mass = fields.clock.mass(body)
+            scale += mass * math.sqrt(2 * largest / mass)
+    if not scale:
+        return 0.0
+    return float(np.ptp(states.momentum)) / scale
 
 
 def _decay_time(times: Floats, vibration: Floats, least: float) -> float:
-    """Of the straight line through the logarithm of the last third."""
-    audible = vibration > least
-    t, E = times[audible], vibration[audible]
-    late = t >= t[0] + (t[-1] - t[0]) * (1 - 1 / TAIL) if len(t) else t
+    """Time to 1/e of the straight line through the logarithm of the last third."""
+    is_known = vibration > least
+    t = times[is_known]
+    energy = vibration[is_known]
+    if len(t) == 0:
+        return math.inf
+    duration = t[-1] - t[0]
+    late = t >= t[0] + duration * FIRST_FITTED_SHARE
     if np.count_nonzero(late) < 3:
         return math.inf
-    rate = -float(np.polyfit(t[late] - t[0], np.log(E[late]), 1)[0])
-    return 1 / rate if rate > 1e-9 / (t[-1] - t[0]) else math.inf
+    slope, _ = np.polyfit(t[late] - t[0], np.log(energy[late]), 1)
+    rate = -float(slope)
+    if rate > DECAY_RATE_RTOL / duration:
+        return 1 / rate
+    return math.inf
