@@ -5,31 +5,38 @@ Plain Python, which the page has as JavaScript.
 
 import math
 
-REACH = 0.35  # movement in the picture, in lengths of the row
-SQUEEZE = 0.3  # largest strain in the picture
-DRIFT = 3.0  # how much farther than its inner movement a row may drift
-ROUND_OFF = 1e-9  # of its drift: inner movement that is none
+PICTURED_MOVEMENT = 0.35  # in the picture, in lengths of the row
+MAX_PICTURED_STRAIN = 0.3
+MAX_DRIFT_RATIO = 3.0  # of a drift that is drawn, over the movement within the row
+INNER_MOVEMENT_RTOL = 1e-9  # less movement within the row, over its drift, is round-off
+LEADING_DIGIT_RTOL = (
+    1e-9  # by which a number may lie below 1, 2, 5 times a power of ten
+)
 BLOCK = 0.05  # largest width of a mass in the picture, in lengths of all rods
 
 
 def drifts(reach: float, relative: float) -> bool:
     """Whether a row drifts much farther, `reach`, than its bodies move against each other."""
-    return ROUND_OFF * reach < relative < reach / DRIFT
+    return INNER_MOVEMENT_RTOL * reach < relative < reach / MAX_DRIFT_RATIO
 
 
 def magnified(length: float, reach: float, relative: float, strain: float) -> float:
     """Magnification for rods of that length that move so far, m, and with that largest strain."""
-    moved = relative if drifts(reach, relative) else reach
-    wanted = REACH * length / moved if moved > 0 else 1.0
+    movement = reach
+    if drifts(reach, relative):
+        movement = relative
+    factor = 1.0
+    if movement > 0:
+        factor = PICTURED_MOVEMENT * length / movement
     if strain > 0:
-        wanted = min(wanted, SQUEEZE / strain)
-    return max(1.0, round_down(wanted))
+        factor = min(factor, MAX_PICTURED_STRAIN / strain)
+    return max(1.0, round_down(factor))
 
 
 def round_down(number: float) -> float:
     """Largest of 1, 2, 5 times a power of ten that is no larger."""
-    base = 10.0 ** math.floor(math.log10(number) + 1e-9)
-    for lead in (5, 2):
-        if lead * base <= number * (1 + 1e-9):
-            return lead * base
+    base = 10.0 ** math.floor(math.log10(number) + LEADING_DIGIT_RTOL)
+    for digit in (5, 2):
+        if digit * base <= number * (1 + LEADING_DIGIT_RTOL):
+            return digit * base
     return base

@@ -1,7 +1,6 @@
 """What a collision did: velocities of the bodies before and after, impulse, restitution, energy.
 
-Bodies joined together move, for an outcome, with their
-common velocity.
+Bodies joined together move, for an outcome, with their common velocity.
 """
 
 from dataclasses import dataclass
@@ -16,8 +15,8 @@ from ..model.frozen import json_ready
 from ..rigid import RigidCollision, collide
 from .notebook import as_table
 
-UNBALANCED = 1e-6
-"""Share of momentum or energy from which it is said that it is missing."""
+MAX_SILENT_RESIDUAL = 1e-6
+"""Largest residual of momentum or energy, relative as in `Outcome`, without a warning."""
 
 Number = TypeVar("Number")
 
@@ -161,13 +160,12 @@ class Outcome(OnlyContact[float]):
             If the run is not final, nothing met, the bodies did not approach each other, or there
             is more than one contact.
         """
-        if reason := self.why_no_restitution():
+        reason = self.why_no_restitution()
+        if reason:
             raise UndefinedRestitution(reason)
         k = self.unilateral[0]
-        before, after = (
-            self.velocities_before[k : k + 2],
-            self.velocities_after[k : k + 2],
-        )
+        before = self.velocities_before[k : k + 2]
+        after = self.velocities_after[k : k + 2]
         return float(effective_restitution(True, 1, before, after))
 
     def why_no_restitution(self) -> str:
@@ -207,11 +205,13 @@ class Outcome(OnlyContact[float]):
         1.0
         """
         e = self.restitution
-        k = self.unilateral[0] + 1
+        first_on_right = self.unilateral[0] + 1
+        left_mass = sum(self.masses[:first_on_right])
+        right_mass = sum(self.masses[first_on_right:])
         return collide(
-            sum(self.masses[:k]),
+            left_mass,
             self.velocities_before[0],
-            sum(self.masses[k:]),
+            right_mass,
             self.velocities_before[-1],
             e,
             allow_energy_release=e > 1,
@@ -219,11 +219,11 @@ class Outcome(OnlyContact[float]):
 
     def to_dict(self) -> dict[str, Any]:
         """All entries by name, those of contacts too, in JSON's terms; nan stays a float."""
-        contacts = [tally._asdict() for tally in self.contacts]
-        return {
-            **{name: json_ready(v) for name, v in vars(self).items()},
-            "contacts": contacts,
-        }
+        entries: dict[str, Any] = {}
+        for name, value in vars(self).items():
+            entries[name] = json_ready(value)
+        entries["contacts"] = [tally._asdict() for tally in self.contacts]
+        return entries
 
     def __str__(self) -> str:
         from ..storage.report import outcome_table
@@ -259,12 +259,13 @@ def outcome_of(run: Run, totals: Totals) -> Outcome:
 
 def _unbalanced(momentum: float, energy: float) -> str:
     """A warning of balances that do not close."""
-    missing = " and ".join(
-        f"{abs(share):.1g} of the {name}"
-        for name, share in (("momentum", momentum), ("energy", energy))
-        if not abs(share) <= UNBALANCED
-    )
-    return missing and (
-        f" The balance does not close: {missing} is missing. Take another method, or "
-        "numbers that are nearer to each other."
+    missing = []
+    for name, share in (("momentum", momentum), ("energy", energy)):
+        if not abs(share) <= MAX_SILENT_RESIDUAL:  # which nan is not, either
+            missing.append(f"{abs(share):.1g} of the {name}")
+    if not missing:
+        return ""
+    return (
+        f" The balance does not close: {' and '.join(missing)} is missing. Take another "
+        "method, or numbers that are nearer to each other."
     )

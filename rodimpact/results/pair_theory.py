@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..methods.signals import Floats
 from ..model import Body, Rigid, Rod, System
@@ -37,13 +38,14 @@ class PairTheory(NamedTuple):
         """Where the closed form comes from."""
         if np.isfinite(self.impedance).all():
             return "Saint-Venant 1867"
-        return "textbook, box 10.4" if np.isinf(self.mass).any() else "Boussinesq"
+        if np.isinf(self.mass).any():
+            return "textbook, box 10.4"
+        return "Boussinesq"
 
     def each(self, change: Callable[[Floats], Floats]) -> PairTheory:
         """The family with every array changed."""
-        return PairTheory(
-            *(np.stack([change(left), change(right)]) for left, right in self)
-        )
+        changed = [np.stack([change(left), change(right)]) for left, right in self]
+        return PairTheory(*changed)
 
     def along(self, known: Floats, wanted: Floats) -> PairTheory:
         """A family with one axis, given at `known`, at `wanted` values of its parameter.
@@ -61,30 +63,43 @@ class PairTheory(NamedTuple):
 
     def collision(self) -> PairCollision:
         """What theory says; at a closing speed of 1 m/s where the bodies do not approach."""
-        (Z1, Z2), (T1, T2), (m1, m2), (v1, v2) = self
-        V = np.where(v1 > v2, v1 - v2, 1.0)
-        if np.isfinite(self.impedance).all():
-            return saint_venant(Z1, T1, Z2, T2, V)
-        Z, T, mass = (Z2, T2, m1) if np.isinf(Z1).any() else (Z1, T1, m2)
-        return (
-            rod_on_wall(Z, T, V) if np.isinf(mass).any() else mass_on_rod(mass, Z, T, V)
-        )
+        Z = self.impedance
+        T = self.transit_time
+        v = self.velocity
+        V = np.where(v[0] > v[1], v[0] - v[1], 1.0)
+        if np.isfinite(Z).all():
+            return saint_venant(Z[0], T[0], Z[1], T[1], V)
+        rod = 0
+        if np.isinf(Z[0]).any():
+            rod = 1
+        mass = self.mass[1 - rod]
+        if np.isinf(mass).any():
+            return rod_on_wall(Z[rod], T[rod], V)
+        return mass_on_rod(mass, Z[rod], T[rod], V)
 
     def column(self, name: str) -> Floats:
         """Results of one of `COLUMNS`, nan where the bodies do not approach each other."""
-        return np.where(
-            np.greater(*self.velocity), COLUMNS[name](self, self.collision()), np.nan
-        )
+        values = COLUMNS[name](self, self.collision())
+        return np.where(self.approaches, values, np.nan)
+
+    @property
+    def approaches(self) -> NDArray[np.bool_]:
+        """Whether the two bodies of each member approach each other."""
+        return np.greater(self.velocity[0], self.velocity[1])
+
+
+def _velocity_after(family: PairTheory, pair: PairCollision, body: int) -> Floats:
+    """Momentum over mass: the impulse pushes the left body back and the right one on."""
+    change = pair.impulse / family.mass[body]
+    if body == 0:
+        return family.velocity[body] - change
+    return family.velocity[body] + change
 
 
 COLUMNS: dict[str, Callable[[PairTheory, PairCollision], Any]] = {
     "restitution": lambda _, pair: pair.restitution,
-    "velocity_after.0": lambda family, pair: (
-        family.velocity[0] - pair.impulse / family.mass[0]
-    ),
-    "velocity_after.1": lambda family, pair: (
-        family.velocity[1] + pair.impulse / family.mass[1]
-    ),
+    "velocity_after.0": lambda family, pair: _velocity_after(family, pair, 0),
+    "velocity_after.1": lambda family, pair: _velocity_after(family, pair, 1),
     "impulse.0": lambda _, pair: pair.impulse,
     "peak_force.0": lambda _, pair: pair.peak_force,
     "duration.0": lambda _, pair: pair.duration,
@@ -95,29 +110,41 @@ COLUMNS: dict[str, Callable[[PairTheory, PairCollision], Any]] = {
 
 def pair_theory(system: System) -> PairTheory | None:
     """The closed form that holds for a family; None if there is none or no members collide."""
-    numbers = [_numbers(body) for body in system.bodies]
-    rigid = len(numbers) == 2 and all(numbers) and isinstance(system.contacts[0], Rigid)
-    if not rigid or system != System(system.bodies, system.gaps, system.contacts):
+    if len(system.bodies) != 2 or not isinstance(system.contacts[0], Rigid):
+        return None
+    if system != System(system.bodies, system.gaps, system.contacts):
         return None  # more acts on the row
-    family = PairTheory(
-        *(
-            np.stack([np.broadcast_to(x, system.shape) for x in pair])
-            for pair in zip(*numbers, strict=True)
-        )
+    left = _numbers(system.bodies[0])
+    right = _numbers(system.bodies[1])
+    if left is None or right is None:
+        return None
+    arrays = []
+    for pair in zip(left, right, strict=True):
+        arrays.append(np.stack([np.broadcast_to(x, system.shape) for x in pair]))
+    family = PairTheory(*arrays)
+    if not family.approaches.any():
+        return None
+    return family
+
+
+class _Numbers(NamedTuple):
+    """Numbers of one body, as `PairTheory` has them of both."""
+
+    impedance: Any
+    transit_time: Any
+    mass: Any
+    velocity: Any
+
+
+def _numbers(body: Body) -> _Numbers | None:
+    """What the closed forms take of a body; None of a rod that has more to it."""
+    if not isinstance(body, Rod):
+        return _Numbers(np.inf, 0.0, getattr(body, "mass", np.inf), body.velocity)
+    segment = body.segments[0]
+    if len(body.segments) > 1 or not segment.ideal:
+        return None
+    if not isinstance(body.velocity, float | np.ndarray) or np.any(body.strain != 0):
+        return None
+    return _Numbers(
+        segment.impedance, segment.transit_time, segment.mass, body.velocity
     )
-    return family if np.greater(*family.velocity).any() else None
-
-
-def _numbers(body: Body) -> tuple[Any, ...]:
-    """Impedance, transit time, mass and velocity; none of a rod that has more to it."""
-    if isinstance(body, Rod):
-        segment, even = body.segments[0], isinstance(body.velocity, float | np.ndarray)
-        if (
-            len(body.segments) > 1
-            or not segment.ideal
-            or not even
-            or np.any(body.strain != 0)
-        ):
-            return ()
-        return segment.impedance, segment.transit_time, segment.mass, body.velocity
-    return np.inf, 0.0, getattr(body, "mass", np.inf), body.velocity

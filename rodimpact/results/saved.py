@@ -15,9 +15,9 @@ from ..storage.case import Case
 from ..storage.saved_result import COUNT, ENERGIES, ENERGY, MEASURE_OF, SavedResult
 from ..version import __version__
 
-ROUND_OFF = 2.0**-48
+ROUND_OFF_PER_ARRIVAL = 2.0**-48
 """Relative round-off of a wave for each end that it has passed."""
-MOST_TOLD = 5  # differences in a message
+MAX_LISTED_DIFFERENCES = 5  # differences in a message
 
 
 class OutcomeDiffers(UserWarning):
@@ -86,23 +86,24 @@ def difference(saved: SavedResult, solution: Any) -> str:
     now = result_of(solution)
     reasons = []
     for name in ("method", "stopped_by", "final"):
-        value, stored = getattr(now, name), getattr(saved, name)
+        value = getattr(now, name)
+        stored = getattr(saved, name)
         if value != stored:
             reasons.append(f"{name} is {value!r}, stored is {stored!r}")
     allowed = _allowed_differences(saved, now, solution)
     for name, number in now.numbers.items():
         stored = saved.numbers[name]
-        most = allowed[name.partition(".")[0]]
-        if not _agree(number, stored, most):
+        largest = allowed[name.partition(".")[0]]
+        if not _agree(number, stored, largest):
+            both = f"{name} is {number!r}, stored is {stored!r}"
             reasons.append(
-                f"{name} is {number!r}, stored is {stored!r}, and stated errors allow a difference "
-                f"of {most:.1g}"
+                f"{both}, and stated errors allow a difference of {largest:.1g}"
             )
     if not reasons:
         return ""
-    listed = "; ".join(reasons[:MOST_TOLD])
-    if len(reasons) > MOST_TOLD:
-        listed += f"; and {len(reasons) - MOST_TOLD} entries more"
+    listed = "; ".join(reasons[:MAX_LISTED_DIFFERENCES])
+    if len(reasons) > MAX_LISTED_DIFFERENCES:
+        listed += f"; and {len(reasons) - MAX_LISTED_DIFFERENCES} entries more"
     head = "the outcome differs from the stored one by more than the stated errors"
     return f"{head} (saved by rodimpact {saved.version}): {listed}"
 
@@ -111,13 +112,16 @@ def _allowed_differences(
     saved: SavedResult, now: SavedResult, solution: Any
 ) -> dict[str, float]:
     """Difference of the numbers of each name that the stated errors of both runs allow."""
-    outcome, accuracies = solution.outcome, (saved.accuracy, now.accuracy)
+    outcome = solution.outcome
     errors = {}
     for measure in MEASURES:
-        errors[measure] = sum(accuracy.get(measure, 0.0) for accuracy in accuracies)
+        stored_error = saved.accuracy.get(measure, 0.0)
+        errors[measure] = stored_error + now.accuracy.get(measure, 0.0)
     errors[ENERGY] = 2 * max(errors[VELOCITY], errors[IMPULSE])
     # Where durations are unknown, faint forces make episodes or none.
-    errors[COUNT] = math.inf if errors[DURATION] == math.inf else 0.0
+    errors[COUNT] = 0.0
+    if errors[DURATION] == math.inf:
+        errors[COUNT] = math.inf
     scales = dict.fromkeys(errors, 0.0)
     scales[VELOCITY] = solution.run.clock.scale
     scales[ENERGY] = outcome.kinetic_before + sum(outcome.vibration_before)
@@ -126,11 +130,13 @@ def _allowed_differences(
             measure = MEASURE_OF[name.partition(".")[0]]
             if math.isfinite(number):
                 scales[measure] = max(scales[measure], abs(number))
-    round_off = ROUND_OFF * (1 + solution.events)
+    round_off = ROUND_OFF_PER_ARRIVAL * (1 + solution.events)
     allowed = {}
     for name, measure in MEASURE_OF.items():
         error = errors[measure] + round_off
-        allowed[name] = error * scales[measure] if error < math.inf else math.inf
+        allowed[name] = math.inf
+        if error < math.inf:
+            allowed[name] = error * scales[measure]
     return allowed
 
 
