@@ -211,7 +211,7 @@ def ledger(
 
 def _works_from_outside(fields: Fields, ticks: Ints) -> dict[str, Floats]:
     """Work that is done on the two ends of the row since t = 0, J, by kind of what does it."""
-    works = {}
+    works: dict[str, Floats] = {}
     for kind in ("wall", "drive", "absorbing"):
         works[kind] = np.zeros(ticks.shape)
     for side, sign in zip(fields.signals.outside, INWARD, strict=True):
@@ -234,7 +234,7 @@ def _gravity_work(fields: Fields, states: BondedGroups) -> Floats:
             push_integral = side.push.integrated_twice(ticks)
             by_push = sign * push_integral * clock.tick * clock.tick
             momentum_integral = momentum_integral + by_push
-    return clock.gravity * momentum_integral
+    return np.asarray(clock.gravity * momentum_integral)
 
 
 def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> Totals:

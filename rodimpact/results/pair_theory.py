@@ -85,15 +85,15 @@ class PairTheory(NamedTuple):
     @property
     def approaches(self) -> NDArray[np.bool_]:
         """Whether the two bodies of each member approach each other."""
-        return np.greater(self.velocity[0], self.velocity[1])
+        return np.asarray(self.velocity[0] > self.velocity[1])
 
 
 def _velocity_after(family: PairTheory, pair: PairCollision, body: int) -> Floats:
     """Momentum over mass: the impulse pushes the left body back and the right one on."""
     change = pair.impulse / family.mass[body]
     if body == 0:
-        return family.velocity[body] - change
-    return family.velocity[body] + change
+        change = -change
+    return np.asarray(family.velocity[body] + change)
 
 
 COLUMNS: dict[str, Callable[[PairTheory, PairCollision], Any]] = {

@@ -14,7 +14,7 @@ from ..methods.registry import Options
 from ..methods.run import Coarser, Run, Waves
 from ..methods.signals import Floats, Side, each_once
 from ..model import Rod, Samples, Steps, System
-from ..model.arguments import array, demand, of_kind, single, whole
+from ..model.arguments import Array, array, demand, of_kind, single, whole
 from ..model.frozen import refusal
 from ..model.numbering import body_names
 from ..storage.case_writing import save_case
@@ -306,7 +306,7 @@ class Solution(Shown):
         place: Any = self.fields.positions[self._index(body)]
         if isinstance(self.system.bodies[body], Rod):
             place = place + array("x", x, "m")
-        return place + self.displacement(body, x, t)
+        return np.asarray(place + self.displacement(body, x, t))
 
     @_ALLOW_UNDERFLOW
     def mean_velocity(self, body: int, t: ArrayLike) -> Floats:
@@ -404,7 +404,7 @@ class Solution(Shown):
             self.system, data, coordinates, method=self.method, status=self.status
         )
 
-    def _inside(self, x: Floats) -> list[Any]:
+    def _inside(self, x: Array) -> list[Any]:
         """Which of some places lie in each body; InvalidModel for places in no body."""
         longest = 0.0
         inside = []

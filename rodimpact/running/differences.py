@@ -10,13 +10,13 @@ C. Brezinski, M. Redivo Zaglia, Extrapolation Methods, North-Holland 1991.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ..methods.row import Array
 
-MOST_ORDER = 5  # of a window: more amplify noise, and gain nothing
+MAX_ORDER = 5  # of a window: higher ones amplify noise, and gain nothing
 TRUNCATION_SAFETY = 10.0  # stated truncation error over the change by the last order
 
 
@@ -25,6 +25,11 @@ class Estimate(NamedTuple):
 
     value: Array
     error: Array
+
+
+def _change(below: Estimate, above: Estimate) -> Estimate:
+    """What an estimate is larger than another."""
+    return Estimate(above.value - below.value, above.error + below.error)
 
 
 class Sides(NamedTuple):
@@ -39,17 +44,12 @@ class Sides(NamedTuple):
     @property
     def jump(self) -> Estimate:
         """Value above minus value below."""
-        return Estimate(
-            self.value_above.value - self.value_below.value,
-            self.value_above.error + self.value_below.error,
-        )
+        return _change(self.value_below, self.value_above)
 
     @property
     def bend(self) -> Estimate:
         """Derivative above minus derivative below."""
-        return Estimate(
-            self.above.value - self.below.value, self.above.error + self.below.error
-        )
+        return _change(self.below, self.above)
 
     @property
     def smooth(self) -> Array:
@@ -101,34 +101,28 @@ def limit(first: Array, amplification: Array, noise: Array, ratio: int) -> Estim
     low = np.full(first.shape[1:], -math.inf)
     high = np.full(first.shape[1:], math.inf)
     in_agreement = np.full(first.shape[1:], True)
-    windows = windows_of(first, amplification * noise, ratio)
-    for window_value, window_error in zip(*windows, strict=True):
-        known = np.isfinite(window_error)
-        in_agreement &= ~known | (
-            (window_value - window_error <= high) & (window_value + window_error >= low)
-        )
-        used = known & in_agreement
-        low = np.where(used, np.maximum(low, window_value - window_error), low)
-        high = np.where(used, np.minimum(high, window_value + window_error), high)
-        better = used & (window_error < error)
-        value = np.where(better, window_value, value)
-        error = np.where(better, window_error, error)
+    for window in windows_of(first, amplification * noise, ratio):
+        exists = np.isfinite(window.error)
+        lower = window.value - window.error
+        upper = window.value + window.error
+        in_agreement &= ~exists | ((lower <= high) & (upper >= low))
+        used = exists & in_agreement
+        low = np.where(used, np.maximum(low, lower), low)
+        high = np.where(used, np.minimum(high, upper), high)
+        better = used & (window.error < error)
+        value = np.where(better, window.value, value)
+        error = np.where(better, window.error, error)
     return Estimate(value, error)
 
 
-def windows_of(first: Array, noise: Array, ratio: int) -> tuple[list[Any], list[Any]]:
-    """Best window of those that begin at each step, from the smallest step to the largest.
-
-    Returns
-    -------
-    values, errors : lists of array
-    """
+def windows_of(first: Array, noise: Array, ratio: int) -> list[Estimate]:
+    """Best window of those that begin at each step, from the smallest step to the largest."""
     count = len(first)
     values = [np.full(first.shape[1:], math.nan) for _ in range(count)]
     errors = [np.full(first.shape[1:], math.inf) for _ in range(count)]
     order_below = first
     noise_below = noise
-    for order in range(1, min(MOST_ORDER, count - 1) + 1):
+    for order in range(1, min(MAX_ORDER, count - 1) + 1):
         factor = float(ratio**order)
         change = (order_below[1:] - order_below[:-1]) / (factor - 1)
         this_order = order_below[1:] + change
@@ -140,4 +134,7 @@ def windows_of(first: Array, noise: Array, ratio: int) -> tuple[list[Any], list[
             errors[begin] = np.where(better, bounds[begin], errors[begin])
         order_below = this_order
         noise_below = this_noise
-    return values[::-1], errors[::-1]
+    windows = []
+    for begin in reversed(range(count)):
+        windows.append(Estimate(values[begin], errors[begin]))
+    return windows

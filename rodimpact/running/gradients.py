@@ -34,22 +34,22 @@ SMOOTH_RTOL = 1e-10
 """Tolerance of the method "characteristics": finer runs cost more and are hardly more accurate."""
 FRONTS_RTOL = 2.0**-48
 """Round-off of a run by fronts, relative to the largest velocity, impulse or duration."""
-DURATION_DOUBT = 10.0  # error of durations over the stated error of forces
-STEPS = 6  # halved steps of a stage, on each side
-STAGES = 4  # as many at most; each begins at half the smallest step of the one before
+DURATION_ERROR_RATIO = 10.0  # error of durations over the stated error of forces
+STEPS_PER_STAGE = 6  # halved from one to the next, on each side
+MAX_STAGES = 4  # each begins at half the smallest step of the one before
 LARGEST_STEP = {
     "fronts": 2.0**-6,
     "characteristics": 2.0**-6,
     "finite-difference": 2.0**-3,
 }
 """By method, over the number: the less accurate its results, the longer its steps."""
-SMALL_CHANGE = 2.0**-6  # makes a number of 0 another one, to see what physics it takes
-AMPLIFICATION = 16.0  # error of a derivative, times the step, over that of the values
-ENOUGH = 10.0  # stated error over that which noise allows, up to which steps are kept
-RELATIVE = {"velocity", "strain", "value"}
+PROBING_CHANGE = 2.0**-6  # over the number: shows what physics another number takes
+NOISE_AMPLIFICATION = 16.0  # error of a derivative, times the step, over that of values
+MAX_ERROR_OVER_NOISE = 10.0  # stated error over that by noise at which steps are kept
+SCALED_BY_MOTION = {"velocity", "strain", "value"}
 """Numbers whose changes are measured by the motion of the row, whatever their value."""
-ROUND_OFF = 2.0**-52
-SHOWN_RTOL = 1e-8  # relative error of a derivative printed with 8 digits
+NUMBER_RTOL = 2.0**-52  # round-off of a number of the system
+PRINTED_RTOL = 1e-8  # relative error of a derivative printed with 8 digits
 
 
 class Kink(NamedTuple):
@@ -142,12 +142,13 @@ class Gradient:
         return self.values[path]
 
     def __str__(self) -> str:
-        if np.ndim(self.value):
+        if np.ndim(self.value) > 0:
             members = f"of {np.size(self.value)} members, by {', '.join(self.wrt)}"
             return f"derivatives of {self.of} {members}"
         value = f"{self.value:.10g} {self.unit}".rstrip()
         lines = [f"{self.of} = {value}; its derivative by"]
-        lines += [f"  {path}: {self._described(path)}" for path in self.wrt]
+        for path in self.wrt:
+            lines.append(f"  {path}: {self._described(path)}")
         return "\n".join(lines)
 
     def _described(self, path: str) -> str:
@@ -163,7 +164,7 @@ class Gradient:
         else:
             text = f"{self.values[path]:.8g}{unit}"
             size = abs(self.values[path])
-        if error > SHOWN_RTOL * size:
+        if error > PRINTED_RTOL * size:
             text += f", stated error {error:.1g}"
         return text
 
@@ -265,8 +266,8 @@ def _common_options(
     """Options by which the system can be solved, and its neighbours: a gravity of 0 may vary."""
     able = [options.method_for(system)]
     for number in numbers:
-        beside, _ = number.neighbours([number.size * SMALL_CHANGE])
-        able.append(options.method_for(beside))
+        neighbours = number.neighbours([number.size * PROBING_CHANGE])
+        able.append(options.method_for(neighbours.system))
     slowest = max(able, key=list(METHODS).index)
     if slowest == "characteristics" and options.rtol is None:
         options = replace(options, rtol=SMOOTH_RTOL)
@@ -282,10 +283,11 @@ def _why_undefined(system: System, of: str, options: Options) -> str:
         max_events=options.max_events,
         rtol=options.rtol,
     )
-    reason = ""
     if of == "restitution":
         reason = solution.outcome.why_no_restitution()
-    return reason or f"{of} is undefined: {solution.status}"
+        if reason:
+            return reason
+    return f"{of} is undefined: {solution.status}"
 
 
 class _Result:
@@ -313,14 +315,17 @@ class _Result:
     def of_members(self, system: System) -> Estimate:
         """Values and their stated errors, of the family's shape; nan where a run does not end."""
         options = self.options
-        stated = options.method != "fronts"
+        is_exact = options.method == "fronts"
+        also = ["accuracy"]
+        if is_exact:
+            also = []
         swept = sweep(
             system,
             options.method,
             until=options.until,
             max_events=options.max_events,
             rtol=options.rtol,
-            also=["accuracy"] if stated else [],
+            also=also,
             workers=self._workers,
             progress=lambda done, _: self._report(self._solved + done, None),
         )
@@ -328,8 +333,10 @@ class _Result:
         columns = swept.columns
         ended = np.isin(columns["status"], ENDED)
         value = np.where(ended, columns[self.of], math.nan)
-        error = columns["accuracy"] if stated else FRONTS_RTOL
-        return Estimate(value, error * self._size(system, columns))
+        accuracy = FRONTS_RTOL
+        if not is_exact:
+            accuracy = columns["accuracy"]
+        return Estimate(value, accuracy * self._size(system, columns))
 
     def _size(self, system: System, columns: Mapping[str, Any]) -> Any:
         """The size to which the stated error of the quantity is relative."""
@@ -338,15 +345,24 @@ class _Result:
             return velocity_scale(system)
         if kind == "restitution":
             (k,) = unilateral(system)
-            e = columns["restitution"]
-            parting = (
-                columns[f"velocity_after.{k + 1}"] - columns[f"velocity_after.{k}"]
-            )
-            with np.errstate(divide="ignore", invalid="ignore"):
-                of_closing = np.where(e == 0, 1.0, velocity_scale(system) * e / parting)
-            return 2 * np.abs(of_closing) + np.abs(e)
-        sizes = [np.abs(columns[f"{kind}.{k}"]) for k in unilateral(system)]
-        return largest(sizes) * (DURATION_DOUBT if kind == "duration" else 1.0)
+            return self._size_of_restitution(system, columns, k)
+        size = largest([np.abs(columns[f"{kind}.{k}"]) for k in unilateral(system)])
+        if kind == "duration":
+            size = size * DURATION_ERROR_RATIO
+        return size
+
+    def _size_of_restitution(
+        self, system: System, columns: Mapping[str, Any], k: int
+    ) -> Any:
+        """2 V/closing + e, with V the velocity scale and closing = parting/e, at contact k."""
+        e = columns["restitution"]
+        before = columns[f"velocity_after.{k}"]
+        behind = columns[f"velocity_after.{k + 1}"]
+        parting = behind - before
+        with np.errstate(divide="ignore", invalid="ignore"):
+            over_closing = velocity_scale(system) * e / parting
+        over_closing = np.where(e == 0, 1.0, over_closing)
+        return 2 * np.abs(over_closing) + np.abs(e)
 
 
 def velocity_scale(system: System) -> Any:
@@ -358,32 +374,41 @@ def velocity_scale(system: System) -> Any:
     return largest(velocities) - smallest(velocities)
 
 
+class _Neighbours(NamedTuple):
+    """Systems with changed numbers, [step, ...]."""
+
+    system: System
+    allowed: Any  # whether the change is allowed; if not, the number is not changed
+
+
 class _Number(NamedTuple):
     """A number of a system, or of each member of a family."""
 
     system: System
-    places: list[str]
-    x: Any
+    places: list[str]  # paths where it is found
+    x: Any  # its value
     size: Any  # by which its changes are measured
 
-    def neighbours(self, by: Any) -> tuple[System, Any]:
-        """Systems with changed numbers, [step, ...], and whether each change is allowed."""
+    def neighbours(self, changes: Any) -> "_Neighbours":
+        """Systems with changed numbers, [step, ...]."""
         field = field_at(self.system, self.places[0])
-        by = np.asarray(by)
-        allowed = np.asarray(field.holds(self.x + by))
-        changed = np.where(allowed, by, 0.0)
+        changes = np.asarray(changes)
+        allowed = np.asarray(field.holds(self.x + changes))
+        in_range = np.where(allowed, changes, 0.0)
         try:
-            return self._changed(changed), allowed
+            return _Neighbours(self._changed(in_range), allowed)
         except InvalidModel:  # a number may have to be less than another
-            for k in range(len(by)):
+            for k in range(len(changes)):
                 try:
-                    self._changed(changed[k])
+                    self._changed(in_range[k])
                 except InvalidModel:
                     allowed[k] = False
-            return self._changed(np.where(allowed, by, 0.0)), allowed
+            in_range = np.where(allowed, changes, 0.0)
+            return _Neighbours(self._changed(in_range), allowed)
 
-    def _changed(self, by: Any) -> System:
-        value = self.x + by
+    def _changed(self, change: Any) -> System:
+        """The system with a changed number."""
+        value = self.x + change
         if np.ndim(value) == 0:
             value = float(value)
         return with_numbers(self.system, dict.fromkeys(self.places, value))
@@ -403,7 +428,7 @@ def _number(system: System, path: str) -> _Number:
     x = numbers_of(system)[places[0]]
     natural = _natural_size(system, places[0])
     words = places[0].split(".")
-    if not RELATIVE.isdisjoint(words):
+    if not SCALED_BY_MOTION.isdisjoint(words):
         size = natural
     elif words[-1] == "gap":
         size = np.where(np.equal(x, 0), natural, np.minimum(x, natural))
@@ -459,24 +484,25 @@ def _extrapolated(number: _Number, result: _Result, value: Estimate) -> Sides:
     below = np.zeros((0, *shape))
     above = np.zeros((0, *shape))
     chosen = np.isfinite(value.value)
-    for stage in range(STAGES):
-        halved = first_step * 2.0 ** -np.arange(STEPS * stage, STEPS * (stage + 1))
-        further = np.multiply.outer(halved, size)
-        sides = np.full((2, *further.shape), math.nan)
+    for stage in range(MAX_STAGES):
+        halvings = STEPS_PER_STAGE * stage + np.arange(STEPS_PER_STAGE)
+        stage_steps = np.multiply.outer(first_step * 2.0**-halvings, size)
+        stage_below = np.full(stage_steps.shape, math.nan)
+        stage_above = np.full(stage_steps.shape, math.nan)
         if chosen.any():
-            by = further[:, chosen]
-            beside, allowed = number.members(chosen).neighbours(
-                np.concatenate([-by, by])
-            )
-            found = result.of_members(beside)
-            values = np.where(allowed, found.value, math.nan)
-            sides[:, :, chosen] = values.reshape(2, *by.shape)
-        steps = np.concatenate([steps, further])
-        below = np.concatenate([below, sides[0]])
-        above = np.concatenate([above, sides[1]])
+            changes = stage_steps[:, chosen]
+            both_sides = np.concatenate([-changes, changes])
+            neighbours = number.members(chosen).neighbours(both_sides)
+            results = result.of_members(neighbours.system)
+            values = np.where(neighbours.allowed, results.value, math.nan)
+            stage_below[:, chosen] = values[:STEPS_PER_STAGE]
+            stage_above[:, chosen] = values[STEPS_PER_STAGE:]
+        steps = np.concatenate([steps, stage_steps])
+        below = np.concatenate([below, stage_below])
+        above = np.concatenate([above, stage_above])
         changes = np.fmax(np.abs(above - value.value), np.abs(below - value.value))
         slope = np.fmax.reduce(changes / steps, axis=0, initial=0.0)
-        rounding = ROUND_OFF * np.abs(number.x) * slope
+        rounding = NUMBER_RTOL * np.abs(number.x) * slope
         at_point = sides_of(below, above, steps, noise + rounding)
         chosen = _unsettled(at_point, value, noise + rounding, steps[-1] / 2)
         if not chosen.any():
@@ -486,11 +512,12 @@ def _extrapolated(number: _Number, result: _Result, value: Estimate) -> Sides:
 
 def _unsettled(sides: Sides, value: Estimate, noise: Any, next_step: Any) -> Any:
     """Members for which smaller steps may tell more."""
-    from_noise = AMPLIFICATION * noise / next_step  # error of a derivative
-    bent = np.abs(sides.bend.value) > sides.bend.error
-    bend_can_be_told = np.abs(sides.bend.value) > 2 * from_noise
+    from_noise = NOISE_AMPLIFICATION * noise / next_step  # error of a derivative
+    bend = np.abs(sides.bend.value)
+    bent = bend > sides.bend.error
+    bend_can_be_told = bend > 2 * from_noise
     jumps = np.abs(sides.jump.value) > sides.jump.error
-    inaccurate = sides.central.error > ENOUGH * from_noise
+    inaccurate = sides.central.error > MAX_ERROR_OVER_NOISE * from_noise
     unsettled = (bent & bend_can_be_told) | jumps | inaccurate
     return unsettled & np.isfinite(value.value)
 
@@ -514,21 +541,25 @@ def _column(sides: Sides, defined: Any) -> _Column:
     central = sides.central.error <= mean_error
     value = np.where(central, sides.central.value, mean)
     error = np.where(central, sides.central.error, mean_error)
-    one_sided_errors = []
-    for side in (sides.below, sides.above):
-        one_sided_errors.append(np.where(np.isfinite(side.error), side.error, 0.0))
-    known = np.isfinite(sides.below.error) | np.isfinite(sides.above.error)
-    jump = np.where(np.abs(sides.jump.value) > sides.jump.error, sides.jump.value, 0.0)
-    at_kink = np.where(known, np.maximum(*one_sided_errors), math.nan)
+    exists_below = np.isfinite(sides.below.error)
+    exists_above = np.isfinite(sides.above.error)
+    exists = exists_below | exists_above
+    error_below = np.where(exists_below, sides.below.error, 0.0)
+    error_above = np.where(exists_above, sides.above.error, 0.0)
+    error_at_kink = np.maximum(error_below, error_above)
+    error_at_kink = np.where(exists, error_at_kink, math.nan)
+    jumps = np.abs(sides.jump.value) > sides.jump.error
+    jump = np.where(jumps, sides.jump.value, 0.0)
     column = _Column(
         value=np.where(smooth, value, math.nan),
-        error=np.where(smooth, error, at_kink),
+        error=np.where(smooth, error, error_at_kink),
         below=np.where(smooth, value, sides.below.value),
         above=np.where(smooth, value, sides.above.value),
         jump=jump,
-        kinked=known & ~smooth & defined,
+        kinked=exists & ~smooth & defined,
     )
-    return _Column(*(np.asarray(x)[()] for x in column))
+    as_numbers = [np.asarray(entry)[()] for entry in column]
+    return _Column(*as_numbers)
 
 
 def lasting_bodies(system: System) -> set[int]:
@@ -561,7 +592,8 @@ def _check(
     if len(contacts) == 1 and {contacts[0], contacts[0] + 1} <= bodies:
         choices.append("restitution")
     if not isinstance(of, str) or of not in choices:
-        problems.append(("of", f"must be one of {', '.join(choices)}, got {shown(of)}"))
+        message = f"must be one of {', '.join(choices)}, got {shown(of)}"
+        problems.append(("of", message))
     is_list = isinstance(wrt, list | tuple) and len(wrt) > 0
     if not is_list or not all(isinstance(path, str) for path in wrt):
         message = (
@@ -569,12 +601,11 @@ def _check(
         )
         problems.append(("wrt", message))
         wrt = ()
-    known = places_of(system)
+    paths = places_of(system)
     for path in wrt:
-        if path not in known:
-            message = (
-                f"the system has no parameter {shown(path)}; {suggestion(path, known)}"
-            )
+        if path not in paths:
+            remedy = suggestion(path, paths)
+            message = f"the system has no parameter {shown(path)}; {remedy}"
             problems.append(("wrt", message))
     raise_noted(problems)
 
@@ -595,9 +626,13 @@ def _gradient(
         one_sided[path] = (column.below, column.above)
         units[path] = _per(unit, parameter(system, path).unit)
         if np.any(column.kinked):
-            kink = (column.below, column.above, column.jump)
-            here = [np.where(column.kinked, x, math.nan)[()] for x in kink]
-            kinks[path] = Kink(*here)
+            kinks[path] = Kink(
+                below=np.where(column.kinked, column.below, math.nan)[()],
+                above=np.where(column.kinked, column.above, math.nan)[()],
+                jump=np.where(column.kinked, column.jump, math.nan)[()],
+            )
+    if unit == "1":
+        unit = ""
     return Gradient(
         of=of,
         wrt=wrt,
@@ -606,7 +641,7 @@ def _gradient(
         errors=errors,
         one_sided=one_sided,
         kinks=kinks,
-        unit="" if unit == "1" else unit,
+        unit=unit,
         units=units,
     )
 
@@ -622,4 +657,6 @@ def _per(unit: str, other: str) -> str:
 
 def _in_brackets(unit: str) -> str:
     """The unit, in brackets if it is a product or a quotient."""
-    return f"({unit})" if "/" in unit or " " in unit else unit
+    if "/" in unit or " " in unit:
+        return f"({unit})"
+    return unit

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 
 from ..methods import memory
 
-JOBS_A_WORKER = 8
+JOBS_A_WORKER = 8  # about
 JOBS_A_WORKER_TO_KEEP = 100  # with a checkpoint: a crash undoes a hundredth of the work
 WORKERS_OF_EXECUTOR = 64  # where the caller does not say how many it has
 HEARTBEAT = 0.4  # s, after which progress is reported though no job has ended
@@ -75,11 +75,11 @@ class Here(Executor):
     """Does every job at once, itself."""
 
     def submit(
-        self, job: Callable[..., Any], /, *given: Any, **named: Any
+        self, job: Callable[..., Any], /, *arguments: Any, **named: Any
     ) -> Future[Any]:
-        """Do it; what goes wrong is raised here."""
+        """Do a job; what goes wrong is raised here."""
         future: Future[Any] = Future()
-        future.set_result(job(*given, **named))
+        future.set_result(job(*arguments, **named))
         return future
 
 
@@ -141,11 +141,11 @@ def results_of(
             while waiting and len(running) < 2 * workers:
                 start, stop = waiting.popleft()
                 running[submit(start, stop)] = start, stop
-            news = []
+            results = []
             for job in wait(running, HEARTBEAT, FIRST_COMPLETED).done:
                 start, stop = running.pop(job)
-                news.append((start, stop, job.result()))
-            yield news
+                results.append((start, stop, job.result()))
+            yield results
     finally:
         for job in running:
             job.cancel()

@@ -12,7 +12,7 @@ from ..storage.writing import PathLike, file_name
 from .solving import solve
 from .sweep_result import SweepResult
 
-ZIP = b"PK"
+NPZ_START = b"PK"
 """First bytes of an NPZ file."""
 
 
@@ -62,8 +62,8 @@ def load(path: PathLike) -> Any:
     """
     name = file_name(path)
     with open_regular(name) as file:
-        start = file.read(len(ZIP))
-    if start == ZIP or name.lower().endswith(".npz"):
+        start = file.read(len(NPZ_START))
+    if start == NPZ_START or name.lower().endswith(".npz"):
         return read_npz(name, {"sweep": SweepResult.restored})
     return _solve_again(name)
 
@@ -78,6 +78,7 @@ def _solve_again(name: str) -> Solution:
         )
         raise refusal(name, message)
     solution = solve(case.system, **case.solve)
-    if changed := difference(case.result, solution):
-        warnings.warn(f"{name}: {changed}", OutcomeDiffers, stacklevel=3)
+    differences = difference(case.result, solution)
+    if differences:
+        warnings.warn(f"{name}: {differences}", OutcomeDiffers, stacklevel=3)
     return solution

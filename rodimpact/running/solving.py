@@ -10,8 +10,8 @@ from ..progress import Progress, ProgressFunction, check_progress
 from ..results.outcome import Outcome, outcome_of
 from ..results.solution import Solution
 
-AUTO = Options()
-UNITS = {
+DEFAULT_OPTIONS = Options()
+WORK_UNITS = {
     "fronts": "events",
     "characteristics": "steps",
     "finite-difference": "steps",
@@ -100,7 +100,7 @@ def solve(
         )
         problems.append(("system", message))
     raise_noted(problems)
-    with Progress(progress, "solve", UNITS[chosen]) as report:
+    with Progress(progress, "solve", WORK_UNITS[chosen]) as report:
         run = options.run(chosen, system, report)
     return Solution(run, options)
 
@@ -137,12 +137,15 @@ def collide(
     >>> round(ri.collide(left, right).restitution, 12)
     0.4
     """
-    system = System([left, right], [gap], None if contact is None else [contact])
+    contacts = None
+    if contact is not None:
+        contacts = [contact]
+    system = System([left, right], [gap], contacts)
     if system.shape:
         return solve(system).outcome
-    method = AUTO.method_for(system)
-    with Progress(True, "collide", UNITS[method]) as report:
-        run = AUTO.run(method, system, report)
+    method = DEFAULT_OPTIONS.method_for(system)
+    with Progress(True, "collide", WORK_UNITS[method]) as report:
+        run = DEFAULT_OPTIONS.run(method, system, report)
     if run.totals:
         return outcome_of(run, run.totals)
-    return Solution(run, AUTO).outcome
+    return Solution(run, DEFAULT_OPTIONS).outcome

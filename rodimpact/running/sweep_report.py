@@ -14,9 +14,9 @@ from ..units import format_si
 from .columns import columns_of
 from .sweep_result import SweepResult
 
-MOST_MEMBERS = 20  # listed one by one
-SOME_MEMBERS = 12  # picked from a larger family
-MOST_BODIES = 8  # whose velocities are listed for each member
+MAX_LISTED_MEMBERS = 20  # of a family that is listed one by one
+SAMPLED_MEMBERS = 12  # picked from a larger family
+MAX_LISTED_BODIES = 8  # whose velocities are listed for each member
 
 Varied = Sequence[tuple[str, Any, str]]
 """For each axis of a family: the path of what varies along it, its values, and their unit."""
@@ -38,20 +38,16 @@ def sweep_table(result: SweepResult, varied: Varied, more: str) -> str:
     str
         The grids, the extremes of e, all collisions or some, and why some have no e.
     """
-    rows = [
-        ["varied", "values", "from", "to"],
-        *(
-            [
-                path,
-                str(len(values)),
-                format_si(values.min(), unit),
-                format_si(values.max(), unit),
-            ]
-            for path, values, unit in varied
-        ),
-    ]
+    rows = [["varied", "values", "from", "to"]]
+    for path, values, unit in varied:
+        smallest = format_si(values.min(), unit)
+        largest = format_si(values.max(), unit)
+        rows.append([path, str(len(values)), smallest, largest])
     blocks = [align(rows), _extremes(result, varied), _members(result, varied, more)]
-    return "\n\n".join(filter(None, [*blocks, _missing(result, varied)]))
+    missing = _missing(result, varied)
+    if missing:
+        blocks.append(missing)
+    return "\n\n".join(blocks)
 
 
 def sweep_json(result: SweepResult, varied: Varied) -> Iterator[str]:
@@ -70,10 +66,9 @@ def sweep_json(result: SweepResult, varied: Varied) -> Iterator[str]:
         column is a number that varies or a result: a list with one entry a collision, the last axis
         fastest, in SI units and full precision, with null for what does not exist.
     """
-    axes = [
-        {"path": path, "unit": unit, "values": values.tolist()}
-        for path, values, unit in varied
-    ]
+    axes = []
+    for path, values, unit in varied:
+        axes.append({"path": path, "unit": unit, "values": values.tolist()})
     head = {
         "schema_version": SCHEMA_VERSION,
         "method": result.method,
@@ -82,23 +77,27 @@ def sweep_json(result: SweepResult, varied: Varied) -> Iterator[str]:
     }
     yield json.dumps(head).removesuffix("}") + ', "columns": {'
     columns = result.table()
-    for i, (name, column) in enumerate(columns.items(), 1):
+    last = list(columns)[-1]
+    for name, column in columns.items():
         entries = json.dumps(finite(column.tolist()))
-        yield f"{json.dumps(name)}: {entries}" + "," * (i < len(columns))
+        line = f"{json.dumps(name)}: {entries}"
+        if name != last:
+            line += ","
+        yield line
     yield "}}"
 
 
 def _extremes(result: SweepResult, varied: Varied) -> str:
-    shape = " x ".join(map(str, result.shape))
-    where = f"in a grid of {shape}" if shape else ""
+    where = ""
+    if result.shape:
+        where = f"in a grid of {' x '.join(map(str, result.shape))}"
     rows = [["collisions", str(result.restitution.size), where]]
     for name, extreme in (("smallest", np.fmin), ("largest", np.fmax)):
         e = extreme.reduce(result.restitution, axis=None)
         if not math.isnan(e):
             where = _where(_first(result.restitution == e), varied)
-            rows.append(
-                [f"{name} coefficient of restitution e", f"{clean(e, 1.0):.9g}", where]
-            )
+            label = f"{name} coefficient of restitution e"
+            rows.append([label, f"{clean(e, 1.0):.9g}", where])
     return align(rows, left=(0, 2))
 
 
@@ -106,9 +105,13 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
     """All collisions of a small family, some of a large one."""
     system = result.system
     count = result.restitution.size
-    listed = count if count <= MOST_MEMBERS else SOME_MEMBERS
+    listed = count
+    if count > MAX_LISTED_MEMBERS:
+        listed = SAMPLED_MEMBERS
     members = np.linspace(0, count - 1, listed).round().astype(int)
-    numbers = {name: np.ravel(x)[members] for name, x in result.columns.items()}
+    numbers = {}
+    for name, column in result.columns.items():
+        numbers[name] = np.ravel(column)[members]
     places = np.unravel_index(members, result.shape or (1,))
     columns: dict[str, list[str]] = {}
     for (path, values, unit), place in zip(varied, places, strict=False):
@@ -149,8 +152,9 @@ def _of_bodies(count: int, numbers: dict[str, Any]) -> dict[str, list[str]]:
     velocities = [numbers[f"velocity_after.{i}"] for i in range(count)]
     fastest = np.max(np.abs(velocities), axis=0)
     bodies = list(range(count))
-    if count > MOST_BODIES:
-        bodies = bodies[: MOST_BODIES // 2] + bodies[-MOST_BODIES // 2 :]
+    if count > MAX_LISTED_BODIES:
+        half = MAX_LISTED_BODIES // 2
+        bodies = bodies[:half] + bodies[-half:]
     columns = {}
     for i in bodies:
         written = []
@@ -184,7 +188,9 @@ def _written(values: Any, unit: str) -> list[str]:
 
 
 def _digits(value: float, scale: float, unit: str = "") -> str:
-    return "-" if math.isnan(value) else f"{clean(value, scale):.6g}{unit}"
+    if math.isnan(value):
+        return "-"
+    return f"{clean(value, scale):.6g}{unit}"
 
 
 def _missing(result: SweepResult, varied: Varied) -> str:
@@ -197,7 +203,9 @@ def _missing(result: SweepResult, varied: Varied) -> str:
         which = missing & (kinds == kind)
         index = _first(which)
         count = int(np.count_nonzero(which))
-        have = "1 collision has" if count == 1 else f"{count} collisions have"
+        have = f"{count} collisions have"
+        if count == 1:
+            have = "1 collision has"
         reason = result.explain(index).removesuffix(".")
         sentences.append(f"{have} no e. At {_where(index, varied)}: {reason}.")
     return "\n".join(sentences)
@@ -208,7 +216,7 @@ def _first(which: Any) -> Any:
 
 
 def _where(index: Any, varied: Varied) -> str:
-    return ", ".join(
-        f"{path} = {format_si(values[i], unit)}"
-        for i, (path, values, unit) in zip(index, varied, strict=True)
-    )
+    coordinates = []
+    for i, (path, values, unit) in zip(index, varied, strict=True):
+        coordinates.append(f"{path} = {format_si(values[i], unit)}")
+    return ", ".join(coordinates)

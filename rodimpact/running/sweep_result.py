@@ -38,6 +38,8 @@ from .columns import (
 )
 from .readings import Readings
 
+LINES_PER_BLOCK = 4096  # of a table, which are made at a time
+
 
 class Axis(NamedTuple):
     """One dimension of a family: the path of the number that varies along it alone, and its values.
@@ -127,11 +129,15 @@ class SweepResult(Shown, OnlyContact[Any]):
     @property
     def axes(self) -> tuple[Axis, ...]:
         """What varies along each dimension."""
-        axes = [Axis(f"axis {d}", np.arange(size)) for d, size in enumerate(self.shape)]
+        axes = []
+        for dimension, size in enumerate(self.shape):
+            axes.append(Axis(f"axis {dimension}", np.arange(size)))
+        # The first path of several names the axis.
         for path, values in reversed(self.parameters.items()):
-            wide = [d for d, size in enumerate(values.shape) if size > 1]
-            if len(wide) == 1:
-                axes[wide[0] - values.ndim] = Axis(path, values.ravel())
+            varies = np.greater(values.shape, 1)
+            if np.count_nonzero(varies) == 1:
+                from_last = int(np.argmax(varies)) - values.ndim
+                axes[from_last] = Axis(path, values.ravel())
         return tuple(axes)
 
     @property
@@ -142,9 +148,8 @@ class SweepResult(Shown, OnlyContact[Any]):
     @property
     def velocities_after(self) -> tuple[Any, ...]:
         """Velocities of the centres of mass, one array a body, m/s."""
-        return tuple(
-            self.columns[f"velocity_after.{i}"] for i in range(len(self.system.bodies))
-        )
+        bodies = range(len(self.system.bodies))
+        return tuple(self.columns[f"velocity_after.{i}"] for i in bodies)
 
     @property
     def vibration(self) -> Any:
@@ -169,12 +174,16 @@ class SweepResult(Shown, OnlyContact[Any]):
     @cached_property
     def contacts(self) -> tuple[ContactColumns, ...]:
         """Totals of each contact, walls counted."""
-        return tuple(
-            ContactColumns(
-                *(self.columns[f"{name}.{k}"] for name in ContactColumns._fields)
+        contacts = []
+        for k in range(len(self.system.contacts)):
+            contact = ContactColumns(
+                impulse=self.columns[f"impulse.{k}"],
+                peak_force=self.columns[f"peak_force.{k}"],
+                duration=self.columns[f"duration.{k}"],
+                episodes=self.columns[f"episodes.{k}"],
             )
-            for k in range(len(self.system.contacts))
-        )
+            contacts.append(contact)
+        return tuple(contacts)
 
     @cached_property
     def unilateral(self) -> list[int]:
@@ -229,11 +238,13 @@ class SweepResult(Shown, OnlyContact[Any]):
         except InvalidModel as error:
             return "; ".join(f"{path}: {message}" for path, message in error.problems)
         solution = Solution(run, self.options)
-        o = solution.outcome
-        never = o.final or (
-            o.driven and solution.stopped_by == "until"
-        )  # however long it runs
-        return (never and o.why_no_restitution()) or o.status
+        outcome = solution.outcome
+        ends_driven = outcome.driven and solution.stopped_by == "until"
+        if outcome.final or ends_driven:  # a longer run would say the same
+            reason = outcome.why_no_restitution()
+            if reason:
+                return reason
+        return outcome.status
 
     def save(self, path: PathLike, *, force: bool = False) -> None:
         """Write an NPZ file that `rodimpact.load` reads.
@@ -243,13 +254,12 @@ class SweepResult(Shown, OnlyContact[Any]):
         FileExistsError
             If the file is there and `force` is false.
         """
-        document, numbers = describe(
-            [self.system, asdict(self.options), list(self.readings)]
-        )
-        strain = {} if self.strain is None else {"strain": self.strain}
-        write_npz(
-            path, "sweep", document, {**numbers, **self.columns, **strain}, force=force
-        )
+        contents = [self.system, asdict(self.options), list(self.readings)]
+        document, arrays = describe(contents)
+        arrays = arrays | self.columns
+        if self.strain is not None:
+            arrays["strain"] = self.strain
+        write_npz(path, "sweep", document, arrays, force=force)
 
     @classmethod
     def restored(cls, document: dict[str, Any], arrays: Columns) -> SweepResult:
@@ -271,18 +281,20 @@ class SweepResult(Shown, OnlyContact[Any]):
             raise refusal("start, stop", f"must be whole numbers, {given}")
         shape = self.shape or (1,)  # a single collision is a table of one line
         index = np.unravel_index(np.arange(math.prod(shape))[start:stop], shape)
-        both = {**self.parameters, **self.columns, "status": self.status}
-        return {name: np.broadcast_to(v, shape)[index] for name, v in both.items()}
+        columns = {**self.parameters, **self.columns, "status": self.status}
+        table = {}
+        for name, values in columns.items():
+            table[name] = np.broadcast_to(values, shape)[index]
+        return table
 
     def csv_lines(self) -> Iterator[str]:
         """Lines of a table of all members, names first: every digit, an empty cell for nan."""
         yield ",".join([*self.parameters, *self.columns])
-        for start in range(0, math.prod(self.shape), 4096):
-            table = self.table(start, start + 4096)
-            for row in zip(
-                *(values.tolist() for values in table.values()), strict=True
-            ):
-                yield ",".join("" if v != v else str(v) for v in row)
+        for start in range(0, math.prod(self.shape), LINES_PER_BLOCK):
+            table = self.table(start, start + LINES_PER_BLOCK)
+            columns = [values.tolist() for values in table.values()]
+            for row in zip(*columns, strict=True):
+                yield ",".join(map(_cell, row))
 
     def to_csv(self, path: PathLike, *, force: bool = False) -> None:
         """Write a table of all members, one a line, with what varies and what came out.
@@ -332,20 +344,31 @@ class SweepResult(Shown, OnlyContact[Any]):
         ('N s', 'final')
         """
         names = [axis.name for axis in self.axes]
-        coordinates: Columns = {
-            path: (names, np.broadcast_to(v, self.shape))
-            for path, v in self.parameters.items()
-        }
-        coordinates |= {name: ([name], values) for name, values in self.axes}
-        columns = {name: (names, values) for name, values in self.columns.items()}
-        columns["status"] = names, self.status
+        coordinates: Columns = {}
+        for path, values in self.parameters.items():
+            coordinates[path] = names, np.broadcast_to(values, self.shape)
+        for axis in self.axes:
+            coordinates[axis.name] = [axis.name], axis.values
+        variables: Columns = {}
+        for name, column in self.columns.items():
+            variables[name] = names, column
+        variables["status"] = names, self.status
         if self.strain is not None:
-            bodies, places = map(list, zip(*self.gauges, strict=True))
-            coordinates |= {"time": (["time"], self.times)}
-            coordinates |= {"body": (["gauge"], bodies), "x": (["gauge"], places)}
-            columns["strain"] = [*names, "gauge", "time"], self.strain
-        return dataset(self.system, columns, coordinates)
+            coordinates["time"] = ["time"], self.times
+            coordinates["body"] = ["gauge"], [body for body, _ in self.gauges]
+            coordinates["x"] = ["gauge"], [x for _, x in self.gauges]
+            variables["strain"] = [*names, "gauge", "time"], self.strain
+        return dataset(self.system, variables, coordinates)
 
     def __repr__(self) -> str:
-        what = ", ".join(self.parameters) or "nothing"
-        return f"<SweepResult of shape {self.shape} over {what}>"
+        varied = "nothing"
+        if self.parameters:
+            varied = ", ".join(self.parameters)
+        return f"<SweepResult of shape {self.shape} over {varied}>"
+
+
+def _cell(value: Any) -> str:
+    """A value in a table: every digit, nothing for nan."""
+    if value != value:
+        return ""
+    return str(value)

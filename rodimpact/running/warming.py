@@ -39,25 +39,25 @@ def warm() -> float:
     >>> import rodimpact as ri
     >>> seconds = ri.warm()                                # doctest: +SKIP
     """
-    begun = time.perf_counter()
-    if reason := kernels.why_not():
-        warnings.warn(
-            f"nothing can be compiled: {reason}", kernels.NoCompiler, stacklevel=2
-        )
+    start = time.perf_counter()
+    reason = kernels.why_not()
+    if reason:
+        message = f"nothing can be compiled: {reason}"
+        warnings.warn(message, kernels.NoCompiler, stacklevel=2)
         return 0.0
     for name in METHODS:
         warm_method(name)
-    return time.perf_counter() - begun
+    return time.perf_counter() - start
 
 
 def warm_method(name: str) -> None:
     """Run each kernel of a method once, compiled."""
-    method, bar, speeds = (
-        METHODS[name],
-        Rod(1.0, area=1e-4, material=steel),
-        np.array([1.0, 2.0]),
-    )
-    cells = 8 if "cells" in method.takes else None
+    method = METHODS[name]
+    cells = None
+    if "cells" in method.takes:
+        cells = 8
+    bar = Rod(1.0, area=1e-4, material=steel)
+    speeds = np.array([1.0, 2.0])
     families = [
         System([Rod(0.5, area=1e-4, material=steel, velocity=speeds), bar]),
         System([RigidMass(0.1, velocity=speeds), bar], contacts=[Spring(1e6)]),
@@ -65,16 +65,15 @@ def warm_method(name: str) -> None:
     with kernels.forced(True):
         for family in families:
             if not method.lacking(needs(family)):
-                sweep(family, name, cells=cells, workers=1)
-                sweep(
-                    family,
-                    name,
-                    until=1e-3,
-                    cells=cells,
-                    workers=1,
-                    also=["largest_stress"],
-                )
-                solution = solve(family[0], method=name, cells=cells)
-                if cells:  # without cells, what is measured of levels
-                    solve(family[0], method=name, rtol=1.0)
-                solution.velocity(1, np.array([[0.0], [0.5]]), np.array([0.0, 1e-4]))
+                _run_kernels(family, name, cells)
+
+
+def _run_kernels(family: System, method: str, cells: int | None) -> None:
+    """Run all kernels that a method has for this family, and for one of its members."""
+    sweep(family, method, cells=cells, workers=1)
+    also = ["largest_stress"]
+    sweep(family, method, until=1e-3, cells=cells, workers=1, also=also)
+    solution = solve(family[0], method=method, cells=cells)
+    if cells:  # without cells, what is measured of levels
+        solve(family[0], method=method, rtol=1.0)
+    solution.velocity(1, np.array([[0.0], [0.5]]), np.array([0.0, 1e-4]))
