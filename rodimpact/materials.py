@@ -12,6 +12,18 @@ from typing import Any
 from .model import Material
 from .model.frozen import nearest
 
+__all__ = [
+    "acrylic",
+    "aluminium",
+    "brass",
+    "copper",
+    "glass",
+    "oak",
+    "steel",
+    "titanium",
+    "tungsten",
+]
+
 SOURCES = {
     "steel": "plain carbon steel, customary round values; tables give 195 to 212 GPa",
     "aluminium": "Kaye & Laby, Tables of Physical and Chemical Constants, aluminium: "

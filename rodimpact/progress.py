@@ -43,9 +43,14 @@ def no_report(done: int, total: int | None) -> None:
     """Report to nobody."""
 
 
+def is_function(value: object) -> bool:
+    """Whether a value can be called for its result: a class would make an object."""
+    return callable(value) and not isinstance(value, type)
+
+
 def check_progress(problems: list[tuple[str, str]], value: object) -> None:
     """Note a value that cannot be the argument `progress`."""
-    if not isinstance(value, bool) and not callable(value):
+    if not isinstance(value, bool) and not is_function(value):
         wanted = "must be True, False or a function of (done, total)"
         problems.append(("progress", f"{wanted}, got {shown(value)}"))
 

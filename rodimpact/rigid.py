@@ -21,11 +21,26 @@ from .model.arguments import (
     array,
     broadcast_arguments,
     demand,
+    flag,
     float_or_array,
 )
+from .model.frozen import SMALLEST
+
+__all__ = [
+    "RigidCollision",
+    "StackDrop",
+    "collide",
+    "contact_mass",
+    "restitution_from_heights",
+    "restitution_from_velocities",
+    "stack_drop",
+]
 
 _MASS = ("kg", "positive or infinite")
 _VELOCITY = ("m/s", "any")
+_TOO_SLOW = (
+    f"must be {SMALLEST:g} m/s or more above the velocity of body 2, got {{0!r}} more"
+)
 _NOT_APPROACHING = (
     "must be above the velocity of body 2, {1!r}, got {0!r}: the bodies do not "
     "approach; body 1 is on the left"
@@ -187,6 +202,7 @@ def collide(
         v2=(v2, *_VELOCITY),
         restitution=(restitution, "", "any"),
     )
+    flag("allow_energy_release", allow_energy_release)
     demand(V1 > V2, "v1", _NOT_APPROACHING, V1, V2)
     if not allow_energy_release:
         message = (
@@ -255,7 +271,9 @@ def restitution_from_velocities(
         v2_after=(v2_after, *_VELOCITY),
     )
     demand(V1 > V2, "v1_before", _NOT_APPROACHING, V1, V2)
-    return float_or_array((W2 - W1) / (V1 - V2))
+    closing = V1 - V2
+    demand(closing >= SMALLEST, "v1_before", _TOO_SLOW, closing)
+    return float_or_array((W2 - W1) / closing)
 
 
 def restitution_from_heights(drop: ArrayLike, rebound: ArrayLike) -> Number:

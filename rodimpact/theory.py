@@ -24,6 +24,18 @@ from numpy.typing import ArrayLike
 from .model.arguments import Array, Number, array, broadcast_arguments, float_or_array
 from .rigid import contact_mass
 
+__all__ = [
+    "PairCollision",
+    "horn_amplification",
+    "horn_frequency",
+    "kelvin_voigt_decay",
+    "mass_on_rod",
+    "rayleigh_love_speed",
+    "rod_on_wall",
+    "saint_venant",
+    "saint_venant_force",
+]
+
 EQUAL_IMPEDANCES_RTOL = 2.0**-48
 """Impedances that differ by less than this fraction count as equal, up to round-off."""
 RULES = {

@@ -26,6 +26,8 @@ MOST_CHARACTERS = 1000
 """Characters of a number with its unit; a float written out in full has no more."""
 MOST_SHOWN = 60
 """Characters of a value that a message shows."""
+MOST_SHOWN_OF_PATH = 240
+"""Characters of the name of a file that a message shows."""
 ROUNDING_GUARD = 1e-9
 """Error of a decimal logarithm, so that a power of ten has its own exponent."""
 
@@ -283,6 +285,8 @@ def in_si(values: Any, unit: Any) -> tuple[Any, str]:
         if not hint:
             hint = "; use one such as 'V', 'mV' or 'N'"
         raise ValueError(f"unknown unit {shown(unit)}{hint}")
+    if not _has_numbers(values):
+        raise ValueError(f"values: must be numbers of {unit}, got {shown(values)}")
     factor = to_si.factor
     try:  # one operation, which rounds once
         if factor >= 1:
@@ -291,6 +295,14 @@ def in_si(values: Any, unit: Any) -> tuple[Any, str]:
     except (TypeError, OverflowError):
         message = f"values: must be numbers of {unit}, got {shown(values)}"
         raise ValueError(message) from None
+
+
+def _has_numbers(values: Any) -> bool:
+    """Whether a value is a real number, or an array of real numbers without a mask."""
+    dtype = getattr(values, "dtype", None)
+    if dtype is None:
+        return isinstance(values, Real) and not isinstance(values, bool)
+    return getattr(dtype, "kind", "") in "fiu" and not hasattr(values, "mask")
 
 
 def dimension_of(unit: str) -> str:
@@ -352,6 +364,21 @@ def shown(value: Any) -> str:
         return f"a value of type {one_line(type(value).__name__)}"
 
 
+def shown_path(path: Any) -> str:
+    """The name of a file as messages show it: whole, or its beginning and its end.
+
+    Examples
+    --------
+    >>> shown_path("shot.csv"), len(shown_path("long/" * 1000))
+    ("'shot.csv'", 243)
+    """
+    name = repr(str(path))
+    if len(name) <= MOST_SHOWN_OF_PATH:
+        return name
+    half = MOST_SHOWN_OF_PATH // 2
+    return f"{name[:half]}...{name[-half:]}"
+
+
 def one_line(text: str) -> str:
     """A text in one line, cut, and with escapes for characters that do not print."""
     line = ""
@@ -406,6 +433,12 @@ def format_si(value: float, unit: str, digits: int = 6) -> str:
         raise ValueError(
             f"cannot write {shown(value)} in {shown(unit)} to {shown(digits)} digits"
         )
+    if not _has_numbers(value):
+        raise ValueError(f"value: must be a number, got {shown(value)}")
+    try:
+        value = float(value)
+    except OverflowError:
+        raise ValueError(f"value: is too large, got {shown(value)}") from None
     if math.isnan(value):
         return "-"
     if math.isfinite(value) and _TAKES_PREFIX.match(unit):

@@ -40,6 +40,13 @@ from .model.lateral_inertia import INERTIA, radial_moduli
 from .progress import Progress, ProgressFunction, check_progress
 from .units import shown
 
+__all__ = [
+    "Bar",
+    "first_mode",
+    "mindlin_herrmann",
+    "rayleigh_speed",
+]
+
 CUT_OFF = 0.2619
 """f a/c0 beyond which the first mode alone does not describe a bar.
 
@@ -197,8 +204,8 @@ class Bar(Declared):
         >>> bar.group_velocity([0.0, 150e3]).round().tolist()
         [5000.0, 1975.0]
         """
-        c = self._speed_ratio(frequency)
-        f = array("frequency", frequency, "Hz")
+        f = array("frequency", frequency, "Hz", "non-negative")
+        c = self._speed_ratio(f)
         G = 2 * math.pi * self.radius / self.wave_speed * f / c
         above = self._scaled_frequency(G * (1 + DIFFERENCE_STEP))
         below = self._scaled_frequency(G * (1 - DIFFERENCE_STEP))
@@ -234,7 +241,7 @@ class Bar(Declared):
         >>> bar.wavenumber([0.0, 150e3]).round(2).tolist()
         [0.0, 242.6]
         """
-        f = array("frequency", frequency, "Hz")
+        f = array("frequency", frequency, "Hz", "non-negative")
         k = 2 * math.pi * f / self.wave_speed / self._speed_ratio(f)
         return float_or_array(k)
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..model import System
+from ..model.arguments import broadcast_arguments
 from ..model.frozen import InvalidModel, listed, quantity, raise_noted
 from ..progress import Progress, ProgressFunction
 from ..units import shown
@@ -237,7 +238,13 @@ class Atlas:
         -------
         list of Region
             The largest first.
+
+        Raises
+        ------
+        InvalidModel
+            If `most` is no positive whole number.
         """
+        check_arguments(most=most)
         algebra = RationalFunctions(self._row)
         x, y = self._sample_points()
         region_of_cell = np.append(self.region, -1)  # the last is that of cell -1
@@ -275,12 +282,12 @@ class Atlas:
 
     def locate(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.int64]:
         """Index of the cell in which each point lies, -1 for what is unresolved."""
-        xs, ys = np.array(np.broadcast_arrays(x, y), dtype=float)
+        xs, ys = broadcast_arguments(x=(x, "", ""), y=(y, "", ""))
         return locate(self.cells, xs, ys)
 
     def restitution(self, x: ArrayLike, y: ArrayLike) -> Floats:
         """e at points, by the formula of their cell; nan where there is none."""
-        xs, ys = np.array(np.broadcast_arrays(x, y), dtype=float)
+        xs, ys = broadcast_arguments(x=(x, "", ""), y=(y, "", ""))
         cell_of_point = self.locate(xs, ys)
         e = np.full(xs.shape, np.nan)
         for i, cell in enumerate(self.cells):

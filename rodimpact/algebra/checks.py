@@ -4,11 +4,14 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from typing import Any
 
+import numpy as np
+
 from ..methods.abilities import needs
 from ..methods.registry import count
 from ..model import Bonded, Free, Rod, Steps, System, Wall
 from ..model.arguments import of_kind
 from ..model.frozen import InvalidModel, Problems, raise_noted
+from ..model.quantities import is_whole
 from ..progress import ProgressFunction, check_progress
 from ..units import shown
 
@@ -94,8 +97,13 @@ def fractions_of(values: Any) -> dict[str, Fraction]:
 
 
 def _fraction(value: Any) -> Fraction:
-    if isinstance(value, float):
-        return decimal_fraction(value)
+    """Value as a fraction; TypeError if it is no number and no text."""
+    if isinstance(value, float | np.floating):
+        return decimal_fraction(float(value))
+    if is_whole(value):
+        return Fraction(int(value))
+    if isinstance(value, np.generic):
+        raise TypeError
     return Fraction(value)
 
 

@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..model import System
+from ..model.arguments import text
 from ..model.frozen import InvalidModel, nearest
 from ..progress import ProgressFunction
 from .checks import check_arguments, check_final, fractions_of
@@ -318,6 +319,7 @@ class ClosedForm:
         remedy : str
             How to see all conditions, such as "--conditions shows all".
         """
+        text("remedy", remedy, ".cell has all")
         line = "where always"
         if self.nearest:
             line = "where " + ", ".join(map(shortened, self.nearest))

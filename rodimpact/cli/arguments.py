@@ -16,7 +16,7 @@ from ..methods.memory import LargeFile
 from ..methods.registry import METHOD_NAMES
 from ..model.frozen import Problems, raise_noted
 from ..storage.writing import check_target
-from ..units import parse
+from ..units import parse, shown, shown_path
 from .exit_status import DONE, FAULT, INCOMPLETE
 from .messages import complain, option_of, print_progress
 
@@ -208,7 +208,7 @@ class Arguments(argparse.Namespace):
                 continue
             first = option_of_target.setdefault(target, option)
             if first != option:
-                message = f"{path!r} is the file of {first} too; name another"
+                message = f"{shown_path(path)} is the file of {first} too; name another"
                 self.add_problem(option, message)
         raise_noted(self.problems)
 
@@ -322,7 +322,9 @@ def _whole(text: str) -> int:
     digits = text.strip()
     if re.fullmatch("0*[1-9][0-9]{0,17}", digits):
         return int(text)
-    raise ValueError(f"must be a positive whole number below 10^18, got {digits!r}")
+    raise ValueError(
+        f"must be a positive whole number below 10^18, got {shown(digits)}"
+    )
 
 
 def status_of(solution: Solution) -> int:

@@ -12,6 +12,7 @@ from .. import Bridge, Case, Rod, Signal, read_signals
 from ..model.frozen import nearest
 from ..model.numbering import body_names
 from ..records.bridge import ALONG
+from ..units import shown
 from .arguments import Arguments, add_number
 from .messages import option_of
 
@@ -62,7 +63,7 @@ def gauge_positions(args: Arguments, case: Case | None) -> GaugePositions:
         if not is_complete or name in positions:
             message = (
                 f"must be {GAUGE_FORM}, such as incident=1:0.5, each name once, got "
-                f"{text!r}"
+                f"{shown(text)}"
             )
             args.problems.append(("--gauge", message))
             continue

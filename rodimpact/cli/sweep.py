@@ -19,6 +19,7 @@ from ..model.paths import suggestion
 from ..running.columns import layout_of
 from ..running.readings import Readings
 from ..running.sweep_report import sweep_json, sweep_table
+from ..units import shown
 from .arguments import Arguments, add_number, add_run_options, figure_writer
 from .exit_status import INCOMPLETE, CommandResult
 from .messages import as_options
@@ -113,7 +114,7 @@ def _grids(args: Arguments) -> dict[str, str]:
         path, _, grid = item.rpartition("=")
         path = path.strip()
         if not path:
-            message = f"must be PATH=GRID, such as {EXAMPLE}, got {item!r}"
+            message = f"must be PATH=GRID, such as {EXAMPLE}, got {shown(item)}"
             args.problems.append(("--vary", message))
         elif path in grids:
             message = "is varied twice; write one list or one range"

@@ -103,6 +103,11 @@ def momentum_trap(
     is_before = waves.times < passed * (1 - TIME_RTOL)
     gap = _gap(untrapped, bar_index, waves.times[is_before], passed)
     row = _TrappedRow(system, bar, material, gap)
+    largest_wave = np.abs(waves.rightward).max()
+    if largest_wave == 0:
+        raise refusal(
+            "until", f"no wave reaches the right end by {end!r} s; take a later time"
+        )
     force_start, force_end = _pressed_interval(row, passed, end)
     wave_speed = float(material.wave_speed)
     trapped = row.with_length(wave_speed * (force_end - force_start) / 2)
@@ -120,7 +125,6 @@ def momentum_trap(
     edges = np.array([passed, end])
     after_pulse = differences(wanted, reached, edges)
     mean_square = after_pulse.mean[0] ** 2 + after_pulse.variance[0]
-    largest_wave = np.abs(waves.rightward).max()
     misfit = float(np.sqrt(mean_square) / largest_wave)
     return PulseDesign(trapped, bar_index + 1, wanted, reached, misfit, staircase=0.0)
 

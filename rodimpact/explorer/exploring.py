@@ -13,6 +13,7 @@ from ..methods.run import MAX_EVENTS
 from ..methods.states import Stop
 from ..methods.walk import walk
 from ..model import System
+from ..model.arguments import flag
 from ..model.frozen import InvalidModel, defaults_of, refusal
 from ..storage.casefile import Case, parse_case
 from ..storage.writing import PathLike, write_text
@@ -105,6 +106,7 @@ class Page:
         str
             Path of the file.
         """
+        flag("browser", browser)
         path = Path(tempfile.mkdtemp(prefix="rodimpact-"), "collision.html")
         self.save(path)
         if browser:

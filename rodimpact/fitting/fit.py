@@ -18,6 +18,7 @@ from ..model import Rod, System
 from ..model.arguments import of_kind, single
 from ..model.frozen import Problems, raise_noted, refusal
 from ..progress import Progress, ProgressFunction, check_progress
+from ..running.jobs import check_executor
 from ..running.readings import check_readings
 from ..units import shown
 from .measured import Measured
@@ -134,6 +135,7 @@ def fit(
     problems: Problems = []
     search_count = count(problems, "starts", starts)
     check_progress(problems, progress)
+    check_executor(problems, executor, system)
     gauges = [record.gauge for record in records]
     check_readings(problems, system, gauges, np.zeros(1))
     raise_noted(problems)

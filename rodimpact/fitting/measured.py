@@ -1,11 +1,10 @@
 """A measured record, and the steps from the computed strain to its prediction."""
 
 from collections.abc import Callable
-from typing import Any
 
 from ..methods.registry import check_function
-from ..model import System
-from ..model.arguments import of_kind, single
+from ..model import Rod, System
+from ..model.arguments import of_kind, single, whole
 from ..model.frozen import Declared, Problems, quantity, refusal
 from ..records.comparison import Bounds, plateau
 from ..records.signal import Signal, bounds_of
@@ -115,18 +114,30 @@ class Measured(Declared):
 
         The prediction is that of a collision from 0 to `until`, s.
         """
+        until = single("until", until, "s", "non-negative")
         delay = self._propagation_time(system)
         return self.signal.start - (until + delay), self.signal.end + delay
 
     def _propagation_time(self, system: System) -> float:
         """Time in which waves run over `distance`, s."""
-        rod: Any = system.bodies[self.gauge[0]]
-        return abs(self.distance) / float(rod.segments[0].wave_speed)
+        return abs(self.distance) / float(self._rod(system).segments[0].wave_speed)
+
+    def _rod(self, system: System) -> Rod:
+        """The rod with the gauge; InvalidModel if the system has none there."""
+        of_kind("system", system, System, "System([rod, Wall()])")
+        if system.shape:
+            raise refusal("system", f"must be a single system, got {shown(system)}")
+        body = whole("gauge", self.gauge[0], 0, len(system.bodies) - 1)
+        rod = system.bodies[body]
+        of_kind(f"bodies.{body}", rod, Rod, "Rod(1.0, diameter=0.01, material=steel)")
+        assert isinstance(rod, Rod)
+        return rod
 
     def prediction(self, strain: Signal, system: System) -> Signal:
         """The record as it follows from a strain, before shift, gain and blur."""
+        of_kind("strain", strain, Signal, "solution.gauge(1, 0.5).signal(1e-7)")
+        rod = self._rod(system)
         if self.distance:
-            rod = system.bodies[self.gauge[0]]
             margin = self._propagation_time(system)
             extended = strain.extended(margin, margin)
             strain = extended.propagated(self.distance, rod, radius=self.radius)

@@ -5,13 +5,13 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from ..model import System
 from ..model.arguments import array, of_kind, one_of
-from ..model.frozen import Declared, Problems, quantity, raise_noted, refusal
-from ..progress import Report, no_report
+from ..model.frozen import Declared, Problems, note, quantity, raise_noted, refusal
+from ..model.quantities import is_whole
+from ..progress import Report, is_function, no_report
 from ..units import shown
 from . import abilities
 from .abilities import Needs
@@ -134,6 +134,8 @@ class Options(Declared):
         if self.snapshots is not None:
             self._set(snapshots=_snapshots(problems, self.snapshots, self.until))
         reported = [path for path, _ in problems]
+        if self.rtol is not None and self.rtol > 1:
+            note(problems, "rtol", "must be at most 1, the whole outcome", self.rtol)
         for name in ("dt", "cells"):
             both = self.rtol is not None and getattr(self, name) is not None
             if both and name not in reported:
@@ -201,7 +203,23 @@ class Options(Declared):
             Of shape ().
         report : function
             Told of the progress of a long run.
+
+        Raises
+        ------
+        InvalidModel
+            If the method does not exist or lacks something that the system has, or the system is
+            a family.
         """
+        one_of("method", method, tuple(METHODS))
+        of_kind("system", system, System, "System([rod, Wall()])")
+        if system.shape:
+            message = f"is a family of shape {system.shape}; take a member, system[0]"
+            raise refusal("system", message)
+        problems: Problems = []
+        check_function(problems, "report", report)
+        for path, lacking in METHODS[method].lacking(abilities.needs(system)):
+            problems.append((path, f'method "{method}" has no {lacking}'))
+        raise_noted(problems)
         own = {name: getattr(self, name) for name in METHODS[method].takes}
         run = METHODS[method].run(
             walk(system), self.until, self.max_events, **own, report=report
@@ -247,8 +265,7 @@ def _takers(option: str) -> str:
 
 def count(problems: Problems, name: str, value: Any) -> int:
     """A positive whole number; 0 and a problem if it is none."""
-    is_whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
-    counted = int(value) if is_whole else 0
+    counted = int(value) if is_whole(value) else 0
     if 1 <= counted <= LARGEST_COUNT:
         return counted
     limit = f" of at most {LARGEST_COUNT:g}" if counted > 1 else ""
@@ -260,7 +277,7 @@ def count(problems: Problems, name: str, value: Any) -> int:
 
 def check_function(problems: Problems, name: str, value: Any) -> None:
     """Note what cannot be called, if it is given."""
-    if value is not None and not callable(value):
+    if value is not None and not is_function(value):
         problems.append((name, f"must be a function, got {shown(value)}"))
 
 

@@ -4,7 +4,6 @@ Each check names the argument that it refuses, as `frozen.InvalidModel` has it.
 """
 
 from collections.abc import Collection
-from numbers import Integral
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -12,6 +11,9 @@ from numpy.typing import ArrayLike
 
 from ..units import shown
 from .frozen import (
+    LARGEST,
+    OUT_OF_SCALE,
+    SMALLEST,
     Field,
     InvalidModel,
     Problems,
@@ -21,7 +23,7 @@ from .frozen import (
     require,
 )
 from .frozen import Number as Number
-from .quantities import Floats, floats
+from .quantities import Floats, floats, is_whole
 
 Array: TypeAlias = Floats
 
@@ -36,7 +38,8 @@ def array(name: str, value: ArrayLike, unit: str, sign: str = "") -> Array:
     value : float or array
         The argument, in `unit` or with a unit that converts to it.
     unit, sign : str
-        Those of a `Field`; without a sign any float will do, NaN too.
+        Those of a `Field`; without a sign any float will do, NaN too. With a sign the
+        magnitude is one that the model may have, so that products do not overflow.
 
     Raises
     ------
@@ -50,6 +53,12 @@ def array(name: str, value: ArrayLike, unit: str, sign: str = "") -> Array:
     if sign:
         field = Field(unit, sign)
         demand(field.holds(numbers), name, field.wanted, numbers)
+        size = np.abs(numbers)
+        smallest = 0.0
+        if "positive" in sign:
+            smallest = SMALLEST
+        in_scale = (size >= smallest) & (size <= LARGEST) | (size == np.inf)
+        demand(in_scale, name, OUT_OF_SCALE, numbers)
     return numbers
 
 
@@ -108,11 +117,22 @@ def one_of(name: str, value: Any, choices: Collection[str]) -> None:
 
 def whole(name: str, value: Any, low: int, high: int) -> int:
     """Return an argument as a whole number from `low` to `high`; else InvalidModel."""
-    is_whole = isinstance(value, Integral) and not isinstance(value, bool)
-    if not is_whole or not low <= int(value) <= high:
+    if not is_whole(value) or not low <= int(value) <= high:
         wanted = f"must be a whole number from {low} to {high}"
         raise refusal(name, f"{wanted}, got {shown(value)}")
     return int(value)
+
+
+def flag(name: str, value: Any) -> None:
+    """Raise InvalidModel if an argument is neither True nor False."""
+    if not isinstance(value, bool | np.bool_):
+        raise refusal(name, f"must be True or False, got {shown(value)}")
+
+
+def text(name: str, value: Any, example: str) -> None:
+    """Raise InvalidModel if an argument is no text."""
+    if not isinstance(value, str):
+        raise refusal(name, f"must be a text such as {example!r}, got {shown(value)}")
 
 
 def float_or_array(value: Array) -> Number:

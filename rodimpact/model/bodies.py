@@ -462,6 +462,11 @@ class Segment(Declared):
         list of Segment
             Each has the volume of its piece of the taper.
 
+        Raises
+        ------
+        InvalidModel
+            If `n` is not a positive whole number, or above 100,000.
+
         Examples
         --------
         >>> steel = Material("steel", youngs_modulus=200e9, density=7850)
@@ -469,6 +474,7 @@ class Segment(Declared):
         >>> [round(segment.area, 9) for segment in wedge.in_steps(2)]
         [0.00015, 0.00025]
         """
+        whole("n", n, 1, MAX_STEPS_PER_TAPER)
         if not self.tapered:
             return [self]
         length = self.length / n

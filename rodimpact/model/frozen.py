@@ -93,6 +93,11 @@ class InvalidModel(ValueError):
     """
 
     def __init__(self, problems: Problems) -> None:
+        if not _are_problems(problems):
+            wanted = (
+                "must be a list of (path, message), such as [('length', 'is missing')]"
+            )
+            raise InvalidModel([("problems", f"{wanted}, got {shown(problems)}")])
         self.problems = problems = list(dict.fromkeys(problems))
         lines = []
         for path, message in problems[:MOST_TOLD]:
@@ -103,6 +108,18 @@ class InvalidModel(ValueError):
 
     def __reduce__(self) -> tuple[type[InvalidModel], tuple[Problems]]:
         return InvalidModel, (self.problems,)
+
+
+def _are_problems(problems: Any) -> bool:
+    """Whether it is a list of pairs of texts."""
+    if not isinstance(problems, list | tuple):
+        return False
+    for pair in problems:
+        if not isinstance(pair, tuple | list) or len(pair) != 2:
+            return False
+        if not all(isinstance(each, str) for each in pair):
+            return False
+    return True
 
 
 def refusal(path: str, message: str) -> InvalidModel:
@@ -608,7 +625,8 @@ def short(value: Any) -> str:
     """A value in few words, for a repr."""
     if isinstance(value, np.ndarray):
         return f"array{value.shape}"
-    return getattr(value, "name", None) or repr(value)
+    name = getattr(value, "name", None)
+    return one_line(name) if name else repr(value)
 
 
 def nearest(word: Any, choices: Collection[str], head: str = "") -> str:

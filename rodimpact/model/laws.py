@@ -14,8 +14,9 @@ from typing import Any, ClassVar, NamedTuple, Self, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..progress import is_function
 from . import frozen
-from .arguments import array, broadcast_arguments, demand
+from .arguments import array, broadcast_arguments, demand, single
 from .bodies import Material
 from .frozen import (
     Declared,
@@ -538,6 +539,7 @@ class Yielding(Plastic, law="yielding"):
         >>> layer.hardened(2e3).yield_force
         2000.0
         """
+        force = single("force", force, "N")
         return self.replace(yield_force=max(self.yield_force, force))
 
 
@@ -678,6 +680,7 @@ class Tabulated(Plastic, law="tabulated"):
         >>> foam.hardened(1.5e3).compression
         (0.001, 0.002)
         """
+        force = single("force", force, "N")
         k = self.stiffness
         last_slope = self.slopes[-1]
         compressions = list(self.compression)
@@ -742,7 +745,7 @@ class Law(_Law, law="own"):
 
     def _check(self, problems: Problems) -> None:
         force: Any = self.force
-        if not callable(force):
+        if not is_function(force):
             note(problems, "force", "must be a function of d and d'", force)
             return
         for d, rate in TRIAL_STATES:

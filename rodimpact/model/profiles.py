@@ -77,6 +77,11 @@ class Steps(Declared):
             problems.append(("values", message))
 
 
+def _is_zero(error: object) -> bool:
+    """Whether an error is 0; one that is not yet checked may be anything."""
+    return isinstance(error, float) and error == 0.0
+
+
 class Samples(Declared):
     """A profile of values at equal distances.
 
@@ -127,9 +132,10 @@ class Samples(Declared):
 
     def _parameters(self) -> dict[str, Any]:
         parameters = super()._parameters()
-        for name in ("smooth", "error"):
-            if not parameters.get(name):
-                parameters.pop(name, None)
+        if parameters.get("smooth") is False:
+            del parameters["smooth"]
+        if _is_zero(parameters.get("error")):
+            del parameters["error"]
         return parameters
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
@@ -178,6 +184,7 @@ class Polynomials(Declared):
     _shared_fields: ClassVar[tuple[str, ...]] = ("values", "at", "error")
 
     def _check(self, problems: Problems) -> None:
+        self._set(error=ERROR.checked(problems, "error", self.error))
         if problems:
             return
         n_intervals = len(self.inner) + 1
@@ -220,8 +227,8 @@ class Polynomials(Declared):
 
     def _parameters(self) -> dict[str, Any]:
         parameters = super()._parameters()
-        if not self.error:
-            parameters.pop("error", None)
+        if _is_zero(parameters.get("error")):
+            del parameters["error"]
         return parameters
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102

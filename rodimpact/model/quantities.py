@@ -7,7 +7,7 @@ and dates.
 """
 
 import re
-from numbers import Rational
+from numbers import Integral, Rational
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -75,6 +75,13 @@ def floats(value: Any, unit: str) -> Floats:
     except (TypeError, RecursionError):
         pass
     raise ValueError(f"must be a number{number_of(unit)}, got {shown(value)}{reason}")
+
+
+def is_whole(value: Any) -> bool:
+    """Whether a value is a whole number: truth values and time spans of NumPy are none."""
+    if isinstance(value, bool | np.timedelta64):
+        return False
+    return isinstance(value, Integral)
 
 
 def number_of(unit: str) -> str:

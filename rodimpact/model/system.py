@@ -164,7 +164,7 @@ class System(Declared):
         Raises
         ------
         IndexError
-            If the index is out of range.
+            If the index is none of NumPy's, or lies outside the shape of the family.
 
         Examples
         --------
@@ -174,6 +174,11 @@ class System(Declared):
         >>> family[1].bodies[0].velocity
         2.0
         """
+        try:
+            shape = np.broadcast_to(0.0, self.shape)[index].shape
+        except (IndexError, TypeError, ValueError) as error:
+            message = f"{shown(index)} is no index of the shape {self.shape}"
+            raise IndexError(f"index: {message}: {error}") from None
 
         def pick(array: Floats) -> Number:
             view = np.broadcast_to(array, self.shape)[index]
@@ -190,7 +195,7 @@ class System(Declared):
             return number
 
         member = self._mapped(pick)
-        member._set(_shape=np.broadcast_to(0.0, self.shape)[index].shape)
+        member._set(_shape=shape)
         return member
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from ..model import Absorbing
-from ..model.arguments import one_of
+from ..model.arguments import flag, one_of
 from ..model.frozen import refusal
 from ..results.gauges import Gauge, check_gauges
 from ..results.solution import Solution, check_waves
@@ -142,6 +142,8 @@ def draft_spacetime(
     check_waves(solution)
     one_of("field", field, FIELDS)
     one_of("coordinates", coordinates, ("lab", "body"))
+    flag("dimensionless", dimensionless)
+    flag("across", across)
     stations: Mapping[str, Gauge] = {}
     if gauges is not None:
         stations = check_gauges(gauges)

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 
 from ..model.frozen import refusal
 from ..storage.writing import file_name, write_bytes
+from ..units import shown_path
 from .panels import figure_of
 from .style import FONT
 
@@ -104,7 +105,7 @@ def format_of(path: str | os.PathLike[str], formats: Collection[str]) -> str:
     kind = Path(path).suffix.lower().removeprefix(".")
     if kind not in formats:
         suffixes = ", ".join(f".{name}" for name in formats)
-        raise refusal("path", f"must end in one of {suffixes}, got {path!r}")
+        raise refusal("path", f"must end in one of {suffixes}, got {shown_path(path)}")
     return kind
 
 

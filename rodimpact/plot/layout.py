@@ -26,6 +26,7 @@ from .labels import break_label
 from .sampling import middles, pieces, properties, rods_of
 from .scales import Scale, largest_of, written
 
+MAGNIFICATIONS = "[1e-12, 1e15]"
 MIN_SPRING_LENGTH = 0.04  # of a spring at its shortest, in lengths of the row
 TIMES_OF_MOTION = 101  # instants at which the motion of the bodies is looked at
 TIMES_OF_OVERLAP = 301  # instants at which the overlap of contacts is looked at
@@ -215,7 +216,7 @@ def choose_layout(
         If the magnification is not a positive number.
     """
     if magnification is not None:
-        magnification = single("magnification", magnification, "", "positive")
+        magnification = single("magnification", magnification, "", MAGNIFICATIONS)
 
     # What is measured: how far the bodies move, and how much they strain.
     lengths = _lengths(solution)

@@ -31,6 +31,7 @@ from ..progress import (
 )
 from ..results.solution import Solution, check_waves
 from ..storage import writing
+from ..units import shown
 from . import films
 from .bars import LEGEND, Bars
 from .diagram import draft_spacetime
@@ -401,11 +402,13 @@ def check_frames(frames: int, fps: float) -> None:
     rate = single("fps", fps, "")
     if not 2 <= count <= MAX_FRAMES or count != int(count):
         raise refusal(
-            "frames", f"must be a whole number from 2 to {MAX_FRAMES}, got {frames!r}"
+            "frames",
+            f"must be a whole number from 2 to {MAX_FRAMES}, got {shown(frames)}",
         )
     if not 1 <= rate <= MAX_FRAMES_PER_SECOND:
         raise refusal(
-            "fps", f"must be 1 to {MAX_FRAMES_PER_SECOND} frames a second, got {fps!r}"
+            "fps",
+            f"must be 1 to {MAX_FRAMES_PER_SECOND} frames a second, got {shown(fps)}",
         )
 
 

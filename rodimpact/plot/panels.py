@@ -77,7 +77,8 @@ def figure_of(drawn: Any) -> Any:
     figure = getattr(figure, "figure", figure)  # of a part of a figure
     if not isinstance(figure, Figure):
         raise refusal(
-            "picture", f"must be a figure, axes or a picture of them, got {drawn!r}"
+            "picture",
+            f"must be a figure, axes or a picture of them, got {shown(drawn)}",
         )
     return figure
 
@@ -115,7 +116,7 @@ def two_axes_or_new(
         upper, lower = figure.subplots(2, sharex=True, height_ratios=ratios)
         return upper, lower
     pair = []
-    if isinstance(ax, Sequence | np.ndarray):
+    if isinstance(ax, Sequence | np.ndarray) and getattr(ax, "ndim", 1) == 1:
         pair = list(ax)
     if len(pair) != 2 or not all(isinstance(each, Axes) for each in pair):
         raise refusal("ax", f"needs a pair of Axes, for {contents}, got {shown(ax)}")

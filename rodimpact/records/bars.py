@@ -14,8 +14,8 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 import numpy as np
 
 from .. import waves
+from ..model import Rod, System
 from ..model.arguments import of_kind, one_of
-from ..model.bodies import Rod
 from ..model.frozen import Declared, Problems, quantity, refusal
 from ..model.quantities import Floats
 from ..units import shown
@@ -260,16 +260,20 @@ def sides_of(
     """Both bars with the records of their gauges."""
     one_of("compression", compression, SIGNS)
     pair = bars if isinstance(bars, tuple | list) else (bars, bars)
-    if len(pair) != 2 or not all(
-        isinstance(rod, Rod) and len(rod.segments) == 1 and not rod.segments[0].tapered
-        for rod in pair
-    ):
+    if len(pair) != 2 or not all(map(_is_uniform, pair)):
         message = "must be a uniform Rod, two uniform Rods, or a Calibration"
         raise refusal("bars", f"{message}, got {shown(bars)}")
     return (
         _side_of("input_gauges", input_gauges, pair[0], False, compression),
         _side_of("output_gauges", output_gauges, pair[1], True, compression),
     )
+
+
+def _is_uniform(rod: Any) -> bool:
+    """Whether it is a single rod of one section and one material."""
+    if not isinstance(rod, Rod) or len(rod.segments) != 1:
+        return False
+    return not rod.segments[0].tapered and not System([rod]).shape
 
 
 def _side_of(name: str, given: Any, rod: Rod, leaving: bool, compression: str) -> Side:

@@ -76,24 +76,6 @@ class Calibration:
     noise: tuple[float, float]
     bending: tuple[float | None, float | None]
 
-    def applied(self, sides: tuple[Side, ...]) -> tuple[Side, ...]:
-        """Sides of a shot with the gains applied."""
-        return tuple(
-            side._replace(strains=gain * side.strains)
-            for side, gain in zip(sides, self.gains, strict=True)
-        )
-
-    def off_by_one_error(self, sides: tuple[Side, ...]) -> Iterator[tuple[Side, ...]]:
-        """Sides in which one gain or one wave speed is changed by its standard error."""
-        for i, side in enumerate(sides):
-            gain = 1 + self.gain_errors[i] / self.gains[i]
-            faster = with_speed(side.rod, side.speed + self.speed_errors[i])
-            for changed in (
-                side._replace(strains=gain * side.strains),
-                side._replace(rod=faster),
-            ):
-                yield (*sides[:i], changed, *sides[i + 1 :])
-
     def __str__(self) -> str:
         """Table with a column for each bar, then the reflection at the joint."""
         rows = [["", "wave speed", "gain", "noise/plateau", "bending/plateau"]]
@@ -112,6 +94,28 @@ class Calibration:
             f"\nreflected at the joint: {100 * self.reflected:.2f} % of the incident strain; "
             f"expected from the impedances: {100 * self.expected:.2f} %"
         )
+
+
+def with_gains(known: Calibration, sides: tuple[Side, ...]) -> tuple[Side, ...]:
+    """Sides of a shot with the gains of a calibration applied."""
+    corrected = []
+    for side, gain in zip(sides, known.gains, strict=True):
+        corrected.append(side._replace(strains=gain * side.strains))
+    return tuple(corrected)
+
+
+def with_one_error(
+    known: Calibration, sides: tuple[Side, ...]
+) -> Iterator[tuple[Side, ...]]:
+    """Sides in which one gain or one wave speed is changed by its standard error."""
+    for i, side in enumerate(sides):
+        gain = 1 + known.gain_errors[i] / known.gains[i]
+        faster = with_speed(side.rod, side.speed + known.speed_errors[i])
+        for changed in (
+            side._replace(strains=gain * side.strains),
+            side._replace(rod=faster),
+        ):
+            yield (*sides[:i], changed, *sides[i + 1 :])
 
 
 def calibrate(

@@ -12,9 +12,12 @@ import numpy as np
 
 from ..model.frozen import refusal
 from ..model.quantities import Floats
+from ..units import format_si
 
 MOST_SAMPLES = 10**7
 """Samples of a record with its margins, at most."""
+LOWEST = 1e-9
+"""Frequency of a low pass times the time step, at least: a lower one ends in round-off."""
 SHORTEST_MEAN = 1e-6
 """Duration of a mean over a step, at least; round-off would dominate shorter means."""
 
@@ -41,6 +44,9 @@ def amplified(values: Floats, dt: float, frequency: float, order: int) -> Floats
     """Response of a Butterworth amplifier at rest before, exact for lines between samples."""
     from scipy import signal
 
+    if frequency * dt < LOWEST:
+        lowest = format_si(LOWEST / dt, "Hz")
+        raise refusal("frequency", f"must be {lowest} or more, got {frequency}")
     analog = signal.butter(order, 2 * math.pi * frequency, analog=True)
     top, bottom, _ = signal.cont2discrete(analog, dt, method="foh")
     change = signal.lfilter(np.ravel(top), bottom, values - values[0])

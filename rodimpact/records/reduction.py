@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..model.arguments import of_kind, single
+from ..model.arguments import array, flag, of_kind, single, whole
 from ..model.bodies import Rod
 from ..model.frozen import Declared, Problems, quantity, raise_noted, refusal
 from ..model.quantities import Floats
@@ -30,11 +30,12 @@ from ..progress import Progress, ProgressFunction, Report, check_progress
 from ..storage.tables import align
 from ..units import format_si, shown
 from .bars import QUIET, Compression, Side, sides_of
-from .calibration import Calibration
+from .calibration import Calibration, with_gains, with_one_error
 from .doubts import DoubtfulReduction, Faces, doubts_of
 from .signal import Signal
 from .together import signals_to_xarray, write_signals
 
+MOST_POINTS = 10**6  # strains of a mean curve
 DRAWS = 24  # of the noise; 8 where two gauges make each of them costly
 TWO_GAUGE_DRAWS = 8
 PIECES = 8  # of the rest before the pulse, of which noise is drawn
@@ -79,6 +80,7 @@ class Specimen(Declared):
     def _check(self, problems: Problems) -> None:
         if (self.area is None) == (self.diameter is None):
             problems.append(("area", "give either area or diameter"))
+        flag("incompressible", self.incompressible)
 
     @property
     def section(self) -> float:
@@ -113,10 +115,29 @@ class Curve:
         return slice(0, int(self.strain.argmax()) + 1)
 
     def at_strain(self, strain: Any, column: Floats) -> Floats:
-        """A column while loading, over strain instead of time."""
+        """A column while loading, at strains instead of times.
+
+        Parameters
+        ----------
+        strain : float or array
+            Strains; below the first and above the largest strain of the shot, its first and its
+            last value hold.
+        column : array, shape (n,)
+            One of the columns, such as ``reduction.stress``.
+
+        Raises
+        ------
+        InvalidModel
+            If the column has not as many numbers as `times`.
+        """
+        wanted = array("strain", strain, "", "any")
+        numbers = array("column", column, "")
+        if numbers.shape != self.times.shape:
+            message = f"must be a column of {len(self.times)} numbers, such as .stress"
+            raise refusal("column", f"{message}, got {shown(column)}")
         up = self.loading
         found: Floats = np.interp(
-            strain, np.maximum.accumulate(self.strain[up]), column[up]
+            wanted, np.maximum.accumulate(self.strain[up]), numbers[up]
         )
         return found
 
@@ -375,7 +396,7 @@ def reduce(
         )
     sides = recorded
     if known:
-        sides = known.applied(recorded)
+        sides = with_gains(known, recorded)
     shot = _Shot(sides, specimen, start + first.dt * np.arange(count, dtype=float))
     with Progress(progress, "reduce", "curves") as report:
         if limit:
@@ -484,7 +505,7 @@ class _Shot:
             report(k + 1, count)
         off = [
             replace(self, sides=sides).curve()
-            for sides in (known.off_by_one_error(self.sides) if known else ())
+            for sides in (with_one_error(known, self.sides) if known else ())
         ]
 
         def band(column: Callable[[Curve], Floats]) -> Floats:
@@ -578,7 +599,7 @@ def mean_of_shots(shots: Sequence[Reduction], points: int = 201) -> Shots:
     shots : sequence of Reduction
         Two or more.
     points : int
-        Number of common strains.
+        Number of common strains, 2 or more.
 
     Raises
     ------
@@ -606,6 +627,7 @@ def mean_of_shots(shots: Sequence[Reduction], points: int = 201) -> Shots:
             "shots",
             f"must be two or more Reductions from ri.reduce, got {shown(shots)}",
         )
+    points = whole("points", points, 2, MOST_POINTS)
     strain = np.linspace(0, min(float(each.strain.max()) for each in shots), points)
     columns = np.array(
         [

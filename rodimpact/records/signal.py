@@ -28,8 +28,8 @@ from ..model.arguments import (
     single,
 )
 from ..model.bodies import Rod, Segment
-from ..model.frozen import Frozen, Number, refusal
-from ..model.quantities import Floats
+from ..model.frozen import SMALLEST, Frozen, Number, refusal
+from ..model.quantities import Floats, is_whole
 from ..storage.extras import optional
 from ..storage.tables import heading, write_table
 from ..units import shown
@@ -102,7 +102,7 @@ class Signal(Frozen):
         if (si := units.conversion(unit)) and si.factor != 1:
             raise refusal(
                 "unit",
-                f"must be an SI unit, got {unit!r}; give the values in "
+                f"must be an SI unit, got {shown(unit)}; give the values in "
                 f"{si.unit or 'units'}, multiplied by {float(si.factor):g}",
             )
         v = _samples("values", values, unit)
@@ -373,15 +373,15 @@ class Signal(Frozen):
         ValueError
             If an argument is invalid.
         """
-        signal, length = self, single("gauge_length", gauge_length, "m", "non-negative")
-        if length:
+        signal = self
+        length = single("gauge_length", gauge_length, "m", "non-negative")
+        if not is_whole(order) or order not in (1, 2):
+            raise refusal("order", f"must be 1 or 2, got {shown(order)}")
+        if length or wave_speed is not None:
             c = single("wave_speed", wave_speed, "m/s", "positive")
-            signal = self.replace(
-                values=filters.averaged(self.values, self.times, length / c)
-            )
+            averaged = filters.averaged(self.values, self.times, length / c)
+            signal = self.replace(values=averaged)
         if bandwidth is not None:
-            if type(order) is not int or order not in (1, 2):
-                raise refusal("order", f"must be 1 or 2, got {shown(order)}")
             signal = signal.low_pass(
                 bandwidth, "first-order" if order == 1 else "second-order"
             )
@@ -481,7 +481,8 @@ class Signal(Frozen):
 
     def __truediv__(self, number: float) -> Signal:
         divisor = single("number", number, "")
-        demand(divisor != 0, "number", "must not be 0")
+        message = f"must not be 0, but {SMALLEST:g} or more in size, got {{0!r}}"
+        demand(abs(divisor) >= SMALLEST, "number", message, divisor)
         return self.replace(values=self.values / divisor)
 
     __radd__, __rmul__ = __add__, __mul__
@@ -535,6 +536,16 @@ class Signal(Frozen):
                 data.dims[0], f"must be times, with .attrs['units'] = 's', got {given}"
             )
         return cls(values, times, unit=unit, name=str(data.name or ""))
+
+
+def signal_of(values: Floats, times: Floats, unit: str, name: str) -> Signal:
+    """A signal that holds these arrays themselves, so that memory is not taken twice.
+
+    They are checked and read-only, and nobody else changes them.
+    """
+    signal = object.__new__(Signal)
+    signal._set(values=values, times=times, unit=unit, name=name)
+    return signal
 
 
 def _samples(path: str, given: Any, unit: str) -> Array:

@@ -63,7 +63,7 @@ class ContactHistory:
 
         A grid gives the mean over each time step.
         """
-        return self.push.at(self._fields.to_ticks(t, side), side)
+        return self.push.at(self._fields.to_ticks_beside(t, side), side)
 
     def gap(self, t: ArrayLike) -> Floats:
         """Distance between the two bodies, m.
@@ -71,14 +71,14 @@ class ContactHistory:
         Exactly 0 while they touch rigidly; minus the indentation in a compliant contact, the
         stretch of a joint. Where one has yielded it counts from the faces as they are then.
         """
-        gap = self._gap.at(self._fields.to_ticks(t, "right"))
+        gap = self._gap.at(self._fields.to_ticks_beside(t, "right"))
         if isinstance(self.law, Rigid):
             return np.maximum(gap, 0.0)
         return gap
 
     def law_at(self, t: float) -> ContactLaw:
         """The law as it is at t: what has yielded has hardened, and a joint is stretched."""
-        t = single("t", t, "s", "")
+        t = single("t", t, "s")
         ticks = self._fields.to_ticks(t)
         if isinstance(self.law, Joint):
             return self.law.replace(stretch=float(self.gap(t)))

@@ -163,11 +163,8 @@ class Fields(Protocol):
 
     # Where and when ---------------------------------------------------------------------------
 
-    def to_ticks(self, t: ArrayLike, side: Side | None = None) -> Ints:
-        """Nearest ticks of times in s; raise ValueError outside the solution.
-
-        With `side`, a jump at the time given is before or after the tick, as in `to_side`.
-        """
+    def to_ticks(self, t: ArrayLike) -> Ints:
+        """Nearest ticks of times in s; raise ValueError outside the solution."""
         t = array("t", t, "s")
         end = self.end * self.clock.tick
         inside = (t >= 0) & (t <= end * (1 + 1e-12) + self.clock.tick)
@@ -176,7 +173,11 @@ class Fields(Protocol):
             demand(inside, "t", message, t)
         nearest = np.rint(t / self.clock.tick).astype(np.int64)
         ticks: Ints = np.minimum(nearest, self.end)
-        return ticks if side is None else to_side(ticks, side)
+        return ticks
+
+    def to_ticks_beside(self, t: ArrayLike, side: Side) -> Ints:
+        """Ticks of times in s, before or after a jump at that time, as in `to_side`."""
+        return to_side(self.to_ticks(t), side)
 
     def edges(self, body: int) -> Floats:
         """Ends of the body's segments, m from its left end."""
@@ -230,7 +231,7 @@ class Fields(Protocol):
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
         """Velocity, m/s; x and t broadcast, and x is 0 in a mass or a wall."""
-        ticks = self.to_ticks(t, side)
+        ticks = self.to_ticks_beside(t, side)
         places = array("x", x, "m")
         if self._is_rod(body):
             velocity = self.rod_velocity(body, places, ticks, side)
@@ -267,7 +268,7 @@ class Fields(Protocol):
         self, body: int, x: ArrayLike, t: ArrayLike, side: Side = "right"
     ) -> Floats:
         """Strain in a rod, positive in tension; x and t broadcast."""
-        ticks = self.to_ticks(t, side)
+        ticks = self.to_ticks_beside(t, side)
         return self.rod_strain(body, array("x", x, "m"), ticks, side)
 
     def strain_rate(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:

@@ -7,6 +7,7 @@ handing them over takes no time. Jobs end in any order.
 
 import contextlib
 import os
+import pickle
 import threading
 from collections import deque
 from collections.abc import Callable, Generator, Iterator
@@ -14,12 +15,15 @@ from concurrent.futures import (
     FIRST_COMPLETED,
     Executor,
     Future,
+    ProcessPoolExecutor,
     ThreadPoolExecutor,
     wait,
 )
 from typing import Any, NamedTuple
 
 from ..methods import memory
+from ..model import Law, System
+from ..model.frozen import Problems, note
 
 JOBS_A_WORKER = 8  # about
 JOBS_A_WORKER_TO_KEEP = 100  # with a checkpoint: a crash undoes a hundredth of the work
@@ -39,6 +43,33 @@ class Pool(NamedTuple):
     executor: Executor
     workers: int
     stop: Callable[[], bool] | None = None
+
+
+def check_executor(problems: Problems, executor: object, system: System) -> None:
+    """Note what is no executor, and laws that its processes cannot be handed."""
+    if executor is None:
+        return
+    if not isinstance(executor, Executor):
+        wanted = "must be an executor, such as concurrent.futures.ProcessPoolExecutor()"
+        note(problems, "executor", wanted, executor)
+    if not isinstance(executor, ProcessPoolExecutor):
+        return
+    for k, law in enumerate(system.contacts):
+        if isinstance(law, Law) and not _is_importable(law.force):
+            message = (
+                "is a function that other processes cannot import: define it with def at "
+                "the top of a module, or leave executor out, which takes threads"
+            )
+            problems.append((f"contacts.{k}", message))
+
+
+def _is_importable(function: Callable[..., Any]) -> bool:
+    """Whether another process finds a function by its name."""
+    try:
+        pickle.dumps(function)
+    except (pickle.PicklingError, AttributeError, TypeError):
+        return False
+    return True
 
 
 @contextlib.contextmanager

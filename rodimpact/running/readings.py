@@ -1,7 +1,6 @@
 """What a sweep reads of each member beside its outcome: gauges, times, and further columns."""
 
 from collections.abc import Sequence
-from numbers import Integral
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,6 +8,7 @@ import numpy as np
 from ..methods.run import ALSO
 from ..model import Rod, System
 from ..model.frozen import Field, Problems, quantity
+from ..model.quantities import is_whole
 from ..units import shown
 
 GAUGE_PLACE = quantity("m", "non-negative", single=True)
@@ -37,7 +37,8 @@ def check_readings(
     problems: Problems, system: System, gauges: Any, times: Any
 ) -> Readings:
     """Check gauges and the times at which they are read; note mistakes."""
-    if not isinstance(gauges, Sequence | np.ndarray):
+    is_list = isinstance(gauges, Sequence | np.ndarray)
+    if not is_list or getattr(gauges, "ndim", 1) == 0:
         problems.append(("gauges", f"must be [(body, x), ...], got {shown(gauges)}"))
         return Readings()
     if (times is None) == bool(len(gauges)):
@@ -53,7 +54,7 @@ def check_readings(
             places.append(place)
     instants: Any = TIMES.checked(problems, "times", times)
     if np.ndim(instants) != 1:
-        problems.append(("times", f"must be a list of times, got {times!r}"))
+        problems.append(("times", f"must be a list of times, got {shown(times)}"))
     return Readings(tuple(places), instants)
 
 
@@ -64,17 +65,18 @@ def _check_gauge(
     try:
         body, x = gauge
     except (TypeError, ValueError):
-        problems.append((path, f"must be (body, x), such as (1, 0.5), got {gauge!r}"))
+        problems.append(
+            (path, f"must be (body, x), such as (1, 0.5), got {shown(gauge)}")
+        )
         return None
     x = GAUGE_PLACE.checked(problems, f"{path}.x", x)
     lengths = {}
     for index, each in enumerate(system.bodies):
         if isinstance(each, Rod):
             lengths[index] = each.length
-    is_whole = isinstance(body, Integral) and not isinstance(body, bool)
-    if not is_whole or body not in lengths:
+    if not is_whole(body) or body not in lengths:
         rods = ", ".join(map(str, lengths))
-        problems.append((f"{path}.body", f"must be a rod, {rods}; got {body!r}"))
+        problems.append((f"{path}.body", f"must be a rod, {rods}; got {shown(body)}"))
         return None
     shortest = float(np.min(lengths[int(body)]))
     if np.all(x > shortest):
@@ -89,7 +91,7 @@ def _check_gauge(
 def check_also(problems: Problems, names: Any, until: float | None) -> tuple[str, ...]:
     """Check the names of further columns; note mistakes."""
     known = ", ".join(f'"{name}"' for name in ALSO)
-    if isinstance(names, str) or not isinstance(names, Sequence):
+    if isinstance(names, str | bytes) or not isinstance(names, Sequence):
         problems.append(("also", f"must be a list of {known}, got {shown(names)}"))
         return ()
     for name in names:

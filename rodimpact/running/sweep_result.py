@@ -10,7 +10,6 @@ import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
-from numbers import Integral
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,6 +20,7 @@ from ..methods.registry import Options
 from ..model import System
 from ..model.arguments import demand
 from ..model.frozen import InvalidModel, refusal
+from ..model.quantities import is_whole
 from ..results.labels import dataset
 from ..results.notebook import Shown
 from ..results.outcome import OnlyContact
@@ -276,7 +276,7 @@ class SweepResult(Shown, OnlyContact[Any]):
 
     def table(self, start: int = 0, stop: int | None = None) -> Columns:
         """Varied numbers and results of the members `start` to `stop` in C order, by name."""
-        if not all(isinstance(n, Integral | None) for n in (start, stop)):
+        if not is_whole(start) or not (stop is None or is_whole(stop)):
             given = f"got {shown(start)} and {shown(stop)}"
             raise refusal("start, stop", f"must be whole numbers, {given}")
         shape = self.shape or (1,)  # a single collision is a table of one line

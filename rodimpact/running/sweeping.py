@@ -26,7 +26,7 @@ from ..storage.writing import PathLike
 from ..version import __version__
 from .chunks import run_jobs
 from .columns import layout_of
-from .jobs import pool_of
+from .jobs import check_executor, pool_of
 from .readings import Readings, check_also, check_readings
 from .sweep_result import SweepResult
 
@@ -146,15 +146,10 @@ def sweep(
     if workers is not None:
         workers = count(problems, "workers", workers)
     check_progress(problems, progress)
-    is_executor = isinstance(executor, Executor | None)
-    if not is_executor:
-        message = (
-            "must be an executor, such as concurrent.futures.ProcessPoolExecutor()"
-        )
-        problems.append(("executor", f"{message}, got {executor!r}"))
     try:
         options = Options(until, method, max_events, dt, rtol, cells)
         options = replace(options, method=options.method_for(system))
+        check_executor(problems, executor, system)
         readings = check_readings(problems, system, gauges, times)
         readings = readings._replace(also=check_also(problems, also, options.until))
         if not math.prod(system.shape):

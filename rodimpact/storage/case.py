@@ -1,13 +1,26 @@
 """What a case file describes: a collision, or a family of them, and what to do with it."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+from ..methods.registry import Options
 from ..model import System
+from ..model.arguments import of_kind
+from ..model.frozen import (
+    InvalidModel,
+    Problems,
+    defaults_of,
+    nearest,
+    note,
+    raise_noted,
+)
+from ..units import shown
 from .grids import Varied
 from .saved_result import SavedResult
 
 SCHEMA = 1
+OUTPUTS = ("plot", "save")
 MOST_BYTES = 10**7
 """Size of a case file, at most. Python takes up to a hundred bytes of memory for each."""
 
@@ -63,3 +76,55 @@ class Case:
     gauges: tuple[GaugePlace, ...] = ()
     # not compared: a nan, such as the first force of a contact without any, equals nothing
     result: SavedResult | None = field(default=None, compare=False)
+
+    def __post_init__(self) -> None:
+        """Raise InvalidModel with all that is wrong, before anything is solved or written."""
+        of_kind("system", self.system, System, "System([rod, Wall()])")
+        problems: Problems = []
+        _check_options(problems, self.solve)
+        _check_output(problems, self.output)
+        path: Any = self.path
+        if not isinstance(path, str):
+            note(problems, "path", "must be the name of a file", path)
+        for name, wanted, is_good in (
+            ("varied", "must be a tuple of Varied", Varied),
+            ("gauges", "must be a tuple of GaugePlace", GaugePlace),
+        ):
+            entries: Any = getattr(self, name)
+            is_list = isinstance(entries, tuple | list)
+            if not is_list or not all(isinstance(each, is_good) for each in entries):
+                note(problems, name, wanted, entries)
+        result: Any = self.result
+        if not isinstance(result, SavedResult | None):
+            note(problems, "result", "must be a SavedResult or None", result)
+        raise_noted(problems)
+
+
+def _check_options(problems: Problems, options: Any) -> None:
+    """Note what are no arguments of `solve`."""
+    if not isinstance(options, Mapping):
+        note(problems, "solve", "must be arguments of ri.solve by name", options)
+        return
+    known = defaults_of(Options)
+    unknown = [name for name in options if name not in known]
+    for name in unknown:
+        message = f"is no option of ri.solve; {nearest(name, known)}"
+        problems.append((f"solve.{shown(name)}", message))
+    if unknown:
+        return
+    try:
+        Options(**options)
+    except InvalidModel as error:
+        problems += [(f"solve.{path}", message) for path, message in error.problems]
+
+
+def _check_output(problems: Problems, output: Any) -> None:
+    """Note what are no names of files."""
+    if not isinstance(output, Mapping):
+        note(problems, "output", "must be names of files by what they hold", output)
+        return
+    for name, path in output.items():
+        if name not in OUTPUTS or not isinstance(path, str):
+            wanted = f"must be names of files for {' and '.join(OUTPUTS)}"
+            note(problems, "output", wanted, output)
+            return

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from ..units import shown_path
 from .reading import FileFormatError, read_npz
 from .writing import PASSING, Arrays, PathLike, check_target, file_name, write_npz
 
@@ -108,7 +109,9 @@ class Checkpoint:
         try:
             self.path.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            message = f"cannot make the directory {str(self.path)!r}: {error.strerror}"
+            message = (
+                f"cannot make the directory {shown_path(self.path)}: {error.strerror}"
+            )
             raise type(error)(message) from None
         check_target(
             self.path / NAME.format(0), force=True

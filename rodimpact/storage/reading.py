@@ -15,6 +15,8 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from ..methods import memory
+from ..model.arguments import text
+from ..units import shown_path
 from ..version import __version__
 from .writing import (
     FORMAT,
@@ -55,6 +57,8 @@ class FileFormatError(ValueError):
     """
 
     def __init__(self, message: str, path: str = "") -> None:
+        text("message", message, "is empty")
+        text("path", path, "run.toml")
         self.problems = [(path, message)]
         super().__init__(f"{path}: {message}" if path else message)
 
@@ -64,7 +68,10 @@ def open_regular(path: PathLike) -> BinaryIO:
     path = file_name(path)
     if os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path):
         raise OSError(errno.EINVAL, "it is not a regular file", path)
-    return open(path, "rb")
+    try:
+        return open(path, "rb")
+    except OSError as error:
+        raise type(error)(error.errno, error.strerror, shown_path(path)[1:-1]) from None
 
 
 def read_npz(

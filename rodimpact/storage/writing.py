@@ -16,8 +16,9 @@ from typing import Any, BinaryIO, TypeAlias
 
 import numpy as np
 
+from ..model.arguments import flag
 from ..model.frozen import refusal
-from ..units import shown
+from ..units import shown, shown_path
 from ..version import __version__
 
 PathLike: TypeAlias = "str | os.PathLike[str]"
@@ -65,8 +66,10 @@ def check_target(path: PathLike, *, force: bool = False) -> Path:
         The subclass that fits (`IsADirectoryError`, `NotADirectoryError`, `FileNotFoundError` for a
         missing directory, `PermissionError`): where no file can be.
     """
-    path, mode = file_name(path), 0
-    refused = f"cannot write {path!r}: "
+    path = file_name(path)
+    flag("force", force)
+    mode = 0
+    refused = f"cannot write {shown_path(path)}: "
     try:
         target = Path(os.path.realpath(path))
         with contextlib.suppress(FileNotFoundError, NotADirectoryError):
@@ -82,12 +85,14 @@ def check_target(path: PathLike, *, force: bool = False) -> Path:
         raise FileExistsError(refused + EXISTS)
     if not folder.exists():
         raise FileNotFoundError(
-            refused + f"there is no directory {str(folder)!r}; make it"
+            refused + f"there is no directory {shown_path(folder)}; make it"
         )
     if not folder.is_dir():
-        raise NotADirectoryError(refused + f"{str(folder)!r} is not a directory")
+        raise NotADirectoryError(refused + f"{shown_path(folder)} is not a directory")
     if not os.access(folder, os.W_OK | os.X_OK):
-        message = f"you may not write in the directory {str(folder)!r}; name another"
+        message = (
+            f"you may not write in the directory {shown_path(folder)}; name another"
+        )
         raise PermissionError(refused + message)
     return target
 

@@ -1,163 +1,173 @@
-"""Every public name, called with things of every kind, answers or says in a sentence what is wrong.
+"""Every public name, with arguments that are spoilt, answers or says in a sentence what is wrong.
 
-The names are found where users find them: in the package, its modules, and on what calls return.
+The names and their parameters are taken from the package, so that no later name escapes.
 """
 
-import inspect
+import itertools
 import re
-from types import FunctionType
+import webbrowser
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from fuzz.generators import (
-    FAMILY,
-    FLAGS,
-    PAIR,
-    RODS,
-    SEEDS,
-    SOLVED,
-    STEEL,
-    TIMES,
-    called,
-    likely,
-    objects,
-    one_of,
-)
+from fuzz import good_calls
+from fuzz.bad_values import BAD_VALUES, NEVER_RIGHT
+from fuzz.generators import SEEDS, TIMES, check_sentence, one_of, patience
 
 import rodimpact as ri
 
-EXAMPLES = 100 * TIMES  # of each seed
-LEFT_OUT = {
-    "warm",  # it compiles for minutes, and takes nothing that could be wrong
-    "restored",
-    "run",  # they take what files hold, which is spoilt elsewhere, or what was checked
-}
+EXAMPLES = 150 * TIMES  # of each seed
+MOST_SPOILT = 3  # arguments at a time
+CALLS = [*good_calls.functions(), *good_calls.methods()]
+NAMES = sorted({call.name for call in CALLS})
+FIGURES = "plot."  # they take long to draw
+EXPECTED = (ValueError, TypeError, LookupError, AttributeError, OSError, MemoryError)
 
 
-def public():
-    """Public functions and classes, by name."""
-    for name in ri.__all__:
-        thing = getattr(ri, name)
-        yield name, thing
-        if inspect.ismodule(thing):
-            own = [
-                k
-                for k, v in vars(thing).items()
-                if k[0] != "_" and getattr(v, "__module__", "") == thing.__name__
-            ]
-            for part in getattr(thing, "__all__", own):
-                yield f"{name}.{part}", getattr(thing, part)
-
-
-def is_called(thing):
-    """Whether users call it: results have attributes in place of parameters."""
-    if inspect.isclass(thing):
-        return "Parameters\n" in (thing.__doc__ or "") and not issubclass(
-            thing, BaseException
-        )
-    return inspect.isfunction(thing) and re.search(
-        r"(Parameters|Examples)\n", thing.__doc__ or ""
-    )
-
-
-def methods(thing):
-    """Public methods of a thing, by name."""
-    for name in dir(thing):
-        if (name[0] != "_" or name == "__getitem__") and name not in LEFT_OUT:
-            method = inspect.getattr_static(thing, name)
-            if isinstance(method, FunctionType | classmethod):
-                yield f"{type(thing).__name__}.{name}", getattr(thing, name)
-
-
-class Names:
-    """All that can be called: functions, and methods of a thing of each kind that was returned."""
-
-    def __init__(self):
-        names = {name: thing for name, thing in public() if name not in LEFT_OUT}
-        self.functions = [item for item in names.items() if is_called(item[1])]
-        self.classes = {thing for thing in names.values() if inspect.isclass(thing)}
-        self.kinds = {}
-        steps = ri.solve(ri.System(RODS, contacts=[ri.Spring(1e8)]), until=1e-4)
-        for solution in (
-            SOLVED(),
-            steps,
-            ri.solve(PAIR, 1e-4, "finite-difference", cells=8),
-        ):
-            self.add(solution)
-            self.add(solution.contacts[0])
-        for thing in objects(np.random.default_rng(0)):
-            self.add(thing)
-
-    def add(self, thing):
-        """Its methods are called from now on."""
-        if type(thing) in self.classes and (found := [*methods(thing)]):
-            self.kinds[type(thing), str(getattr(thing, "method", ""))[:9]] = found
-
-    def one(self, rng):
-        """A name and what it is."""
-        return one_of(
-            rng,
-            self.functions
-            if rng.random() < 0.6
-            else one_of(rng, [*self.kinds.values()]),
-        )
-
-
-def arguments_for(rng, function):
-    """Random arguments, positional and by name; some of them good, now and then one too many."""
-    things, good, positional, named = objects(rng), rng.random(), [], {}
-    for parameter in inspect.signature(function).parameters.values():
-        if parameter.default is not parameter.empty and rng.random() < 0.6:
-            continue
-        known = parameter.name in FLAGS or rng.random() < good
-        value = likely(rng, parameter.name) if known else one_of(rng, things)
-        if parameter.kind is parameter.POSITIONAL_ONLY:
-            positional.append(value)
-        elif parameter.kind is parameter.VAR_KEYWORD:
-            named[str(one_of(rng, ["length", "mass", "velocity", "area", "x"]))] = value
-        elif parameter.kind is not parameter.VAR_POSITIONAL:
-            named[parameter.name] = value
-    if rng.random() < 0.02:
-        named["lenght"] = 1.0
-    return positional, named
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-def test_calls_answer_or_refuse_in_a_sentence(monkeypatch, tmp_path, seed):
-    rng, names, refused = np.random.default_rng(seed), Names(), 0
+@pytest.fixture(autouse=True)
+def folder(monkeypatch, tmp_path):
+    """A folder of its own with the files that functions read, and no browser."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    monkeypatch.setattr(webbrowser, "open", lambda *_: True)
+    good_calls.write_files(tmp_path)
+    yield tmp_path
+    plt.close("all")
+
+
+def refusal_of(call, arguments):
+    """The error of a call, in a sentence; None if it answers, and its answer can be shown."""
+    with patience():
+        try:
+            answer = call.make()(**arguments)
+            if call.name == "plot.look":
+                with answer:
+                    pass
+            assert repr(answer)
+            str(answer)
+        except EXPECTED as error:
+            return error
+    return None
+
+
+def check_spoilt(call, parameter, label):
+    """The call with one spoilt argument is answered or refused in a sentence."""
+    arguments = call.arguments() | {parameter: BAD_VALUES[label]()}
+    where = f"{call.name}({parameter}={label})"
+    error = refusal_of(call, arguments)
+    plt.close("all")
+    if error is None:
+        assert label not in NEVER_RIGHT, f"{where} is accepted"
+    else:
+        check_sentence(error, where)
+
+
+def test_every_public_name_has_good_arguments():
+    assert {call.name for call in CALLS if not call.name.endswith(".replace")} == {
+        *good_calls.CALLS
+    }
+    for call in CALLS:
+        unknown = {*call.arguments()} - {*call.parameters}
+        assert not unknown, call.name
+    classes = {*good_calls.public_classes()}
+    assert {*good_calls.INSTANCES} | good_calls.EXCEPTIONS == classes
+    assert classes > good_calls.RETURNED
+    assert len(NAMES) > 200
+
+
+@pytest.mark.exhaustive
+def test_good_arguments_are_answered_and_attributes_read():
+    for call in CALLS:
+        assert refusal_of(call, call.arguments()) is None, call.name
+    for name, kind in good_calls.public_classes().items():
+        for instance in good_calls.INSTANCES.get(name, []):
+            for attribute in good_calls.properties_of(kind):
+                try:
+                    getattr(instance(), attribute)
+                except EXPECTED as error:
+                    check_sentence(error, f"{name}.{attribute}")
+
+
+def test_some_spoilt_arguments():
+    """One bad value for each name but figures; all of them under `exhaustive`."""
+    rng = np.random.default_rng(0)
+    quick = [call for call in CALLS if not call.name.startswith(FIGURES)]
+    for call in quick:
+        check_spoilt(call, one_of(rng, call.parameters), one_of(rng, [*BAD_VALUES]))
+
+
+@pytest.mark.exhaustive
+@pytest.mark.filterwarnings("ignore::rodimpact.DoubtfulReduction")
+@pytest.mark.parametrize("name", NAMES)
+def test_each_argument_is_spoilt(name):
+    for call in CALLS:
+        if call.name == name:
+            for parameter, label in itertools.product(call.parameters, BAD_VALUES):
+                check_spoilt(call, parameter, label)
+
+
+@pytest.mark.filterwarnings("ignore::rodimpact.DoubtfulReduction")
+@pytest.mark.parametrize("seed", SEEDS)
+def test_several_spoilt_arguments(seed):
+    """Products of numbers that are large, but not too large, may overflow."""
+    rng = np.random.default_rng(seed)
+    quick = [call for call in CALLS if not call.name.startswith(FIGURES)]
+    refused = 0
     for _ in range(EXAMPLES):
-        _, function = names.one(rng)
-        positional, named = arguments_for(rng, function)
-        result = called(function, *positional, **named)
-        refused += isinstance(result, Exception)
-        names.add(result)
-    assert EXAMPLES / 10 < refused < EXAMPLES
-    assert not list(tmp_path.rglob(".rodimpact*"))
+        call = one_of(rng, quick)
+        arguments = call.arguments()
+        for parameter in rng.choice(call.parameters, rng.integers(1, MOST_SPOILT + 1)):
+            arguments[parameter] = BAD_VALUES[one_of(rng, [*BAD_VALUES])]()
+        try:
+            error = refusal_of(call, arguments)
+        except FloatingPointError:
+            continue
+        if error is not None:
+            check_sentence(error, f"{call.name}(**{arguments})")
+            refused += 1
+    assert EXAMPLES / 2 < refused < EXAMPLES
 
 
 REFUSED = [
     (lambda: ri.load(0), "path: must be the name of a file, got 0"),
-    (lambda: SOLVED().save(b"x.toml"), "path: must be the name of a file"),
+    (
+        lambda: good_calls.exact_solution().save(b"x.toml"),
+        "path: must be the name of a file",
+    ),
     (lambda: ri.parse_case("", source=1), "source: must be the name of a case, got 1"),
     (lambda: ri.plot.energy(3), "solution: must be a Solution"),
-    (lambda: ri.plot.energy(SOLVED(), ax=STEEL), "ax: must be an Axes"),
-    (lambda: ri.plot.animation(SOLVED(), fps=99), "fps: must be 1 to 50"),
-    (lambda: SOLVED().gauge(0, [0.1, 0.2]), "x: must be a single number"),
     (
-        lambda: SOLVED().displacement(0, [0, 0.1], [0, 0, 0]),
+        lambda: ri.plot.energy(good_calls.exact_solution(), ax=good_calls.STEEL),
+        "ax: must be an Axes",
+    ),
+    (
+        lambda: ri.plot.animation(good_calls.exact_solution(), fps=99),
+        "fps: must be 1 to 50",
+    ),
+    (
+        lambda: good_calls.exact_solution().gauge(0, [0.1, 0.2]),
+        "x: must be a single number",
+    ),
+    (
+        lambda: good_calls.exact_solution().displacement(0, [0, 0.1], [0, 0, 0]),
         "x: shape (2,) does not broadcast",
     ),
     (lambda: ri.gauges_to_csv("x.csv", [(0, 0.1)]), "gauges: must be records by name"),
-    (lambda: PAIR[0], "array is 0-dimensional, but 1 were indexed"),
-    (lambda: ri.solve(PAIR, progress=3), "progress: must be True, False or a function"),
-    (lambda: ri.sweep(FAMILY).explain([0, 1]), "index: must pick one member"),
+    (lambda: good_calls.PAIR[0], "array is 0-dimensional, but 1 were indexed"),
+    (
+        lambda: ri.solve(good_calls.PAIR, progress=3),
+        "progress: must be True, False or a function",
+    ),
+    (
+        lambda: ri.sweep(good_calls.FAMILY).explain([0, 1]),
+        "index: must pick one member",
+    ),
     (
         lambda: ri.rigid.contact_mass([1, 2], [1, 2, 3]),
         "m1 has shape (2,), m2 has shape (3,)",
     ),
     (
-        lambda: ri.Segment(1.0, 1e-4, STEEL).area_between(0.1),
+        lambda: ri.Segment(1.0, 1e-4, good_calls.STEEL).area_between(0.1),
         "edges: must be two places or more",
     ),
     (lambda: ri.units.parse("1 m", 3), "unknown dimension 3"),
@@ -166,15 +176,15 @@ REFUSED = [
         "data: must be what system.to_dict() gives, got {}",
     ),
     (
-        lambda: RODS[0].in_steps(10**30),
+        lambda: good_calls.ROD.in_steps(10**30),
         "n: must be a whole number from 1 to 100000, got 1000",
     ),
     (
-        lambda: ri.regions_of(SOLVED(), limit=np.nan),
+        lambda: ri.regions_of(good_calls.exact_solution(), limit=np.nan),
         "limit: must be 1 or more, got nan",
     ),
     (
-        lambda: ri.gradient(PAIR, wrt=["bodies.0.length"])[2.0],
+        lambda: ri.gradient(good_calls.PAIR, wrt=["bodies.0.length"])[2.0],
         "no derivative by 2.0; use one of",
     ),
     (
@@ -185,10 +195,10 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("call", "sentence"), REFUSED)
-def test_what_was_found_is_refused(monkeypatch, tmp_path, call, sentence):
-    monkeypatch.chdir(tmp_path)
+def test_what_was_found_is_refused(folder, call, sentence):
+    files = {*folder.iterdir()}
     with pytest.raises(
         (ValueError, LookupError, AttributeError), match=re.escape(sentence)
     ):
         call()
-    assert not list(tmp_path.iterdir())
+    assert {*folder.iterdir()} == files
