@@ -2,8 +2,12 @@
 
 LabVIEW measurement files (.lvm) name units and steps of time in lines of their own, and may leave
 out the column of times. Scopes of Tektronix write such lines before the table, or in three columns
-to its left.
+to its left. An entry without a value is taken as missing.
 """
+
+from collections.abc import Callable
+from itertools import zip_longest
+from typing import NamedTuple
 
 from ..storage.reading import FileFormatError
 
@@ -14,76 +18,135 @@ BESIDE = 3
 """Columns of entries that Tektronix writes to the left of a table."""
 MOST_ENTRIES = 100
 """Lines that are searched for entries."""
+
+
+class Layout(NamedTuple):
+    """Where an instrument puts the table in its file.
+
+    Attributes
+    ----------
+    head : str
+        A line of heads; "" if the lines above the table have them.
+    table_line : function
+        What of a line belongs to the table: takes the index of the line and the line.
+    """
+
+    head: str
+    table_line: Callable[[int, str], str]
+
+
 Entries = dict[str, list[str]]
+"""Values of each entry, column by column."""
 
 
-def as_table(text: str) -> tuple[str, str]:
-    """The text of the table alone, and a line of heads; "" if the heads are unknown."""
-    lines = text.split("\n", MOST_ENTRIES)[:MOST_ENTRIES]
-    mark = "," if "," in lines[0] else "\t"
+def first_value(entries: Entries, name: str, default: str) -> str:
+    """The first value of an entry, or a default if it is missing or empty."""
+    values = entries.get(name, [])
+    if values and values[0]:
+        return values[0]
+    return default
+
+
+def as_written(_: int, line: str) -> str:
+    """The whole line."""
+    return line
+
+
+def find_layout(lines: list[str]) -> Layout:
+    """Layout of a file with these first lines."""
+    lines = lines[:MOST_ENTRIES]
+    mark = "\t"
+    if "," in lines[0]:
+        mark = ","
     entries: Entries = {}
-    for number, line in enumerate(lines):
+    for index, line in enumerate(lines):
         cells = [cell.strip(' "') for cell in line.split(mark)]
-        key = cells[0].casefold()
-        entries[key] = [cell for cell in cells[1:] if cell]
-        if key == LABVIEW_HEAD and LABVIEW in entries:
-            return _read_labview(text, number, cells, entries)
-    is_tektronix = any(key in entries for key in TEKTRONIX)
+        name = cells[0].casefold()
+        entries[name] = cells[1:]
+        if name == LABVIEW_HEAD and LABVIEW in entries:
+            return _labview_layout(index, cells, entries)
+    is_tektronix = any(name in entries for name in TEKTRONIX)
     if is_tektronix and "horizontal units" in entries:
-        return _read_tektronix(text, lines, entries)
-    return text, ""
+        return _tektronix_layout(lines[0].count(",") >= BESIDE, entries)
+    return Layout("", as_written)
 
 
-def _read_labview(
-    text: str, number: int, names: list[str], entries: Entries
-) -> tuple[str, str]:
-    """The table below line `number`, with a time in every line, and heads with units."""
-    columns = entries.get("x_columns", ["One"])[0].casefold()
+def _labview_layout(head_index: int, names: list[str], entries: Entries) -> Layout:
+    """Layout of a file whose table stands below the line of names."""
+    columns = first_value(entries, "x_columns", "One").casefold()
     if columns not in ("one", "no"):
         raise FileFormatError(
             f"has a column of times for each channel (X_Columns {columns}); "
             "save it with one column for all (X_Columns One)"
         )
+    table_line: Callable[[int, str], str] = as_written
     if columns == "no":
-        try:
-            start = float(entries["x0"][0].replace(",", "."))
-            step = float(entries["delta_x"][0].replace(",", "."))
-        except (KeyError, IndexError, ValueError):
-            raise FileFormatError(
-                "has no times (X_Columns No), and no numbers X0 and Delta_X; "
-                "save it with a column of times (X_Columns One)"
-            ) from None
-        sign = entries.get("decimal_separator", ["."])[0]
-        lines = text.split("\n")
-        for i in range(number + 1, len(lines)):
-            time = repr(start + (i - number - 1) * step).replace(".", sign)
-            if lines[i].strip():
-                lines[i] = time + lines[i]
-            else:
-                lines[i] = ""
-        text = "\n".join(lines)
-    channels = [name for name in names[1:] if name and name.casefold() != "comment"]
-    return text, _heads(channels, entries.get("y_unit_label", []), "s", "\t")
+        table_line = _with_times(head_index, entries)
+    channels = names[1:]
+    count = first_value(entries, "channels", "")
+    if count.isdecimal():
+        channels = channels[: int(count)]  # a column of comments follows
+    units = entries.get("y_unit_label", [])
+    return Layout(_head_line(channels, units, "s", "\t"), table_line)
 
 
-def _read_tektronix(text: str, lines: list[str], entries: Entries) -> tuple[str, str]:
-    """The table alone, and heads with units."""
-    time = entries["horizontal units"][0]
+def _with_times(head_index: int, entries: Entries) -> Callable[[int, str], str]:
+    """Function that puts the time before each line of a table without times."""
+    try:
+        start = float(first_value(entries, "x0", "").replace(",", "."))
+        step = float(first_value(entries, "delta_x", "").replace(",", "."))
+    except ValueError:
+        raise FileFormatError(
+            "has no times (X_Columns No), and no numbers X0 and Delta_X; "
+            "save it with a column of times (X_Columns One)"
+        ) from None
+    sign = first_value(entries, "decimal_separator", ".")
+
+    def table_line(index: int, line: str) -> str:
+        if index <= head_index:
+            return line
+        if not line.strip():
+            return ""
+        time = start + (index - head_index - 1) * step
+        return repr(time).replace(".", sign) + line
+
+    return table_line
+
+
+def _tektronix_layout(is_beside: bool, entries: Entries) -> Layout:
+    """Layout of a file whose table stands below its entries or beside them."""
+    time = first_value(entries, "horizontal units", "")
     units = entries.get("vertical units", [])
     if "time" in entries:
-        return text, _heads(entries["time"], units, time, ",")
-    if lines[0].count(",") < BESIDE:
-        return text, ""
-    table = [line.split(",", BESIDE)[-1] for line in text.split("\n")]
-    channels = entries.get("source", ["CH1"])[:1]
-    return "\n".join(table), _heads(channels, units[:1], time, ",")
+        return Layout(_head_line(entries["time"], units, time, ","), as_written)
+    if not is_beside:
+        return Layout("", as_written)
+    channel = first_value(entries, "source", "CH1")
+
+    def table_line(_: int, line: str) -> str:
+        return line.split(",", BESIDE)[-1]
+
+    return Layout(_head_line([channel], units[:1], time, ","), table_line)
 
 
-def _heads(channels: list[str], units: list[str], time: str, mark: str) -> str:
-    """A line of heads: one unit is that of all channels; without any, channels name their own."""
-    if len(units) < 2:
-        units = (units or [""]) * len(channels)
-    heads = [f"time [{time}]"]
-    for channel, unit in zip(channels, units, strict=False):
-        heads.append(f"{channel} [{unit}]" if unit else channel)
+def _head_line(channels: list[str], units: list[str], time: str, mark: str) -> str:
+    """A line of heads: a single unit is that of all channels; a channel may have none.
+
+    Columns without a name, and one of comments, have no numbers.
+    """
+    while units and not units[-1]:
+        units = units[:-1]
+    if len(units) == 1:
+        units = units * len(channels)
+    heads = [_head("time", time)]
+    for channel, unit in zip_longest(channels, units, fillvalue=""):
+        if channel and channel.casefold() != "comment":
+            heads.append(_head(channel, unit))
     return mark.join(heads)
+
+
+def _head(name: str, unit: str) -> str:
+    """Head of a column."""
+    if unit:
+        return f"{name} [{unit}]"
+    return name

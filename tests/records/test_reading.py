@@ -305,9 +305,43 @@ def peak_of(call):
         tracemalloc.stop()
 
 
+@pytest.mark.parametrize(
+    ("digits", "last"), [(2, ""), (2, "1x"), (4, "1,2,3,4"), (8, "")]
+)
+def test_memory_is_bounded_by_four_times_the_file(tmp_path, monkeypatch, digits, last):
+    """Also where numbers are short, and where the last cell is none.
+
+    Blocks are as small beside this file as usual ones are beside a large file.
+    """
+    monkeypatch.setattr("rodimpact.records.table.BLOCK_ROWS", 64)
+    monkeypatch.setattr("rodimpact.records.text_file.BLOCK", 2000)
+    monkeypatch.setattr("rodimpact.records.reading.BLOCK_SAMPLES", 1000)
+    path = tmp_path / "shot.csv"
+    path.write_text("time_s,a\n0,1\n1,2\n")
+    ri.read_signals(path)  # so that all modules are there
+    numbers = np.random.default_rng(0).integers(10 ** (digits - 1), 10**digits, 20_000)
+    rows = [f"{i},{a}" for i, a in enumerate(numbers.tolist())]
+    if last:
+        rows[-1] = f"{len(rows) - 1},{last}"
+    path.write_text("time_s,a\n" + "\n".join(rows))
+
+    def call():
+        try:
+            return ri.read_signals(path)["a"]
+        except FileFormatError as error:
+            return str(error)
+
+    answer, peak = peak_of(call)
+    if last:
+        assert f"line {len(rows) + 1}" in answer
+    else:
+        assert answer.values.tolist() == numbers.tolist()
+    assert peak < 4 * path.stat().st_size
+
+
 def test_a_large_table_takes_four_times_its_size(read, tmp_path):
     read("time_s,a\n0,1\n1,2\n")  # so that all modules are there
-    x = np.random.default_rng(0).normal(size=(2, 250_000)).round(7).tolist()
+    x = np.random.default_rng(0).normal(size=(2, 60_000)).round(7).tolist()
     rows = (f"{i}e-7,{a},{b}\n" for i, (a, b) in enumerate(zip(*x, strict=True)))
     text = "time_s,a_V,b_V\n" + "".join(rows)
     (tmp_path / "shot.csv").write_text(text)
@@ -341,7 +375,7 @@ def test_a_head_of_many_lines_leaves_no_trace(read, monkeypatch):
     """Not in numbers, and not in the lines that are named."""
     rows = [f"{i},{i * i % 7},," + "\n" * (i % 5 == 0) for i in range(300)]
     text = "time_s,a\n" + "\n".join(rows) + "\n,,,\n\n"
-    monkeypatch.setattr("rodimpact.records.reading.BLOCK", 50)
+    monkeypatch.setattr("rodimpact.records.text_file.BLOCK", 50)
     assert read(text)["a"].values.tolist() == [i * i % 7 for i in range(300)]
     line = text.split("\n").index("299,4,,") + 1
     with pytest.raises(
@@ -447,6 +481,45 @@ def test_entries_of_a_scope_may_stand_beside_its_table(tmp_path):
     assert (signal.name, signal.unit, len(signal)) == ("CH2", "V", 8)
     np.testing.assert_allclose(signal.times, 1e-6 * np.arange(8), rtol=1e-12)
     np.testing.assert_allclose(signal.values, np.arange(8) ** 2)
+
+
+def test_empty_entries_are_missing_ones(tmp_path):
+    path = tmp_path / "shot"
+    entry = "X_Columns\tNo\n"
+    bare = "\n".join(row[row.find("\t") :] for row in ROWS)
+    for text, changed in [
+        (LVM.format(columns="One", sign=".") + "\n".join(ROWS), "X_Columns\t\n"),
+        (LVM.format(columns="No", sign=".") + bare, "Decimal_Separator\t\n"),
+    ]:
+        name = changed.split("\t")[0]
+        lines = [line for line in text.split("\n") if not line.startswith(name)]
+        path.write_text("\n".join([lines[0], changed.strip("\n"), *lines[1:]]))
+        assert list(ri.read_signals(path)) == ["incident", "transmitted"]
+    text = LVM.format(columns="No", sign=".").replace("X0\t1.0E-3\t1.0E-3", "X0\t\t")
+    assert entry in text
+    path.write_text(text + bare)
+    with pytest.raises(ri.FileFormatError, match="no numbers X0 and Delta_X"):
+        ri.read_signals(path)
+    path.write_text(MSO.replace("Horizontal Units,s", "Horizontal Units,"))
+    with pytest.raises(ri.FileFormatError, match="has no unit of time; give time_unit"):
+        ri.read_signals(path)
+    path.write_text(MSO.replace("Vertical Units,mV,V", "Vertical Units,,V"))
+    assert [signal.unit for signal in ri.read_signals(path).values()] == ["", "V"]
+
+
+def test_an_empty_source_beside_a_table_names_no_channel(tmp_path):
+    entries = [
+        "Record Length,4,",
+        "Sample Interval,1e-6,",
+        "Source,,",
+        "Vertical Units,V,",
+        "Horizontal Units,s,",
+        ",,",
+    ]
+    rows = [f"{entry},{i}e-6,{i * i}" for i, entry in enumerate(entries)]
+    path = tmp_path / "shot.csv"
+    path.write_text("\n".join(rows))
+    assert list(ri.read_signals(path)) == ["CH1"]
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,141 @@
+"""Names and units of the columns of a table, from the lines above the numbers."""
+
+import re
+from typing import NamedTuple
+
+from .. import units as known_units
+from ..storage.reading import FileFormatError
+from ..units import one_line, shown
+from .number_forms import NumberForm
+
+WORDS = {
+    "second": "s",
+    "seconds": "s",
+    "sec": "s",
+    "msec": "ms",
+    "usec": "us",
+    "nsec": "ns",
+    "volt": "V",
+    "volts": "V",
+    "strain": "1",
+    "-": "1",
+    "m/m": "1",
+    "mm/mm": "1",
+}
+"""Units as instruments spell them."""
+MEASURED = (
+    "time",
+    "voltage",
+    "dimensionless",
+    "force",
+    "pressure",
+    "velocity",
+    "length",
+    "acceleration",
+)
+"""What a unit at the end of a name may be, without brackets: incident_V."""
+IN_BRACKETS = re.compile(r"(.*?)[\s_/,]*[\[(]([^\[\]()]*)[\])]")
+AT_THE_END = re.compile(r"(.*?)\s*(?:/|\bin\b|_|,|\s)\s*([^\s_/,]+)")
+
+
+class Head(NamedTuple):
+    """Name of a column and its unit, "" if it has none."""
+
+    name: str
+    unit: str
+
+
+def heads_of(lines: list[str], form: NumberForm, count: int) -> list[Head]:
+    """Head of each column, from the lines before the numbers.
+
+    Columns without heads are called "1", "2" and so on.
+
+    Raises
+    ------
+    FileFormatError
+        If the heads are not as many as the columns, or two are the same.
+    """
+    texts = []
+    for line in lines:
+        text = line.strip("#%/ \t\r;,")
+        if text:
+            texts.append(text)
+    rows = []
+    for text in texts:
+        cells = _head_cells(text, form, count)
+        if len(cells) == count and all(cells):
+            rows.append(cells)
+    if not rows:
+        _check_no_heads(texts, form, count)
+        return [Head(str(j + 1), "") for j in range(count)]
+    if count > 1 and form.is_number(rows[-1][0]):
+        raise FileFormatError(
+            f"begins with a line that mixes {shown(rows[-1])} and numbers; complete or remove it"
+        )
+    heads = _with_units_below(rows)
+    if heads is None:
+        heads = [_head_of(cell) for cell in rows[-1]]
+    names = [head.name for head in heads]
+    for name in names:
+        if names.count(name) > 1:
+            raise FileFormatError(f"has two columns called {shown(name)}; rename one")
+    return heads
+
+
+def _check_no_heads(texts: list[str], form: NumberForm, count: int) -> None:
+    """FileFormatError if the last line above the numbers has heads for other columns."""
+    cells = []
+    if texts:
+        cells = form.cells(texts[-1])
+    if form.delimiter and min(count, len(cells)) > 1:
+        raise FileFormatError(
+            f"has the {len(cells)} heads {shown(cells)} for {count} columns "
+            "of numbers; name each column"
+        )
+
+
+def _with_units_below(rows: list[list[str]]) -> list[Head] | None:
+    """Heads whose units are in a line of their own; None if the last line is no such line."""
+    if len(rows) < 2:
+        return None
+    below = [spelt(cell.strip("[]() ")) for cell in rows[-1]]
+    for unit in below:
+        if known_units.conversion(unit) is None:
+            return None
+    names = [_head_of(cell).name for cell in rows[-2]]
+    return [Head(name, unit) for name, unit in zip(names, below, strict=True)]
+
+
+def _head_cells(text: str, form: NumberForm, count: int) -> list[str]:
+    """Heads in a line; between blanks, a unit in brackets belongs to what is before it."""
+    cells = form.cells(text)
+    if not form.delimiter and len(cells) != count:
+        cells = re.sub(r"\s+([\[(])", r"\1", text).split()
+        if len(cells) != count:
+            cells = re.split(r"\s{2,}|\t", text)
+    # LabVIEW has a column for comments, without entries
+    if len(cells) == count + 1 and cells[-1].casefold() == "comment":
+        cells.pop()
+    return cells
+
+
+def _head_of(cell: str) -> Head:
+    """Name and unit from a cell: ``incident [mV]``, ``incident_mV``, ``incident / mV``."""
+    text = cell.strip(" \"'")
+    found = IN_BRACKETS.fullmatch(text)
+    if found and found[1]:
+        return Head(one_line(found[1]), spelt(found[2].strip()))
+    if found:
+        return Head(one_line(found[2]), "")
+    found = AT_THE_END.fullmatch(text)
+    if found and found[1]:
+        unit = spelt(found[2])
+        si = known_units.conversion(unit)
+        if si and known_units.dimension_of(si.unit) in MEASURED and unit != "1":
+            return Head(one_line(found[1]), unit)
+    return Head(one_line(text), "")
+
+
+def spelt(unit: str) -> str:
+    """A unit as it is known here."""
+    return WORDS.get(unit.casefold(), unit)

@@ -1,0 +1,198 @@
+"""How a line of a table is cut into numbers: delimiter and decimal sign.
+
+Both are taken from the first rows if they are unambiguous there. Otherwise an error asks for the
+decimal sign; nothing is guessed.
+"""
+
+import csv
+import re
+from contextlib import suppress
+from typing import NamedTuple
+
+from ..storage.reading import FileFormatError
+from ..units import shown
+from .text_file import Survey
+
+FIRST_ROWS = 3
+"""Rows of equally many numbers with which a table begins."""
+_NUMBER = r"[+-]?(?:\d+(?:{0})?|{1})(?:[eE][+-]?\d+)?|(?i:[+-]?(?:nan|inf(?:inity)?))"
+_NUMBERS = {
+    ".": re.compile(_NUMBER.format(r"\.\d*", r"\.\d+")),
+    ",": re.compile(_NUMBER.format(r",\d+", r",\d+")),
+}
+
+
+class NumberForm(NamedTuple):
+    """Delimiter, "" for blanks, and decimal sign."""
+
+    delimiter: str
+    decimal: str
+
+    @property
+    def to_points(self) -> dict[int, int]:
+        """For `str.translate`: commas and points change places if the comma is the decimal sign."""
+        if self.decimal == ",":
+            return str.maketrans(",.", ".,")
+        return {}
+
+    def row(self, line: str) -> str:
+        """The line without delimiters at its end."""
+        return line.rstrip(f"{self.delimiter} \t\n")
+
+    def cells(self, line: str) -> list[str]:
+        """Cells of a line; a cell may be in quotes."""
+        line = self.row(line)
+        if not self.delimiter:
+            return line.split()
+        row = line.split(self.delimiter)
+        if '"' in line:
+            with suppress(csv.Error):  # a cell without an end
+                row = next(csv.reader([line], delimiter=self.delimiter), [])
+        return [cell.strip() for cell in row]
+
+    def count_numbers(self, line: str) -> int:
+        """How many numbers the line has; 0 if it has anything else."""
+        cells = self.cells(line)
+        if all(map(self.is_number, cells)):
+            return len(cells)
+        return 0
+
+    def is_number(self, cell: str) -> bool:
+        """Whether a cell is a number with this decimal sign."""
+        return _NUMBERS[self.decimal].fullmatch(cell) is not None
+
+
+COMMAS = NumberForm(",", ".")
+QUOTED = NumberForm(",", ",")
+"""Commas between cells and in numbers, which have quotes around them then."""
+FORMS = [
+    NumberForm("\t", "."),
+    NumberForm("\t", ","),
+    NumberForm(";", "."),
+    NumberForm(";", ","),
+    QUOTED,
+    COMMAS,
+    NumberForm("", "."),
+    NumberForm("", ","),
+]
+"""In the order in which they are tried."""
+
+
+class TableStart(NamedTuple):
+    """Where a table begins.
+
+    Attributes
+    ----------
+    form : NumberForm
+    line : int
+        Index of its first line.
+    """
+
+    form: NumberForm
+    line: int
+
+
+def find_table(lines: list[str], survey: Survey, decimal: str | None) -> TableStart:
+    """The first line of numbers, and how it is cut into them.
+
+    Parameters
+    ----------
+    lines : list of str
+        The first lines of the file.
+    survey : Survey
+    decimal : str, optional
+        The decimal sign, if the user gave it.
+
+    Raises
+    ------
+    FileFormatError
+        If there is no table of numbers, or the decimal sign is ambiguous.
+    """
+    forms = []
+    for form in FORMS:
+        is_wanted = decimal in (None, form.decimal)
+        if is_wanted and (form != QUOTED or survey.quotes_commas):
+            forms.append(form)
+    start = 0
+    matching: list[NumberForm] = []
+    while start < len(lines) and not matching:
+        matching = _forms_from(lines, start, forms)
+        start += 1
+    if not matching:
+        raise FileFormatError(f"has no table of numbers{_why_none(lines, forms)}")
+    start -= 1
+    form = _chosen(matching, lines, start, survey)
+    # a row may stand above rows of other lengths, such as one without some channels
+    count = form.count_numbers(lines[start])
+    for earlier in range(start):
+        if form.count_numbers(lines[earlier]) == count > 1:
+            return TableStart(form, earlier)
+    return TableStart(form, start)
+
+
+def _forms_from(
+    lines: list[str], start: int, forms: list[NumberForm]
+) -> list[NumberForm]:
+    """Forms by which the rows from a line on, or all that follow, have equally many numbers."""
+    rows = [line for line in lines[start : start + 2 * FIRST_ROWS] if line.strip()]
+    matching = []
+    for form in forms:
+        count = form.count_numbers(lines[start])
+        if count and all(form.count_numbers(row) == count for row in rows[:FIRST_ROWS]):
+            matching.append(form)
+    return matching
+
+
+def _chosen(
+    matching: list[NumberForm], lines: list[str], start: int, survey: Survey
+) -> NumberForm:
+    """One of the forms that match the first rows; FileFormatError if they leave it open."""
+    line = lines[start]
+    # a line of one number is that number only if no form finds more
+    several = [form for form in matching if form.count_numbers(line) > 1] or matching
+    if several[0] == COMMAS:
+        last_head = ""
+        for head in lines[:start]:
+            if head.strip():
+                last_head = head
+        commas = COMMAS.count_numbers(line) - 1
+        if len(several) < len(matching) and last_head.count(",") != commas:
+            raise FileFormatError(
+                f"line {start + 1}: {shown(line)} may be two numbers or a "
+                'decimal comma; give decimal="." or decimal=","'
+            )
+        return COMMAS
+    # where the first rows are whole numbers, later ones tell the decimal sign
+    sign = "."
+    if survey.last_comma >= start:
+        sign = ","
+    for form in several:
+        if form.decimal == sign:
+            return form
+    return several[0]
+
+
+def _why_none(lines: list[str], forms: list[NumberForm]) -> str:
+    """What keeps a line in the middle of the file from being numbers, and the remedy."""
+    filled = [i for i, line in enumerate(lines) if line.strip()]
+    if not filled:
+        return "; export it as text, with one row for each sample"
+    middle = filled[len(filled) // 2]
+    line = lines[middle]
+
+    def numbers_in(form: NumberForm) -> int:
+        return sum(map(form.is_number, form.cells(line)))
+
+    form = max(forms, key=numbers_in)
+    count = form.count_numbers(line)
+    if count:  # then a line below it keeps it from being the first row
+        return (
+            f": line {middle + 1} has {count} numbers, but not all lines below it; every line "
+            "needs a number for each column"
+        )
+    odd = next(cell for cell in form.cells(line) if not form.is_number(cell))
+    return (
+        f": line {middle + 1} has {shown(odd)}; below the heads write only numbers, in columns "
+        "separated by tabs, semicolons, commas or blanks, times in seconds, and no separators "
+        "of thousands"
+    )

@@ -1,0 +1,170 @@
+"""A table of numbers in a text file: column by column, in blocks of rows.
+
+Only the columns and one block of rows are in memory at a time.
+"""
+
+import math
+import re
+from collections.abc import Iterator
+from itertools import islice, zip_longest
+from typing import BinaryIO
+
+import numpy as np
+
+from ..model.quantities import Floats
+from ..progress import Report
+from ..storage.reading import FileFormatError
+from ..units import shown
+from .heads import heads_of
+from .instruments import find_layout
+from .number_forms import COMMAS, find_table
+from .text_file import TextFile
+
+BLOCK_ROWS = 4096
+"""Rows that are cut into numbers at a time."""
+THOUSANDS = {
+    ".": re.compile(r"[+-]?[1-9]\d{0,2}(\.\d{3})+"),
+    ",": re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+"),
+}
+"""Numbers that separate thousands, or have three digits after the decimal sign."""
+
+
+class Table:
+    """Names, units and numbers of the columns of a text file.
+
+    Parameters
+    ----------
+    file : binary file
+    decimal : str, optional
+        The decimal sign, if the user gave it.
+    report : function
+        Told how many characters are read, and of how many.
+
+    Raises
+    ------
+    FileFormatError
+        If there is no table, or it is incomplete; with line and column.
+
+    Attributes
+    ----------
+    names, units : list of str
+        Of each column.
+    columns : list of array, shape (rows,)
+        Numbers of each column; a reader that needs a column no more may take it from the list.
+    """
+
+    def __init__(self, file: BinaryIO, decimal: str | None, report: Report) -> None:
+        self._text = TextFile(file)
+        survey = self._text.survey
+        head = survey.head.split("\n")
+        layout = find_layout(head)
+        if survey.characters > len(survey.head):
+            head.pop()  # it goes on
+        self._table_line = layout.table_line
+        lines = [layout.table_line(i, line) for i, line in enumerate(head)]
+        start = find_table(lines, survey, decimal)
+        self._form = start.form
+        self._first = start.line
+        self._count = self._form.count_numbers(lines[start.line])
+        above = lines[: start.line]
+        if layout.head:
+            above.append(layout.head)
+        heads = heads_of(above, self._form, self._count)
+        self.names = [head.name for head in heads]
+        self.units = [head.unit for head in heads]
+        self.columns = self._read_columns(report)
+        if decimal is None and self._form != COMMAS:
+            self._check_decimal()
+
+    def line_of(self, row: int) -> int:
+        """Number of the line in which a row stands, from 1 on."""
+        return next(islice(self._rows(), row, None))[0]
+
+    def _rows(self) -> Iterator[tuple[int, str]]:
+        """Number and text of each line of the table that is not empty."""
+        lines = islice(enumerate(self._text.lines()), self._first, None)
+        for index, line in lines:
+            row = self._form.row(self._table_line(index, line))
+            if row:
+                yield index + 1, row
+
+    def _read_columns(self, report: Report) -> list[Floats]:
+        """Numbers of each column."""
+        survey = self._text.survey
+        most = survey.lines - self._first
+        columns = [np.empty(most) for _ in range(self._count)]
+        rows = self._rows()
+        filled = 0
+        characters = 0
+        while block := list(islice(rows, BLOCK_ROWS)):
+            numbers = self._numbers_in(block)
+            for column, part in zip(columns, numbers.T, strict=True):
+                column[filled : filled + len(block)] = part
+            filled += len(block)
+            characters += sum(len(row) + 1 for _, row in block)
+            report(min(characters, survey.characters), survey.characters)
+        for column in columns:
+            column.resize(filled, refcheck=False)
+        return columns
+
+    def _numbers_in(self, block: list[tuple[int, str]]) -> Floats:
+        """Numbers of some rows, [row, column]."""
+        points = self._form.to_points
+        try:
+            numbers: Floats = np.loadtxt(
+                [row.translate(points) for _, row in block],
+                delimiter=self._form.delimiter.translate(points) or None,
+                comments=None,
+                quotechar='"',
+                ndmin=2,
+            )
+        except ValueError:
+            numbers = np.empty((0, 0))
+        if numbers.shape != (len(block), self._count) or not np.isfinite(numbers).all():
+            return np.array([self._checked(number, row) for number, row in block])
+        return numbers
+
+    def _checked(self, line: int, row: str) -> list[float]:
+        """Numbers of a row; FileFormatError with the place of a cell that is no number."""
+        cells = self._form.cells(row)
+        if len(cells) > self._count:
+            raise FileFormatError(
+                f"line {line}: has {len(cells)} columns, the lines above have "
+                f"{self._count}; complete or remove it"
+            )
+        numbers = []
+        for name, cell in zip_longest(self.names, cells, fillvalue=""):
+            number = math.nan
+            if self._form.is_number(cell):
+                number = float(cell.replace(",", "."))
+            if not math.isfinite(number):
+                raise FileFormatError(
+                    f"line {line}, column {shown(name)}: must be a finite number, "
+                    f"got {shown(cell)}; complete or remove the line"
+                )
+            numbers.append(number)
+        return numbers
+
+    def _check_decimal(self) -> None:
+        """Refuse numbers that may be thousands or parts of one: all are like 1,234."""
+        sign = self._form.decimal
+        first = ""
+        for cell in self._cells_with(sign):
+            first = first or cell
+            if not THOUSANDS[sign].fullmatch(cell):
+                return
+        if first:
+            raise FileFormatError(
+                f'has numbers such as {shown(first)}: "{sign}" may be a decimal sign or separate '
+                f'thousands; give decimal="{sign}" if a decimal sign, otherwise write the '
+                "numbers without it"
+            )
+
+    def _cells_with(self, sign: str) -> Iterator[str]:
+        """Cells that have a sign in them."""
+        for _, row in self._rows():
+            if sign not in row:
+                continue
+            for cell in self._form.cells(row):
+                if sign in cell:
+                    yield cell
