@@ -121,7 +121,7 @@ def test_a_bar_of_a_rod():
 @pytest.mark.parametrize("nu", [-0.3, 0.0, 0.29, 0.45])
 def test_mindlin_herrmann_against_a_matrix(nu):
     """Roots of det(K - omega^2 M) for u = exp(i k x), q = i exp(i k x); a = E = rho = 1."""
-    s = np.array([1e-3, 0.05, 0.3, 2.0, 1e200])
+    s = np.array([1e-3, 0.05, 0.3, 2.0, 1e150])
     slow, fast = waves.mindlin_herrmann(s, nu)
     lame, mu = nu / ((1 + nu) * (1 - 2 * nu)), 1 / (2 + 2 * nu)
     for k, *found in zip(2 * np.pi * s[:-1], slow, fast, strict=False):
