@@ -113,6 +113,19 @@ def _run_command(argv: list[str]) -> CommandResult:
         return CommandResult("", status)
 
 
+def _check_source_date() -> None:
+    """InvalidModel for a date of files that is none: NumPy and Matplotlib read it, too."""
+    date = os.environ.get("SOURCE_DATE_EPOCH")
+    if date is None or re.fullmatch("[0-9]{1,11}", date.strip()):
+        return
+    from ..model.frozen import refusal
+    from ..units import shown
+
+    wanted = "must be a whole number of seconds since 1970, below 10^11"
+    message = f"{wanted}, got {shown(date)}; correct or unset this variable"
+    raise refusal("SOURCE_DATE_EPOCH", message)
+
+
 def _parse_and_run(argv: list[str]) -> CommandResult:
     """Find the command, parse its arguments and run it."""
     parser = _program_parser()
@@ -123,6 +136,7 @@ def _parse_and_run(argv: list[str]) -> CommandResult:
         if similar:
             hint = f"perhaps {similar[0]} is meant"
         parser.error(f"unknown command {call.command!r}; {hint}")
+    _check_source_date()
     # These import NumPy, which --version and --help need not wait for.
     arguments = import_module(".arguments", __name__)
     command = import_module(f".{call.command}", __name__)

@@ -17,7 +17,7 @@ from ..methods.registry import METHOD_NAMES
 from ..model.frozen import Problems, raise_noted
 from ..storage.writing import check_target
 from ..units import parse, shown, shown_path
-from .exit_status import DONE, FAULT, INCOMPLETE
+from .exit_status import DONE, INCOMPLETE, MISTAKE
 from .messages import complain, option_of, print_progress
 
 T = TypeVar("T")
@@ -223,7 +223,8 @@ class Arguments(argparse.Namespace):
         Returns
         -------
         int
-            Exit status: that of a fault if there is nothing to write in a file.
+            Exit status: that of a mistake if an output cannot be made of these results,
+            such as a figure of e where nothing collided.
         """
         status = DONE
         for name, write in writers.items():
@@ -234,7 +235,7 @@ class Arguments(argparse.Namespace):
                 write(path, force=self.force)
                 print_progress(f"wrote {path}")
             except ValueError as error:
-                status = complain(f"{self.options[name]}: {error}", FAULT)
+                status = complain(f"{self.options[name]}: {error}", MISTAKE)
         return status
 
 

@@ -133,10 +133,7 @@ def _check_case(args: Arguments, case: Case) -> None:
 
 def _check_figure(args: Arguments, case: Case) -> None:
     """Add problems of a figure that cannot be drawn."""
-    columns = layout_of(case.system, Readings())
-    if args.quantity not in columns:
-        hint = suggestion(args.quantity, columns)
-        args.add_problem("--quantity", f"there is no {args.quantity!r}; {hint}")
+    _check_quantity(args, case)
     axes = sum(len(axis.values) > 1 for axis in case.varied)
     contacts = sum(law.opens for law in case.system.contacts)
     if case.varied and not 1 <= axes <= 2:
@@ -147,3 +144,18 @@ def _check_figure(args: Arguments, case: Case) -> None:
             "such a row has no e; name another --quantity, such as velocity_after.0"
         )
         args.add_problem("--plot", message)
+
+
+def _check_quantity(args: Arguments, case: Case) -> None:
+    """Add a problem for a figure of what is not computed; --also computes more."""
+    quantity = args.quantity
+    computed = layout_of(case.system, Readings(also=tuple(args.also)))
+    if quantity in computed:
+        return
+    name, _, _ = quantity.partition(".")
+    if quantity in layout_of(case.system, Readings(also=ALSO)):
+        message = f"{shown(quantity)} is not computed; add --also {name}"
+    else:
+        hint = suggestion(quantity, computed)
+        message = f"there is no {shown(quantity)}; {hint}"
+    args.add_problem("--quantity", message)

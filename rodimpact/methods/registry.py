@@ -134,8 +134,7 @@ class Options(Declared):
         if self.snapshots is not None:
             self._set(snapshots=_snapshots(problems, self.snapshots, self.until))
         reported = [path for path, _ in problems]
-        is_number = self.rtol is not None and "rtol" not in reported
-        if is_number and self.rtol > 1:
+        if "rtol" not in reported and self.rtol is not None and self.rtol > 1:
             note(problems, "rtol", "must be at most 1, the whole outcome", self.rtol)
         for name in ("dt", "cells"):
             both = self.rtol is not None and getattr(self, name) is not None

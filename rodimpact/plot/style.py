@@ -10,7 +10,8 @@ increases, so that the order of values is visible in grey prints, too. Blue and 
 for every common kind of colour-blindness.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+import inspect
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import wraps
@@ -22,6 +23,7 @@ from matplotlib import RcParams, colors, rc_context, rc_params_from_file
 
 from ..model.arguments import one_of, single
 from ..model.frozen import refusal
+from ..units import shown
 
 FONT = "DejaVu Sans"
 NORMAL = 9.0  # height of letters, points
@@ -163,14 +165,31 @@ def look(mode: str = "light", width: float | None = None) -> Iterator[None]:
 
 def styled(draw: Callable[P, R]) -> Callable[P, R]:
     """Decorator: figures drawn by a function have the look, whatever the user's settings."""
+    parameters = inspect.signature(draw).parameters
 
     @wraps(draw)
     def drawn(*args: P.args, **kwargs: P.kwargs) -> R:
+        _check_no_text(parameters, dict(zip(parameters, args, strict=False)) | kwargs)
         sheet = SHEETS[_current.get().mode]
         with np.errstate(under="ignore"), rc_context(sheet):
             return draw(*args, **kwargs)
 
     return drawn
+
+
+def _check_no_text(
+    parameters: Mapping[str, inspect.Parameter], arguments: Mapping[str, Any]
+) -> None:
+    """InvalidModel for a text in place of the Axes: it is meant for another argument."""
+    ax = arguments.get("ax")
+    if not isinstance(ax, str):
+        return
+    remedy = "leave it out"
+    for name, parameter in parameters.items():
+        if isinstance(parameter.default, str):
+            remedy = f"give the text by name, {name}={shown(ax)}"
+            break
+    raise refusal("ax", f"must be an Axes, got {shown(ax)}; {remedy}")
 
 
 def centred(values: Iterable[float], reference: float = 0.0) -> colors.Normalize:

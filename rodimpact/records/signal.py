@@ -81,6 +81,8 @@ class Signal(Frozen):
         "start": ("times",),
     }
     _shared_fields: ClassVar[tuple[str, ...]] = ("values", "times")
+    __array_ufunc__: ClassVar[None] = None
+    """Arrays leave sums and products to this class, which takes single numbers."""
     values: Floats
     times: Floats
     unit: str
@@ -461,7 +463,7 @@ class Signal(Frozen):
     def _operand(self, other: Any, done: str) -> Any:
         """What is added: a number in `unit`, or the values of a signal of the same times."""
         if not isinstance(other, Signal):
-            return single("number", other, self.unit)
+            return _single_number(other, self.unit)
         self._same_unit(other, done)
         if not np.array_equal(self.times, other.times):
             raise ValueError(
@@ -477,10 +479,10 @@ class Signal(Frozen):
         return self.replace(values=self.values - self._operand(other, "subtracted"))
 
     def __mul__(self, number: float) -> Signal:
-        return self.replace(values=self.values * single("number", number, ""))
+        return self.replace(values=self.values * _single_number(number, ""))
 
     def __truediv__(self, number: float) -> Signal:
-        divisor = single("number", number, "")
+        divisor = _single_number(number, "")
         message = f"must not be 0, but {SMALLEST:g} or more in size, got {{0!r}}"
         demand(abs(divisor) >= SMALLEST, "number", message, divisor)
         return self.replace(values=self.values / divisor)
@@ -546,6 +548,17 @@ def signal_of(values: Floats, times: Floats, unit: str, name: str) -> Signal:
     signal = object.__new__(Signal)
     signal._set(values=values, times=times, unit=unit, name=name)
     return signal
+
+
+def _single_number(number: Any, unit: str) -> float:
+    """A term or factor of all samples; InvalidModel for an array, with the remedy."""
+    checked = array("number", number, unit, "any")
+    if checked.ndim:
+        message = "must be a single number or a signal; make a signal of an array"
+        raise refusal(
+            "number", f"{message} by replace(values=...), got {shown(number)}"
+        )
+    return checked.item()
 
 
 def _samples(path: str, given: Any, unit: str) -> Array:

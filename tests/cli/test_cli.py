@@ -811,3 +811,20 @@ def test_options_replace_what_they_exclude_in_the_case(
     assert "Stated relative error: " in result["outcome"]["status"]
     result = json.loads(output_of("run", "lossy.toml", "--cells", "10", "--json"))
     assert "14 cells" in result["outcome"]["status"]
+
+
+@pytest.mark.parametrize("date", ["x", "", "-1", "1e9", "9" * 30])
+def test_a_date_of_files_that_is_none_is_refused(case, refuses, monkeypatch, date):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", date)
+    refuses(
+        ["run", "case.toml"], "SOURCE_DATE_EPOCH: must be a whole number of seconds"
+    )
+
+
+def test_all_cases_of_the_validation_can_be_run():
+    paths = sorted((ROOT / "validation" / "cases").glob("*.toml"))
+    assert len(paths) > 5
+    for path in paths:
+        case = ri.read_case(path)
+        if not case.system.shape:
+            assert ri.Options(**case.solve).method_for(case.system)

@@ -231,7 +231,7 @@ def test_where_no_collision_has_e_the_table_is_there_and_the_figure_is_not(
 ):
     assert (
         sweep("--vary", "bodies.0.velocity=-1,-2", "--plot", "a.png", "--save", "a.npz")
-        == 1
+        == 2
     )
     out, err = capsys.readouterr()
     assert "2 collisions have no e." in out
@@ -418,3 +418,23 @@ def test_what_else_is_wanted_has_columns(case, refused, capsys, swept):
     assert names[-3:] == ["dissipated", "largest_stress.0", "largest_stress.1"]
     assert "largest stress in rod 1" in swept(*arguments)
     refused("--until", "--vary", LENGTHS, "--also", "displacement")
+
+
+YIELDING = """\
+schema = 1
+bodies = [
+    {kind = "mass", mass = 1, velocity = 5},
+    {kind = "rod", length = 1, area = 1e-4, material = "steel"},
+]
+contacts = [{law = "yielding", stiffness = 1e8, yield_force = 1e3, hardening = 1e6}]
+"""
+
+
+def test_a_figure_of_what_also_computes(case, swept, refused):
+    case.write_text(YIELDING)
+    vary = ("--vary", "bodies.0.velocity=1,2", "--until", "0.2 ms")
+    figure = ("--plot", "set.svg", "--quantity", "set.0")
+    refused("--quantity: 'set.0' is not computed; add --also set", *vary, *figure)
+    swept(*vary, *figure, "--also", "set")
+    assert "permanent set" in Path("set.svg").read_text()
+    refused("there is no 'set.1'", *vary, "--also", "set", *figure[:3], "set.1")

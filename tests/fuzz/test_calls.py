@@ -26,10 +26,11 @@ EXPECTED = (ValueError, TypeError, LookupError, AttributeError, OSError, MemoryE
 
 @pytest.fixture(autouse=True)
 def folder(monkeypatch, tmp_path):
-    """A folder of its own with the files that functions read, and no browser."""
+    """A folder of its own with the files that functions read; no browser, no window."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     monkeypatch.setattr(webbrowser, "open", lambda *_: True)
+    plt.switch_backend("agg")
     good_calls.write_files(tmp_path)
     yield tmp_path
     plt.close("all")

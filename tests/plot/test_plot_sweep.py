@@ -483,3 +483,17 @@ def test_many_cells_make_a_small_file_with_the_same_bytes_every_time(tmp_path):
     file = vector_file(lambda: plot.sweep(result), tmp_path)
     assert file.count(b"<image") == 2  # cells and colour bar
     assert len(file) < 250_000
+
+
+def test_a_text_in_place_of_the_axes_is_refused_with_the_name_of_its_argument():
+    family = ri.sweep(SYSTEMS["few"])
+    with pytest.raises(ri.InvalidModel) as refused:
+        ri.plot.sweep(family, "duration.0")
+    assert str(refused.value) == (
+        "ax: must be an Axes, got 'duration.0'; give the text by name, "
+        "quantity='duration.0'"
+    )
+    with pytest.raises(ri.InvalidModel, match="field='stress'"):
+        ri.plot.spacetime(ri.solve(SYSTEMS["few"][0]), "stress")
+    with pytest.raises(ri.InvalidModel, match="got 'x'; leave it out"):
+        ri.plot.energy(ri.solve(SYSTEMS["few"][0]), "x")

@@ -453,3 +453,19 @@ def test_what_makes_no_table_is_refused(tmp_path, signals, said):
     with pytest.raises(ri.InvalidModel, match=said):
         ri.write_signals(tmp_path / "a.csv", signals)
     assert not (tmp_path / "a.csv").exists()
+
+
+def test_arrays_do_not_become_arrays_of_signals():
+    ones = np.ones(len(PULSE))
+    for call in (
+        lambda: ones + PULSE,
+        lambda: PULSE + ones,
+        lambda: ones - PULSE,
+        lambda: ones * PULSE,
+        lambda: PULSE / ones,
+    ):
+        with pytest.raises(ri.InvalidModel, match="number: must be a single number or"):
+            call()
+    for two in (np.float64(2.0), np.float32(2.0), np.array(2.0)):
+        assert (two * PULSE) == 2 * PULSE
+        assert (two + PULSE) == 2.0 + PULSE

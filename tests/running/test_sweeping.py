@@ -759,3 +759,15 @@ def test_several_contacts_have_columns_of_their_own():
         one.duration.tolist(),
         one.peak_force.tolist(),
     )
+
+
+def test_a_law_that_other_processes_cannot_import_is_refused_with_a_remedy():
+    masses = [ri.RigidMass([1.0, 2.0], velocity=1.0), ri.Wall()]
+    family = ri.System(masses, contacts=[ri.Law(lambda d, rate: 1e8 * d)])
+    remedy = (
+        "contacts.0: .* define it with def at the top of a module, or leave executor"
+    )
+    with ProcessPoolExecutor(1) as pool:  # it starts no process before the first job
+        with pytest.raises(ri.InvalidModel, match=remedy):
+            ri.sweep(family, executor=pool)
+        assert not pool._processes
