@@ -432,7 +432,8 @@ CALLS: dict[str, Callable[[], dict[str, Any]]] = {
     "Fit.against": lambda: {"other": fitted()},
     "Fit.to_csv": lambda: PATH,
     "design.momentum_trap": lambda: {
-        "system": ri.System([STRIKER, BAR]), "after": 2e-4, "until": 7e-4
+        "system": ri.System([STRIKER.replace(length=30.0), BAR.replace(length=150.0)]),
+        "after": 2e-2, "until": 7e-2,
     },
     "design.striker": lambda: {
         "wanted": pulse_design().wanted, "bar": BAR, "velocity": 10.0, "duration": 80e-6,
