@@ -16,7 +16,7 @@ import numpy as np
 
 from ..model import Free, Material, Rigid, Rod, System
 from ..model.arguments import of_kind, single
-from ..model.frozen import refusal
+from ..model.frozen import InvalidModel, refusal
 from ..results.solution import Solution
 from ..running.solving import solve
 from .pulses import PulseDesign, differences, staircase
@@ -105,9 +105,7 @@ def momentum_trap(
     row = _TrappedRow(system, bar, material, gap)
     largest_wave = np.abs(waves.rightward).max()
     if largest_wave == 0:
-        raise refusal(
-            "until", f"no wave reaches the right end by {end!r} s; take a later time"
-        )
+        raise _nothing_pushes(passed, end)
     force_start, force_end = _pressed_interval(row, passed, end)
     wave_speed = float(material.wave_speed)
     trapped = row.with_length(wave_speed * (force_end - force_start) / 2)
@@ -204,6 +202,12 @@ class _TrappedRow(NamedTuple):
         )
 
 
+def _nothing_pushes(passed: float, end: float) -> InvalidModel:
+    """The error where no wave reaches the trap between two times, s."""
+    message = f"nothing pushes on the right end from {passed!r} to {end!r} s"
+    return refusal("until", f"{message}; take a later time")
+
+
 def _pressed_interval(
     row: _TrappedRow, passed: float, end: float
 ) -> tuple[float, float]:
@@ -221,8 +225,7 @@ def _pressed_interval(
     is_pressed = force > LEAST_FORCE_RTOL * force.max()
     pressed = np.flatnonzero(has_passed & (times < end) & is_pressed)
     if not pressed.size:
-        message = f"nothing pushes on the right end from {passed!r} to {end!r} s"
-        raise refusal("until", f"{message}; take a later time")
+        raise _nothing_pushes(passed, end)
     start = float(times[pressed[0]])
     next_times = np.append(times[1:], end)
     stop = min(end, float(next_times[pressed[-1]]))

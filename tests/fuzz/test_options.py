@@ -13,7 +13,11 @@ EXAMPLES = 10 * TIMES  # of each seed
 LONG = ("doctor", "verify")  # they take no case, and seconds
 SLOW = ("animate", "box", "export", "explore")
 QUICK = sorted({*COMMANDS} - {*LONG, *SLOW})
-ALWAYS = ("-o", "--no-browser", "--symbols")  # all symbols of a long row take minutes
+ALWAYS = (
+    "-o",
+    "--no-browser",
+    "--symbols",
+)  # all symbols of a row have a test of their own
 VALUES = [
     *NUMBERS,
     *(word.strip("\"'") for word in WORDS if "\x00" not in word),
@@ -137,3 +141,19 @@ def test_command_lines_are_done_or_refused(capsys, monkeypatch, tmp_path, seed):
         assert not list(folder.rglob(".rodimpact*"))
         refused += status == 2
     assert EXAMPLES / 4 < refused < EXAMPLES
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("text", CASES)
+def test_formulas_of_all_symbols_are_found_or_refused(
+    capsys, monkeypatch, tmp_path, text
+):
+    """Without --symbols; a formula that is too long is refused with a remedy."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "case.toml").write_text(text)
+    status = main(["formula", "case.toml"])
+    printed, said = capsys.readouterr()
+    assert status in (0, 2)
+    assert bool(printed) == (status == 0)
+    assert bool(said) == (status == 2)
+    assert "fault of rodimpact" not in said
