@@ -240,7 +240,7 @@ def test_ctrl_c_before_the_program_listens_shows_no_traceback(tmp_path):
 @pytest.mark.parametrize(
     ("argv", "remedy", "status"),
     [
-        (["--until", "0"], "leave out --until to run", 1),
+        (["--until", "0"], "leave out --until to run", 2),
         (["--max-events", "1"], "Raise --max-events", 3),
     ],
 )
@@ -316,7 +316,7 @@ def test_outputs_are_checked_before_solving(case, refuses, monkeypatch, argv, se
         (["-o", "film.gif", "--until", "0"], "--until: there is nothing to draw"),
         (
             ["-o", "film.gif", "--magnify", "0"],
-            "--magnify: must be a finite positive number",
+            "--magnify: must lie in [1e-12, 1e15]",
         ),
         (["-o", "film.gif", "--field", "heat"], "--field: invalid choice"),
         ([], "required: -o/--output"),
