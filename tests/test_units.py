@@ -133,6 +133,7 @@ def test_refusals_name_the_value_and_the_remedy(text, dimension, wanted):
         (0.4, "", 6, "0.4"),
         (1234.5678, "", 6, "1234.57"),
         (1.2e10, "N/m^1.5", 6, "12 GN/m^1.5"),
+        (1.234e12, "Pa", 6, "1234 GPa"),  # beside other numbers in GPa
         (1e-15, "J", 6, "1e-15 J"),
         (2e15, "Pa", 6, "2e+15 Pa"),
     ],

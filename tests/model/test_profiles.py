@@ -275,3 +275,11 @@ def test_averages_are_integrals_over_widths(profile, edges):
 def test_a_number_is_its_own_average():
     assert averages(3.0, np.array([0.0, 0.1, 0.5]), 1.0).tolist() == [3.0, 3.0]
     assert extremes(3.0) == [3.0, 3.0]
+
+
+def test_averages_of_steps_between_edges_at_their_jumps():
+    steps = ri.Steps([1.0, 2.0, 4.0], at=[0.25, 0.5])
+    at_jumps = averages(steps, np.array([0.0, 0.25, 0.5, 1.0]), 1.0)
+    assert at_jumps.tolist() == [1.0, 2.0, 4.0]
+    across_jumps = averages(steps, np.array([0.0, 0.5, 0.75]), 1.0)
+    assert across_jumps.tolist() == [1.5, 4.0]
