@@ -120,6 +120,8 @@ def _circulating_waves(
     last = group.group_last
     if last == 0 or finality.no_front_in_flight(lines, s, last):
         return [CirculatingWave(lines[incoming_line].incoming_wave, ZERO)]
+    # Waves circulate in a uniform body, so it is the single segment s. A receding front
+    # turns at the far end, one transit after it left the contact.
     approaching = 2 * s
     receding = 2 * s + 1
     if is_right:
