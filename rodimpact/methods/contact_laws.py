@@ -6,8 +6,8 @@ The method "characteristics" asks for the force of a link by d and by `closing`,
 the link would close without its own force: d' = closing - Y F, Y the mobility beside the link. It
 asks as well what ends the status of a link. The grid asks for the mean force over a time step.
 
-A new law is a branch in `force` and in `mean_force`, and in `guards` and `guard` if it can let go
-while there is still overlap. The page has the part for characteristics as JavaScript.
+A new law is a branch in `force` and in `mean_force`, and in `drive` if it can let go while there is
+still overlap. The page has the part for characteristics as JavaScript.
 """
 
 import math
@@ -38,8 +38,19 @@ def force_jumps(link: Any) -> bool:
 
 
 def is_nonlinear(link: Any) -> bool:
-    """Whether a Newton iteration for the force of a link needs more than one step."""
-    return bool(link.law == Law.POWER or link.law == Law.OWN)
+    """Whether a Newton iteration for the force of a link needs more than one step.
+
+    All laws do but springs, and what yields along straight lines.
+    """
+    return bool(link.law > Law.SPRING and link.law != Law.YIELD)
+
+
+def lets_go(link: Any) -> bool:
+    """Whether a link has `drive` as its second guard: a loss can end its force before its overlap.
+
+    So can a dashpot beside a spring, which presses without overlap too: `drive` is its one guard.
+    """
+    return bool(link.law > Law.SPRING and link.damping > 0)
 
 
 # Force and derivatives ----------------------------------------------------------------
@@ -127,12 +138,25 @@ def guards(link: Any) -> int:
         return 0
     if link.status == Status.PLASTIC and link.knots[link.knot] < UNREACHED:
         return 2
-    lets_go = link.law == Law.OWN or (link.law == Law.POWER and link.damping > 0)
     if link.status == Status.GRAZE or (
-        link.status == Status.PRESS and (link.law == Law.YIELD or lets_go)
+        link.status == Status.PRESS and (link.law == Law.YIELD or lets_go(link))
     ):
         return 2
     return 1
+
+
+def drive(link: Any, d: float, closing: float, F: float, scale: float) -> float:
+    """What has the sign of the force of a law with losses, without dimension; see `guard`.
+
+    Where it is 0, `closing` is the rate of the overlap.
+    """
+    if link.law == Law.OWN:
+        pressing = odd_own(link, d, closing - link.mobility * F) * link.ease / scale
+    elif has_dashpot(link):
+        pressing = (link.stiffness * d / link.damping + closing) / scale
+    else:
+        pressing = 1 + link.damping * closing
+    return pressing  # type: ignore[no-any-return]
 
 
 def guard(
@@ -170,18 +194,13 @@ def guard(
         return (closing - link.mobility * F) / scale, Status.PRESS.value
     if link.status == Status.PRESS and link.law == Law.RIGID:
         return F * link.mobility / scale, Status.OPEN.value
-    if link.law == Law.OWN:
-        drive = odd_own(link, d, closing - link.mobility * F) * link.ease / scale
-    elif has_dashpot(link):
-        drive = (link.stiffness * d / link.damping + closing) / scale
-    else:
-        drive = 1 + link.damping * closing
+    pressing = drive(link, d, closing, F, scale)
     if link.status == Status.GRAZE and which == 1:
-        return -drive, Status.PRESS.value
+        return -pressing, Status.PRESS.value
     if link.law == Law.YIELD and which == 1:
         return 1 - F / link.yield_force, Status.PLASTIC.value
     if link.status == Status.PRESS and (which == 1 or has_dashpot(link)):
-        return drive, Status.GRAZE.value
+        return pressing, Status.GRAZE.value
     return d / length, Status.OPEN.value
 
 

@@ -81,6 +81,18 @@ def link_of_contact(law: Any, gap: Any) -> Any:
     return link
 
 
+def in_steps(links: Any, step: float) -> dict[str, Any]:
+    """Numbers of links that change where time is counted in steps of so many seconds.
+
+    Velocities stay in m/s, so that lengths d become x = d/step, m/s; forces stay in N. A number c
+    of a force c d^q d' becomes c step^q.
+    """
+    return {
+        "stiffness": links["stiffness"] * step ** links["exponent"],
+        "gap": (links["gap"] + links["stretch"]) / step,  # one of them is 0
+    }
+
+
 def initial_gap(link: Any) -> Any:
     """Gap of a contact or stretch of a joint at t = 0, m."""
     if link.law == Law.JOINT:

@@ -50,6 +50,8 @@ class _Law(Declared):
 
     opens: ClassVar[bool] = True
     """Whether the contact is unilateral: it can open, and never pulls."""
+    begins_from_zero: ClassVar[bool] = False
+    """Whether its force begins from 0 as the contact closes, so that no wave jumps."""
     acts_as: ClassVar[str]
     """Branch of the kernels that has its force: the name of a `methods.link.Law`."""
     fills_link: ClassVar[tuple[str, ...]] = ()
@@ -58,6 +60,8 @@ class _Law(Declared):
 
 class _Compliant(_Law):
     """A law whose elastic part is k d^p, k its `stiffness` and p its `exponent`."""
+
+    begins_from_zero = True
 
     def stored(self, indentation: ArrayLike) -> Any:
         """Elastic energy at an overlap, k d^(p+1)/(p+1).
@@ -289,6 +293,7 @@ class SpringDashpot(_Linear, law="spring-dashpot"):
     SpringDashpot(stiffness=100000000.0, damping=2000.0)
     """
 
+    begins_from_zero = False  # the dashpot presses at once
     acts_as = "spring"
     fills_link = ("stiffness", "damping")
     stiffness: Numeric = quantity("N/m", "positive")

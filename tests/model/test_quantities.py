@@ -91,7 +91,10 @@ def declared(examples):
     """Every number that the classes of the examples declare."""
     for example in examples:
         for name, field in type(example).fields.items():
-            if name not in APART and field.unit != "N/m^p":
+            is_bare = re.search(
+                r"\^\(?[a-z]", field.unit
+            )  # its power is another number
+            if name not in APART and not is_bare:
                 unit = OTHER[_library_spelling(field.unit)]
                 yield (
                     f"{type(example).__name__}.{name}",

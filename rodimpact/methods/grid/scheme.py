@@ -6,7 +6,7 @@ import numpy as np
 
 from ...model.frozen import InvalidModel
 from ...model.profiles import averages
-from ..link import LINK
+from ..link import LINK, in_steps
 from ..record_lists import as_records
 from ..row import Array, Row
 from ..scales import wave_of_strain
@@ -132,9 +132,9 @@ def _links(mesh: Mesh, step: float, by_first: Array, by_last: Array) -> Array:
     count = len(laws)
     k = laws["stiffness"]
     p = laws["exponent"]
-    stiffness = k * step**p
-    gap = (laws["gap"] + laws["stretch"]) / step  # one of them is 0
-    for i in np.flatnonzero((k > 0) & (stiffness < SMALLEST_STIFFNESS)):
+    in_time_steps = in_steps(laws, step)
+    vanishes = in_time_steps["stiffness"] < SMALLEST_STIFFNESS
+    for i in np.flatnonzero((k > 0) & vanishes):
         message = (
             f"a force of {float(k[i])!r} times the indentation to the {p[i]:g} vanishes in "
             f"steps of {step:.3g} s; use a lower power"
@@ -163,12 +163,12 @@ def _links(mesh: Mesh, step: float, by_first: Array, by_last: Array) -> Array:
         rightmost_node=rightmost,
         self_mobility=by_last[left] / 2 + by_first[right] / 2,
         coupling_mobility=coupling,
-        is_closed=gap == 0,
+        is_closed=in_time_steps["gap"] == 0,
     )
     for name in laws.dtype.names:
         links[name] = laws[name]
-    links["stiffness"] = stiffness
-    links["gap"] = gap
+    for name, values in in_time_steps.items():
+        links[name] = values
     return links
 
 

@@ -20,17 +20,12 @@ from ...model import (
     Rod,
     Samples,
     Steps,
-    laws,
 )
 from ...model.profiles import extremes
 from ..row import Row
 
 SMALL_JUMP_RTOL = 1e-6
 """A jump of less, relative to the scale of velocities, is none."""
-GENTLE_LAWS = (
-    laws.Spring | laws.Hertz | laws.HuntCrossley | laws.PowerLaw | laws.Plastic
-)
-"""Laws by which the force begins from 0."""
 
 
 class Face(NamedTuple):
@@ -60,7 +55,7 @@ def waves_jump(row: Row) -> bool:
             if isinstance(getattr(part, name, 0.0), Steps | Polynomials):
                 return True
     for law in system.contacts:
-        if law.opens and not isinstance(law, GENTLE_LAWS):
+        if law.opens and not law.begins_from_zero:
             return True
     return any((_jumps_at_joints(row), _jumps_at_ends(row), _jumps_at_steps(row)))
 
