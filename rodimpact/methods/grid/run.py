@@ -204,6 +204,7 @@ class GridRun:
         when = self._choose_states(end)
         first = self.steps
         still_wanted = np.isin(self.history.when, when, assume_unique=True)
+        all_wanted = bool(still_wanted.all())  # then no copy is needed
         # Both increase, and all states that are still wanted are among them.
         new = when[still_wanted.sum() :]
         window = self._empty_history(end - first, len(new))
@@ -215,7 +216,7 @@ class GridRun:
         joined = {}
         for name in StepHistory._fields:
             old = getattr(self.history, name)
-            if name in STATE_FIELDS:
+            if name in STATE_FIELDS and not all_wanted:
                 old = old[still_wanted]
             joined[name] = record_lists.joined(old, getattr(window, name))
         self.history = StepHistory(**joined)
