@@ -7,11 +7,20 @@ frame of the run, forces N.
 """
 
 from enum import IntEnum
-
-import numpy as np
+from typing import Annotated, Any, TypeAlias
 
 from .. import link
+from ..compiling import dtype_of
 from .series import POINTS
+
+Series: TypeAlias = Annotated[Any, ("f8", (POINTS,))]
+"""Values at the points of a piece, or coefficients of a Chebyshev series."""
+Tick: TypeAlias = Annotated[int, "i8"]
+"""A time in ticks."""
+Sides: TypeAlias = Annotated[Any, ("f8", (2,))]
+"""A number for the left and one for the right side, end or wave."""
+SideLines: TypeAlias = Annotated[Any, ("i8", (2,))]
+"""Numbers of the lines on the left and on the right."""
 
 
 class Part(IntEnum):
@@ -24,178 +33,187 @@ class Part(IntEnum):
     ENDLESS = 4
 
 
-SMOOTH = 99  # order of a break that is none
-HARD = 2  # breaks up to this derivative end a piece
-NONE = -1
-NEVER = 1 << 61  # tick
+SMOOTH = 99  # order of a break where no derivative jumps
+HARD = 2  # order up to which a break ends a piece: that of the derivative that jumps
+NONE = -1  # no piece, no line, no link, no tick
+NEVER = 1 << 61  # tick that is never reached
 
-PIECE = np.dtype(
-    [
-        ("start", "i8"),
-        ("stop", "i8"),
-        ("order", "i8"),  # of the break at its start
-        ("degree", "i8"),
-        ("line", "i8"),
-        ("after", "i8"),  # next piece of the same line
-        ("coefficient", "f8", (POINTS,)),
-    ],
-    align=True,
-)
-LINE = np.dtype(
-    [
-        ("delay", "i8"),
-        ("first", "i8"),
-        ("head", "i8"),  # piece that is being read
-        ("tail", "i8"),
-        ("hard", "i8"),  # hard breaks that were sent and not yet read
-    ],
-    align=True,
-)
-NODE = np.dtype(
-    [
-        ("now", "i8"),
-        ("length", "i8"),  # ticks that the next piece shall last
-        ("first", "i8"),
-        ("links", "i8"),
-        ("mass", "i8"),
-        ("mirror", "i8"),  # 1: a free end
-        ("rough", "i8"),  # 1: breaks come too densely
-        # on the left and on the right: the lines that come in and go out, and 1/Z of the rod
-        ("source", "i8", (2,)),
-        ("target", "i8", (2,)),
-        ("mobility", "f8", (2,)),
-        ("incoming", "f8", (2, POINTS)),  # over a piece
-        ("leaving", "f8", (POINTS,)),
-        ("rate", "f8", (POINTS,)),
-        ("series", "f8", (POINTS,)),  # scratch
-    ],
-    align=True,
-)
-LINK = np.dtype(
-    [
-        *link.LINK.descr,
-        ("status", "i8"),
-        ("order", "i8"),  # of the break that its own event makes
-        ("function", "i8"),
-        ("near", "f8"),
-        ("near_rate", "f8"),  # of a law of the user: m, m/s
-        ("resting_force", "f8"),  # scale of forces between bodies that rest, N
-        ("mobility", "f8"),
-        (
-            "knot",
-            "i8",
-        ),  # the next of these forces, from which on what yields has another hardening
-        ("overlap", "f8"),
-        ("rate", "f8"),
-        ("bend", "f8"),  # and derivatives, as the last piece ended
-        ("ease", "f8"),  # velocity that a force makes in about the shortest transit
-        ("rate_after", "f8"),  # of an impact: closing that it leaves
-        (
-            "kept",
-            "i8",
-        ),  # first of the lines that keep the force, the overlap and the closing
-        ("left_group", "i8"),
-        ("right_group", "i8"),  # their first parts
-        ("touch", "i8"),
-        ("unknown", "i8"),
-        ("impulse", "f8"),
-        ("peak", "f8"),
-        ("peak_error", "f8"),  # estimated error of `peak`, N
-        ("first", "i8"),
-        ("last", "i8"),
-        ("apart", "i8"),
-        ("opened", "i8"),
-        ("pressed", "i8"),
-        ("faint", "i8"),  # ticks since it closed, with a force that is none yet
-        ("episodes", "i8"),
-        ("overlaps", "f8", (POINTS,)),
-        ("closing", "f8", (POINTS,)),
-        ("force", "f8", (POINTS,)),
-        ("by_overlap", "f8", (POINTS,)),
-        ("by_closing", "f8", (POINTS,)),  # derivatives of the force
-        ("base", "f8", (POINTS,)),  # what these leave of it
-    ],
-    align=True,
-)
-MASS = np.dtype(
-    [
-        ("mass", "f8"),
-        ("speed", "f8", (POINTS,)),
-        ("line", "i8"),
-    ],
-    align=True,
-)
-TURN = np.dtype(
-    [
-        ("tick", "i8"),
-        ("link", "i8"),
-        ("touch", "i8"),
-        ("impulse", "f8"),  # of an impact
-        ("closing", "f8"),  # mean of that before and after it
-    ],
-    align=True,
-)
-PART = np.dtype(
-    [
-        ("kind", "i8"),
-        ("index", "i8"),
-        ("parts", "i8"),  # of the group, at its first part
-        ("held", "i8"),  # line of what holds the group
-        ("mass", "f8"),
-        ("compliance", "f8"),  # m/N
-        ("own", "f8"),
-        ("energy", "f8"),  # mean velocity of the part; J about that of its group
-        ("wave", "f8", (2,)),
-        ("tilt", "f8", (2,)),  # moments of both waves in a segment
-        # of the group, at its first part
-        ("initial", "f8"),
-        ("mean", "f8"),  # velocity of its centre of mass at t = 0, and now
-        (
-            "speed",
-            "f8",
-        ),  # of the motion about which it swings: that, or of what holds it
-        ("low", "f8"),
-        ("high", "f8"),  # bounds of the waves under way
-        ("plain", "i8"),  # whether its ends can move with no others
-        ("bound", "f8"),  # energy about that motion, J
-        ("deviation", "f8", (2,)),  # of the left and the right end from that motion, m
-        ("slack", "f8", (2,)),  # m/N
-    ],
-    align=True,
-)
-RUN = np.dtype(
-    [
-        ("tick", "f8"),
-        ("scale", "f8"),  # s; of velocities, m/s
-        ("tolerance", "f8"),  # of a piece, m/s
-        ("floor", "i8"),
-        ("window", "i8"),
-        ("shortest", "i8"),  # ticks
-        ("end", "i8"),
-        ("limit", "i8"),
-        ("keep", "i8"),
-        ("proved", "i8"),
-        ("held", "i8"),  # 1: bodies are joined to others, a wall or an endless rod
-        ("surveyed", "i8"),  # when its groups were looked at last
-        (
-            "check",
-            "i8",
-        ),  # when they are to be looked at again, NEVER where nothing is to be proved
-        ("proof_interval", "i8"),  # least time between two looks for a proof, ticks
-        ("extra", "i8"),  # ticks to go on after the proof
-        ("pieces", "i8"),
-        ("turns", "i8"),
-        ("steps", "i8"),
-        ("rough", "i8"),
-        ("first_rough", "i8"),
-        ("roughest", "f8"),  # largest tail that was accepted, m/s
-        (
-            "shared",
-            "f8",
-        ),  # largest error of a piece that any tolerance makes alike, m/s
-        ("rested", "i8"),
-        ("stop", "i8"),
-        ("graze", "f8"),  # m/s; forces that move no faster are none
-    ],
-    align=True,
-)
+
+class Piece:
+    """A polynomial in time that a line carries: a row of the log."""
+
+    start: Tick
+    stop: Tick
+    order: int  # lowest derivative that jumps at the start; SMOOTH if none does
+    degree: int  # 0 or N
+    line: int  # its line
+    after: int  # next piece of the same line in the log, NONE behind the last one
+    coefficient: Series  # Chebyshev series from the start to the stop, m/s or N or m
+
+
+class Line:
+    """What leaves one end of a segment and arrives at the other, or what comes from outside."""
+
+    delay: Tick  # transit time
+    first: int  # first piece in the log
+    head: int  # piece that arrives now
+    tail: int  # last piece so far
+    hard: int  # hard breaks that were sent and have not arrived
+
+
+class Node:
+    """The chain of links and masses between two rods, solved up to its own time `now`."""
+
+    now: Tick  # all before is solved
+    length: Tick  # wanted duration of the next piece
+    first: int  # its first link
+    links: int  # number of its links
+    mass: int  # its first mass
+    mirror: int  # 1: a free end, which reflects waves as they are
+    rough: int  # 1: hard breaks come too densely to be followed one by one
+    source: SideLines  # lines that arrive
+    target: SideLines  # lines that leave
+    mobility: Sides  # 1/Z of the rods, s/kg; 0 where there is none
+
+    # Over the piece that is being solved, at its points
+    incoming: Annotated[Any, ("f8", (2, POINTS))]  # waves that arrive, m/s
+    leaving: Series  # a wave that leaves, m/s
+    rate: Series  # scratch: derivatives, or values of a guard
+    series: Series  # scratch: coefficients
+
+
+class Link(link.Link):
+    """What acts between two neighbours of a chain: a bond, a joint, or a contact."""
+
+    status: int  # `Status`
+    order: int  # order of the break that its own event makes
+    function: int  # number of the law of the user
+    near: float  # step of the derivative of that law by the overlap, m
+    near_rate: float  # and by its rate, m/s
+    resting_force: float  # scale of forces between bodies that rest, N
+    mobility: float  # sum of 1/Z of the rod ends beside it, s/kg
+    knot: int  # number of the next force at which a yielding contact changes its hardening
+
+    # State at the end of the last piece
+    overlap: float  # m
+    rate: float  # its derivative, m/s
+    bend: float  # its second derivative, m/s^2
+    ease: (
+        float  # velocity that a force of 1 N makes in about the shortest transit, s/kg
+    )
+    rate_after: float  # closing velocity that an impact leaves, m/s
+    kept: int  # first of the lines that keep force, overlap and closing velocity
+    left_group: (
+        int  # first part of the group on the left; NONE for a link that cannot open
+    )
+    right_group: int  # and on the right
+    touch: int  # `Status` that was logged last: OPEN, GRAZE or PRESS
+    unknown: int  # number of its force among the unknown ones, NONE if it is given
+
+    # Totals
+    impulse: float  # N s
+    peak: float  # largest force, N
+    peak_error: float  # its estimated error, N
+    first: Tick  # first contact, NONE before
+    last: Tick  # end of the last force
+    apart: Tick  # last opening
+    opened: int  # 1: the next force begins another episode
+    pressed: Tick  # total time with force
+    faint: Tick  # time since it closed, with a force that is none yet
+    episodes: int
+
+    # Over the piece that is being solved, at its points
+    overlaps: Series  # m
+    closing: Series  # closing velocity without its own force, m/s
+    force: Series  # N
+    by_overlap: Series  # derivative of the force by the overlap, N/m
+    by_closing: Series  # and by `closing`, N s/m
+    base: Series  # force less both derivatives times their variables, N
+
+
+class Mass:
+    """A rigid mass between two links of a node."""
+
+    mass: float  # kg
+    speed: Series  # velocity over the piece, m/s; its first value is the state
+    line: int  # line that keeps its velocity
+
+
+class Turn:
+    """A row of the log of contacts: one is touched, presses or opens, or bodies strike."""
+
+    tick: Tick
+    link: int
+    touch: int  # `Status`: OPEN, GRAZE or PRESS
+    impulse: float  # impulse of an impact, N s; 0 for other contacts
+    closing: float  # mean of the closing velocities before and after it, m/s
+
+
+class GroupPart:
+    """A part of a group: of bodies that are bonded, between two contacts that can open."""
+
+    kind: int  # `Part`
+    index: int  # number of the segment, mass or link
+    parts: int  # parts of the group, at its first one; 0 at the others
+    held: int  # line of the wall, or of the endless rod, that holds the group
+    mass: float  # kg
+    compliance: float  # change of length by a force, m/N
+    own: float  # mean velocity, m/s
+    energy: float  # energy about the mean velocity of the group, J
+    wave: Sides  # integrals of both waves of a segment over y from -1 to 1, m/s
+    tilt: Sides  # the same, times y
+
+    # Motion of the group, at its first part
+    initial: float  # velocity of the centre of mass at t = 0, m/s
+    mean: float  # and now
+    speed: float  # velocity about which the group swings: `mean`, or that of what holds it, m/s
+    low: float  # bounds of the waves under way, m/s
+    high: float
+    plain: int  # 1: its ends move with no velocities but those of the waves
+    bound: float  # energy about `speed`, J
+    deviation: Sides  # displacement of the ends from that motion, m
+    slack: Sides  # squared displacement of the ends over twice the energy, at most, m/N
+
+
+class Run:
+    """What a run is asked for, and what it has come to."""
+
+    tick: float  # s
+    scale: float  # scale of velocities, m/s
+    tolerance: float  # largest tail of a series, m/s
+    floor: Tick  # duration of pieces where hard breaks come too densely
+    window: Tick  # an event so close to an arrival is taken with it
+    shortest: Tick  # shortest transit time
+    end: Tick
+    limit: int  # largest number of steps
+    keep: int  # 1: forces, overlaps and velocities of masses are kept
+    proved: Tick  # instant of the proof of finality, NONE before
+    held: int  # 1: bodies are joined to others, a wall or an endless rod
+    surveyed: Tick  # last look for a proof, NONE before the first
+    check: Tick  # next look, NEVER where nothing is to be proved
+    proof_interval: Tick  # least time between two looks
+    extra: Tick  # time to go on after the proof
+
+    # Progress
+    pieces: int  # rows of the log of pieces
+    turns: int  # rows of the log of contacts
+    steps: int
+    rough: int  # steps in which breaks were too dense
+    first_rough: Tick  # start of the first of them, NONE before
+    roughest: float  # largest tail of a series that was accepted, m/s
+    shared: float  # largest error of a piece that is as long at any tolerance, m/s
+    rested: int  # impacts after which bodies rest on each other
+    stop: int  # `Stop`
+    graze: (
+        float  # velocity, m/s: a force that makes less in the shortest transit is none
+    )
+
+
+PIECE = dtype_of(Piece)
+LINE = dtype_of(Line)
+NODE = dtype_of(Node)
+LINK = dtype_of(Link)
+MASS = dtype_of(Mass)
+TURN = dtype_of(Turn)
+PART = dtype_of(GroupPart)
+RUN = dtype_of(Run)
