@@ -142,6 +142,16 @@ class Curve:
         return found
 
 
+class Shifts(NamedTuple):
+    """How much earlier waves are taken than they were recorded, s."""
+
+    reflected: float = 0.0
+    transmitted: float = 0.0  # and the wave back to the specimen in the output bar
+
+
+NO_SHIFTS = Shifts()
+
+
 @dataclass(frozen=True, eq=False)
 class Reduction(Curve):
     """Stress and strain of a specimen over time, compression positive; made by `reduce`.
@@ -165,7 +175,7 @@ class Reduction(Curve):
     one_sample : array, shape (n,)
         Largest change of `stress` at the same strain if the transmitted wave is shifted by one
         sample, Pa.
-    shifts : (float, float)
+    shifts : (reflected, transmitted)
         Times by which the reflected and the transmitted wave were moved earlier to align them, s.
     specimen : Specimen
     disperses : bool
@@ -196,7 +206,7 @@ class Reduction(Curve):
     stress_band: Floats
     strain_band: Floats
     one_sample: Floats
-    shifts: tuple[float, float]
+    shifts: Shifts
     disperses: bool
     doubts: tuple[str, ...]
 
@@ -300,7 +310,8 @@ class Reduction(Curve):
                 ]
             )
         way = "with the exact first mode" if self.disperses else "without dispersion"
-        reflected, transmitted = (f"{1e6 * shift:.3g} us" for shift in self.shifts)
+        reflected = f"{1e6 * self.shifts.reflected:.3g} us"
+        transmitted = f"{1e6 * self.shifts.transmitted:.3g} us"
         doubts = "".join(f"\ndoubtful: {doubt}" for doubt in self.doubts)
         return align(rows) + (
             f"\nstress from the transmitted wave; waves propagated {way}; reflected wave moved "
@@ -428,67 +439,89 @@ def reduce(
 class _Shot:
     """Both bars of a shot, the times at which both faces are known, and the alignment."""
 
-    sides: tuple[Side, ...]
+    sides: tuple[Side, ...]  # input bar, output bar
     specimen: Specimen
     times: Floats
-    shifts: tuple[float, float] = (0.0, 0.0)
+    shifts: Shifts = NO_SHIFTS
 
     def curve(self) -> Curve:
-        """Forces, velocities and strain of the strains that the sides hold."""
-        (first, second), (early, late) = self.sides, self.shifts
-        shifts = (0.0, early), (late, late)
-        i, r, b, t = (
-            np.interp(self.times + shift, side.times, wave)
-            for side, moved in zip(self.sides, shifts, strict=True)
-            for wave, shift in zip(side.at_face(), moved, strict=True)
-        )
-        v1, v2 = first.speed * (i - r), second.speed * (t - b)
-        rate = (v1 - v2) / self.specimen.length
-        F1, F2 = first.stiffness * (i + r), second.stiffness * (t + b)
+        """Forces, velocities and strain of the strains that the sides hold.
+
+        With the compressive strains of the waves at the faces::
+
+            v1 = c1 (incident - reflected)       F1 = E1 A1 (incident + reflected)
+            v2 = c2 (transmitted - returning)    F2 = E2 A2 (transmitted + returning)
+            strain rate = (v1 - v2)/length
+        """
+        input_bar, output_bar = self.sides
+        towards, away = input_bar.at_face()
+        incident = self._sampled(input_bar, towards, 0.0)
+        reflected = self._sampled(input_bar, away, self.shifts.reflected)
+        towards, away = output_bar.at_face()
+        returning = self._sampled(output_bar, towards, self.shifts.transmitted)
+        transmitted = self._sampled(output_bar, away, self.shifts.transmitted)
+
+        input_velocity = input_bar.speed * (incident - reflected)
+        output_velocity = output_bar.speed * (transmitted - returning)
+        rate = (input_velocity - output_velocity) / self.specimen.length
         return Curve(
-            self.times, _integral(rate, self.times), rate, F1, F2, v1, v2, self.specimen
+            times=self.times,
+            strain=_integral(rate, self.times),
+            strain_rate=rate,
+            input_force=input_bar.stiffness * (incident + reflected),
+            output_force=output_bar.stiffness * (transmitted + returning),
+            input_velocity=input_velocity,
+            output_velocity=output_velocity,
+            specimen=self.specimen,
         )
+
+    def _sampled(self, side: Side, wave: Floats, shift: float) -> Floats:
+        """A wave at the times of the curve, taken earlier by a shift, s."""
+        sampled: Floats = np.interp(self.times + shift, side.times, wave)
+        return sampled
 
     def aligned(self, limit: float, report: Report) -> _Shot:
         """The shot with the shifts that make its start elastic and its forces alike."""
         from scipy.optimize import least_squares
 
-        force = self.curve().stress
-        start = slice(0, int(np.argmax(force > ELASTIC * force.max())) + 1)
-        largest, modulus = force.max(), self.specimen.youngs_modulus
-
+        stress = self.curve().stress
+        largest = stress.max()
+        start = slice(0, int(np.argmax(stress > ELASTIC * largest)) + 1)
+        modulus = self.specimen.youngs_modulus
         curves = 0
 
-        def left(shifts: Floats) -> Floats:
+        def residuals(shifts: Floats) -> Floats:
+            """Imbalance of forces, and distance from the elastic line, over the stress."""
             nonlocal curves
             curves += 1
             report(curves, None)
-            curve = replace(self, shifts=tuple(shifts)).curve()
-            apart = [
-                (curve.input_force - curve.output_force)[start] / self.specimen.section
-            ]
+            curve = replace(self, shifts=Shifts(*shifts)).curve()
+            imbalance = curve.input_force - curve.output_force
+            parts = [imbalance[start] / self.specimen.section]
             if modulus is not None:
-                apart.append((curve.stress - modulus * curve.strain)[start])
-            over: Floats = np.concatenate(apart) / largest
-            return over
+                parts.append((curve.stress - modulus * curve.strain)[start])
+            relative: Floats = np.concatenate(parts) / largest
+            return relative
 
-        found = least_squares(
-            left,
+        solution = least_squares(
+            residuals,
             (0.0, 0.0),
             bounds=(-limit, limit),
             diff_step=1e-3,
             x_scale=self.sides[0].dt,
         )
-        return replace(self, shifts=tuple(found.x.tolist()))
+        return replace(self, shifts=Shifts(*solution.x.tolist()))
 
     def one_sample(self, curve: Curve) -> Floats:
         """Change of the stress at equal strain by a sample of the transmitted wave, Pa."""
-        (early, late), dt = self.shifts, self.sides[1].dt
-        moved = [
-            replace(self, shifts=(early, late + step)).curve() for step in (-dt, dt)
-        ]
-        at_strain = [one.at_strain(curve.strain, one.stress) for one in moved]
-        return np.abs(np.array(at_strain) - curve.stress).max(axis=0)  # type: ignore[no-any-return]
+        dt = self.sides[1].dt
+        stresses = []
+        for step in (-dt, dt):
+            shifts = self.shifts._replace(transmitted=self.shifts.transmitted + step)
+            moved = replace(self, shifts=shifts).curve()
+            stresses.append(moved.at_strain(curve.strain, moved.stress))
+        change: Floats = np.abs(np.array(stresses) - curve.stress).max(axis=0)
+        return change
 
     def bands(
         self, curve: Curve, known: Calibration | None, report: Report
@@ -503,14 +536,14 @@ class _Shot:
             noise = tuple(_noise(side, rng) for side in self.sides)
             drawn.append(replace(self, sides=noise).curve())
             report(k + 1, count)
-        off = [
-            replace(self, sides=sides).curve()
-            for sides in (with_one_error(known, self.sides) if known else ())
-        ]
+        with_errors = []
+        if known is not None:
+            for sides in with_one_error(known, self.sides):
+                with_errors.append(replace(self, sides=sides).curve())
 
         def band(column: Callable[[Curve], Floats]) -> Floats:
             variance = np.mean([column(each) ** 2 for each in drawn], axis=0)
-            variance += sum((column(other) - column(curve)) ** 2 for other in off)
+            variance += sum((column(each) - column(curve)) ** 2 for each in with_errors)
             kept = np.mean([self._fine(column(each)) for each in drawn], axis=0)
             lost = np.maximum(self._fine(column(curve)) - kept, 0.0)
             return np.asarray(COVER * np.sqrt(variance + lost))
@@ -536,7 +569,8 @@ def _noise(side: Side, rng: np.random.Generator) -> Side:
     Pieces, not samples, since noise may be coloured; short ones, since the mean of all of the rest
     is 0, as that of the noise is not.
     """
-    piece, count = max(2, side.quiet // PIECES), len(side.times)
+    piece = max(2, side.quiet // PIECES)
+    count = len(side.times)
     drawn = []
     for strain in side.strains:
         starts = rng.integers(0, side.quiet - piece + 1, count // piece + 1)
