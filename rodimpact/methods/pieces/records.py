@@ -10,7 +10,7 @@ from enum import IntEnum
 from typing import Annotated, Any, TypeAlias
 
 from .. import link
-from ..compiling import dtype_of
+from ..record_lists import dtype_of
 from .series import POINTS
 
 Series: TypeAlias = Annotated[Any, ("f8", (POINTS,))]
