@@ -81,7 +81,7 @@ class EnergyLedger:
 
 
 class BondedGroups(NamedTuple):
-    """Groups of bonded bodies at some times; without walls and what is bonded to them."""
+    """Groups of bonded bodies at some times; of walls there is no motion."""
 
     ticks: Ints  # [time]
     bodies: list[list[int]]  # by group: those that can move; none of a lone wall
@@ -94,7 +94,7 @@ class BondedGroups(NamedTuple):
 
     @property
     def vibration(self) -> Floats:
-        """Energy of the motion relative to the group, and of strain, J, [body, time]."""
+        """Energy of the motion within the group, and of strain, J, [body, time]."""
         return self.vibrational_kinetic + self.strain
 
 
@@ -137,7 +137,7 @@ def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
 
 
 def movable_groups(system: System) -> list[list[int]]:
-    """Groups of bonded bodies; without those that cannot move, of which a group may consist."""
+    """Groups of bonded bodies that can move: a group may have none."""
     free = movable(system)
     movable_bodies = []
     for group in groups(system):
@@ -178,7 +178,7 @@ def ledger(
         energy = stored(history.law, history.gap(t))
         contact += energy
         loss = history.work_until(t) - (energy - energy[0])
-        # Rigid contact without a restitution loses energy to the half cells of a grid alone.
+        # Without a restitution, rigid contact loses energy to cells of a grid alone.
         if getattr(history.law, "restitution", 0.0) is None:
             numerical += loss
         else:
@@ -210,7 +210,7 @@ def ledger(
 
 
 def _works_from_outside(fields: Fields, ticks: Ints) -> dict[str, Floats]:
-    """Work that is done on the two ends of the row since t = 0, J, by kind of what does it."""
+    """Work done on the ends of the row since t = 0, J, by what is outside of them."""
     works: dict[str, Floats] = {}
     for kind in ("wall", "drive", "absorbing"):
         works[kind] = np.zeros(ticks.shape)

@@ -28,7 +28,7 @@ class Profile(NamedTuple):
 
 
 class PassingWaves(NamedTuple):
-    """The waves that pass a place in a rod from t = 0 to the end, in the frame of the clock.
+    """Waves that pass a place in a rod from t = 0 to the end, in the clock's frame.
 
     With velocity v, strain eps and wave speed c:
     """
@@ -145,7 +145,7 @@ class Fields(Protocol):
         """Momentum of a rod, kg m/s."""
 
     def energy(self, body: int, tick: int, velocity: float) -> RodEnergy:
-        """Kinetic energy of the motion relative to `velocity`, and strain energy, of a rod."""
+        """Energy of a rod; the kinetic energy is that relative to `velocity`, m/s."""
 
     def extreme_stress(self, body: int) -> ExtremeStress:
         """Largest tension and compression in a rod, with place and time."""

@@ -15,7 +15,7 @@ Corner = tuple[int, int]
 
 
 class Lattice(NamedTuple):
-    """Rectangles in (p, q) into which the fronts of both waves cut a segment and an interval."""
+    """Rectangles in (p, q) into which the fronts of both waves cut a segment."""
 
     p: list[
         int
@@ -115,7 +115,7 @@ def clip(corners: list[Corner], n0: int, n1: int, bound: int) -> list[Corner]:
 
 
 def crossing(start: int, stop: int, here: int, there: int) -> int:
-    """Tick at which a depth is 0 that changes from `here` at `start` to `there` at `stop`.
+    """Tick at which a depth is 0 that is `here` at `start` and `there` at `stop`.
 
     The quotient comes first, since products are too large.
     """

@@ -141,13 +141,13 @@ class Gauge:
     def _spline_means(self, step: float, rows: Ints) -> Floats:
         """Means about row * step, weighted by a parabolic spline; the step is in ticks.
 
-        With u from 0 to 1 in each of its three cells, the spline is u^2/2, 1/2 + u - u^2, and
-        (1 - u)^2/2. So a mean is made of the integrals of the strain, of u times the strain, and of
-        u^2 times the strain over these cells.
+        With u from 0 to 1 in each of its three cells, the spline is u^2/2,
+        1/2 + u - u^2, and (1 - u)^2/2. So a mean is made of the integrals over cells of
+        the strain, of u times the strain, and of u^2 times the strain.
         """
         bounds = step * (np.append(rows, rows[-1] + [1, 2, 3]) - 1.5)
         cell_count = len(bounds) - 1
-        # Gauss's rule is exact for the parts into which breaks of the record cut the cells.
+        # Gauss's rule is exact for the parts into which breaks cut the cells.
         first, stop = np.searchsorted(self.record.breaks, bounds[[0, -1]])
         breaks = self.record.breaks[first:stop]
         after = np.searchsorted(bounds[:-1], breaks, "right")
@@ -267,7 +267,7 @@ def check_gauges(gauges: Any) -> Mapping[str, Gauge]:
 
 
 def _sampling(interval: Any, end: float) -> Sampling:
-    """Samples of a record that ends at `end`, s; InvalidModel for no interval, or too many."""
+    """Samples of a record that ends at `end`, s; InvalidModel for a wrong interval."""
     if interval is None:
         step = end / DEFAULT_SAMPLES or 1.0
     else:

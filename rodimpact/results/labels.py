@@ -170,9 +170,11 @@ def _of_end(system: System, side: str, path: list[str]) -> Quantity:
         case ["values", number]:
             name = f"piece {int(number) + 1} of {name}"
         case ["at", number]:
-            name, unit = f"time of jump {int(number) + 1} of {name}", "s"
+            name = f"time of jump {int(number) + 1} of {name}"
+            unit = "s"
         case ["step"]:
-            name, unit = f"time between samples of {name}", "s"
+            name = f"time between samples of {name}"
+            unit = "s"
     return Quantity(name, unit)
 
 

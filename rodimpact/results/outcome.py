@@ -16,7 +16,7 @@ from ..rigid import RigidCollision, collide
 from .notebook import as_table
 
 MAX_SILENT_RESIDUAL = 1e-6
-"""Largest residual of momentum or energy, relative as in `Outcome`, without a warning."""
+"""Largest residual of momentum or energy of which `status` does not warn."""
 
 Number = TypeVar("Number")
 
@@ -266,6 +266,6 @@ def _unbalanced(momentum: float, energy: float) -> str:
     if not missing:
         return ""
     return (
-        f" The balance does not close: {' and '.join(missing)} is missing. Take another "
-        "method, or numbers that are nearer to each other."
+        f" The balance does not close: {' and '.join(missing)} is missing. Take "
+        "another method, or numbers that are nearer to each other."
     )

@@ -89,7 +89,7 @@ class PairTheory(NamedTuple):
 
 
 def _velocity_after(family: PairTheory, pair: PairCollision, body: int) -> Floats:
-    """Momentum over mass: the impulse pushes the left body back and the right one on."""
+    """v - J/m of the left body, v + J/m of the right one, with the impulse J."""
     change = pair.impulse / family.mass[body]
     if body == 0:
         change = -change

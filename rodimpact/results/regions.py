@@ -144,8 +144,8 @@ def readable_until(solution: Solution, limit: int) -> float:
         last_tick = int(fields.to_ticks(stop))
     if not last_tick:
         message = (
-            f"has more than {limit} regions of constant state at the start, too many for a "
-            "picture; describe the row in fewer pieces"
+            f"has more than {limit} regions of constant state at the start, too many "
+            "for a picture; describe the row in fewer pieces"
         )
         raise refusal("solution", message)
     return stop

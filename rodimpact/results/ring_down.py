@@ -85,8 +85,8 @@ def ring_down(fields: Fields, start: float, end: float) -> RingDown:
     is_long = end - start > MIN_DECAY_SAMPLES * fields.step
     if len(ticks) < MIN_DECAY_SAMPLES and is_long:
         message = (
-            f"only {len(ticks)} states were kept after the collision; leave snapshots out, or "
-            "give more of them"
+            f"only {len(ticks)} states were kept after the collision; leave snapshots "
+            "out, or give more of them"
         )
         raise refusal("ring_down", message)
     times = ticks * fields.clock.tick
@@ -127,7 +127,7 @@ def _slowest_mode(fields: Fields) -> SlowestMode:
 
 
 def _momentum_change(fields: Fields, states: BondedGroups, vibration: Floats) -> float:
-    """Largest change of the momentum of the row, relative to the momenta of its bodies together.
+    """Largest change of the momentum of the row over the momenta of all bodies.
 
     A body of mass m has the momentum sqrt(2 m E) with all the energy E of motion.
     """

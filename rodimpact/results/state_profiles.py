@@ -17,7 +17,7 @@ from .wave_extremes import SLIVER_TICKS
 from .wave_fields import SegmentWaves, WaveFields
 
 CONSTANT_WAVE_RTOL = 1e-14
-"""Changes of a wave within a piece, relative to the largest wave, that are round-off."""
+"""Smaller changes of a wave in a piece, over the largest wave, are round-off."""
 
 
 class StateProfiles(NamedTuple):
@@ -28,7 +28,7 @@ class StateProfiles(NamedTuple):
 
 
 def state_profiles(fields: Fields, body: int, tick: int, error: float) -> StateProfiles:
-    """State of a rod just after `tick`; `error` is the stated error of velocities, m/s."""
+    """State of a rod just after `tick`, with the stated error of velocities, m/s."""
     largest_wave = 0.0
     if isinstance(fields, WaveFields) and not fields.constant_between_fronts:
         largest_wave, largest_change = _sizes(fields, body, tick)
@@ -115,7 +115,7 @@ def _edges_of_waves(waves: SegmentWaves, tick: int) -> Ints:
 
 
 def _steps(edges: Floats, values: Floats, doubt: float) -> Number | Steps:
-    """Steps through values between edges; those that differ by no more than `doubt` are one."""
+    """Values between edges as steps; those that differ by up to `doubt` are one."""
     differs = np.concatenate(([True], np.abs(np.diff(values)) > doubt))
     if differs.sum() == 1:
         return float(values[0])

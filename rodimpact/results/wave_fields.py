@@ -1,13 +1,15 @@
 """Fields from the signals that leave the ends of rods.
 
-Let A and B be the waves, m/s, that leave the left and the right end of a segment of transit time T.
-The parts of them that left at p and q meet at the time t = (p + q + T)/2, at the distance
-c (q - p + T)/2 from the left end. There, in the frame of the clock,
+Let A and B be the waves, m/s, that leave the left and the right end of a segment with
+the transit time T. The parts of them that left at p and q meet at the time
+t = (p + q + T)/2, at the distance c (q - p + T)/2 from the left end. There, in the
+frame of the clock,
 
     v = (A(p) + B(q))/2        and        strain = (B(q) - A(p))/(2 c).
 
-So a field is a look-up in two signals. Displacement, momentum and energy are integrals of them.
-Times are rounded to the nearest tick, so that one-sided limits are defined.
+So a field is a look-up in two signals, and displacement, momentum and energy are
+integrals of them. Times are rounded to the nearest tick, so that one-sided limits are
+defined.
 """
 
 import math
@@ -44,15 +46,15 @@ class Places(NamedTuple):
 
 
 Formula: TypeAlias = Callable[[SegmentWaves, Ints, Ints], Floats]
-"""A field of a segment: its value where the parts of the waves meet that left the two ends at the
-ticks p and q."""
+"""A field of a segment: its value where parts of its two waves meet that left the left
+and the right end at the ticks p and q."""
 
 
 class WaveFields(Fields):
     """Fields of a row of rods from its end signals.
 
     Parameters
-    ----------
+    ---------
     clock : Clock
     end : int
         Last tick.
@@ -76,7 +78,7 @@ class WaveFields(Fields):
     def constant_between_fronts(self) -> bool:
         return all(wave is None or wave.size == 1 for wave in self.motion.lines)
 
-    # Fields where two waves meet ----------------------------------------------------------
+    # Fields where two waves meet --------------------------------------------------------
 
     def _velocity(self, waves: SegmentWaves, p: Ints, q: Ints, side: Side) -> Floats:
         """v = (A(p) + B(q))/2 + frame, m/s."""
@@ -92,7 +94,7 @@ class WaveFields(Fields):
         return (B.at(q, side) - A.at(p, side)) * per_wave + 0.0  # no -0.0
 
     def _displacement(self, waves: SegmentWaves, p: Ints, q: Ints) -> Floats:
-        """u = u0 + (integral of A from 0 to p + integral of B from -T to q)/2 + frame t, m.
+        """u0 + (integral of A from 0 to p + integral of B from -T to q)/2 + frame t, m.
 
         u0 is the displacement of the left end at t = 0.
         """
@@ -136,7 +138,7 @@ class WaveFields(Fields):
         twice = float(A.integral(0, -T) + B.integral(-T, 0))
         return twice / 2 * self.clock.tick
 
-    # Fields at places and times -----------------------------------------------------------
+    # Fields at places and times ---------------------------------------------------------
 
     def rod_velocity(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:
         formula = partial(self._velocity, side=side)
@@ -163,14 +165,14 @@ class WaveFields(Fields):
     def _one_sided_values(
         self, body: int, x: Floats, ticks: Ints, side: Side, formula: Formula
     ) -> Floats:
-        """Limits of a field from one side of jumps, at places and ticks that broadcast."""
+        """Limits of a field from one side; places and ticks broadcast."""
         holds_from_front_on = side == "right" and self.constant_between_fronts
         if holds_from_front_on and _is_grid(x, ticks):
             return self._grid_values(body, x, ticks, formula)
         return self._values(body, x, ticks, formula)
 
     def _values(self, body: int, x: Floats, ticks: Ints, formula: Formula) -> Floats:
-        """Values of a field at places and ticks that broadcast."""
+        """Values of a field; places and ticks broadcast."""
         places = self._places(body, x)
         values = np.empty(self._broadcast_shape(places.offset, ticks))
         segment, offset, ticks = np.broadcast_arrays(*places, ticks)
@@ -185,9 +187,10 @@ class WaveFields(Fields):
     def _grid_values(
         self, body: int, x: Floats, ticks: Ints, formula: Formula
     ) -> Floats:
-        """Values of a field that is constant between fronts, on a grid as in `_is_grid`.
+        """Values on a grid, see `_is_grid`, of a field that is constant between fronts.
 
-        Each value is found once, at the front from which it holds, and repeated until the next one.
+        Each value is found once, at the front from which it holds, and repeated until
+        the next one.
         """
         places = self._places(body, x)
         values = []
@@ -224,10 +227,13 @@ class WaveFields(Fields):
         wave_speed = self.clock.wave_speed[waves.segment]
         return PassingWaves(rightward, leftward, leftward - rightward, wave_speed)
 
-    # Integrals over bodies ----------------------------------------------------------------
+    # Integrals over bodies --------------------------------------------------------------
 
     def momentum(self, body: int, t: ArrayLike) -> Floats:
-        """kg m/s: sum over segments of Z/2 (integral of A + B from t - T to t) + Z T frame."""
+        """Sum over segments of Z (integral of v over their transit time), kg m/s.
+
+        In the frame this is Z/2 times the integral of A + B from t - T to t.
+        """
         clock = self.clock
         ticks = self.to_ticks(t)
         momentum: Any = 0.0
@@ -242,9 +248,9 @@ class WaveFields(Fields):
         return np.asarray(momentum + clock.mass(body) * self._fall_velocity(ticks))
 
     def energy(self, body: int, tick: int, velocity: float) -> RodEnergy:
-        """Sums over segments of Z/8 (integral of (A + B)^2) and Z/8 (integral of (A - B)^2).
+        """Sums over segments of Z/8 times the integrals of (A + B)^2 and of (A - B)^2.
 
-        A and B are those in the segment at `tick`, and count from half of the velocity each.
+        A and B are the waves in the segment at `tick`, less the velocity.
         """
         clock = self.clock
         in_frame = velocity - clock.frame - clock.gravity * tick * clock.tick
@@ -326,20 +332,20 @@ class WaveFields(Fields):
 
 
 def _is_grid(x: Floats, ticks: Ints) -> bool:
-    """Whether places are a column [place, 1], and ticks a row that does not decrease."""
+    """Whether places are a column [place, 1], and ticks a row in order."""
     if ticks.ndim != 1 or np.shape(x) != (np.size(x) or 1, 1):
         return False
     return bool(np.all(ticks[1:] >= ticks[:-1]))
 
 
 def _piece_bounds(waves: SegmentWaves, tick: int) -> Ints:
-    """Places between which a state is drawn as constant, ticks from the left end of a segment."""
+    """Bounds of constant pieces of a state, ticks from the left end of a segment."""
     T = waves.transit
     start = tick - T
     from_left = tick - waves.rightward.within(start, tick).marks
     from_right = waves.leftward.within(start, tick).marks - tick + T
     cuts = each_once(from_left, from_right)
-    # The tick comes from a time, a float: a wave that left within its round-off has just left.
+    # The tick comes from a time, a float. What left within its round-off has just left.
     round_off = tick >> 51
     inside = cuts[(cuts > round_off) & (cuts < T - round_off)]
     return np.concatenate(([0], inside, [T]))

@@ -116,7 +116,7 @@ def limit(first: Array, amplification: Array, noise: Array, ratio: int) -> Estim
 
 
 def windows_of(first: Array, noise: Array, ratio: int) -> list[Estimate]:
-    """Best window of those that begin at each step, from the smallest step to the largest."""
+    """Best window of those that begin at each step; the smallest step comes first."""
     count = len(first)
     values = [np.full(first.shape[1:], math.nan) for _ in range(count)]
     errors = [np.full(first.shape[1:], math.inf) for _ in range(count)]

@@ -354,11 +354,14 @@ class _Result:
     def _size_of_restitution(
         self, system: System, columns: Mapping[str, Any], k: int
     ) -> Any:
-        """2 V/closing + e, with V the velocity scale and closing = parting/e, at contact k."""
+        """2 V e/parting + e, with the velocity scale V, at contact k.
+
+        The velocity of closing, parting/e, counts as V where e = 0.
+        """
         e = columns["restitution"]
-        before = columns[f"velocity_after.{k}"]
-        behind = columns[f"velocity_after.{k + 1}"]
-        parting = behind - before
+        left_velocity = columns[f"velocity_after.{k}"]
+        right_velocity = columns[f"velocity_after.{k + 1}"]
+        parting = right_velocity - left_velocity
         with np.errstate(divide="ignore", invalid="ignore"):
             over_closing = velocity_scale(system) * e / parting
         over_closing = np.where(e == 0, 1.0, over_closing)

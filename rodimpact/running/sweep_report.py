@@ -137,7 +137,10 @@ def _of_contact(k: int, numbers: dict[str, Any]) -> dict[str, list[str]]:
     impulses = numbers[f"impulse.{k}"]
     episodes = []
     for impulse, episode_count in zip(impulses, numbers[f"episodes.{k}"], strict=True):
-        episodes.append("-" if math.isnan(impulse) else str(episode_count))
+        if math.isnan(impulse):
+            episodes.append("-")
+        else:
+            episodes.append(str(episode_count))
     return {
         "e": [_digits(e, 1.0) for e in numbers["restitution"]],
         "impulse": _written(impulses, "N s"),
