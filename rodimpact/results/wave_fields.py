@@ -54,7 +54,7 @@ class WaveFields(Fields):
     """Fields of a row of rods from its end signals.
 
     Parameters
-    ---------
+    ----------
     clock : Clock
     end : int
         Last tick.
