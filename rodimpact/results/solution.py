@@ -303,10 +303,12 @@ class Solution(Shown):
 
     def position(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Place in the laboratory in m; the left end of the row starts at 0. As `velocity`."""
+        displacement: Any = self.displacement(body, x, t)
         place: Any = self.fields.positions[self._index(body)]
         if isinstance(self.system.bodies[body], Rod):
             place = place + array("x", x, "m")
-        return np.asarray(place + self.displacement(body, x, t))
+        position: Floats = place + displacement
+        return position
 
     @_ALLOW_UNDERFLOW
     def mean_velocity(self, body: int, t: ArrayLike) -> Floats:

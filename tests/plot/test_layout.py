@@ -14,7 +14,7 @@ from rodimpact.explorer.design import LIBRARY, tables_of, with_gauges
 from rodimpact.explorer.presets import presets
 from rodimpact.explorer.solved import scene_of
 from rodimpact.plot.layout import choose_layout
-from rodimpact.results.magnification import REACH
+from rodimpact.results.magnification import PICTURED_MOVEMENT
 
 ROWS = {
     **{preset.key: (preset.case.system, {}) for preset in presets()},
@@ -104,7 +104,7 @@ def test_magnification_is_round_and_moves_bodies_no_farther_than_a_part_of_the_r
             for right in (False, True)
         ]
     )
-    assert np.ptp(ends) <= REACH * total * (1 + 1e-9)
+    assert np.ptp(ends) <= PICTURED_MOVEMENT * total * (1 + 1e-9)
 
 
 def test_a_magnification_of_any_kind_of_number_is_a_float(solution):
