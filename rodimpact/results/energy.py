@@ -289,10 +289,10 @@ def _motion_at(
 ) -> Motion:
     """Motion of the bodies at one of the instants of the states."""
     velocities = []
-    own = states.velocity[:, instant]
+    of_groups = states.velocity[:, instant]
     for g, group in enumerate(groups(run.system)):
         bodies = states.bodies[g]
-        for velocity in velocities_in_group(run.system, group, bodies, own[g]):
+        for velocity in velocities_in_group(run.system, group, bodies, of_groups[g]):
             velocities.append(float(velocity))
     vibration = states.vibration[:, instant]
     return Motion(velocities, vibration.tolist(), float(book.kinetic[instant]))

@@ -47,17 +47,21 @@ class PairTheory(NamedTuple):
         changed = [np.stack([change(left), change(right)]) for left, right in self]
         return PairTheory(*changed)
 
-    def along(self, known: Floats, wanted: Floats) -> PairTheory:
-        """A family with one axis, given at `known`, at `wanted` values of its parameter.
+    def along(self, members: Floats, wanted: Floats) -> PairTheory:
+        """A family with one axis at other values of its parameter.
 
-        With logarithms as parameter this is exact: impedances, transit times and masses are powers
-        of lengths, areas, densities and moduli.
+        Parameters
+        ----------
+        members, wanted : array
+            Values of the parameter: of the members, and those that are wanted. With
+            logarithms this is exact, since impedances, transit times and masses are powers
+            of lengths, areas, densities and moduli.
         """
 
         def between(values: Floats) -> Floats:
             if (values <= 0).any() or np.isinf(values).any():
-                return np.interp(wanted, known, values)
-            return np.exp(np.interp(wanted, known, np.log(values)))
+                return np.interp(wanted, members, values)
+            return np.exp(np.interp(wanted, members, np.log(values)))
 
         return self.each(between)
 

@@ -303,12 +303,11 @@ class Solution(Shown):
 
     def position(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Place in the laboratory in m; the left end of the row starts at 0. As `velocity`."""
-        displacement: Any = self.displacement(body, x, t)
-        place: Any = self.fields.positions[self._index(body)]
+        start = self.fields.positions[self._index(body)]
+        distance: float | Floats = 0.0
         if isinstance(self.system.bodies[body], Rod):
-            place = place + array("x", x, "m")
-        position: Floats = place + displacement
-        return position
+            distance = array("x", x, "m")
+        return start + distance + self.displacement(body, x, t)
 
     @_ALLOW_UNDERFLOW
     def mean_velocity(self, body: int, t: ArrayLike) -> Floats:

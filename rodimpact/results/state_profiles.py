@@ -106,12 +106,12 @@ def _edges_of_waves(waves: SegmentWaves, tick: int) -> Ints:
     in_rightward = tick - waves.rightward.breaks_in(start, tick)
     in_leftward = waves.leftward.breaks_in(start, tick) - start
     edges = each_once([0], in_rightward, in_leftward, [transit])
-    kept = [0]
+    lasting = [0]
     for edge in edges[1:-1].tolist():
-        if edge - kept[-1] > SLIVER_TICKS and transit - edge > SLIVER_TICKS:
-            kept.append(edge)
-    kept.append(int(transit))
-    return np.array(kept)
+        if edge - lasting[-1] > SLIVER_TICKS and transit - edge > SLIVER_TICKS:
+            lasting.append(edge)
+    lasting.append(int(transit))
+    return np.array(lasting)
 
 
 def _steps(edges: Floats, values: Floats, doubt: float) -> Number | Steps:

@@ -82,13 +82,13 @@ def pool_of(executor: Executor | None, workers: int | None) -> Iterator[Pool]:
         workers = processors()
     stopping = threading.Event()
     threads = ThreadPoolExecutor(workers, initializer=memory.share, initargs=(workers,))
-    own: Executor = threads
+    executor = threads
     try:
         threads.submit(int)
     except RuntimeError:  # no thread can start, as in a browser
-        own = Here()
+        executor = Here()
     try:
-        yield Pool(own, workers, stopping.is_set)
+        yield Pool(executor, workers, stopping.is_set)
     finally:  # who interrupts does not wait for a member, or for a compiler, to end
         stopping.set()
         threads.shutdown(wait=False, cancel_futures=True)

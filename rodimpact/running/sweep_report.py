@@ -112,10 +112,13 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
     numbers = {}
     for name, column in result.columns.items():
         numbers[name] = np.ravel(column)[members]
-    places = np.unravel_index(members, result.shape or (1,))
+    shape = result.shape
+    if not shape:  # a single collision is a table of one line
+        shape = (1,)
+    indices = np.unravel_index(members, shape)
     columns: dict[str, list[str]] = {}
-    for (path, values, unit), place in zip(varied, places, strict=False):
-        columns[path] = _written(values[place], unit)
+    for (path, values, unit), index in zip(varied, indices, strict=False):
+        columns[path] = _written(values[index], unit)
     opening = result.unilateral
     if len(opening) == 1:
         columns |= _of_contact(opening[0], numbers)

@@ -277,9 +277,11 @@ class SweepResult(Shown, OnlyContact[Any]):
     def table(self, start: int = 0, stop: int | None = None) -> Columns:
         """Varied numbers and results of the members `start` to `stop` in C order, by name."""
         if not is_whole(start) or not (stop is None or is_whole(stop)):
-            given = f"got {shown(start)} and {shown(stop)}"
-            raise refusal("start, stop", f"must be whole numbers, {given}")
-        shape = self.shape or (1,)  # a single collision is a table of one line
+            message = f"must be whole numbers, got {shown(start)} and {shown(stop)}"
+            raise refusal("start, stop", message)
+        shape = self.shape
+        if not shape:  # a single collision is a table of one line
+            shape = (1,)
         index = np.unravel_index(np.arange(math.prod(shape))[start:stop], shape)
         columns = {**self.parameters, **self.columns, "status": self.status}
         table = {}
