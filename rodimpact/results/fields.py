@@ -189,10 +189,8 @@ class Fields(Protocol):
 
         Places are in m from the left end of a rod; ValueError outside.
         """
+        self._check_rod(body)
         first, last = self.clock.spans[body]
-        if last == 0:
-            kind = "a rigid mass" if body in self.signals.masses else "a wall"
-            raise refusal("body", f"{body} is {kind} and has no inside; ask for a rod")
         x = array("x", x, "m")
         edges = self.edges(body)
         inside = (x >= 0) & (x <= edges[-1] * (1 + 1e-12))
@@ -220,6 +218,15 @@ class Fields(Protocol):
     def _is_rod(self, body: int) -> bool:
         """Whether a body has an inside."""
         return self.clock.spans[body][1] > 0
+
+    def _check_rod(self, body: int) -> None:
+        """Raise InvalidModel for a body that has no inside."""
+        if self._is_rod(body):
+            return
+        kind = "a wall"
+        if body in self.signals.masses:
+            kind = "a rigid mass"
+        raise refusal("body", f"{body} is {kind} and has no inside; ask for a rod")
 
     def _at_rigid_body(self, body: int, x: Array, ticks: Ints) -> Ints:
         """Ticks broadcast with places in a rigid mass or in a wall, all of which are 0 m."""
@@ -269,11 +276,14 @@ class Fields(Protocol):
     ) -> Floats:
         """Strain in a rod, positive in tension; x and t broadcast."""
         ticks = self.to_ticks_beside(t, side)
+        self._check_rod(body)
         return self.rod_strain(body, array("x", x, "m"), ticks, side)
 
     def strain_rate(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Strain rate in a rod, 1/s; x and t broadcast."""
-        return self.rod_strain_rate(body, array("x", x, "m"), self.to_ticks(t))
+        ticks = self.to_ticks(t)
+        self._check_rod(body)
+        return self.rod_strain_rate(body, array("x", x, "m"), ticks)
 
     @cached_property
     def positions(self) -> list[float]:

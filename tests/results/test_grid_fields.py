@@ -325,3 +325,15 @@ def test_a_state_can_be_continued(t):
         )
     assert errors[-1] <= 2e-3
     assert errors[-1] <= errors[0]
+
+
+def test_a_wall_and_a_rigid_mass_on_a_grid_have_no_strain():
+    rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+    mass = ri.RigidMass(0.1)
+    row = ri.System([rod, mass, ri.Wall()], [0.0, 1e-3], [ri.Spring(1e8)] * 2)
+    solution = ri.solve(row, 1e-5, "finite-difference", cells=20)
+    for body, kind in ((1, "a rigid mass"), (2, "a wall")):
+        with pytest.raises(ri.InvalidModel, match=f"{body} is {kind} and has no"):
+            solution.strain(body, 0.0, 0.0)
+        with pytest.raises(ri.InvalidModel, match=f"{body} is {kind} and has no"):
+            solution.stress(body, 0.0, 0.0)
