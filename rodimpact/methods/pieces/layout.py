@@ -17,17 +17,30 @@ from ..states import Status
 from .records import LINE, LINK, MASS, NEVER, NODE, NONE, PART, PIECE, RUN, SMOOTH, Part
 from .series import POINTS, N
 
-FLOORS = 128  # in the shortest transit
-WINDOW = 2.0**-40  # of the longest transit: what comes nearer is taken together
-NEAR = (
-    1e-7  # of the velocity scale: over which the slopes of a law of the user are taken
-)
-PROOFS = 8  # in the longest transit at most: each looks at all waves under way
-GRAZE = 2.0**-40  # of the velocity scale: forces that move no faster are none
+FLOORS_PER_TRANSIT = 128
+"""Number of pieces of the least duration, the floor, in the shortest transit time."""
+FLOORS_PER_BREAK = 4
+"""Number of them between two hard breaks that are given at t = 0, at least."""
+MIN_FLOOR = 64
+"""Bound of that least duration, ticks: shorter pieces have rounded points."""
+PIECES_PER_TRANSIT = 8
+"""Number of pieces in the shortest transit time at first, before any error is known."""
+MIN_FIRST_PIECE = 16
+"""Bound of the duration of that first piece, ticks."""
+EVENT_WINDOW = 2.0**-40
+"""Time over which an event and an arrival are taken together, over the longest transit time."""
+DIFFERENCE_STEP = 1e-7
+"""Step of the slopes of a law of the user, over the velocity scale."""
+PROOFS_PER_TRANSIT = 8
+"""Number of proofs in the longest transit time, at most: each reads all waves under way."""
+GRAZE_VELOCITY = 2.0**-40
+"""Velocity, over the velocity scale: a force that makes less counts as none."""
+UNHELD_COMPLIANCE = 1e300
+"""Compliance of an endless rod, m/N: no force holds its end."""
 
 
 class Asked(NamedTuple):
-    """What a run is asked for: its end, s, if any; tolerance; cap on steps; what to keep."""
+    """Request of a run: its end, s, if any; tolerance; largest number of steps; what to keep."""
 
     until: Any
     tolerance: Any  # relative to the velocity scale
@@ -40,11 +53,16 @@ class Asked(NamedTuple):
 
 def piece_of(start: Any, stop: Any, values: Any) -> Any:
     """A piece with these coefficients."""
-    it = blank(1, PIECE)[0]
-    it.start, it.stop, it.order, it.after = start, stop, SMOOTH, NONE
-    it.degree = N if len(values) > 1 else 0
-    it.coefficient = [*values, *([0.0] * (POINTS - len(values)))]
-    return it
+    piece = blank(1, PIECE)[0]
+    piece.start = start
+    piece.stop = stop
+    piece.order = SMOOTH
+    piece.after = NONE
+    piece.degree = 0
+    if len(values) > 1:
+        piece.degree = N
+    piece.coefficient = [*values, *([0.0] * (POINTS - len(values)))]
+    return piece
 
 
 def under_way(velocity: Any, stretch: Any, T: Any) -> list[Any]:
@@ -56,7 +74,7 @@ def under_way(velocity: Any, stretch: Any, T: Any) -> list[Any]:
 
 
 def steady(value: Any) -> Any:
-    """What comes from outside and does not change."""
+    """A constant wave from outside."""
     return piece_of(0, NEVER, [value])
 
 
@@ -78,204 +96,285 @@ def lay_out(
     clock : Clock
     asked : Asked
     known : list of (int, int, int)
-        Of what is known at t = 0, line by line, the pieces, their hard breaks and their ticks: two
-        lines a segment, to the right and to the left, then what comes from outside.
+        Numbers of pieces, hard breaks and ticks that each line has at t = 0: two lines a segment,
+        to the right and to the left, then those that come from outside.
     outside : list of int
-        Lines of what comes from outside the left and the right end; NONE at the free end of a rod.
+        Lines that come from outside to the left and the right end; NONE at the free end of a rod.
     """
-    shortest = np.rint(clock.reference / clock.tick)
-    for T in clock.transits:
-        shortest = np.minimum(shortest, T)
-    node, mass = nodes_of(row, outside), blank(len(row.masses), MASS)
-    link = links_of(row, clock, node, shortest * clock.tick)
-    for m, body in enumerate(mass):
-        body.mass, body.speed = (
-            row.masses[m],
-            [row.mass_velocity[m] - clock.frame] * POINTS,
-        )
-    part, n = parts_of(row, node, link, outside), len(known)
-    line = lines_of(clock, known, n + (keep_lines(link, mass, n) if asked.keep else 0))
-    run = run_of(row, clock, asked, shortest, known)
-    if any(it.kind >= Part.WALL and it.parts != 1 for it in part):
+    shortest = shortest_transit(clock)
+    nodes = make_nodes(row, outside, shortest)
+    links = make_links(row, clock, nodes, shortest * clock.tick)
+    masses = make_masses(row, clock)
+    parts = make_parts(row, nodes, links, outside)
+    count = len(known)
+    if asked.keep:
+        count = number_history_lines(links, masses, count)
+    lines = make_lines(clock, known, count)
+    run = make_run(row, clock, asked, shortest, known)
+    if any(part.kind >= Part.WALL and part.parts != 1 for part in parts):
         run.held = 1
-    if asked.until is None and (
-        run.held or asked.keep
-    ):  # else no more than the proof is needed
+    needs_more = run.held or asked.keep  # else the run ends with its proof
+    if asked.until is None and needs_more:
         run.extra = 2 * longest_of(row, clock, shortest)
-    for at in node:
-        at.length = np.maximum(shortest // 8, 16)
-    return [[run], node, link, mass, line, part]
+    return [[run], nodes, links, masses, lines, parts]
+
+
+def shortest_transit(clock: Clock) -> Any:
+    """The shortest transit time, or the reference time of a row without rods, ticks."""
+    shortest = np.rint(clock.reference / clock.tick)
+    for transit in clock.transits:
+        shortest = np.minimum(shortest, transit)
+    return shortest
 
 
 def longest_of(row: Any, clock: Clock, shortest: Any) -> Any:
-    """Ticks in which a wave goes through the longest body."""
-    without_rods = 0 if len(clock.transits) > 0 else shortest
-    return largest(
-        [
-            without_rods,
-            *[sum(clock.transits[first - 1 : last]) for first, last in row.spans],
-        ]
-    )
+    """Time in which a wave goes through the longest body, ticks."""
+    without_rods = shortest
+    if len(clock.transits) > 0:
+        without_rods = 0
+    times = [without_rods]
+    for first, last in row.spans:
+        times.append(sum(clock.transits[first - 1 : last]))
+    return largest(times)
 
 
-def run_of(row: Any, clock: Clock, asked: Asked, shortest: Any, known: Any) -> Any:
+def make_run(row: Any, clock: Clock, asked: Asked, shortest: Any, known: Any) -> Any:
     """The record of a run."""
-    run, breaks = blank(1, RUN)[0], 0
+    run = blank(1, RUN)[0]
+    breaks = (
+        0  # hard breaks in the shortest transit, on the line that has them most densely
+    )
     for pieces, hard, ticks in known:
         run.pieces += pieces
-        if hard > 0:  # where hard breaks are given most densely
+        if hard > 0:
             breaks = np.maximum(breaks, np.floor(hard * (shortest / ticks)))
-    run.tick, run.scale, run.tolerance = (
-        clock.tick,
-        clock.scale,
-        asked.tolerance * clock.scale,
-    )
-    run.floor = np.maximum(shortest // (FLOORS + 4 * breaks), 64)
-    run.shortest, run.graze = shortest, GRAZE * clock.scale
-    run.window = np.maximum(np.rint(clock.reference / clock.tick * WINDOW), 1)
-    run.end, run.limit, run.keep = clock.last_tick, asked.limit, 1 if asked.keep else 0
-    run.proved = run.first_rough = run.surveyed = NONE
-    longest = np.rint(clock.reference / clock.tick)
-    run.proof_interval = np.maximum(shortest, longest // PROOFS)
-    run.check = NEVER if driven(row.system) else run.proof_interval
-    run.held = 0 if all(law.opens for law in row.system.contacts) else 1
-    run.extra = 0 if asked.until is None else NEVER
+    reference = clock.reference / clock.tick
+    run.tick = clock.tick
+    run.scale = clock.scale
+    run.tolerance = asked.tolerance * clock.scale
+    floors = FLOORS_PER_TRANSIT + FLOORS_PER_BREAK * breaks
+    run.floor = np.maximum(shortest // floors, MIN_FLOOR)
+    run.shortest = shortest
+    run.graze = GRAZE_VELOCITY * clock.scale
+    run.window = np.maximum(np.rint(reference * EVENT_WINDOW), 1)
+    run.end = clock.last_tick
+    run.limit = asked.limit
+    run.keep = 0
+    if asked.keep:
+        run.keep = 1
+    run.first_rough = NONE
+    set_proof(run, row, shortest, np.rint(reference))
+    run.extra = NEVER
+    if asked.until is None:
+        run.extra = 0
     return run
 
 
-def nodes_of(row: Any, outside: Any) -> list[Any]:
-    """Nodes, with the lines that come in and go out."""
+def set_proof(run: Any, row: Any, shortest: Any, longest: Any) -> None:
+    """Set when a run looks for its proof of finality; times are ticks."""
+    run.proved = NONE
+    run.surveyed = NONE
+    run.proof_interval = np.maximum(shortest, longest // PROOFS_PER_TRANSIT)
+    run.check = run.proof_interval
+    if driven(row.system):
+        run.check = NEVER
+    run.held = 1
+    if all(law.opens for law in row.system.contacts):
+        run.held = 0
+
+
+def make_nodes(row: Any, outside: Any, shortest: Any) -> list[Any]:
+    """Nodes, with the lines that arrive and leave."""
     n = len(row.segments)
-    node = blank(n + 1, NODE)
-    for k, at in enumerate(node):
-        at.first, at.mass = k + row.first[k], row.first[k]
-        at.links = row.first[k + 1] - row.first[k] + 1
-        at.source, at.target = [2 * k - 2, 2 * k + 1], [2 * k - 1, 2 * k]
+    nodes = blank(n + 1, NODE)
+    for k, node in enumerate(nodes):
+        node.mass = row.first[k]
+        node.first = k + node.mass
+        node.links = row.first[k + 1] - row.first[k] + 1
+        node.source = [2 * k - 2, 2 * k + 1]
+        node.target = [2 * k - 1, 2 * k]
         for side in range(2):
             if 0 < k + side <= n:
-                at.mobility[side] = 1 / row.segments[k + side - 1].impedance
+                node.mobility[side] = 1 / row.segments[k + side - 1].impedance
+        node.length = np.maximum(shortest // PIECES_PER_TRANSIT, MIN_FIRST_PIECE)
     for side in range(2):
-        end = node[side * n]
-        end.source[side], end.target[side] = outside[side], NONE
-        end.mirror = 1 if outside[side] == NONE else end.mirror
+        end = nodes[side * n]
+        end.source[side] = outside[side]
+        end.target[side] = NONE
+        if outside[side] == NONE:
+            end.mirror = 1
         if row.outside[side][0] == "absorbing":  # bonded to an endless rod
             end.mobility[side] = end.mobility[1 - side]
-    return node
+    return nodes
 
 
-def links_of(row: Any, clock: Clock, node: list[Any], time: Any) -> list[Any]:
-    """Links; `ease` is the velocity that a force makes in this time."""
-    link = blank(len(row.links), LINK)
-    for at in node:
-        for q in range(at.links):
-            it = link[at.first + q]
-            set_law(it, row.links[at.first + q], at.first + q)
-            last = q == at.links - 1
-            it.mobility = (at.mobility[0] if q == 0 else 0.0) + (
-                at.mobility[1] if last else 0.0
-            )
-            it.ease = it.mobility
-            for m in range(max(q - 1, 0), q if last else q + 1):
-                it.ease = it.ease + time / row.masses[at.mass + m]
-            if it.law == Law.IMPACT:
-                it.resting_force = clock.scale / it.ease
-            elif it.law == Law.OWN:
-                it.near, it.near_rate = NEAR * clock.scale * time, NEAR * clock.scale
-    return link
+def make_links(row: Any, clock: Clock, nodes: list[Any], time: Any) -> list[Any]:
+    """Links, with their laws; `ease` is the velocity that 1 N makes in this time, s."""
+    links = blank(len(row.links), LINK)
+    for node in nodes:
+        for q in range(node.links):
+            i = node.first + q
+            link = links[i]
+            set_law(link, row.links[i], i)
+            set_mobility(link, node, q)
+            set_ease(link, node, q, row.masses, time)
+            if link.law == Law.IMPACT:
+                link.resting_force = clock.scale / link.ease
+            elif link.law == Law.OWN:
+                link.near = DIFFERENCE_STEP * clock.scale * time
+                link.near_rate = DIFFERENCE_STEP * clock.scale
+    return links
 
 
-def set_law(it: Any, given: Any, i: int) -> None:
-    """Set the law of link i of a row, its numbers and its status."""
-    it.left_group = it.right_group = it.first = it.last = it.apart = NONE
-    it.order, it.opened, it.function = SMOOTH, 1, i
-    it.status, it.touch = Status.BOND.value, Status.OPEN.value
+def set_law(link: Any, row_link: Any, i: int) -> None:
+    """Set the law of link i from that of the row, its numbers and its status."""
+    link.left_group = NONE
+    link.right_group = NONE
+    link.first = NONE
+    link.last = NONE
+    link.apart = NONE
+    link.order = SMOOTH
+    link.opened = 1
+    link.function = i
+    link.status = Status.BOND.value
+    link.touch = Status.OPEN.value
     for name in FIELDS:
-        setattr(it, name, getattr(given, name))
-    it.overlap = -initial_gap(given)
-    if it.law == Law.IMPACT:  # what touches is struck by the first look at it
-        it.status = Status.OPEN.value
-    elif it.law >= Law.RIGID:
-        it.status = np.where(given.gap > 0, Status.OPEN.value, Status.PRESS.value)
+        setattr(link, name, getattr(row_link, name))
+    link.overlap = -initial_gap(row_link)
+    if link.law == Law.IMPACT:  # the first step strikes bodies that touch
+        link.status = Status.OPEN.value
+    elif link.law >= Law.RIGID:
+        is_open = row_link.gap > 0
+        link.status = np.where(is_open, Status.OPEN.value, Status.PRESS.value)
 
 
-def keep_lines(link: list[Any], mass: list[Any], first: int) -> int:
-    """Number the lines that keep what happens in links and masses; return how many there are."""
+def set_mobility(link: Any, node: Any, q: int) -> None:
+    """Set the sum of 1/Z of the rod ends beside link q of a node, s/kg."""
+    left = 0.0
+    if q == 0:
+        left = node.mobility[0]
+    right = 0.0
+    if q == node.links - 1:
+        right = node.mobility[1]
+    link.mobility = left + right
+
+
+def set_ease(link: Any, node: Any, q: int, masses: list[Any], time: Any) -> None:
+    """Set the velocity that 1 N in link q of a node makes in this time, s/kg.
+
+    A rod end takes 1/Z, a mass m takes t/m.
+    """
+    first = max(q - 1, 0)
+    stop = q + 1
+    if q == node.links - 1:  # no mass on the right
+        stop = q
+    ease = link.mobility
+    for m in range(first, stop):
+        ease = ease + time / masses[node.mass + m]
+    link.ease = ease
+
+
+def make_masses(row: Any, clock: Clock) -> list[Any]:
+    """Rigid masses, with their velocities in the frame."""
+    masses = blank(len(row.masses), MASS)
+    for m, mass in enumerate(masses):
+        mass.mass = row.masses[m]
+        mass.speed = [row.mass_velocity[m] - clock.frame] * POINTS
+    return masses
+
+
+def number_history_lines(links: list[Any], masses: list[Any], first: int) -> int:
+    """Number the lines that keep what happens in links and masses; return the number of lines.
+
+    A link keeps its force; if it can deform, its overlap; and if it yields, its closing velocity.
+    """
     l = first
-    for it in link:
-        it.kept = l
-        l += 3 if it.law == Law.YIELD else 2 if it.law >= Law.JOINT else 1
-    for body in mass:
-        body.line = l
+    for link in links:
+        link.kept = l
         l += 1
-    return l - first
+        if link.law >= Law.JOINT:
+            l += 1
+        if link.law == Law.YIELD:
+            l += 1
+    for mass in masses:
+        mass.line = l
+        l += 1
+    return l
 
 
-def lines_of(clock: Clock, known: Any, count: int) -> list[Any]:
-    """Lines, of which the pieces that are known stand at the beginning of the log."""
-    line, first = blank(count, LINE), 0
-    for it in line[len(known) :]:
-        it.first = it.head = it.tail = NONE
+def make_lines(clock: Clock, known: Any, count: int) -> list[Any]:
+    """Lines; their pieces at t = 0 stand at the beginning of the log, line by line."""
+    lines = blank(count, LINE)
+    for history_line in lines[len(known) :]:
+        history_line.first = NONE
+        history_line.head = NONE
+        history_line.tail = NONE
+    first = 0
     for l, (pieces, hard, _) in enumerate(known):
-        line[l].first = line[l].head = first
+        line = lines[l]
+        line.first = first
+        line.head = first
         first += pieces
-        line[l].tail, line[l].hard = first - 1, hard
+        line.tail = first - 1
+        line.hard = hard
     for l in range(2 * len(clock.transits)):
-        line[l].delay = clock.transits[l // 2]
-    return line
+        lines[l].delay = clock.transits[l // 2]
+    return lines
 
 
-def parts_of(row: Any, node: list[Any], link: list[Any], outside: Any) -> list[Any]:
-    """What groups of bodies between contacts that open are made of, from left to right."""
-    part: list[Any] = []
-    head, n = 0, len(row.segments)
-    add_ground(part, head, row.outside[0][0], outside[0])
-    for k in range(n + 1):
-        at = node[k]
-        for q in range(at.links):
-            it = link[at.first + q]
-            if it.law >= Law.RIGID:
-                it.left_group, it.right_group, head = head, len(part), len(part)
-            elif it.law == Law.JOINT:
-                stiff = it.stiffness > 0
-                gives = np.where(stiff, 1 / np.where(stiff, it.stiffness, 1.0), 0.0)
-                add_part(part, head, Part.JOINT.value, at.first + q, 0.0, gives)
-            if q < at.links - 1:
-                m = at.mass + q
-                add_part(part, head, Part.MASS.value, m, row.masses[m], 0.0)
-        if k < n:
-            it = row.segments[k]
-            add_part(
-                part,
-                head,
-                Part.SEGMENT.value,
-                k,
-                it.mass,
-                it.transit_time / it.impedance,
-            )
-    add_ground(part, head, row.outside[1][0], outside[1])
-    return part
+def make_parts(row: Any, nodes: list[Any], links: list[Any], outside: Any) -> list[Any]:
+    """Parts of the groups of bodies between contacts that open, from left to right."""
+    parts: list[Any] = []
+    head = 0  # first part of the group
+    add_ground(parts, head, row.outside[0][0], outside[0])
+    for k, node in enumerate(nodes):
+        for q in range(node.links):
+            i = node.first + q
+            link = links[i]
+            if link.law >= Law.RIGID:
+                link.left_group = head
+                head = len(parts)
+                link.right_group = head
+            elif link.law == Law.JOINT:
+                compliance = joint_compliance(link.stiffness)
+                add_part(parts, head, Part.JOINT.value, i, 0.0, compliance)
+            if q < node.links - 1:
+                m = node.mass + q
+                add_part(parts, head, Part.MASS.value, m, row.masses[m], 0.0)
+        if k < len(row.segments):
+            segment = row.segments[k]
+            compliance = segment.transit_time / segment.impedance
+            add_part(parts, head, Part.SEGMENT.value, k, segment.mass, compliance)
+    add_ground(parts, head, row.outside[1][0], outside[1])
+    return parts
+
+
+def joint_compliance(stiffness: Any) -> Any:
+    """Compliance of a joint, m/N: 1/k; 0 for one without stiffness."""
+    is_stiff = stiffness > 0
+    divisor = np.where(is_stiff, stiffness, 1.0)
+    return np.where(is_stiff, 1 / divisor, 0.0)
 
 
 def add_part(
-    part: list[Any], head: int, kind: int, index: int, mass: Any, compliance: Any
+    parts: list[Any], head: int, kind: int, index: int, mass: Any, compliance: Any
 ) -> None:
     """Add a part to the group that begins with part `head`."""
-    it = blank(1, PART)[0]
-    it.kind, it.index, it.mass, it.compliance, it.held = (
-        kind,
-        index,
-        mass,
-        compliance,
-        NONE,
-    )
-    part.append(it)
-    part[head].parts += 1
+    part = blank(1, PART)[0]
+    part.kind = kind
+    part.index = index
+    part.mass = mass
+    part.compliance = compliance
+    part.held = NONE
+    parts.append(part)
+    parts[head].parts += 1
 
 
-def add_ground(part: list[Any], head: int, kind: str, line: int) -> None:
-    """Add what holds an end of the row, with the line of what comes from there."""
-    if kind in ("absorbing", "velocity"):
-        endless = kind == "absorbing"
-        what = Part.ENDLESS.value if endless else Part.WALL.value
-        add_part(part, head, what, NONE, 0.0, 1e300 if endless else 0.0)
-        part[head].held = line
+def add_ground(parts: list[Any], head: int, kind: str, line: int) -> None:
+    """Add the wall or endless rod that holds an end of the row, with its line."""
+    if kind == "velocity":
+        add_part(parts, head, Part.WALL.value, NONE, 0.0, 0.0)
+        parts[head].held = line
+    elif kind == "absorbing":
+        add_part(parts, head, Part.ENDLESS.value, NONE, 0.0, UNHELD_COMPLIANCE)
+        parts[head].held = line
