@@ -27,6 +27,7 @@ from ..outcome import Motion
 from ..row import Row
 from ..run import ContactTally, Run
 from ..scales import beyond_scales, check_scales
+from ..signals import Pieces
 from ..states import Stop
 from ..status import rounding, strain_warning
 from . import totals
@@ -47,11 +48,13 @@ from .signals import signals_of
 
 LACKS = (physics.DAMPING, physics.LATERAL, physics.TAPER)
 RTOL = 1e-8
-LOOSEST, FINEST = (
-    1e-6,
-    1e-13,
-)  # of tolerances: errors fall evenly below, and round-off comes
-TOGETHER = 1024  # members of one chunk
+"""Default of the relative error that is aimed at."""
+LOOSEST = 1e-6
+"""Largest tolerance of pieces: below it, errors fall evenly with the tolerance."""
+FINEST = 1e-13
+"""Smallest tolerance of pieces: below it, round-off decides."""
+TOGETHER = 1024
+"""Number of members of one call."""
 
 
 def solve(
@@ -73,7 +76,10 @@ def solve(
         raise InvalidModel([totals.why_stuck(row, stuck, seconds)])
     (errors,) = stated_errors(fine, np.array([0]), COARSEST, report=report).tolist()
     accuracy = dict(zip(runs.MEASURES, errors, strict=True))
-    return _hand_over(fine, accuracy, RTOL if rtol is None else rtol)
+    goal = RTOL
+    if rtol is not None:
+        goal = rtol
+    return _result_of(fine, accuracy, goal)
 
 
 def members_per_call(row: Row) -> int:
@@ -81,7 +87,8 @@ def members_per_call(row: Row) -> int:
 
     The force of a bond between rigid bodies follows from signals, which a family does not keep.
     """
-    if not is_even(row) or any(i < 0 for i in row.contact_link) or own_laws(row):
+    has_rigid_bond = any(i < 0 for i in row.contact_link)
+    if not is_even(row) or has_rigid_bond or own_laws(row):
         return 0
     return TOGETHER
 
@@ -118,7 +125,8 @@ def solve_family(
     if row.segments:
         for is_beyond, _, _ in beyond_scales(row):
             refused |= is_beyond
-    tolerance, members = tolerance_of(rtol), np.flatnonzero(~refused)
+    tolerance = tolerance_of(rtol)
+    members = np.flatnonzero(~refused)
     fine = Members(row, Asked(until, tolerance, max_events, keep=False))
     fine.run_all(members, should_stop)
     is_stuck = fine.run["stop"][:, 0] == Stop.STUCK
@@ -138,7 +146,8 @@ def stated_errors(
 ) -> Any:
     """Relative error of each of the `MEASURES`, [member, measure], of members that have run.
 
-    Other runs tell, at tolerances up to the coarsest: those that took the same steps tell nothing.
+    Members run again at a coarser tolerance, and the results are compared. A member that takes the
+    same steps again shows no difference: it runs at a still coarser one, up to `coarsest`.
     """
     count = len(fine.run)
     apart = np.zeros((count, len(runs.MEASURES)))
@@ -163,33 +172,39 @@ def stated_errors(
 
 def tolerance_of(rtol: float | None) -> float:
     """Tolerance of pieces, relative to the velocity scale."""
-    return max(FINEST, min(RTOL if rtol is None else rtol, LOOSEST))
+    if rtol is None:
+        rtol = RTOL
+    return max(FINEST, min(rtol, LOOSEST))
 
 
-def _hand_over(one: Members, accuracy: dict[str, float], goal: float) -> Run:
-    """What every method hands back, of a family of one that has run."""
-    r, ended, row, until = one.records(), one.ended(0), one.row, one.asked.until
+def _result_of(one: Members, accuracy: dict[str, float], goal: float) -> Run:
+    """The result of a single collision, a family of one that has run."""
+    row = one.row
+    until = one.asked.until
+    records = one.records()
+    ended = one.ended(0)
     run = ended.run
-    clock = clock_of(
-        row,
-        [int(T) for T in one.clock.transits],
-        run.tick,
-        scale=float(one.clock.scale),
-    )
-    end, tick = min(int(r["node"]["now"].min()), run.end), clock.tick
+    transits = [int(transit) for transit in one.clock.transits]
+    clock = clock_of(row, transits, run.tick, scale=float(one.clock.scale))
+    tick = clock.tick
+    end = min(int(records["node"]["now"].min()), run.end)
     stopped_by = totals.why_stopped(run, until is not None)
-    t_end = until if until is not None and stopped_by == "until" else end * tick
+    t_end = end * tick
+    if until is not None and stopped_by == "until":
+        t_end = until
     t_final = totals.last_of(run, ended.link, t_end, 2 * clock.longest * tick)
+    t_proved = math.nan
+    if run.proved >= 0:
+        t_proved = run.proved * tick
     status = totals.status_of(run, ended.link, row.system, stopped_by, t_end, t_final)
-    log = r["log"][: run.pieces]
-    waves = log[log["line"] < 2 * len(row.segments)]
-    c = np.array([0.0, *(float(segment.wave_speed) for segment in row.segments)])
-    strains = np.abs(waves["coefficient"]).sum(axis=1) / c[waves["line"] // 2 + 1]
-    status += totals.stated(runs.largest_error(accuracy), goal) + totals.told_of(run)
-    status += _struck_together(row) + rounding(clock.transit_error, clock.worst)
-    status += strain_warning(float(strains.max(initial=0.0)))
-    signals = cache(partial(signals_of, row, clock, end, r))
-    velocities_before, velocities_after = _body_velocities(one)
+    status += totals.stated(runs.largest_error(accuracy), goal)
+    status += totals.told_of(run)
+    status += _struck_together(row)
+    status += rounding(clock.transit_error, clock.worst)
+    status += strain_warning(_largest_strain(row, records["log"][: run.pieces]))
+    signals = cache(partial(signals_of, row, clock, end, records))
+    before, after = _body_velocities(one)
+    vibration = _floats(vibration_of(one))
     return Run(
         method="characteristics",
         until=until,
@@ -197,27 +212,37 @@ def _hand_over(one: Members, accuracy: dict[str, float], goal: float) -> Run:
         end=end,
         t_end=t_end,
         t_final=t_final,
-        t_proved=run.proved * tick if run.proved >= 0 else math.nan,
+        t_proved=t_proved,
         stopped_by=stopped_by,
         status=status,
         events=run.steps,
         contacts=_tallies(row, ended.link, tick, end, signals),
         motion=(
-            Motion(_floats(velocities_before), [], math.nan),
-            Motion(_floats(velocities_after), _floats(vibration_of(one)), math.nan),
+            Motion(_floats(before), [], math.nan),
+            Motion(_floats(after), vibration, math.nan),
         ),
         accuracy=accuracy,
         make_signals=signals,
     )
 
 
+def _largest_strain(row: Row, log: Any) -> float:
+    """Bound of the strain in all segments: that of one wave, v/c, with v = sum of abs(series)."""
+    waves = log[log["line"] < 2 * len(row.segments)]
+    wave_speeds = np.zeros(len(row.segments))
+    for s, segment in enumerate(row.segments):
+        wave_speeds[s] = float(segment.wave_speed)
+    velocities = np.abs(waves["coefficient"]).sum(axis=1)
+    strains = velocities / wave_speeds[waves["line"] // 2]
+    return float(strains.max(initial=0.0))
+
+
 def _struck_together(row: Row) -> str:
-    """What is told of rigid bodies that touch at t = 0."""
-    touching = [
-        i
-        for i, it in enumerate(row.links)
-        if it.law == Law.IMPACT and float(it.gap) == 0
-    ]
+    """Sentence of the status on rigid bodies that touch at t = 0; empty if no two contacts do."""
+    touching = []
+    for i, link in enumerate(row.links):
+        if link.law == Law.IMPACT and float(link.gap) == 0:
+            touching.append(i)
     if any(j == i + 1 for i, j in pairwise(touching)):
         return " Rigid bodies that touch are struck together; with gaps the outcome differs."
     return ""
@@ -225,7 +250,7 @@ def _struck_together(row: Row) -> str:
 
 def _tallies(
     row: Row,
-    link: list[Any],
+    links: list[Any],
     tick: float,
     now: int,
     signals: Callable[[], runs.Signals],
@@ -234,22 +259,18 @@ def _tallies(
     tallies = []
     for k, i in enumerate(row.contact_link):
         if i >= 0:
-            tallies.append(totals.tally_of(link[i], tick, now))
-            continue
-        force = (
-            signals().contacts[k].force
-        )  # a bond of rigid bodies: from what acts beside it
-        tallies.append(
-            ContactTally(
-                float(force.integral(0, now)) * tick,
-                max(0.0, float(force.at(force.marks).max())),
-                0.0,
-                math.nan,
-                math.nan,
-                0,
-            )
-        )
+            tally = totals.tally_of(links[i], tick, now)
+        else:  # a bond of rigid bodies is no link: its force follows from those beside it
+            tally = _bond_tally(signals().contacts[k].force, tick, now)
+        tallies.append(tally)
     return tuple(tallies)
+
+
+def _bond_tally(force: Pieces, tick: float, now: int) -> ContactTally:
+    """Totals of a bond between rigid bodies from its force, N by tick."""
+    impulse = float(force.integral(0, now)) * tick
+    peak = max(0.0, float(force.at(force.marks).max()))
+    return ContactTally(impulse, peak, 0.0, math.nan, math.nan, 0)
 
 
 def _floats(columns: list[Any]) -> list[float]:
@@ -259,80 +280,97 @@ def _floats(columns: list[Any]) -> list[float]:
 
 def _body_velocities(family: Members) -> tuple[list[Any], list[Any]]:
     """Velocities of the bodies before and after, m/s, [body] by member."""
-    row = family.row
+    groups_before, groups_after = _group_velocities(family)
+    before = _velocities_by_body(family.row, groups_before)
+    after = _velocities_by_body(family.row, groups_after)
+    return before, after
+
+
+def _velocities_by_body(row: Row, group_velocities: list[Any]) -> list[Any]:
+    """Velocities of the bodies, m/s, [body] by member, from those of their groups."""
     free = movable(row.system)
-    by_body = []
-    for group_velocities in _group_velocities(family):
-        columns = []
-        for group, own in zip(groups(row.system), group_velocities, strict=True):
-            inside = [i for i in group if i in free]
-            for velocity in velocities_in_group(row.system, group, inside, own):
-                columns.append(row.of(velocity))
-        by_body.append(columns)
-    return by_body[0], by_body[1]
+    columns = []
+    for group, speed in zip(groups(row.system), group_velocities, strict=True):
+        inside = [i for i in group if i in free]
+        for velocity in velocities_in_group(row.system, group, inside, speed):
+            columns.append(row.of(velocity))
+    return columns
 
 
 def _group_velocities(family: Members) -> tuple[list[Any], list[Any]]:
-    """Velocities of groups before and after, m/s, [group] by the shape of the family."""
-    row, part, shape = family.row, family.part, family.row.system.shape
+    """Velocities of groups before and after, m/s, [group] by the shape of the family.
+
+    The frame moves with `row.frame` at t = 0 and falls: its velocity is frame + g t.
+    """
+    row = family.row
+    parts = family.part
+    shape = row.system.shape
     run = family.run[:, 0].reshape(shape)
-    fallen = row.frame + row.system.gravity * run["surveyed"] * run["tick"]
-    own = [
-        part[:, head].reshape(shape) for head in np.flatnonzero(part["parts"][0] > 0)
-    ]
-    return [it["initial"] + row.frame for it in own], [
-        it["mean"] + fallen for it in own
-    ]
+    frame_after = row.frame + row.system.gravity * run["surveyed"] * run["tick"]
+    before = []
+    after = []
+    for head in np.flatnonzero(parts["parts"][0] > 0):
+        group = parts[:, head].reshape(shape)
+        before.append(group["initial"] + row.frame)
+        after.append(group["mean"] + frame_after)
+    return before, after
 
 
 def vibration_of(family: Members) -> list[Any]:
     """Energy of each body about the velocity of its group, J, [body] by member."""
-    row, part, found = family.row, family.part, list[Any]()
-    energies = {
-        (kind, index): part["energy"][:, p]
-        for p, (kind, index) in enumerate(
-            zip(part["kind"][0].tolist(), part["index"][0].tolist(), strict=True)
-        )
-    }
-    for body, (first, last), m in zip(
-        row.system.bodies, row.spans, row.mass_of, strict=True
-    ):
-        energy = np.zeros(len(part))
+    row = family.row
+    parts = family.part
+    kinds = parts["kind"][0].tolist()
+    indices = parts["index"][0].tolist()
+    part_energies = {}
+    for p, key in enumerate(zip(kinds, indices, strict=True)):
+        part_energies[key] = parts["energy"][:, p]
+    energies = list[Any]()
+    for body, span, m in zip(row.system.bodies, row.spans, row.mass_of, strict=True):
+        first, last = span
+        energy = np.zeros(len(parts))
         for s in range(first, last + 1):
-            energy = energy + energies[Part.SEGMENT, s - 1]
+            energy = energy + part_energies[Part.SEGMENT, s - 1]
         if 0 <= m < len(row.masses):
             share: Any = np.asarray(body.mass) / np.asarray(row.masses[m])
-            energy = energies[Part.MASS, m] * row.of(share)
-        found.append(energy)
-    return found
+            energy = part_energies[Part.MASS, m] * row.of(share)
+        energies.append(energy)
+    return energies
 
 
 def _columns_of(family: Members, refused: Any) -> Columns:
-    """Columns of members that have run."""
-    row, run, link = family.row, family.run[:, 0], family.link
-    system, until, unknown = (
-        row.system,
-        family.asked.until,
-        np.where(refused, math.nan, 0.0),
-    )
+    """Columns of members that have run; nan where a member is refused."""
+    row = family.row
+    run = family.run[:, 0]
+    zero_or_nan = np.where(refused, math.nan, 0.0)
     before, after = _body_velocities(family)
-    links = [link[:, i] for i in row.contact_link]
-    contacts = {
-        "impulse": [unknown + it["impulse"] for it in links],
-        "peak_force": [
-            unknown + np.where(it["law"] == Law.IMPACT, math.nan, it["peak"])
-            for it in links
-        ],
-        "duration": [unknown + it["pressed"] * run["tick"] for it in links],
-        "episodes": [it["episodes"].copy() for it in links],
-    }
     final = (run["proved"] >= 0) & ~refused
+    is_capped = run["stop"] == Stop.CAP
     return family_columns(
-        system,
-        before=[unknown + velocity for velocity in before],
-        after=[unknown + velocity for velocity in after],
-        vibration=sum(vibration_of(family), unknown),
-        contacts=contacts,
+        row.system,
+        before=[zero_or_nan + velocity for velocity in before],
+        after=[zero_or_nan + velocity for velocity in after],
+        vibration=sum(vibration_of(family), zero_or_nan),
+        contacts=_contact_columns(family, zero_or_nan),
         final=final,
-        status=status_column(refused, final, run["stop"] == Stop.CAP, until),
+        status=status_column(refused, final, is_capped, family.asked.until),
     )
+
+
+def _contact_columns(family: Members, zero_or_nan: Any) -> dict[str, list[Any]]:
+    """Totals of every contact in SI units, [contact] by member."""
+    tick = family.run[:, 0]["tick"]
+    contacts: dict[str, list[Any]] = {
+        "impulse": [],
+        "peak_force": [],
+        "duration": [],
+        "episodes": [],
+    }
+    for i in family.row.contact_link:
+        link = family.link[:, i]
+        peak = np.where(link["law"] == Law.IMPACT, math.nan, link["peak"])
+        contacts["impulse"].append(zero_or_nan + link["impulse"])
+        contacts["peak_force"].append(zero_or_nan + peak)
+        contacts["duration"].append(zero_or_nan + link["pressed"] * tick)
+        contacts["episodes"].append(link["episodes"].copy())
+    return contacts
