@@ -1,8 +1,8 @@
-"""What is known of all lines at t = 0: waves under way, then what comes from outside."""
+"""Pieces of all lines at t = 0: waves under way in segments, then waves from outside."""
 
 import math
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,10 @@ from . import layout, waves
 from .layout import Asked
 from .records import HARD, NONE, PIECE
 
-EXACT_FIT = 2.0**-48  # of the velocity scale
+EXACT_FIT = 2.0**-48
+"""Largest miss of waves of an earlier run, over the velocity scale."""
+JUMP_RTOL = 1e-12
+"""Largest difference of two places that are the same jump, over the length of the segment."""
 
 
 def segments_of(row: Row) -> Iterator[tuple[Any, int, Any]]:
@@ -28,39 +31,53 @@ def segments_of(row: Row) -> Iterator[tuple[Any, int, Any]]:
 
 
 def jumps_of(row: Row) -> list[tuple[int, float]]:
-    """Where the initial state jumps inside of a segment: its place, share of it from the left."""
-    return [
-        (s, float((x - begin) / row.segments[s].length))
-        for rod, s, begin in segments_of(row)
-        for profile in (rod.velocity, rod.strain)
-        if isinstance(profile, Steps)
-        for x in profile.at
-        if begin < x < begin + row.segments[s].length
-    ]
+    """Jumps of the initial state inside segments: segment, and share of its length on the left."""
+    jumps = []
+    for rod, s, begin in segments_of(row):
+        length = row.segments[s].length
+        for profile in (rod.velocity, rod.strain):
+            if not isinstance(profile, Steps):
+                continue
+            for x in profile.at:
+                if begin < x < begin + length:
+                    jumps.append((s, float((x - begin) / length)))
+    return jumps
 
 
 def varies(*profiles: Any) -> bool:
-    """Whether one of these is no number."""
-    return any(
-        isinstance(profile, Steps | Samples | Polynomials) for profile in profiles
-    )
+    """Whether one of these values varies in space or time: it is a profile, not a number."""
+    return any(isinstance(value, Steps | Samples | Polynomials) for value in profiles)
 
 
 def as_family(objects: list[Any], record: Any, row: Row) -> Any:
     """Objects whose fields hold a number, or one for each member, as records [member, i]."""
     records = np.zeros((*row.system.shape, len(objects)), record)
-    for i, one in enumerate(objects):
+    for i, source in enumerate(objects):
         for name in record.names:
-            value = getattr(one, name)
-            if not isinstance(value, list):
+            value = getattr(source, name)
+            if isinstance(value, list):
+                _copy_list(records[..., i][name], value)
+            else:
                 records[name][..., i] = value
-                continue
-            for j, number in enumerate(value):
-                if isinstance(number, list):
-                    break  # what is found during the run
-                if type(number) is not float or number:
-                    records[name][..., i, j] = number
     return records.reshape(row.members, len(objects))
+
+
+def _copy_list(target: Any, values: list[Any]) -> None:
+    """Copy a list of numbers, or of arrays by member, to a field; lists of lists are still 0."""
+    for j, number in enumerate(values):
+        if isinstance(number, list):
+            return
+        is_zero = type(number) is float and number == 0.0
+        if not is_zero:
+            target[..., j] = number
+
+
+class OutsideSignal(NamedTuple):
+    """What acts on an end at time t, from its value: factor * value + start + slope * t."""
+
+    factor: Any  # m/s by strain; 1 for velocities and forces
+    start: Any  # m/s or N
+    slope: Any  # m/s^2
 
 
 class Known:
@@ -69,14 +86,14 @@ class Known:
     Attributes
     ----------
     log : list of [member, piece] PIECE
-        Line by line: two a segment, then what comes from outside.
+        Line by line: two a segment, then those from outside.
     lines : list of (int, int, int)
-        How many pieces, hard breaks and ticks each has.
+        Numbers of pieces, hard breaks and ticks of each line.
     outside : list of int
-        The lines of what comes from outside, NONE for the free end of a rod.
+        Lines from outside to the left and right end, NONE for the free end of a rod.
     fit : float
-        By how much the pieces miss what was given, or samples the functions that they stand for,
-        relative to the velocity scale.
+        Largest miss of a profile by its pieces, or of a function by its samples, relative to the
+        velocity scale.
     carried : float
         Stated error of the run from whose state this one goes on, relative to the velocity scale.
     """
@@ -84,117 +101,159 @@ class Known:
     def __init__(
         self, row: Row, clock: Clock, jumps: dict[tuple[int, float], int], asked: Asked
     ) -> None:
-        self._row, self._clock, self._jumps, self._asked = row, clock, jumps, asked
+        self._row = row
+        self._clock = clock
+        self._jumps = jumps
+        self._asked = asked
         self.log = list[Any]()
         self.lines = list[tuple[int, int, int]]()
         self.fit = 0.0
         self.carried = 0.0
         for rod, s, begin in segments_of(row):
-            self._under_way(s, rod, begin)
-        self.outside = [self._from_outside(side) for side in (0, 1)]
+            self._add_under_way(s, rod, begin)
+        self.outside = [self._add_outside(side) for side in (0, 1)]
 
     def _add(self, pieces: Any) -> int:
         """Add a line of pieces, [member, piece]; return its number."""
-        l, first, (_, n) = (
-            len(self.log),
-            sum(count for count, _, _ in self.lines),
-            pieces.shape,
-        )
-        pieces["line"], pieces["after"] = l, [*range(first + 1, first + n), NONE]
+        l = len(self.log)
+        first = sum(count for count, _, _ in self.lines)
+        n = pieces.shape[1]
+        pieces["line"] = l
+        pieces["after"] = [*range(first + 1, first + n), NONE]
         hard = int(np.sum(pieces["order"][0, 1:] <= HARD))
+        duration = int(pieces["stop"][0, -1] - pieces["start"][0, 0])
         self.log.append(pieces)
-        self.lines.append((n, hard, int(pieces["stop"][0, -1] - pieces["start"][0, 0])))
+        self.lines.append((n, hard, duration))
         return l
 
-    def _follow(
-        self, signal: Pieces, start: int, stop: int, *given: tuple[Any, float]
+    def _fit_pieces(
+        self, signal: Pieces, start: int, stop: int, *profiles: tuple[Any, float]
     ) -> Any:
-        """A signal between two ticks as pieces; it is made of profiles times factors."""
+        """A signal between two ticks as pieces; it is the sum of these profiles times factors."""
         scale = float(self._clock.scale)
         tolerance = self._asked.tolerance * scale / 4
         fit = tolerance
-        if any(isinstance(profile, Polynomials) for profile, _ in given):
-            fit = EXACT_FIT * scale  # waves of an earlier run, as they were
-        made, missed = waves.in_pieces(signal, start, stop, tolerance, fit)
-        self.fit = max(self.fit, missed / scale)
-        for profile, factor in given:
+        if any(isinstance(profile, Polynomials) for profile, _ in profiles):
+            fit = EXACT_FIT * scale  # keeps the waves of an earlier run
+        pieces, miss = waves.in_pieces(signal, start, stop, tolerance, fit)
+        self.fit = max(self.fit, miss / scale)
+        for profile, factor in profiles:
             if isinstance(profile, Samples):
                 self.fit = max(self.fit, abs(factor) * profile.error / scale)
             elif isinstance(profile, Polynomials):
                 error = abs(factor) * profile.error / scale
                 self.carried = max(self.carried, error)
-        return made
+        return pieces
 
-    def _under_way(self, s: int, rod: Any, begin: Any) -> None:
-        """Waves that run through segment s at t = 0: a = v - c strain, and b = v + c strain."""
-        segment, frame, T = (
-            self._row.segments[s],
-            self._clock.frame,
-            self._clock.transits[s],
-        )
-        c = segment.wave_speed
+    def _add_under_way(self, s: int, rod: Any, begin: Any) -> None:
+        """Add the waves in segment s at t = 0: a = v - c strain, and b = v + c strain."""
+        frame = self._clock.frame
+        transit = self._clock.transits[s]
+        c = self._row.segments[s].wave_speed
         if not varies(rod.velocity, rod.strain):
-            for piece in layout.under_way(rod.velocity - frame, rod.strain * c, T):
+            velocity = rod.velocity - frame
+            for piece in layout.under_way(velocity, rod.strain * c, transit):
                 self._add(as_family([piece], PIECE, self._row))
             return
-        marks = [
-            (share, tick) for (place, share), tick in self._jumps.items() if place == s
-        ]
+        ticks_of = self._ticks_in_segment(s, begin)
+        v = waves.signal_of(rod.velocity, rod.length, ticks_of)
+        strain = waves.signal_of(rod.strain, rod.length, ticks_of)
+        profiles = ((rod.velocity, 1.0), (rod.strain, c))
+        T = int(transit)
+        # The part of a at x reaches the right end at T - x/c: it left the left end x/c before
+        # t = 0, so that time runs against x.
+        wave = (v + strain.times(-c)).plus(-frame).later(0)
+        pieces = self._fit_pieces(wave, 0, T, *profiles)
+        self._add(waves.backwards(pieces)[None])
+        # The part of b at x left the right end T - x/c before t = 0.
+        wave = (v + strain.times(c)).plus(-frame).later(-T)
+        pieces = self._fit_pieces(wave, -T, 0, *profiles)
+        self._add(pieces[None])
+
+    def _ticks_in_segment(self, s: int, begin: Any) -> Callable[[Any], Ints]:
+        """Function of places in a rod, m: the ticks of a wave from the left end of segment s."""
+        segment = self._row.segments[s]
+        transit = self._clock.transits[s]
+        jump_ticks = []
+        for (jump_segment, share), tick in self._jumps.items():
+            if jump_segment == s:
+                jump_ticks.append((share, tick))
 
         def ticks_of(x: Any) -> Ints:
             shares = (x - begin) / segment.length
-            found = np.rint(shares * T).astype(np.int64)
-            for share, tick in marks:
-                found[np.abs(shares - share) < 1e-12] = tick
-            return found
+            ticks = np.rint(shares * transit).astype(np.int64)
+            for share, tick in jump_ticks:
+                ticks[np.abs(shares - share) < JUMP_RTOL] = tick
+            return ticks
 
-        v, strain = (
-            waves.signal_of(p, rod.length, ticks_of) for p in (rod.velocity, rod.strain)
-        )
-        for factor in (-c, c):
-            # what is at x left the left end x/c ago, and the right end T - x/c ago
-            given, since = (
-                ((rod.velocity, 1.0), (rod.strain, c)),
-                0 if factor < 0 else int(-T),
-            )
-            wave = (v + strain.times(factor)).plus(-frame).later(since)
-            made = self._follow(wave, since, since + int(T), *given)
-            self._add((waves.backwards(made) if factor < 0 else made)[None])
+        return ticks_of
 
-    def _from_outside(self, side: int) -> int:
+    def _add_outside(self, side: int) -> int:
         """Add what comes from outside an end; return its line, NONE for the free end of a rod."""
-        row, clock, until = self._row, self._clock, self._asked.until
+        row = self._row
         kind, value = row.outside[side]
-        first, stop = row.first[-2:] if side else row.first[:2]
-        if kind == "none" and first == stop:
+        if kind == "none" and self._ends_with_rod(side):
             return NONE
-        factor, start, slope = 1.0, 0.0, 0.0
+        signal = self._outside_signal(side)
+        if varies(value):
+            pieces = self._varying(kind, value, signal)
+        else:
+            pieces = self._steady(value, signal)
+        return self._add(pieces)
+
+    def _ends_with_rod(self, side: int) -> bool:
+        """Whether no rigid mass stands at an end."""
+        first = self._row.first
+        if side == 0:
+            return bool(first[0] == first[1])
+        return bool(first[-2] == first[-1])
+
+    def _outside_signal(self, side: int) -> OutsideSignal:
+        """The signal of what acts on an end, from its value."""
+        row = self._row
+        kind, _ = row.outside[side]
         if kind == "velocity":
-            start, slope = -clock.frame, -row.system.gravity
-        elif kind == "absorbing":
-            ends = self.log[2 * len(row.segments) - 1 if side else 0][:, -1][
-                "coefficient"
-            ]
-            start = ends.sum(axis=1).reshape(row.system.shape)
-            factor = wave_of_strain(row, side)
-        if not varies(value):
-            piece = layout.steady(start + value * factor)
-            if np.any(np.asarray(slope) != 0):  # a frame that falls
-                stop = np.rint(until / clock.tick) + 1
-                half = slope * stop * clock.tick / 2
-                piece = layout.piece_of(0, stop, [start + value + half, half])
-            return self._add(as_family([piece], PIECE, row))
+            return OutsideSignal(1.0, -self._clock.frame, -row.system.gravity)
+        if kind == "absorbing":
+            line = 0
+            if side == 1:
+                line = 2 * len(row.segments) - 1
+            # The wave that leaves the end at t = 0 would go on in the endless rod.
+            last_series = self.log[line][:, -1]["coefficient"]
+            start = last_series.sum(axis=1).reshape(row.system.shape)
+            return OutsideSignal(wave_of_strain(row, side), start, 0.0)
+        return OutsideSignal(1.0, 0.0, 0.0)
+
+    def _steady(self, value: Any, signal: OutsideSignal) -> Any:
+        """Pieces of a constant, [member, piece]; in a frame that falls it is a straight line."""
+        tick = self._clock.tick
+        start = signal.start + value * signal.factor
+        if np.any(np.asarray(signal.slope) != 0):
+            stop = np.rint(self._asked.until / tick) + 1
+            half = signal.slope * stop * tick / 2
+            middle = signal.start + value + half
+            piece = layout.piece_of(0, stop, [middle, half])
+        else:
+            piece = layout.steady(start)
+        return as_family([piece], PIECE, self._row)
+
+    def _varying(self, kind: str, value: Any, signal: OutsideSignal) -> Any:
+        """Pieces of a profile over time, [member, piece]."""
+        until = self._asked.until
         assert until is not None
-        tick = float(clock.tick)
+        tick = float(self._clock.tick)
         stop = round(max(until, tick) / tick) + 1
-        drive = waves.signal_of(
-            value, until, lambda t: np.rint(t / tick).astype(np.int64)
-        )
-        drive = drive.times(float(factor)).plus(float(start))
-        if slope:
-            drive = drive + Pieces.through(
-                [0, stop], np.array([0.0, slope * stop * tick])
-            )
-        least = min((float(s.impedance) for s in row.segments), default=math.inf)
-        weight = 2 / least if kind == "force" else float(factor)
-        return self._add(self._follow(drive, 0, stop, (value, weight))[None])
+
+        def ticks_of(t: Any) -> Ints:
+            return np.rint(t / tick).astype(np.int64)
+
+        drive = waves.signal_of(value, until, ticks_of)
+        drive = drive.times(float(signal.factor)).plus(float(signal.start))
+        if signal.slope:
+            fall = np.array([0.0, signal.slope * stop * tick])
+            drive = drive + Pieces.through([0, stop], fall)
+        weight = float(signal.factor)
+        if kind == "force":  # F changes the velocity of a free end by 2 F/Z
+            impedances = [float(segment.impedance) for segment in self._row.segments]
+            weight = 2 / min(impedances, default=math.inf)
+        return self._fit_pieces(drive, 0, stop, (value, weight))[None]
