@@ -31,13 +31,22 @@ RECORDS = {
     "part": PART,
 }
 LISTS = {"log": PIECE, "turn": TURN}
-ROOM, TURNS = 256, 2048  # pieces of the log, and changes of contacts, at first
-CALL = 64  # members between two looks whether to stop
-PLAIN = 500  # steps in plain Python between two looks at the clock
-STEP_TIME = 1.5e-3  # s, about what such a step takes
-BRIEF = 0.02  # s that a run takes at least: many short ones are worth machine code, too
-UNEQUAL = 1000  # ratio of transit times from which on the shortest decides the number of pieces
-SLICE = 100_000  # compiled steps between two looks at the clock
+ROOM = 256
+"""Rows of the log of pieces at first, besides two for each that is known at t = 0."""
+TURNS = 2048
+"""Rows of the log of contacts at first."""
+CALL = 64
+"""Number of members between two looks whether to stop."""
+PLAIN_STEPS = 500
+"""Least number of steps in plain Python between two decisions whether to compile."""
+STEP_TIME = 1.5e-3
+"""Estimated time of a step in plain Python, s."""
+MIN_RUN_TIME = 0.02
+"""Time that is counted for a run at least, s: many short runs are worth compiling, too."""
+UNEQUAL_TRANSITS = 1000
+"""Ratio of transit times from which on the shortest decides the number of pieces."""
+COMPILED_STEPS = 100_000
+"""Number of compiled steps between two reports."""
 
 
 class Members:
@@ -58,7 +67,7 @@ class Members:
     first : [member, piece] PIECE
         Pieces that are known at t = 0.
     fit : float
-        By how much samples miss the functions that they stand for, relative to the velocity scale.
+        Largest miss of the pieces at t = 0, as of `Known`, relative to the velocity scale.
     carried : float
         Stated error of the run from whose state this one goes on, relative to the velocity scale.
     own : tuple of (int, function)
@@ -73,22 +82,26 @@ class Members:
     """
 
     def __init__(self, row: Row, asked: Asked) -> None:
-        self.row, self.asked, self.own = row, asked, own_laws(row)
+        self.row = row
+        self.asked = asked
+        self.own = own_laws(row)
         self.clock, jumps = family_clock(row, asked.until)
         known = Known(row, self.clock, jumps, asked)
         laid = layout.lay_out(row, self.clock, asked, known.lines, known.outside)
         self.first = np.concatenate(known.log, axis=1)
         self.fit = known.fit
         self.carried = known.carried
-        self.run, self.node, self.link, self.mass, self.line, self.part = (
-            as_family(objects, kind, row)
-            for kind, objects in zip(RECORDS.values(), laid, strict=True)
-        )
-        self.log, self.turn = (
-            np.zeros(ROOM + 2 * self.first.shape[1], PIECE),
-            np.zeros(TURNS, TURN),
-        )
-        unknowns = N * int(self.node["links"].max())  # of the longest chain
+        runs, nodes, links, masses, lines, parts = laid
+        self.run = as_family(runs, RUN, row)
+        self.node = as_family(nodes, NODE, row)
+        self.link = as_family(links, LINK, row)
+        self.mass = as_family(masses, MASS, row)
+        self.line = as_family(lines, LINE, row)
+        self.part = as_family(parts, PART, row)
+        self.log = np.zeros(ROOM + 2 * self.first.shape[1], PIECE)
+        self.turn = np.zeros(TURNS, TURN)
+        longest_chain = int(self.node["links"].max())
+        unknowns = N * longest_chain
         self._matrix = np.zeros((unknowns, unknowns + 1))
 
     def run_of(self, member: int) -> Any:
@@ -96,12 +109,11 @@ class Members:
         return self.run[member].view(np.recarray)[0]
 
     def ended(self, member: int) -> Ended:
-        """What a member came to, as objects."""
-        run, link, part = map(
-            record_lists.as_objects,
-            (self.run[member], self.link[member], self.part[member]),
-        )
-        return Ended(run[0], link, part)
+        """Records of a member at the end of its run, as objects."""
+        runs = record_lists.as_objects(self.run[member])
+        links = record_lists.as_objects(self.link[member])
+        parts = record_lists.as_objects(self.part[member])
+        return Ended(runs[0], links, parts)
 
     def run_all(
         self,
@@ -117,11 +129,14 @@ class Members:
 
     def records(self, member: int = 0) -> dict[str, Any]:
         """Arrays of the records of a member, in the order of the kernel's arguments."""
-        own = {name: getattr(self, name)[member] for name in RECORDS}
-        return own | {"log": self.log, "turn": self.turn, "matrix": self._matrix}
+        records = {name: getattr(self, name)[member] for name in RECORDS}
+        records["log"] = self.log
+        records["turn"] = self.turn
+        records["matrix"] = self._matrix
+        return records
 
     def start(self, member: int = 0) -> dict[str, Any]:
-        """Enter what is known of a member at t = 0 in the log; return its records."""
+        """Enter the pieces of a member at t = 0 in the log; return its records."""
         self.log[: self.first.shape[1]] = self.first[member]
         return self.records(member)
 
@@ -129,14 +144,17 @@ class Members:
         """Run a member to its end, in slices."""
         self.start(member)
         run = self.run_of(member)
-        limit, spent, stop = int(run.limit), BRIEF, Stop.CAP
+        limit = int(run.limit)
+        spent = MIN_RUN_TIME
+        stop = Stop.CAP
         while stop == Stop.CAP and run.steps < limit:
             taken = int(run.steps)
-            fast = compiling.can_be(self.own) and kernels.worth_compiling(
-                spent, march.follow
-            )
-            plain = max(PLAIN, taken // 2)  # as all records change their form each time
-            run.limit = min(limit, taken + (SLICE if fast else plain))
+            fast = compiling.can_be(self.own)
+            fast = fast and kernels.worth_compiling(spent, march.follow)
+            steps = COMPILED_STEPS
+            if not fast:  # all records change their form each time
+                steps = max(PLAIN_STEPS, taken // 2)
+            run.limit = min(limit, taken + steps)
             stop = self._slice(member, fast)
             spent = (int(run.steps) - taken) * STEP_TIME
             if stop == Stop.CAP:
@@ -144,19 +162,20 @@ class Members:
         run.limit = limit
 
     def _expected_steps(self, member: int, limit: int) -> int | None:
-        """About how many steps a run to a given time has; None where a proof ends it."""
+        """Estimated number of steps of a run to a given time; None where a proof ends it."""
         run = self.run_of(member)
         reached = int(self.node[member]["now"].min())
         if run.extra != NEVER or reached <= 0:
             return None
-        return min(limit, int(run.steps * (float(run.end) / reached)) + 1)
+        expected = int(run.steps * (float(run.end) / reached)) + 1
+        return min(limit, expected)
 
     def _remedy(self) -> str:
-        """What to do where a run has too many pieces."""
+        """Advice for a run of too many pieces."""
         transits = [float(np.max(transit)) for transit in self.clock.transits]
         shortest = min(transits, default=0.0)
         longest = max(transits, default=0.0)
-        if longest <= UNEQUAL * shortest:
+        if longest <= UNEQUAL_TRANSITS * shortest:
             return "stop earlier, or take a larger rtol"
         path = self.row.paths[transits.index(shortest) + 1]
         return (
@@ -166,17 +185,36 @@ class Members:
         )
 
     def _slice(self, member: int, fast: bool) -> Stop:
-        """Run on: on arrays of records, or on lists of objects in plain Python."""
-        held = self.records(member)
+        """Run on up to the limit of the run, on arrays of records or in plain Python."""
         if fast:
-            follow: Any = compiling.compiled(march.follow, self.own)
-        else:
-            follow = compiling.interpreted(march.follow, self.own)
-            held = {
-                name: record_lists.as_objects(array) for name, array in held.items()
-            }
-        while (stop := Stop(follow(*held.values()))) == Stop.FULL:
-            pieces = len(held["log"])
+            return self._compiled_slice(member)
+        return self._plain_slice(member)
+
+    def _compiled_slice(self, member: int) -> Stop:
+        """Run on in machine code, which works on the records themselves."""
+        records = self.records(member)
+        stop = self._follow(compiling.compiled(march.follow, self.own), records)
+        self.log = records["log"]
+        self.turn = records["turn"]
+        return stop
+
+    def _plain_slice(self, member: int) -> Stop:
+        """Run on in plain Python, which works on lists of objects: they are copied back."""
+        lists = {}
+        for name, array in self.records(member).items():
+            lists[name] = record_lists.as_objects(array)
+        stop = self._follow(compiling.interpreted(march.follow, self.own), lists)
+        for name, kind in RECORDS.items():
+            getattr(self, name)[member] = record_lists.as_records(lists[name], kind)
+        self.log = record_lists.as_records(lists["log"], PIECE)
+        self.turn = record_lists.as_records(lists["turn"], TURN)
+        return stop
+
+    def _follow(self, follow: Any, records: dict[str, Any]) -> Stop:
+        """Call the kernel on these records, with longer logs as often as they are full."""
+        stop = Stop(follow(*records.values()))
+        while stop == Stop.FULL:
+            pieces = len(records["log"])
             ask(
                 4 * pieces * PIECE.itemsize / 8,
                 "until",
@@ -184,13 +222,6 @@ class Members:
                 self._remedy(),
             )
             for name, kind in LISTS.items():
-                held[name] = record_lists.lengthened(held[name], kind)
-        if not fast:
-            held = {
-                name: record_lists.as_records(held[name], kind)
-                for name, kind in (RECORDS | LISTS).items()
-            }
-            for name in RECORDS:
-                getattr(self, name)[member] = held[name]
-        self.log, self.turn = held["log"], held["turn"]
+                records[name] = record_lists.lengthened(records[name], kind)
+            stop = Stop(follow(*records.values()))
         return stop
