@@ -1,4 +1,4 @@
-"""Of a row, or a family of them: its clock and scales, and its numbers as records."""
+"""The clock and the scales of a row, or of a family of rows."""
 
 from typing import Any
 
@@ -24,16 +24,19 @@ from .known import jumps_of, segments_of, varies
 
 def own_laws(row: Row) -> Functions:
     """Laws of the user, by link."""
-    pairs = zip(row.system.contacts, row.contact_link, strict=True)
-    return tuple((i, law.force) for law, i in pairs if isinstance(law, model.Law))
+    laws = []
+    for law, i in zip(row.system.contacts, row.contact_link, strict=True):
+        if isinstance(law, model.Law):
+            laws.append((i, law.force))
+    return tuple(laws)
 
 
 def is_even(row: Row) -> bool:
     """Whether all that moves at t = 0, and all that acts from outside, is a number."""
-    states = [(rod.velocity, rod.strain) for rod, _, _ in segments_of(row)]
-    return not any(
-        varies(*profiles) for profiles in (*states, [value for _, value in row.outside])
-    )
+    for rod, _, _ in segments_of(row):
+        if varies(rod.velocity, rod.strain):
+            return False
+    return not any(varies(value) for _, value in row.outside)
 
 
 def closing_velocity(row: Row) -> Any:
@@ -44,7 +47,7 @@ def closing_velocity(row: Row) -> Any:
 
 
 def contact_times(row: Row) -> dict[int, Any]:
-    """About how long each compliant link between rigid masses is closed, s, by its number.
+    """Estimated time that each compliant link between rigid masses is closed, s, by its number.
 
     A mass m that closes with velocity v on F = k d^p stops where m v^2/2 = k d^(p+1)/(p+1), after
     about d/v, and comes back. All masses count as the largest.
@@ -76,7 +79,10 @@ def refuse_short_contacts(row: Row, tick: Any) -> None:
     moving = largest(speeds) > smallest(speeds)
     times = contact_times(row)
     for k, i in enumerate(row.contact_link):
-        if i not in times or not np.any(moving & (times[i] <= MIN_TRANSIT * tick)):
+        if i not in times:
+            continue
+        is_short = times[i] <= MIN_TRANSIT * tick
+        if not np.any(moving & is_short):
             continue
         short = float(np.min(times[i]))
         sentence = (
