@@ -1,4 +1,4 @@
-"""What a run comes to, from its records; the page has this as JavaScript."""
+"""Totals and status of a run, from its records; the page has this as JavaScript."""
 
 import math
 from typing import Any
@@ -9,96 +9,107 @@ from ..run import ContactTally
 from ..states import Status, Stop
 from ..status import ending, last_contact, proof_sentence
 
-MORE = 10.0  # times rtol, from which it is said that it was not reached
+MISSED_GOAL_FACTOR = 10.0
+"""Ratio of the stated error to rtol above which the status says that rtol was not reached."""
 
 
-def tally_of(it: Any, tick: float, now: int) -> ContactTally:
+def tally_of(link: Any, tick: float, now: int) -> ContactTally:
     """Totals of the contact that a link is, in SI units, in a run that has come to a tick."""
-    sudden, met = it.law == Law.IMPACT, it.first >= 0
-    last = now if it.touch == Status.PRESS and not sudden else it.last
+    is_impact = link.law == Law.IMPACT
+    peak = link.peak
+    if is_impact:
+        peak = math.nan
+    first = math.nan
+    last = math.nan
+    if link.first >= 0:
+        first = link.first * tick
+        last = link.last * tick
+        if link.touch == Status.PRESS and not is_impact:  # the force still acts
+            last = now * tick
     return ContactTally(
-        it.impulse,
-        math.nan if sudden else it.peak,
-        it.pressed * tick,
-        it.first * tick if met else math.nan,
-        last * tick if met else math.nan,
-        it.episodes,
+        link.impulse, peak, link.pressed * tick, first, last, link.episodes
     )
 
 
-def last_of(run: Any, link: Any, end: float, round_trip: float) -> float:
-    """When the last contact ended, s, as of `last_contact`; nan without a proof."""
-    ends, tick = [], run.tick
-    for it in link:
-        if it.law >= Law.RIGID and it.episodes > 0:
-            struck = it.law == Law.IMPACT and it.status == Status.OPEN
-            pressing = it.touch == Status.PRESS and not struck
-            apart = it.apart if it.touch == Status.OPEN or struck else -1
-            ends.append(
-                (
-                    math.nan if pressing else it.last * tick,
-                    apart * tick if apart >= 0 else math.nan,
-                )
-            )
-    return last_contact(ends, end, round_trip) if run.proved >= 0 else math.nan
+def last_of(run: Any, links: Any, end: float, round_trip: float) -> float:
+    """Time of the end of the last contact, s, as of `last_contact`; nan without a proof."""
+    if run.proved < 0:
+        return math.nan
+    ends = []
+    for link in links:
+        if link.law >= Law.RIGID and link.episodes > 0:
+            struck = link.law == Law.IMPACT and link.status == Status.OPEN
+            force_end = link.last * run.tick
+            if link.touch == Status.PRESS and not struck:
+                force_end = math.nan
+            opening = math.nan
+            is_open = link.touch == Status.OPEN or struck
+            if is_open and link.apart >= 0:
+                opening = link.apart * run.tick
+            ends.append((force_end, opening))
+    return last_contact(ends, end, round_trip)
 
 
 def why_stopped(run: Any, asked: bool) -> str:
-    """Why a run ended, in one word; `asked` says whether for an end."""
+    """The reason why a run ended, in one word; `asked` says whether it had a given end."""
     if run.stop == Stop.CAP:
         return "max_events"
     if asked:
         return "until"
-    return "final" if run.proved >= 0 else "clock"
+    if run.proved >= 0:
+        return "final"
+    return "clock"
 
 
 def status_of(
-    run: Any, link: Any, system: Any, stopped_by: str, end: float, t_final: float
+    run: Any, links: Any, system: Any, stopped_by: str, end: float, t_final: float
 ) -> str:
-    """Why a run ended.
+    """Sentence of the status on the end of a run.
 
     Parameters
     ----------
     run : RUN
-    link : list of LINK
+    links : list of LINK
     system : System
     stopped_by : str
     end, t_final : float
         End of the run, and of the last contact, as of `last_of`, s.
     """
-    met = any(it.episodes > 0 for it in link)
-    proof = proof_sentence(met, t_final) if run.proved >= 0 else ""
-    return ending(
-        stopped_by, proof, format_si(end, "s"), f"{run.steps} steps of nodes", system
-    )
+    proof = ""
+    if run.proved >= 0:
+        has_contact = any(link.episodes > 0 for link in links)
+        proof = proof_sentence(has_contact, t_final)
+    work = f"{run.steps} steps of nodes"
+    return ending(stopped_by, proof, format_si(end, "s"), work, system)
 
 
 def stated(worst: float, goal: float) -> str:
-    """What is told of the largest stated error, where `goal` was asked for."""
-    late = (
-        f" That is more than rtol = {goal:.6g} asks for." if worst > MORE * goal else ""
-    )
-    return f" Stated relative error: {worst:.1g}.{late}"
+    """Sentence of the status on the largest stated error; `goal` is rtol."""
+    text = f" Stated relative error: {worst:.1g}."
+    if worst > MISSED_GOAL_FACTOR * goal:
+        text += f" That is more than rtol = {goal:.6g} asks for."
+    return text
 
 
 def told_of(run: Any) -> str:
-    """What is told of breaks too dense to follow, and of rigid bodies that rest."""
-    told = ""
+    """Sentences of the status on breaks too dense to follow, and on rigid bodies that rest."""
+    text = ""
     if run.rough:
-        told += (
-            f" From {format_si(run.first_rough * run.tick, 's')} on, waves jump more than "
+        start = format_si(run.first_rough * run.tick, "s")
+        text += (
+            f" From {start} on, waves jump more than "
             f"{run.shortest // run.floor} times in the shortest transit time. Such waves are "
             "smoothed, which keeps their momentum."
         )
     if run.rested:
-        told += (
+        text += (
             " Rigid bodies that parted very slowly were set at rest against each other."
         )
-    return told
+    return text
 
 
 def why_stuck(row: Any, node: Any, seconds: float) -> tuple[str, str]:
-    """What to refuse where no forces in the links of a node satisfy their laws: path, sentence."""
+    """Path and sentence of the error where no forces in a node satisfy the laws of its links."""
     time = format_si(seconds, "s")
     if node.links > 1 and node.mobility[0] == 0 and node.mobility[1] == 0:
         return (
