@@ -1,4 +1,4 @@
-"""How wrong a run may be: from a second run at a coarser tolerance, and what pieces leave open.
+"""Error of a run: from a second run at a coarser tolerance, and from what both runs share.
 
 The page has this as JavaScript.
 """
@@ -11,20 +11,22 @@ from ..link import Law
 from .records import Part
 
 COARSER = 5.0  # tolerance of the run that the first is compared with, over its own
-COARSER_FLOOR = 2  # its floor, if breaks come too densely to be followed
-COARSEST = 1e-2
-ROUND_OFF = 1e-14
+COARSER_FLOOR = 2  # its floor over that of the first, where breaks come too densely
+COARSEST = 1e-2  # largest tolerance of a second run
+RUN_ROUND_OFF = 1e-14  # relative error that a run has at any tolerance
 DIFFERENCE_FACTOR = 3.0  # stated error over the difference of two runs
-TIME_FACTOR = 2.0  # times more for times, which may hang on faint forces
-LEAST_SHARE = 0.1  # share of the worst difference that all measures may be off
-LEAST_SHARE_OF_TIMES = 0.05
-SHARED_FACTOR = 2.0  # over the estimate for steps that both runs took alike
-SHARED_TIME_FACTOR = 2.2  # for times, which may hang on faint forces
-LOOSE_FACTOR = 2e7  # times tail^2.5: errors of loose tolerances do not fall evenly
-LOOSE_POWER = 2.5
-MISSED = 4.0  # times by how much pieces miss a function that was given
-SHOWN = 3  # measures that are not times: their errors fall evenly
-PEAK_FORCE = 2  # its place among the measures
+TIME_FACTOR = 2.0  # further factor for times, which may depend on faint forces
+LEAST_SHARE = 0.1  # error of every measure, over the worst difference, at least
+LEAST_SHARE_OF_TIMES = 0.05  # the same for times
+SHARED_FACTOR = (
+    2.0  # stated error over the estimate for steps that both runs took alike
+)
+SHARED_TIME_FACTOR = 2.2  # the same for times, which may depend on faint forces
+LOOSE_FACTOR = 2e7  # error over tail^2.5: errors of loose tolerances do not fall evenly
+LOOSE_POWER = 2.5  # exponent of that tail
+FIT_FACTOR = 4.0  # stated error over the miss of a given function by its pieces
+SHOWN = 3  # number of measures that are not times: their errors fall evenly
+PEAK_FORCE = 2  # place of the peak force among the measures
 
 
 class Ended(NamedTuple):
@@ -55,65 +57,76 @@ def left_open(fine: Ended, fit: float) -> list[float]:
     """
     run = fine.run
     loose = LOOSE_FACTOR * (run.roughest / run.scale) ** LOOSE_POWER
-    common = ROUND_OFF + loose + MISSED * fit
-    found = [common, common, common, common, common]
+    common = RUN_ROUND_OFF + loose + FIT_FACTOR * fit
+    errors = [common, common, common, common, common]
     if all(part.kind != Part.SEGMENT for part in fine.part):
-        add_faint_times(fine, found)
-    peak = size_of([it.peak for it in fine.link])
+        add_faint_times(fine, errors)
+    peak = size_of([link.peak for link in fine.link])
     if peak > 0:
-        found[PEAK_FORCE] += size_of([it.peak_error for it in fine.link]) / peak
-    return found
+        peak_error = size_of([link.peak_error for link in fine.link])
+        errors[PEAK_FORCE] += peak_error / peak
+    return errors
 
 
-def add_faint_times(fine: Ended, found: list[float]) -> None:
+def add_faint_times(fine: Ended, errors: list[float]) -> None:
     """Add the error of durations and times of a row without rods, where a flight may be long.
 
     A contact does not press while its overlap is less than the length that `graze` makes in the
     reference time of the run, at its beginning and at its end.
     """
     run = fine.run
-    episodes = max([1, *[it.episodes for it in fine.link]])
+    episodes = max([1, *[link.episodes for link in fine.link]])
     faint = 2 * run.graze / run.scale * run.shortest * run.tick * episodes
-    values = measured(fine)
-    for i in range(SHOWN, len(found)):
+    values = measures_of(fine)
+    for i in range(SHOWN, len(errors)):
         longest = size_of(values[i])
         if longest > 0:
-            found[i] += faint / longest
+            errors[i] += faint / longest
 
 
-def measured(r: Ended) -> list[list[float]]:
-    """What a run comes to, in the order of `MEASURES`."""
-    link = [it for it in r.link if it.law >= Law.JOINT]
-    tick, times = r.run.tick, [t for it in link for t in (it.first, it.last, it.apart)]
-    moving = [it.mean for it in r.part if it.parts > 0]
-    if (
-        r.run.held
-    ):  # after the proof, at whatever time it came, other groups go on evenly
-        moving = [it.own for it in r.part]
-    return [
-        moving,
-        [it.impulse for it in link],
-        [it.peak for it in link],
-        [it.pressed * tick for it in link],
-        [t * tick for t in times],
-    ]
+def measures_of(ended: Ended) -> list[list[float]]:
+    """Values of a run that the `MEASURES` compare, measure by measure."""
+    run = ended.run
+    impulses = []
+    peaks = []
+    durations = []
+    times = []
+    for link in ended.link:
+        if link.law >= Law.JOINT:
+            impulses.append(link.impulse)
+            peaks.append(link.peak)
+            durations.append(link.pressed * run.tick)
+            times.append(link.first * run.tick)
+            times.append(link.last * run.tick)
+            times.append(link.apart * run.tick)
+    velocities = []
+    for part in ended.part:
+        if run.held:  # after the proof, whenever it came, the other groups go on evenly
+            velocities.append(part.own)
+        elif part.parts > 0:
+            velocities.append(part.mean)
+    return [velocities, impulses, peaks, durations, times]
 
 
 def differences(fine: Ended, coarse: Ended) -> list[float]:
-    """How far two runs are apart in each of the `MEASURES`, over its largest value."""
-    found = []
-    other = measured(coarse)
-    for i, values in enumerate(measured(fine)):
-        whole = size_of(values)
-        if i == 0 and whole > 0:
-            whole = fine.run.scale
-        off = size_of([a - b for a, b in zip(values, other[i], strict=True)])
-        found.append(off / whole if whole > 0 else 0.0)
-    return found
+    """Difference of two runs in each of the `MEASURES`, over its largest value."""
+    relative = []
+    coarse_values = measures_of(coarse)
+    for i, values in enumerate(measures_of(fine)):
+        scale = size_of(values)
+        if i == 0 and scale > 0:
+            scale = fine.run.scale
+        pairs = zip(values, coarse_values[i], strict=True)
+        largest = size_of([a - b for a, b in pairs])
+        if scale > 0:
+            relative.append(largest / scale)
+        else:
+            relative.append(0.0)
+    return relative
 
 
 def stated(fine: Ended, apart: list[float]) -> list[float]:
-    """Error of each of the `MEASURES`, from how far two runs are apart.
+    """Error of each of the `MEASURES`, from the differences of two runs.
 
     Errors fall by five or more from one run to the other. Where two numbers agree by chance, others
     do not: none is said to be much better known than the worst. Both runs take the same steps where
@@ -121,8 +134,8 @@ def stated(fine: Ended, apart: list[float]) -> list[float]:
     """
     estimate = fine.run.shared / fine.run.scale
     worst = max(apart[0], apart[1], apart[2])
-    found = []
-    for i, values in enumerate(measured(fine)):
+    errors = []
+    for i, values in enumerate(measures_of(fine)):
         share = LEAST_SHARE
         factor = DIFFERENCE_FACTOR
         shared = SHARED_FACTOR * estimate
@@ -133,8 +146,8 @@ def stated(fine: Ended, apart: list[float]) -> list[float]:
         error = 0.0
         if size_of(values) > 0:
             error = max(factor * max(apart[i], share * worst), shared)
-        found.append(error)
-    return found
+        errors.append(error)
+    return errors
 
 
 def size_of(values: list[float]) -> float:
