@@ -1,4 +1,4 @@
-"""What a line holds at a tick, and its integrals up to it; the page has this as JavaScript.
+"""Value of a line at a tick, and integrals up to it; the page has this as JavaScript.
 
 In Python `signals` reads whole arrays.
 """
@@ -16,7 +16,8 @@ def waves_of(log: Any, count: int) -> list[Any]:
         for _ in range(count)
     ]
     for i, piece in enumerate(log):
-        wave, passed = waves[piece.line], (0.0, 0.0)
+        wave = waves[piece.line]
+        passed = (0.0, 0.0)
         if len(wave["piece"]) > 0:
             passed = passed_by(wave, piece.start)
         wave["passed"].append(passed)
@@ -32,7 +33,7 @@ def place_of(wave: Any, tick: float) -> int:
 
 
 def share_of(piece: Any, tick: float) -> float:
-    """Where a tick is in a piece, from -1 to 1."""
+    """Place of a tick in a piece, from -1 to 1."""
     return min(1.0, 2 * ((tick - piece.start) / (piece.stop - piece.start)) - 1)
 
 
@@ -45,11 +46,13 @@ def value_at(wave: Any, tick: float) -> float:
 def passed_by(wave: Any, tick: float) -> tuple[float, float]:
     """Integrals from the start of the line to a tick, of the value and of its square, in ticks."""
     i = place_of(wave, tick)
-    begin, (passed, squares) = wave["start"][i], wave["passed"][i]
+    begin = wave["start"][i]
+    passed, squares = wave["passed"][i]
     if tick > begin:
         half = (tick - begin) / 2
         whole, _, _, square = lines.moments(
             wave["log"], wave["place"][i], begin, 2 * half, 0.0
         )
-        passed, squares = passed + half * whole, squares + half * square
+        passed = passed + half * whole
+        squares = squares + half * square
     return passed, squares
