@@ -121,7 +121,7 @@ def advance(
             take_inputs(line, log, at, ticks)
             nodes.collocate(run, link, mass, at, ticks * run.tick, G)
         elif ticks < full:
-            nodes.cut(link, mass, at, 2 * ticks / full - 1)
+            nodes.restrict_piece(link, mass, at, 2 * ticks / full - 1)
     limited = at.rough == 1 or (
         full == end - tick and full < at.length
     )  # and not by smoothness
