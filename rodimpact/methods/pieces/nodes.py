@@ -58,7 +58,7 @@ def overlap_changes(link: Any) -> bool:
 def elastic_share(link: Any) -> float:
     """Return the elastic part of the closing rate; a link that yields takes up the rest."""
     if link.status == Status.PLASTIC:
-        return link.hardening_share  # type: ignore[no-any-return]
+        return link.hardening_share
     return 1.0
 
 
