@@ -75,9 +75,10 @@ class Progress:
         self._unit = unit
         self._is_outermost = False
         self._bar: Any = None
-        self._showwarning: Any = None  # that of `warnings` without the bar
-        self._began = math.inf  # s, time.time()
-        self._done_before: int | None = None  # first report: work of a checkpoint
+        self._showwarning: Any = None  # `warnings.showwarning` without the bar
+        self._began = math.inf  # s, time.time(); inf: no bar will appear
+        # in the first report: work that is taken over from a checkpoint
+        self._done_before: int | None = None
 
     def __enter__(self) -> Report:
         global _outermost

@@ -548,14 +548,14 @@ def pair_numbers(Z1: Array, T1: Array, Z2: Array, T2: Array) -> PairNumbers:
 
 
 def pair_restitution(numbers: PairNumbers) -> Array:
-    """Coefficient of restitution of `saint_venant`, with its letters."""
+    """Coefficient of restitution, by the formulae and with the letters of `saint_venant`."""
     q = numbers.q
     p = numbers.p
     x = numbers.short_time / numbers.long_time
     trips = numbers.long_time / numbers.short_time
     K = np.floor(trips)
     f = trips - K
-    q_K = np.exp(K * numbers.log_q)
+    q_K = np.exp(K * numbers.log_q)  # q^K
     g = -np.expm1(K * numbers.log_q) / p + q_K * f
     if_long_higher = np.abs(q) + p * x
     if_short_higher = (1 + q) * x * g - q_K * (1 - p * f)

@@ -648,7 +648,10 @@ class Rod(Frozen, kind="rod"):
 
 
 def _segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ...]:
-    """Segments of a rod from the arguments of `Rod`; InvalidModel if there are none."""
+    """Segments of a rod as given, or else of its shape, the arguments of `Segment`.
+
+    InvalidModel if the arguments of `Rod` make none.
+    """
     if segments is not None:
         return _checked_segments(segments, shape)
     if isinstance(shape["area"], Steps):

@@ -603,7 +603,7 @@ class Declared(Frozen):
             if isinstance(value, np.ndarray | tuple):
                 may_vary = True
         if may_vary and not problems:
-            family_shape(self._numbers())
+            family_shape(self._numbers())  # refuses arrays that make no family
         try:
             self._check(problems)
         except InvalidModel as error:

@@ -140,7 +140,7 @@ def suggestion(path: str, choices: Collection[str]) -> str:
 
 
 def _slot(description: Any, entry: str) -> _Slot:
-    """Slot of an entry in a description."""
+    """Where ``System.to_dict()``, the description, holds the number at an entry."""
     *steps, last = entry.split(".")
     table = description
     for step in steps:

@@ -263,6 +263,7 @@ def sides_of(
     if len(pair) != 2 or not all(map(_is_uniform, pair)):
         message = "must be a uniform Rod, two uniform Rods, or a Calibration"
         raise refusal("bars", f"{message}, got {shown(bars)}")
+    # the first pulses run towards the specimen in the input bar, and leave it in the output bar
     return (
         _side_of("input_gauges", input_gauges, pair[0], False, compression),
         _side_of("output_gauges", output_gauges, pair[1], True, compression),
@@ -331,11 +332,13 @@ class _Station(NamedTuple):
 
 
 def _front_of(name: str, times: Floats, strain: Floats, compression: str) -> Pulse:
-    """The first compressive pulse of a record; the rest of it is cut off where it is over."""
+    """Timing of the first pulse of a record, which is cut off where this pulse is over.
+
+    `strain` is positive in compression if `compression`, the sign in the records, is right.
+    """
     values = strain - np.median(strain[:QUIET])
-    smooth = np.convolve(
-        values, np.ones(5) / 5, "same"
-    )  # one sample of noise is no pulse
+    # one sample of noise is no pulse
+    smooth = np.convolve(values, np.ones(5) / 5, "same")
     first = int(np.argmax(np.abs(smooth) > 0.4 * np.abs(values).max()))
     if smooth[first] <= 0:
         (other,) = SIGNS.keys() - {compression}

@@ -122,7 +122,8 @@ def find_table(lines: list[str], survey: Survey, decimal: str | None) -> TableSt
         raise FileFormatError(f"has no table of numbers{_why_none(lines, forms)}")
     start -= 1
     form = _chosen(matching, lines, start, survey)
-    # a row may stand above rows of other lengths, such as one without some channels
+    # The table begins at the first row of as many numbers, two or more: below it may stand
+    # rows of other lengths, such as one without some channels.
     count = form.count_numbers(lines[start])
     for earlier in range(start):
         if form.count_numbers(lines[earlier]) == count > 1:

@@ -389,31 +389,34 @@ def reduce(
     raise_noted(problems)
     of_kind("specimen", specimen, Specimen, "ri.Specimen(length=5e-3, diameter=8e-3)")
     limit = single("align_within", align_within, "s", "non-negative")
-    known = bars if isinstance(bars, Calibration) else None
+    calibration = bars if isinstance(bars, Calibration) else None
+    rods = calibration.bars if calibration else bars
     recorded: tuple[Side, ...] = sides_of(
-        input_gauges, output_gauges, known.bars if known else bars, compression
+        input_gauges, output_gauges, rods, compression
     )
     # from the arrival at the specimen as long as the records separate the waves
-    first = recorded[0]
-    start = first.foot + float(first.distances[0]) / first.speed
+    input_side = recorded[0]
+    travel = float(input_side.distances[0]) / input_side.speed
+    start = input_side.foot + travel
     end = min(side.clean_until() for side in recorded)
-    count = int((end - start) / first.dt)
+    dt = input_side.dt
+    count = int((end - start) / dt)
     if count < QUIET:
-        message = f"the wave reaches the specimen at {start:.6g} s, but from {end:.6g} s on the"
-        raise refusal(
-            "input_gauges",
-            f"{message} records do not separate the waves; use longer "
-            "records or bars, and check the distances",
+        message = (
+            f"the wave reaches the specimen at {start:.6g} s, but from {end:.6g} s on "
+            "the records do not separate the waves; use longer records or bars, and "
+            "check the distances"
         )
+        raise refusal("input_gauges", message)
     sides = recorded
-    if known:
-        sides = with_gains(known, recorded)
-    shot = _Shot(sides, specimen, start + first.dt * np.arange(count, dtype=float))
+    if calibration:
+        sides = with_gains(calibration, recorded)
+    shot = _Shot(sides, specimen, start + dt * np.arange(count, dtype=float))
     with Progress(progress, "reduce", "curves") as report:
         if limit:
             shot = shot.aligned(limit, report)
         curve = shot.curve()
-        stress_band, strain_band = shot.bands(curve, known, report)
+        stress_band, strain_band = shot.bands(curve, calibration, report)
     disperses = all(side.mode for side in shot.sides)
     faces = Faces(
         curve.specimen.length,

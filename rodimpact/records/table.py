@@ -108,7 +108,7 @@ class Table:
         return columns
 
     def _numbers_in(self, block: list[tuple[int, str]]) -> Floats:
-        """Numbers of some rows, [row, column]."""
+        """Numbers of some rows, [row, column]; FileFormatError where a cell is none."""
         points = self._form.to_points
         try:
             numbers: Floats = np.loadtxt(
@@ -121,7 +121,8 @@ class Table:
         except ValueError:
             numbers = np.empty((0, 0))
         if numbers.shape != (len(block), self._count) or not np.isfinite(numbers).all():
-            return np.array([self._checked(number, row) for number, row in block])
+            # cell by cell, which names the first one at fault
+            return np.array([self._checked(line, row) for line, row in block])
         return numbers
 
     def _checked(self, line: int, row: str) -> list[float]:

@@ -44,6 +44,7 @@ class ContactHistory:
     """
 
     def __init__(self, index: int, fields: Fields, run: Run) -> None:
+        # the method sums up each contact, and gives its signals in ticks
         tally = run.contacts[index]
         signal = run.signals.contacts[index]
         self.index = index
@@ -54,7 +55,7 @@ class ContactHistory:
         self.episodes = tuple(signal.episodes)
         self.push = signal.force
         self._gap = signal.gap
-        self._closing = signal.closing
+        self._closing = signal.closing  # velocity, m/s
         self._fields = fields
         self._tick = fields.clock.tick
 

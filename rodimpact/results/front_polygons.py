@@ -17,14 +17,14 @@ Corner = tuple[int, int]
 class Lattice(NamedTuple):
     """Rectangles in (p, q) into which the fronts of both waves cut a segment."""
 
-    p: list[
-        int
-    ]  # fronts that leave the left end, ticks, and the bounds of the interval
-    q: list[int]  # those that leave the right end
-    first: list[
-        int
-    ]  # by rectangle along p: the first one along q that makes a region with it
-    stop: list[int]  # the one after the last
+    # fronts that leave the left end, ticks, and the bounds of the interval
+    p: list[int]
+    # those that leave the right end
+    q: list[int]
+    # by rectangle along p: the first one along q that makes a region with it
+    first: list[int]
+    # the one after the last
+    stop: list[int]
 
 
 def wave_of(ticks: list[int], values: list[float]) -> Any:
@@ -83,7 +83,10 @@ def lattice_of(piece: Any, start: int, stop: int) -> Lattice:
 def region(
     p0: int, p1: int, q0: int, q1: int, T: int, start: int, stop: int
 ) -> list[Corner]:
-    """Corners (p, q) of the part of a rectangle that lies in the segment and the interval."""
+    """Corners (p, q) of the part of a rectangle that lies in the segment and the interval.
+
+    That is where |q - p| <= T and 2 start <= p + q + T <= 2 stop.
+    """
     corners = [(p0, q0), (p1, q0), (p1, q1), (p0, q1)]
     corners = clip(corners, -1, 1, T)
     corners = clip(corners, 1, -1, T)

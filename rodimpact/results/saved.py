@@ -141,7 +141,10 @@ def _allowed_differences(
 
 
 def _agree(value: float, stored: float, allowed: float) -> bool:
-    """Whether two numbers differ by no more than is allowed; nan agrees with nan."""
+    """Whether two numbers differ by no more than is allowed; nan agrees with nan.
+
+    With inf, everything is allowed: nan agrees with a number too.
+    """
     if allowed == math.inf or value == stored:
         return True
     if math.isnan(value):

@@ -433,10 +433,11 @@ class Solution(Shown):
     def energy(self, t: ArrayLike) -> EnergyLedger:
         """Energy ledger at times t in s."""
         ticks = self.fields.nearest_known(self.fields.to_ticks(t))
+        # a ledger counts from its first tick, which must be that of t = 0
         states = bonded_groups(self.fields, np.concatenate(([0], ticks.ravel())))
-        since_start = ledger(self.fields, self.contacts, states)
+        from_start = ledger(self.fields, self.contacts, states)
         entries = {}
-        for name, energies in vars(since_start).items():
+        for name, energies in vars(from_start).items():
             entries[name] = energies[1:].reshape(ticks.shape)
         return EnergyLedger(**entries)
 

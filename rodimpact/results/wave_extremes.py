@@ -150,8 +150,9 @@ def _highest(signal: Pieces) -> list[tuple[float, int]]:
 def _inside(A: Pieces, B: Pieces, T: int, end: int, floor: float) -> list[Meeting]:
     """The first of the best candidates at breaks and turning points of both waves.
 
-    Only candidates with a difference of at least `floor` count.
+    One meeting, or none: only candidates with a difference of at least `floor` count.
     """
+    # d = B(q) - A(p) is large where A is low and B is high.
     lowest, _ = _bounds(A)
     _, highest = _bounds(B)
     low = _candidates(A, lowest <= highest.max() - floor)
@@ -161,11 +162,13 @@ def _inside(A: Pieces, B: Pieces, T: int, end: int, floor: float) -> list[Meetin
     p = low.ticks
     q = high.ticks
     # The last tick is outside: nothing has come of a wave that leaves at the end.
+    # Candidate k of A meets those of B from first[k] to last[k] - 1.
     first = q.searchsorted(np.maximum(p - T, -T - p), "left")
     last = q.searchsorted(np.minimum(p + T, 2 * end - T - p - 1), "right")
     meets = np.flatnonzero(first < last)
     if len(meets) == 0:
         return []
+    # `reduceat` takes the maximum of each range, and of what lies between two of them.
     ranges = np.stack((first[meets], last[meets]), axis=1).ravel()
     padded = np.append(high.values, -np.inf)
     differences = np.maximum.reduceat(padded, ranges)[::2] - low.values[meets]
@@ -230,17 +233,19 @@ def _edges(signal: Pieces, chosen: NDArray[np.bool_]) -> Samples:
 
 
 def _turning_points(signal: Pieces, chosen: NDArray[np.bool_]) -> Samples:
-    """Places inside some pieces at which the derivative vanishes."""
+    """Ticks inside the chosen pieces at which the derivative vanishes, and values there."""
+    # Pieces of fewer than three coefficients are straight.
     if signal.size < 3 or not chosen.any():
         return Samples(np.zeros(0, np.int64), np.zeros(0))
     slopes = chebyshev.chebder(signal.coefficients, axis=1)
     swing = np.abs(slopes[:, 1:]).sum(axis=1)
+    # The constant term of a slope keeps its sign where the others cannot outweigh it.
     may_turn = chosen & (swing > 0) & (swing >= np.abs(slopes[:, 0]))
     pieces, y = _zeros(slopes, np.flatnonzero(may_turn))
     values = signal.at_own_time(pieces, y)
     width = signal.widths[pieces] - 2 * INSIDE_TICKS
-    after = np.rint((y + 1) / 2 * width).astype(np.int64)
-    return Samples(signal.ticks[pieces] + INSIDE_TICKS + after, values)
+    ticks_inside = np.rint((y + 1) / 2 * width).astype(np.int64)
+    return Samples(signal.ticks[pieces] + INSIDE_TICKS + ticks_inside, values)
 
 
 def _zeros(series: Floats, chosen: Ints) -> tuple[Ints, Floats]:

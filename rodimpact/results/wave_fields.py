@@ -293,14 +293,14 @@ class WaveFields(Fields):
     def _peak(
         self, body: int, segment: int, meeting: Meeting, per_wave: float
     ) -> StressPeak:
-        """The stress where two waves meet in a segment.
+        """The stress, place and time at which two waves meet in a segment of the row.
 
         `per_wave` is the stress for a unit difference of the waves, Pa s/m.
         """
-        first, last = self.clock.spans[body]
+        first, last = self.clock.spans[body]  # segments of the body
         T = self.clock.ticks[segment]
         left = float(self.edges(body)[segment - first])
-        # On whole ticks, so that a field asked for there sees the same waves.
+        # On whole ticks, so that a field asked for there sees the same waves: halves go up.
         offset = min((meeting.q - meeting.p + T + 1) // 2, T)
         tick = (meeting.p + meeting.q + T + 1) // 2
         x = left + self.clock.length[segment] * (offset / T)

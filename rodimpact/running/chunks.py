@@ -141,7 +141,7 @@ def _one_by_one(chunk: Chunk, should_stop: Callable[[], bool]) -> Columns:
     columns["status"][...] = STATUS.index("refused")
     reads_fields = readings.gauges or "largest_stress" in readings.also
     if "snapshots" in METHODS[options.method].takes and not reads_fields:
-        # an outcome needs the first and the last state
+        # of the states that the method keeps, an outcome needs the first and the last
         options = replace(options, snapshots=2)
 
     def ask(*_: Any) -> None:

@@ -354,18 +354,18 @@ class _Result:
     def _size_of_restitution(
         self, system: System, columns: Mapping[str, Any], k: int
     ) -> Any:
-        """2 V e/parting + e, with the velocity scale V, at contact k.
+        """2 V/closing + e at contact k, with the velocity scale V.
 
-        The velocity of closing, parting/e, counts as V where e = 0.
+        The velocity of closing is parting/e; it counts as V where e = 0.
         """
         e = columns["restitution"]
         left_velocity = columns[f"velocity_after.{k}"]
         right_velocity = columns[f"velocity_after.{k + 1}"]
         parting = right_velocity - left_velocity
         with np.errstate(divide="ignore", invalid="ignore"):
-            over_closing = velocity_scale(system) * e / parting
-        over_closing = np.where(e == 0, 1.0, over_closing)
-        return 2 * np.abs(over_closing) + np.abs(e)
+            scale_over_closing = velocity_scale(system) * e / parting
+        scale_over_closing = np.where(e == 0, 1.0, scale_over_closing)
+        return 2 * np.abs(scale_over_closing) + np.abs(e)
 
 
 def velocity_scale(system: System) -> Any:
@@ -537,13 +537,17 @@ class _Column(NamedTuple):
 
 
 def _column(sides: Sides, defined: Any) -> _Column:
-    """One derivative where both sides agree; else those of both sides."""
+    """One derivative where both sides agree; else those of both sides.
+
+    `defined` tells of each member whether its result is a number.
+    """
     smooth = sides.smooth & defined
     mean = (sides.below.value + sides.above.value) / 2
     mean_error = (sides.below.error + sides.above.error) / 2
-    central = sides.central.error <= mean_error
-    value = np.where(central, sides.central.value, mean)
-    error = np.where(central, sides.central.error, mean_error)
+    take_central = sides.central.error <= mean_error
+    value = np.where(take_central, sides.central.value, mean)
+    error = np.where(take_central, sides.central.error, mean_error)
+    # at a kink, the larger error of the derivatives that exist
     exists_below = np.isfinite(sides.below.error)
     exists_above = np.isfinite(sides.above.error)
     exists = exists_below | exists_above
@@ -561,8 +565,9 @@ def _column(sides: Sides, defined: Any) -> _Column:
         jump=jump,
         kinked=exists & ~smooth & defined,
     )
-    as_numbers = [np.asarray(entry)[()] for entry in column]
-    return _Column(*as_numbers)
+    # [()] makes a number of an array without dimensions
+    entries = [np.asarray(entry)[()] for entry in column]
+    return _Column(*entries)
 
 
 def lasting_bodies(system: System) -> set[int]:

@@ -203,6 +203,7 @@ def _missing(result: SweepResult, varied: Varied) -> str:
     """How many have no e, and why: a sentence for each kind."""
     missing = np.isnan(result.restitution)
     met = sum(contact.episodes for contact in result.contacts) > 0
+    # a number for each status, with contact or without
     kinds = np.asarray(2 * result.columns["status"] + np.logical_not(met))
     sentences = []
     for kind in np.unique(kinds[missing]):

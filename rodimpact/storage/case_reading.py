@@ -227,10 +227,10 @@ def read_law(table: Table, pair: list[Body | None], library: Materials) -> Conta
     name = table.word("law", CONTACT_LAWS, Rigid.law)
     if name is None:
         return ANY_LAW
-    rounded = []
+    rounded = []  # sides whose radius is given
     if name == Hertz.law:
         rounded = [side for side in SIDES if table.gives(f"{side}_radius")]
-        if table.gives("stiffness") == bool(rounded):
+        if table.gives("stiffness") == bool(rounded):  # both, or neither
             message = "give either the stiffness, or left_radius and right_radius"
             table.note("stiffness", message)
     law: ContactLaw | None
@@ -239,6 +239,7 @@ def read_law(table: Table, pair: list[Body | None], library: Materials) -> Conta
         table.close()
     else:
         law = table.build(CONTACT_LAWS[name])
+    # a body is missing if the case has too few, None if it has a mistake
     whole_pair = len(pair) == 2 and None not in pair
     if isinstance(law, Rigid) and law.restitution is not None and not whole_pair:
         return ANY_LAW  # whether a restitution belongs there is unknown

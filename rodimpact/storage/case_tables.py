@@ -70,7 +70,7 @@ class Table:
     def note(
         self, key: str, message: str, word: Any = "", choices: Collection[str] = ()
     ) -> None:
-        """Note a mistake, with the nearest of the choices.
+        """Note a mistake at a key, with that of the choices which is nearest to a word.
 
         An entry has one mistake: a second one follows from the first.
         """
@@ -166,7 +166,7 @@ class Table:
         if table.has("samples"):
             entries = {"values": table.numbers("samples", field.dimension, vary=False)}
             if field.along == "time":
-                table.gives("step")
+                table.gives("step")  # unlike samples, it can vary
                 entries["step"] = table.number("step", SAMPLE_STEP)
             for name in CURVE_KEYS:
                 if table.has(name):
@@ -187,7 +187,7 @@ class Table:
             jumps = table.numbers("at", field.along)
             profile = table.make(Steps, values=values, at=jumps)
         table.close()
-        return profile or 1.0
+        return profile or 1.0  # any number: the mistakes are noted
 
     def word(
         self, key: str, choices: Collection[str], default: str | None = None
@@ -214,8 +214,9 @@ class Table:
         """All tables of that name, in their order."""
         items = self.get(key, [])
         if not isinstance(items, list) or not all(isinstance(x, dict) for x in items):
-            brackets = re.sub(r"\.\d+", "", self.where(key))
-            message = f"must be tables that each begin [[{brackets}]]"
+            # a header names no index: [[bodies.segments]] for bodies.0.segments
+            header = re.sub(r"\.\d+", "", self.where(key))
+            message = f"must be tables that each begin [[{header}]]"
             self.note(key, f"{message}, got {shown(items)}")
             items = []
         tables = []

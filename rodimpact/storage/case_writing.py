@@ -172,7 +172,7 @@ def _result_tables(result: SavedResult) -> list[str]:
 
 
 def toml_table(header: str, entries: Mapping[str, Any]) -> str:
-    """A table of a case file, of the entries that are not None."""
+    """Lines of a case file: a header such as "[solve]", and all entries but None."""
     lines = [header]
     for key, value in entries.items():
         if value is not None:

@@ -69,7 +69,7 @@ def read_grids(vary: Mapping[str, str] | None) -> dict[str, Grid]:
 
 
 def grid_values(text: Any, dimension: str) -> Floats:
-    """All values of a grid, shape (n,), in SI units."""
+    """All values of a grid, shape (n,), in SI units; ValueError unless a text in `FORM`."""
     if isinstance(text, str) and ":" not in text:
         return np.array([units.parse(number, dimension) for number in text.split(",")])
     spaced = SPACED.fullmatch(text) if isinstance(text, str) else None
