@@ -13,213 +13,259 @@ from . import lines
 from .records import NEVER, NONE, Part
 from .series import N
 
-DASHPOT = (
-    16.0  # (2 sqrt(2 E m)/c)^2 over 2 E, twice as the sum of two bounds is squared
-)
-STILL = 2.0**-40  # of the velocity scale: slower is at rest
-ROUGH = 1e-3  # of the tolerance of pieces: what they leave open
+DASHPOT_FACTOR = 16.0
+"""Factor of m/c^2 in the `slack` of a dashpot c that a momentum of the mass m passes.
+
+The stretch is at most 2 sqrt(2 E m)/c; its square over 2 E is 4 m/c^2. The rest of the factor
+allows for adding this bound to others before the root is taken.
+"""
+REST_RTOL = 2.0**-40
+"""Velocity over the velocity scale, below which a body is at rest: round-off of a long run."""
+TRUNCATION_SHARE = 1e-3
+"""Velocity over the tolerance of pieces, below which it may be their truncation error."""
 
 
 def look(
-    run: Any, link: Any, mass: Any, line: Any, log: Any, part: Any, tick: int
+    run: Any, links: Any, masses: Any, all_lines: Any, log: Any, parts: Any, tick: int
 ) -> None:
-    """See at a tick that every node has reached whether the run is over, or when to look again."""
-    if run.proved == NONE or run.held:  # what is joined goes on changing
-        for l in range(len(line)):
-            if line[l].head != NONE:
+    """Decide at a tick that every node has reached whether the run is over, or when to look again.
+
+    `run.proved` is set with the proof; `run.check` is the tick of the next look.
+    """
+    if run.proved == NONE or run.held:  # joined bodies go on changing
+        for l in range(len(all_lines)):
+            if all_lines[l].head != NONE:
                 if run.stop == Stop.CAP:
-                    lines.rewind(line, log, l)
-                lines.move_on(line, log, l, tick)
-        survey(link, mass, line, log, part, run.tick, tick)
+                    lines.rewind(all_lines, log, l)
+                lines.move_on(all_lines, log, l, tick)
+        survey(links, masses, all_lines, log, parts, run.tick, tick)
         if run.surveyed == NONE:
-            for i in range(len(part)):
-                part[i].initial = part[i].mean
+            for i in range(len(parts)):
+                parts[i].initial = parts[i].mean
         elif run.check < NEVER and run.stop == Stop.NONE and tick < run.end:
-            time = time_until_over(run, link, part)
-            run.check = tick + max(
-                run.proof_interval, int(min(time / run.tick, 0.5 * NEVER)) + 1
-            )
+            time = time_until_over(run, links, parts)
+            ticks = int(min(time / run.tick, 0.5 * NEVER)) + 1
+            run.check = tick + max(run.proof_interval, ticks)
             if time == 0:
-                run.proved, run.check = tick, NEVER
+                run.proved = tick
+                run.check = NEVER
                 run.end = min(run.end, tick + run.extra)
         run.surveyed = tick
     if tick >= run.end:
         run.stop = Stop.DONE.value
 
 
-def time_until_over(run: Any, link: Any, part: Any) -> float:
-    """Time until it may be proved that the run is over, s, as bodies move now.
+def time_until_over(run: Any, links: Any, parts: Any) -> float:
+    """Return the time until it may be proved that the run is over, s, as bodies move now.
 
     It is 0 if no contact can close again, or nothing changes any more.
     """
-    slow, over, quiet, longest = (
-        STILL * run.scale + ROUGH * run.tolerance,
-        True,
-        True,
-        0.0,
-    )
-    for i in range(len(link)):
-        it = link[i]
-        if it.left_group == NONE:
+    slow = REST_RTOL * run.scale + TRUNCATION_SHARE * run.tolerance
+    over = True
+    quiet = True
+    longest = 0.0
+    for i in range(len(links)):
+        link = links[i]
+        if link.left_group == NONE:
             continue
-        left, right = part[it.left_group], part[it.right_group]
-        quiet = quiet and is_quiet(it, left, slow) and is_quiet(it, right, slow)
-        time = time_until_apart(it, left, right, slow)
-        pressed = it.status != Status.OPEN and (
-            it.law > Law.IMPACT or it.force[N] * it.ease > run.graze
+        left = parts[link.left_group]
+        right = parts[link.right_group]
+        quiet = quiet and is_quiet(link, left, slow) and is_quiet(link, right, slow)
+        time = time_until_apart(link, left, right, slow)
+        pressed = link.status != Status.OPEN and (
+            link.law > Law.IMPACT or link.force[N] * link.ease > run.graze
         )
         over = over and time == 0 and not pressed
-        if it.status == Status.OPEN and time < math.inf:
+        if link.status == Status.OPEN and time < math.inf:
             longest = max(longest, time)
-    return 0.0 if over or quiet else max(longest, run.tick)
+    if over or quiet:
+        return 0.0
+    return max(longest, run.tick)
 
 
-def time_until_apart(it: Any, left: Any, right: Any, slow: float) -> float:
-    """Time until a contact between two groups may be proved not to close again, s."""
-    least = right.low - left.high if left.plain and right.plain else -math.inf
-    apart = left.deviation[1] - right.deviation[0] - it.overlap
+def time_until_apart(link: Any, left: Any, right: Any, slow: float) -> float:
+    """Return the time until a contact between two groups may be proved not to close again, s."""
+    least = -math.inf
+    if left.plain and right.plain:
+        least = right.low - left.high
+    apart = left.deviation[1] - right.deviation[0] - link.overlap
     reach = bound(left, left.slack[1]) + bound(right, right.slack[0])
     return proof.separation_time(
         right.speed - left.speed, least, apart, reach * reach, slow
     )
 
 
-def is_quiet(it: Any, group: Any, slow: float) -> bool:
-    """Whether a group moves evenly, and no contact with it changes."""
-    rate = it.closing[N] - it.mobility * it.force[N]
+def is_quiet(link: Any, group: Any, slow: float) -> bool:
+    """Return whether a group moves evenly, and the overlap of a contact with it is constant."""
+    rate = link.closing[N] - link.mobility * link.force[N]
     return bool(group.high - group.low <= slow and abs(rate) <= slow)
 
 
 def bound(group: Any, slack: float) -> float:
-    """How far an end of a group can ever deviate from the mean motion, m."""
+    """Return the largest deviation of an end of a group from the mean motion at any time, m."""
     return math.sqrt(2 * group.bound * slack)
 
 
 def survey(
-    link: Any, mass: Any, line: Any, log: Any, part: Any, second: float, tick: int
+    links: Any,
+    masses: Any,
+    all_lines: Any,
+    log: Any,
+    parts: Any,
+    second: float,
+    tick: int,
 ) -> None:
-    """Set what all groups do at a tick that every node has reached; `second` is s a tick."""
-    for first in range(len(part)):
-        head, last = part[first], first + part[first].parts
-        if head.parts == 0:
+    """Set the motion of all groups at a tick that every node has reached; `second` is s a tick."""
+    for first in range(len(parts)):
+        group = parts[first]
+        last = first + group.parts
+        if group.parts == 0:
             continue
-        momentum = total = 0.0
+        momentum = 0.0
+        total = 0.0
         for k in range(first, last):
-            look_at(link, mass, line, log, part[k], 0.0, tick)
-            momentum += part[k].mass * part[k].own
-            total += part[k].mass
+            update_part(links, masses, all_lines, log, parts[k], 0.0, tick)
+            momentum += parts[k].mass * parts[k].own
+            total += parts[k].mass
         if total > 0:
-            head.mean = momentum / total
-        head.speed = head.mean
-        if head.held != NONE:
-            piece = log[line[head.held].head]  # of what comes from outside
-            head.speed = lines.at(
-                piece, 2 * (tick - piece.start) / (piece.stop - piece.start) - 1
-            )
-        off = head.mean - head.speed
-        head.bound = total * (off * off) / 2
-        head.low = head.high = head.speed
+            group.mean = momentum / total
+        group.speed = group.mean
+        if group.held != NONE:
+            # the group comes to the velocity that the line from outside carries
+            piece = log[all_lines[group.held].head]
+            y = 2 * (tick - piece.start) / (piece.stop - piece.start) - 1
+            group.speed = lines.at(piece, y)
+        off = group.mean - group.speed
+        group.bound = total * (off * off) / 2
+        group.low = group.speed
+        group.high = group.speed
         for k in range(first, last):
-            look_at(link, mass, line, log, part[k], head.mean, tick)
-            head.bound += part[k].energy
-        set_ends(link, line, log, part, first, last, total, second)
+            update_part(links, masses, all_lines, log, parts[k], group.mean, tick)
+            group.bound += parts[k].energy
+        set_ends(links, all_lines, log, parts, first, last, total, second)
 
 
-def look_at(
-    link: Any, mass: Any, line: Any, log: Any, it: Any, speed: float, tick: int
+def update_part(
+    links: Any,
+    masses: Any,
+    all_lines: Any,
+    log: Any,
+    part: Any,
+    speed: float,
+    tick: int,
 ) -> None:
     """Set the mean velocity of a part, its energy about a velocity, and moments of its waves."""
-    it.energy = 0.0
-    if it.kind == Part.MASS:
-        it.own = mass[it.index].speed[0]
-        it.energy = it.mass * ((it.own - speed) * (it.own - speed)) / 2
-    elif it.kind == Part.SEGMENT:
-        T, squares = line[2 * it.index].delay, 0.0
+    part.energy = 0.0
+    if part.kind == Part.MASS:
+        part.own = masses[part.index].speed[0]
+        part.energy = part.mass * ((part.own - speed) * (part.own - speed)) / 2
+    elif part.kind == Part.SEGMENT:
+        transit = all_lines[2 * part.index].delay
+        squares = 0.0
         for way in range(2):
-            head = line[2 * it.index + way].head
-            it.wave[way], it.tilt[way], _, square = lines.moments(
-                log, head, tick - T, T, speed
+            head = all_lines[2 * part.index + way].head
+            whole, tilt, _, square = lines.moments(
+                log, head, tick - transit, transit, speed
             )
+            part.wave[way] = whole
+            part.tilt[way] = tilt
             squares += square
-        it.own = speed + (it.wave[0] + it.wave[1]) / 4
-        it.energy = it.mass * squares / 8
-    elif it.kind == Part.JOINT:
-        it.energy = (
-            link[it.index].stiffness
-            * (link[it.index].overlap * link[it.index].overlap)
-            / 2
-        )
+        part.own = speed + (part.wave[0] + part.wave[1]) / 4
+        part.energy = part.mass * squares / 8
+    elif part.kind == Part.JOINT:
+        joint = links[part.index]
+        part.energy = joint.stiffness * (joint.overlap * joint.overlap) / 2
 
 
 def set_ends(
-    link: Any,
-    line: Any,
+    links: Any,
+    all_lines: Any,
     log: Any,
-    part: Any,
+    parts: Any,
     first: int,
     last: int,
     total: float,
     second: float,
 ) -> None:
-    """Set what is known of the ends of a group.
+    """Set the displacements of the ends of a group, and the bounds of their velocities.
 
-    Waves under way, and what holds the group, are all that an end of a single segment can come to
-    move with. A part begins and stops with the mass fractions g and w beyond it, as seen from the
-    left or the right end.
+    The end of a single segment can only take velocities of the waves in it, of their reflections,
+    and of its holder. At the start and at the stop of a part the mass fractions beyond it are g and
+    w, as seen from the left or the right end.
     """
-    head, held, passed, pieces = part[first], part[first].held != NONE, 0.0, 0
+    group = parts[first]
+    held = group.held != NONE
+    passed = 0.0
+    segments = 0
+    others = 0
     for side in range(2):
-        head.deviation[side] = head.slack[side] = 0.0
+        group.deviation[side] = 0.0
+        group.slack[side] = 0.0
     for k in range(first, last):
-        it, before = part[k], passed
-        passed += it.mass
-        pieces += 1 if it.kind == Part.SEGMENT else 2 if it.kind < Part.WALL else 0
+        part = parts[k]
+        before = passed
+        passed += part.mass
+        if part.kind == Part.SEGMENT:
+            segments += 1
+        elif part.kind < Part.WALL:
+            others += 1  # masses and joints
         for side in range(2):
-            g = w = 1.0
+            g = 1.0
+            w = 1.0
             if not held:
-                g, w = before / total, passed / total
+                g = before / total
+                w = passed / total
             if not held and side == 0:
-                g, w = 1 - g, 1 - w
-            sign, gives = 2 * side - 1, it.compliance
-            if it.kind == Part.SEGMENT:
-                head.low, head.high = extremes(
-                    line, log, 2 * it.index + side, head.low, head.high
-                )
-                transit = second * line[2 * it.index].delay
-                head.deviation[side] += sign * stretch(it, g, w) * transit
-                head.slack[side] += gives * (g * g + g * w + w * w) / 3
-            elif it.kind == Part.JOINT:
-                if gives > 0:
-                    head.deviation[side] -= sign * link[it.index].overlap * g
-                else:  # a dashpot stretches by no more than the momentum that passes it, over c
-                    c = link[it.index].damping
-                    gives = DASHPOT * max(passed, total - passed) / (c * c)
-                head.slack[side] += gives * (g * g)
-            elif it.kind == Part.ENDLESS:
-                head.slack[side] = gives
+                g = 1 - g
+                w = 1 - w
+            sign = 2 * side - 1
+            compliance = part.compliance
+            if part.kind == Part.SEGMENT:
+                l = 2 * part.index + side
+                low, high = extremes(all_lines, log, l, group.low, group.high)
+                group.low = low
+                group.high = high
+                transit = second * all_lines[2 * part.index].delay
+                group.deviation[side] += sign * stretch(part, g, w) * transit
+                group.slack[side] += compliance * (g * g + g * w + w * w) / 3
+            elif part.kind == Part.JOINT:
+                joint = links[part.index]
+                if compliance > 0:
+                    group.deviation[side] -= sign * joint.overlap * g
+                else:
+                    # a dashpot stretches by no more than the momentum that passes it, over c
+                    c = joint.damping
+                    largest = max(passed, total - passed)
+                    compliance = DASHPOT_FACTOR * largest / (c * c)
+                group.slack[side] += compliance * (g * g)
+            elif part.kind == Part.ENDLESS:
+                group.slack[side] = compliance
     for k in range(first, last):
-        if part[k].kind == Part.WALL:  # turns waves around its velocity
-            low = min(head.low, 2 * head.speed - head.high)
-            head.high = max(head.high, 2 * head.speed - head.low)
-            head.low = low
-    head.plain = pieces <= 1 or last - first == 1
+        if parts[k].kind == Part.WALL:
+            # a wall reflects waves about its velocity
+            low = min(group.low, 2 * group.speed - group.high)
+            group.high = max(group.high, 2 * group.speed - group.low)
+            group.low = low
+    alone = segments <= 1 and others == 0
+    group.plain = alone or last - first == 1
 
 
-def stretch(it: Any, g: float, w: float) -> float:
-    """Integral of strain g dx of a segment over its transit time, with g linear from g to w.
+def stretch(part: Any, g: float, w: float) -> float:
+    """Return the integral of strain g dx over the transit time, with g linear from g to w.
 
-    As dx is c dt, strain dx is (b - a)/2 dt. What a sent last is at the left end now, what b sent
-    last at the right end.
+    As dx is c dt, strain dx is (b - a)/2 dt. The wave that a sent last is at the left end now, the
+    wave that b sent last at the right end.
     """
-    mean, slope = it.wave[1] - it.wave[0], it.tilt[1] + it.tilt[0]
+    mean = part.wave[1] - part.wave[0]
+    slope = part.tilt[1] + part.tilt[0]
     return float((g + w) * mean + (w - g) * slope) / 8
 
 
 def extremes(
-    line: Any, log: Any, l: int, low: float, high: float
+    all_lines: Any, log: Any, l: int, low: float, high: float
 ) -> tuple[float, float]:
-    """Bounds of what is under way in a line, and of these two."""
-    i = line[l].head
+    """Return bounds of the waves under way in a line, and of two velocities."""
+    i = all_lines[l].head
     while i != NONE:
         piece = log[i]
         swing = 0.0
