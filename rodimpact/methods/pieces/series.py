@@ -11,43 +11,56 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import chebyshev, legendre
 
-N = 8  # degree of a piece, and number of stages
+N = 8
+"""Degree of a piece, and number of stages of the collocation."""
 POINTS = N + 1
-SAMPLES = 32  # intervals in which the smallest value of a series is looked for
-NEXT_INTEGRAL = 0.01  # integral of the Chebyshev polynomial of the next degree, about
-THIRDS = 36  # steps to an extremum, each of which leaves two thirds of the width
+"""Points of a piece: its start and the stages."""
+SAMPLES = 32
+"""Intervals of a piece in which its smallest value is looked for."""
+NEXT_INTEGRAL = 0.01
+"""Integral of the Chebyshev polynomial of the next degree, about."""
+THIRDS = 36
+"""Steps to an extremum, each of which leaves two thirds of the width: 5e-7 of it at the end."""
+
 _LAST = legendre.Legendre.basis(N - 1) - legendre.Legendre.basis(N)
 _RADAU = np.append(np.sort(_LAST.roots().real)[:-1], 1.0)
-_AT = np.concatenate(([-1.0], _RADAU))
-_INNER = np.linalg.inv(chebyshev.chebvander(_RADAU, N - 1))
-X: Any = _AT.tolist()  # the points
-SERIES: Any = np.linalg.inv(
-    chebyshev.chebvander(_AT, N)
-).tolist()  # values to coefficients
-STAGES: Any = [  # values at the N points to their integral from -1 to each of these points
-    [float(chebyshev.Chebyshev(_INNER[:, m]).integ(lbnd=-1)(x)) for m in range(N)]
-    for x in _RADAU
+_START_AND_STAGES = np.concatenate(([-1.0], _RADAU))
+_STAGES_TO_SERIES = np.linalg.inv(chebyshev.chebvander(_RADAU, N - 1))
+_VALUES_TO_SERIES = np.linalg.inv(chebyshev.chebvander(_START_AND_STAGES, N))
+_SERIES_AT_START = chebyshev.chebvander([-1.0], N - 1)
+_INTEGRALS = [
+    chebyshev.Chebyshev(column).integ(lbnd=-1) for column in _STAGES_TO_SERIES.T
 ]
-TWICE: Any = (
-    np.array(STAGES) @ np.array(STAGES)
-).tolist()  # and to the integral of that
-START: Any = (chebyshev.chebvander([-1.0], N - 1) @ _INNER)[
-    0
-].tolist()  # to that at the start
-WEIGHTS: Any = STAGES[N - 1][:]  # of the whole piece; exact up to degree 2N - 2
+"""Integrals from -1 on of the polynomials that are 1 at one stage and 0 at the others."""
+
+X: Any = _START_AND_STAGES.tolist()
+"""Places of the points."""
+SERIES: Any = _VALUES_TO_SERIES.tolist()
+"""Matrix from values at the points to coefficients of the Chebyshev series."""
+STAGES: Any = [[float(each(y)) for each in _INTEGRALS] for y in _RADAU]
+"""Matrix from values at the stages to integrals from -1 to each of these."""
+TWICE: Any = (np.array(STAGES) @ np.array(STAGES)).tolist()
+"""Matrix from values at the stages to the integrals of these integrals."""
+START: Any = (_SERIES_AT_START @ _STAGES_TO_SERIES)[0].tolist()
+"""Weights of the stages in the value at the start, extrapolated."""
+WEIGHTS: Any = STAGES[N - 1][:]
+"""Weights of the stages in the integral over the piece; exact up to degree 2N - 2."""
 
 
 def value(c: Any, y: float) -> float:
-    """Sum of the series c at y, by Clenshaw's recurrence."""
-    b1 = b2 = 0.0
+    """Return the sum of the series c at y, by Clenshaw's recurrence."""
+    b1 = 0.0
+    b2 = 0.0
     y2 = 2 * y
     for m in range(N, 0, -1):
-        b1, b2 = y2 * b1 - b2 + c[m], b1
+        b0 = y2 * b1 - b2 + c[m]
+        b2 = b1
+        b1 = b0
     return y * b1 - b2 + c[0]
 
 
 def slope_at_end(c: Any, end: float) -> float:
-    """Derivative of the series c by y at an end of the piece, -1 or 1."""
+    """Return the derivative of the series c by y at an end of the piece, -1 or 1."""
     s = 0.0
     sign = end
     for m in range(1, POINTS):
@@ -67,7 +80,7 @@ def coefficients(f: Any, c: Any) -> None:
 
 
 def integral(f: Any) -> float:
-    """Mean of what has the values f at the points, times 2."""
+    """Return the integral over y from -1 to 1 of the polynomial with the values f at the points."""
     s = 0.0
     for j in range(N):
         s += WEIGHTS[j] * f[j + 1]
@@ -75,23 +88,29 @@ def integral(f: Any) -> float:
 
 
 def tail(f: Any) -> float:
-    """What the last two coefficients of a series say: how far it is from smooth."""
-    u = w = 0.0
-    last, top = SERIES[N - 1], SERIES[N]
+    """Return the size of the last two coefficients of the series with the values f at the points.
+
+    It measures the truncation error.
+    """
+    before = 0.0
+    last = 0.0
+    row_before = SERIES[N - 1]
+    row_last = SERIES[N]
     for j in range(POINTS):
-        u += last[j] * f[j]
-        w += top[j] * f[j]
-    return abs(u) + abs(w)
+        before += row_before[j] * f[j]
+        last += row_last[j] * f[j]
+    return abs(before) + abs(last)
 
 
 def remainder(f: Any, integrated: bool) -> float:
-    """Estimate of how far a piece is from the function that it stands for.
+    """Return an estimate of the error of a piece, against the function that it stands for.
 
     Coefficients fall by a factor r from degree to degree. The polynomial misses the next one, about
     the tail times r. Integrals of it are about a hundredth of that; and collocation integrates far
     better than it follows values, about as the tail times r^3.
     """
-    last = before = 0.0
+    last = 0.0
+    before = 0.0
     for m in range(N - 3, POINTS):
         row = SERIES[m]
         s = 0.0
@@ -101,15 +120,17 @@ def remainder(f: Any, integrated: bool) -> float:
             before += abs(s)
         else:
             last += abs(s)
-    square = min(1.0, last / before) if before > 0 else 0.0
-    found = last * math.sqrt(square)
+    square = 0.0  # of the factor r, for pairs of coefficients are compared
+    if before > 0:
+        square = min(1.0, last / before)
+    error = last * math.sqrt(square)
     if integrated:
-        found *= square + NEXT_INTEGRAL
-    return found
+        error *= square + NEXT_INTEGRAL
+    return error
 
 
 def is_constant(f: Any) -> bool:
-    """Whether the values at all points are the same."""
+    """Return whether the values at all points are the same."""
     same = True
     for j in range(1, POINTS):
         same = same and f[j] == f[0]
@@ -126,7 +147,10 @@ def restrict(f: Any, y: float, c: Any) -> None:
 
 
 def first_zero(c: Any, low: float, high: float) -> float:
-    """Where the series c falls below 0 between `low`, where it is not, and `high`, where it is."""
+    """Return the place between `low` and `high` at which the series c falls below 0, by bisection.
+
+    It is 0 or more at `low`, and negative at `high`.
+    """
     for _ in range(54):
         middle = 0.5 * (low + high)
         if value(c, middle) >= 0:
@@ -137,15 +161,15 @@ def first_zero(c: Any, low: float, high: float) -> float:
 
 
 def largest(f: Any) -> float:
-    """Largest of the values at the points."""
-    top = f[0]
+    """Return the largest of the values at the points."""
+    most = f[0]
     for j in range(1, POINTS):
-        top = max(top, f[j])
-    return top
+        most = max(most, f[j])
+    return most
 
 
 def smallest(f: Any) -> float:
-    """Smallest of the values at the points."""
+    """Return the smallest of the values at the points."""
     least = f[0]
     for j in range(1, POINTS):
         least = min(least, f[j])
@@ -153,7 +177,7 @@ def smallest(f: Any) -> float:
 
 
 def lowest(c: Any, low: float, high: float) -> float:
-    """Where the series c is lowest between two places, if it has one lowest place there."""
+    """Return the place between two others at which the series c is lowest, if it has one there."""
     for _ in range(THIRDS):
         third = (high - low) / 3
         if value(c, low + third) > value(c, high - third):
@@ -164,7 +188,7 @@ def lowest(c: Any, low: float, high: float) -> float:
 
 
 def minimum(c: Any) -> float:
-    """Smallest value of the series c, found between samples beside the smallest of them.
+    """Return the smallest value of the series c, found between samples beside the smallest of them.
 
     A series that cannot be negative, by the sum of its coefficients, is not looked at further: its
     smallest possible value is returned.
@@ -189,16 +213,18 @@ def minimum(c: Any) -> float:
 
 
 def maximum(f: Any, c: Any, least: float) -> float:
-    """Largest value of what has the values f at the points, beside the largest of which it lies.
+    """Return the largest value of the polynomial with the values f at the points.
 
-    A vertex beside the outermost points counts too: a parabola through three points would miss it.
-    Nothing is looked for between the points where nothing there can be more than `least`.
+    It lies beside the largest of these values. A vertex beside the outermost points counts too: a
+    parabola through three points would miss it. If no value between the points can be more than
+    `least`, the largest of the values at the points is returned.
     """
     best = 0
     for j in range(POINTS):
         if f[j] > f[best]:
             best = j
-    low, high = X[max(best - 1, 0)], X[min(best + 1, N)]
+    low = X[max(best - 1, 0)]
+    high = X[min(best + 1, N)]
     coefficients(f, c)
     reach = c[0]
     for m in range(1, POINTS):
@@ -206,7 +232,8 @@ def maximum(f: Any, c: Any, least: float) -> float:
     if reach <= least:
         return f[best]
     for _ in range(THIRDS):
-        u, w = (2 * low + high) / 3, (low + 2 * high) / 3
+        u = (2 * low + high) / 3
+        w = (low + 2 * high) / 3
         if value(c, u) < value(c, w):
             low = u
         else:
@@ -215,14 +242,16 @@ def maximum(f: Any, c: Any, least: float) -> float:
 
 
 def set_parabola(f: Any, whole: float, tilt: float, bend: float) -> None:
-    """Set f to the parabola of which these are the integrals times P0, P1 and P2."""
+    """Set f to the parabola with these integrals times P0, P1 and P2 (Legendre)."""
     for j in range(POINTS):
         f[j] = 0.5 * whole + 1.5 * tilt * X[j] + 2.5 * bend * (1.5 * X[j] * X[j] - 0.5)
 
 
 def flatten(f: Any) -> None:
     """Replace f by the parabola that is nearest to it in mean squares."""
-    whole = tilt = bend = 0.0
+    whole = 0.0
+    tilt = 0.0
+    bend = 0.0
     for j in range(1, POINTS):
         w = WEIGHTS[j - 1] * f[j]
         whole += w
@@ -234,14 +263,18 @@ def flatten(f: Any) -> None:
 def eliminate(G: Any, n: int, band: int) -> None:
     """Solve n equations by Gauss elimination in place; the right-hand side is column n of G.
 
-    Nothing is farther than `band` from the diagonal; pivoting fills as much again on the right.
+    No coefficient is farther than `band` from the diagonal; pivoting fills as much again on the
+    right.
     """
     for i in range(n):
-        below, right = min(n, i + band), min(n, i + 2 * band)
-        p, top = i, abs(G[i][i])
+        below = min(n, i + band)
+        right = min(n, i + 2 * band)
+        p = i
+        most = abs(G[i][i])
         for j in range(i + 1, below):
-            if abs(G[j][i]) > top:
-                p, top = j, abs(G[j][i])
+            if abs(G[j][i]) > most:
+                p = j
+                most = abs(G[j][i])
         row = G[i]
         largest = G[p]
         swapped = right
