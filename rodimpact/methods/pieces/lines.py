@@ -6,45 +6,47 @@ from . import series
 from .records import HARD, NONE, SMOOTH
 from .series import POINTS, WEIGHTS, N, X
 
-EXACT = 1e-4  # of the tolerance: a smaller jump is none
+EXACT = 1e-4
+"""Jump of a wave over the tolerance, below which the wave counts as continuous."""
 
 
 def at(piece: Any, y: float) -> float:
-    """Value of a piece at y, from -1 to 1; beyond round-off it holds on."""
+    """Return the value of a piece at y, from -1 to 1; y beyond these is taken for round-off."""
     if piece.degree == 0:
         return piece.coefficient[0]
     return series.value(piece.coefficient, min(1.0, max(-1.0, y)))
 
 
-def move_on(line: Any, log: Any, l: int, tick: int) -> None:
+def move_on(lines: Any, log: Any, l: int, tick: int) -> None:
     """Let the head of a line be the piece that arrives at a tick, or the last one."""
-    here = line[l]
-    while log[here.head].after != NONE and log[here.head].stop + here.delay <= tick:
-        here.head = log[here.head].after
-        if log[here.head].order <= HARD:
-            here.hard -= 1
+    line = lines[l]
+    while log[line.head].after != NONE and log[line.head].stop + line.delay <= tick:
+        line.head = log[line.head].after
+        if log[line.head].order <= HARD:
+            line.hard -= 1
 
 
-def rewind(line: Any, log: Any, l: int) -> None:
-    """Let the head of a line be its first piece again: readers may have come to different times."""
-    here = line[l]
-    here.head, here.hard = here.first, 0
-    i = log[here.first].after
+def rewind(lines: Any, log: Any, l: int) -> None:
+    """Let the head of a line be its first piece again: its readers may be at different ticks."""
+    line = lines[l]
+    line.head = line.first
+    line.hard = 0
+    i = log[line.first].after
     while i != NONE:
         if log[i].order <= HARD:
-            here.hard += 1
+            line.hard += 1
         i = log[i].after
 
 
-def known_until(line: Any, log: Any, l: int) -> int:
-    """Tick until which it is known what arrives."""
-    return int(log[line[l].tail].stop + line[l].delay)
+def known_until(lines: Any, log: Any, l: int) -> int:
+    """Return the tick until which the arriving wave is known."""
+    return int(log[lines[l].tail].stop + lines[l].delay)
 
 
-def next_break(line: Any, log: Any, l: int, tick: int, end: int) -> int:
-    """Tick of the next hard break that arrives after a tick, or the end."""
-    delay = line[l].delay
-    i = log[line[l].head].after
+def next_break(lines: Any, log: Any, l: int, tick: int, end: int) -> int:
+    """Return the tick of the next hard break that arrives after a tick, or the end."""
+    delay = lines[l].delay
+    i = log[lines[l].head].after
     while i != NONE and log[i].start + delay < end:
         if log[i].order <= HARD and log[i].start + delay > tick:
             return int(log[i].start + delay)
@@ -52,49 +54,52 @@ def next_break(line: Any, log: Any, l: int, tick: int, end: int) -> int:
     return end
 
 
-def order_at(line: Any, log: Any, l: int, tick: int) -> int:
-    """Order of the break that arrives at a tick; at the beginning anything may jump."""
+def order_at(lines: Any, log: Any, l: int, tick: int) -> int:
+    """Return the order of the break that arrives at a tick; at t = 0 anything may jump."""
     if tick == 0:
         return 0
-    piece = log[line[l].head]
-    if piece.start + line[l].delay == tick:
+    piece = log[lines[l].head]
+    if piece.start + lines[l].delay == tick:
         return int(piece.order)
     return SMOOTH
 
 
-def sample(line: Any, log: Any, l: int, tick: int, ticks: int, f: Any) -> None:
-    """Set f to what arrives at the points of a piece; at its end to what arrives before it."""
-    begin = tick - line[l].delay
-    piece = log[line[l].head]
+def sample(lines: Any, log: Any, l: int, tick: int, ticks: int, f: Any) -> None:
+    """Set f to the arriving wave at the points of a piece; at its end to the limit from before."""
+    begin = tick - lines[l].delay
+    piece = log[lines[l].head]
     if piece.degree == 0 and begin + ticks <= piece.stop:
         for j in range(POINTS):
             f[j] = piece.coefficient[0]
         return
     for j in range(POINTS):
-        y = 0.5 * (X[j] + 1) * ticks  # since the begin
+        u = 0.5 * (X[j] + 1) * ticks  # since `begin`
         while (
             piece.after != NONE
-            and begin + y > piece.stop
+            and begin + u > piece.stop
             and piece.stop < begin + ticks
         ):
             piece = log[piece.after]
-        f[j] = at(
-            piece, 2 * ((begin - piece.start) + y) / (piece.stop - piece.start) - 1
-        )
+        y = 2 * ((begin - piece.start) + u) / (piece.stop - piece.start) - 1
+        f[j] = at(piece, y)
 
 
 def moments(
     log: Any, i: int, begin: int, ticks: int, speed: float
 ) -> tuple[float, float, float, float]:
-    """Integrals of what a line sent over `ticks` from `begin` on, less a velocity.
+    """Return the moments of the wave, less a velocity, that a line sent over `ticks` from `begin`.
 
-    Times the Legendre polynomials of degree 0, 1 and 2, and squared, over y from -1 to 1; i is the
-    place of a piece at or before `begin`.
+    These are the integrals over y from -1 to 1 of the wave times the Legendre polynomials of degree
+    0, 1 and 2, and of its square; i is the place of a piece at or before `begin`.
     """
-    whole = tilt = bend = square = 0.0
+    whole = 0.0
+    tilt = 0.0
+    bend = 0.0
+    square = 0.0
     while i != NONE and log[i].start < begin + ticks:
         piece = log[i]
-        low, high = max(begin, piece.start), min(begin + ticks, piece.stop)
+        low = max(begin, piece.start)
+        high = min(begin + ticks, piece.stop)
         if high > low:
             for j in range(N):
                 u = 0.5 * (X[j + 1] + 1) * (high - low)
@@ -110,82 +115,97 @@ def moments(
     return whole, tilt, bend, square
 
 
-def project(line: Any, log: Any, l: int, tick: int, ticks: int, f: Any) -> None:
-    """Set f to the nearest parabola to what arrives: exact in momentum, never of more energy."""
-    here = line[l]
-    whole, tilt, bend, _ = moments(log, here.head, tick - here.delay, ticks, 0.0)
+def project(lines: Any, log: Any, l: int, tick: int, ticks: int, f: Any) -> None:
+    """Set f to the parabola nearest to the arriving wave: same momentum, never more energy."""
+    line = lines[l]
+    begin = tick - line.delay
+    whole, tilt, bend, _ = moments(log, line.head, begin, ticks, 0.0)
     series.set_parabola(f, whole, tilt, bend)
 
 
 def put(
-    run: Any, line: Any, log: Any, l: int, tick: int, stop: int, degree: int, c: Any
+    run: Any, lines: Any, log: Any, l: int, tick: int, stop: int, degree: int, c: Any
 ) -> int:
     """Append a piece to a line; return its place in the log.
 
-    What is constant stays one piece as long as it is: a front is a piece of degree 0. NONE is
-    returned where it only goes on.
+    A constant wave stays one piece as long as it is constant: a front is a piece of degree 0. If
+    the new piece only goes on with it, NONE is returned.
     """
-    i, here, old = int(run.pieces), line[l], line[l].tail
+    i = int(run.pieces)
+    line = lines[l]
+    old = line.tail
     if old == NONE:
-        here.first = here.head = i
+        line.first = i
+        line.head = i
     elif degree == 0 and log[old].degree == 0 and log[old].coefficient[0] == c[0]:
         log[old].stop = stop
         return NONE
     else:
         log[old].after = i
     piece = log[i]
-    piece.start, piece.stop, piece.order, piece.after = tick, stop, SMOOTH, NONE
-    piece.line, piece.degree = l, degree
+    piece.start = tick
+    piece.stop = stop
+    piece.order = SMOOTH
+    piece.after = NONE
+    piece.line = l
+    piece.degree = degree
     for m in range(POINTS):
         piece.coefficient[m] = c[m]
-    here.tail, run.pieces = i, i + 1
+    line.tail = i
+    run.pieces = i + 1
     return i
 
 
 def append(
-    run: Any, line: Any, log: Any, l: int, tick: int, ticks: int, f: Any, c: Any
+    run: Any, lines: Any, log: Any, l: int, tick: int, ticks: int, f: Any, c: Any
 ) -> int:
-    """Append what has the values f at the points of a piece, with c as scratch, as `put` does."""
+    """Append the piece with the values f at its points, as `put` does, with c as scratch."""
     degree = 0
     for m in range(POINTS):
-        c[m] = f[0] if m == 0 else 0.0
+        c[m] = 0.0
+    c[0] = f[0]
     if not series.is_constant(f):
         degree = N
         series.coefficients(f, c)
-    return put(run, line, log, l, tick, tick + ticks, degree, c)
+    return put(run, lines, log, l, tick, tick + ticks, degree, c)
 
 
 def send(
-    run: Any, line: Any, log: Any, l: int, at: Any, ticks: int, order: int
+    run: Any, lines: Any, log: Any, l: int, node: Any, ticks: int, order: int
 ) -> None:
-    """Append what leaves an end, with a break of this order.
+    """Append the wave that leaves a node, with a break of this order.
 
     A constant wave that starts to change makes a hard break, however smooth the start is. So no
     piece of any node reaches across the arrival of this wave, and nothing moves before it arrives.
     """
-    old = line[l].tail
-    i = append(run, line, log, l, at.now, ticks, at.leaving, at.series)
+    old = lines[l].tail
+    i = append(run, lines, log, l, node.now, ticks, node.leaving, node.series)
     if i != NONE and order <= HARD:
         log[i].order = order
-        judge(run, line, log, old, i)
+        classify_break(run, lines, log, old, i)
     if i != NONE and log[i].order > HARD and log[old].degree == 0 and log[i].degree > 0:
         log[i].order = HARD
-        line[l].hard += 1
+        lines[l].hard += 1
 
 
-def judge(run: Any, line: Any, log: Any, old: int, i: int) -> None:
-    """Judge the break between two pieces: it is hard if what jumps is above tolerance.
+def classify_break(run: Any, lines: Any, log: Any, old: int, i: int) -> None:
+    """Classify the break between two pieces: it is hard if its jump is above tolerance.
 
-    Its `order` is what theory says it can be; jumps of value, slope and curvature are measured over
-    the shortest transit, a typical length of a piece.
+    Its `order` is the lowest that theory allows; jumps of value, slope and curvature are measured
+    over the shortest transit, a typical length of a piece.
     """
-    before, new = log[old], log[i]
+    before = log[old]
+    new = log[i]
     s0 = 0.5 * run.shortest / (before.stop - before.start)
     s1 = 0.5 * run.shortest / (new.stop - new.start)
-    jump = slope = bend = 0.0
+    jump = 0.0
+    slope = 0.0
+    bend = 0.0
     sign = 1.0
     for m in range(POINTS):
-        q, b, c = m * m, before.coefficient[m], sign * new.coefficient[m]
+        q = m * m
+        b = before.coefficient[m]
+        c = sign * new.coefficient[m]
         jump += c - b
         slope -= q * (c * s1 + b * s0)
         bend += q * (q - 1) / 6 * (c * s1 * s1 - b * s0 * s0)
@@ -195,21 +215,27 @@ def judge(run: Any, line: Any, log: Any, old: int, i: int) -> None:
         if abs(slope) + abs(bend) <= 4 * run.tolerance:
             new.order = SMOOTH
     if new.order <= HARD:
-        line[new.line].hard += 1
+        lines[new.line].hard += 1
 
 
-def reflect(run: Any, line: Any, log: Any, at: Any) -> int:
-    """Send back from a free end, as it came, the piece that arrives; return the tick behind it."""
-    side = 1 if at.mobility[1] > 0 else 0
-    source, target = at.source[side], at.target[side]
-    move_on(line, log, source, at.now)
-    piece, delay, old = log[line[source].head], line[source].delay, line[target].tail
+def reflect(run: Any, lines: Any, log: Any, node: Any) -> int:
+    """Send the arriving piece back from a free end, unchanged; return the tick of its end."""
+    side = 0
+    if node.mobility[1] > 0:
+        side = 1
+    source = node.source[side]
+    target = node.target[side]
+    move_on(lines, log, source, node.now)
+    piece = log[lines[source].head]
+    delay = lines[source].delay
+    old = lines[target].tail
     stop = piece.stop + delay
-    i = put(run, line, log, target, at.now, stop, piece.degree, piece.coefficient)
-    if i != NONE and at.now == 0:  # the first that meets what was under way
+    i = put(run, lines, log, target, node.now, stop, piece.degree, piece.coefficient)
+    if i != NONE and node.now == 0:
+        # the first piece meets the wave that is under way at t = 0
         log[i].order = 0
-        judge(run, line, log, old, i)
-    elif i != NONE and at.now == piece.start + delay:
+        classify_break(run, lines, log, old, i)
+    elif i != NONE and node.now == piece.start + delay:
         log[i].order = piece.order
-        line[target].hard += piece.order <= HARD
+        lines[target].hard += piece.order <= HARD
     return int(stop)
