@@ -18,7 +18,7 @@ NOTHING = Pieces([0], [0.0])
 
 
 def signals_of(row: Row, clock: Clock, end: int, records: dict[str, Any]) -> Signals:
-    """All that a run knows of the motion.
+    """Signals of a run: all that it keeps of the motion.
 
     Parameters
     ----------
@@ -27,99 +27,133 @@ def signals_of(row: Row, clock: Clock, end: int, records: dict[str, Any]) -> Sig
     end : int
         Last tick.
     records : dict of str to array
-        Those of the run.
+        Records of the run, by name.
     """
-    run, link, turn, bodies = (
-        records["run"][0],
-        records["link"],
-        records["turn"],
-        row.system.bodies,
-    )
+    run = records["run"][0]
+    bodies = row.system.bodies
     lines = _lines(records["log"][: run["pieces"]], len(records["line"]))
-    frame = Pieces.through(
-        [0, end], clock.frame + clock.gravity * clock.tick * np.array([0.0, end])
+    turns = records["turn"][: run["turns"]]
+    fall = clock.gravity * clock.tick * np.array([0.0, end])
+    frame = Pieces.through([0, end], clock.frame + fall)
+    masses = _masses(row, end, lines, frame, records, turns)
+    contacts: list[ContactSignal | None] = []
+    for i in row.contact_link:
+        contact = None  # a bond of rigid bodies
+        if i >= 0:
+            own_turns = turns[turns["link"] == i]
+            contact = _contact(records["link"][i], own_turns, lines, clock.tick)
+        contacts.append(contact)
+    left = _with_blows(_outside(row, 0, lines, frame, records), bodies[0], contacts)
+    right = _with_blows(
+        _outside(row, 1, lines, frame, records), bodies[-1], contacts[::-1]
     )
-    turn = turn[: run["turns"]]
-    struck = bool(np.any((turn["impulse"] > 0) & (turn["tick"] == 0)))
-    masses = {}
-    for body, m in enumerate(row.mass_of):
-        if m >= len(row.masses):  # bonded to a wall
-            value = float(row.outside[m - len(row.masses)][1])
-            masses[body] = Pieces.through([0, end], np.full(2, value)) - frame
-        elif m >= 0:
-            masses[body] = lines[records["mass"]["line"][m]]
-            if (
-                struck or end == 0
-            ):  # as it was before, for the tick of the blow, or where none ran
-                before = float(row.mass_velocity[m]) - float(row.frame)
-                masses[body] = _at_once(masses[body], 0, before)
-    contacts = [
-        _contact(link[i], turn[turn["link"] == i], lines, clock.tick)
-        if i >= 0
-        else None
-        for i in row.contact_link
-    ]
-    outside = [_outside(row, side, lines, frame, records) for side in (0, 1)]
-    for side, inwards in enumerate((contacts, contacts[::-1])):
-        acting, contact = (
-            outside[side],
-            next(filter(None, inwards), None),
-        )  # not bonds to a wall
-        if isinstance(bodies[-side], Wall) and contact and acting:
-            outside[side] = acting._replace(push=contact.force)  # with its blows
 
-    def spent(body: int) -> Pieces:
+    def inertia_force(body: int) -> Pieces:
         return _rate(masses[body], float(bodies[body].mass) / clock.tick)
 
-    forces = fill_bonds(
-        row.system,
-        [c.force if c else None for c in contacts],
-        spent,
-        outside[0].push if outside[0] else NOTHING,
-    )
-    whole = tuple(
-        contact or ContactSignal(force, NOTHING, NOTHING, ())
-        for contact, force in zip(contacts, forces, strict=True)
-    )
+    forces: list[Pieces | None] = []
+    for contact in contacts:
+        force = None
+        if contact:
+            force = contact.force
+        forces.append(force)
+    push = NOTHING
+    if left:
+        push = left.push
+    all_forces = fill_bonds(row.system, forces, inertia_force, push)
+    signals = []
+    for contact, force in zip(contacts, all_forces, strict=True):
+        if contact is None:
+            contact = ContactSignal(force, NOTHING, NOTHING, ())
+        signals.append(contact)
     waves = Waves([None, None, *lines[: 2 * len(row.segments)]])
-    return Signals(waves, whole, (outside[0], outside[1]), None, masses)
+    return Signals(waves, tuple(signals), (left, right), None, masses)
+
+
+def _masses(
+    row: Row,
+    end: int,
+    lines: list[Pieces],
+    frame: Pieces,
+    records: dict[str, Any],
+    turns: Any,
+) -> dict[int, Pieces]:
+    """Velocity of each rigid body in the frame, m/s.
+
+    A blow at t = 0 takes one tick, in which bodies keep the velocities before it; so do those of
+    a run that ends at t = 0.
+    """
+    starts_with_blow = bool(np.any((turns["impulse"] > 0) & (turns["tick"] == 0)))
+    count = len(row.masses)
+    masses = {}
+    for body, m in enumerate(row.mass_of):
+        if m >= count:  # bonded to a wall
+            speed = float(row.outside[m - count][1])
+            masses[body] = Pieces.through([0, end], np.full(2, speed)) - frame
+        elif m >= 0:
+            velocity = lines[records["mass"]["line"][m]]
+            if starts_with_blow or end == 0:
+                before = float(row.mass_velocity[m]) - float(row.frame)
+                velocity = _at_once(velocity, 0, before)
+            masses[body] = velocity
+    return masses
+
+
+def _with_blows(
+    outside: Outside | None, body: Any, contacts: list[ContactSignal | None]
+) -> Outside | None:
+    """What acts on an end; on a wall that is the force of its contact, with its blows.
+
+    `contacts` begin at the end; those that are None are bonds of rigid bodies to the wall.
+    """
+    if outside is None or not isinstance(body, Wall):
+        return outside
+    for contact in contacts:
+        if contact:
+            return outside._replace(push=contact.force)
+    return outside
 
 
 def _lines(log: Any, count: int) -> list[Pieces]:
-    """One signal a line."""
+    """Signals of all lines."""
     log = log[np.argsort(log["line"], kind="stable")]
     bounds = np.searchsorted(log["line"], np.arange(count + 1))
     lines = []
-    for own in (log[i:j] for i, j in pairwise(bounds)):
-        size = own["coefficient"].shape[1] if own["degree"].any() else 1
-        lines.append(
-            Pieces(own["start"], own["coefficient"][:, :size], own["stop"][-1])
-            if len(own)
-            else NOTHING
-        )
+    for start, stop in pairwise(bounds):
+        pieces = log[start:stop]
+        line = NOTHING
+        if len(pieces):
+            coefficients = pieces["coefficient"]
+            if not pieces["degree"].any():
+                coefficients = coefficients[:, :1]
+            line = Pieces(pieces["start"], coefficients, pieces["stop"][-1])
+        lines.append(line)
     return lines
 
 
-def _contact(it: Any, turns: Any, lines: list[Pieces], tick: float) -> ContactSignal:
-    """What passed in a link, in which contacts took these turns."""
-    kept = it["kept"]
+def _contact(link: Any, turns: Any, lines: list[Pieces], tick: float) -> ContactSignal:
+    """Force, gap and closing velocity of a link, and the episodes that its turns bound."""
+    kept = link["kept"]
     force = lines[kept]
-    if it["law"] < Law.JOINT:
+    if link["law"] < Law.JOINT:
         return ContactSignal(force, NOTHING, NOTHING, ())
     gap = lines[kept + 1].times(-1.0)
-    closing = lines[kept + 2] if it["law"] == Law.YIELD else _rate(gap, -1.0 / tick)
-    struck = turns[turns["impulse"] > 0]
-    at = np.maximum(struck["tick"] - 1, 0)
-    for when in np.unique(at):  # a blow takes no time: one tick before it here
-        blows = struck[at == when]
-        impulse, work = (
-            blows["impulse"].sum(),
-            (blows["impulse"] * blows["closing"]).sum(),
-        )
-        force = _at_once(force, int(when), float(impulse) / tick)
-        closing = _at_once(closing, int(when), float(work / impulse))
-    opens = it["law"] >= Law.RIGID
-    episodes = episodes_of(turns["tick"], turns["touch"], tick) if opens else ()
+    if link["law"] == Law.YIELD:
+        closing = lines[kept + 2]
+    else:
+        closing = _rate(gap, -1.0 / tick)
+    blows = turns[turns["impulse"] > 0]
+    # A blow takes no time; here it takes the tick before it.
+    blow_ticks = np.maximum(blows["tick"] - 1, 0)
+    for blow_tick in np.unique(blow_ticks):
+        together = blows[blow_ticks == blow_tick]
+        impulse = together["impulse"].sum()
+        work = (together["impulse"] * together["closing"]).sum()
+        force = _at_once(force, int(blow_tick), float(impulse) / tick)
+        closing = _at_once(closing, int(blow_tick), float(work / impulse))
+    if link["law"] < Law.RIGID:
+        return ContactSignal(force, gap, closing, ())
+    episodes = episodes_of(turns["tick"], turns["touch"], tick)
     return ContactSignal(force, gap, closing, episodes)
 
 
@@ -127,9 +161,8 @@ def _rate(signal: Pieces, factor: float) -> Pieces:
     """Derivative by ticks times a factor."""
     if signal.size == 1:
         return NOTHING
-    slopes = (
-        chebder(signal.coefficients, axis=1) * (2 * factor / signal.widths)[:, None]
-    )
+    per_tick = 2 * factor / signal.widths
+    slopes = chebder(signal.coefficients, axis=1) * per_tick[:, None]
     return Pieces(signal.ticks, slopes, signal.end)
 
 
@@ -147,19 +180,22 @@ def _at_once(signal: Pieces, tick: int, value: float) -> Pieces:
 def _outside(
     row: Row, side: int, lines: list[Pieces], frame: Pieces, records: dict[str, Any]
 ) -> Outside | None:
-    """What acts on the left or right end of the row."""
+    """Force on the left or right end of the row, and the velocity of that end."""
     kind, value = row.outside[side]
     if kind == "none":
         return None
-    at, inner = records["node"][-side], 1 - side
+    node = records["node"][-side]
     if kind == "velocity" and isinstance(value, float):
         speed = Pieces([0], [value])
     elif kind == "velocity":
-        speed = lines[at["source"][side]] + frame
-    elif kind == "force" and at["links"] > 1:
+        speed = lines[node["source"][side]] + frame
+    elif kind == "force" and node["links"] > 1:
         speed = lines[records["mass"]["line"][-side]] + frame
-    else:
-        back = at["source"][inner]
-        arriving = lines[back].later(int(records["line"]["delay"][back]))
-        speed = lines[at["target"][inner]].times(0.5) + arriving.times(0.5) + frame
-    return Outside(row.outside_name(side), lines[records["link"]["kept"][-side]], speed)
+    else:  # the end of a rod: half the sum of the waves that leave and arrive
+        inner = 1 - side
+        source = node["source"][inner]
+        arriving = lines[source].later(int(records["line"]["delay"][source]))
+        leaving = lines[node["target"][inner]]
+        speed = leaving.times(0.5) + arriving.times(0.5) + frame
+    push = lines[records["link"]["kept"][-side]]
+    return Outside(row.outside_name(side), push, speed)
