@@ -1,7 +1,7 @@
-"""What is known of waves in advance: initial states and drives as pieces."""
+"""Initial states and drives as pieces: as long as they fit, between the breaks of a profile."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -12,10 +12,24 @@ from .lines import EXACT
 from .records import HARD, PIECE, SMOOTH
 from .series import POINTS, SERIES, N, X
 
-LEVELS = 12  # pieces of at most 2^12 intervals
-INSIDE = 6  # values in an interval: what runs there is of degree 5 at most
-_SERIES, _X = np.array(SERIES), np.array(X)
-SHARES = (1 - np.cos(np.pi * np.arange(INSIDE) / (INSIDE - 1))) / 2
+MAX_LEVELS = 12
+"""Binary logarithm of the number of intervals of the longest piece."""
+VALUES_PER_INTERVAL = 6
+"""Values in an interval of a signal, whose series has degree 5 at most."""
+SHARES = (
+    1 - np.cos(np.pi * np.arange(VALUES_PER_INTERVAL) / (VALUES_PER_INTERVAL - 1))
+) / 2
+"""Places of these values in the interval, from 0 to 1: Chebyshev points."""
+_SERIES = np.array(SERIES)
+_X = np.array(X)
+
+
+class Fit(NamedTuple):
+    """Pieces that fit a signal, each over one or more of its intervals."""
+
+    first: Ints  # first interval [piece]
+    series: Floats  # Chebyshev series [piece, coefficient]
+    miss: float  # largest difference from the signal
 
 
 def signal_of(profile: Any, length: float, ticks_of: Callable[[Any], Ints]) -> Pieces:
@@ -24,29 +38,44 @@ def signal_of(profile: Any, length: float, ticks_of: Callable[[Any], Ints]) -> P
     `ticks_of` makes ticks of places, m, or of times, s.
     """
     if isinstance(profile, Steps):
-        at = np.array([0.0, *map(float, profile.at)])
-        return Pieces(ticks_of(at), [*map(float, profile.values)])
+        starts = np.array([0.0, *map(float, profile.at)])
+        values = [*map(float, profile.values)]
+        return Pieces(ticks_of(starts), values)
     if isinstance(profile, Polynomials):
         return _from_polynomials(profile, length, ticks_of)
     if not isinstance(profile, Samples):
         return Pieces([0], [float(profile)])
-    y = np.asarray(profile.values, dtype=float)
-    step = length / (len(y) - 1) if profile.step is None else float(profile.step)
-    edges = step * np.arange(len(y))
+    return _from_samples(profile, length, ticks_of)
+
+
+def _from_samples(
+    profile: Samples, length: float, ticks_of: Callable[[Any], Ints]
+) -> Pieces:
+    """Signal through samples: straight lines, or a spline of degree 5 if they are smooth."""
+    samples = np.asarray(profile.values, dtype=float)
+    if profile.step is None:
+        step = length / (len(samples) - 1)
+    else:
+        step = float(profile.step)
+    edges = step * np.arange(len(samples))
     ticks = ticks_of(edges)
     if not profile.smooth:
-        return Pieces.through(ticks, y)
+        return Pieces.through(ticks, samples)
     from scipy.interpolate import make_interp_spline
 
-    values = make_interp_spline(edges, y, 5)(edges[:-1, None] + step * SHARES)
-    values[:, 0], values[:, -1] = y[:-1], y[1:]
-    series = np.linalg.inv(chebyshev.chebvander(2 * SHARES - 1, INSIDE - 1))
+    spline = make_interp_spline(edges, samples, 5)
+    values = spline(edges[:-1, None] + step * SHARES)
+    values[:, 0] = samples[:-1]
+    values[:, -1] = samples[1:]
+    degree = VALUES_PER_INTERVAL - 1
+    series = np.linalg.inv(chebyshev.chebvander(2 * SHARES - 1, degree))
     return Pieces(ticks[:-1], values @ series.T, ticks[-1])
 
 
 def _from_polynomials(
     profile: Polynomials, length: float, ticks_of: Callable[[Any], Ints]
 ) -> Pieces:
+    """Signal of polynomials, without those that are shorter than a tick."""
     ticks = ticks_of(np.array([0.0, *profile.inner, length]))
     lasting = np.diff(ticks) > 0
     starts = ticks[:-1][lasting]
@@ -74,42 +103,55 @@ def in_pieces(
 
     Returns
     -------
-    made : [n] PIECE
-    missed : float
-        By how much they miss the signal at most.
+    pieces : [n] PIECE
+    miss : float
+        Largest difference from the signal.
     """
     edges = each_once([start], signal.breaks_in(start, stop), [stop])
     least = min(ROUND_OFF, fit) * np.abs(signal.coefficients).max()
-    jumps = (
-        np.abs(signal.at(edges[1:], "left") - signal.at(edges[1:]))
-        > EXACT * tolerance + least
-    )
+    changes = np.abs(signal.at(edges[1:], "left") - signal.at(edges[1:]))
+    jumps = changes > EXACT * tolerance + least
     borders = _borders_of_rest(signal, edges, least)
-    first, own, missed = _merged(signal, edges, jumps | borders[1:], fit)
-    own[np.abs(own[:, 1:]).sum(axis=1) <= least, 1:] = 0.0  # a constant stays one
-    ends, inner = edges[np.append(first[1:], -1)], first[1:]
-    widths, k = (ends - edges[first]) * 1.0, np.arange(POINTS)
-    right, left = own @ k**2 * 2 / widths, own @ (k**2 * (-1.0) ** (k + 1)) * 2 / widths
-    near = np.minimum(edges[inner] - edges[inner - 1], edges[inner + 1] - edges[inner])
-    bends = np.abs(left[1:] - right[:-1]) * near / 8
-    made = np.zeros(len(own), PIECE)
-    made["start"], made["stop"], made["order"] = edges[first], ends, SMOOTH
-    made["order"][1:] = np.where(
-        jumps[inner - 1], 0, np.where(bends > tolerance + least, 1, SMOOTH)
-    )
-    starting = borders[first[1:]]
-    made["order"][1:] = np.where(
-        starting, np.minimum(made["order"][1:], HARD), made["order"][1:]
-    )
-    made["degree"] = np.where(own[:, 1:].any(axis=1), N, 0)
-    made["coefficient"] = own
-    return made, missed
+    fitted = _fit_longest(signal, edges, jumps | borders[1:], fit)
+    first = fitted.first
+    series = fitted.series
+    is_constant = np.abs(series[:, 1:]).sum(axis=1) <= least
+    series[is_constant, 1:] = 0.0
+    inner = first[1:]
+    starts = edges[first]
+    stops = edges[np.append(inner, -1)]
+    kinks = _kinks(series, (stops - starts) * 1.0)
+    before = edges[inner] - edges[inner - 1]
+    after = edges[inner + 1] - edges[inner]
+    bends = kinks * np.minimum(before, after) / 8
+    kink_order = np.where(bends > tolerance + least, 1, SMOOTH)
+    order = np.where(jumps[inner - 1], 0, kink_order)
+    order = np.where(borders[inner], np.minimum(order, HARD), order)
+    pieces = np.zeros(len(series), PIECE)
+    pieces["start"] = starts
+    pieces["stop"] = stops
+    pieces["order"] = SMOOTH
+    pieces["order"][1:] = order
+    pieces["degree"] = np.where(series[:, 1:].any(axis=1), N, 0)
+    pieces["coefficient"] = series
+    return pieces, fitted.miss
+
+
+def _kinks(series: Floats, widths: Floats) -> Floats:
+    """Jumps of the slope between pieces, by tick.
+
+    The Chebyshev polynomial T_k has the slope k^2 at 1, and (-1)^(k + 1) k^2 at -1.
+    """
+    k = np.arange(POINTS)
+    at_stop = series @ k**2 * 2 / widths
+    at_start = series @ (k**2 * (-1.0) ** (k + 1)) * 2 / widths
+    return np.abs(at_start[1:] - at_stop[:-1])
 
 
 def _borders_of_rest(signal: Pieces, edges: Ints, least: float) -> Any:
     """Whether an edge borders the constant stretch at the start or at the end, [edge]."""
-    held = signal.cut(edges[:-1], int(edges[-1])).coefficients
-    changing = np.flatnonzero(np.abs(held[:, 1:]).sum(axis=1) > least)
+    series = signal.cut(edges[:-1], int(edges[-1])).coefficients
+    changing = np.flatnonzero(np.abs(series[:, 1:]).sum(axis=1) > least)
     borders = np.zeros(len(edges), bool)
     if len(changing):
         borders[changing[0]] = changing[0] > 0
@@ -117,54 +159,67 @@ def _borders_of_rest(signal: Pieces, edges: Ints, least: float) -> Any:
     return borders
 
 
-def _merged(
-    signal: Pieces, edges: Ints, jumps: Any, tolerance: float
-) -> tuple[Ints, Floats, float]:
-    """First intervals of pieces, their series, and by how much they miss the signal at most."""
-    passed = np.cumsum(np.append(0, jumps[:-1]))  # jumps before each interval
+def _fit_longest(signal: Pieces, edges: Ints, jumps: Any, tolerance: float) -> Fit:
+    """Fit pieces of 2^n intervals without a jump inside: those that miss too much are halved."""
+    jumps_before = np.cumsum(np.append(0, jumps[:-1]))  # [interval]
     n = len(edges) - 1
-    width = 1 << min(LEVELS, max(n - 1, 0).bit_length())
-    first, found, worst = np.arange(0, n, width), list[tuple[Ints, Floats]](), 0.0
-    while width > 1:  # what does not fit is halved
-        last = np.minimum(first + width, n)
-        good = (first + width == last) & (passed[last - 1] == passed[first])
-        series, missed = _through(signal, edges, first[good], width)
-        good[good] = fits = missed <= tolerance
-        worst = max(worst, missed[fits].max(initial=0.0))
-        found.append((first[good], series[fits]))
+    width = 1 << min(MAX_LEVELS, max(n - 1, 0).bit_length())
+    first = np.arange(0, n, width)
+    firsts = list[Ints]()
+    all_series = list[Floats]()
+    worst = 0.0
+    while width > 1:
+        stop = np.minimum(first + width, n)
+        is_whole = first + width == stop
+        good = is_whole & (jumps_before[stop - 1] == jumps_before[first])
+        series, misses = _through(signal, edges, first[good], width)
+        fits = misses <= tolerance
+        good[good] = fits
+        worst = max(worst, misses[fits].max(initial=0.0))
+        firsts.append(first[good])
+        all_series.append(series[fits])
         width //= 2
-        first = np.concatenate((first[~good], first[~good] + width))
+        halved = first[~good]
+        first = np.concatenate((halved, halved + width))
         first = first[first < n]
-    given = signal.cut(edges[:-1], int(edges[-1])).coefficients[first]
+    own_series = signal.cut(edges[:-1], int(edges[-1])).coefficients[first]
     single = np.zeros((len(first), POINTS))
-    single[:, : given.shape[1]] = given
-    begin, own = (np.concatenate(x) for x in zip(*found, (first, single), strict=True))
+    single[:, : own_series.shape[1]] = own_series
+    firsts.append(first)
+    all_series.append(single)
+    begin = np.concatenate(firsts)
     order = np.argsort(begin)
-    return begin[order], own[order], float(worst)
+    return Fit(begin[order], np.concatenate(all_series)[order], float(worst))
 
 
 def _through(
     signal: Pieces, edges: Ints, first: Ints, width: int
 ) -> tuple[Floats, Floats]:
-    """Series through so many intervals from each `first` on, and by how much they miss them."""
-    low, high = edges[first], edges[first + width]
-    values = signal.at(low[:, None] + (high - low)[:, None] * (_X + 1) / 2)
+    """Series through `width` intervals from each `first` on, and their largest misses."""
+    low = edges[first]
+    high = edges[first + width]
+    durations = (high - low)[:, None]
+    values = signal.at(low[:, None] + durations * (_X + 1) / 2)
     values[:, -1] = signal.at(high, "left")
     series = values @ _SERIES.T
-    at = first[:, None] + np.arange(width)
-    starts, stops = edges[at], edges[at + 1]
+    intervals = first[:, None] + np.arange(width)
+    starts = edges[intervals]
+    stops = edges[intervals + 1]
     inside = starts[..., None] + (stops - starts)[..., None] * SHARES
-    shape = len(first), width * INSIDE
-    y = 2 * (inside.reshape(shape) - low[:, None]) / (high - low)[:, None] - 1
-    given = signal.inside(starts.ravel(), stops.ravel(), SHARES) * np.ones(INSIDE)
-    missed = chebyshev.chebval(y.T, series.T, tensor=False).T - given.reshape(shape)
-    return series, np.abs(missed).max(axis=1, initial=0.0)
+    shape = (len(first), width * VALUES_PER_INTERVAL)
+    y = 2 * (inside.reshape(shape) - low[:, None]) / durations - 1
+    exact = signal.inside(starts.ravel(), stops.ravel(), SHARES)
+    exact = exact * np.ones(VALUES_PER_INTERVAL)
+    fitted = chebyshev.chebval(y.T, series.T, tensor=False).T
+    misses = np.abs(fitted - exact.reshape(shape))
+    return series, misses.max(axis=1, initial=0.0)
 
 
 def backwards(pieces: Any) -> Any:
-    """The same with time reversed."""
+    """Pieces with time reversed."""
     back = pieces[::-1].copy()
-    back["start"], back["stop"] = -pieces["stop"][::-1], -pieces["start"][::-1]
+    back["start"] = -pieces["stop"][::-1]
+    back["stop"] = -pieces["start"][::-1]
     back["order"] = [SMOOTH, *pieces["order"][:0:-1]]
     back["coefficient"] *= (-1.0) ** np.arange(POINTS)
     return back
