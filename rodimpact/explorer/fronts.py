@@ -7,7 +7,7 @@ Plain Python around the kernels, which the page has as JavaScript. Tests hold al
 from typing import Any
 
 from ..methods.abilities import driven
-from ..methods.clock import Clock, most_rounded
+from ..methods.clock import Clock, mass_of, most_rounded
 from ..methods.fronts import events, members
 from ..methods.fronts.family_layout import lay_out_family, make_state
 from ..methods.fronts.initial_state import round_trip
@@ -199,8 +199,9 @@ def outcome_of(run: Any, status: str) -> Any:
         status,
         {"velocity": error_of_event * record.events},
     )
-    before = initial_motion(clock, segments)
-    after = final_motion(clock, segments)
+    masses = [mass_of(clock, i) for i in range(len(row.spans))]
+    before = initial_motion(clock, masses, segments)
+    after = final_motion(clock, masses, segments)
     return outcome_shown(row.system, before, after, ending)
 
 

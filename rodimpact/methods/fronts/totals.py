@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from ...model import Absorbing, Fixed, Free
-from ..clock import Clock, mass_of
+from ..clock import Clock
 from ..groups import body_velocities, heads
 from ..outcome import Motion, Totals, Works, relative_residual
 from ..run import ContactTally
@@ -46,12 +46,19 @@ def last_contact_end(run: Run, contacts: list[Node], round_trip: float) -> float
     return last_contact(ends, run.now * run.tick_duration, round_trip)
 
 
-def motion_of(clock: Clock, velocities: list[float], energies: list[float]) -> Motion:
+def motion_of(
+    clock: Clock,
+    masses: list[float],
+    velocities: list[float],
+    energies: list[float],
+) -> Motion:
     """Motion of the bodies, from that of the segments; the page has this as JavaScript.
 
     Parameters
     ----------
     clock : Clock
+    masses : [body] list of float
+        kg; of a wall any number.
     velocities : [segment] list of float
         Velocities of the groups in the frame, m/s, the outside counted.
     energies : [segment] list of float
@@ -65,31 +72,33 @@ def motion_of(clock: Clock, velocities: list[float], energies: list[float]) -> M
     kinetic = 0.0
     for i, (first, last) in enumerate(row.spans):
         if last > 0:  # no wall
-            kinetic += mass_of(clock, i) * of_segments[first] ** 2 / 2
+            kinetic += masses[i] * of_segments[first] ** 2 / 2
         vibration.append(math.fsum(energies[first : last + 1]) * clock.tick)
     return Motion([float(velocity) for velocity in by_body], vibration, kinetic)
 
 
-def initial_motion(clock: Clock, segments: list[Segment]) -> Motion:
+def initial_motion(
+    clock: Clock, masses: list[float], segments: list[Segment]
+) -> Motion:
     """Motion of the bodies at t = 0; the page has this as JavaScript."""
     velocities = [segment.initial_group_velocity for segment in segments]
     energies = [segment.initial_vibration_energy for segment in segments]
-    return motion_of(clock, velocities, energies)
+    return motion_of(clock, masses, velocities, energies)
 
 
-def final_motion(clock: Clock, segments: list[Segment]) -> Motion:
+def final_motion(clock: Clock, masses: list[float], segments: list[Segment]) -> Motion:
     """Motion of the bodies when it was measured last; the page has this as JavaScript."""
     velocities = [segment.group_velocity for segment in segments]
     energies = [segment.vibration_energy for segment in segments]
-    return motion_of(clock, velocities, energies)
+    return motion_of(clock, masses, velocities, energies)
 
 
 def totals_of(run: FrontRun) -> Totals:
     """Totals of a finished run."""
     clock = run.clock
     masses = [clock.mass(i) for i in range(len(clock.spans))]
-    before = initial_motion(clock, run.segments)
-    after = final_motion(clock, run.segments)
+    before = initial_motion(clock, masses, run.segments)
+    after = final_motion(clock, masses, run.segments)
     boundary = BoundaryAction(run, masses, after.velocities)
 
     start_momentum = math.fsum(segment.initial_momentum for segment in run.segments)
