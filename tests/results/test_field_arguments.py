@@ -34,26 +34,24 @@ def solution(method):
     return ri.solve(row, until=END, method=method)
 
 
-def calls_with_a_place(solution):
+def fields_of(solution):
+    """All fields, as functions of body, place and time, with their names."""
     for owner in (solution, solution.fields):
         for name in ("velocity", "strain", "displacement"):
-            field = getattr(owner, name)
-            yield name, lambda x, field=field: field(0, x, TIME)
+            yield name, getattr(owner, name)
     for name in ("stress", "axial_force", "position"):
-        field = getattr(solution, name)
+        yield name, getattr(solution, name)
+    yield "strain_rate", solution.fields.strain_rate
+
+
+def calls_with_a_place(solution):
+    for name, field in fields_of(solution):
         yield name, lambda x, field=field: field(0, x, TIME)
-    yield "strain_rate", lambda x: solution.fields.strain_rate(0, x, TIME)
 
 
 def calls_with_a_time(solution):
-    for owner in (solution, solution.fields):
-        for name in ("velocity", "strain", "displacement"):
-            field = getattr(owner, name)
-            yield name, lambda t, field=field: field(0, PLACE, t)
-    for name in ("stress", "axial_force", "position"):
-        field = getattr(solution, name)
+    for name, field in fields_of(solution):
         yield name, lambda t, field=field: field(0, PLACE, t)
-    yield "strain_rate", lambda t: solution.fields.strain_rate(0, PLACE, t)
     yield "wall", lambda t: solution.velocity(len(solution.system.bodies) - 1, 0, t)
     yield "momentum", lambda t: solution.fields.momentum(0, t)
     yield "mean_velocity", lambda t: solution.mean_velocity(0, t)
