@@ -35,7 +35,7 @@ from .model.arguments import (
     float_or_array,
 )
 from .model.bodies import Rod, Segment
-from .model.frozen import Declared, Problems, quantity, raise_noted, refusal
+from .model.frozen import Declared, Problems, invalid_argument, quantity, raise_noted
 from .model.lateral_inertia import INERTIA, radial_moduli
 from .progress import Progress, ProgressFunction, check_progress
 from .units import shown
@@ -140,7 +140,7 @@ class Bar(Declared):
         material = segment.material
         if material.poisson_ratio is None:
             message = f"is missing in {shown(material.name)}; dispersion needs it"
-            raise refusal("bar.material.poisson_ratio", message)
+            raise invalid_argument("bar.material.poisson_ratio", message)
         if radius is not None:
             return cls(material.wave_speed, material.poisson_ratio, radius)
         if not segment.solid_round:
@@ -148,7 +148,7 @@ class Bar(Declared):
                 "is not said to be round; give the rod its diameter in place of the "
                 "area, or radius=, the equivalent radius in m"
             )
-            raise refusal("bar.section", message)
+            raise invalid_argument("bar.section", message)
         round_radius = np.sqrt(segment.area / math.pi)
         return cls(material.wave_speed, material.poisson_ratio, round_radius)
 
@@ -454,7 +454,7 @@ def _uniform_segment(rod: Any) -> Any:
     segment = segments[0]
     if len(segments) != 1 or not isinstance(segment, Segment) or segment.tapered:
         wanted = "must be a uniform Rod or Segment, or a waves.Bar"
-        raise refusal("bar", f"{wanted}, got {shown(rod)}")
+        raise invalid_argument("bar", f"{wanted}, got {shown(rod)}")
     return segment
 
 

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import nnls
 
-from ..model.frozen import refusal
+from ..model.frozen import invalid_argument
 from ..progress import Progress, ProgressFunction, Report
 from ..storage.extras import optional
 from .symbolic_row import SymbolicRow
@@ -220,7 +220,7 @@ def check_length(left: Any, right: Any) -> None:
     for f in (left, right):
         terms *= len(f.numer) + len(f.denom)
     if terms > MAX_PRODUCT_TERMS:
-        raise refusal(
+        raise invalid_argument(
             "symbols",
             f"a formula in these is too long: a single step multiplies {terms} terms, "
             f"of {MAX_PRODUCT_TERMS} at most; name fewer numbers, or some by their "

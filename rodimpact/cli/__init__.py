@@ -118,12 +118,12 @@ def _check_source_date() -> None:
     date = os.environ.get("SOURCE_DATE_EPOCH")
     if date is None or re.fullmatch("[0-9]{1,11}", date.strip()):
         return
-    from ..model.frozen import refusal
+    from ..model.frozen import invalid_argument
     from ..units import shown
 
     wanted = "must be a whole number of seconds since 1970, below 10^11"
     message = f"{wanted}, got {shown(date)}; correct or unset this variable"
-    raise refusal("SOURCE_DATE_EPOCH", message)
+    raise invalid_argument("SOURCE_DATE_EPOCH", message)
 
 
 def _parse_and_run(argv: list[str]) -> CommandResult:

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..model import System
-from ..model.frozen import refusal
+from ..model.frozen import invalid_argument
 from ..model.profiles import Steps
 from ..model.quantities import Floats
 from ..records.signal import Signal
@@ -147,7 +147,7 @@ def force_over_time(wanted: object, end: float) -> Signal:
         return staircase(starts, wanted.values, end, "wanted")
     if not isinstance(wanted, Signal) or wanted.unit != "N":
         example = "Signal(values, dt=1e-6, unit='N') or Steps"
-        raise refusal(
+        raise invalid_argument(
             "wanted", f"must be a force over time, {example}, got {shown(wanted)}"
         )
     # the force is 0 before and after the record, with jumps at both ends

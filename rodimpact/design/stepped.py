@@ -7,7 +7,7 @@ import numpy as np
 
 from ..model import Bonded, Material, Rigid, Rod, System
 from ..model.arguments import array, of_kind, single, whole
-from ..model.frozen import Problems, raise_noted, refusal
+from ..model.frozen import Problems, invalid_argument, raise_noted
 from ..model.laws import RIGID
 from ..model.profiles import Steps
 from ..model.quantities import Floats
@@ -122,10 +122,10 @@ def striker(
     segments = whole("segments", segments, 1, MAX_SEGMENTS)
     if not T * (1 - MIN_DURATION_RTOL) <= end <= MAX_UNTIL * T:
         message = f"must be from the duration, {T!r} s, to {MAX_UNTIL} times that"
-        raise refusal("until", f"{message}, got {end!r}")
+        raise invalid_argument("until", f"{message}, got {end!r}")
     ratios = array("area_ratio", area_ratio, "", "positive")
     if ratios.shape != (2,) or not ratios[0] < ratios[1]:
-        raise refusal(
+        raise invalid_argument(
             "area_ratio", f"must be (smallest, largest), got {shown(area_ratio)}"
         )
     force = _checked_force(wanted, end, contact)
@@ -151,23 +151,29 @@ def striker(
 def _check_bodies(bar: Rod, material: Material, contact: object) -> None:
     """Raise InvalidModel for a bar, material or contact that the search cannot take."""
     if len(bar.segments) != 1 or System([bar]).shape or bar.velocity or bar.strain:
-        raise refusal("bar", f"must be a single uniform rod at rest, got {shown(bar)}")
+        raise invalid_argument(
+            "bar", f"must be a single uniform rod at rest, got {shown(bar)}"
+        )
     if np.any(material.viscosity):
-        raise refusal("material", f"must have no viscosity, got {shown(material.name)}")
+        raise invalid_argument(
+            "material", f"must have no viscosity, got {shown(material.name)}"
+        )
     if not isinstance(contact, Rigid | Bonded):
-        raise refusal("contact", f"must be Rigid() or Bonded(), got {shown(contact)}")
+        raise invalid_argument(
+            "contact", f"must be Rigid() or Bonded(), got {shown(contact)}"
+        )
 
 
 def _checked_force(wanted: object, end: float, contact: Rigid | Bonded) -> Signal:
     """The wanted force until `end`, s; InvalidModel if no striker can give it."""
     force = force_over_time(wanted, end)
     if not force.values.any():
-        raise refusal(
+        raise invalid_argument(
             "wanted", "is 0 from impact on; give the force over the time since then"
         )
     lowest = float(force.values.min())
     if lowest < 0 and isinstance(contact, Rigid):
-        raise refusal(
+        raise invalid_argument(
             "wanted",
             f"pulls with {-lowest!r} N, and faces only push; make it 0 there, "
             "or take contact=Bonded()",

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..model import Free, Material, Rigid, Rod, System
 from ..model.arguments import of_kind, single
-from ..model.frozen import InvalidModel, refusal
+from ..model.frozen import InvalidModel, invalid_argument
 from ..results.solution import Solution
 from ..running.solving import solve
 from .pulses import PulseDesign, differences, staircase
@@ -86,11 +86,13 @@ def momentum_trap(
     of_kind("system", system, System, "System([striker, bar])")
     bar = system.bodies[-1]
     if not isinstance(bar, Rod) or not isinstance(system.ends[1], Free):
-        raise refusal("system", "must end on the right with a rod whose end is Free()")
+        raise invalid_argument(
+            "system", "must end on the right with a rod whose end is Free()"
+        )
     end = single("until", until, "s", "positive")
     passed = single("after", after, "s")
     if not 0 <= passed < end:
-        raise refusal(
+        raise invalid_argument(
             "after", f"must be from 0 to before until = {end!r} s, got {passed!r}"
         )
     if material is None:
@@ -175,7 +177,7 @@ def _gap(solution: Solution, body: int, times: Any, passed: float) -> float:
             f"the right end is at {gap:.6g} m at {passed!r} s, and was at "
             f"{furthest:.6g} m before; take the time at which it is furthest"
         )
-        raise refusal("after", message)
+        raise invalid_argument("after", message)
     return gap
 
 
@@ -205,7 +207,7 @@ class _TrappedRow(NamedTuple):
 def _nothing_pushes(passed: float, end: float) -> InvalidModel:
     """The error where no wave reaches the trap between two times, s."""
     message = f"nothing pushes on the right end from {passed!r} to {end!r} s"
-    return refusal("until", f"{message}; take a later time")
+    return invalid_argument("until", f"{message}; take a later time")
 
 
 def _pressed_interval(

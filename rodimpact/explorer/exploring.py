@@ -14,7 +14,7 @@ from ..methods.states import Stop
 from ..methods.walk import walk
 from ..model import System
 from ..model.arguments import flag
-from ..model.frozen import InvalidModel, defaults_of, refusal
+from ..model.frozen import InvalidModel, defaults_of, invalid_argument
 from ..storage.casefile import Case, parse_case
 from ..storage.writing import PathLike, write_text
 from ..units import shown
@@ -168,7 +168,7 @@ def explore(case: System | Case) -> Page:
     if isinstance(case, System):
         case = Case(case)
     if not isinstance(case, Case):
-        raise refusal("case", f"must be a System or a Case, got {shown(case)}")
+        raise invalid_argument("case", f"must be a System or a Case, got {shown(case)}")
     case = with_gauges(case)
     design = tables_of(case)
     check_solvable(case, design["case"])
@@ -205,7 +205,7 @@ def check_solvable(case: Case, tables: dict[str, Any]) -> None:
     check_options(case)
     path, physics = lacking(tables)
     if physics:
-        raise refusal(path, f"the page cannot solve {physics}; {REMEDY}")
+        raise invalid_argument(path, f"the page cannot solve {physics}; {REMEDY}")
     if is_smooth(tables):
         return
     request = request_of(tables)
@@ -222,7 +222,7 @@ def check_solvable(case: Case, tables: dict[str, Any]) -> None:
     elif run.stop_reason == Stop.CAP and is_cap_of_page:
         limit = f"the page follows {request.max_events} arrivals of waves at most"
     if limit:
-        raise refusal("solve", f"{limit}; give an earlier until=, or {REMEDY}")
+        raise invalid_argument("solve", f"{limit}; give an earlier until=, or {REMEDY}")
 
 
 def check_options(case: Case) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 from ..methods.registry import METHODS, Options, count
 from ..model import Rod, System
 from ..model.arguments import of_kind, single
-from ..model.frozen import Problems, raise_noted, refusal
+from ..model.frozen import Problems, invalid_argument, raise_noted
 from ..progress import Progress, ProgressFunction, check_progress
 from ..running.jobs import check_executor
 from ..running.readings import check_readings
@@ -120,9 +120,9 @@ def fit(
             f"must be one system, got a family of shape {system.shape}; "
             "fit system[index]"
         )
-        raise refusal("system", message)
+        raise invalid_argument("system", message)
     if options.until is None:
-        raise refusal(
+        raise invalid_argument(
             "until", "is missing; give a time, s, at which all pulses have passed"
         )
     if not isinstance(vary, Mapping) or not vary:
@@ -130,7 +130,7 @@ def fit(
             "must name numbers with their bounds, such as "
             f"{{'bodies.0.length': (0.1, 0.2)}}, got {shown(vary)}"
         )
-        raise refusal("vary", message)
+        raise invalid_argument("vary", message)
     step = _checked_interval(interval, records)
     problems: Problems = []
     search_count = count(problems, "starts", starts)

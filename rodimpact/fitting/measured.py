@@ -5,7 +5,7 @@ from collections.abc import Callable
 from ..methods.registry import check_function
 from ..model import Rod, System
 from ..model.arguments import of_kind, single, whole
-from ..model.frozen import Declared, Problems, quantity, refusal
+from ..model.frozen import Declared, Problems, invalid_argument, quantity
 from ..records.comparison import Bounds, plateau
 from ..records.signal import Signal, bounds_of
 from ..units import shown
@@ -68,7 +68,7 @@ class Measured(Declared):
     def _check(self, problems: Problems) -> None:
         of_kind("signal", self.signal, Signal, "read_signals('record.csv')['incident']")
         if not isinstance(self.gauge, tuple | list) or len(self.gauge) != 2:
-            raise refusal(
+            raise invalid_argument(
                 "gauge", f"must be (body, x), such as (1, 0.5), got {shown(self.gauge)}"
             )
         body, x = self.gauge
@@ -85,7 +85,7 @@ class Measured(Declared):
         """Bounds of shift, s, gain, and blur, s; None where the number is free."""
         blur = bounds_of("blur", self.blur, "s")
         if blur is None or blur[0] < 0:
-            raise refusal(
+            raise invalid_argument(
                 "blur", f"must be 0 s or more, or (low, high), got {shown(self.blur)}"
             )
         return {
@@ -126,7 +126,9 @@ class Measured(Declared):
         """The rod with the gauge; InvalidModel if the system has none there."""
         of_kind("system", system, System, "System([rod, Wall()])")
         if system.shape:
-            raise refusal("system", f"must be a single system, got {shown(system)}")
+            raise invalid_argument(
+                "system", f"must be a single system, got {shown(system)}"
+            )
         body = whole("gauge", self.gauge[0], 0, len(system.bodies) - 1)
         rod = system.bodies[body]
         of_kind(f"bodies.{body}", rod, Rod, "Rod(1.0, diameter=0.01, material=steel)")

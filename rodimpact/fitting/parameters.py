@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 from ..model import System
 from ..model.arguments import array
-from ..model.frozen import InvalidModel, refusal
+from ..model.frozen import InvalidModel, invalid_argument
 from ..model.paths import (
     alternative_of,
     numbers_of,
@@ -144,14 +144,14 @@ def system_parameters(system: System, vary: Mapping[str, Any]) -> list[SystemPar
         if path not in places:
             hint = suggestion(str(path), places)
             message = f"is not a parameter of the system; {hint}"
-            raise refusal(f"vary.{path}", message)
+            raise invalid_argument(f"vary.{path}", message)
         first_place = places[path][0]
         unit = unit_at(system, first_place)
         for place in places[path]:
             earlier_path = path_that_varies.setdefault(alternative_of(place), path)
             if earlier_path != path:
                 message = f"is already varied as {earlier_path}; leave one of them out"
-                raise refusal(f"vary.{path}", message)
+                raise invalid_argument(f"vary.{path}", message)
         initial = float(numbers[first_place])
         low, high = checked_bounds(path, bounds, unit)
         parameters.append(SystemParameter(path, low, high, unit, initial, places[path]))
@@ -189,7 +189,7 @@ def checked_bounds(path: str, bounds: Any, unit: str) -> tuple[float, float]:
         message = (
             f"must be (low, high), two numbers with low < high, got {shown(bounds)}"
         )
-        raise refusal(f"vary.{path}", message)
+        raise invalid_argument(f"vary.{path}", message)
     return float(ends[0]), float(ends[1])
 
 
@@ -242,7 +242,7 @@ def _numbers_by_name(
                 message = (
                     f"names {path}, which {names[0]} includes; leave one of them out"
                 )
-                raise refusal(f"vary.{names[1]}", message)
+                raise invalid_argument(f"vary.{names[1]}", message)
             name = names[0] if names else path
             numbers_of_name.setdefault(name, []).append(RecordNumber(k, kind))
     return numbers_of_name
@@ -263,7 +263,7 @@ def _common_kind_and_unit(
             "is not one number of records, in one unit; give a name such as "
             f"{RECORD_PREFIX}0.shift, or {RECORD_PREFIX}*.gain for one gain of all"
         )
-        raise refusal(f"vary.{name}", message)
+        raise invalid_argument(f"vary.{name}", message)
     return kinds_and_units.pop()
 
 

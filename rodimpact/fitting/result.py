@@ -10,7 +10,7 @@ import numpy as np
 
 from ..model import System
 from ..model.arguments import of_kind
-from ..model.frozen import refusal
+from ..model.frozen import invalid_argument
 from ..model.quantities import Floats
 from ..records.signal import Signal
 from ..results.notebook import Shown
@@ -189,7 +189,7 @@ class Fit(Shown):
                 change = other_values[f.name, f.unit] - f.value
                 notes.append(_note_on_change(f, change))
         if not notes:
-            raise refusal(
+            raise invalid_argument(
                 "other", "has no number in common with this fit; vary the same numbers"
             )
         misfits = ", ".join(f"{100 * misfit:.3g} %" for misfit in other.misfits)

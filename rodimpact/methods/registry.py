@@ -9,7 +9,14 @@ from numpy.typing import ArrayLike
 
 from ..model import System
 from ..model.arguments import array, of_kind, one_of
-from ..model.frozen import Declared, Problems, note, quantity, raise_noted, refusal
+from ..model.frozen import (
+    Declared,
+    Problems,
+    invalid_argument,
+    note,
+    quantity,
+    raise_noted,
+)
 from ..model.quantities import is_whole
 from ..progress import Report, is_function, no_report
 from ..units import shown
@@ -173,7 +180,7 @@ class Options(Declared):
         raise_noted(problems)
         self._check_options_of(method)
         if self.until is None and abilities.driven(system):
-            raise refusal(
+            raise invalid_argument(
                 "until",
                 "must be given: where gravity or drives act, there is no last "
                 "contact to wait for",
@@ -214,7 +221,7 @@ class Options(Declared):
         of_kind("system", system, System, "System([rod, Wall()])")
         if system.shape:
             message = f"is a family of shape {system.shape}; take a member, system[0]"
-            raise refusal("system", message)
+            raise invalid_argument("system", message)
         problems: Problems = []
         check_function(problems, "report", report)
         for path, lacking in METHODS[method].lacking(abilities.needs(system)):

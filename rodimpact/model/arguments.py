@@ -18,8 +18,8 @@ from .frozen import (
     InvalidModel,
     Problems,
     broadcast_shape,
+    invalid_argument,
     raise_noted,
-    refusal,
     require,
 )
 from .frozen import Number as Number
@@ -49,7 +49,7 @@ def array(name: str, value: ArrayLike, unit: str, sign: str = "") -> Array:
     try:
         numbers = floats(value, unit)
     except ValueError as error:
-        raise refusal(name, str(error)) from None
+        raise invalid_argument(name, str(error)) from None
     if sign:
         field = Field(unit, sign)
         demand(field.holds(numbers), name, field.wanted, numbers)
@@ -66,7 +66,7 @@ def single(name: str, value: Any, unit: str, sign: str = "any") -> float:
     """Return an argument as a float; InvalidModel if it is no number, or several."""
     number = array(name, value, unit, sign)
     if number.ndim:
-        raise refusal(name, f"must be a single number, got {shown(value)}")
+        raise invalid_argument(name, f"must be a single number, got {shown(value)}")
     return number.item()
 
 
@@ -105,34 +105,36 @@ def of_kind(name: str, value: Any, kind: type, example: str) -> None:
     if kind.__name__[0] in "AEIOU":
         article = "an"
     wanted = f"must be {article} {kind.__name__}, such as {example}"
-    raise refusal(name, f"{wanted}, got {shown(value)}")
+    raise invalid_argument(name, f"{wanted}, got {shown(value)}")
 
 
 def one_of(name: str, value: Any, choices: Collection[str]) -> None:
     """Raise InvalidModel if an argument is none of these words."""
     if not isinstance(value, str) or value not in choices:
         words = ", ".join(map(repr, choices))
-        raise refusal(name, f"must be one of {words}, got {shown(value)}")
+        raise invalid_argument(name, f"must be one of {words}, got {shown(value)}")
 
 
 def whole(name: str, value: Any, low: int, high: int) -> int:
     """Return an argument as a whole number from `low` to `high`; else InvalidModel."""
     if not is_whole(value) or not low <= int(value) <= high:
         wanted = f"must be a whole number from {low} to {high}"
-        raise refusal(name, f"{wanted}, got {shown(value)}")
+        raise invalid_argument(name, f"{wanted}, got {shown(value)}")
     return int(value)
 
 
 def flag(name: str, value: Any) -> None:
     """Raise InvalidModel if an argument is neither True nor False."""
     if not isinstance(value, bool | np.bool_):
-        raise refusal(name, f"must be True or False, got {shown(value)}")
+        raise invalid_argument(name, f"must be True or False, got {shown(value)}")
 
 
 def text(name: str, value: Any, example: str) -> None:
     """Raise InvalidModel if an argument is no text."""
     if not isinstance(value, str):
-        raise refusal(name, f"must be a text such as {example!r}, got {shown(value)}")
+        raise invalid_argument(
+            name, f"must be a text such as {example!r}, got {shown(value)}"
+        )
 
 
 def float_or_array(value: Array) -> Number:

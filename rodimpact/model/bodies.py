@@ -665,10 +665,10 @@ def _checked_segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ..
         message = (
             "give either segments or length, area, material and polar_moment, not both"
         )
-        raise frozen.refusal("segments", message)
+        raise frozen.invalid_argument("segments", message)
     if not isinstance(segments, list | tuple) or not segments:
         message = f"must be a list of at least one Segment, got {shown(segments)}"
-        raise frozen.refusal("segments", message)
+        raise frozen.invalid_argument("segments", message)
     problems: Problems = []
     for i, segment in enumerate(segments):
         if not isinstance(segment, Segment):

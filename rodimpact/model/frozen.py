@@ -122,7 +122,7 @@ def _are_problems(problems: Any) -> bool:
     return True
 
 
-def refusal(path: str, message: str) -> InvalidModel:
+def invalid_argument(path: str, message: str) -> InvalidModel:
     """Make the error of one mistake."""
     return InvalidModel([(path, message)])
 
@@ -311,7 +311,7 @@ def family_shape(numbers: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
             f"makes a family of {n_members} members, more than {MOST_MEMBERS}; take "
             "one part after another"
         )
-        raise refusal(first_path, message)
+        raise invalid_argument(first_path, message)
     return shape
 
 
@@ -332,7 +332,7 @@ def broadcast_shape(arrays: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
         for path, shape in zip(paths, shapes, strict=True):
             texts.append(f"{path} has shape {shape}")
         message = f"arrays do not broadcast: {listed(texts)}"
-        raise refusal(paths[0], message) from None
+        raise invalid_argument(paths[0], message) from None
 
 
 def vanishes(value: Number) -> bool:

@@ -602,7 +602,7 @@ class Tabulated(Plastic, law="tabulated"):
                 f"must be 1 to {MAX_TABLE_POINTS} numbers, as many as forces, got "
                 f"{n_compressions} for {n_forces}"
             )
-            raise frozen.refusal("compression", message)
+            raise frozen.invalid_argument("compression", message)
         frozen.increasing(problems, "compression", self.compression)
         frozen.increasing(problems, "force", self.force)
         if not problems and self.unloading is not None:
@@ -758,7 +758,9 @@ class Law(_Law, law="own"):
             try:
                 F = float(force(d, rate))
             except Exception as error:  # whatever the user's function raises
-                raise frozen.refusal("force", f"fails {state}: {error!r}") from None
+                raise frozen.invalid_argument(
+                    "force", f"fails {state}: {error!r}"
+                ) from None
             if d == 0 and F != 0:
                 problems.append(("force", f"must be 0 {state}, got {F!r}"))
             elif not np.isfinite(F):

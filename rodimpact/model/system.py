@@ -264,7 +264,7 @@ class System(Declared):
             raise
         except (LookupError, TypeError, ValueError, AttributeError):
             message = f"must be what system.to_dict() gives, got {shown(data)}"
-            raise frozen.refusal("data", message) from None
+            raise frozen.invalid_argument("data", message) from None
 
     def reversed(self) -> System:
         """Return the same state with reversed velocities: the motion runs backwards.
@@ -392,7 +392,7 @@ def _check_bodies(problems: Problems, bodies: Any) -> None:
     """Note what is no body, and inner walls; InvalidModel if there is no list."""
     if not isinstance(bodies, list | tuple) or not bodies:
         message = "must be a list of at least one rod or rigid mass"
-        raise frozen.refusal("bodies", f"{message}, got {shown(bodies)}")
+        raise frozen.invalid_argument("bodies", f"{message}, got {shown(bodies)}")
     for i, body in enumerate[Any](bodies):
         if type(body) not in _BODIES:
             message = "must be a Rod, a RigidMass or a Wall itself"

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 
 from ..model import Absorbing
 from ..model.arguments import flag, one_of
-from ..model.frozen import refusal
+from ..model.frozen import invalid_argument
 from ..results.gauges import Gauge, check_gauges
 from ..results.solution import Solution, check_waves
 from .borders import Borders, ContactLines, Cut, apart_style, open_end_style
@@ -148,7 +148,7 @@ def draft_spacetime(
     if gauges is not None:
         stations = check_gauges(gauges)
     if coordinates == "body" and magnification is not None:
-        raise refusal(
+        raise invalid_argument(
             "magnification",
             'nothing moves in coordinates="body"; leave it out, or give '
             'coordinates="lab"',

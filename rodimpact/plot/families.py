@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..methods.signals import Floats
 from ..model.arguments import array, of_kind
-from ..model.frozen import nearest, refusal
+from ..model.frozen import invalid_argument, nearest
 from ..results.labels import outcome
 from ..results.pair_theory import COLUMNS, PairTheory, pair_theory
 from ..running.columns import STATUS
@@ -136,7 +136,7 @@ def sweep(
     column = _column(result, quantity)
     wide = [i for i, count in enumerate(result.shape) if count > 1]
     if not 1 <= len(wide) <= 2:
-        raise refusal(
+        raise invalid_argument(
             "result",
             f"has shape {result.shape}, but a curve has one axis and a map two; give an "
             "array for one or two numbers of the system, such as length=np.linspace(0.1, 1, 50), "
@@ -164,7 +164,7 @@ def sweep(
     if len(axes) == 2:
         for axis, dimension in zip(axes, wide, strict=True):
             if not axis.is_ordered:
-                raise refusal("result", _why_no_map(result, dimension))
+                raise invalid_argument("result", _why_no_map(result, dimension))
         return _draw_map(axes_or_new(ax, 6.0, 4.6), axes, shown, theory)
     if not axes[0].is_ordered:
         return _draw_scatter(axes_or_new(ax, 5.6, 3.6), axes[0], shown)
@@ -175,14 +175,14 @@ def _column(result: SweepResult, quantity: str) -> NDArray[Any]:
     """The values of a quantity, if there are any."""
     of_kind("result", result, SweepResult, "rodimpact.sweep(family)")
     if not isinstance(quantity, str) or quantity not in result.columns:
-        raise refusal(
+        raise invalid_argument(
             "quantity",
             f"no result is called {in_few_words(quantity)}; "
             f"{nearest(quantity, result.columns)}",
         )
     column: NDArray[Any] = result.columns[quantity]
     if not np.isfinite(column).any():
-        raise refusal(
+        raise invalid_argument(
             "quantity",
             f"{quantity!r} has no value anywhere in this family; "
             "result.explain(index) says why",
@@ -471,12 +471,12 @@ def restitution(
     x = array("ratios", ratios, "")
     e = array("values", values, "")
     if x.shape != e.shape:
-        raise refusal(
+        raise invalid_argument(
             "values", f"must have the shape {x.shape} of ratios, got {e.shape}"
         )
     is_known = np.isfinite(x) & np.isfinite(e)
     if not is_known.any():
-        raise refusal(
+        raise invalid_argument(
             "values", "needs at least one finite coefficient of restitution, got none"
         )
     x = x[is_known]

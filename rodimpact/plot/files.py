@@ -12,7 +12,7 @@ from typing import Any
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from ..model.frozen import refusal
+from ..model.frozen import invalid_argument
 from ..storage.writing import file_name, write_bytes
 from ..units import shown_path
 from .panels import figure_of
@@ -105,7 +105,9 @@ def format_of(path: str | os.PathLike[str], formats: Collection[str]) -> str:
     kind = Path(path).suffix.lower().removeprefix(".")
     if kind not in formats:
         suffixes = ", ".join(f".{name}" for name in formats)
-        raise refusal("path", f"must end in one of {suffixes}, got {shown_path(path)}")
+        raise invalid_argument(
+            "path", f"must end in one of {suffixes}, got {shown_path(path)}"
+        )
     return kind
 
 

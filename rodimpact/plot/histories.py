@@ -15,7 +15,7 @@ from matplotlib.text import Annotation
 from ..methods.signals import Floats
 from ..model import Bonded, Joint, Rigid
 from ..model.arguments import array
-from ..model.frozen import refusal
+from ..model.frozen import invalid_argument
 from ..model.numbering import contact_names
 from ..results.contacts import ContactHistory
 from ..results.solution import Solution, check_solution
@@ -98,7 +98,7 @@ def contact(
         allowed = "given only where there are two bodies"
         if count:
             allowed = f"from 0 to {count - 1}"
-        raise refusal("contact", f"must be {allowed}, got {shown(contact)}")
+        raise invalid_argument("contact", f"must be {allowed}, got {shown(contact)}")
     contacts = [int(k) for k in chosen]
     return finish(draft_contact(solution, ax, contacts))
 

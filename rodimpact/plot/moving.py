@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from ..methods.signals import Floats
 from ..model.arguments import one_of, single
-from ..model.frozen import Problems, raise_noted, refusal
+from ..model.frozen import Problems, invalid_argument, raise_noted
 from ..progress import (
     Progress,
     ProgressFunction,
@@ -388,7 +388,9 @@ def animation(
     else:
         stop = single("stop", stop, "s")
     if not start < stop:
-        raise refusal("stop", f"must be later than start = {start!r} s, got {stop!r}")
+        raise invalid_argument(
+            "stop", f"must be later than start = {start!r} s, got {stop!r}"
+        )
     layout = choose_layout(solution, start, stop, magnification)
     approach = _approach_frames(layout, start, stop, int(frames))
     times = np.linspace(start, stop, int(frames) - approach)
@@ -401,12 +403,12 @@ def check_frames(frames: int, fps: float) -> None:
     count = single("frames", frames, "")
     rate = single("fps", fps, "")
     if not 2 <= count <= MAX_FRAMES or count != int(count):
-        raise refusal(
+        raise invalid_argument(
             "frames",
             f"must be a whole number from 2 to {MAX_FRAMES}, got {shown(frames)}",
         )
     if not 1 <= rate <= MAX_FRAMES_PER_SECOND:
-        raise refusal(
+        raise invalid_argument(
             "fps",
             f"must be 1 to {MAX_FRAMES_PER_SECOND} frames a second, got {shown(fps)}",
         )

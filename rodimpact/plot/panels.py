@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 from ..methods.signals import Floats
 from ..model.arguments import of_kind
-from ..model.frozen import refusal
+from ..model.frozen import invalid_argument
 from ..units import shown
 from .labels import legend_above
 from .style import FONT, colours, wanted_width
@@ -76,7 +76,7 @@ def figure_of(drawn: Any) -> Any:
     figure = getattr(axes, "figure", axes)
     figure = getattr(figure, "figure", figure)  # of a part of a figure
     if not isinstance(figure, Figure):
-        raise refusal(
+        raise invalid_argument(
             "picture",
             f"must be a figure, axes or a picture of them, got {shown(drawn)}",
         )
@@ -119,7 +119,9 @@ def two_axes_or_new(
     if isinstance(ax, Sequence | np.ndarray) and getattr(ax, "ndim", 1) == 1:
         pair = list(ax)
     if len(pair) != 2 or not all(isinstance(each, Axes) for each in pair):
-        raise refusal("ax", f"needs a pair of Axes, for {contents}, got {shown(ax)}")
+        raise invalid_argument(
+            "ax", f"needs a pair of Axes, for {contents}, got {shown(ax)}"
+        )
     upper, lower = pair
     return upper, lower
 

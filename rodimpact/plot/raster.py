@@ -8,7 +8,7 @@ from matplotlib import cm, colors
 from matplotlib.text import Text
 
 from ..methods.signals import Floats
-from ..model.frozen import refusal
+from ..model.frozen import invalid_argument
 from ..results.solution import Solution
 from .plane import Plane
 from .sampling import middles, pieces, properties, rods_of
@@ -32,7 +32,7 @@ class Raster:
         first_tick, last_tick = solution.fields.to_ticks([start, stop])
         ticks = int(last_tick - first_tick)
         if ticks <= 0:
-            raise refusal(
+            raise invalid_argument(
                 "stop", f"must be later than start = {start!r} s, got {stop!r}"
             )
         self.solution = solution

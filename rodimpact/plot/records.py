@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from ..fitting.result import Fit
 from ..methods.signals import Floats
 from ..model.arguments import of_kind, whole
-from ..model.frozen import refusal
+from ..model.frozen import invalid_argument
 from ..records.comparison import Bounds, Misfit, gain_unit, plateau
 from ..records.reduction import Reduction
 from ..records.signal import Signal
@@ -159,7 +159,7 @@ def _check_band(band: Signal, predicted: Signal) -> None:
     """Raise ValueError if a band is no signal in the unit of the prediction."""
     of_kind("band", band, Signal, "0.02 * predicted")
     if band.unit != predicted.unit:
-        raise refusal(
+        raise invalid_argument(
             "band",
             f"must be in the unit of the prediction, {predicted.unit!r}, "
             f"got {band.unit!r}",

@@ -10,7 +10,7 @@ from matplotlib.ticker import EngFormatter
 
 from ..methods.signals import Floats
 from ..model import Rod
-from ..model.frozen import refusal
+from ..model.frozen import invalid_argument
 from ..model.profiles import extremes
 from ..results.labels import Quantity
 from ..results.solution import Solution
@@ -181,13 +181,13 @@ def first_rod(solution: Solution) -> ReferenceRod:
     for i, body in enumerate(system.bodies):
         if isinstance(body, Rod):
             return ReferenceRod(body, length_name(system, i))
-    raise refusal("solution", "has no rod")
+    raise invalid_argument("solution", "has no rod")
 
 
 def time_scale(end: float) -> Scale:
     """Scale of an axis of time from 0 to `end` s; raise ValueError if that is no time at all."""
     if not end > 0:
-        raise refusal(
+        raise invalid_argument(
             "solution", f"lasts {end!r} s and has no history; solve it with until > 0"
         )
     return engineering("time t", end, "s")
@@ -235,7 +235,7 @@ def field_scale(
         return engineering(name, largest, unit)
     v0 = closing_speed(solution)
     if v0 == 0:
-        raise refusal(
+        raise invalid_argument(
             "dimensionless",
             "velocities are scaled by the closing speed, but no bodies "
             "approach in this row; use dimensionless=False",

@@ -10,7 +10,7 @@ from matplotlib.text import Text
 from ..methods.signals import Floats
 from ..model import RigidMass
 from ..model.arguments import array
-from ..model.frozen import refusal
+from ..model.frozen import invalid_argument
 from ..results.gauges import Gauge, check_gauges
 from ..results.solution import Solution, check_waves
 from .bars import LEGEND, Bars, merged
@@ -117,7 +117,7 @@ def snapshots(
     else:
         when = array("times", times, "s").ravel()
     if when.size == 0:
-        raise refusal("times", "needs at least one time, got none")
+        raise invalid_argument("times", "needs at least one time, got none")
     solution.fields.to_ticks(when)  # refuses times outside the solution
     layout = choose_layout(solution, 0.0, float(when.max()), magnification)
     x = x_scale(layout.row)

@@ -22,7 +22,7 @@ import numpy as np
 from matplotlib import RcParams, colors, rc_context, rc_params_from_file
 
 from ..model.arguments import one_of, single
-from ..model.frozen import refusal
+from ..model.frozen import invalid_argument
 from ..units import shown
 
 FONT = "DejaVu Sans"
@@ -155,7 +155,7 @@ def look(mode: str = "light", width: float | None = None) -> Iterator[None]:
         width = single("width", width, "mm")
         if not MIN_WIDTH <= width <= MAX_WIDTH:
             limits = f"{MIN_WIDTH:g} to {MAX_WIDTH:g} mm"
-            raise refusal("width", f"must be {limits}, got {width!r}")
+            raise invalid_argument("width", f"must be {limits}, got {width!r}")
     before = _current.set(Look(mode, width))
     try:
         yield
@@ -189,7 +189,7 @@ def _check_no_text(
         if isinstance(parameter.default, str):
             remedy = f"give the text by name, {name}={shown(ax)}"
             break
-    raise refusal("ax", f"must be an Axes, got {shown(ax)}; {remedy}")
+    raise invalid_argument("ax", f"must be an Axes, got {shown(ax)}; {remedy}")
 
 
 def centred(values: Iterable[float], reference: float = 0.0) -> colors.Normalize:

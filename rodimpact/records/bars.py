@@ -16,7 +16,7 @@ import numpy as np
 from .. import waves
 from ..model import Rod, System
 from ..model.arguments import of_kind, one_of
-from ..model.frozen import Declared, Problems, quantity, refusal
+from ..model.frozen import Declared, Problems, invalid_argument, quantity
 from ..model.quantities import Floats
 from ..units import shown
 from . import filters
@@ -262,7 +262,7 @@ def sides_of(
     pair = bars if isinstance(bars, tuple | list) else (bars, bars)
     if len(pair) != 2 or not all(map(_is_uniform, pair)):
         message = "must be a uniform Rod, two uniform Rods, or a Calibration"
-        raise refusal("bars", f"{message}, got {shown(bars)}")
+        raise invalid_argument("bars", f"{message}, got {shown(bars)}")
     # the first pulses run towards the specimen in the input bar, and leave it in the output bar
     return (
         _side_of("input_gauges", input_gauges, pair[0], False, compression),
@@ -284,18 +284,18 @@ def _side_of(name: str, given: Any, rod: Rod, leaving: bool, compression: str) -
         of_kind(name, gauge, BarGauge, EXAMPLE)
         if gauge.distance >= float(rod.length):
             message = f"a gauge is {gauge.distance:g} m from the specimen"
-            raise refusal(
+            raise invalid_argument(
                 name, f"{message}, but the bar is only {float(rod.length):g} m long"
             )
     if not 1 <= len(gauges) <= 2 or len({gauge.distance for gauge in gauges}) < len(
         gauges
     ):
-        raise refusal(name, "must be one gauge, or two at different distances")
+        raise invalid_argument(name, "must be one gauge, or two at different distances")
     strains = [gauge.strain for gauge in gauges]
     dt = strains[0].dt
     start, end = max(s.start for s in strains), min(s.end for s in strains)
     if end - start < 2 * QUIET * dt:
-        raise refusal(name, "the records of the gauges do not overlap in time")
+        raise invalid_argument(name, "the records of the gauges do not overlap in time")
     times = start + dt * np.arange(int((end - start) / dt * (1 + 1e-12)) + 1)
     read = []
     for gauge, strain in zip(gauges, strains, strict=True):
@@ -307,7 +307,7 @@ def _side_of(name: str, given: Any, rod: Rod, leaving: bool, compression: str) -
     quiet = int((front.start - 1.5 * front.rise - start) / dt)
     if quiet < QUIET:
         message = f"the record begins {front.start - start:.3g} s before the pulse"
-        raise refusal(
+        raise invalid_argument(
             name, f"{message}; {QUIET} samples before it are needed for the baseline"
         )
     return Side(
@@ -342,7 +342,7 @@ def _front_of(name: str, times: Floats, strain: Floats, compression: str) -> Pul
     first = int(np.argmax(np.abs(smooth) > 0.4 * np.abs(values).max()))
     if smooth[first] <= 0:
         (other,) = SIGNS.keys() - {compression}
-        raise refusal(
+        raise invalid_argument(
             name,
             "must begin with a compression; give "
             f'compression="{other}" if the signs differ',
@@ -353,4 +353,4 @@ def _front_of(name: str, times: Floats, strain: Floats, compression: str) -> Pul
     try:
         return pulse_of(times[0] + (times[1] - times[0]) * np.arange(past + 1), ended)
     except ValueError as error:
-        raise refusal(name, str(error)) from None
+        raise invalid_argument(name, str(error)) from None

@@ -3,7 +3,7 @@
 from dataclasses import KW_ONLY
 
 from ..model.arguments import of_kind, one_of
-from ..model.frozen import Declared, Problems, quantity, refusal
+from ..model.frozen import Declared, Problems, invalid_argument, quantity
 from ..units import shown
 from .signal import Signal
 
@@ -93,7 +93,7 @@ class Bridge(Declared):
         )
         if volts.unit != "V":
             got = volts.unit or "pure numbers"
-            raise refusal(
+            raise invalid_argument(
                 "volts", f"must be a signal in V, got {shown(volts.name)} in {got}"
             )
         return volts.replace(values=volts.values * self.strain_per_volt, unit="")

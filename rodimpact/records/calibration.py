@@ -15,7 +15,7 @@ import numpy as np
 
 from ..model.arguments import of_kind, single
 from ..model.bodies import Rod
-from ..model.frozen import Problems, raise_noted, refusal
+from ..model.frozen import Problems, invalid_argument, raise_noted
 from ..model.quantities import Floats
 from ..progress import Progress, ProgressFunction, check_progress
 from ..storage.tables import align
@@ -271,7 +271,7 @@ def _timed(
             message = (
                 f"the record ends at {seen.times[-1]:.4g} s, before the pulse returns"
             )
-            raise refusal(
+            raise invalid_argument(
                 "output_gauges",
                 f"{message} from the far end; record up to {high:.4g} s",
             )
@@ -284,7 +284,9 @@ def _timed(
             message = (
                 f"the travel time is more than {100 * SLACK:g} % off the expected one"
             )
-            raise refusal("bars", f"{message}; correct wave speed, length or distances")
+            raise invalid_argument(
+                "bars", f"{message}; correct wave speed, length or distances"
+            )
         side = side._replace(rod=with_speed(side.rod, path / (travel + found.shift)))
     slopes = np.diff(lag)[there[0] : there[-1]] / seen.dt
     late = _noise(seen) * math.sqrt(2) / math.sqrt(float(slopes @ slopes))

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..model.frozen import refusal
+from ..model.frozen import invalid_argument
 from ..model.quantities import Floats
 from ..units import format_si
 
@@ -46,7 +46,9 @@ def amplified(values: Floats, dt: float, frequency: float, order: int) -> Floats
 
     if frequency * dt < LOWEST:
         lowest = format_si(LOWEST / dt, "Hz")
-        raise refusal("frequency", f"must be {lowest} or more, got {frequency}")
+        raise invalid_argument(
+            "frequency", f"must be {lowest} or more, got {frequency}"
+        )
     analog = signal.butter(order, 2 * math.pi * frequency, analog=True)
     top, bottom, _ = signal.cont2discrete(analog, dt, method="foh")
     change = signal.lfilter(np.ravel(top), bottom, values - values[0])
@@ -111,7 +113,7 @@ def _filter(
     if len(values) + 3 * margin > MOST_SAMPLES:
         message = f"{dt!r} makes the filtered record longer than {MOST_SAMPLES} samples"
         remedy = "use resampled(dt) with a longer dt, or a shorter distance"
-        raise refusal("dt", f"{message}; {remedy}")
+        raise invalid_argument("dt", f"{message}; {remedy}")
     count = fft.next_fast_len(len(values) + 3 * margin, real=True)
     back = np.arange(1, count - len(values) - 2 * margin + 1)
     weight = (1 + np.cos(np.pi * back / (len(back) + 1))) / 2

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from .. import units as known_units
 from ..methods import memory
 from ..model.arguments import one_of, single, text
-from ..model.frozen import Problems, nearest, raise_noted, refusal
+from ..model.frozen import Problems, invalid_argument, nearest, raise_noted
 from ..model.quantities import Floats
 from ..progress import Progress, ProgressFunction, check_progress
 from ..storage.reading import FileFormatError, open_regular
@@ -141,7 +141,9 @@ def read_signals(
     if rate is not None:
         rate = single("rate", rate, "Hz", "positive")
         if time is not None or time_unit is not None:
-            raise refusal("rate", "give either rate or a column of times, not both")
+            raise invalid_argument(
+                "rate", "give either rate or a column of times, not both"
+            )
     problems: Problems = []
     check_progress(problems, progress)
     raise_noted(problems)
@@ -229,7 +231,7 @@ def _units_of(channels: Mapping[str, int], units: Any) -> Mapping[str, Any]:
         return dict.fromkeys(channels, units)
     for name in units:
         if name not in channels:
-            raise refusal(
+            raise invalid_argument(
                 "units",
                 f"there is no channel {shown(name)}; {nearest(name, channels)}",
             )

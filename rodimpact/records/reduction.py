@@ -24,7 +24,7 @@ import numpy as np
 
 from ..model.arguments import array, flag, of_kind, single, whole
 from ..model.bodies import Rod
-from ..model.frozen import Declared, Problems, quantity, raise_noted, refusal
+from ..model.frozen import Declared, Problems, invalid_argument, quantity, raise_noted
 from ..model.quantities import Floats
 from ..progress import Progress, ProgressFunction, Report, check_progress
 from ..storage.tables import align
@@ -134,7 +134,7 @@ class Curve:
         numbers = array("column", column, "")
         if numbers.shape != self.times.shape:
             message = f"must be a column of {len(self.times)} numbers, such as .stress"
-            raise refusal("column", f"{message}, got {shown(column)}")
+            raise invalid_argument("column", f"{message}, got {shown(column)}")
         up = self.loading
         found: Floats = np.interp(
             wanted, np.maximum.accumulate(self.strain[up]), numbers[up]
@@ -254,7 +254,7 @@ class Reduction(Curve):
     def _keeps_volume(self) -> None:
         if not self.specimen.incompressible:
             message = "true stress and strain need a constant volume"
-            raise refusal(
+            raise invalid_argument(
                 "specimen", f"{message}: give Specimen(..., incompressible=True)"
             )
 
@@ -407,7 +407,7 @@ def reduce(
             "the records do not separate the waves; use longer records or bars, and "
             "check the distances"
         )
-        raise refusal("input_gauges", message)
+        raise invalid_argument("input_gauges", message)
     sides = recorded
     if calibration:
         sides = with_gains(calibration, recorded)
@@ -660,7 +660,7 @@ def mean_of_shots(shots: Sequence[Reduction], points: int = 201) -> Shots:
     """
     given = isinstance(shots, Sequence) and len(shots) > 1
     if not given or not all(isinstance(each, Reduction) for each in shots):
-        raise refusal(
+        raise invalid_argument(
             "shots",
             f"must be two or more Reductions from ri.reduce, got {shown(shots)}",
         )

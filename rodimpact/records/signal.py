@@ -28,7 +28,7 @@ from ..model.arguments import (
     single,
 )
 from ..model.bodies import Rod, Segment
-from ..model.frozen import SMALLEST, Frozen, Number, refusal
+from ..model.frozen import SMALLEST, Frozen, Number, invalid_argument
 from ..model.quantities import Floats, is_whole
 from ..storage.extras import optional
 from ..storage.tables import heading, write_table
@@ -100,22 +100,24 @@ class Signal(Frozen):
     ) -> None:
         for field, word in (("unit", unit), ("name", name)):
             if not isinstance(word, str) or not word.isprintable():
-                raise refusal(field, f"must be a word, got {shown(word)}")
+                raise invalid_argument(field, f"must be a word, got {shown(word)}")
         if (si := units.conversion(unit)) and si.factor != 1:
-            raise refusal(
+            raise invalid_argument(
                 "unit",
                 f"must be an SI unit, got {shown(unit)}; give the values in "
                 f"{si.unit or 'units'}, multiplied by {float(si.factor):g}",
             )
         v = _samples("values", values, unit)
         if (times is None) == (dt is None):
-            raise refusal("times", "give either the times, or dt between two samples")
+            raise invalid_argument(
+                "times", "give either the times, or dt between two samples"
+            )
         if times is None:
             step = single("dt", dt, "s", "positive")
             times = single("start", start, "s") + step * np.arange(v.size)
         t = _samples("times", times, "s")
         if t.shape != v.shape:
-            raise refusal(
+            raise invalid_argument(
                 "times", f"must be as many as values, got {t.size} for {v.size}"
             )
         demand(
@@ -189,13 +191,13 @@ class Signal(Frozen):
             If a time lies outside the record, or if both or neither of `dt` and `times` are given.
         """
         if (dt is None) == (times is None):
-            raise refusal("dt", "give either dt or times")
+            raise invalid_argument("dt", "give either dt or times")
         if times is None:
             step = single("dt", dt, "s", "positive")
             count = (self.end - self.start) / step * (1 + 1e-12)
             if not 1 <= count < filters.MOST_SAMPLES:
                 message = f"{step} makes {count + 1:.3g} samples of {self._title}"
-                raise refusal(
+                raise invalid_argument(
                     "dt", f"{message}; give a dt that makes 2 to {filters.MOST_SAMPLES}"
                 )
             times = self.start + step * np.arange(int(count) + 1)
@@ -228,7 +230,7 @@ class Signal(Frozen):
                 message = (
                     f"must be 0 or more, and at most {filters.MOST_SAMPLES} samples"
                 )
-                raise refusal(name, f"{message}, got {given}")
+                raise invalid_argument(name, f"{message}, got {given}")
             counts.append(math.ceil(count * (1 - 1e-12)))
         ahead, behind = counts
         times = np.concatenate(
@@ -252,7 +254,7 @@ class Signal(Frozen):
         inside = (self.times >= low) & (self.times <= high)
         if inside.sum() < 2:
             message = f"fewer than two samples lie from {low!r} to {high!r} s"
-            raise refusal(
+            raise invalid_argument(
                 "start, end",
                 f"{message}; the {self._title} runs from {self.start!r} to "
                 f"{self.end!r} s",
@@ -293,7 +295,7 @@ class Signal(Frozen):
         f = single("frequency", frequency, "Hz", "positive")
         if f * self.dt >= 0.5:
             rate = units.format_si(1 / self.dt, "Hz")
-            raise refusal(
+            raise invalid_argument(
                 "frequency", f"must be below half of the sampling rate, {rate}, got {f}"
             )
         return self.replace(values=filters.LOW_PASS[kind](self.values, self.dt, f))
@@ -335,7 +337,9 @@ class Signal(Frozen):
         if isinstance(bar, Rod | Segment):
             bar = waves.Bar.of(bar, radius)
         elif radius is not None:
-            raise refusal("radius", "belongs to a rod; a waves.Bar has its own")
+            raise invalid_argument(
+                "radius", "belongs to a rod; a waves.Bar has its own"
+            )
         of_kind(
             "bar",
             bar,
@@ -378,7 +382,7 @@ class Signal(Frozen):
         signal = self
         length = single("gauge_length", gauge_length, "m", "non-negative")
         if not is_whole(order) or order not in (1, 2):
-            raise refusal("order", f"must be 1 or 2, got {shown(order)}")
+            raise invalid_argument("order", f"must be 1 or 2, got {shown(order)}")
         if length or wave_speed is not None:
             c = single("wave_speed", wave_speed, "m/s", "positive")
             averaged = filters.averaged(self.values, self.times, length / c)
@@ -526,7 +530,7 @@ class Signal(Frozen):
             If the DataArray does not have one dimension, or units are missing or unknown.
         """
         if len(getattr(data, "dims", ())) != 1:
-            raise refusal(
+            raise invalid_argument(
                 "data", f"must be a DataArray of one dimension, got {shown(data)}"
             )
         over = data[data.dims[0]]
@@ -534,7 +538,7 @@ class Signal(Frozen):
         values, unit = units.in_si(data.values, data.attrs.get("units"))
         if second != "s":
             given = shown(over.attrs["units"])
-            raise refusal(
+            raise invalid_argument(
                 data.dims[0], f"must be times, with .attrs['units'] = 's', got {given}"
             )
         return cls(values, times, unit=unit, name=str(data.name or ""))
@@ -555,7 +559,7 @@ def _single_number(number: Any, unit: str) -> float:
     checked = array("number", number, unit, "any")
     if checked.ndim:
         message = "must be a single number or a signal; make a signal of an array"
-        raise refusal(
+        raise invalid_argument(
             "number", f"{message} by replace(values=...), got {shown(number)}"
         )
     return checked.item()
@@ -565,7 +569,7 @@ def _samples(path: str, given: Any, unit: str) -> Array:
     """Samples as a read-only array."""
     samples = array(path, given, unit, "any")
     if samples.ndim != 1 or samples.size < 2:
-        raise refusal(
+        raise invalid_argument(
             path, f"must be a list of two or more numbers, got {shown(given)}"
         )
     samples.flags.writeable = False
@@ -580,5 +584,7 @@ def bounds_of(name: str, given: Any, unit: str) -> tuple[float, float] | None:
     if ends.ndim == 0:
         return ends.item(), ends.item()
     if ends.shape != (2,) or ends[0] > ends[1]:
-        raise refusal(name, f"must be a number, or (low, high), got {shown(given)}")
+        raise invalid_argument(
+            name, f"must be a number, or (low, high), got {shown(given)}"
+        )
     return float(ends[0]), float(ends[1])

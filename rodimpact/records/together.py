@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from ..model.arguments import of_kind
-from ..model.frozen import InvalidModel, Problems, refusal
+from ..model.frozen import InvalidModel, Problems, invalid_argument
 from ..model.quantities import Floats
 from ..storage.extras import optional
 from ..storage.tables import heading, misnamed, write_table
@@ -128,7 +128,7 @@ def signals_from_xarray(data: Any) -> dict[str, Signal]:
     ([0.0, 2.0, 0.0], 'N')
     """
     if not hasattr(data, "data_vars"):
-        raise refusal("data", f"must be an xarray Dataset, got {shown(data)}")
+        raise invalid_argument("data", f"must be an xarray Dataset, got {shown(data)}")
     return {
         str(name): Signal.from_xarray(each) for name, each in data.data_vars.items()
     }
@@ -140,14 +140,14 @@ def _times_of(signals: Any) -> Floats:
         message = (
             "must be signals by name, such as {'incident': Signal([0.0, 1.0], dt=1e-6)}"
         )
-        raise refusal("signals", f"{message}, got {shown(signals)}")
+        raise invalid_argument("signals", f"{message}, got {shown(signals)}")
     for name, signal in signals.items():
         of_kind(f"signals.{name}", signal, Signal, "Signal([0.0, 1.0], dt=1e-6)")
     first, *others = signals
     times: Floats = signals[first].times
     for name in others:
         if not np.array_equal(signals[name].times, times):
-            raise refusal(
+            raise invalid_argument(
                 "signals",
                 f"{shown(name)} and {shown(first)} have different times; use "
                 ".resampled(times=...) with the times of one of them",

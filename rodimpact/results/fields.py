@@ -15,7 +15,7 @@ from ..methods.run import Signals
 from ..methods.signals import Floats, Ints, Pieces, Side
 from ..model import Rod
 from ..model.arguments import Array, array, demand, one_of
-from ..model.frozen import refusal
+from ..model.frozen import invalid_argument
 from .extreme_stress import ExtremeStress
 
 
@@ -207,7 +207,7 @@ class Fields(Protocol):
         except ValueError:
             shapes = f"shape {np.shape(x)} does not broadcast with shape {np.shape(t)}"
             message = f"{shapes} of t; for a grid ask for x[:, None] and t"
-            raise refusal("x", message) from None
+            raise invalid_argument("x", message) from None
 
     # Rods, masses and walls at places and times as users give them ------------------------------
 
@@ -226,7 +226,9 @@ class Fields(Protocol):
         kind = "a wall"
         if body in self.signals.masses:
             kind = "a rigid mass"
-        raise refusal("body", f"{body} is {kind} and has no inside; ask for a rod")
+        raise invalid_argument(
+            "body", f"{body} is {kind} and has no inside; ask for a rod"
+        )
 
     def _at_rigid_body(self, body: int, x: Array, ticks: Ints) -> Ints:
         """Ticks broadcast with places in a rigid mass or in a wall, all of which are 0 m."""

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..methods.signals import Floats, Ints, Pieces, Side, quadrature
 from ..model.arguments import array, demand, single
-from ..model.frozen import Problems, raise_noted, refusal
+from ..model.frozen import Problems, invalid_argument, raise_noted
 from ..records.signal import Signal
 from ..storage.tables import heading, misnamed, write_table
 from ..units import shown
@@ -263,7 +263,7 @@ def check_gauges(gauges: Any) -> Mapping[str, Gauge]:
         if all(are_gauges):
             return gauges
     message = "must be records by name, such as {'incident': solution.gauge(1, 0.5)}"
-    raise refusal("gauges", f"{message}, got {shown(gauges)}")
+    raise invalid_argument("gauges", f"{message}, got {shown(gauges)}")
 
 
 def _sampling(interval: Any, end: float) -> Sampling:
@@ -276,7 +276,7 @@ def _sampling(interval: Any, end: float) -> Sampling:
         message = (
             f"gives {end / step:.3g} rows, more than {MAX_TABLE_ROWS}; take at least"
         )
-        raise refusal(
+        raise invalid_argument(
             "interval", f"{message} {end / MAX_TABLE_ROWS:.3g} s, got {step!r}"
         )
     return Sampling(step, int(end / step * (1 + SAMPLE_COUNT_RTOL)) + 1)

@@ -12,7 +12,7 @@ import numpy as np
 from ..methods.signals import Floats, Ints
 from ..model import Segment
 from ..model.arguments import demand, single
-from ..model.frozen import refusal
+from ..model.frozen import invalid_argument
 from .front_polygons import count_of, polygons_of, wave_of
 from .solution import Solution, check_solution
 from .wave_fields import SegmentWaves, WaveFields
@@ -110,7 +110,7 @@ def regions_of(
     rods = _rods(fields)
     if count_of(rods, first_tick, last_tick, limit) > limit:
         message = f"more than {limit:.15g} regions; choose a shorter interval"
-        raise refusal("limit", message)
+        raise invalid_argument("limit", message)
     clock = fields.clock
     polygons = polygons_of(rods, clock.tick, clock.frame, first_tick, last_tick)
     arrays = {}
@@ -147,7 +147,7 @@ def readable_until(solution: Solution, limit: int) -> float:
             f"has more than {limit} regions of constant state at the start, too many "
             "for a picture; describe the row in fewer pieces"
         )
-        raise refusal("solution", message)
+        raise invalid_argument("solution", message)
     return stop
 
 
@@ -156,7 +156,7 @@ def _constant_fields(solution: Solution) -> WaveFields:
     fields = solution.fields
     if not isinstance(fields, WaveFields) or not fields.constant_between_fronts:
         message = f'method "{solution.method}" has no fronts to draw between'
-        raise refusal("solution", message)
+        raise invalid_argument("solution", message)
     return fields
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..methods.grid.mesh import lasting_mode
 from ..methods.signals import Floats
-from ..model.frozen import refusal
+from ..model.frozen import invalid_argument
 from .energy import BondedGroups, bonded_groups
 from .fields import Fields
 
@@ -88,7 +88,7 @@ def ring_down(fields: Fields, start: float, end: float) -> RingDown:
             f"only {len(ticks)} states were kept after the collision; leave snapshots "
             "out, or give more of them"
         )
-        raise refusal("ring_down", message)
+        raise invalid_argument("ring_down", message)
     times = ticks * fields.clock.tick
     states = bonded_groups(fields, ticks)
     vibration = states.vibration.sum(axis=0)

@@ -15,7 +15,7 @@ from ..methods.run import Coarser, Run, Waves
 from ..methods.signals import Floats, Side, each_once
 from ..model import Rod, Samples, Steps, System
 from ..model.arguments import Array, array, demand, of_kind, single, whole
-from ..model.frozen import refusal
+from ..model.frozen import invalid_argument
 from ..model.numbering import body_names
 from ..storage.case_writing import save_case
 from .contacts import ContactHistory
@@ -497,7 +497,7 @@ class Solution(Shown):
         for side, end in zip(("left", "right"), self.system.ends, strict=True):
             if isinstance(getattr(end, "value", 0.0), Steps | Samples):
                 message = "is driven by a function of time; drive it anew"
-                raise refusal(f"ends.{side}", message)
+                raise invalid_argument(f"ends.{side}", message)
         error = self.accuracy.get("velocity", 0.0) * self.fields.clock.scale
         bodies: list[Any] = []
         for i, body in enumerate(self.system.bodies):
@@ -589,4 +589,4 @@ def check_waves(value: Any) -> None:
             "has no rod, and rigid masses have no waves to be drawn; draw its contacts "
             "and its energy"
         )
-        raise refusal("solution", message)
+        raise invalid_argument("solution", message)

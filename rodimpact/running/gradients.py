@@ -19,7 +19,13 @@ from ..methods.run import MAX_EVENTS
 from ..methods.scales import largest, smallest, velocities_of
 from ..methods.walk import walk
 from ..model import Absorbing, System
-from ..model.frozen import InvalidModel, Problems, nearest, raise_noted, refusal
+from ..model.frozen import (
+    InvalidModel,
+    Problems,
+    invalid_argument,
+    nearest,
+    raise_noted,
+)
 from ..model.paths import field_at, numbers_of, places_of, suggestion, with_numbers
 from ..progress import Progress, ProgressFunction, Report, check_progress
 from ..results.labels import outcome, parameter
@@ -441,7 +447,7 @@ def _number(system: System, path: str) -> _Number:
         message = (
             f"{path} is 0, and nothing else gives it a scale; give it a small value"
         )
-        raise refusal("wrt", message)
+        raise invalid_argument("wrt", message)
     return _Number(system, places, x, size)
 
 

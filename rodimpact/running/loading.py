@@ -3,7 +3,7 @@
 import warnings
 from typing import Any
 
-from ..model.frozen import refusal
+from ..model.frozen import invalid_argument
 from ..results.saved import OutcomeDiffers, difference
 from ..results.solution import Solution
 from ..storage.casefile import read_case
@@ -76,7 +76,7 @@ def _solve_again(name: str) -> Solution:
             "has no table [result], so it is no saved solution; read_case(path) reads the case, "
             "and solve(case.system, **case.solve) solves it"
         )
-        raise refusal(name, message)
+        raise invalid_argument(name, message)
     solution = solve(case.system, **case.solve)
     differences = difference(case.result, solution)
     if differences:

@@ -19,7 +19,7 @@ from ..methods.groups import unilateral
 from ..methods.registry import Options
 from ..model import System
 from ..model.arguments import demand
-from ..model.frozen import InvalidModel, refusal
+from ..model.frozen import InvalidModel, invalid_argument
 from ..model.quantities import is_whole
 from ..results.labels import dataset
 from ..results.notebook import Shown
@@ -218,7 +218,9 @@ class SweepResult(Shown, OnlyContact[Any]):
     def _asked(self, name: str) -> dict[int, Any]:
         """Columns of that name by body or contact, 0 where it is of the whole row."""
         if name not in self.readings.also:
-            raise refusal(name, f'was not asked for; give sweep(..., also=["{name}"])')
+            raise invalid_argument(
+                name, f'was not asked for; give sweep(..., also=["{name}"])'
+            )
         by_owner = {}
         for column, source in columns_of(self.system, [name]).items():
             by_owner[source.owner] = self.columns[column]
@@ -278,7 +280,7 @@ class SweepResult(Shown, OnlyContact[Any]):
         """Varied numbers and results of the members `start` to `stop` in C order, by name."""
         if not is_whole(start) or not (stop is None or is_whole(stop)):
             message = f"must be whole numbers, got {shown(start)} and {shown(stop)}"
-            raise refusal("start, stop", message)
+            raise invalid_argument("start, stop", message)
         shape = self.shape
         if not shape:  # a single collision is a table of one line
             shape = (1,)

@@ -17,7 +17,7 @@ from ..methods.registry import Options
 from ..model import GAP, SIDES, System
 from ..model.bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from ..model.ends import ENDS, FREE, End
-from ..model.frozen import Field, InvalidModel, defaults_of, refusal
+from ..model.frozen import Field, InvalidModel, defaults_of, invalid_argument
 from ..model.lateral_inertia import THEORIES
 from ..model.laws import CONTACT_LAWS, FACE_RADIUS, ContactLaw, Hertz, Rigid, Spring
 from ..model.paths import FIELDS, SPEED, suggestion
@@ -64,7 +64,9 @@ def case_from(
         With all mistakes, each with the path of its entry.
     """
     if not isinstance(data, dict):
-        raise refusal(source, f"must be the tables of a case file, got {shown(data)}")
+        raise invalid_argument(
+            source, f"must be the tables of a case file, got {shown(data)}"
+        )
     reading = Reading(read_grids(vary))
     top = Table(reading, "", data)
     check_schema(top)
@@ -100,7 +102,7 @@ def check_schema(top: Table) -> None:
     if type(schema) is int and schema > SCHEMA:
         # its other entries may mean other things
         message = f"is {shown(schema)}; this rodimpact reads {SCHEMA}, get a newer one"
-        raise refusal("schema", message)
+        raise invalid_argument("schema", message)
     if type(schema) is not int or schema != SCHEMA:
         top.note("schema", f"must be {SCHEMA}; begin the file with schema = {SCHEMA}")
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from ..model import System
 from ..model.bodies import Material, Rod
-from ..model.frozen import refusal
+from ..model.frozen import invalid_argument
 from ..units import shown
 from .case import MOST_BYTES, SCHEMA, Case
 from .saved_result import SavedResult
@@ -49,13 +49,13 @@ def write_case(case: Case | System) -> str:
     if isinstance(case, System):
         case = Case(case)
     if not isinstance(case, Case) or not isinstance(case.system, System):
-        raise refusal("case", f"must be a Case or a System, got {shown(case)}")
+        raise invalid_argument("case", f"must be a Case or a System, got {shown(case)}")
     system = case.system
     if system.shape != ():
         message = (
             f"a family of shape {system.shape} is no single case; write system[index]"
         )
-        raise refusal("system", message)
+        raise invalid_argument("system", message)
     system.check_file()
     described = system.to_dict()
     materials = _name_materials(system, described)
@@ -87,7 +87,7 @@ def write_case(case: Case | System) -> str:
     except UnicodeEncodeError as error:
         wrong = shown(text[error.start : error.end])
         message = f"has a name with {wrong}, which is no character of UTF-8; rename it"
-        raise refusal("case", message) from None
+        raise invalid_argument("case", message) from None
     return text
 
 
@@ -120,7 +120,7 @@ def save_case(path: PathLike, case: Case, *, force: bool = False) -> None:
             f"{MOST_BYTES} are read. Give profiles of fewer samples; instead of a state of "
             "system_at save the solution that has it"
         )
-        raise refusal("system", message)
+        raise invalid_argument("system", message)
     write_bytes(path, data, force=force)
 
 
@@ -129,7 +129,7 @@ def check_case_name(path: PathLike) -> None:
     name = file_name(path)
     if not name.lower().endswith(".toml"):
         message = "must end in .toml: a solution is saved as its case"
-        raise refusal("path", f"{message}, got {shown(name)}")
+        raise invalid_argument("path", f"{message}, got {shown(name)}")
 
 
 def _name_materials(system: System, described: dict[str, Any]) -> dict[str, Material]:

@@ -65,7 +65,7 @@ import os
 import tomllib
 from collections.abc import Mapping
 
-from ..model.frozen import refusal
+from ..model.frozen import invalid_argument
 from ..units import shown
 from .case import MOST_BYTES
 from .case import Case as Case
@@ -114,14 +114,16 @@ def read_case(
         with open_regular(name) as file:
             raw = file.read(MOST_BYTES + 1)
     except OSError as error:
-        raise refusal(name, f"cannot be read: {error.strerror}") from None
+        raise invalid_argument(name, f"cannot be read: {error.strerror}") from None
     if len(raw) > MOST_BYTES:
-        raise refusal(name, f"has more than {MOST_BYTES} bytes; is it a case file?")
+        raise invalid_argument(
+            name, f"has more than {MOST_BYTES} bytes; is it a case file?"
+        )
     try:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = raw.count(b"\n", 0, error.start) + 1
-        raise refusal(
+        raise invalid_argument(
             name, f"is not text in UTF-8 (at line {line}); save it as UTF-8"
         ) from None
     return parse_case(text, name, vary)
@@ -169,9 +171,13 @@ def parse_case(
     ((20,), 1.0)
     """
     if not isinstance(source, str):
-        raise refusal("source", f"must be the name of a case, got {shown(source)}")
+        raise invalid_argument(
+            "source", f"must be the name of a case, got {shown(source)}"
+        )
     if not isinstance(text, str):
-        raise refusal(source, f"must be the text of a case file, got {shown(text)}")
+        raise invalid_argument(
+            source, f"must be the text of a case file, got {shown(text)}"
+        )
     try:
         data = tomllib.loads(text)
     except (
@@ -179,5 +185,5 @@ def parse_case(
         RecursionError,
     ) as error:  # a number of 5000 digits is a plain ValueError
         reason = str(error).partition("; use sys.")[0]
-        raise refusal(source, f"is not valid TOML: {reason}") from None
+        raise invalid_argument(source, f"is not valid TOML: {reason}") from None
     return case_from(data, source, vary)

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .. import units
-from ..model.frozen import MOST_MEMBERS, Number, refusal
+from ..model.frozen import MOST_MEMBERS, Number, invalid_argument
 from ..model.quantities import MAX_AXES, Floats
 from ..units import shown
 
@@ -56,10 +56,10 @@ def read_grids(vary: Mapping[str, str] | None) -> dict[str, Grid]:
     texts: Any = {} if vary is None else vary
     if not isinstance(texts, Mapping) or not all(isinstance(p, str) for p in texts):
         message = "must name numbers by their paths, each with a grid"
-        raise refusal("vary", f"{message}, got {shown(texts)}")
+        raise invalid_argument("vary", f"{message}, got {shown(texts)}")
     if len(texts) > MAX_AXES:
         message = f"is one of {len(texts)} numbers; at most {MAX_AXES} vary at once"
-        raise refusal(list(texts)[MAX_AXES], message)
+        raise invalid_argument(list(texts)[MAX_AXES], message)
     grids = {}
     for axis, (path, text) in enumerate(texts.items()):
         shape = [1] * len(texts)

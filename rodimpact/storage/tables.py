@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from ..model.frozen import refusal
+from ..model.frozen import invalid_argument
 from ..units import format_si, shown
 from .writing import PathLike, written
 
@@ -96,12 +96,12 @@ def heading(column: str, unit: str) -> str:
     ('incident [V]', 'strain [1]')
     """
     if column != "time" and (sentence := misnamed(column)):
-        raise refusal("name", sentence)
+        raise invalid_argument("name", sentence)
     if re.search(r'[]["(),;]', unit):
         message = (
             f"a unit in a table has no brackets, commas or quotes; got {shown(unit)}"
         )
-        raise refusal("unit", message)
+        raise invalid_argument("unit", message)
     return f"{column} [{unit or 1}]"
 
 

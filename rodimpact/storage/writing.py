@@ -17,7 +17,7 @@ from typing import Any, BinaryIO, TypeAlias
 import numpy as np
 
 from ..model.arguments import flag
-from ..model.frozen import refusal
+from ..model.frozen import invalid_argument
 from ..units import shown, shown_path
 from ..version import __version__
 
@@ -38,7 +38,7 @@ def file_name(path: Any) -> str:
     """A path as text; InvalidModel for what is none, such as the number of an open file."""
     name = os.fspath(path) if isinstance(path, str | os.PathLike) else None
     if not isinstance(name, str) or "\0" in name:
-        raise refusal("path", f"must be the name of a file, got {shown(path)}")
+        raise invalid_argument("path", f"must be the name of a file, got {shown(path)}")
     return name
 
 
