@@ -35,7 +35,13 @@ from .model.arguments import (
     float_or_array,
 )
 from .model.bodies import Rod, Segment
-from .model.frozen import Declared, Problems, invalid_argument, quantity, raise_noted
+from .model.frozen import (
+    Declared,
+    Problems,
+    invalid_argument,
+    quantity,
+    raise_if_problems,
+)
 from .model.lateral_inertia import INERTIA, radial_moduli
 from .progress import Progress, ProgressFunction, check_progress
 from .units import shown
@@ -337,7 +343,7 @@ def first_mode(
     )
     problems: Problems = []
     check_progress(problems, progress)
-    raise_noted(problems)
+    raise_if_problems(problems)
     G = 2 * math.pi * np.minimum(ratio, MAX_RADIUS_OVER_WAVELENGTH)
     return float_or_array(_lowest_roots(_same_wavenumber, G, nu, progress))
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..model import System
 from ..model.arguments import broadcast_arguments
-from ..model.frozen import InvalidModel, listed, quantity, raise_noted
+from ..model.frozen import InvalidModel, listed, quantity, raise_if_problems
 from ..progress import Progress, ProgressFunction
 from ..units import shown
 from .border_lines import join_points
@@ -122,7 +122,7 @@ def _axis(name: str, value: Any) -> PlaneAxis:
             problems: list[tuple[str, str]] = []
             low = number.checked(problems, f"{name}, {path}", ends[0])
             high = number.checked(problems, f"{name}, {path}", ends[1])
-            raise_noted(problems)
+            raise_if_problems(problems)
             if isinstance(low, float) and isinstance(high, float) and low < high:
                 return PlaneAxis(path, low, high)
     message = (

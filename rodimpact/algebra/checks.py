@@ -10,7 +10,7 @@ from ..methods.abilities import needs
 from ..methods.registry import count
 from ..model import Bonded, Free, Rod, Steps, System, Wall
 from ..model.arguments import of_kind
-from ..model.frozen import InvalidModel, Problems, raise_noted
+from ..model.frozen import InvalidModel, Problems, raise_if_problems
 from ..model.quantities import is_whole
 from ..progress import ProgressFunction, check_progress
 from ..units import shown
@@ -26,7 +26,7 @@ def check_system(system: System) -> None:
         )
     for path, refusal in _refusals(system):
         problems.append((path, f"formulas and fractions {refusal}, or solve()"))
-    raise_noted(problems)
+    raise_if_problems(problems)
 
 
 def _refusals(system: System) -> Iterator[tuple[str, str]]:
@@ -62,7 +62,7 @@ def check_arguments(progress: bool | ProgressFunction = True, **caps: Any) -> No
     for name, value in caps.items():
         count(problems, name, value)
     check_progress(problems, progress)
-    raise_noted(problems)
+    raise_if_problems(problems)
 
 
 def check_final(is_final: bool, max_events: int) -> None:
@@ -92,7 +92,7 @@ def fractions_of(values: Any) -> dict[str, Fraction]:
             problems.append(
                 (path, f'must be a number or a text such as "1/3", got {shown(value)}')
             )
-    raise_noted(problems)
+    raise_if_problems(problems)
     return fractions
 
 

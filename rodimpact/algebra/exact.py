@@ -8,7 +8,7 @@ from typing import Any
 from ..methods.row import Row
 from ..methods.walk import walk
 from ..model import Segment, System
-from ..model.frozen import InvalidModel, Problems, raise_noted
+from ..model.frozen import InvalidModel, Problems, raise_if_problems
 from ..model.paths import places_of, suggestion
 from .checks import (
     check_arguments,
@@ -80,7 +80,7 @@ def exact(
     _check_wave_speeds(row, source)
     problems = _unknown_paths(value_at, source.paths, places)
     problems += _non_positive(row, numbers)
-    raise_noted(problems)
+    raise_if_problems(problems)
     run = run_exactly(row, numbers, max_events)
     check_final(run.is_final, max_events)
     results = map_numbers(run.results, attrgetter("value"))

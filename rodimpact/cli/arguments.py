@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 from .. import Case, InvalidModel, Options, Solution, read_case
 from ..methods.memory import LargeFile
 from ..methods.registry import METHOD_NAMES
-from ..model.frozen import Problems, raise_noted
+from ..model.frozen import Problems, raise_if_problems
 from ..storage.writing import check_target
 from ..units import parse, shown, shown_path
 from .exit_status import DONE, INCOMPLETE, MISTAKE
@@ -210,7 +210,7 @@ class Arguments(argparse.Namespace):
             if first != option:
                 message = f"{shown_path(path)} is the file of {first} too; name another"
                 self.add_problem(option, message)
-        raise_noted(self.problems)
+        raise_if_problems(self.problems)
 
     def write(self, **writers: Callable[..., object]) -> int:
         """Write the outputs that are asked for.

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from .. import Material, Rod, Solution, System, Wall, collide, solve
 from ..materials import TABLE
-from ..model.frozen import raise_noted
+from ..model.frozen import raise_if_problems
 from ..results.pair_theory import pair_theory
 from ..storage.tables import align, as_html, clean
 from ..storage.writing import write_text
@@ -318,7 +318,7 @@ def _check_files(args: Arguments, files: FigureFiles) -> None:
             "them, or name another"
         )
         args.add_problem("--output", message)
-    raise_noted(args.problems)
+    raise_if_problems(args.problems)
 
 
 def draw(

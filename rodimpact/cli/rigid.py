@@ -8,7 +8,7 @@ import math
 from typing import NamedTuple
 
 from .. import rigid
-from ..model.frozen import raise_noted
+from ..model.frozen import raise_if_problems
 from ..storage.tables import align, as_json, clean
 from ..units import format_si
 from .arguments import Arguments, NumberAction, add_number
@@ -62,7 +62,7 @@ def run(args: Arguments) -> CommandResult:
     """Table or JSON of the collision."""
     m1 = _mass(args, "--m1", args.m1)
     m2 = _mass(args, "--m2", args.m2)
-    raise_noted(args.problems)
+    raise_if_problems(args.problems)
     e = args.restitution
     with args.naming():
         collision = rigid.collide(

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..model import Bonded, Material, Rigid, Rod, System
 from ..model.arguments import array, of_kind, single, whole
-from ..model.frozen import Problems, invalid_argument, raise_noted
+from ..model.frozen import Problems, invalid_argument, raise_if_problems
 from ..model.laws import RIGID
 from ..model.profiles import Steps
 from ..model.quantities import Floats
@@ -108,7 +108,7 @@ def striker(
     """
     problems: Problems = []
     check_progress(problems, progress)
-    raise_noted(problems)
+    raise_if_problems(problems)
     of_kind("bar", bar, Rod, "Rod(2.0, area=1e-4, material=materials.steel)")
     if material is None:
         material = bar.segments[0].material

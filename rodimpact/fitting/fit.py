@@ -16,7 +16,7 @@ import numpy as np
 from ..methods.registry import METHODS, Options, count
 from ..model import Rod, System
 from ..model.arguments import of_kind, single
-from ..model.frozen import Problems, invalid_argument, raise_noted
+from ..model.frozen import Problems, invalid_argument, raise_if_problems
 from ..progress import Progress, ProgressFunction, check_progress
 from ..running.jobs import check_executor
 from ..running.readings import check_readings
@@ -138,7 +138,7 @@ def fit(
     check_executor(problems, executor, system)
     gauges = [record.gauge for record in records]
     check_readings(problems, system, gauges, np.zeros(1))
-    raise_noted(problems)
+    raise_if_problems(problems)
 
     vary_system = {}
     vary_records = {}

@@ -12,10 +12,10 @@ from ..model.arguments import array, of_kind, one_of
 from ..model.frozen import (
     Declared,
     Problems,
+    add_problem,
     invalid_argument,
-    note,
     quantity,
-    raise_noted,
+    raise_if_problems,
 )
 from ..model.quantities import is_whole
 from ..progress import Report, is_function, no_report
@@ -142,7 +142,9 @@ class Options(Declared):
             self._set(snapshots=_snapshots(problems, self.snapshots, self.until))
         reported = [path for path, _ in problems]
         if "rtol" not in reported and self.rtol is not None and self.rtol > 1:
-            note(problems, "rtol", "must be at most 1, the whole outcome", self.rtol)
+            add_problem(
+                problems, "rtol", "must be at most 1, the whole outcome", self.rtol
+            )
         for name in ("dt", "cells"):
             both = self.rtol is not None and getattr(self, name) is not None
             if both and name not in reported:
@@ -177,7 +179,7 @@ class Options(Declared):
         problems: Problems = []
         for path, physics in missing:
             problems.append((path, f'method "{method}" has no {physics}; {remedy}'))
-        raise_noted(problems)
+        raise_if_problems(problems)
         self._check_options_of(method)
         if self.until is None and abilities.driven(system):
             raise invalid_argument(
@@ -198,7 +200,7 @@ class Options(Declared):
             if is_given and name not in METHODS[method].takes:
                 message = f"is for method {_takers(name)}, not {used}"
                 problems.append((name, f"{message}; leave it out, or give another"))
-        raise_noted(problems)
+        raise_if_problems(problems)
 
     def run(self, method: str, system: System, report: Report = no_report) -> Run:
         """Run a single collision by the method that `method_for` chose.
@@ -226,7 +228,7 @@ class Options(Declared):
         check_function(problems, "report", report)
         for path, lacking in METHODS[method].lacking(abilities.needs(system)):
             problems.append((path, f'method "{method}" has no {lacking}'))
-        raise_noted(problems)
+        raise_if_problems(problems)
         own = {name: getattr(self, name) for name in METHODS[method].takes}
         run = METHODS[method].run(
             walk(system), self.until, self.max_events, **own, report=report

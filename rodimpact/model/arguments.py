@@ -19,7 +19,7 @@ from .frozen import (
     Problems,
     broadcast_shape,
     invalid_argument,
-    raise_noted,
+    raise_if_problems,
     require,
 )
 from .frozen import Number as Number
@@ -82,7 +82,7 @@ def broadcast_arguments(**arguments: tuple[Any, str, str]) -> tuple[Array, ...]:
             arrays[name] = array(name, value, unit, sign)
         except InvalidModel as error:
             problems += error.problems
-    raise_noted(problems)
+    raise_if_problems(problems)
     broadcast_shape(arrays.items())
     return np.broadcast_arrays(*arrays.values())
 
@@ -94,7 +94,7 @@ def demand(condition: Any, name: str, message: str, *values: Number) -> None:
     """
     problems: Problems = []
     require(problems, condition, name, message, *values)
-    raise_noted(problems)
+    raise_if_problems(problems)
 
 
 def of_kind(name: str, value: Any, kind: type, example: str) -> None:

@@ -202,7 +202,7 @@ class Segment(Declared):
         if self.lateral_inertia is not None or self.polar_moment is not None:
             self._check_lateral_inertia(problems)
         of_kind("material", self.material, Material, "materials.steel")
-        frozen.raise_noted(problems)
+        frozen.raise_if_problems(problems)
         if isinstance(area, Samples):
             # A taper is sound if uniform segments of its extreme areas are.
             for extreme in profiles.extremes(area):
@@ -268,7 +268,7 @@ class Segment(Declared):
             message = (
                 f'must be "{CIRCULAR}" along a taper and with a diameter, or left out'
             )
-            frozen.note(problems, "polar_moment", message, moment)
+            frozen.add_problem(problems, "polar_moment", message, moment)
         if theory is None:
             message = (
                 f'has no effect by itself; give lateral_inertia="{RAYLEIGH_LOVE}" too, '
@@ -581,7 +581,7 @@ class Rod(Frozen, kind="rod"):
             problems, "velocity", velocity, self.fields["velocity"], total
         )
         e = profiles.along_rod(problems, "strain", strain, self.fields["strain"], total)
-        frozen.raise_noted(problems)
+        frozen.raise_if_problems(problems)
         self._set(segments=pieces, velocity=v, strain=e)
 
     def _parameters(self) -> dict[str, Any]:
@@ -672,8 +672,8 @@ def _checked_segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ..
     problems: Problems = []
     for i, segment in enumerate(segments):
         if not isinstance(segment, Segment):
-            frozen.note(problems, f"segments.{i}", "must be a Segment", segment)
-    frozen.raise_noted(problems)
+            frozen.add_problem(problems, f"segments.{i}", "must be a Segment", segment)
+    frozen.raise_if_problems(problems)
     return tuple(segments)
 
 
@@ -686,7 +686,7 @@ def _segments_between_jumps(shape: dict[str, Any]) -> tuple[Segment, ...]:
     if not problems:
         known_length = L
     profiles.along_rod(problems, "area", area, Segment.fields["area"], known_length)
-    frozen.raise_noted(problems)
+    frozen.raise_if_problems(problems)
     edges = (0.0, *area.at, L)
     pieces: list[Segment] = []
     for i, A in enumerate(area.values):
@@ -698,7 +698,7 @@ def _segments_between_jumps(shape: dict[str, Any]) -> tuple[Segment, ...]:
         except frozen.InvalidModel as error:
             for path, message in error.problems:
                 problems.append((path.replace("area", f"area.values.{i}"), message))
-    frozen.raise_noted(problems)
+    frozen.raise_if_problems(problems)
     return tuple(pieces)
 
 

@@ -204,7 +204,7 @@ class Field(NamedTuple):
         if self.word and isinstance(value, str):
             if value != self.word:
                 message = f'must be a number{number_of(self.unit)} or "{self.word}"'
-                note(problems, path, message, value)
+                add_problem(problems, path, message, value)
             return value
         if self.many:
             return self._each_checked(problems, path, value)
@@ -233,7 +233,7 @@ class Field(NamedTuple):
         if isinstance(numbers, np.ndarray):
             numbers.flags.writeable = False
             if self.single:
-                note(problems, path, "must be a single number", value)
+                add_problem(problems, path, "must be a single number", value)
         return numbers
 
     def _is_in_scale(self, numbers: Any) -> Any:
@@ -259,7 +259,7 @@ class Field(NamedTuple):
             try:
                 items = list(floats(items, self.unit))
             except TypeError:  # a single number has no items
-                note(problems, path, "must be a list of numbers", items)
+                add_problem(problems, path, "must be a list of numbers", items)
                 return ()
             except ValueError as error:
                 problems.append((path, str(error)))
@@ -370,12 +370,12 @@ def require(
     return False
 
 
-def note(problems: Problems, path: str, message: str, value: Any) -> None:
-    """Note a mistake in `problems`, and the value that was given."""
+def add_problem(problems: Problems, path: str, message: str, value: Any) -> None:
+    """Add a mistake to `problems`, with the value that was given."""
     problems.append((path, f"{message}, got {shown(value)}"))
 
 
-def raise_noted(problems: Problems) -> None:
+def raise_if_problems(problems: Problems) -> None:
     """Raise InvalidModel if there are problems."""
     if problems:
         raise InvalidModel(problems)
@@ -462,7 +462,7 @@ class Frozen:
                 if defaults:
                     hint = nearest(name, defaults)
                 problems.append((name, f"is no parameter of {kind.__name__}; {hint}"))
-        raise_noted(problems)
+        raise_if_problems(problems)
         parameters = self._parameters()
         for name in changes:
             for replaced in self._alternatives.get(name, ()):
@@ -608,7 +608,7 @@ class Declared(Frozen):
             self._check(problems)
         except InvalidModel as error:
             problems += error.problems
-        raise_noted(problems)
+        raise_if_problems(problems)
 
     def _check(self, problems: Problems) -> None:
         """Note, or raise, mistakes that are not in a single number."""

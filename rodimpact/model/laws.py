@@ -25,7 +25,7 @@ from .frozen import (
     Numeric,
     NumericOrNone,
     Problems,
-    note,
+    add_problem,
     quantity,
 )
 
@@ -373,7 +373,7 @@ class Hertz(_Compliant, law="hertz"):
                 "is None, and so is the left one; one of the faces must be elastic"
             )
             problems.append(("right_material", message))
-        frozen.raise_noted(problems)
+        frozen.raise_if_problems(problems)
         numbers: dict[str, Number] = {}
         for face in faces:
             numbers |= face.numbers
@@ -412,7 +412,7 @@ def _checked_face(problems: Problems, side: str, radius: Any, material: Any) -> 
             compliance = 1 / (E / (1 - nu**2))  # 1 over the plane strain modulus
     elif material is not None:
         message = "must be a Material with a poisson_ratio, or None for a rigid face"
-        note(problems, material_path, message, material)
+        add_problem(problems, material_path, message, material)
     return _Face(R, compliance, numbers)
 
 
@@ -751,7 +751,7 @@ class Law(_Law, law="own"):
     def _check(self, problems: Problems) -> None:
         force: Any = self.force
         if not is_function(force):
-            note(problems, "force", "must be a function of d and d'", force)
+            add_problem(problems, "force", "must be a function of d and d'", force)
             return
         for d, rate in TRIAL_STATES:
             state = f"at d = {d:g} m, d' = {rate:g} m/s"

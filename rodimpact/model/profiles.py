@@ -18,7 +18,15 @@ from numpy.typing import ArrayLike
 
 from ..units import one_line, shown
 from . import frozen
-from .frozen import Declared, Field, Number, NumericOrNone, Problems, note, quantity
+from .frozen import (
+    Declared,
+    Field,
+    Number,
+    NumericOrNone,
+    Problems,
+    add_problem,
+    quantity,
+)
 from .quantities import Floats as Floats
 from .quantities import floats
 
@@ -124,10 +132,10 @@ class Samples(Declared):
         is_list = np.ndim(self.values) == 1 and len(self.values) > 1
         if not problems and not is_list:
             wanted = "must be a list of at least two numbers"
-            note(problems, "values", wanted, frozen.json_ready(self.values))
+            add_problem(problems, "values", wanted, frozen.json_ready(self.values))
         smooth: Any = self.smooth
         if not isinstance(smooth, bool):
-            note(problems, "smooth", "must be True or False", smooth)
+            add_problem(problems, "smooth", "must be True or False", smooth)
         self._set(error=ERROR.checked(problems, "error", self.error))
 
     def _parameters(self) -> dict[str, Any]:
@@ -358,13 +366,13 @@ def in_time(value: Any, field: Field, duration: Any) -> Profile:
     else:
         if duration is not None:
             message = "belongs to a function of time; leave it out"
-            note(problems, "duration", message, duration)
+            add_problem(problems, "duration", message, duration)
         if isinstance(value, Samples) and value.step is None:
             message = "is missing; give the seconds between two samples"
             problems.append(("value.step", message))
         if not isinstance(value, Steps | Samples):
             profile = field.checked(problems, "value", value)
-    frozen.raise_noted(problems)
+    frozen.raise_if_problems(problems)
     return profile
 
 

@@ -30,8 +30,8 @@ from .frozen import (
     Numeric,
     Problems,
     TypedAttribute,
+    add_problem,
     json_ready,
-    note,
     quantity,
 )
 from .laws import CONTACT_LAWS, RIGID, Bonded, ContactLaw, Joint, Law, Plastic, Rigid
@@ -113,7 +113,7 @@ class System(Declared):
             gaps.append(field.checked(problems, f"gaps.{i}", gap))
             _check_contact(problems, i, law, gaps[i], bodies[i : i + 2])
         ends = _checked_ends(problems, self.ends, bodies)
-        frozen.raise_noted(problems)
+        frozen.raise_if_problems(problems)
         self._set(
             bodies=tuple(bodies),
             gaps=tuple(gaps),
@@ -222,7 +222,7 @@ class System(Declared):
                     "its curve as Tabulated, or keep results by to_xarray"
                 )
                 problems.append((f"contacts.{i}", message))
-        frozen.raise_noted(problems)
+        frozen.raise_if_problems(problems)
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> System:
@@ -300,7 +300,7 @@ class System(Declared):
                 kind = type(end).__name__
                 message = f"must be Free() or Fixed(), not {kind}; {reason}"
                 problems.append((f"ends.{side}", message))
-        frozen.raise_noted(problems)
+        frozen.raise_if_problems(problems)
         bodies = []
         for body in self.bodies:
             bodies.append(body.replace(velocity=negative(body.velocity)))
@@ -382,7 +382,7 @@ def _one_per_pair(
             "must be a list with one entry for each neighbouring pair, "
             f"{n_pairs} in all"
         )
-        note(problems, name, message, items)
+        add_problem(problems, name, message, items)
     if is_list:
         return items
     return ()
@@ -396,7 +396,7 @@ def _check_bodies(problems: Problems, bodies: Any) -> None:
     for i, body in enumerate[Any](bodies):
         if type(body) not in _BODIES:
             message = "must be a Rod, a RigidMass or a Wall itself"
-            note(problems, f"bodies.{i}", message, body)
+            add_problem(problems, f"bodies.{i}", message, body)
         elif isinstance(body, Wall) and 0 < i < len(bodies) - 1:
             message = (
                 "a wall may stand only at an end of the row; make two systems of this "
@@ -428,7 +428,7 @@ def _check_contact(
     """Note a law that is none, or that does not go with its gap or its two bodies."""
     if type(law) not in _LAWS:
         message = f"must be a contact law itself, one of {_class_names(_LAWS)}"
-        note(problems, f"contacts.{i}", message, law)
+        add_problem(problems, f"contacts.{i}", message, law)
     elif not law.opens:
         message = (
             "must be 0 where bodies are joined, got {0!r}; a Joint takes a stretch"
@@ -478,7 +478,7 @@ def _checked_ends(problems: Problems, ends: Any, bodies: Any) -> Any:
         ends = (FREE, FREE)
     if not isinstance(ends, list | tuple) or len(ends) != 2:
         message = "must be a pair, such as (Free(), Absorbing())"
-        note(problems, "ends", message, ends)
+        add_problem(problems, "ends", message, ends)
     else:
         _check_end(problems, "left", ends[0], bodies[0])
         _check_end(problems, "right", ends[1], bodies[-1])
@@ -491,7 +491,7 @@ def _check_end(problems: Problems, side: str, end: Any, body: Any) -> None:
     name = type(end).__name__
     if type(end) not in _ENDS:
         message = f"must be an end itself, one of {_class_names(_ENDS)}"
-        note(problems, path, message, end)
+        add_problem(problems, path, message, end)
     elif isinstance(body, Wall) and not isinstance(end, Free):
         message = f"{name} has no place beyond a wall; leave this end out, or the wall"
         problems.append((path, message))

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from ..methods.signals import Floats
 from ..model.arguments import one_of, single
-from ..model.frozen import Problems, invalid_argument, raise_noted
+from ..model.frozen import Problems, invalid_argument, raise_if_problems
 from ..progress import (
     Progress,
     ProgressFunction,
@@ -312,7 +312,7 @@ class Animation:
         """
         problems: Problems = []
         check_progress(problems, progress)
-        raise_noted(problems)
+        raise_if_problems(problems)
         write = films.WRITERS[films.check_film(path)]
         with (
             writing.written(path, force=force) as file,

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..model.arguments import of_kind, single
 from ..model.bodies import Rod
-from ..model.frozen import Problems, invalid_argument, raise_noted
+from ..model.frozen import Problems, invalid_argument, raise_if_problems
 from ..model.quantities import Floats
 from ..progress import Progress, ProgressFunction, check_progress
 from ..storage.tables import align
@@ -177,7 +177,7 @@ def calibrate(
     """
     problems: Problems = []
     check_progress(problems, progress)
-    raise_noted(problems)
+    raise_if_problems(problems)
     for name, given in (
         ("input_gauges", input_gauges),
         ("output_gauges", output_gauges),

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from .. import units as known_units
 from ..methods import memory
 from ..model.arguments import one_of, single, text
-from ..model.frozen import Problems, invalid_argument, nearest, raise_noted
+from ..model.frozen import Problems, invalid_argument, nearest, raise_if_problems
 from ..model.quantities import Floats
 from ..progress import Progress, ProgressFunction, check_progress
 from ..storage.reading import FileFormatError, open_regular
@@ -146,7 +146,7 @@ def read_signals(
             )
     problems: Problems = []
     check_progress(problems, progress)
-    raise_noted(problems)
+    raise_if_problems(problems)
     with open_regular(path) as file:
         memory.check_file(
             file.name,

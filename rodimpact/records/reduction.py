@@ -24,7 +24,13 @@ import numpy as np
 
 from ..model.arguments import array, flag, of_kind, single, whole
 from ..model.bodies import Rod
-from ..model.frozen import Declared, Problems, invalid_argument, quantity, raise_noted
+from ..model.frozen import (
+    Declared,
+    Problems,
+    invalid_argument,
+    quantity,
+    raise_if_problems,
+)
 from ..model.quantities import Floats
 from ..progress import Progress, ProgressFunction, Report, check_progress
 from ..storage.tables import align
@@ -386,7 +392,7 @@ def reduce(
     """
     problems: Problems = []
     check_progress(problems, progress)
-    raise_noted(problems)
+    raise_if_problems(problems)
     of_kind("specimen", specimen, Specimen, "ri.Specimen(length=5e-3, diameter=8e-3)")
     limit = single("align_within", align_within, "s", "non-negative")
     calibration = bars if isinstance(bars, Calibration) else None

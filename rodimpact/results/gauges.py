@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..methods.signals import Floats, Ints, Pieces, Side, quadrature
 from ..model.arguments import array, demand, single
-from ..model.frozen import Problems, invalid_argument, raise_noted
+from ..model.frozen import Problems, invalid_argument, raise_if_problems
 from ..records.signal import Signal
 from ..storage.tables import heading, misnamed, write_table
 from ..units import shown
@@ -240,7 +240,7 @@ def gauges_to_csv(
         sentence = misnamed(name)
         if sentence:
             problems.append(("gauges", sentence))
-    raise_noted(problems)
+    raise_if_problems(problems)
     sampling = _sampling(interval, min(record.end for record in gauges.values()))
     heads = [heading("time", "s")]
     for name in gauges:

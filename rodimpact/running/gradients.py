@@ -24,7 +24,7 @@ from ..model.frozen import (
     Problems,
     invalid_argument,
     nearest,
-    raise_noted,
+    raise_if_problems,
 )
 from ..model.paths import field_at, numbers_of, places_of, suggestion, with_numbers
 from ..progress import Progress, ProgressFunction, Report, check_progress
@@ -621,7 +621,7 @@ def _check(
             remedy = suggestion(path, paths)
             message = f"the system has no parameter {shown(path)}; {remedy}"
             problems.append(("wrt", message))
-    raise_noted(problems)
+    raise_if_problems(problems)
 
 
 def _gradient(

@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 
 from ..methods import memory
 from ..model import Law, System
-from ..model.frozen import Problems, note
+from ..model.frozen import Problems, add_problem
 
 JOBS_A_WORKER = 8  # about
 JOBS_A_WORKER_TO_KEEP = 100  # with a checkpoint: a crash undoes a hundredth of the work
@@ -51,7 +51,7 @@ def check_executor(problems: Problems, executor: object, system: System) -> None
         return
     if not isinstance(executor, Executor):
         wanted = "must be an executor, such as concurrent.futures.ProcessPoolExecutor()"
-        note(problems, "executor", wanted, executor)
+        add_problem(problems, "executor", wanted, executor)
     if not isinstance(executor, ProcessPoolExecutor):
         return
     for k, law in enumerate(system.contacts):

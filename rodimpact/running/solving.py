@@ -5,7 +5,7 @@ from numpy.typing import ArrayLike
 from ..methods.registry import Options
 from ..methods.run import MAX_EVENTS
 from ..model import Body, ContactLaw, System
-from ..model.frozen import Problems, raise_noted
+from ..model.frozen import Problems, raise_if_problems
 from ..progress import Progress, ProgressFunction, check_progress
 from ..results.outcome import Outcome, outcome_of
 from ..results.solution import Solution
@@ -99,7 +99,7 @@ def solve(
             "solve(system[index]). Values along a rod are Steps(values, at)"
         )
         problems.append(("system", message))
-    raise_noted(problems)
+    raise_if_problems(problems)
     with Progress(progress, "solve", WORK_UNITS[chosen]) as report:
         run = options.run(chosen, system, report)
     return Solution(run, options)

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from ..methods.registry import Options, count
 from ..methods.run import MAX_EVENTS
 from ..model import System
-from ..model.frozen import InvalidModel, Problems, raise_noted
+from ..model.frozen import InvalidModel, Problems, raise_if_problems
 from ..progress import Progress, ProgressFunction, check_progress
 from ..storage.checkpoint import Checkpoint
 from ..storage.writing import PathLike
@@ -157,7 +157,7 @@ def sweep(
             problems.append(("system", message))
     except InvalidModel as error:
         problems += error.problems
-    raise_noted(problems)
+    raise_if_problems(problems)
     size = math.prod(system.shape)
     description: dict[str, Any] = {}
     if checkpoint is not None:

@@ -10,10 +10,10 @@ from ..model.arguments import of_kind
 from ..model.frozen import (
     InvalidModel,
     Problems,
+    add_problem,
     defaults_of,
     nearest,
-    note,
-    raise_noted,
+    raise_if_problems,
 )
 from ..units import shown
 from .grids import Varied
@@ -85,7 +85,7 @@ class Case:
         _check_output(problems, self.output)
         path: Any = self.path
         if not isinstance(path, str):
-            note(problems, "path", "must be the name of a file", path)
+            add_problem(problems, "path", "must be the name of a file", path)
         for name, wanted, is_good in (
             ("varied", "must be a tuple of Varied", Varied),
             ("gauges", "must be a tuple of GaugePlace", GaugePlace),
@@ -93,17 +93,17 @@ class Case:
             entries: Any = getattr(self, name)
             is_list = isinstance(entries, tuple | list)
             if not is_list or not all(isinstance(each, is_good) for each in entries):
-                note(problems, name, wanted, entries)
+                add_problem(problems, name, wanted, entries)
         result: Any = self.result
         if not isinstance(result, SavedResult | None):
-            note(problems, "result", "must be a SavedResult or None", result)
-        raise_noted(problems)
+            add_problem(problems, "result", "must be a SavedResult or None", result)
+        raise_if_problems(problems)
 
 
 def _check_options(problems: Problems, options: Any) -> None:
     """Note what are no arguments of `solve`."""
     if not isinstance(options, Mapping):
-        note(problems, "solve", "must be arguments of ri.solve by name", options)
+        add_problem(problems, "solve", "must be arguments of ri.solve by name", options)
         return
     known = defaults_of(Options)
     unknown = [name for name in options if name not in known]
@@ -121,10 +121,12 @@ def _check_options(problems: Problems, options: Any) -> None:
 def _check_output(problems: Problems, output: Any) -> None:
     """Note what are no names of files."""
     if not isinstance(output, Mapping):
-        note(problems, "output", "must be names of files by what they hold", output)
+        add_problem(
+            problems, "output", "must be names of files by what they hold", output
+        )
         return
     for name, path in output.items():
         if name not in OUTPUTS or not isinstance(path, str):
             wanted = f"must be names of files for {' and '.join(OUTPUTS)}"
-            note(problems, "output", wanted, output)
+            add_problem(problems, "output", wanted, output)
             return

@@ -15,7 +15,7 @@ from ..methods.run import (
     TIME,
     VELOCITY,
 )
-from ..model.frozen import Problems, nearest, note, raise_noted
+from ..model.frozen import Problems, add_problem, nearest, raise_if_problems
 
 ENERGY, COUNT = "energy", "count"
 BY_BODY = {"velocity_after": VELOCITY, "vibration_after": ENERGY}
@@ -99,16 +99,16 @@ def read_result(table: Mapping[str, Any], bodies: int) -> SavedResult:
     _check_keys(problems, "", table, SavedResult._fields, SavedResult._fields)
     for name in WORDS:
         if not isinstance(table.get(name, ""), str):
-            note(problems, name, "must be text", table[name])
+            add_problem(problems, name, "must be text", table[name])
     if not isinstance(table.get("final", True), bool):
-        note(problems, "final", "must be true or false", table["final"])
+        add_problem(problems, "final", "must be true or false", table["final"])
     names = names_of_numbers(bodies)
     numbers = _read_numbers(problems, "numbers", table, names, required=names)
     accuracy = _read_numbers(problems, "accuracy", table, MEASURES)
     for name, error in accuracy.items():
         if not error >= 0:
-            note(problems, f"accuracy.{name}", "must not be negative", error)
-    raise_noted(problems)
+            add_problem(problems, f"accuracy.{name}", "must not be negative", error)
+    raise_if_problems(problems)
     words = {name: table[name] for name in (*WORDS, "final")}
     return SavedResult(**words, numbers=numbers, accuracy=accuracy)
 
@@ -149,7 +149,7 @@ def _read_numbers(
     group = table.get(name)
     if not isinstance(group, dict):
         if name in table:
-            note(problems, name, "must be a table of numbers", group)
+            add_problem(problems, name, "must be a table of numbers", group)
         return {}
     _check_keys(problems, f"{name}.", group, known, required)
     numbers: dict[str, float] = {}
@@ -159,5 +159,5 @@ def _read_numbers(
                 raise TypeError
             numbers[key] = float(value)
         except (TypeError, OverflowError):
-            note(problems, f"{name}.{key}", "must be a number", value)
+            add_problem(problems, f"{name}.{key}", "must be a number", value)
     return numbers
