@@ -109,9 +109,9 @@ class Bar(Declared):
     [5189.0, 4958.0]
     """
 
-    wave_speed: float = quantity("m/s", "positive", single=True)
-    poisson_ratio: float = quantity("", "[0, 0.5]", single=True)
-    radius: float = quantity("m", "positive", single=True)
+    wave_speed: float = quantity("m/s", "positive", scalar=True)
+    poisson_ratio: float = quantity("", "[0, 0.5]", scalar=True)
+    radius: float = quantity("m", "positive", scalar=True)
 
     @classmethod
     def of(cls, rod: Rod | Segment, radius: float | None = None) -> Bar:

@@ -6,7 +6,7 @@ The search is in `striker_search`. All waves are those of `rodimpact.solve`.
 import numpy as np
 
 from ..model import Bonded, Material, Rigid, Rod, System
-from ..model.arguments import array, of_kind, single, whole
+from ..model.arguments import array, of_kind, scalar, whole
 from ..model.frozen import Problems, invalid_argument, raise_if_problems
 from ..model.laws import RIGID
 from ..model.profiles import Steps
@@ -114,11 +114,11 @@ def striker(
         material = bar.segments[0].material
     of_kind("material", material, Material, "materials.steel")
     _check_bodies(bar, material, contact)
-    V = single("velocity", velocity, "m/s", "positive")
-    T = single("duration", duration, "s", "positive")
+    V = scalar("velocity", velocity, "m/s", "positive")
+    T = scalar("duration", duration, "s", "positive")
     end = 2 * T
     if until is not None:
-        end = single("until", until, "s", "positive")
+        end = scalar("until", until, "s", "positive")
     segments = whole("segments", segments, 1, MAX_SEGMENTS)
     if not T * (1 - MIN_DURATION_RTOL) <= end <= MAX_UNTIL * T:
         message = f"must be from the duration, {T!r} s, to {MAX_UNTIL} times that"

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..model import Free, Material, Rigid, Rod, System
-from ..model.arguments import of_kind, single
+from ..model.arguments import of_kind, scalar
 from ..model.frozen import InvalidModel, invalid_argument
 from ..results.solution import Solution
 from ..running.solving import solve
@@ -89,8 +89,8 @@ def momentum_trap(
         raise invalid_argument(
             "system", "must end on the right with a rod whose end is Free()"
         )
-    end = single("until", until, "s", "positive")
-    passed = single("after", after, "s")
+    end = scalar("until", until, "s", "positive")
+    passed = scalar("after", after, "s")
     if not 0 <= passed < end:
         raise invalid_argument(
             "after", f"must be from 0 to before until = {end!r} s, got {passed!r}"

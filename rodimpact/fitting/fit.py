@@ -15,7 +15,7 @@ import numpy as np
 
 from ..methods.registry import METHODS, Options, count
 from ..model import Rod, System
-from ..model.arguments import of_kind, single
+from ..model.arguments import of_kind, scalar
 from ..model.frozen import Problems, invalid_argument, raise_if_problems
 from ..progress import Progress, ProgressFunction, check_progress
 from ..running.jobs import check_executor
@@ -190,7 +190,7 @@ def _checked_interval(interval: float | None, records: Sequence[Measured]) -> fl
         for record in records:
             intervals.append(float(np.diff(record.signal.times).min()))
         interval = min(intervals)
-    return single("interval", interval, "s", "positive")
+    return scalar("interval", interval, "s", "positive")
 
 
 def _cell_count(system: System, interval: float) -> int:

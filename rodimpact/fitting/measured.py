@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from ..methods.registry import check_function
 from ..model import Rod, System
-from ..model.arguments import of_kind, single, whole
+from ..model.arguments import of_kind, scalar, whole
 from ..model.frozen import Declared, Problems, invalid_argument, quantity
 from ..records.comparison import Bounds, plateau
 from ..records.signal import Signal, bounds_of
@@ -57,8 +57,8 @@ class Measured(Declared):
 
     signal: Signal
     gauge: tuple[int, float]
-    distance: float = quantity("m", default=0.0, single=True)
-    radius: float | None = quantity("m", "positive", default=None, single=True)
+    distance: float = quantity("m", default=0.0, scalar=True)
+    radius: float | None = quantity("m", "positive", default=None, scalar=True)
     shift: Bounds | None = None
     gain: Bounds | None = None
     blur: Bounds = 0.0
@@ -72,10 +72,10 @@ class Measured(Declared):
                 "gauge", f"must be (body, x), such as (1, 0.5), got {shown(self.gauge)}"
             )
         body, x = self.gauge
-        self._set(gauge=(body, single("gauge", x, "m")))
+        self._set(gauge=(body, scalar("gauge", x, "m")))
         check_function(problems, "seen", self.seen)
         if self.level is not None:
-            self._set(level=single("level", self.level, self.signal.unit, "positive"))
+            self._set(level=scalar("level", self.level, self.signal.unit, "positive"))
         # these raise an error for invalid bounds, and for a signal without a plateau
         _ = self.limits
         _ = self.size
@@ -114,7 +114,7 @@ class Measured(Declared):
 
         The prediction is that of a collision from 0 to `until`, s.
         """
-        until = single("until", until, "s", "non-negative")
+        until = scalar("until", until, "s", "non-negative")
         delay = self._propagation_time(system)
         return self.signal.start - (until + delay), self.signal.end + delay
 

@@ -126,11 +126,11 @@ class Options(Declared):
     1e-06
     """
 
-    until: float | None = quantity("s", "non-negative", default=None, single=True)
+    until: float | None = quantity("s", "non-negative", default=None, scalar=True)
     method: str = "auto"
     max_events: int = MAX_EVENTS
-    dt: float | None = quantity("s", "positive", default=None, single=True)
-    rtol: float | None = quantity("", "positive", default=None, single=True)
+    dt: float | None = quantity("s", "positive", default=None, scalar=True)
+    rtol: float | None = quantity("", "positive", default=None, scalar=True)
     cells: int | None = None
     snapshots: int | ArrayLike | None = None
 

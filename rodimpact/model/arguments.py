@@ -62,7 +62,7 @@ def array(name: str, value: ArrayLike, unit: str, sign: str = "") -> Array:
     return numbers
 
 
-def single(name: str, value: Any, unit: str, sign: str = "any") -> float:
+def scalar(name: str, value: Any, unit: str, sign: str = "any") -> float:
     """Return an argument as a float; InvalidModel if it is no number, or several."""
     number = array(name, value, unit, sign)
     if number.ndim:

@@ -148,7 +148,7 @@ class Field(NamedTuple):
         time.
     word : str
         Word that may stand in place of the number.
-    single : bool
+    scalar : bool
         Whether the number must not be an array.
     many : bool
         Whether it is a list of numbers, each of which may be an array.
@@ -160,7 +160,7 @@ class Field(NamedTuple):
     default: Any = REQUIRED
     along: str = ""
     word: str = ""
-    single: bool = False
+    scalar: bool = False
     many: bool = False
 
     @property
@@ -232,7 +232,7 @@ class Field(NamedTuple):
             require(problems, is_in_scale, path, OUT_OF_SCALE, numbers)
         if isinstance(numbers, np.ndarray):
             numbers.flags.writeable = False
-            if self.single:
+            if self.scalar:
                 add_problem(problems, path, "must be a single number", value)
         return numbers
 

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from ..progress import is_function
 from . import frozen
-from .arguments import array, broadcast_arguments, demand, single
+from .arguments import array, broadcast_arguments, demand, scalar
 from .bodies import Material
 from .frozen import (
     Declared,
@@ -544,7 +544,7 @@ class Yielding(Plastic, law="yielding"):
         >>> layer.hardened(2e3).yield_force
         2000.0
         """
-        force = single("force", force, "N")
+        force = scalar("force", force, "N")
         return self.replace(yield_force=max(self.yield_force, force))
 
 
@@ -685,7 +685,7 @@ class Tabulated(Plastic, law="tabulated"):
         >>> foam.hardened(1.5e3).compression
         (0.001, 0.002)
         """
-        force = single("force", force, "N")
+        force = scalar("force", force, "N")
         k = self.stiffness
         last_slope = self.slopes[-1]
         compressions = list(self.compression)

@@ -36,9 +36,9 @@ SAMPLES_IN_TIME = 4097
 """Number of times at which a function of time is sampled."""
 SPLINE_DEGREE = 5
 """Degree of the spline through smooth samples."""
-ERROR = Field(sign="non-negative", single=True)
+ERROR = Field(sign="non-negative", scalar=True)
 """Error of the values of a profile."""
-DURATION = Field("s", "positive", default=None, single=True)
+DURATION = Field("s", "positive", default=None, scalar=True)
 """Time for which a function of time is sampled."""
 
 

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from ..methods.signals import Floats, Ints
 from ..model import Bonded, Fixed, Moved, Rigid, RigidMass, Rod, Wall
-from ..model.arguments import single
+from ..model.arguments import scalar
 from ..results.contacts import ContactHistory
 from ..results.magnification import BLOCK, drifts, magnified, round_down
 from ..results.solution import Solution
@@ -216,7 +216,7 @@ def choose_layout(
         If the magnification is not a positive number.
     """
     if magnification is not None:
-        magnification = single("magnification", magnification, "", MAGNIFICATIONS)
+        magnification = scalar("magnification", magnification, "", MAGNIFICATIONS)
 
     # What is measured: how far the bodies move, and how much they strain.
     lengths = _lengths(solution)

@@ -20,7 +20,7 @@ from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from ..methods.signals import Floats
-from ..model.arguments import one_of, single
+from ..model.arguments import one_of, scalar
 from ..model.frozen import Problems, invalid_argument, raise_if_problems
 from ..progress import (
     Progress,
@@ -382,11 +382,11 @@ def animation(
     check_waves(solution)
     one_of("field", field, ("velocity", "stress", "strain"))
     check_frames(frames, fps)
-    start = single("start", start, "s")
+    start = scalar("start", start, "s")
     if stop is None:
         stop = drawn_until(solution)
     else:
-        stop = single("stop", stop, "s")
+        stop = scalar("stop", stop, "s")
     if not start < stop:
         raise invalid_argument(
             "stop", f"must be later than start = {start!r} s, got {stop!r}"
@@ -400,8 +400,8 @@ def animation(
 
 def check_frames(frames: int, fps: float) -> None:
     """Raise ValueError if there cannot be so many frames, or so many a second."""
-    count = single("frames", frames, "")
-    rate = single("fps", fps, "")
+    count = scalar("frames", frames, "")
+    rate = scalar("fps", fps, "")
     if not 2 <= count <= MAX_FRAMES or count != int(count):
         raise invalid_argument(
             "frames",

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple, ParamSpec, TypeVar
 import numpy as np
 from matplotlib import RcParams, colors, rc_context, rc_params_from_file
 
-from ..model.arguments import one_of, single
+from ..model.arguments import one_of, scalar
 from ..model.frozen import invalid_argument
 from ..units import shown
 
@@ -152,7 +152,7 @@ def look(mode: str = "light", width: float | None = None) -> Iterator[None]:
     """
     one_of("mode", mode, LOOKS)
     if width is not None:
-        width = single("width", width, "mm")
+        width = scalar("width", width, "mm")
         if not MIN_WIDTH <= width <= MAX_WIDTH:
             limits = f"{MIN_WIDTH:g} to {MAX_WIDTH:g} mm"
             raise invalid_argument("width", f"must be {limits}, got {width!r}")

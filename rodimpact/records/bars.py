@@ -60,9 +60,9 @@ class BarGauge(Declared):
     """
 
     signal: Signal
-    distance: float = quantity("m", "non-negative", single=True)
+    distance: float = quantity("m", "non-negative", scalar=True)
     opposite: Signal | None = None
-    gain: float = quantity("", default=1.0, single=True)
+    gain: float = quantity("", default=1.0, scalar=True)
 
     def _check(self, problems: Problems) -> None:
         for name in (

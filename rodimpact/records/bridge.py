@@ -51,10 +51,10 @@ class Bridge(Declared):
 
     kind: str
     _: KW_ONLY
-    gauge_factor: float = quantity("", "positive", single=True)
-    excitation: float = quantity("V", "positive", single=True)
-    gain: float = quantity(default=1.0, single=True)
-    poisson_ratio: float | None = quantity("", "[0, 0.5]", default=None, single=True)
+    gauge_factor: float = quantity("", "positive", scalar=True)
+    excitation: float = quantity("V", "positive", scalar=True)
+    gain: float = quantity(default=1.0, scalar=True)
+    poisson_ratio: float | None = quantity("", "[0, 0.5]", default=None, scalar=True)
 
     def _check(self, problems: Problems) -> None:
         if isinstance(self.gain, float) and self.gain == 0:

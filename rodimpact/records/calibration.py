@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..model.arguments import of_kind, single
+from ..model.arguments import of_kind, scalar
 from ..model.bodies import Rod
 from ..model.frozen import Problems, invalid_argument, raise_if_problems
 from ..model.quantities import Floats
@@ -221,7 +221,7 @@ def calibrate(
     struck, passed = first.front.plateau, second.front.plateau
     gain = 1.0
     if striker_speed is not None:
-        V = single("striker_speed", striker_speed, "m/s", "positive")
+        V = scalar("striker_speed", striker_speed, "m/s", "positive")
         gain = V / (2 * first.speed) / struck
     transmitted = 2 * Z2 / (Z1 + Z2) * first.stiffness / second.stiffness
     gains = gain, gain * transmitted * struck / passed

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from .. import units as known_units
 from ..methods import memory
-from ..model.arguments import one_of, single, text
+from ..model.arguments import one_of, scalar, text
 from ..model.frozen import Problems, invalid_argument, nearest, raise_if_problems
 from ..model.quantities import Floats
 from ..progress import Progress, ProgressFunction, check_progress
@@ -139,7 +139,7 @@ def read_signals(
     if time_unit is not None:
         text("time_unit", time_unit, "us")
     if rate is not None:
-        rate = single("rate", rate, "Hz", "positive")
+        rate = scalar("rate", rate, "Hz", "positive")
         if time is not None or time_unit is not None:
             raise invalid_argument(
                 "rate", "give either rate or a column of times, not both"

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..model.arguments import array, flag, of_kind, single, whole
+from ..model.arguments import array, flag, of_kind, scalar, whole
 from ..model.bodies import Rod
 from ..model.frozen import (
     Declared,
@@ -76,11 +76,11 @@ class Specimen(Declared):
     31.57
     """
 
-    length: float = quantity("m", "positive", single=True)
+    length: float = quantity("m", "positive", scalar=True)
     _: KW_ONLY
-    area: float | None = quantity("m^2", "positive", default=None, single=True)
-    diameter: float | None = quantity("m", "positive", default=None, single=True)
-    youngs_modulus: float | None = quantity("Pa", "positive", default=None, single=True)
+    area: float | None = quantity("m^2", "positive", default=None, scalar=True)
+    diameter: float | None = quantity("m", "positive", default=None, scalar=True)
+    youngs_modulus: float | None = quantity("Pa", "positive", default=None, scalar=True)
     incompressible: bool = False
 
     def _check(self, problems: Problems) -> None:
@@ -394,7 +394,7 @@ def reduce(
     check_progress(problems, progress)
     raise_if_problems(problems)
     of_kind("specimen", specimen, Specimen, "ri.Specimen(length=5e-3, diameter=8e-3)")
-    limit = single("align_within", align_within, "s", "non-negative")
+    limit = scalar("align_within", align_within, "s", "non-negative")
     calibration = bars if isinstance(bars, Calibration) else None
     rods = calibration.bars if calibration else bars
     recorded: tuple[Side, ...] = sides_of(

@@ -25,7 +25,7 @@ from ..model.arguments import (
     float_or_array,
     of_kind,
     one_of,
-    single,
+    scalar,
 )
 from ..model.bodies import Rod, Segment
 from ..model.frozen import SMALLEST, Frozen, Number, invalid_argument
@@ -113,8 +113,8 @@ class Signal(Frozen):
                 "times", "give either the times, or dt between two samples"
             )
         if times is None:
-            step = single("dt", dt, "s", "positive")
-            times = single("start", start, "s") + step * np.arange(v.size)
+            step = scalar("dt", dt, "s", "positive")
+            times = scalar("start", start, "s") + step * np.arange(v.size)
         t = _samples("times", times, "s")
         if t.shape != v.shape:
             raise invalid_argument(
@@ -193,7 +193,7 @@ class Signal(Frozen):
         if (dt is None) == (times is None):
             raise invalid_argument("dt", "give either dt or times")
         if times is None:
-            step = single("dt", dt, "s", "positive")
+            step = scalar("dt", dt, "s", "positive")
             count = (self.end - self.start) / step * (1 + 1e-12)
             if not 1 <= count < filters.MOST_SAMPLES:
                 message = f"{step} makes {count + 1:.3g} samples of {self._title}"
@@ -205,7 +205,7 @@ class Signal(Frozen):
 
     def shifted(self, delay: float) -> Signal:
         """Return the signal later by a delay, s."""
-        return self.replace(times=self.times + single("delay", delay, "s"))
+        return self.replace(times=self.times + scalar("delay", delay, "s"))
 
     def window(self, start: float, end: float) -> Signal:
         """Return the samples from start to end, s; ValueError if there are fewer than two."""
@@ -225,7 +225,7 @@ class Signal(Frozen):
         """
         step, counts = self.dt, []
         for name, given in (("before", before), ("after", after)):
-            count = single(name, given, "s") / step
+            count = scalar(name, given, "s") / step
             if not 0 <= count < filters.MOST_SAMPLES:
                 message = (
                     f"must be 0 or more, and at most {filters.MOST_SAMPLES} samples"
@@ -250,7 +250,7 @@ class Signal(Frozen):
 
     def _within(self, start: float, end: float) -> Any:
         """Which samples lie between these times."""
-        low, high = single("start", start, "s"), single("end", end, "s")
+        low, high = scalar("start", start, "s"), scalar("end", end, "s")
         inside = (self.times >= low) & (self.times <= high)
         if inside.sum() < 2:
             message = f"fewer than two samples lie from {low!r} to {high!r} s"
@@ -292,7 +292,7 @@ class Signal(Frozen):
         0.955
         """
         one_of("kind", kind, filters.LOW_PASS)
-        f = single("frequency", frequency, "Hz", "positive")
+        f = scalar("frequency", frequency, "Hz", "positive")
         if f * self.dt >= 0.5:
             rate = units.format_si(1 / self.dt, "Hz")
             raise invalid_argument(
@@ -333,7 +333,7 @@ class Signal(Frozen):
         """
         from .. import waves
 
-        z = single("distance", distance, "m")
+        z = scalar("distance", distance, "m")
         if isinstance(bar, Rod | Segment):
             bar = waves.Bar.of(bar, radius)
         elif radius is not None:
@@ -380,18 +380,18 @@ class Signal(Frozen):
             If an argument is invalid.
         """
         signal = self
-        length = single("gauge_length", gauge_length, "m", "non-negative")
+        length = scalar("gauge_length", gauge_length, "m", "non-negative")
         if not is_whole(order) or order not in (1, 2):
             raise invalid_argument("order", f"must be 1 or 2, got {shown(order)}")
         if length or wave_speed is not None:
-            c = single("wave_speed", wave_speed, "m/s", "positive")
+            c = scalar("wave_speed", wave_speed, "m/s", "positive")
             averaged = filters.averaged(self.values, self.times, length / c)
             signal = self.replace(values=averaged)
         if bandwidth is not None:
             signal = signal.low_pass(
                 bandwidth, "first-order" if order == 1 else "second-order"
             )
-        return signal * single("scale", scale, "") + single("offset", offset, self.unit)
+        return signal * scalar("scale", scale, "") + scalar("offset", offset, self.unit)
 
     def pulse(self) -> Pulse:
         """Timing of the pulse with the largest sample; cut other pulses off with `window`.

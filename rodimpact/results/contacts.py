@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from ..methods.run import Run
 from ..methods.signals import Floats, Pieces, Side, each_once
 from ..model import ContactLaw, Joint, Rigid, Tabulated, Yielding
-from ..model.arguments import single
+from ..model.arguments import scalar
 from .fields import Fields
 
 
@@ -79,7 +79,7 @@ class ContactHistory:
 
     def law_at(self, t: float) -> ContactLaw:
         """The law as it is at t: what has yielded has hardened, and a joint is stretched."""
-        t = single("t", t, "s")
+        t = scalar("t", t, "s")
         ticks = self._fields.to_ticks(t)
         if isinstance(self.law, Joint):
             return self.law.replace(stretch=float(self.gap(t)))

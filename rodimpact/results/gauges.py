@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..methods.signals import Floats, Ints, Pieces, Side, quadrature
-from ..model.arguments import array, demand, single
+from ..model.arguments import array, demand, scalar
 from ..model.frozen import Problems, invalid_argument, raise_if_problems
 from ..records.signal import Signal
 from ..storage.tables import heading, misnamed, write_table
@@ -271,7 +271,7 @@ def _sampling(interval: Any, end: float) -> Sampling:
     if interval is None:
         step = end / DEFAULT_SAMPLES or 1.0
     else:
-        step = single("interval", interval, "s", "positive")
+        step = scalar("interval", interval, "s", "positive")
     if end / step > MAX_TABLE_ROWS:
         message = (
             f"gives {end / step:.3g} rows, more than {MAX_TABLE_ROWS}; take at least"

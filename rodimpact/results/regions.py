@@ -11,7 +11,7 @@ import numpy as np
 
 from ..methods.signals import Floats, Ints
 from ..model import Segment
-from ..model.arguments import demand, single
+from ..model.arguments import demand, scalar
 from ..model.frozen import invalid_argument
 from .front_polygons import count_of, polygons_of, wave_of
 from .solution import Solution, check_solution
@@ -105,7 +105,7 @@ def regions_of(
     if stop is None:
         stop = solution.t_end
     first_tick, last_tick = _interval(fields, start, stop)
-    limit = single("limit", limit, "", "")
+    limit = scalar("limit", limit, "", "")
     demand(limit >= 1, "limit", "must be 1 or more, got {0:g}", limit)
     rods = _rods(fields)
     if count_of(rods, first_tick, last_tick, limit) > limit:
@@ -162,8 +162,8 @@ def _constant_fields(solution: Solution) -> WaveFields:
 
 def _interval(fields: WaveFields, start: float, stop: float) -> tuple[int, int]:
     """First and last tick of an interval of time, s; InvalidModel for none."""
-    first_tick = int(fields.to_ticks(single("start", start, "s", "")))
-    last_tick = int(fields.to_ticks(single("stop", stop, "s", "")))
+    first_tick = int(fields.to_ticks(scalar("start", start, "s", "")))
+    last_tick = int(fields.to_ticks(scalar("stop", stop, "s", "")))
     message = f"must be later than start = {start!r} s, got {stop!r}"
     demand(last_tick > first_tick, "stop", message)
     return first_tick, last_tick

@@ -14,7 +14,7 @@ from ..methods.registry import Options
 from ..methods.run import Coarser, Run, Waves
 from ..methods.signals import Floats, Side, each_once
 from ..model import Rod, Samples, Steps, System
-from ..model.arguments import Array, array, demand, of_kind, single, whole
+from ..model.arguments import Array, array, demand, of_kind, scalar, whole
 from ..model.frozen import invalid_argument
 from ..model.numbering import body_names
 from ..storage.case_writing import save_case
@@ -319,7 +319,7 @@ class Solution(Shown):
     @_ALLOW_UNDERFLOW
     def gauge(self, body: int, x: float) -> Gauge:
         """Record of a strain gauge at x, m from the left end of a body."""
-        x = single("x", x, "m", "")
+        x = scalar("x", x, "m", "")
         waves = self.fields.trace(self._index(body), x)
         clock = self.fields.clock
         ticks = each_once(waves.rightward.marks, waves.leftward.marks)
@@ -493,7 +493,7 @@ class Solution(Shown):
         ValueError
             If an end is driven by a function of time; the new system would begin within it.
         """
-        tick = int(self.fields.to_ticks(single("t", t, "s", "")))
+        tick = int(self.fields.to_ticks(scalar("t", t, "s", "")))
         for side, end in zip(("left", "right"), self.system.ends, strict=True):
             if isinstance(getattr(end, "value", 0.0), Steps | Samples):
                 message = "is driven by a function of time; drive it anew"

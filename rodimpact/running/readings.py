@@ -11,7 +11,7 @@ from ..model.frozen import Field, Problems, quantity
 from ..model.quantities import is_whole
 from ..units import shown
 
-GAUGE_PLACE = quantity("m", "non-negative", single=True)
+GAUGE_PLACE = quantity("m", "non-negative", scalar=True)
 TIMES = Field("s", "non-negative")
 
 
