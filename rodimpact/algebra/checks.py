@@ -11,7 +11,7 @@ from ..methods.registry import count
 from ..model import Bonded, Free, Rod, Steps, System, Wall
 from ..model.arguments import of_kind
 from ..model.frozen import InvalidModel, Problems, raise_if_problems
-from ..model.quantities import is_whole
+from ..model.quantities import is_integer
 from ..progress import ProgressFunction, check_progress
 from ..units import shown
 
@@ -100,7 +100,7 @@ def _fraction(value: Any) -> Fraction:
     """Value as a fraction; TypeError if it is no number and no text."""
     if isinstance(value, float | np.floating):
         return decimal_fraction(float(value))
-    if is_whole(value):
+    if is_integer(value):
         return Fraction(int(value))
     if isinstance(value, np.generic):
         raise TypeError

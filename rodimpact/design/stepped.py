@@ -6,7 +6,7 @@ The search is in `striker_search`. All waves are those of `rodimpact.solve`.
 import numpy as np
 
 from ..model import Bonded, Material, Rigid, Rod, System
-from ..model.arguments import array, of_kind, scalar, whole
+from ..model.arguments import array, integer, of_kind, scalar
 from ..model.frozen import Problems, invalid_argument, raise_if_problems
 from ..model.laws import RIGID
 from ..model.profiles import Steps
@@ -119,7 +119,7 @@ def striker(
     end = 2 * T
     if until is not None:
         end = scalar("until", until, "s", "positive")
-    segments = whole("segments", segments, 1, MAX_SEGMENTS)
+    segments = integer("segments", segments, 1, MAX_SEGMENTS)
     if not T * (1 - MIN_DURATION_RTOL) <= end <= MAX_UNTIL * T:
         message = f"must be from the duration, {T!r} s, to {MAX_UNTIL} times that"
         raise invalid_argument("until", f"{message}, got {end!r}")

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from ..methods.registry import check_function
 from ..model import Rod, System
-from ..model.arguments import of_kind, scalar, whole
+from ..model.arguments import integer, of_kind, scalar
 from ..model.frozen import Declared, Problems, invalid_argument, quantity
 from ..records.comparison import Bounds, plateau
 from ..records.signal import Signal, bounds_of
@@ -129,7 +129,7 @@ class Measured(Declared):
             raise invalid_argument(
                 "system", f"must be a single system, got {shown(system)}"
             )
-        body = whole("gauge", self.gauge[0], 0, len(system.bodies) - 1)
+        body = integer("gauge", self.gauge[0], 0, len(system.bodies) - 1)
         rod = system.bodies[body]
         of_kind(f"bodies.{body}", rod, Rod, "Rod(1.0, diameter=0.01, material=steel)")
         assert isinstance(rod, Rod)

@@ -17,7 +17,7 @@ from ..model.frozen import (
     quantity,
     raise_if_problems,
 )
-from ..model.quantities import is_whole
+from ..model.quantities import is_integer
 from ..progress import Report, is_function, no_report
 from ..units import shown
 from . import abilities
@@ -274,7 +274,7 @@ def _takers(option: str) -> str:
 
 def count(problems: Problems, name: str, value: Any) -> int:
     """A positive whole number; 0 and a problem if it is none."""
-    counted = int(value) if is_whole(value) else 0
+    counted = int(value) if is_integer(value) else 0
     if 1 <= counted <= LARGEST_COUNT:
         return counted
     limit = f" of at most {LARGEST_COUNT:g}" if counted > 1 else ""

@@ -23,7 +23,7 @@ from .frozen import (
     require,
 )
 from .frozen import Number as Number
-from .quantities import Floats, floats, is_whole
+from .quantities import Floats, floats, is_integer
 
 Array: TypeAlias = Floats
 
@@ -115,9 +115,9 @@ def one_of(name: str, value: Any, choices: Collection[str]) -> None:
         raise invalid_argument(name, f"must be one of {words}, got {shown(value)}")
 
 
-def whole(name: str, value: Any, low: int, high: int) -> int:
+def integer(name: str, value: Any, low: int, high: int) -> int:
     """Return an argument as a whole number from `low` to `high`; else InvalidModel."""
-    if not is_whole(value) or not low <= int(value) <= high:
+    if not is_integer(value) or not low <= int(value) <= high:
         wanted = f"must be a whole number from {low} to {high}"
         raise invalid_argument(name, f"{wanted}, got {shown(value)}")
     return int(value)

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from ..units import shown
 from . import frozen, profiles
-from .arguments import array, broadcast_arguments, demand, of_kind, whole
+from .arguments import array, broadcast_arguments, demand, integer, of_kind
 from .frozen import (
     Declared,
     Frozen,
@@ -474,7 +474,7 @@ class Segment(Declared):
         >>> [round(segment.area, 9) for segment in wedge.in_steps(2)]
         [0.00015, 0.00025]
         """
-        whole("n", n, 1, MAX_STEPS_PER_TAPER)
+        integer("n", n, 1, MAX_STEPS_PER_TAPER)
         if not self.tapered:
             return [self]
         length = self.length / n
@@ -640,7 +640,7 @@ class Rod(Frozen, kind="rod"):
         >>> len(steps.segments), abs(steps.mass / cone.mass - 1) < 1e-14
         (200, True)
         """
-        count = whole("n", n, 1, MAX_STEPS_PER_TAPER)
+        count = integer("n", n, 1, MAX_STEPS_PER_TAPER)
         pieces = []
         for segment in self.segments:
             pieces.extend(segment.in_steps(count))

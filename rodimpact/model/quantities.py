@@ -77,7 +77,7 @@ def floats(value: Any, unit: str) -> Floats:
     raise ValueError(f"must be a number{number_of(unit)}, got {shown(value)}{reason}")
 
 
-def is_whole(value: Any) -> bool:
+def is_integer(value: Any) -> bool:
     """Whether a value is a whole number: truth values and time spans of NumPy are none."""
     if isinstance(value, bool | np.timedelta64):
         return False

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 
 from ..fitting.result import Fit
 from ..methods.signals import Floats
-from ..model.arguments import of_kind, whole
+from ..model.arguments import integer, of_kind
 from ..model.frozen import invalid_argument
 from ..records.comparison import Bounds, Misfit, gain_unit, plateau
 from ..records.reduction import Reduction
@@ -243,7 +243,7 @@ def fit(result: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Pictu
     'Picture'
     """
     of_kind("result", result, Fit, "fit(system, measured, vary, until)")
-    record = whole("record", record, 0, len(result.measured) - 1)
+    record = integer("record", record, 0, len(result.measured) - 1)
     predicted = result.predicted[record]
     return comparison(
         result.measured[record].signal,

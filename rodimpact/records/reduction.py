@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..model.arguments import array, flag, of_kind, scalar, whole
+from ..model.arguments import array, flag, integer, of_kind, scalar
 from ..model.bodies import Rod
 from ..model.frozen import (
     Declared,
@@ -670,7 +670,7 @@ def mean_of_shots(shots: Sequence[Reduction], points: int = 201) -> Shots:
             "shots",
             f"must be two or more Reductions from ri.reduce, got {shown(shots)}",
         )
-    points = whole("points", points, 2, MOST_POINTS)
+    points = integer("points", points, 2, MOST_POINTS)
     strain = np.linspace(0, min(float(each.strain.max()) for each in shots), points)
     columns = np.array(
         [

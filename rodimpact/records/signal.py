@@ -29,7 +29,7 @@ from ..model.arguments import (
 )
 from ..model.bodies import Rod, Segment
 from ..model.frozen import SMALLEST, Frozen, Number, invalid_argument
-from ..model.quantities import Floats, is_whole
+from ..model.quantities import Floats, is_integer
 from ..storage.extras import optional
 from ..storage.tables import heading, write_table
 from ..units import shown
@@ -381,7 +381,7 @@ class Signal(Frozen):
         """
         signal = self
         length = scalar("gauge_length", gauge_length, "m", "non-negative")
-        if not is_whole(order) or order not in (1, 2):
+        if not is_integer(order) or order not in (1, 2):
             raise invalid_argument("order", f"must be 1 or 2, got {shown(order)}")
         if length or wave_speed is not None:
             c = scalar("wave_speed", wave_speed, "m/s", "positive")

@@ -14,7 +14,7 @@ from ..methods.registry import Options
 from ..methods.run import Coarser, Run, Waves
 from ..methods.signals import Floats, Side, each_once
 from ..model import Rod, Samples, Steps, System
-from ..model.arguments import Array, array, demand, of_kind, scalar, whole
+from ..model.arguments import Array, array, demand, integer, of_kind, scalar
 from ..model.frozen import invalid_argument
 from ..model.numbering import body_names
 from ..storage.case_writing import save_case
@@ -556,7 +556,7 @@ class Solution(Shown):
     # Bodies -------------------------------------------------------------------------------------
 
     def _index(self, body: int) -> int:
-        return whole("body", body, 0, len(self.system.bodies) - 1)
+        return integer("body", body, 0, len(self.system.bodies) - 1)
 
     def _along(self, body: int, x: ArrayLike, name: str) -> Floats:
         """Area or a number of the material at places x, m from the left end of a rod."""

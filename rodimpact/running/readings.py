@@ -8,7 +8,7 @@ import numpy as np
 from ..methods.run import ALSO
 from ..model import Rod, System
 from ..model.frozen import Field, Problems, quantity
-from ..model.quantities import is_whole
+from ..model.quantities import is_integer
 from ..units import shown
 
 GAUGE_PLACE = quantity("m", "non-negative", scalar=True)
@@ -74,7 +74,7 @@ def _check_gauge(
     for index, each in enumerate(system.bodies):
         if isinstance(each, Rod):
             lengths[index] = each.length
-    if not is_whole(body) or body not in lengths:
+    if not is_integer(body) or body not in lengths:
         rods = ", ".join(map(str, lengths))
         problems.append((f"{path}.body", f"must be a rod, {rods}; got {shown(body)}"))
         return None

@@ -20,7 +20,7 @@ from ..methods.registry import Options
 from ..model import System
 from ..model.arguments import demand
 from ..model.frozen import InvalidModel, invalid_argument
-from ..model.quantities import is_whole
+from ..model.quantities import is_integer
 from ..results.labels import dataset
 from ..results.notebook import Shown
 from ..results.outcome import OnlyContact
@@ -278,7 +278,7 @@ class SweepResult(Shown, OnlyContact[Any]):
 
     def table(self, start: int = 0, stop: int | None = None) -> Columns:
         """Varied numbers and results of the members `start` to `stop` in C order, by name."""
-        if not is_whole(start) or not (stop is None or is_whole(stop)):
+        if not is_integer(start) or not (stop is None or is_integer(stop)):
             message = f"must be whole numbers, got {shown(start)} and {shown(stop)}"
             raise invalid_argument("start, stop", message)
         shape = self.shape
