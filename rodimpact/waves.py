@@ -36,7 +36,7 @@ from .model.arguments import (
 )
 from .model.bodies import Rod, Segment
 from .model.frozen import (
-    Declared,
+    FrozenDataclass,
     Problems,
     invalid_argument,
     quantity,
@@ -83,7 +83,7 @@ WavenumberFunction: TypeAlias = Callable[[Any, Any], Any]
 """Dimensionless wave number G from a given number of a wave and its speed c/c0."""
 
 
-class Bar(Declared):
+class Bar(FrozenDataclass):
     """Round bar, described by the numbers that change the shape of pulses along it.
 
     Parameters

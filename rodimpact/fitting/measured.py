@@ -5,13 +5,13 @@ from collections.abc import Callable
 from ..methods.registry import check_function
 from ..model import Rod, System
 from ..model.arguments import integer, of_kind, scalar
-from ..model.frozen import Declared, Problems, invalid_argument, quantity
+from ..model.frozen import FrozenDataclass, Problems, invalid_argument, quantity
 from ..records.comparison import Bounds, plateau
 from ..records.signal import Signal, bounds_of
 from ..units import shown
 
 
-class Measured(Declared):
+class Measured(FrozenDataclass):
     """A record, its gauge, and its measuring chain.
 
     Parameters

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from ..model import System
 from ..model.arguments import array, of_kind, one_of
 from ..model.frozen import (
-    Declared,
+    FrozenDataclass,
     Problems,
     add_problem,
     invalid_argument,
@@ -90,7 +90,7 @@ LARGEST_COUNT = 10**15
 METHOD_NAMES = ("auto", *METHODS)
 
 
-class Options(Declared):
+class Options(FrozenDataclass):
     """How to run a collision, or each one of a family.
 
     Parameters

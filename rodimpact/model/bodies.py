@@ -18,8 +18,8 @@ from ..units import shown
 from . import frozen, profiles
 from .arguments import array, broadcast_arguments, demand, integer, of_kind
 from .frozen import (
-    Declared,
     Frozen,
+    FrozenDataclass,
     Number,
     Numeric,
     NumericOrNone,
@@ -40,7 +40,7 @@ CIRCULAR = "circular"
 """Polar moment of a solid round section, in words."""
 
 
-class Material(Declared):
+class Material(FrozenDataclass):
     """A linear elastic material.
 
     Parameters
@@ -146,7 +146,7 @@ class Material(Declared):
         return self.replace(viscosity=viscosity)
 
 
-class Segment(Declared):
+class Segment(FrozenDataclass):
     """A piece of rod of one material: uniform, or tapered.
 
     Parameters
@@ -702,7 +702,7 @@ def _segments_between_jumps(shape: dict[str, Any]) -> tuple[Segment, ...]:
     return tuple(pieces)
 
 
-class RigidMass(Declared, kind="mass"):
+class RigidMass(FrozenDataclass, kind="mass"):
     """A body that moves as a whole: no wave runs through it.
 
     Parameters
@@ -728,7 +728,7 @@ class RigidMass(Declared, kind="mass"):
     velocity: Numeric = quantity("m/s", default=0.0)
 
 
-class Wall(Declared, kind="wall"):
+class Wall(FrozenDataclass, kind="wall"):
     """An immovable body, or one that keeps its velocity whatever hits it.
 
     Parameters

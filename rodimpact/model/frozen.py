@@ -582,7 +582,7 @@ class Frozen:
 
 
 @typing.dataclass_transform(eq_default=False, field_specifiers=(quantity,))
-class Declared(Frozen):
+class FrozenDataclass(Frozen):
     """A frozen object whose class declares its parameters: a checked dataclass."""
 
     def __init_subclass__(cls, **tag: str) -> None:

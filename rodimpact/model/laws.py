@@ -19,8 +19,8 @@ from . import frozen
 from .arguments import array, broadcast_arguments, demand, scalar
 from .bodies import Material
 from .frozen import (
-    Declared,
     Field,
+    FrozenDataclass,
     Number,
     Numeric,
     NumericOrNone,
@@ -45,7 +45,7 @@ TRIAL_STATES = ((0.0, 0.0), (1e-6, 0.0), (1e-6, 1e-3))
 """Overlaps, m, and rates, m/s, at which the function of a `Law` is tried."""
 
 
-class _Law(Declared):
+class _Law(FrozenDataclass):
     """A contact law, described by its name and its numbers."""
 
     opens: ClassVar[bool] = True

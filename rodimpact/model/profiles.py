@@ -19,8 +19,8 @@ from numpy.typing import ArrayLike
 from ..units import one_line, shown
 from . import frozen
 from .frozen import (
-    Declared,
     Field,
+    FrozenDataclass,
     Number,
     NumericOrNone,
     Problems,
@@ -42,7 +42,7 @@ DURATION = Field("s", "positive", default=None, scalar=True)
 """Time for which a function of time is sampled."""
 
 
-class Steps(Declared):
+class Steps(FrozenDataclass):
     """A profile that is constant between jumps, along a rod or in time.
 
     Parameters
@@ -90,7 +90,7 @@ def _is_zero(error: object) -> bool:
     return isinstance(error, float) and error == 0.0
 
 
-class Samples(Declared):
+class Samples(FrozenDataclass):
     """A profile of values at equal distances.
 
     Straight lines or a smooth curve run between the values. Along a rod the values run
@@ -150,7 +150,7 @@ class Samples(Declared):
         return _renamed(super().to_dict(), "samples")
 
 
-class Polynomials(Declared):
+class Polynomials(FrozenDataclass):
     """A profile of polynomials along a rod, between places where it may jump or bend.
 
     `Solution.system_at` makes polynomials of smooth waves, exactly. In an interval of

@@ -24,8 +24,8 @@ from .arguments import demand
 from .bodies import BODIES, LEFT_OUT, Body, Material, RigidMass, Rod, Segment, Wall
 from .ends import ENDS, FREE, Absorbing, End, Free, Moved, Pushed
 from .frozen import (
-    Declared,
     Field,
+    FrozenDataclass,
     Number,
     Numeric,
     Problems,
@@ -52,7 +52,7 @@ _LAWS = get_args(ContactLaw)
 _ENDS = get_args(End)
 
 
-class System(Declared):
+class System(FrozenDataclass):
     """A row of bodies from left to right.
 
     Parameters

@@ -16,7 +16,7 @@ import numpy as np
 from .. import waves
 from ..model import Rod, System
 from ..model.arguments import of_kind, one_of
-from ..model.frozen import Declared, Problems, invalid_argument, quantity
+from ..model.frozen import FrozenDataclass, Problems, invalid_argument, quantity
 from ..model.quantities import Floats
 from ..units import shown
 from . import filters
@@ -32,7 +32,7 @@ ITERATIONS = 60  # of the least squares of two gauges; more would fit the noise
 DAMPING = 1e-3  # of a wave that the gauges do not see
 
 
-class BarGauge(Declared):
+class BarGauge(FrozenDataclass):
     """A strain gauge on a bar, what it recorded, and how far it is from the specimen.
 
     Parameters

@@ -3,7 +3,7 @@
 from dataclasses import KW_ONLY
 
 from ..model.arguments import of_kind, one_of
-from ..model.frozen import Declared, Problems, invalid_argument, quantity
+from ..model.frozen import FrozenDataclass, Problems, invalid_argument, quantity
 from ..units import shown
 from .signal import Signal
 
@@ -11,7 +11,7 @@ ALONG = {"quarter": 1, "half": 2, "full": 2}
 """Gauges along the bar, for each bridge."""
 
 
-class Bridge(Declared):
+class Bridge(FrozenDataclass):
     """A bridge of strain gauges with its amplifier.
 
     Parameters

@@ -25,7 +25,7 @@ import numpy as np
 from ..model.arguments import array, flag, integer, of_kind, scalar
 from ..model.bodies import Rod
 from ..model.frozen import (
-    Declared,
+    FrozenDataclass,
     Problems,
     invalid_argument,
     quantity,
@@ -50,7 +50,7 @@ SHOWN = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5)  # strains of the printed 
 ELASTIC = 0.5  # of the largest stress: below it a start is taken to be elastic
 
 
-class Specimen(Declared):
+class Specimen(FrozenDataclass):
     """A specimen between two bars.
 
     Parameters
