@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from ..methods import abilities
 from ..model import GAP, Bonded, Material, Rigid, RigidMass, Rod, Segment, Wall
-from ..model.frozen import LARGEST, OUT_OF_SCALE, SMALLEST, TINY, Field
+from ..model.frozen import LARGEST, OUT_OF_SCALE, SMALLEST, TINY, QuantityField
 from ..model.laws import Hertz, HuntCrossley, PowerLaw, Spring, SpringDashpot
 from ..model.profiles import Steps
 
@@ -67,7 +67,7 @@ class Rule(NamedTuple):
     wanted: str  # sentence: what the number must be
 
 
-def _rules_of(fields: dict[str, Field], names: list[str]) -> dict[str, Rule]:
+def _rules_of(fields: dict[str, QuantityField], names: list[str]) -> dict[str, Rule]:
     """Rules of some fields of the model, by name."""
     rules = {}
     for name in names:
@@ -85,7 +85,7 @@ RULES: dict[str, dict[str, Rule]] = {
     **{law.law: _rules_of(law.fields, list(law.fields)) for law in LAWS},
     "contact": _rules_of({"gap": GAP}, ["gap"]),
     "material": _rules_of(Material.fields, ["youngs_modulus", "density"]),
-    "gauge": _rules_of({"fraction": Field("", "[0, 1]")}, ["fraction"]),
+    "gauge": _rules_of({"fraction": QuantityField("", "[0, 1]")}, ["fraction"]),
 }
 """Rules of the numbers in each kind of table."""
 

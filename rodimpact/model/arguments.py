@@ -14,9 +14,9 @@ from .frozen import (
     LARGEST,
     OUT_OF_SCALE,
     SMALLEST,
-    Field,
     InvalidModel,
     Problems,
+    QuantityField,
     broadcast_shape,
     invalid_argument,
     raise_if_problems,
@@ -38,7 +38,7 @@ def array(name: str, value: ArrayLike, unit: str, sign: str = "") -> Array:
     value : float or array
         The argument, in `unit` or with a unit that converts to it.
     unit, sign : str
-        Those of a `Field`; without a sign any float will do, NaN too. With a sign the
+        Those of a `QuantityField`; without a sign any float will do, NaN too. With a sign the
         magnitude is one that the model may have, so that products do not overflow.
 
     Raises
@@ -51,7 +51,7 @@ def array(name: str, value: ArrayLike, unit: str, sign: str = "") -> Array:
     except ValueError as error:
         raise invalid_argument(name, str(error)) from None
     if sign:
-        field = Field(unit, sign)
+        field = QuantityField(unit, sign)
         demand(field.holds(numbers), name, field.wanted, numbers)
         size = np.abs(numbers)
         smallest = 0.0

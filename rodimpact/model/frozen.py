@@ -127,7 +127,7 @@ def invalid_argument(path: str, message: str) -> InvalidModel:
     return InvalidModel([(path, message)])
 
 
-class Field(NamedTuple):
+class QuantityField(NamedTuple):
     """Declaration of a number of the model, or of an argument.
 
     Attributes
@@ -272,8 +272,8 @@ class Field(NamedTuple):
 
 
 def quantity(unit: str = "", sign: str = "any", label: str = "", **more: Any) -> Any:
-    """Declare a number of a class by its `Field`."""
-    return Field(unit, sign, label, **more)
+    """Declare a number of a class by its `QuantityField`."""
+    return QuantityField(unit, sign, label, **more)
 
 
 class TypedAttribute(Generic[Held, Given]):
@@ -388,7 +388,7 @@ class Frozen:
     `_alternatives`.
     """
 
-    fields: ClassVar[dict[str, Field]] = {}
+    fields: ClassVar[dict[str, QuantityField]] = {}
     """Declarations of the numbers of the class."""
     kind: str
     law: str
@@ -404,7 +404,9 @@ class Frozen:
             cls._tag = tag
         for name, word in tag.items():
             setattr(cls, name, word)
-        declared = {name: v for name, v in vars(cls).items() if isinstance(v, Field)}
+        declared = {
+            name: v for name, v in vars(cls).items() if isinstance(v, QuantityField)
+        }
         if declared:
             cls.fields = declared
         for name, field in declared.items():

@@ -19,17 +19,17 @@ from . import frozen
 from .arguments import array, broadcast_arguments, demand, scalar
 from .bodies import Material
 from .frozen import (
-    Field,
     FrozenDataclass,
     Number,
     Numeric,
     NumericOrNone,
     Problems,
+    QuantityField,
     add_problem,
     quantity,
 )
 
-FACE_RADIUS = Field("m", "positive or infinite", default=np.inf)
+FACE_RADIUS = QuantityField("m", "positive or infinite", default=np.inf)
 """Radius of a face, infinite for a flat one."""
 MAX_TABLE_POINTS = 16
 """Points of a table that a user may give; a hardened law may have one more."""

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..units import MOST_SHOWN
 from .bodies import Material, RigidMass, Rod, Segment
-from .frozen import MOST_CHOICES, Field, Number, listed, nearest
+from .frozen import MOST_CHOICES, Number, QuantityField, listed, nearest
 from .system import GAP, System
 
 SPEED = "wave_speed"
@@ -26,10 +26,10 @@ FIELDS = {
     **Segment.fields,
     **Rod.fields,
     **RigidMass.fields,
-    SPEED: Field("m/s"),
+    SPEED: QuantityField("m/s"),
     "gravity": System.fields["gravity"],
     "gap": GAP,
-    "step": Field("s"),
+    "step": QuantityField("s"),
 }
 """Declarations of the numbers of a system, by their last name."""
 
@@ -98,14 +98,14 @@ def with_numbers(system: System, numbers: Mapping[str, float]) -> System:
     return System.from_dict(description)
 
 
-def field_at(system: System, entry: str) -> Field:
+def field_at(system: System, entry: str) -> QuantityField:
     """Declaration of the number at an entry."""
     owner, _, field = entry.rpartition(".")
     if owner.startswith("contacts") and field != "gap":
         parts = entry.split(".")  # contacts, index, field, for a list the index in it
         law = system.contacts[int(parts[1])]
         return law.fields[parts[2]]
-    return FIELDS.get(field, Field())
+    return FIELDS.get(field, QuantityField())
 
 
 def unit_at(system: System, entry: str) -> str:

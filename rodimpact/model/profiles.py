@@ -19,11 +19,11 @@ from numpy.typing import ArrayLike
 from ..units import one_line, shown
 from . import frozen
 from .frozen import (
-    Field,
     FrozenDataclass,
     Number,
     NumericOrNone,
     Problems,
+    QuantityField,
     add_problem,
     quantity,
 )
@@ -36,9 +36,9 @@ SAMPLES_IN_TIME = 4097
 """Number of times at which a function of time is sampled."""
 SPLINE_DEGREE = 5
 """Degree of the spline through smooth samples."""
-ERROR = Field(sign="non-negative", scalar=True)
+ERROR = QuantityField(sign="non-negative", scalar=True)
 """Error of the values of a profile."""
-DURATION = Field("s", "positive", default=None, scalar=True)
+DURATION = QuantityField("s", "positive", default=None, scalar=True)
 """Time for which a function of time is sampled."""
 
 
@@ -257,7 +257,11 @@ ProfileLike: TypeAlias = (
 
 
 def along_rod(
-    problems: Problems, path: str, value: Any, field: Field, length: Number | None
+    problems: Problems,
+    path: str,
+    value: Any,
+    field: QuantityField,
+    length: Number | None,
 ) -> Profile:
     """Check a value as a profile along a rod.
 
@@ -270,7 +274,7 @@ def along_rod(
     value : object
         A number, `Steps`, `Samples`, `Polynomials` or a function. A function is sampled
         at `SAMPLES_ALONG_ROD` places from end to end.
-    field : Field
+    field : QuantityField
         Unit and sign of the values; `Steps` may have any sign.
     length : float or array, optional
         Length of the rod, m; None if a mistake elsewhere leaves it unknown. Then only
@@ -326,7 +330,7 @@ def _check_inside(
     frozen.require(problems, is_inside, last_path, message, length, last)
 
 
-def in_time(value: Any, field: Field, duration: Any) -> Profile:
+def in_time(value: Any, field: QuantityField, duration: Any) -> Profile:
     """Check the value of a driven end as a profile from t = 0 on.
 
     Parameters
@@ -334,7 +338,7 @@ def in_time(value: Any, field: Field, duration: Any) -> Profile:
     value : object
         A number, `Steps`, `Samples` or a function. A function is sampled at
         `SAMPLES_IN_TIME` times from 0 to the duration.
-    field : Field
+    field : QuantityField
         Unit and sign of the values.
     duration : float, optional
         Time for which a function is sampled, s; no other value has one.
@@ -536,7 +540,7 @@ def _samples_of(
     function: Any,
     places: Floats,
     *,
-    field: Field,
+    field: QuantityField,
     step: float | None,
 ) -> Profile:
     """Samples of a function at equal distances.
@@ -566,7 +570,9 @@ def _samples_of(
     )
 
 
-def _values_of(function: Callable[[Any], Any], places: Floats, field: Field) -> Floats:
+def _values_of(
+    function: Callable[[Any], Any], places: Floats, field: QuantityField
+) -> Floats:
     """Values of a function; ValueError says why it has none.
 
     The function is called with the array of places, or if it cannot take that, with
@@ -592,7 +598,7 @@ def _values_of(function: Callable[[Any], Any], places: Floats, field: Field) -> 
 
 
 def _values_one_by_one(
-    function: Callable[[Any], Any], places: Floats, field: Field
+    function: Callable[[Any], Any], places: Floats, field: QuantityField
 ) -> Floats:
     """Values of a function of single numbers; ValueError says why it has none."""
     try:

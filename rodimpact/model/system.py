@@ -24,11 +24,11 @@ from .arguments import demand
 from .bodies import BODIES, LEFT_OUT, Body, Material, RigidMass, Rod, Segment, Wall
 from .ends import ENDS, FREE, Absorbing, End, Free, Moved, Pushed
 from .frozen import (
-    Field,
     FrozenDataclass,
     Number,
     Numeric,
     Problems,
+    QuantityField,
     TypedAttribute,
     add_problem,
     json_ready,
@@ -41,9 +41,9 @@ SIDES = ("left", "right")
 """Names of the ends of a row in paths."""
 END_PATHS = {"ends.0": "ends.left", "ends.1": "ends.right"}
 """Paths of the ends in case files."""
-GAP = Field("m", "non-negative", "gap", default=0.0)
+GAP = QuantityField("m", "non-negative", "gap", default=0.0)
 """Gap of a contact that cannot begin pressed."""
-GAP_OR_OVERLAP = Field("m", label="gap")
+GAP_OR_OVERLAP = QuantityField("m", label="gap")
 """Gap of a compliant contact: minus the overlap where it begins pressed."""
 LOSSLESS = {"viscosity": 0, "damping": 0, "restitution": 1}
 """Numbers of a motion without losses, which can be reversed in time."""

@@ -6,7 +6,7 @@ A name such as ``bodies.0.length`` or ``impulse.1`` becomes what a figure or a D
 from typing import Any, NamedTuple
 
 from ..model import System
-from ..model.frozen import Field
+from ..model.frozen import QuantityField
 from ..model.numbering import body_names, contact_names
 from ..model.paths import FIELDS
 from ..storage.extras import optional
@@ -93,7 +93,7 @@ def parameter(system: System, path: str) -> Quantity:
             owner = _body(system, body)
         case _:
             return Quantity(path, "1")
-    name, unit = _quantity(field, FIELDS.get(field, Field()))
+    name, unit = _quantity(field, FIELDS.get(field, QuantityField()))
     return Quantity(f"{name} of {owner}", unit)
 
 
@@ -148,7 +148,7 @@ def _body(system: System, index: str) -> str:
     return body_names(system.kinds)[int(index)]
 
 
-def _quantity(name: str, field: Field) -> Quantity:
+def _quantity(name: str, field: QuantityField) -> Quantity:
     """What the number of that name is."""
     label = field.label
     if not label:

@@ -7,12 +7,12 @@ import numpy as np
 
 from ..methods.run import ALSO
 from ..model import Rod, System
-from ..model.frozen import Field, Problems, quantity
+from ..model.frozen import Problems, QuantityField, quantity
 from ..model.quantities import is_integer
 from ..units import shown
 
 GAUGE_PLACE = quantity("m", "non-negative", scalar=True)
-TIMES = Field("s", "non-negative")
+TIMES = QuantityField("s", "non-negative")
 
 
 class Readings(NamedTuple):

@@ -17,7 +17,7 @@ from ..methods.registry import Options
 from ..model import GAP, SIDES, System
 from ..model.bodies import BODIES, Body, Material, RigidMass, Rod, Segment, Wall
 from ..model.ends import ENDS, FREE, End
-from ..model.frozen import Field, InvalidModel, defaults_of, invalid_argument
+from ..model.frozen import InvalidModel, QuantityField, defaults_of, invalid_argument
 from ..model.lateral_inertia import THEORIES
 from ..model.laws import CONTACT_LAWS, FACE_RADIUS, ContactLaw, Hertz, Rigid, Spring
 from ..model.paths import FIELDS, SPEED, suggestion
@@ -28,8 +28,8 @@ from .grids import read_grids
 from .saved_result import read_result
 
 DAMPING = {
-    "loss_factor": Field("", "non-negative"),
-    "loss_frequency": Field("Hz", "positive"),
+    "loss_factor": QuantityField("", "non-negative"),
+    "loss_frequency": QuantityField("Hz", "positive"),
 }
 """Numbers in place of the viscosity of a material."""
 DAMPING_KEYS = {"^frequency": "loss_frequency"}

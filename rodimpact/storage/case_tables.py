@@ -14,7 +14,14 @@ from collections.abc import Collection, Mapping
 from typing import Any
 
 from .. import units
-from ..model.frozen import MOST_TOLD, REQUIRED, Field, InvalidModel, listed, nearest
+from ..model.frozen import (
+    MOST_TOLD,
+    REQUIRED,
+    InvalidModel,
+    QuantityField,
+    listed,
+    nearest,
+)
 from ..model.profiles import Polynomials, Samples, Steps
 from ..units import shown
 from .grids import Grid
@@ -111,7 +118,7 @@ class Table:
                 numbers[key] = self.number(key, field)
         return numbers
 
-    def number(self, key: str, field: Field) -> Any:
+    def number(self, key: str, field: QuantityField) -> Any:
         """A number, an array where it varies, a profile, or the word that may stand there."""
         if field.many:
             return self.numbers(key, field.dimension)
@@ -160,7 +167,7 @@ class Table:
             numbers.append(self.quantity(place, grid or value, dimension))
         return numbers
 
-    def profile(self, key: str, field: Field) -> Any:
+    def profile(self, key: str, field: QuantityField) -> Any:
         """`Steps` or `Samples`, or `Polynomials` along a rod; 1 if they have mistakes."""
         table = self.table(key)
         if table.has("samples"):
