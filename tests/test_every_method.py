@@ -76,7 +76,9 @@ def assert_forces_move_bodies(solution, near):
         side.push.integral(0, ticks) * tick
         if side
         else t * (math.nan if isinstance(end, ri.Fixed) else 0.0)
-        for side, end in zip(solution.run.signals.outside, system.ends, strict=True)
+        for side, end in zip(
+            solution.run.signals.boundary_actions, system.ends, strict=True
+        )
     ]
     walls = [isinstance(system.bodies[i], ri.Wall) for i in (0, -1)]
     forces = [

@@ -101,7 +101,7 @@ def waves_at_start(row: Any, clock: Clock) -> Any:
                     body.velocity - clock.frame, stretch, clock.transits[s]
                 )
             )
-    for side, (kind, value) in enumerate(row.outside):
+    for side, (kind, value) in enumerate(row.boundaries):
         k, came, factor = side * (last + 1), 0.0, 1.0
         if kind == "none" and row.first[k] == row.first[k + 1]:
             outside.append(NONE)

@@ -47,7 +47,7 @@ class Row:
     links : list of link.Link
     contact_link : list of int
         Link of each contact, -1 where it joins rigid bodies for good.
-    outside : list of (str, value)
+    boundaries : list of (str, value)
         Left and right: ``"none"``, ``"velocity"``, ``"force"`` or ``"absorbing"``; the value of
         the last is the strain of the wave that comes in.
     """
@@ -62,7 +62,7 @@ class Row:
     mass_of: list[int]
     links: list[Any]
     contact_link: list[int]
-    outside: list[tuple[str, Any]]
+    boundaries: list[tuple[str, Any]]
 
     @cached_property
     def members(self) -> int:
@@ -112,11 +112,11 @@ class Row:
         """Links of the contacts that can open, by contact."""
         return {k: i for k, i in self.by_law.items() if self.links[i].law >= Law.RIGID}
 
-    def outside_name(self, side: int) -> str:
-        """What acts on the left or right end, as an `Outside` names it."""
+    def boundary_name(self, side: int) -> str:
+        """What acts on the left or right end, as a `BoundaryAction` names it."""
         if isinstance(self.system.bodies[-side], Wall):
             return "wall"
-        if self.outside[side][0] == "absorbing":
+        if self.boundaries[side][0] == "absorbing":
             return "absorbing"
         return "drive"
 

@@ -149,7 +149,7 @@ class ContactSignal(NamedTuple):
     episodes: tuple[Episode, ...]
 
 
-class Outside(NamedTuple):
+class BoundaryAction(NamedTuple):
     """What acts on one end of the row.
 
     Attributes
@@ -188,7 +188,7 @@ class Signals(NamedTuple):
     ----------
     motion : Waves or GridMotion
     contacts : tuple of ContactSignal
-    outside : (Outside or None, Outside or None)
+    boundary_actions : (BoundaryAction or None, BoundaryAction or None)
         Left and right.
     edges : [n] array of int or None
         Ticks from 0 on between which the signals of a grid are means.
@@ -198,7 +198,7 @@ class Signals(NamedTuple):
 
     motion: Any
     contacts: tuple[ContactSignal, ...]
-    outside: tuple[Outside | None, Outside | None]
+    boundary_actions: tuple[BoundaryAction | None, BoundaryAction | None]
     edges: Ints | None = None
     masses: Mapping[int, Pieces] = {}
 

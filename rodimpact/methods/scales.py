@@ -42,7 +42,7 @@ def velocities_of(row: Any) -> list[Any]:
     for body in row.system.bodies:
         if body.kind != "mass":
             velocities.extend(extremes(body.velocity))
-    for kind, value in row.outside:
+    for kind, value in row.boundaries:
         if kind == "velocity":
             velocities.extend(extremes(value))
     return velocities
@@ -83,7 +83,7 @@ def scale_of(row: Any) -> Any:
             c = largest([s.wave_speed for s in body.segments])
             strained.extend([c * abs(strain) for strain in extremes(body.strain)])
     pushed = [0.0]  # forces, N
-    for side, (kind, value) in enumerate(row.outside):
+    for side, (kind, value) in enumerate(row.boundaries):
         if kind == "force":
             pushed.extend([abs(force) for force in extremes(value)])
         elif kind == "absorbing":
@@ -113,7 +113,7 @@ def scale_without_rods(row: Any, time: Any) -> Any:
     """
     least_mass = smallest(row.masses or [np.inf])  # all of it may be bonded to walls
     scale = np.abs(row.system.gravity) * time
-    for kind, value in row.outside:
+    for kind, value in row.boundaries:
         if kind == "force":
             scale = scale + largest(np.abs(extremes(value))) * time / least_mass
     velocities = velocities_of(row)

@@ -6,7 +6,7 @@ In files and in kernels these are whole numbers; only their order here has a mea
 from enum import IntEnum
 
 
-class Beyond(IntEnum):
+class BoundaryKind(IntEnum):
     """What is beyond an end of the row."""
 
     STEADY = 0  # nothing, or a wall

@@ -9,7 +9,7 @@ from typing import Any
 from .link import Law, link_of, link_of_contact
 from .row import Row
 
-OUTSIDE = {
+BOUNDARIES = {
     "free": "none",
     "fixed": "velocity",
     "velocity": "velocity",
@@ -17,7 +17,7 @@ OUTSIDE = {
     "absorbing": "absorbing",
     "incoming": "absorbing",
 }
-"""What is outside an end of the row, by the kind of the end."""
+"""What acts on an end of the row, as `Row.boundaries` names it, by the kind of the end."""
 DRIVEN = ["velocity", "force", "incoming"]
 """Kinds of ends that have a value."""
 
@@ -82,7 +82,7 @@ def add_rigid(row: Row, bodies: Any, block: list[int]) -> None:
     mass_index = -1 if len(walls) > 0 else len(row.masses)
     row.mass_of.extend([mass_index for _ in block])
     for i in walls:
-        row.outside[0 if i == 0 else 1] = ("velocity", bodies[i].velocity)
+        row.boundaries[0 if i == 0 else 1] = ("velocity", bodies[i].velocity)
     if len(walls) > 0:
         return
     mass = bodies[block[0]].mass
@@ -110,11 +110,11 @@ def add_rod(row: Row, path: str, rod: Any) -> None:
 
 def add_end(row: Row, side: int, end: Any) -> None:
     """Add the link at an end of the row."""
-    kind = OUTSIDE[end.kind]
+    kind = BOUNDARIES[end.kind]
     value = 0.0
     if end.kind in DRIVEN:
         value = end.value
-    row.outside[side] = (kind, value)
+    row.boundaries[side] = (kind, value)
     law = Law.BOND
     if kind in ("none", "force"):
         law = Law.PUSH_RIGHT if side > 0 else Law.PUSH_LEFT

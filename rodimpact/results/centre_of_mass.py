@@ -33,7 +33,7 @@ def pushes_on(run: Run, body: int) -> tuple[Any, Any]:
     pushes: list[Any] = [None]
     pushes += [contact.force for contact in signals.contacts]
     pushes.append(None)
-    for side, outside in enumerate(signals.outside):
+    for side, outside in enumerate(signals.boundary_actions):
         if outside is not None:
             pushes[-side] = outside.push
     return pushes[body], pushes[body + 1]

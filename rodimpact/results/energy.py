@@ -214,7 +214,7 @@ def _works_from_outside(fields: Fields, ticks: Ints) -> dict[str, Floats]:
     works: dict[str, Floats] = {}
     for kind in ("wall", "drive", "absorbing"):
         works[kind] = np.zeros(ticks.shape)
-    for side, sign in zip(fields.signals.outside, INWARD, strict=True):
+    for side, sign in zip(fields.signals.boundary_actions, INWARD, strict=True):
         if side is not None:
             power = side.push * side.speed
             works[side.kind] += sign * power.integral(0, ticks) * fields.clock.tick
@@ -229,7 +229,7 @@ def _gravity_work(fields: Fields, states: BondedGroups) -> Floats:
     if not clock.gravity:
         return np.zeros(t.shape)
     momentum_integral = (states.mass * clock.gravity * t / 2 + states.momentum[0]) * t
-    for side, sign in zip(fields.signals.outside, INWARD, strict=True):
+    for side, sign in zip(fields.signals.boundary_actions, INWARD, strict=True):
         if side is not None:
             push_integral = side.push.integrated_twice(ticks)
             by_push = sign * push_integral * clock.tick * clock.tick
@@ -301,7 +301,7 @@ def _motion_at(
 def _impulse_from_outside(fields: Fields, tick: int) -> float:
     """Impulse to the right that what is outside has given the row since t = 0, N s."""
     impulse = 0.0
-    for side, sign in zip(fields.signals.outside, INWARD, strict=True):
+    for side, sign in zip(fields.signals.boundary_actions, INWARD, strict=True):
         if side is not None:
             impulse += sign * float(side.push.integral(0, tick)) * fields.clock.tick
     return impulse

@@ -422,7 +422,7 @@ class GridFields(Fields):
     def _outside_pushes(self) -> list[Pieces | None]:
         """Forces of what acts on the left and on the right end of the row, N."""
         pushes: list[Pieces | None] = []
-        for side in self.signals.outside:
+        for side in self.signals.boundary_actions:
             if side is None:
                 pushes.append(None)
             else:

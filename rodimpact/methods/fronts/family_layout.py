@@ -9,7 +9,7 @@ from ...model import Steps
 from ..link import Law
 from ..record_lists import blank
 from ..scales import frame_of, scale_of
-from ..states import Beyond, Status
+from ..states import BoundaryKind, Status
 from . import event_queue
 from .records import (
     CACHED_DURATION,
@@ -25,11 +25,11 @@ from .records import (
 )
 
 BOUNDARY_KINDS = {
-    "velocity": Beyond.MOVED.value,
-    "force": Beyond.PUSHED.value,
-    "absorbing": Beyond.ENDLESS.value,
+    "velocity": BoundaryKind.MOVED.value,
+    "force": BoundaryKind.PUSHED.value,
+    "absorbing": BoundaryKind.ENDLESS.value,
 }
-"""What acts on an end, by the name of `Row.outside`."""
+"""What acts on an end, by the name of `Row.boundaries`."""
 
 CLOSED_STATUS = {
     Law.PUSH_LEFT: Status.PUSH.value,
@@ -47,7 +47,7 @@ class Profile(NamedTuple):
     offset: int  # index of the first value among the values of a member
     velocity_count: int
     strain_count: int
-    boundary_kind: int  # `states.Beyond`
+    boundary_kind: int  # `states.BoundaryKind`
 
 
 class FamilyLayout(NamedTuple):
@@ -91,7 +91,7 @@ def lay_out_family(row: Any) -> FamilyLayout:
     for profile in profiles:
         jumps = profile.velocity_count - 1 + profile.strain_count - 1
         durations += jumps
-        if profile.boundary_kind == Beyond.STEADY:
+        if profile.boundary_kind == BoundaryKind.STEADY:
             initial_pieces += jumps
     contacts: list[int] = []
     for i in range(len(row.system.gaps)):
@@ -140,15 +140,15 @@ def append_profiles(row: Any, values: list[Any]) -> list[Profile]:
         elif last == 0:
             first = 0 if i == 0 else outside
         profile = append_profile(
-            values, first, body.velocity, strain, Beyond.STEADY.value
+            values, first, body.velocity, strain, BoundaryKind.STEADY.value
         )
         profiles.append(profile)
     for side in range(2):
-        kind, value = row.outside[side]
+        kind, value = row.boundaries[side]
         end = system.ends[side].kind
         if end == "free":
             continue
-        boundary_kind = Beyond.STEADY.value
+        boundary_kind = BoundaryKind.STEADY.value
         if end != "fixed":
             boundary_kind = BOUNDARY_KINDS[kind]
         profiles.append(
@@ -183,7 +183,7 @@ def closed_status_of(row: Any) -> list[int]:
     for link in row.links:
         statuses.append(CLOSED_STATUS[link.law])
     for side in range(2):
-        kind, _ = row.outside[side]
+        kind, _ = row.boundaries[side]
         if kind == "none":
             statuses[side * (len(statuses) - 1)] = Status.FREE.value
     return statuses
@@ -208,7 +208,7 @@ def make_state(layout: FamilyLayout, log_rows: int, values: list[Any]) -> State:
         segment.velocity_count = profile.velocity_count
         segment.strain_count = profile.strain_count
         segment.boundary_kind = profile.boundary_kind
-        if profile.boundary_kind == Beyond.ENDLESS:
+        if profile.boundary_kind == BoundaryKind.ENDLESS:
             run.settles_after_proof = 1
     nodes = blank(n + 1, NODE)
     for k, node in enumerate(nodes):

@@ -16,7 +16,7 @@ import math
 from collections.abc import Sequence
 
 from .. import tick_rule as rule
-from ..states import Beyond, Stop
+from ..states import BoundaryKind, Stop
 from .records import (
     NONE,
     Amplitude,
@@ -172,7 +172,7 @@ def default_horizon(state: State, values: Values) -> float:
 
 def drive_jumps(outside: Segment) -> int:
     """Number of jumps of what drives an end."""
-    if outside.boundary_kind == Beyond.STEADY:
+    if outside.boundary_kind == BoundaryKind.STEADY:
         return 0
     return int(outside.velocity_count - 1)
 
@@ -282,12 +282,12 @@ def initialise_member(state: State, values: Values) -> None:
         outside = segments[side * (n + 1)]
         line = state.lines[side * (2 * n + 3)]
         line.incoming_wave = 0.0
-        if outside.velocity_count > 0 and outside.boundary_kind == Beyond.STEADY:
+        if outside.velocity_count > 0 and outside.boundary_kind == BoundaryKind.STEADY:
             line.incoming_wave = values[outside.profile_offset] - run.frame_velocity
         outside.mobility = 0.0
-        if outside.boundary_kind == Beyond.ENDLESS:
+        if outside.boundary_kind == BoundaryKind.ENDLESS:
             outside.mobility = segments[1 + side * (n - 1)].mobility
-        if outside.boundary_kind != Beyond.STEADY:
+        if outside.boundary_kind != BoundaryKind.STEADY:
             append_driven_fronts(state, side, values, first_jump)
             first_jump += drive_jumps(outside)
     run.initial_rows = run.log_rows
@@ -376,9 +376,9 @@ def append_driven_fronts(
     is_last = False
     while not is_last:
         value = values[outside.profile_offset + j]
-        if outside.boundary_kind == Beyond.PUSHED:
+        if outside.boundary_kind == BoundaryKind.PUSHED:
             value *= state.segments[end].mobility
-        elif outside.boundary_kind == Beyond.ENDLESS:
+        elif outside.boundary_kind == BoundaryKind.ENDLESS:
             value = (4 * side - 2) * wave_speed * value + inward_wave
         else:
             value -= run.frame_velocity

@@ -46,7 +46,7 @@ class Segment:
     profile_offset: int
     velocity_count: int  # 0: no body begins here
     strain_count: int
-    boundary_kind: int  # `states.Beyond`; for what lies outside
+    boundary_kind: int  # `states.BoundaryKind`; for what lies outside
 
     transit: Tick  # transit time, ticks
     mobility: Amplitude  # 1/Z, s/kg

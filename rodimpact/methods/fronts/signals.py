@@ -7,7 +7,15 @@ import numpy as np
 
 from ...model import Fixed, Free, Wall
 from ..row import Array
-from ..run import INWARD, ContactSignal, Episode, Outside, Signals, Waves, episodes_of
+from ..run import (
+    INWARD,
+    BoundaryAction,
+    ContactSignal,
+    Episode,
+    Signals,
+    Waves,
+    episodes_of,
+)
 from ..signals import Pieces, each_once
 from ..states import Status
 from .records import CHANGE
@@ -126,14 +134,14 @@ def arrivals(run: FrontRun, lines: Lines, k: int, side: int) -> Pieces:
 
 def outside_signal(
     run: FrontRun, lines: Lines, contacts: list[ContactSignal], side: int
-) -> Outside | None:
+) -> BoundaryAction | None:
     """What acts on the left (0) or the right (1) end of the row."""
     clock = run.clock
     end = run.run.now
     wall = clock.system.bodies[-side]
     if isinstance(wall, Wall):
         velocity = Pieces([0], [float(wall.velocity)])
-        return Outside("wall", contacts[-side].force, velocity)
+        return BoundaryAction("wall", contacts[-side].force, velocity)
     if isinstance(clock.system.ends[side], Free | Fixed):
         return None
     s = 1 if side == 0 else len(clock.ticks) - 2
@@ -144,5 +152,5 @@ def outside_signal(
     arriving = outward.later(clock.ticks[s])
     push = (inward - arriving).times(INWARD[side] * clock.impedance[s] / 2)
     speed = (inward + arriving).times(0.5).plus(clock.frame)
-    name = run.layout.row.outside_name(side)
-    return Outside(name, push.within(0, end), speed.within(0, end))
+    name = run.layout.row.boundary_name(side)
+    return BoundaryAction(name, push.within(0, end), speed.within(0, end))

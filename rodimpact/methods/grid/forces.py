@@ -3,12 +3,12 @@
 import numpy as np
 
 from ..groups import fill_bonds
-from ..run import INWARD, Outside
+from ..run import INWARD, BoundaryAction
 from ..signals import Floats, Pieces
 from .run import GridRun
 
 
-def contact_forces(run: GridRun, left: Outside | None) -> list[Floats]:
+def contact_forces(run: GridRun, left: BoundaryAction | None) -> list[Floats]:
     """Mean force of each contact in each step, N [contact][step].
 
     `left` is what acts on the left end of the row.
@@ -34,11 +34,11 @@ def contact_forces(run: GridRun, left: Outside | None) -> list[Floats]:
     return fill_bonds(row.system, forces, momentum_rate, pushed)
 
 
-def outside_of(run: GridRun, side: int) -> Outside | None:
+def outside_of(run: GridRun, side: int) -> BoundaryAction | None:
     """Force and velocity of what acts on the left or right end, in the laboratory."""
     row = run.row
     link = (0, len(row.links) - 1)[side]
-    kind, _ = row.outside[side]
+    kind, _ = row.boundaries[side]
     if kind == "none" or not run.steps:
         return None
     v = run.velocity(run.mesh.ends[side])
@@ -54,8 +54,8 @@ def outside_of(run: GridRun, side: int) -> Outside | None:
             end["impedance"] * (end["background_wave"] + force - speed)
         )
     fall = row.system.gravity * run.step * (np.arange(run.steps) + 0.5)
-    return Outside(
-        row.outside_name(side),
+    return BoundaryAction(
+        row.boundary_name(side),
         over_steps(run, np.ascontiguousarray(force)),
         over_steps(run, speed + row.frame + fall),
     )

@@ -32,7 +32,7 @@ import math
 from typing import Any
 
 from ..link import Law
-from ..states import Beyond
+from ..states import BoundaryKind
 from . import contact_kernel as contacts
 from . import elimination_kernel as elimination
 from .records import INDEX_MASK, NONE, Run
@@ -114,7 +114,7 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
         else:
             kick(v, force, inverse_diagonal)
         for side in range(2):
-            if ends[side].kind == Beyond.MOVED:
+            if ends[side].kind == BoundaryKind.MOVED:
                 v[ends[side].node] = ends[side].prescribed
         for i in range(len(links)):
             if links[i].chain_end != NONE and not solve_contact_chain(run, v, links, i):
@@ -233,9 +233,9 @@ def push_ends(v: Any, force: Any, ends: Any) -> None:
     for side in range(2):
         end = ends[side]
         push = 0.0  # into the row
-        if end.kind == Beyond.PUSHED:
+        if end.kind == BoundaryKind.PUSHED:
             push = end.prescribed
-        elif end.kind == Beyond.ENDLESS:
+        elif end.kind == BoundaryKind.ENDLESS:
             wave = end.background_wave + end.prescribed
             push = (1 - 2 * side) * end.impedance * (wave - v[end.node])
         force[end.node + side] = -push
@@ -264,7 +264,7 @@ def find_implicit_forces(
     old_velocity[n] = v[n]
     x[n] = force[n + 1] - before
     for side in range(2):
-        if ends[side].kind == Beyond.MOVED:
+        if ends[side].kind == BoundaryKind.MOVED:
             x[ends[side].node] = ends[side].prescribed - v[ends[side].node]
 
 

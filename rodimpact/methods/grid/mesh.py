@@ -197,7 +197,7 @@ class Mesh:
         self.touching: dict[int, tuple[int, int]] = {}
         self.bonds: dict[int, tuple[int, int]] = {}
         driven = []
-        for side, (kind, _) in enumerate(row.outside):
+        for side, (kind, _) in enumerate(row.boundaries):
             if kind == "velocity":
                 driven.append(side)
         node = self._lay_out(driven)

@@ -90,7 +90,7 @@ def side_of(
     Z = 0.0
     if mesh.held[far]:
         mean = float(motion.velocity[0, far])
-    for side, (kind, _) in enumerate(run.row.outside):
+    for side, (kind, _) in enumerate(run.row.boundaries):
         if kind == "absorbing" and mesh.ends[side] == far:
             Z = float(run.grid.ends["impedance"][side])
             mean = float(run.grid.ends["background_wave"][side])

@@ -77,7 +77,7 @@ class Link(link.Link):
 class End:
     """The outside that acts on the left or right end of the row."""
 
-    kind: int  # `states.Beyond`
+    kind: int  # `states.BoundaryKind`
     node: int
     impedance: float  # impedance of a semi-infinite bar
     background_wave: float  # wave that comes from this bar in addition to the given one

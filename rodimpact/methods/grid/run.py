@@ -319,7 +319,7 @@ class GridRun:
         """
         side = mass - len(self.row.masses)
         if side >= 0:
-            wall = float(self.row.outside[side][1]) - self.row.frame
+            wall = float(self.row.boundaries[side][1]) - self.row.frame
             return np.asarray(wall - self.row.system.gravity * self.times)
         return self.velocity(self.mesh.node_of_mass[mass])
 

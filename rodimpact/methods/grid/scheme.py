@@ -10,7 +10,7 @@ from ..link import LINK, in_steps
 from ..record_lists import as_records
 from ..row import Array, Row
 from ..scales import wave_of_strain
-from ..states import Beyond
+from ..states import BoundaryKind
 from . import elimination_kernel as elimination
 from . import records
 from .mesh import Mesh, quotient
@@ -21,12 +21,12 @@ SMALLEST_STIFFNESS = 2.0**-800
 VELOCITY_RTOL = 2.0**-40
 """Contacts graze below this part of the velocity scale, which is round-off of many steps."""
 KINDS = {
-    "none": Beyond.STEADY,
-    "force": Beyond.PUSHED,
-    "velocity": Beyond.MOVED,
-    "absorbing": Beyond.ENDLESS,
+    "none": BoundaryKind.STEADY,
+    "force": BoundaryKind.PUSHED,
+    "velocity": BoundaryKind.MOVED,
+    "absorbing": BoundaryKind.ENDLESS,
 }
-"""Kinds of ends, by the names of `Row.outside`."""
+"""Kinds of ends, by the names of `Row.boundaries`."""
 
 
 class Factors(NamedTuple):
@@ -82,7 +82,7 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
         ends=filled(
             records.END,
             2,
-            kind=[KINDS[kind] for kind, _ in row.outside],
+            kind=[KINDS[kind] for kind, _ in row.boundaries],
             node=mesh.ends,
             impedance=impedance,
         ),
@@ -102,7 +102,7 @@ def _end_impedances(mesh: Mesh) -> Array:
     They are sqrt(E A rho A) of the cells there.
     """
     cells = mesh.end_cells
-    endless = [kind == "absorbing" for kind, _ in mesh.row.outside]
+    endless = [kind == "absorbing" for kind, _ in mesh.row.boundaries]
     impedances = np.sqrt(mesh.cells.relaxed[cells] * mesh.cell_mass[cells])
     return np.where(endless, impedances, 0.0)
 
@@ -180,7 +180,7 @@ def boundary_values(mesh: Mesh, step: float, side: int, steps: int) -> Array:
 
     It is a force, a wave, or the velocity at the end of the step, in the frame.
     """
-    kind, value = mesh.row.outside[side]
+    kind, value = mesh.row.boundaries[side]
     if kind == "velocity":
         times = step * np.arange(1, steps + 1)
         return boundary_velocity(mesh.row, step, value, times)

@@ -89,7 +89,7 @@ def _changes_by_driven_ends(mesh: Mesh, step: float, grid: Grid) -> Array:
     """
     jump = np.zeros(len(mesh.mass))
     off_diagonal = mesh.lateral / step
-    for node, (kind, value) in zip(mesh.ends, mesh.row.outside, strict=True):
+    for node, (kind, value) in zip(mesh.ends, mesh.row.boundaries, strict=True):
         if kind == "velocity":
             start = scheme.boundary_velocity(mesh.row, step, value, np.zeros(1))[0]
             jump[node] = start - grid.velocity[node]
@@ -107,7 +107,7 @@ def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
     """
     row = mesh.row
     force = np.diff(tension)
-    for side, (kind, _) in enumerate(row.outside):
+    for side, (kind, _) in enumerate(row.boundaries):
         node = mesh.ends[side]
         if kind == "force":
             force[node] += INWARD[side] * scheme.boundary_values(mesh, step, side, 1)[0]

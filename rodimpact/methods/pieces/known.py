@@ -191,7 +191,7 @@ class Known:
     def _add_outside(self, side: int) -> int:
         """Add what comes from outside an end; return its line, NONE for the free end of a rod."""
         row = self._row
-        kind, value = row.outside[side]
+        kind, value = row.boundaries[side]
         if kind == "none" and self._ends_with_rod(side):
             return NONE
         signal = self._outside_signal(side)
@@ -211,7 +211,7 @@ class Known:
     def _outside_signal(self, side: int) -> OutsideSignal:
         """The signal of what acts on an end, from its value."""
         row = self._row
-        kind, _ = row.outside[side]
+        kind, _ = row.boundaries[side]
         if kind == "velocity":
             return OutsideSignal(1.0, -self._clock.frame, -row.system.gravity)
         if kind == "absorbing":

@@ -203,7 +203,7 @@ def make_nodes(row: Any, outside: Any, shortest: Any) -> list[Any]:
         end.target[side] = NONE
         if outside[side] == NONE:
             end.mirror = 1
-        if row.outside[side][0] == "absorbing":  # bonded to an endless rod
+        if row.boundaries[side][0] == "absorbing":  # bonded to an endless rod
             end.mobility[side] = end.mobility[1 - side]
     return nodes
 
@@ -326,7 +326,7 @@ def make_parts(row: Any, nodes: list[Any], links: list[Any], outside: Any) -> li
     """Parts of the groups of bodies between contacts that open, from left to right."""
     parts: list[Any] = []
     head = 0  # first part of the group
-    add_ground(parts, head, row.outside[0][0], outside[0])
+    add_ground(parts, head, row.boundaries[0][0], outside[0])
     for k, node in enumerate(nodes):
         for q in range(node.links):
             i = node.first + q
@@ -345,7 +345,7 @@ def make_parts(row: Any, nodes: list[Any], links: list[Any], outside: Any) -> li
             segment = row.segments[k]
             compliance = segment.transit_time / segment.impedance
             add_part(parts, head, Part.SEGMENT.value, k, segment.mass, compliance)
-    add_ground(parts, head, row.outside[1][0], outside[1])
+    add_ground(parts, head, row.boundaries[1][0], outside[1])
     return parts
 
 

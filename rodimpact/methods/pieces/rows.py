@@ -36,7 +36,7 @@ def is_even(row: Row) -> bool:
     for rod, _, _ in segments_of(row):
         if varies(rod.velocity, rod.strain):
             return False
-    return not any(varies(value) for _, value in row.outside)
+    return not any(varies(value) for _, value in row.boundaries)
 
 
 def closing_velocity(row: Row) -> Any:

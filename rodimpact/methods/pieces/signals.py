@@ -11,7 +11,7 @@ from ..clock import Clock
 from ..groups import fill_bonds
 from ..link import Law
 from ..row import Row
-from ..run import ContactSignal, Outside, Signals, Waves, episodes_of
+from ..run import BoundaryAction, ContactSignal, Signals, Waves, episodes_of
 from ..signals import Pieces
 
 NOTHING = Pieces([0], [0.0])
@@ -88,7 +88,7 @@ def _masses(
     masses = {}
     for body, m in enumerate(row.mass_of):
         if m >= count:  # bonded to a wall
-            speed = float(row.outside[m - count][1])
+            speed = float(row.boundaries[m - count][1])
             masses[body] = Pieces.through([0, end], np.full(2, speed)) - frame
         elif m >= 0:
             velocity = lines[records["mass"]["line"][m]]
@@ -100,8 +100,8 @@ def _masses(
 
 
 def _with_blows(
-    outside: Outside | None, body: Any, contacts: list[ContactSignal | None]
-) -> Outside | None:
+    outside: BoundaryAction | None, body: Any, contacts: list[ContactSignal | None]
+) -> BoundaryAction | None:
     """What acts on an end; on a wall that is the force of its contact, with its blows.
 
     `contacts` begin at the end; those that are None are bonds of rigid bodies to the wall.
@@ -179,9 +179,9 @@ def _at_once(signal: Pieces, tick: int, value: float) -> Pieces:
 
 def _outside(
     row: Row, side: int, lines: list[Pieces], frame: Pieces, records: dict[str, Any]
-) -> Outside | None:
+) -> BoundaryAction | None:
     """Force on the left or right end of the row, and the velocity of that end."""
-    kind, value = row.outside[side]
+    kind, value = row.boundaries[side]
     if kind == "none":
         return None
     node = records["node"][-side]
@@ -198,4 +198,4 @@ def _outside(
         leaving = lines[node["target"][inner]]
         speed = leaving.times(0.5) + arriving.times(0.5) + frame
     push = lines[records["link"]["kept"][-side]]
-    return Outside(row.outside_name(side), push, speed)
+    return BoundaryAction(row.boundary_name(side), push, speed)
