@@ -8,7 +8,7 @@ import rodimpact as ri
 from rodimpact.methods.grid.mesh import Mesh
 from rodimpact.methods.grid.method import _mesh_size, run_grid
 from rodimpact.methods.grid.run import GridRun
-from rodimpact.methods.walk import walk
+from rodimpact.methods.row_builder import build_row
 
 SECONDS = 3.0
 
@@ -81,10 +81,10 @@ def matrices(mesh):
 
 def grid_run(system, room, snapshots=None, step=STEP):
     """A run that has not begun."""
-    plan = walk(system)
+    plan = build_row(system)
     counts, step = _mesh_size(plan, None, step, None)
     return GridRun(Mesh(plan, counts), step, snapshots, room)
 
 
 def run_row(system, until=SECONDS, step=STEP):
-    return run_grid(walk(system), until, 10**9, dt=step)
+    return run_grid(build_row(system), until, 10**9, dt=step)

@@ -10,15 +10,15 @@ from rodimpact.methods.grid import method as grid
 from rodimpact.methods.grid.run import GridRun
 from rodimpact.methods.record_lists import as_objects
 from rodimpact.methods.registry import Options
+from rodimpact.methods.row_builder import build_row
 from rodimpact.methods.run import MAX_EVENTS
-from rodimpact.methods.walk import walk
 from rodimpact.results.solution import Solution
 
 MAKERS = {FrontRun: fronts.make_run, GridRun: grid.make_run}
 
 
 def tracked(system, until=None, max_events=MAX_EVENTS):
-    return fronts.run_fronts(walk(system), until, max_events)
+    return fronts.run_fronts(build_row(system), until, max_events)
 
 
 def solution_of(run, until=None):

@@ -34,9 +34,9 @@ from rodimpact.methods.fronts.family_layout import lay_out_family
 from rodimpact.methods.grid.mesh import Mesh, stable_step
 from rodimpact.methods.grid.method import COURANT
 from rodimpact.methods.grid.run import GridRun
+from rodimpact.methods.row_builder import build_row
 from rodimpact.methods.run import MAX_EVENTS
 from rodimpact.methods.states import Stop
-from rodimpact.methods.walk import walk
 
 from .unit import rod
 
@@ -165,7 +165,7 @@ def compiled_godunov(per_unit: int = 100) -> Callable[[], float]:
 def per_event(T: Sequence[float], Z: Sequence[float], v: Sequence[float]) -> float:
     """Median time of an event in a run of half a million of uniform rods that touch, s."""
     layout = lay_out_family(
-        walk(ri.System([rod(*of) for of in zip(T, Z, v, strict=True)]))
+        build_row(ri.System([rod(*of) for of in zip(T, Z, v, strict=True)]))
     )
     request = RunRequest(until=LONG, max_events=RUN)
     with kernels.forced(True):
@@ -199,7 +199,7 @@ def family_of_pairs(pairs: int = 20_000) -> float:
         )
         for v in (0.5, -0.5)
     ]
-    row = walk(ri.System(rods))
+    row = build_row(ri.System(rods))
     with kernels.forced(True):
         return median(lambda: solve_family(row, None, MAX_EVENTS)) / pairs
 
@@ -304,7 +304,7 @@ def cell_on_grid(material: ri.Material, theory: str | None = None) -> float:
         )
         for v in (1.0, 0.0)
     ]
-    mesh = Mesh(walk(ri.System(row)), [cells] * 2)
+    mesh = Mesh(build_row(ri.System(row)), [cells] * 2)
     step = COURANT * stable_step(row[0].segments[0], cells)
     run = GridRun(mesh, step, 4, 9 * steps)
     run.advance(steps)  # so that machine code is there

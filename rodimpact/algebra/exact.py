@@ -6,7 +6,7 @@ from operator import attrgetter
 from typing import Any
 
 from ..methods.row import Row
-from ..methods.walk import walk
+from ..methods.row_builder import build_row
 from ..model import Segment, System
 from ..model.frozen import InvalidModel, Problems, raise_if_problems
 from ..model.paths import places_of, suggestion
@@ -68,7 +68,7 @@ def exact(
     """
     check_system(system)
     check_arguments(max_events=max_events)
-    row = walk(system)
+    row = build_row(system)
     places = places_of(system)
     value_at: dict[str, Fraction] = {}
     for path, value in fractions_of(values).items():

@@ -14,7 +14,7 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from ..methods.row import Row
-from ..methods.walk import walk
+from ..methods.row_builder import build_row
 from ..model import Segment, System
 from ..model.frozen import InvalidModel, Problems
 from ..model.paths import places_of, suggestion
@@ -111,7 +111,7 @@ class SymbolicRow:
     def __init__(self, system: System, symbols: Sequence[str]) -> None:
         check_system(system)
         _check_symbols(symbols)
-        self.row = walk(system)
+        self.row = build_row(system)
         self._roots = SquareRoots()
         self._words = SymbolWords(system, symbols)
         source = _SymbolSource(self.row, self._words, self._roots)

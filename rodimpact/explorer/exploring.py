@@ -9,9 +9,9 @@ from typing import Any
 
 from ..methods.fronts.family_layout import lay_out_family
 from ..methods.registry import Options
+from ..methods.row_builder import build_row
 from ..methods.run import MAX_EVENTS
 from ..methods.states import Stop
-from ..methods.walk import walk
 from ..model import System
 from ..model.arguments import flag
 from ..model.frozen import InvalidModel, defaults_of, invalid_argument
@@ -213,7 +213,7 @@ def check_solvable(case: Case, tables: dict[str, Any]) -> None:
     solved = solved_by_fronts(system, request)
     if "problem" in solved:
         raise InvalidModel([solved["problem"]])
-    state = run_of(request, True, space_of(lay_out_family(walk(system))))
+    state = run_of(request, True, space_of(lay_out_family(build_row(system))))
     run = state["run"]
     is_cap_of_page = request.max_events < case.solve.get("max_events", MAX_EVENTS)
     limit = ""

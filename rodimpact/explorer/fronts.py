@@ -23,10 +23,10 @@ from ..methods.pieces import reading
 from ..methods.pieces.layout import piece_of
 from ..methods.pieces.records import NEVER
 from ..methods.record_lists import blank
+from ..methods.row_builder import build_row
 from ..methods.scales import smallest
 from ..methods.states import Stop
 from ..methods.status import rounding, strain_warning
-from ..methods.walk import walk
 from ..results.front_polygons import count_of, polygons_of, wave_of
 from ..theory import pair_numbers, pair_restitution
 from ..units import format_si
@@ -243,7 +243,7 @@ def sentence_of(run: Any) -> str:
 
 def solved_by_fronts(system: Any, asked: Any) -> Any:
     """A collision as `solved.shown_of` takes it; or a ``problem``, path and sentence."""
-    run = run_of(asked, True, space_of(lay_out_family(walk(system))))
+    run = run_of(asked, True, space_of(lay_out_family(build_row(system))))
     if run["run"].stop_reason >= Stop.OVERFLOW:
         return {"problem": ("bodies", TOO_FAR_APART)}
     outcome, motion = outcome_of(run, sentence_of(run)), motion_of(run)

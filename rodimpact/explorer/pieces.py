@@ -33,11 +33,11 @@ from ..methods.pieces.totals import (
     why_stuck,
 )
 from ..methods.record_lists import blank
+from ..methods.row_builder import build_row
 from ..methods.scales import frame_of, largest, scale_of, wave_of_strain
 from ..methods.states import Stop
 from ..methods.status import strain_warning
 from ..methods.tick_rule import default_horizon
-from ..methods.walk import walk
 from .fronts import TOO_FAR_APART
 from .known import Ending, errors_of, outcome_shown
 from .motion import curve_of, grids_of
@@ -284,7 +284,7 @@ def solved_by_pieces(
 
     It is a problem as well if the runs take longer than so many seconds.
     """
-    row = walk(system)
+    row = build_row(system)
     run = solved(row, asked, tolerance, monotonic() + seconds)
     if "problem" in run:
         return run

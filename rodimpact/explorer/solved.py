@@ -9,8 +9,8 @@ from typing import Any
 
 from ..methods.fronts.family_layout import lay_out_family
 from ..methods.pieces.method import RTOL
+from ..methods.row_builder import build_row
 from ..methods.states import Stop
-from ..methods.walk import walk
 from . import fronts, pieces
 from .known import gauge_of
 from .motion import energy_curves, gauge_curve, path_of
@@ -73,7 +73,7 @@ def e_of(case: Any, library: Any, seconds: float = math.inf) -> Any:
 
     None where there is no e, and where its run takes longer than so many seconds.
     """
-    row, asked = walk(system_of(case, library)), request_of(case)
+    row, asked = build_row(system_of(case, library)), request_of(case)
     if is_smooth(case):
         deadline = monotonic() + seconds
         run = pieces.run_of(row, asked, QUICK, False, None, deadline)

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from ..model import System, Wall
-from .walk import parted, walk
+from .row_builder import build_row, split_at
 
 
 def groups(system: Any) -> list[list[int]]:
     """Bodies that are bonded or joined together, from left to right."""
-    return parted([law.opens for law in system.contacts])
+    return split_at([law.opens for law in system.contacts])
 
 
 def unilateral(system: Any) -> list[int]:
@@ -71,7 +71,7 @@ def velocities_in_group(
 
 def movable(system: System) -> list[int]:
     """Bodies that can move against the walls: all but the walls and the masses bonded to them."""
-    row = walk(system)
+    row = build_row(system)
     bodies = []
     for i, mass in enumerate(row.mass_of):
         is_free_mass = 0 <= mass < len(row.masses)

@@ -28,8 +28,8 @@ from .fronts import method as fronts
 from .grid import method as grid
 from .pieces import method as pieces
 from .row import Row
+from .row_builder import build_row
 from .run import MAX_EVENTS, READ, Run
-from .walk import walk
 
 
 class Method(NamedTuple):
@@ -231,7 +231,7 @@ class Options(FrozenDataclass):
         raise_if_problems(problems)
         own = {name: getattr(self, name) for name in METHODS[method].takes}
         run = METHODS[method].run(
-            walk(system), self.until, self.max_events, **own, report=report
+            build_row(system), self.until, self.max_events, **own, report=report
         )
         fastest = next(iter(METHODS))
         if self.method == "auto" and method != fastest:

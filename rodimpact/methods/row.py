@@ -1,7 +1,7 @@
 """A system as a row of segments, rigid masses and links, in flat lists.
 
-Every method starts from a `Row`, which `walk.walk` makes. Segments are counted 1 to n from left to
-right; 0 and n + 1 are what lies outside. Node k joins the segments k and k + 1: rigid masses may
+Every method starts from a `Row`, which `row_builder.build_row` makes. Segments are counted 1 to n
+from left to right; 0 and n + 1 are what lies outside. Node k joins the segments k and k + 1: rigid masses may
 stand there, and links join what stands beside each other. Numbers are those of the system, in SI:
 floats, or for a family arrays.
 """

@@ -16,8 +16,8 @@ import numpy as np
 from ..methods import memory
 from ..methods.family import Columns
 from ..methods.registry import METHODS, Options
+from ..methods.row_builder import build_row
 from ..methods.run import Stopped
-from ..methods.walk import walk
 from ..model import System
 from ..model.frozen import InvalidModel
 from ..results.solution import Solution
@@ -61,7 +61,7 @@ def run_jobs(
     """Run the members that are not done; see `jobs.results_of`."""
     size = math.prod(system.shape)
     row = math.prod(system.shape[1:])
-    together = METHODS[options.method].members_per_call(walk(system))
+    together = METHODS[options.method].members_per_call(build_row(system))
     most = size
     if together and not needs_solutions(options, readings):
         most = together
@@ -166,7 +166,7 @@ def _in_one_call(chunk: Chunk, should_stop: Callable[[], bool], later: int) -> C
     own = {name: getattr(options, name) for name in method.takes}
     own["also"] = [name for name in chunk.readings.also if name in method.also]
     return method.family(
-        walk(chunk.system),
+        build_row(chunk.system),
         options.until,
         options.max_events,
         **own,

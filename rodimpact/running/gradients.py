@@ -15,9 +15,9 @@ import numpy as np
 from ..methods.groups import groups, unilateral
 from ..methods.registry import METHODS, Options
 from ..methods.row import Array
+from ..methods.row_builder import build_row
 from ..methods.run import MAX_EVENTS
 from ..methods.scales import largest, smallest, velocities_of
-from ..methods.walk import walk
 from ..model import Absorbing, System
 from ..model.frozen import (
     InvalidModel,
@@ -376,7 +376,7 @@ class _Result:
 
 def velocity_scale(system: System) -> Any:
     """Velocity to which stated errors of velocities are relative, m/s."""
-    row = walk(system)
+    row = build_row(system)
     if len(row.segments) > 0:
         return row.scale
     velocities = velocities_of(row)
@@ -457,7 +457,7 @@ def _natural_size(system: System, place: str) -> Any:
     Let V be the velocity scale of the row, T the longest transit time, c the largest wave speed, Z
     the largest impedance and E the largest modulus. A gap is V T, a strain V/c, a force Z V.
     """
-    row = walk(system)
+    row = build_row(system)
     V = velocity_scale(system)
     unit = parameter(system, place).unit
     if unit == "m/s":

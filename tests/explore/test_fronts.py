@@ -16,7 +16,7 @@ from rodimpact.explorer.known import gauge_of
 from rodimpact.explorer.tables import RULES, lacking, mistakes, request_of, system_of
 from rodimpact.methods.fronts.family_layout import lay_out_family
 from rodimpact.methods.registry import Options
-from rodimpact.methods.walk import walk
+from rodimpact.methods.row_builder import build_row
 from rodimpact.results.front_polygons import polygons_of
 from rodimpact.results.regions import regions_of
 from rodimpact.storage.case_reading import case_from
@@ -54,7 +54,7 @@ def test_runs_and_curves_are_those_of_the_solution(number):
     system, solve = list(rows())[number]
     case = tables_of(system, **solve)
     theirs, asked = system_of(case, LIBRARY), request_of(case)
-    plan, known = lay_out_family(walk(theirs)), lay_out_family(walk(system))
+    plan, known = lay_out_family(build_row(theirs)), lay_out_family(build_row(system))
     assert plan[1:] == known[1:]
     solution = ri.solve(system, **solve, max_events=20_000)
     run = fronts.run_of(asked, True, fronts.space_of(plan))

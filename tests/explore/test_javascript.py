@@ -28,8 +28,8 @@ from rodimpact.methods.fronts import records as front_records
 from rodimpact.methods.fronts.family_layout import lay_out_family
 from rodimpact.methods.pieces import driver, finality, layout, march
 from rodimpact.methods.pieces import records as piece_records
+from rodimpact.methods.row_builder import build_row
 from rodimpact.methods.states import Stop
-from rodimpact.methods.walk import walk
 from rodimpact.storage.casefile import case_from
 
 FEW, MOST = 5000, 20_000
@@ -231,7 +231,9 @@ KERNEL = march.follow
 
 def recorded(system, until):
     """The records of a system on the clock of the page, as objects."""
-    records = driver.Members(walk(system), layout.Asked(until, 1e-8, 400, True)).start()
+    records = driver.Members(
+        build_row(system), layout.Asked(until, 1e-8, 400, True)
+    ).start()
     for name in ("log", "turn"):
         records[name] = np.concatenate([records[name]] * 4)
     return {
@@ -295,14 +297,22 @@ def rows(seeds):
     return found
 
 
-SOLVES = (system_of, request_of, walk, lay_out_family, space_of, run_of, outcome_of)
+SOLVES = (
+    system_of,
+    request_of,
+    build_row,
+    lay_out_family,
+    space_of,
+    run_of,
+    outcome_of,
+)
 
 
 def solved_by_the_page(cases):
     """Outcomes, events, and errors of transit times."""
     script = f"""{read("python.js")}\n{read("numbers.js")}\n{javascript(SOLVES, CONSTANTS, KNOWN)}
     const answer = ({{ cases, library }}) => cases.map((tables) => {{
-      const plan = lay_out_family(walk(system_of(tables, library)));
+      const plan = lay_out_family(build_row(system_of(tables, library)));
       const run = run_of(request_of(tables), false, space_of(plan));
       const outcome = outcome_of(run, "");
       const rounded = outcome.errors.velocity / (run.run.events * run.run.velocity_scale || 1);

@@ -10,7 +10,7 @@ from networks import UNIT, unit_rod
 
 import rodimpact as ri
 from rodimpact.methods.grid.smoothness import waves_jump
-from rodimpact.methods.walk import walk
+from rodimpact.methods.row_builder import build_row
 
 METHOD = "finite-difference"
 INTERVALS = 48
@@ -140,9 +140,9 @@ JUMPS = {
 
 @pytest.mark.parametrize("name", SMOOTH)
 def test_waves_that_do_not_jump(name):
-    assert not waves_jump(walk(SMOOTH[name]))
+    assert not waves_jump(build_row(SMOOTH[name]))
 
 
 @pytest.mark.parametrize("name", JUMPS)
 def test_waves_that_jump(name):
-    assert waves_jump(walk(JUMPS[name]))
+    assert waves_jump(build_row(JUMPS[name]))

@@ -10,7 +10,7 @@ from scipy.linalg import eigh
 import rodimpact as ri
 from rodimpact.methods.grid.mesh import Mesh, lasting_mode, most_cells, stable_step
 from rodimpact.methods.grid.method import run_grid
-from rodimpact.methods.walk import walk
+from rodimpact.methods.row_builder import build_row
 
 METHOD, THEORY = "finite-difference", "mindlin-herrmann"
 UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0, poisson_ratio=0.3)
@@ -45,7 +45,7 @@ def fastest(mesh):
 def test_the_stable_step_is_that_of_the_fastest_motion(count):
     """Coarse cells are bound by the cut-off of the second branch, fine ones by its waves."""
     piece = segment(1.0)
-    exact = 2 / fastest(Mesh(walk(ri.System([rod(piece)])), [count]))
+    exact = 2 / fastest(Mesh(build_row(ri.System([rod(piece)])), [count]))
     assert stable_step(piece, count) == pytest.approx(exact, rel=2e-3)
     assert stable_step(piece, count) <= exact * (1 + 1e-12)
     step = stable_step(piece, count)
@@ -64,7 +64,7 @@ def test_the_stable_step_holds_where_sections_and_theories_differ():
         [segment(0.5), cone, segment(0.3, 0.1), segment(0.2, theory=None)],
         [20, 9, 5],
     )
-    mesh = Mesh(walk(ri.System([rod(*pieces)])), [*counts, 4])
+    mesh = Mesh(build_row(ri.System([rod(*pieces)])), [*counts, 4])
     step = min(stable_step(s, N) for s, N in zip(pieces, [*counts, 4], strict=True))
     assert 0.9 < step * fastest(mesh) / 2 <= 1 + 1e-12
 
@@ -82,9 +82,9 @@ def test_a_held_rod_strained_evenly_stays_at_rest():
     assert np.abs(s.velocity(0, x, t)).max() <= 1e-15
     assert s.strain(0, x, t) == pytest.approx(1e-3, abs=1e-15)
     assert s.energy(t).strain == pytest.approx(math.pi * 0.05**2 * 1e-6 / 2, rel=1e-12)
-    assert run_grid(walk(held), 1.0, 10**9, cells=40).largest_strain == pytest.approx(
-        1e-3, rel=1e-12
-    )
+    assert run_grid(
+        build_row(held), 1.0, 10**9, cells=40
+    ).largest_strain == pytest.approx(1e-3, rel=1e-12)
 
 
 def test_a_collision_of_thin_rods_is_proved_to_be_over_and_ends_like_that_of_ideal_ones():

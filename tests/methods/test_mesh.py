@@ -10,11 +10,11 @@ from networks import UNIT, unit_rod
 import rodimpact as ri
 from rodimpact.methods.grid.mesh import Mesh
 from rodimpact.methods.grid.method import _mesh_size
-from rodimpact.methods.walk import walk
+from rodimpact.methods.row_builder import build_row
 
 
 def mesh_of(row, counts, contacts=None, gaps=None, **options):
-    return Mesh(walk(ri.System(row, gaps, contacts, **options)), counts)
+    return Mesh(build_row(ri.System(row, gaps, contacts, **options)), counts)
 
 
 @pytest.mark.parametrize(
@@ -45,13 +45,13 @@ def test_cells_that_hardly_move_are_refused(options, polar, field):
 def test_the_mesh_that_wastes_least():
     """Courant numbers are as near to 1 as the first hundred numbers of cells allow."""
     row = [unit_rod(1.0), unit_rod(0.75), unit_rod(math.sqrt(0.5))]
-    counts, step = _mesh_size(walk(ri.System(row)), None, None, None)
+    counts, step = _mesh_size(build_row(ri.System(row)), None, None, None)
     courant = step * np.array(counts) / [1.0, 0.75, math.sqrt(0.5)]
     assert 100 <= counts[0] < 200
     assert courant.max() == pytest.approx(0.999, rel=1e-12)
     assert courant.min() >= 0.997
     counts, _ = _mesh_size(
-        walk(ri.System([unit_rod(), unit_rod(0.02)])), None, None, None
+        build_row(ri.System([unit_rod(), unit_rod(0.02)])), None, None, None
     )
     assert min(counts) >= 8
 
@@ -61,7 +61,9 @@ def test_the_scale_of_velocities_is_that_of_the_mirror_image():
     ends = ri.Pushed(3.0), ri.Pushed(ri.Steps([1.0, -2.0], [1.0]))
     row = ri.System([unit_rod(area=0.5, velocity=0.25), unit_rod()], ends=ends)
     assert (
-        walk(row).scale == walk(row.mirrored()).scale == pytest.approx(0.25 + 3.0 / 0.5)
+        build_row(row).scale
+        == build_row(row.mirrored()).scale
+        == pytest.approx(0.25 + 3.0 / 0.5)
     )
 
 

@@ -11,7 +11,7 @@ from rodimpact.explorer.design import LIBRARY, tables_of
 from rodimpact.explorer.tables import request_of, system_of
 from rodimpact.methods import kernels, memory
 from rodimpact.methods.pieces import finality, march
-from rodimpact.methods.walk import walk
+from rodimpact.methods.row_builder import build_row
 
 HERTZ = ri.Hertz(3.0)
 KINDS = {
@@ -75,7 +75,7 @@ def run_of_page(system, until):
     options = {} if until is None else {"until": until}
     tables = {"solve": {}, **tables_of(ri.Case(system, options))["case"]}
     return page.run_of(
-        walk(system_of(tables, LIBRARY)), request_of(tables), 1e-8, True, None
+        build_row(system_of(tables, LIBRARY)), request_of(tables), 1e-8, True, None
     )
 
 

@@ -13,9 +13,9 @@ from scipy.integrate import quad
 
 import rodimpact as ri
 from rodimpact.methods.clock import Clock
+from rodimpact.methods.row_builder import build_row
 from rodimpact.methods.run import Run, Signals, Waves
 from rodimpact.methods.signals import Pieces
-from rodimpact.methods.walk import walk
 from rodimpact.model.profiles import averages
 from rodimpact.results.solution import Solution
 
@@ -43,7 +43,7 @@ def pieces_of(function, marks):
 def solved(system, a, b, end):
     """The solution of a rod from the waves that leave its ends."""
     clock = Clock(
-        walk(system),
+        build_row(system),
         TICK,
         [TICKS],
         DRIFT,

@@ -1,4 +1,4 @@
-"""The one walk through a system, from left to right: it makes a `Row`.
+"""The one walk through a system, from left to right, which makes a `Row`.
 
 The page has this as JavaScript, where a system is a table of tables with the same names.
 """
@@ -22,8 +22,8 @@ DRIVEN = ["velocity", "force", "incoming"]
 """Kinds of ends that have a value."""
 
 
-def walk(system: Any) -> Row:
-    """Walk through a system from left to right."""
+def build_row(system: Any) -> Row:
+    """Make the row of a system, walking through it from left to right."""
     bodies = system.bodies
     nothing = ("none", 0.0)
     row = Row(system, [], [""], [], [0], [], [], [], [], [], [nothing, nothing])
@@ -51,7 +51,7 @@ def walk(system: Any) -> Row:
     return row
 
 
-copyreg.pickle(Row, lambda row: (walk, (row.system,)))
+copyreg.pickle(Row, lambda row: (build_row, (row.system,)))
 
 
 def rigid_blocks(system: Any) -> list[list[int]]:
@@ -61,11 +61,14 @@ def rigid_blocks(system: Any) -> list[list[int]]:
     for k, law in enumerate(system.contacts):
         has_rod = bodies[k].kind == "rod" or bodies[k + 1].kind == "rod"
         cuts.append(law.law != "bonded" or has_rod)
-    return parted(cuts)
+    return split_at(cuts)
 
 
-def parted(cuts: list[bool]) -> list[list[int]]:
-    """Bodies from left to right, parted at the contacts for which that is said."""
+def split_at(cuts: list[bool]) -> list[list[int]]:
+    """Split the bodies into blocks from left to right.
+
+    `cuts[k]` says whether to cut between the bodies k and k + 1.
+    """
     blocks = [[0]]
     for k, cut in enumerate(cuts):
         if cut:
