@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Protocol
 from ..methods.fronts import energy
 from ..methods.fronts.family_layout import lay_out_family
 from ..methods.fronts.simulation import Simulation, start_simulation
-from ..methods.groups import grounds, groups, unilateral
+from ..methods.groups import anchor_velocities, groups, unilateral
 from ..methods.row import Row
 from ..methods.states import Status, Stop
 from ..model import Bonded, Segment
@@ -163,7 +163,7 @@ def _kernel_values(numbers: RowNumbers) -> list[Any]:
 def _motion(row: Row, simulation: Simulation, body: int) -> BodyMotion:
     """Motion of a body: that of its bonded group, or of the wall that holds it."""
     group = next(group for group in groups(row.system) if body in group)
-    if grounds(row.system, group):
+    if anchor_velocities(row.system, group):
         line = simulation.lines[0 if group[0] == 0 else -1]
         return BodyMotion(line.incoming_wave, line.incoming_wave)
     first_segment, _ = row.spans[body]

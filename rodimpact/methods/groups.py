@@ -22,7 +22,7 @@ def unilateral(system: Any) -> list[int]:
     return [k for k, law in enumerate(system.contacts) if law.opens]
 
 
-def grounds(system: Any, group: list[int]) -> list[Any]:
+def anchor_velocities(system: Any, group: list[int]) -> list[Any]:
     """Velocities of the walls and fixed ends that hold a group, from left to right."""
     held: list[Any] = []
     for side, i in enumerate([0, len(system.bodies) - 1]):
@@ -50,7 +50,7 @@ def velocities_in_group(
     own : float or array
         Momentum over mass of those inside, m/s.
     """
-    ground = grounds(system, group)
+    ground = anchor_velocities(system, group)
     if len(ground) == 0:
         return [own for _ in group]
     moving = inside if len(inside) > 0 else group
@@ -94,7 +94,7 @@ def body_velocities(system: Any, own: list[Any]) -> list[Any]:
     return velocities
 
 
-def heads(system: Any, spans: Any) -> list[int]:
+def segments_of_groups(system: Any, spans: Any) -> list[int]:
     """The first segment of each group of bonded rods; of a lone wall 0.
 
     Parameters

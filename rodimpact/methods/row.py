@@ -1,9 +1,9 @@
 """A system as a row of segments, rigid masses and links, in flat lists.
 
 Every method starts from a `Row`, which `row_builder.build_row` makes. Segments are counted 1 to n
-from left to right; 0 and n + 1 are what lies outside. Node k joins the segments k and k + 1: rigid masses may
-stand there, and links join what stands beside each other. Numbers are those of the system, in SI:
-floats, or for a family arrays.
+from left to right; 0 and n + 1 are what lies outside. Node k joins the segments k and k + 1:
+rigid masses may stand there, and links join what stands beside each other. Numbers are those of
+the system, in SI: floats, or for a family arrays.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ class Row:
     # Neighbours -----------------------------------------------------------------------
 
     @cached_property
-    def beside(self) -> list[tuple[tuple[str, int], tuple[str, int]]]:
+    def neighbours(self) -> list[tuple[tuple[str, int], tuple[str, int]]]:
         """By link, what stands on its left and on its right.
 
         ("outside", side), ("mass", m) or ("segment", s).
@@ -108,7 +108,7 @@ class Row:
         return {k: i for k, i in links.items() if self.links[i].law > Law.BOND}
 
     @cached_property
-    def opening(self) -> dict[int, int]:
+    def unilateral_links(self) -> dict[int, int]:
         """Links of the contacts that can open, by contact."""
         return {k: i for k, i in self.by_law.items() if self.links[i].law >= Law.RIGID}
 

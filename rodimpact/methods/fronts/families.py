@@ -9,7 +9,7 @@ import numpy as np
 
 from ..abilities import driven
 from ..family import CONTACT_COLUMNS, Columns, family_columns, status_column
-from ..groups import body_velocities, heads
+from ..groups import body_velocities, segments_of_groups
 from ..row import Array, Row
 from ..states import Stop
 from . import driver
@@ -60,7 +60,7 @@ def solve_family(
     The other arguments are those of `driver.solve_many`.
     """
     layout = lay_out_family(row)
-    group_segments = heads(row.system, row.spans)
+    group_segments = segments_of_groups(row.system, row.spans)
     needs_waves = not WAVE_COLUMNS.isdisjoint(also)
 
     fields = [("stop_reason", 0), ("is_proved", 0), ("vibration_energy", 0)]

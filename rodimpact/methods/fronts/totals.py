@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from ...model import Absorbing, Fixed, Free
 from ..clock import Clock
-from ..groups import body_velocities, heads
+from ..groups import body_velocities, segments_of_groups
 from ..outcome import Motion, Totals, Works, relative_residual
 from ..run import ContactTally
 from ..states import Status
@@ -66,7 +66,9 @@ def motion_of(
     """
     row = clock.row
     of_segments = [velocity + clock.frame for velocity in velocities]
-    group_velocities = [of_segments[s] for s in heads(row.system, row.spans)]
+    group_velocities = [
+        of_segments[s] for s in segments_of_groups(row.system, row.spans)
+    ]
     by_body = body_velocities(row.system, group_velocities)
     vibration = []
     kinetic = 0.0

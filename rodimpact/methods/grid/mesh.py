@@ -238,7 +238,7 @@ class Mesh:
         recorded_links = {*row.contact_link, *(outer_links[side] for side in driven)}
         node = -1
         parts: list[Cells] = []
-        for i, ((before, _), (kind, s)) in enumerate(row.beside):
+        for i, ((before, _), (kind, s)) in enumerate(row.neighbours):
             law = row.links[i].law
             if i == 0:  # the outside begins the first piece
                 node += 1

@@ -157,7 +157,7 @@ def measures_of(run: GridRun) -> dict[str, Array]:
     durations: list[float] = []
     forces = contact_forces(run, outside_of(run, 0))
     for k, force in enumerate(forces):
-        if k in run.row.opening:
+        if k in run.row.unilateral_links:
             impulses.append(float(force.sum()) * run.step)
             # Impacts of rigid bodies have no peak force and no duration: their impulse jumps.
             if run.row.links[run.row.contact_link[k]].law != Law.IMPACT:

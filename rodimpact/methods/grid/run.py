@@ -297,7 +297,7 @@ class GridRun:
 
     def pressed(self, contact: int) -> Array:
         """Times of a contact [n, 3] as in `contact_intervals`, s; none where it cannot open."""
-        if contact not in self.row.opening:
+        if contact not in self.row.unilateral_links:
             return np.zeros((0, 3))
         open_gap = GAP_RESOLUTION * float(self.row.scale) * self.step
         return self.step * contact_intervals(*self.contact(contact), open_gap)
@@ -360,7 +360,7 @@ class GridRun:
         """
         largest_peak = 0.0
         largest_excess = 0.0
-        for contact, link in self.row.opening.items():
+        for contact, link in self.row.unilateral_links.items():
             if self.row.links[link].law != Law.RIGID:
                 continue
             force = self.contact(contact)[0]
