@@ -1,4 +1,4 @@
-"""How much memory a run may take: asked for before it is taken, and refused with the figure.
+"""How much memory a run may take: checked before it is taken, and refused with the figure.
 
 What a method takes it counts itself, at its largest: the arrays of its kernel, the record made of
 them, and the copies that results need. The limit is the same on all but small machines, so that a
@@ -12,17 +12,20 @@ import threading
 
 from ..model.frozen import InvalidModel
 
-MOST_BYTES = 2e9
-SHARE = 1 / 4  # of a machine's memory, where that is less
+MAX_BYTES = 2e9
+"""Memory that a run may take: a fixed number, so that searches end alike on all machines."""
+SHARE = 1 / 4
+"""Part of the machine's memory that a run may take, where that is less than `MAX_BYTES`."""
 
-_turn = threading.Lock()  # of the one thread that takes more than its share
+_turn = threading.Lock()  # held by the one thread that takes more than its share
 _thread = threading.local()  # its `share`, bytes, and whether it `has_turn`
 
 
 def _new_turns() -> None:
     """In a forked child: the thread whose turn it was is not there."""
     global _turn
-    _turn, _thread.has_turn = threading.Lock(), False
+    _turn = threading.Lock()
+    _thread.has_turn = False
 
 
 if hasattr(os, "register_at_fork"):
@@ -41,12 +44,12 @@ def installed() -> float:
         return math.inf
 
 
-def most_numbers() -> float:
+def max_numbers() -> float:
     """Numbers of 8 bytes that a run may keep."""
-    return min(MOST_BYTES, SHARE * installed()) / 8
+    return min(MAX_BYTES, SHARE * installed()) / 8
 
 
-def ask(numbers: float, field: str, what: str, remedy: str) -> None:
+def require_memory(numbers: float, field: str, what: str, remedy: str) -> None:
     """Raise TooLong where so many numbers of 8 bytes are too much.
 
     Parameters
@@ -62,7 +65,7 @@ def ask(numbers: float, field: str, what: str, remedy: str) -> None:
     ------
     TooLong
     """
-    most = most_numbers()
+    most = max_numbers()
     if numbers > most:
         size = f"{what} needs {8e-9 * numbers:.3g} GB of memory, more than {8e-9 * most:.3g} GB"
         raise TooLong([(field, f"{size}; {remedy}")])
@@ -86,12 +89,14 @@ def check_file(path: object, size: float, remedy: str) -> None:
         raise LargeFile(str(path), f"{taken} {installed() / 1e9:.3g} GB here; {remedy}")
 
 
-def share(threads: int) -> None:
-    """Let this thread be one of so many: it waits its turn, in `ask`, to take more than its share.
+def limit_to_share(threads: int) -> None:
+    """Limit this thread to its part of what all `threads` may take together.
 
-    The turn is its own until `give_back`. All together take half of the machine's memory at most.
+    A thread that needs more waits in `require_memory` until no other thread takes more; its turn
+    lasts until `give_back`. All together take half of the machine's memory at most.
     """
-    _thread.share, _thread.has_turn = SHARE * installed() / threads, False
+    _thread.share = SHARE * installed() / threads
+    _thread.has_turn = False
 
 
 def give_back() -> None:

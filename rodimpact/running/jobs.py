@@ -81,7 +81,9 @@ def pool_of(executor: Executor | None, workers: int | None) -> Iterator[Pool]:
     if workers is None:
         workers = processors()
     stopping = threading.Event()
-    threads = ThreadPoolExecutor(workers, initializer=memory.share, initargs=(workers,))
+    threads = ThreadPoolExecutor(
+        workers, initializer=memory.limit_to_share, initargs=(workers,)
+    )
     executor = threads
     try:
         threads.submit(int)

@@ -53,12 +53,12 @@ def test_the_estimate_bounds_what_is_taken(monkeypatch, name):
         "numba"
     )  # plain Python, which short jobs run, has lists beside arrays
     asked, options = [], {"method": "finite-difference", "cells": 40, "until": 0.06}
-    monkeypatch.setattr(memory, "MOST_BYTES", np.inf)
+    monkeypatch.setattr(memory, "MAX_BYTES", np.inf)
     monkeypatch.setattr(memory, "SHARE", np.inf)
     with kernels.forced(True):
         peak_of(PAIR, **options | {"until": 1e-3})  # with what is made once
     monkeypatch.setattr(
-        "rodimpact.methods.grid.run.ask",
+        "rodimpact.methods.grid.run.require_memory",
         lambda numbers, *rest: asked.append(8 * numbers),
     )
     with kernels.forced(True):
@@ -90,11 +90,11 @@ def test_an_end_beyond_the_clock_is_refused_with_figure_and_remedy(until):
 
 def test_a_small_machine_allows_a_quarter_of_its_memory(monkeypatch):
     monkeypatch.setattr(memory, "installed", lambda: 4e6)
-    memory.ask(125_000, "until", "this", "do less")
+    memory.require_memory(125_000, "until", "this", "do less")
     with pytest.raises(
         memory.TooLong, match=r"until: this needs .* GB.* 0\.001 GB; do less"
     ):
-        memory.ask(125_001, "until", "this", "do less")
+        memory.require_memory(125_001, "until", "this", "do less")
 
 
 @pytest.mark.parametrize(
@@ -107,7 +107,7 @@ def test_a_small_machine_allows_a_quarter_of_its_memory(monkeypatch):
 def test_fronts_that_multiply_for_ever_are_refused(monkeypatch, run):
     monkeypatch.setattr(
         memory,
-        "MOST_BYTES",
+        "MAX_BYTES",
         8.0 * batch.NUMBERS_PER_LIST_ROW * batch.INITIAL_LOG_ROWS * 8,
     )
     walls = [ri.Wall(), rod(velocity=1.0), rod(0.3781), rod(0.271), ri.Wall()]
@@ -132,17 +132,19 @@ def test_threads_that_take_more_than_their_share_go_one_after_the_other(monkeypa
     together, at_work, most = threading.Barrier(4, timeout=20), [], []
 
     def work(number):
-        memory.ask(100, "until", "this", "do less")
+        memory.require_memory(100, "until", "this", "do less")
         together.wait()  # all have their share at the same time
-        memory.ask(101, "until", "this", "do less")
+        memory.require_memory(101, "until", "this", "do less")
         at_work.append(number)
-        memory.ask(400, "until", "this", "do less")  # has its turn already
+        memory.require_memory(400, "until", "this", "do less")  # has its turn already
         time.sleep(0.01)
         most.append(len(at_work))
         at_work.remove(number)
         memory.give_back()
 
-    with ThreadPoolExecutor(4, initializer=memory.share, initargs=(4,)) as pool:
+    with ThreadPoolExecutor(
+        4, initializer=memory.limit_to_share, initargs=(4,)
+    ) as pool:
         list(pool.map(work, range(4)))
     assert most == [1] * 4
     assert not memory._turn.locked()
@@ -155,8 +157,10 @@ def test_a_sweep_takes_no_more_memory_with_more_threads(monkeypatch):
         [rod(np.linspace(0.3, 0.5, 20), velocity=even), rod()], contacts=[HERTZ]
     )
     alone = ri.sweep(family, "finite-difference", cells=200, workers=1)
-    share, solution, turns = memory.share, chunks.Solution, []
-    monkeypatch.setattr(memory, "share", lambda threads: share(10**9 * threads))
+    share, solution, turns = memory.limit_to_share, chunks.Solution, []
+    monkeypatch.setattr(
+        memory, "limit_to_share", lambda threads: share(10**9 * threads)
+    )
 
     def watched(run, options):
         turns.append(memory._turn.locked())

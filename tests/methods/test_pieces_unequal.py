@@ -59,7 +59,7 @@ def test_a_row_with_a_ratio_of_1e4_is_right():
 
 
 def test_a_run_with_too_many_pieces_names_the_short_rod(monkeypatch):
-    monkeypatch.setattr(memory, "MOST_BYTES", 3e5)
+    monkeypatch.setattr(memory, "MAX_BYTES", 3e5)
     with pytest.raises(memory.TooLong) as refusal:
         ri.solve(row(1e-5, "bonded hertz"), method="characteristics")
     ((field, sentence),) = refusal.value.problems

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .. import kernels
-from ..memory import ask
+from ..memory import require_memory
 from ..record_lists import as_objects, as_records, blank, lengthened
 from ..row import Array
 from .family_layout import FamilyLayout, make_state
@@ -120,7 +120,7 @@ class Batch:
         numbers = rows * NUMBERS_PER_LIST_ROW
         if self.is_compiled:
             numbers = rows * 2 * NUMBERS_PER_ROW  # takes memory as its rows are used
-        ask(
+        require_memory(
             numbers,
             "max_events",
             f"a run of more than {rows} fronts",

@@ -10,7 +10,7 @@ import numpy as np
 from .. import kernels, record_lists
 from ..clock import Clock, clock_of
 from ..link import Law, initial_gap
-from ..memory import ask
+from ..memory import require_memory
 from ..row import Array, squeezed
 from . import grid_kernel, scheme, start
 from .measures import contact_intervals, largest_force
@@ -150,7 +150,7 @@ class GridRun:
         argument = "until"
         if record <= fields:
             argument = "snapshots"
-        ask(
+        require_memory(
             record + fields,
             argument,
             f"a run of {steps:.4g} steps of {self.step:.3g} s with {states:.4g} states",

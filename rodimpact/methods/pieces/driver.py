@@ -10,7 +10,7 @@ import numpy as np
 
 from ...progress import Report, no_report
 from .. import compiling, kernels, record_lists
-from ..memory import ask
+from ..memory import require_memory
 from ..row import Row
 from ..run import Stopped
 from ..states import Stop
@@ -215,7 +215,7 @@ class Members:
         stop = Stop(follow(*records.values()))
         while stop == Stop.FULL:
             pieces = len(records["log"])
-            ask(
+            require_memory(
                 4 * pieces * PIECE.itemsize / 8,
                 "until",
                 f"a run of more than {pieces} pieces of waves",
