@@ -250,7 +250,7 @@ class Pieces:
         """The signal so many ticks later."""
         return Pieces(self.ticks + ticks, self.coefficients, self.end + ticks)
 
-    def turned(self, about: int) -> Pieces:
+    def time_reversed(self, about: int) -> Pieces:
         """The signal at `about` minus the time: backwards, with `about` in ticks."""
         starts = (about - self.ticks - self.widths)[::-1]
         mirrored = self.coefficients * (-1.0) ** np.arange(self.size)

@@ -138,7 +138,7 @@ class Fields(Protocol):
         Its values at one place differ by what they should; where it is 0 is left open.
         """
 
-    def trace(self, body: int, x: float) -> PassingWaves:
+    def point_history(self, body: int, x: float) -> PassingWaves:
         """The waves that pass a place in a rod."""
 
     def momentum(self, body: int, t: ArrayLike) -> Floats:

@@ -324,7 +324,7 @@ class GridFields(Fields):
             integrals.append(Pieces.through(self.known, strain).integral(0, ticks))
         return np.array(integrals)
 
-    def trace(self, body: int, x: float) -> PassingWaves:
+    def point_history(self, body: int, x: float) -> PassingWaves:
         segment = int(self.locate(body, x)[0])
         c = self.clock.wave_speed[segment]
         ticks = self.known

@@ -320,7 +320,7 @@ class Solution(Shown):
     def gauge(self, body: int, x: float) -> Gauge:
         """Record of a strain gauge at x, m from the left end of a body."""
         x = scalar("x", x, "m", "")
-        waves = self.fields.trace(self._index(body), x)
+        waves = self.fields.point_history(self._index(body), x)
         clock = self.fields.clock
         ticks = each_once(waves.rightward.marks, waves.leftward.marks)
         times = ticks * clock.tick

@@ -121,7 +121,7 @@ def _sides(A: Pieces, B: Pieces, T: int, end: int) -> list[Side]:
     sides = [Side(at_left, 1, 0, 1, -T), Side(at_right, 1, -T, 1, 0)]
     for t in (0, end):
         total = 2 * t - T  # p + q
-        state = _between(B.turned(total) - A, t - T, t)
+        state = _between(B.time_reversed(total) - A, t - T, t)
         # A little inside: where a piece of the state begins, B may have a break.
         sides.append(Side(state, 1, INSIDE_TICKS, -1, total - INSIDE_TICKS))
     return sides
@@ -129,13 +129,13 @@ def _sides(A: Pieces, B: Pieces, T: int, end: int) -> list[Side]:
 
 def _highest(signal: Pieces) -> list[tuple[float, int]]:
     """The highest value of a signal and its first tick; none if all pieces are slivers."""
-    lasting = _lasting(signal)
-    edges = _edges(signal, lasting)
+    is_long = _exceeds_sliver(signal)
+    edges = _edges(signal, is_long)
     if len(edges.values) == 0:
         return []
     floor = float(edges.values.max())
     _, upper = _bounds(signal)
-    turning = _turning_points(signal, lasting & (upper > floor))
+    turning = _turning_points(signal, is_long & (upper > floor))
     ticks = np.concatenate((edges.ticks, turning.ticks))
     values = np.concatenate((edges.values, turning.values))
     largest = float(values.max())
@@ -206,14 +206,14 @@ def _bounds(signal: Pieces) -> tuple[Floats, Floats]:
     return middle - swing, middle + swing
 
 
-def _lasting(signal: Pieces) -> NDArray[np.bool_]:
+def _exceeds_sliver(signal: Pieces) -> NDArray[np.bool_]:
     """Whether each piece lasts longer than a sliver."""
     return np.asarray(np.diff(signal.ticks, append=signal.end) > SLIVER_TICKS)
 
 
 def _candidates(signal: Pieces, chosen: NDArray[np.bool_]) -> Samples:
     """Edges and turning points of some pieces, in order of time."""
-    chosen = chosen & _lasting(signal)
+    chosen = chosen & _exceeds_sliver(signal)
     edges = _edges(signal, chosen)
     turning = _turning_points(signal, chosen)
     ticks = np.concatenate((edges.ticks, turning.ticks))

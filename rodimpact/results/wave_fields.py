@@ -214,7 +214,7 @@ class WaveFields(Fields):
         on_grid = np.repeat(np.concatenate(values), np.concatenate(repeats))
         return on_grid.reshape(len(places.offset), len(ticks))
 
-    def trace(self, body: int, x: float) -> PassingWaves:
+    def point_history(self, body: int, x: float) -> PassingWaves:
         places = self._places(body, x)
         offset = int(places.offset)
         waves = self.waves(int(places.segment))
@@ -259,7 +259,7 @@ class WaveFields(Fields):
         for waves in self.waves_along(body):
             start = tick - waves.transit
             rightward = waves.rightward.within(start, tick)
-            leftward = waves.leftward.within(start, tick).turned(start + tick)
+            leftward = waves.leftward.within(start, tick).time_reversed(start + tick)
             from_left = rightward.breaks_in(start, tick)
             from_right = leftward.breaks_in(start, tick)
             edges = each_once([start], from_left, from_right, [tick])

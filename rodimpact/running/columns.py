@@ -76,7 +76,7 @@ def _dissipated(solution: Solution, _: int) -> float:
     return solution.outcome.dissipated
 
 
-def _set(solution: Solution, contact: int) -> float:
+def _permanent_set(solution: Solution, contact: int) -> float:
     return solution.contacts[contact].permanent_set()
 
 
@@ -123,7 +123,7 @@ COLUMNS = {
     "final": Column("row", _final, np.bool_),
     "status": Column("row", _status, np.int8),
     "dissipated": Column("row", _dissipated),
-    "set": Column("yielding", _set),
+    "set": Column("yielding", _permanent_set),
     "largest_stress": Column("rod", _largest_stress),
     "displacement": Column("body", _displacement),
     "accuracy": Column("row", _accuracy),

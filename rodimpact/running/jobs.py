@@ -88,7 +88,7 @@ def pool_of(executor: Executor | None, workers: int | None) -> Iterator[Pool]:
     try:
         threads.submit(int)
     except RuntimeError:  # no thread can start, as in a browser
-        executor = Here()
+        executor = SerialExecutor()
     try:
         yield Pool(executor, workers, stopping.is_set)
     finally:  # who interrupts does not wait for a member, or for a compiler, to end
@@ -104,7 +104,7 @@ def processors() -> int:
     return os.cpu_count() or 1
 
 
-class Here(Executor):
+class SerialExecutor(Executor):
     """Does every job at once, itself."""
 
     def submit(

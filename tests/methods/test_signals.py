@@ -43,7 +43,7 @@ def test_integral_of_a_product(f, g, start, length, about):
     plain = sum(brute(f, k) * brute(g, k) for k in range(start, stop))
     assert (signal(f) * signal(g)).integral(start, stop) == plain
     turned = sum(brute(f, k) * brute(g, about - k - 1) for k in range(start, stop))
-    assert (signal(f) * signal(g).turned(about)).integral(start, stop) == turned
+    assert (signal(f) * signal(g).time_reversed(about)).integral(start, stop) == turned
 
 
 # Polynomial pieces, beside NumPy's polynomials and SciPy's quadrature
@@ -121,7 +121,7 @@ def test_integrals_of_polynomials(seed):
         high,
         *(low + high - t for t in breaks),
     )
-    found = (f * g.turned(start + stop)).integral(start, stop)
+    found = (f * g.time_reversed(start + stop)).integral(start, stop)
     assert found / span == pytest.approx(turned / span, abs=1e-12)
 
 

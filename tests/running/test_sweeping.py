@@ -15,7 +15,7 @@ import rodimpact as ri
 from rodimpact import theory
 from rodimpact.methods import kernels
 from rodimpact.methods.run import ALSO
-from rodimpact.running.jobs import Here
+from rodimpact.running.jobs import SerialExecutor
 
 STEEL = ri.materials.steel
 
@@ -505,11 +505,11 @@ def small_chunks(monkeypatch):
 
 def test_every_executor_gives_the_same_bytes(small_chunks):
     system = small_map()
-    serial = ri.sweep(system, executor=Here())
+    serial = ri.sweep(system, executor=SerialExecutor())
     with kernels.forced(True):
         assert same(ri.sweep(system), serial)
     read = {"until": 3e-4, "gauges": [(0, 0.05), (1, 0.5)], "times": TIMES}
-    alone = ri.sweep(system, executor=Here(), **read)
+    alone = ri.sweep(system, executor=SerialExecutor(), **read)
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(2, mp_context=spawn) as pool:
         for how in ({"workers": 1}, {"workers": 5}, {"executor": pool}):
@@ -522,7 +522,7 @@ def test_every_executor_gives_the_same_bytes(small_chunks):
 def test_a_dask_cluster_gives_the_same_bytes(small_chunks):
     distributed = pytest.importorskip("distributed")
     system = small_map()
-    serial = ri.sweep(system, executor=Here())
+    serial = ri.sweep(system, executor=SerialExecutor())
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
         with (
