@@ -19,7 +19,7 @@ from ..methods.link import Law
 from ..methods.outcome import Motion
 from ..methods.pieces import accuracy, layout, march, reading
 from ..methods.pieces.accuracy import Ended, size_of
-from ..methods.pieces.layout import Asked
+from ..methods.pieces.layout import RunRequest
 from ..methods.pieces.method import RTOL
 from ..methods.pieces.records import NONE, PIECE, TURN
 from ..methods.pieces.series import N
@@ -144,7 +144,7 @@ def run_of(
     log, outside = waves_at_start(row, clock)
     for l in range(len(log)):
         log[l].line = l
-    wanted = Asked(until, tolerance, asked.max_events, keep)
+    wanted = RunRequest(until, tolerance, asked.max_events, keep)
     known = [(1, 0, 1) for _ in log]
     runs, node, link, mass, line, part = layout.lay_out(
         row, clock, wanted, known, outside

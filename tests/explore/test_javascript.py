@@ -232,7 +232,7 @@ KERNEL = march.follow
 def recorded(system, until):
     """The records of a system on the clock of the page, as objects."""
     records = driver.Members(
-        build_row(system), layout.Asked(until, 1e-8, 400, True)
+        build_row(system), layout.RunRequest(until, 1e-8, 400, True)
     ).start()
     for name in ("log", "turn"):
         records[name] = np.concatenate([records[name]] * 4)

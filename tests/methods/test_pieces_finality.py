@@ -10,7 +10,7 @@ from rodimpact.methods import record_lists
 from rodimpact.methods.link import Law
 from rodimpact.methods.pieces import finality
 from rodimpact.methods.pieces.driver import Members
-from rodimpact.methods.pieces.layout import Asked
+from rodimpact.methods.pieces.layout import RunRequest
 from rodimpact.methods.pieces.records import LINK, PART, RUN
 from rodimpact.methods.row_builder import build_row
 from rodimpact.methods.states import Status
@@ -34,7 +34,7 @@ def stepped(rng, velocity, n=3):
 
 def surveyed(system):
     """The parts of a row at t = 0."""
-    r = Members(build_row(system), Asked(8.0, 1e-8, 10**6, keep=True)).start()
+    r = Members(build_row(system), RunRequest(8.0, 1e-8, 10**6, keep=True)).start()
     link, mass, line, log, part = (
         record_lists.as_objects(r[name])
         for name in ("link", "mass", "line", "log", "part")

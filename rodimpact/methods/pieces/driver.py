@@ -17,7 +17,7 @@ from ..states import Stop
 from . import layout, march
 from .accuracy import Ended
 from .known import Known, as_family
-from .layout import Asked
+from .layout import RunRequest
 from .records import LINE, LINK, MASS, NEVER, NODE, PART, PIECE, RUN, TURN
 from .rows import family_clock, own_laws
 from .series import N
@@ -58,7 +58,7 @@ class Members:
     ----------
     row : Row
         Or a family of even ones.
-    asked : Asked
+    request : RunRequest
 
     Attributes
     ----------
@@ -81,13 +81,13 @@ class Members:
         If transit times are too far apart for one clock, or the run is too long for it.
     """
 
-    def __init__(self, row: Row, asked: Asked) -> None:
+    def __init__(self, row: Row, request: RunRequest) -> None:
         self.row = row
-        self.asked = asked
+        self.request = request
         self.own = own_laws(row)
-        self.clock, jumps = family_clock(row, asked.until)
-        known = Known(row, self.clock, jumps, asked)
-        laid = layout.lay_out(row, self.clock, asked, known.lines, known.outside)
+        self.clock, jumps = family_clock(row, request.until)
+        known = Known(row, self.clock, jumps, request)
+        laid = layout.lay_out(row, self.clock, request, known.lines, known.outside)
         self.first = np.concatenate(known.log, axis=1)
         self.fit = known.fit
         self.carried = known.carried

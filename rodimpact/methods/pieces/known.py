@@ -12,7 +12,7 @@ from ..row import Row
 from ..scales import wave_of_strain
 from ..signals import Ints, Pieces
 from . import layout, waves
-from .layout import Asked
+from .layout import RunRequest
 from .records import HARD, NONE, PIECE
 
 EXACT_FIT = 2.0**-48
@@ -99,12 +99,16 @@ class Known:
     """
 
     def __init__(
-        self, row: Row, clock: Clock, jumps: dict[tuple[int, float], int], asked: Asked
+        self,
+        row: Row,
+        clock: Clock,
+        jumps: dict[tuple[int, float], int],
+        request: RunRequest,
     ) -> None:
         self._row = row
         self._clock = clock
         self._jumps = jumps
-        self._asked = asked
+        self._request = request
         self.log = list[Any]()
         self.lines = list[tuple[int, int, int]]()
         self.fit = 0.0
@@ -131,7 +135,7 @@ class Known:
     ) -> Any:
         """A signal between two ticks as pieces; it is the sum of these profiles times factors."""
         scale = float(self._clock.scale)
-        tolerance = self._asked.tolerance * scale / 4
+        tolerance = self._request.tolerance * scale / 4
         fit = tolerance
         if any(isinstance(profile, Polynomials) for profile, _ in profiles):
             fit = EXACT_FIT * scale  # keeps the waves of an earlier run
@@ -229,7 +233,7 @@ class Known:
         tick = self._clock.tick
         start = signal.start + value * signal.factor
         if np.any(np.asarray(signal.slope) != 0):
-            stop = np.rint(self._asked.until / tick) + 1
+            stop = np.rint(self._request.until / tick) + 1
             half = signal.slope * stop * tick / 2
             middle = signal.start + value + half
             piece = layout.piece_of(0, stop, [middle, half])
@@ -239,7 +243,7 @@ class Known:
 
     def _varying(self, kind: str, value: Any, signal: OutsideSignal) -> Any:
         """Pieces of a profile over time, [member, piece]."""
-        until = self._asked.until
+        until = self._request.until
         assert until is not None
         tick = float(self._clock.tick)
         stop = round(max(until, tick) / tick) + 1

@@ -39,7 +39,7 @@ UNHELD_COMPLIANCE = 1e300
 """Compliance of an endless rod, m/N: no force holds its end."""
 
 
-class Asked(NamedTuple):
+class RunRequest(NamedTuple):
     """Request of a run: its end, s, if any; tolerance; largest number of steps; what to keep."""
 
     until: Any
@@ -84,7 +84,7 @@ def steady(value: Any) -> Any:
 def lay_out(
     row: Any,
     clock: Clock,
-    asked: Asked,
+    request: RunRequest,
     known: list[tuple[int, int, int]],
     outside: Any,
 ) -> list[list[Any]]:
@@ -94,7 +94,7 @@ def lay_out(
     ----------
     row : Row or Walk
     clock : Clock
-    asked : Asked
+    request : RunRequest
     known : list of (int, int, int)
         Numbers of pieces, hard breaks and ticks that each line has at t = 0: two lines a segment,
         to the right and to the left, then those that come from outside.
@@ -107,14 +107,14 @@ def lay_out(
     masses = make_masses(row, clock)
     parts = make_parts(row, nodes, links, outside)
     count = len(known)
-    if asked.keep:
+    if request.keep:
         count = number_history_lines(links, masses, count)
     lines = make_lines(clock, known, count)
-    run = make_run(row, clock, asked, shortest, known)
+    run = make_run(row, clock, request, shortest, known)
     if any(part.kind >= Part.WALL and part.parts != 1 for part in parts):
         run.held = 1
-    needs_more = run.held or asked.keep  # else the run ends with its proof
-    if asked.until is None and needs_more:
+    needs_more = run.held or request.keep  # else the run ends with its proof
+    if request.until is None and needs_more:
         run.extra = 2 * longest_of(row, clock, shortest)
     return [[run], nodes, links, masses, lines, parts]
 
@@ -138,7 +138,9 @@ def longest_of(row: Any, clock: Clock, shortest: Any) -> Any:
     return largest(times)
 
 
-def make_run(row: Any, clock: Clock, asked: Asked, shortest: Any, known: Any) -> Any:
+def make_run(
+    row: Any, clock: Clock, request: RunRequest, shortest: Any, known: Any
+) -> Any:
     """The record of a run."""
     run = blank(1, RUN)[0]
     breaks = (
@@ -151,21 +153,21 @@ def make_run(row: Any, clock: Clock, asked: Asked, shortest: Any, known: Any) ->
     reference = clock.reference / clock.tick
     run.tick = clock.tick
     run.scale = clock.scale
-    run.tolerance = asked.tolerance * clock.scale
+    run.tolerance = request.tolerance * clock.scale
     floors = FLOORS_PER_TRANSIT + FLOORS_PER_BREAK * breaks
     run.floor = np.maximum(shortest // floors, MIN_FLOOR)
     run.shortest = shortest
     run.graze = GRAZE_VELOCITY * clock.scale
     run.window = np.maximum(np.rint(reference * EVENT_WINDOW), 1)
     run.end = clock.last_tick
-    run.limit = asked.limit
+    run.limit = request.limit
     run.keep = 0
-    if asked.keep:
+    if request.keep:
         run.keep = 1
     run.first_rough = NONE
     set_proof(run, row, shortest, np.rint(reference))
     run.extra = NEVER
-    if asked.until is None:
+    if request.until is None:
         run.extra = 0
     return run
 

@@ -41,7 +41,7 @@ from .accuracy import (
     stated,
 )
 from .driver import Members
-from .layout import Asked
+from .layout import RunRequest
 from .records import Part
 from .rows import is_even, own_laws
 from .signals import signals_of
@@ -67,7 +67,7 @@ def solve(
     """Run a single collision to `until`, s, or to its proof of finality and one round trip more."""
     if row.segments:
         check_scales(row)
-    fine = Members(row, Asked(until, tolerance_of(rtol), max_events, keep=True))
+    fine = Members(row, RunRequest(until, tolerance_of(rtol), max_events, keep=True))
     fine.go(report=report)
     if fine.run_of(0).stop == Stop.STUCK:
         nodes = record_lists.as_objects(fine.node[0])
@@ -127,7 +127,7 @@ def solve_family(
             refused |= is_beyond
     tolerance = tolerance_of(rtol)
     members = np.flatnonzero(~refused)
-    fine = Members(row, Asked(until, tolerance, max_events, keep=False))
+    fine = Members(row, RunRequest(until, tolerance, max_events, keep=False))
     fine.run_all(members, should_stop)
     is_stuck = fine.run["stop"][:, 0] == Stop.STUCK
     columns = _columns_of(fine, refused.ravel() | is_stuck)
@@ -152,9 +152,11 @@ def stated_errors(
     count = len(fine.run)
     apart = np.zeros((count, len(runs.MEASURES)))
     alike = members
-    tolerance = COARSER * fine.asked.tolerance
+    tolerance = COARSER * fine.request.tolerance
     while len(alike) and tolerance <= coarsest:
-        coarse = Members(fine.row, fine.asked._replace(tolerance=tolerance, keep=False))
+        coarse = Members(
+            fine.row, fine.request._replace(tolerance=tolerance, keep=False)
+        )
         compare(fine.run.view(np.recarray), coarse.run.view(np.recarray))
         coarse.run_all(alike, stop, report)
         for m in alike:
@@ -180,7 +182,7 @@ def tolerance_of(rtol: float | None) -> float:
 def _result_of(one: Members, accuracy: dict[str, float], goal: float) -> Run:
     """The result of a single collision, a family of one that has run."""
     row = one.row
-    until = one.asked.until
+    until = one.request.until
     records = one.records()
     ended = one.ended(0)
     run = ended.run
@@ -353,7 +355,7 @@ def _columns_of(family: Members, refused: Any) -> Columns:
         vibration=sum(vibration_of(family), zero_or_nan),
         contacts=_contact_columns(family, zero_or_nan),
         final=final,
-        status=status_column(refused, final, is_capped, family.asked.until),
+        status=status_column(refused, final, is_capped, family.request.until),
     )
 
 
