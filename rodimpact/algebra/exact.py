@@ -9,7 +9,7 @@ from ..methods.row import Row
 from ..methods.row_builder import build_row
 from ..model import Segment, System
 from ..model.frozen import InvalidModel, Problems, raise_if_problems
-from ..model.paths import places_of, suggestion
+from ..model.paths import entries_by_path, suggestion
 from .checks import (
     check_arguments,
     check_final,
@@ -69,16 +69,16 @@ def exact(
     check_system(system)
     check_arguments(max_events=max_events)
     row = build_row(system)
-    places = places_of(system)
+    entries = entries_by_path(system)
     value_at: dict[str, Fraction] = {}
     for path, value in fractions_of(values).items():
-        for full_path in places.get(path, [path]):
+        for full_path in entries.get(path, [path]):
             value_at[full_path] = value
 
     source = _CaseNumbers(value_at)
     numbers = read_numbers(row, source)
     _check_wave_speeds(row, source)
-    problems = _unknown_paths(value_at, source.paths, places)
+    problems = _unknown_paths(value_at, source.paths, entries)
     problems += _non_positive(row, numbers)
     raise_if_problems(problems)
     run = run_exactly(row, numbers, max_events)
@@ -164,11 +164,11 @@ def _check_wave_speeds(row: Row, source: _CaseNumbers) -> None:
 def _unknown_paths(
     value_at: Iterable[str],
     asked_paths: Mapping[str, None],
-    places: Mapping[str, list[str]],
+    entries: Mapping[str, list[str]],
 ) -> Problems:
     """Problems of given values that no number of the system takes."""
     parameters = dict(asked_paths)
-    for path, full_paths in places.items():
+    for path, full_paths in entries.items():
         if full_paths[0] in asked_paths:
             parameters[path] = None
     problems: Problems = []

@@ -17,7 +17,7 @@ from ..methods.row import Row
 from ..methods.row_builder import build_row
 from ..model import Segment, System
 from ..model.frozen import InvalidModel, Problems
-from ..model.paths import places_of, suggestion
+from ..model.paths import entries_by_path, suggestion
 from ..units import shown
 from .checks import check_system, decimal_fraction
 from .exact_run import ExactRun, RowNumbers, WaveMaterial, read_numbers, run_exactly
@@ -46,9 +46,9 @@ class SymbolWords:
     def __init__(self, system: System, symbols: Sequence[str]) -> None:
         self.symbols = list(symbols)
         self._material_path_of: dict[str, str] = {}
-        for path, places in places_of(system).items():
+        for path, entries in entries_by_path(system).items():
             if path.startswith("materials."):
-                for full_path in places:
+                for full_path in entries:
                     self._material_path_of[full_path] = path
 
     def words_for(self, path: str) -> list[str]:

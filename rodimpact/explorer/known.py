@@ -34,12 +34,12 @@ def outcome_shown(system: Any, before: Motion, after: Motion, ending: Ending) ->
     -------
     dict
         Velocities ``before`` and ``after`` by body, the entries of the `ending`, energies,
-        ``able``: contacts that can open, ``restitution`` with its ``error``, and ``why`` there is
-        none.
+        ``unilateral``: contacts that can open, ``restitution`` with its ``error``, and ``why``
+        there is none.
     """
-    able = unilateral(system)
+    contacts_that_open = unilateral(system)
     why = no_restitution(
-        able,
+        contacts_that_open,
         before.velocities,
         ending.contacts,
         driven(system),
@@ -49,7 +49,7 @@ def outcome_shown(system: Any, before: Motion, after: Motion, ending: Ending) ->
     restitution = None
     error = 0.0
     if why == "":
-        k = able[0]
+        k = contacts_that_open[0]
         closing = before.velocities[k : k + 2]
         parting = after.velocities[k : k + 2]
         restitution = effective_restitution(True, 1, closing, parting) + 0.0
@@ -63,7 +63,7 @@ def outcome_shown(system: Any, before: Motion, after: Motion, ending: Ending) ->
         "errors": ending.errors,
         "energy_before": before.kinetic + sum(before.vibration),
         "vibration_after": sum(after.vibration),
-        "able": able,
+        "unilateral": contacts_that_open,
         "why": why,
         "restitution": restitution,
         "error": error,

@@ -194,8 +194,8 @@ def restitution_of(facts: Any) -> Any:
         number = f"{clean(value, 1.0):.{digits}g}"
         size = max(value, SMALLEST_RESTITUTION)
         text = stated(number, size, digits, outcome["error"], "")
-    elif len(outcome["able"]) > 1:
-        count = len(outcome["able"])
+    elif len(outcome["unilateral"]) > 1:
+        count = len(outcome["unilateral"])
         why = (
             f"A coefficient e belongs to one contact; this row has {count}, see the "
             "velocities"
@@ -235,7 +235,7 @@ def text_of(value: float, error: float, unit: str) -> str:
 
 def rows_by_contact(facts: Any) -> Any:
     """Rows of the table of several contacts: the name, and the texts of its numbers."""
-    unilateral = facts["outcome"]["able"]
+    unilateral = facts["outcome"]["unilateral"]
     rows: list[Any] = []
     if len(unilateral) > 1:
         for i in unilateral:
@@ -253,8 +253,8 @@ def results_of(facts: Any) -> Any:
     if outcome["final"]:
         after = "after"
     rows = velocity_rows(facts, after)
-    if len(outcome["able"]) == 1:
-        for name, text in rows_of_contact(facts, outcome["able"][0]):
+    if len(outcome["unilateral"]) == 1:
+        for name, text in rows_of_contact(facts, outcome["unilateral"][0]):
             if text != NO_VALUE:
                 rows.append((name, text))
     energy_before = outcome["energy_before"]

@@ -25,10 +25,10 @@ from ..methods.pieces.records import NONE, PIECE, TURN
 from ..methods.pieces.series import N
 from ..methods.pieces.totals import (
     last_of,
+    simplifications_text,
     stated,
     status_of,
     tally_of,
-    told_of,
     why_stopped,
     why_stuck,
 )
@@ -272,7 +272,7 @@ def sentence_of(run: Any) -> str:
     return (
         sentence
         + stated(size_of(run["errors"][:3]), run["goal"])
-        + told_of(it)
+        + simplifications_text(it)
         + (strain_warning(max(strains)))
     )
 

@@ -36,14 +36,14 @@ def reason_of(facts: Any, e: str) -> list[str]:
     """
     outcome = facts["outcome"]
     pressed = []
-    for i in outcome["able"]:
+    for i in outcome["unilateral"]:
         if outcome["contacts"][i].episodes > 0:
             pressed.append(facts["contacts"][i])
     if len(pressed) == 0:
         events = (
             "No bodies collide: the force stays zero at every contact that can open."
         )
-    elif len(outcome["able"]) > 1:
+    elif len(outcome["unilateral"]) > 1:
         events = events_of_chain(facts, pressed)
     else:
         events = events_of_contact(facts, pressed[0])
@@ -299,7 +299,7 @@ def result_of(facts: Any, pressed: list[Any], e: str) -> str:
         all_but_last = ", ".join(velocities[: len(velocities) - 1])
         text = f"{all_but_last} and {text}"
         noun = "velocities"
-    if len(pressed) == 1 and len(outcome["able"]) == 1:
+    if len(pressed) == 1 and len(outcome["unilateral"]) == 1:
         tally = outcome["contacts"][pressed[0]["index"]]
         impulse = written(tally.impulse, "N s", 4)
         text = f"The impulse of {impulse} changes the mean {noun} to {text}"

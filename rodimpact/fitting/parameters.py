@@ -15,8 +15,8 @@ from ..model.arguments import array
 from ..model.frozen import InvalidModel, invalid_argument
 from ..model.paths import (
     alternative_of,
+    entries_by_path,
     numbers_of,
-    places_of,
     suggestion,
     unit_at,
     with_numbers,
@@ -42,7 +42,7 @@ class SystemParameter(NamedTuple):
     high: float
     unit: str
     initial: float  # value in the system
-    places: Sequence[
+    entries: Sequence[
         str
     ]  # paths in ``System.to_dict()`` of all numbers with this value
 
@@ -135,26 +135,28 @@ def share_of_range(value: float, low: float, high: float) -> float:
 
 def system_parameters(system: System, vary: Mapping[str, Any]) -> list[SystemParameter]:
     """Numbers of the system to vary, each with its bounds."""
-    places = places_of(system)
+    entries = entries_by_path(system)
     numbers = numbers_of(system)
     # by the place of the number; a wave speed stands for the modulus
     path_that_varies: dict[str, str] = {}
     parameters = []
     for path, bounds in vary.items():
-        if path not in places:
-            hint = suggestion(str(path), places)
+        if path not in entries:
+            hint = suggestion(str(path), entries)
             message = f"is not a parameter of the system; {hint}"
             raise invalid_argument(f"vary.{path}", message)
-        first_place = places[path][0]
-        unit = unit_at(system, first_place)
-        for place in places[path]:
-            earlier_path = path_that_varies.setdefault(alternative_of(place), path)
+        first_entry = entries[path][0]
+        unit = unit_at(system, first_entry)
+        for entry in entries[path]:
+            earlier_path = path_that_varies.setdefault(alternative_of(entry), path)
             if earlier_path != path:
                 message = f"is already varied as {earlier_path}; leave one of them out"
                 raise invalid_argument(f"vary.{path}", message)
-        initial = float(numbers[first_place])
+        initial = float(numbers[first_entry])
         low, high = checked_bounds(path, bounds, unit)
-        parameters.append(SystemParameter(path, low, high, unit, initial, places[path]))
+        parameters.append(
+            SystemParameter(path, low, high, unit, initial, entries[path])
+        )
     return parameters
 
 
@@ -170,7 +172,7 @@ def with_values(
     """
     value_at: dict[str, float] = {}
     for parameter, value in zip(parameters, values, strict=True):
-        value_at |= dict.fromkeys(parameter.places, value)
+        value_at |= dict.fromkeys(parameter.entries, value)
     try:
         return with_numbers(system, value_at)
     except InvalidModel as error:

@@ -168,12 +168,14 @@ class Options(FrozenDataclass):
         """
         of_kind("system", system, System, "System([rod, Wall()])")
         needs = abilities.needs(system)
-        able = [name for name, method in METHODS.items() if not method.lacking(needs)]
+        capable = [
+            name for name, method in METHODS.items() if not method.lacking(needs)
+        ]
         method = self.method
         if method == "auto":
             method = self._first(needs)
         missing = METHODS[method].lacking(needs)
-        remedy = f'method "{able[0]}" has'
+        remedy = f'method "{capable[0]}" has'
         if all(physics == abilities.TAPER for _, physics in missing):
             remedy += ", or give rod.in_steps(n)"
         problems: Problems = []
@@ -242,12 +244,12 @@ class Options(FrozenDataclass):
 
     def _first(self, needs: Needs) -> str:
         """The first method that has this physics, and an accuracy if one is asked for."""
-        able = []
+        capable = []
         for name, method in METHODS.items():
             is_accurate = self.rtol is None or "rtol" in method.takes
             if is_accurate and not method.lacking(needs):
-                able.append(name)
-        return able[0]
+                capable.append(name)
+        return capable[0]
 
     def _why(self, method: str, system: System) -> str:
         """Sentence on what keeps a system from a faster method, if single entries do."""

@@ -18,7 +18,7 @@ that a clock holds, so of the least e of a pair.
 
 
 def no_restitution(
-    able: Sequence[int],
+    unilateral: Sequence[int],
     before: Sequence[float],
     contacts: Sequence[Any],
     driven: bool,
@@ -29,7 +29,7 @@ def no_restitution(
 
     Parameters
     ----------
-    able : list of int
+    unilateral : list of int
         Contacts that can open.
     before : list of float
         Velocities of the bodies, m/s.
@@ -41,14 +41,14 @@ def no_restitution(
     status : str
         Why the run ended.
     """
-    if len(able) == 0:
+    if len(unilateral) == 0:
         return "restitution is undefined: no contact of this row can open"
-    if len(able) != 1:
+    if len(unilateral) != 1:
         return (
-            f"restitution is defined for one contact, this row has {len(able)}; "
+            f"restitution is defined for one contact, this row has {len(unilateral)}; "
             "read velocities_after instead"
         )
-    k = able[0]
+    k = unilateral[0]
     closing = before[k] - before[k + 1]
     reason = ""
     if driven:

@@ -55,7 +55,7 @@ def numbers_of(system: System) -> dict[str, Number]:
     return numbers
 
 
-def places_of(system: System) -> dict[str, list[str]]:
+def entries_by_path(system: System) -> dict[str, list[str]]:
     """Every path of a number that can vary, with its entries."""
     entries: dict[str, list[str]] = {}
     description = system.to_dict()

@@ -26,7 +26,13 @@ from ..model.frozen import (
     nearest,
     raise_if_problems,
 )
-from ..model.paths import field_at, numbers_of, places_of, suggestion, with_numbers
+from ..model.paths import (
+    entries_by_path,
+    field_at,
+    numbers_of,
+    suggestion,
+    with_numbers,
+)
 from ..progress import Progress, ProgressFunction, Report, check_progress
 from ..results.labels import outcome, parameter
 from ..results.outcome import UndefinedRestitution
@@ -270,11 +276,11 @@ def _common_options(
     options: Options, system: System, numbers: Sequence["_Number"]
 ) -> Options:
     """Options by which the system can be solved, and its neighbours: a gravity of 0 may vary."""
-    able = [options.method_for(system)]
+    chosen = [options.method_for(system)]
     for number in numbers:
         neighbours = number.neighbours([number.size * PROBING_CHANGE])
-        able.append(options.method_for(neighbours.system))
-    slowest = max(able, key=list(METHODS).index)
+        chosen.append(options.method_for(neighbours.system))
+    slowest = max(chosen, key=list(METHODS).index)
     if slowest == "characteristics" and options.rtol is None:
         options = replace(options, rtol=SMOOTH_RTOL)
     return replace(options, method=slowest)
@@ -394,13 +400,13 @@ class _Number(NamedTuple):
     """A number of a system, or of each member of a family."""
 
     system: System
-    places: list[str]  # paths where it is found
+    entries: list[str]  # paths where it is found
     x: Any  # its value
     size: Any  # by which its changes are measured
 
     def neighbours(self, changes: Any) -> "_Neighbours":
         """Systems with changed numbers, [step, ...]."""
-        field = field_at(self.system, self.places[0])
+        field = field_at(self.system, self.entries[0])
         changes = np.asarray(changes)
         allowed = np.asarray(field.holds(self.x + changes))
         in_range = np.where(allowed, changes, 0.0)
@@ -420,7 +426,7 @@ class _Number(NamedTuple):
         value = self.x + change
         if np.ndim(value) == 0:
             value = float(value)
-        return with_numbers(self.system, dict.fromkeys(self.places, value))
+        return with_numbers(self.system, dict.fromkeys(self.entries, value))
 
     def members(self, chosen: Any) -> "_Number":
         """The same number of some members of the family."""
@@ -428,15 +434,15 @@ class _Number(NamedTuple):
             return self
         x = np.broadcast_to(self.x, self.system.shape)
         size = np.broadcast_to(self.size, self.system.shape)
-        return _Number(self.system[chosen], self.places, x[chosen], size[chosen])
+        return _Number(self.system[chosen], self.entries, x[chosen], size[chosen])
 
 
 def _number(system: System, path: str) -> _Number:
     """The number at a path."""
-    places = places_of(system)[path]
-    x = numbers_of(system)[places[0]]
-    natural = _natural_size(system, places[0])
-    words = places[0].split(".")
+    entries = entries_by_path(system)[path]
+    x = numbers_of(system)[entries[0]]
+    natural = _natural_size(system, entries[0])
+    words = entries[0].split(".")
     if not SCALED_BY_MOTION.isdisjoint(words):
         size = natural
     elif words[-1] == "gap":
@@ -448,7 +454,7 @@ def _number(system: System, path: str) -> _Number:
             f"{path} is 0, and nothing else gives it a scale; give it a small value"
         )
         raise invalid_argument("wrt", message)
-    return _Number(system, places, x, size)
+    return _Number(system, entries, x, size)
 
 
 def _natural_size(system: System, place: str) -> Any:
@@ -615,7 +621,7 @@ def _check(
         )
         problems.append(("wrt", message))
         wrt = ()
-    paths = places_of(system)
+    paths = entries_by_path(system)
     for path in wrt:
         if path not in paths:
             remedy = suggestion(path, paths)

@@ -200,7 +200,7 @@ def _result_of(one: Members, accuracy: dict[str, float], goal: float) -> Run:
         t_proved = run.proved * tick
     status = totals.status_of(run, ended.link, row.system, stopped_by, t_end, t_final)
     status += totals.stated(runs.largest_error(accuracy), goal)
-    status += totals.told_of(run)
+    status += totals.simplifications_text(run)
     status += _struck_together(row)
     status += rounding(clock.transit_error, clock.worst)
     status += strain_warning(_largest_strain(row, records["log"][: run.pieces]))

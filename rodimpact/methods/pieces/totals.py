@@ -91,7 +91,7 @@ def stated(worst: float, goal: float) -> str:
     return text
 
 
-def told_of(run: Any) -> str:
+def simplifications_text(run: Any) -> str:
     """Sentences of the status on breaks too dense to follow, and on rigid bodies that rest."""
     text = ""
     if run.rough:
