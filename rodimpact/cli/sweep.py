@@ -13,7 +13,7 @@ status of each says why.
 import argparse
 
 from .. import Case, sweep
-from ..methods.abilities import driven
+from ..methods.abilities import has_external_drive
 from ..methods.run import ALSO
 from ..model.paths import suggestion
 from ..running.columns import layout_of
@@ -139,7 +139,9 @@ def _check_figure(args: Arguments, case: Case) -> None:
     if case.varied and not 1 <= axes <= 2:
         message = f"a figure has one or two axes, and {axes} numbers vary; leave it out"
         args.add_problem("--plot", message)
-    elif args.quantity == "restitution" and (contacts != 1 or driven(case.system)):
+    elif args.quantity == "restitution" and (
+        contacts != 1 or has_external_drive(case.system)
+    ):
         message = (
             "such a row has no e; name another --quantity, such as velocity_after.0"
         )

@@ -6,7 +6,7 @@ Plain Python around the kernels, which the page has as JavaScript. Tests hold al
 
 from typing import Any
 
-from ..methods.abilities import driven
+from ..methods.abilities import has_external_drive
 from ..methods.clock import Clock, mass_of, most_rounded
 from ..methods.fronts import events, members
 from ..methods.fronts.family_layout import lay_out_family, make_state
@@ -224,7 +224,9 @@ def contacts_of(run: Any) -> list[Any]:
 def is_proved(run: Any) -> bool:
     """Whether the outcome is final."""
     it, system = run["run"], run["plan"].row.system
-    proved: bool = it.proved_tick != NONE and not (it.until >= 0 and driven(system))
+    proved: bool = it.proved_tick != NONE and not (
+        it.until >= 0 and has_external_drive(system)
+    )
     return proved
 
 

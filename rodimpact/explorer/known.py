@@ -7,7 +7,7 @@ page has these functions as JavaScript.
 import math
 from typing import Any, NamedTuple
 
-from ..methods.abilities import driven
+from ..methods.abilities import has_external_drive
 from ..methods.groups import unilateral
 from ..methods.outcome import Motion
 from ..methods.pieces.accuracy import size_of
@@ -42,7 +42,7 @@ def outcome_shown(system: Any, before: Motion, after: Motion, ending: Ending) ->
         contacts_that_open,
         before.velocities,
         ending.contacts,
-        driven(system),
+        has_external_drive(system),
         ending.final,
         ending.status,
     )

@@ -71,7 +71,7 @@ def _needs_of_rod(rod: model.Rod, path: str) -> Needs:
     return physics
 
 
-def driven(system: Any) -> bool:
+def has_external_drive(system: Any) -> bool:
     """Whether forces from outside act: no bound says when the last contact is over.
 
     The page has this as JavaScript.

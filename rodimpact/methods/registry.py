@@ -183,7 +183,7 @@ class Options(FrozenDataclass):
             problems.append((path, f'method "{method}" has no {physics}; {remedy}'))
         raise_if_problems(problems)
         self._check_options_of(method)
-        if self.until is None and abilities.driven(system):
+        if self.until is None and abilities.has_external_drive(system):
             raise invalid_argument(
                 "until",
                 "must be given: where gravity or drives act, there is no last "

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..units import format_si
-from .abilities import driven
+from .abilities import has_external_drive
 
 LARGE_STRAIN = 0.01  # from which the linear theory is doubtful
 ROUNDED = 2.0**-36  # relative change of a transit time that is told
@@ -30,7 +30,7 @@ def ending(stopped_by: str, final: str, end: str, cap: str, system: Any) -> str:
         return f"Stopped at the time asked for. {final}"
     if stopped_by == "until":
         way = "leave out until= to run to the proof"
-        if driven(system):
+        if has_external_drive(system):
             acting = "gravity acts" if system.gravity != 0 else "an end is driven"
             way = f"while {acting}, no contact is known to be the last"
         elif is_held(system):

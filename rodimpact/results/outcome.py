@@ -6,7 +6,7 @@ Bodies joined together move, for an outcome, with their common velocity.
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar, cast
 
-from ..methods.abilities import driven
+from ..methods.abilities import has_external_drive
 from ..methods.groups import unilateral
 from ..methods.outcome import Totals
 from ..methods.restitution import effective_restitution, no_restitution
@@ -252,7 +252,7 @@ def outcome_of(run: Run, totals: Totals) -> Outcome:
         energy_residual=totals.energy_residual,
         final=run.final,
         status=run.status + unbalanced,
-        driven=driven(system) or bool(system.gravity),
+        driven=has_external_drive(system) or bool(system.gravity),
         **totals.works._asdict(),
     )
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..abilities import driven
+from ..abilities import has_external_drive
 from ..family import CONTACT_COLUMNS, Columns, family_columns, status_column
 from ..groups import body_velocities, segments_of_groups
 from ..row import Array, Row
@@ -77,7 +77,9 @@ def solve_family(
     stop_reason = columns["stop_reason", 0]
     is_refused = stop_reason >= Stop.OVERFLOW
     is_capped = stop_reason == Stop.CAP
-    is_final: Array = (columns["is_proved", 0] > 0) & (not driven(row.system))
+    is_final: Array = (columns["is_proved", 0] > 0) & (
+        not has_external_drive(row.system)
+    )
     results = ResultColumns(columns, is_refused)
     contacts: dict[str, list[Array]] = {}
     for name in CONTACT_COLUMNS:

@@ -4,7 +4,7 @@ from functools import cached_property
 from typing import Any
 
 from ...model.frozen import InvalidModel
-from ..abilities import driven
+from ..abilities import has_external_drive
 from ..clock import Clock, clock_of, too_long, too_short
 from ..states import Stop
 from .batch import Batch
@@ -55,7 +55,7 @@ class FrontRun:
         self.clock = self._clock()
         self.stopped_by = REASONS[Stop(self.run.stop_reason)]
         self.proved_tick = self.run.proved_tick
-        if self.run.until >= 0 and driven(self.layout.row.system):
+        if self.run.until >= 0 and has_external_drive(self.layout.row.system):
             self.proved_tick = NONE
 
     @cached_property

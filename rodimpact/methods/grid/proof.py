@@ -30,7 +30,7 @@ def finality_time(run: GridRun) -> float:
 
     It is 0 if the proof succeeds now, and inf if the mean motions do not open the gaps.
     """
-    if abilities.driven(run.row.system):
+    if abilities.has_external_drive(run.row.system):
         return math.inf
     wait = 0.0
     tolerance = float(run.grid.run["velocity_tolerance"][0])

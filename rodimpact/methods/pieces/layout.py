@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..abilities import driven
+from ..abilities import has_external_drive
 from ..clock import Clock
 from ..link import FIELDS, Law, initial_gap
 from ..record_lists import blank
@@ -178,7 +178,7 @@ def set_proof(run: Any, row: Any, shortest: Any, longest: Any) -> None:
     run.surveyed = NONE
     run.proof_interval = np.maximum(shortest, longest // PROOFS_PER_TRANSIT)
     run.check = run.proof_interval
-    if driven(row.system):
+    if has_external_drive(row.system):
         run.check = NEVER
     run.held = 1
     if all(law.opens for law in row.system.contacts):
