@@ -101,7 +101,7 @@ def totals_of(run: FrontRun) -> Totals:
     masses = [clock.mass(i) for i in range(len(clock.spans))]
     before = initial_motion(clock, masses, run.segments)
     after = final_motion(clock, masses, run.segments)
-    boundary = BoundaryAction(run, masses, after.velocities)
+    boundary = BoundaryEffects(run, masses, after.velocities)
 
     start_momentum = math.fsum(segment.initial_momentum for segment in run.segments)
     end_momentum = math.fsum(segment.momentum for segment in run.segments)
@@ -137,7 +137,7 @@ def totals_of(run: FrontRun) -> Totals:
     )
 
 
-class BoundaryAction:
+class BoundaryEffects:
     """Effects of walls, drives and semi-infinite bars on the row.
 
     Attributes
