@@ -168,12 +168,10 @@ class Options(FrozenDataclass):
         """
         of_kind("system", system, System, "System([rod, Wall()])")
         needs = abilities.needs(system)
-        capable = [
-            name for name, method in METHODS.items() if not method.lacking(needs)
-        ]
+        capable = capable_of(needs)
         method = self.method
         if method == "auto":
-            method = self._first(needs)
+            method = self._first_of(capable)
         missing = METHODS[method].lacking(needs)
         remedy = f'method "{capable[0]}" has'
         if all(physics == abilities.TAPER for _, physics in missing):
@@ -231,9 +229,17 @@ class Options(FrozenDataclass):
         for path, lacking in METHODS[method].lacking(abilities.needs(system)):
             problems.append((path, f'method "{method}" has no {lacking}'))
         raise_if_problems(problems)
-        own = {name: getattr(self, name) for name in METHODS[method].takes}
+        return self.run_checked(method, system, report)
+
+    def run_checked(self, method: str, system: System, report: Report) -> Run:
+        """Run a single collision, as `run`, by a method that is known to have its physics."""
+        own_options = {name: getattr(self, name) for name in METHODS[method].takes}
         run = METHODS[method].run(
-            build_row(system), self.until, self.max_events, **own, report=report
+            build_row(system),
+            self.until,
+            self.max_events,
+            **own_options,
+            report=report,
         )
         fastest = next(iter(METHODS))
         if self.method == "auto" and method != fastest:
@@ -242,20 +248,17 @@ class Options(FrozenDataclass):
                 return replace(run, status=f"{run.status} {reason}")
         return run
 
-    def _first(self, needs: Needs) -> str:
-        """The first method that has this physics, and an accuracy if one is asked for."""
-        capable = []
-        for name, method in METHODS.items():
-            is_accurate = self.rtol is None or "rtol" in method.takes
-            if is_accurate and not method.lacking(needs):
-                capable.append(name)
-        return capable[0]
+    def _first_of(self, capable: list[str]) -> str:
+        """The first of some methods; if an accuracy is asked for, the first that has one."""
+        if self.rtol is None:
+            return capable[0]
+        return next(name for name in capable if "rtol" in METHODS[name].takes)
 
     def _why(self, method: str, system: System) -> str:
         """Sentence on what keeps a system from a faster method, if single entries do."""
         needs = abilities.needs(system)
         of_many = [need for need in needs if need[1] not in abilities.SINGLE]
-        faster = self._first(of_many)
+        faster = self._first_of(capable_of(of_many))
         if faster == method:
             return ""
         missing = METHODS[faster].lacking(needs)
@@ -265,6 +268,11 @@ class Options(FrozenDataclass):
             f'Solved by the slower method "{method}" because of {path}{more}: the method '
             f'"{faster}" has no {physics}.'
         )
+
+
+def capable_of(needs: Needs) -> list[str]:
+    """Names of the methods that have some physics."""
+    return [name for name, method in METHODS.items() if not method.lacking(needs)]
 
 
 def _takers(option: str) -> str:

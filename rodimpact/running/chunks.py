@@ -151,7 +151,7 @@ def _one_by_one(chunk: Chunk, should_stop: Callable[[], bool]) -> Columns:
     for i, index in enumerate(np.ndindex(system.shape)):
         ask()
         with contextlib.suppress(InvalidModel), np.errstate(under="ignore"):
-            run = options.run(options.method, system[index], ask)
+            run = options.run_checked(options.method, system[index], ask)
             solution = Solution(run, options)
             for name, entry in row_of(solution, readings).items():
                 columns[name][i] = entry

@@ -30,6 +30,8 @@ class FrontRun:
     run : records.Run
     segments : list of records.Segment
     nodes : list of records.Node
+    contacts : list of records.Node
+        The nodes of the contacts.
     lines : list of records.Line
     stopped_by : str
         ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``.
@@ -49,6 +51,7 @@ class FrontRun:
         self.run = batch.progress
         self.segments: list[Segment] = batch.objects("segments")
         self.nodes: list[Node] = batch.objects("nodes")
+        self.contacts = [self.nodes[k] for k in self.layout.contacts]
         self.lines: list[Line] = batch.objects("lines")
         if self.run.stop_reason >= Stop.OVERFLOW:
             raise InvalidModel([self._why_no_clock()])
@@ -74,11 +77,6 @@ class FrontRun:
         if self.run.until < 0:
             return None
         return self.run.until
-
-    @property
-    def contacts(self) -> list[Node]:
-        """The nodes of the contacts."""
-        return [self.nodes[k] for k in self.layout.contacts]
 
     def _clock(self) -> Clock:
         """The clock; a semi-infinite bar has the impedance of the segment beside it."""

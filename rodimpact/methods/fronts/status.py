@@ -51,36 +51,34 @@ def status_of(
 
 def final_sentence(contacts: list[Node], system: Any, t_final: float) -> str:
     """Sentence on a collision that is proved final."""
-    names = contact_names([body.kind for body in system.bodies])
-    pressing: list[str] = []
+    pressing: list[int] = []
     has_pressed = False
     for i, node in enumerate(contacts):
         if node.episodes > 0:
             has_pressed = True
         resting_force = RESTING_FORCE_RTOL * node.peak_force
         if node.status == Status.PRESS and node.force > resting_force:
-            pressing.append(names[i])
+            pressing.append(i)
     if len(pressing) > 0:
-        listed = ", ".join(pressing)
+        listed = names_of(pressing, system)
         return f"Nothing changes any more; contact {listed} goes on pressing."
     return proof_sentence(has_pressed, t_final)
 
 
 def faint_sentence(run: Run, contacts: list[Node], system: Any) -> str:
     """Sentence on contacts whose force decays below the tolerance; empty without any."""
-    names = contact_names([body.kind for body in system.bodies])
-    faint: list[str] = []
+    faint: list[int] = []
     longest = 0
     lasts_for_ever = False
     for i, node in enumerate(contacts):
         if node.faint_ticks > 0:
-            faint.append(names[i])
+            faint.append(i)
             longest = max(longest, node.faint_ticks)
         if node.is_faint and run.until < 0:
             lasts_for_ever = True
     if len(faint) == 0:
         return ""
-    listed = ", ".join(faint)
+    listed = names_of(faint, system)
     extension = f"last up to {format_si(longest * run.tick_duration, 's')} longer"
     if lasts_for_ever:
         extension = "go on for ever"
@@ -88,3 +86,9 @@ def faint_sentence(run: Run, contacts: list[Node], system: Any) -> str:
         f" The force of contact {listed} decays and counts as zero below 2^-48 of the "
         f"velocity scale; it may {extension}."
     )
+
+
+def names_of(contacts: list[int], system: Any) -> str:
+    """Names of some contacts, separated by commas."""
+    names = contact_names([body.kind for body in system.bodies])
+    return ", ".join([names[i] for i in contacts])
