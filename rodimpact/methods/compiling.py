@@ -22,10 +22,11 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import CellType, FunctionType, ModuleType
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
+T = TypeVar("T")
 Kernel = Callable[..., Any]
 Functions = tuple[tuple[int, Any], ...]
 """Functions of the user that stand for the kernel function `own`, by its first argument."""
@@ -260,6 +261,11 @@ def _twin(
         if not name.startswith("__"):
             setattr(twin, name, counterpart)
     return twin
+
+
+def borrowed(array: T) -> T:
+    """Return the array itself; compiled, one of which no references are counted."""
+    return array
 
 
 @functools.cache

@@ -3,6 +3,7 @@
 from typing import Any
 
 from .. import contact_laws
+from ..compiling import borrowed
 from ..link import Law
 from ..states import Status
 from . import lines, series
@@ -35,6 +36,9 @@ def happen(
     status: int,
 ) -> None:
     """Change the status of link i, and set the order of the break that this makes."""
+    links = borrowed(links)
+    masses = borrowed(masses)
+    turns = borrowed(turns)
     link = links[i]
     old = link.status
     link.status = status

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from ..compiling import borrowed
 from . import series
 from .records import HARD, NONE, SMOOTH
 from .series import POINTS, WEIGHTS, N, X
@@ -160,6 +161,8 @@ def append(
     run: Any, lines: Any, log: Any, l: int, tick: int, ticks: int, f: Any, c: Any
 ) -> int:
     """Append the piece with the values f at its points, as `put` does, with c as scratch."""
+    lines = borrowed(lines)
+    log = borrowed(log)
     degree = 0
     for m in range(POINTS):
         c[m] = 0.0

@@ -9,6 +9,7 @@ import math
 from typing import Any
 
 from .. import contact_laws
+from ..compiling import borrowed
 from ..states import Status, Stop
 from . import events, finality, lines, nodes, series
 from .records import HARD, NEVER, NONE
@@ -20,11 +21,6 @@ SHORTEST = 16
 """Ticks of a piece that is accepted whatever its truncation error."""
 ROWS_PER_LINK = 4
 """Rows of the log of pieces that a link may add in a step."""
-
-
-def borrowed(array: Any) -> Any:
-    """Return the array itself; compiled, one to which references are not counted."""
-    return array
 
 
 def follow(
@@ -265,6 +261,8 @@ def solve(
 
 def take_inputs(all_lines: Any, log: Any, node: Any, ticks: int) -> None:
     """Set the waves that come in from both sides over a piece."""
+    all_lines = borrowed(all_lines)
+    log = borrowed(log)
     now = node.now
     for side in range(2):
         source = node.source[side]

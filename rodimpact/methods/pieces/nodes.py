@@ -4,391 +4,478 @@ In every link acts a force F. All else follows from the forces: velocities of th
 closing rates without own force, then the overlaps,
 m v' = F before - F behind,  closing = velocity on the left - on the right,  d' = closing - Y F,
 where a rod's end counts with the wave that comes in. Forces that depend on this are found by
-collocation and Newton's method.
+collocation (Radau IIA) and Newton's method.
 """
 
 from typing import Any
 
 from .. import contact_laws
+from ..compiling import borrowed
 from ..link import Law
 from ..states import Status
 from . import series
 from .records import NONE
 from .series import POINTS, STAGES, START, TWICE, N, X
 
-ITERATIONS = 30
-FELT = 0.1  # of the velocity that a force makes in the shortest transit: what a piece makes
-QUADRATIC = (
-    1e-7  # by which forces miss their laws, relative: after the next step by round-off
-)
-CANCELLED = 1e-6  # force over its terms: less than that cannot be told more precisely
-ROUND_OFF = 1e-13  # by which the start of a piece may break what keeps a status
-CLEAR_OF_ZERO = (
-    0.1  # of the largest value at the points: no swing of a smooth force is so deep
-)
-SWING_FACTOR = 1.1  # over the deepest swing that samples show
-FORCE_ROUND_OFF = (
-    8e-15  # of the largest force: what evaluating a polynomial may add to a swing
-)
-SOON = 1e-3  # of the way to the next point: where what starts at 0 is seen to rise
+MAX_NEWTON_STEPS = 30
+"""Newton steps on one piece; a piece that needs more is shortened."""
+PIECE_PER_TRANSIT = 0.1
+"""Duration of a typical piece over the shortest transit.
+
+It makes the tail of a force a velocity: a force acts for about so long before the next piece.
+"""
+RESIDUAL_RTOL = 1e-7
+"""Residual of the contact laws before the last Newton step, relative to the force.
+
+Newton's method converges quadratically: the step after it leaves 1e-14, which is round-off.
+"""
+CANCELLATION_RTOL = 1e-6
+"""Force over the terms that cancel in it, below which its residual is measured by these terms.
+
+A residual of RESIDUAL_RTOL times the force would then be below 1e-13 of the terms: round-off.
+"""
+ROUND_OFF = 1e-13
+"""Value below 0, without dimension, down to which an event function counts as 0."""
+POSITIVE_RTOL = 0.1
+"""Smallest over largest value at the points, above which a polynomial has no zero between them."""
+SWING_FACTOR = 1.1
+"""Factor on the deepest swing below 0 that samples show: the true one is little deeper."""
+SWING_ROUND_OFF = 8e-15
+"""Round-off of evaluating the polynomial of a force, over the largest force."""
+FIRST_RISE = 1e-3
+"""Part of the way to the next point at which an event function that starts at 0 shows its sign."""
 
 
-def deforms(it: Any) -> bool:
-    """Whether the overlap of a link changes."""
-    if it.status == Status.BOND:
-        return bool(it.law == Law.JOINT)
+def overlap_changes(link: Any) -> bool:
+    """Return whether the overlap of a link changes."""
+    if link.status == Status.BOND:
+        return bool(link.law == Law.JOINT)
     return bool(
-        it.status != Status.REST
-        and not (it.law == Law.RIGID and it.status == Status.PRESS)
+        link.status != Status.REST
+        and not (link.law == Law.RIGID and link.status == Status.PRESS)
     )
 
 
-def share(it: Any) -> float:
-    """Part of the closing that is elastic: what yields hardens with the rest."""
-    return it.hardening_share if it.status == Status.PLASTIC else 1.0
+def elastic_share(link: Any) -> float:
+    """Return the elastic part of the closing rate; a link that yields takes up the rest."""
+    if link.status == Status.PLASTIC:
+        return link.hardening_share
+    return 1.0
 
 
-def set_forces(link: Any, at: Any) -> int:
-    """Set forces that are given, number the unknown ones, 0 for now; return how many these are."""
+def set_forces(links: Any, node: Any) -> int:
+    """Set the given forces, number the unknown ones and set them to 0; return their number."""
     n = 0
-    for q in range(at.links):
-        it = link[at.first + q]
-        it.unknown = NONE
-        acts = it.status >= Status.PRESS or it.law == Law.BOND or it.law == Law.JOINT
-        if acts and (at.links > 1 or deforms(it)):
-            it.unknown = n
+    for q in range(node.links):
+        link = links[node.first + q]
+        link.unknown = NONE
+        acts = (
+            link.status >= Status.PRESS or link.law == Law.BOND or link.law == Law.JOINT
+        )
+        if acts and (node.links > 1 or overlap_changes(link)):
+            link.unknown = n
             n += 1
         for j in range(POINTS):
-            it.force[j] = 0.0
-            if it.law == Law.PUSH_LEFT or it.law == Law.PUSH_RIGHT:
-                it.force[j] = at.incoming[it.law - Law.PUSH_LEFT][j]
-            elif it.unknown == NONE and (
-                it.law == Law.BOND or it.status == Status.PRESS
+            link.force[j] = 0.0
+            if link.law == Law.PUSH_LEFT or link.law == Law.PUSH_RIGHT:
+                link.force[j] = node.incoming[link.law - Law.PUSH_LEFT][j]
+            elif link.unknown == NONE and (
+                link.law == Law.BOND or link.status == Status.PRESS
             ):
                 # two rods, nothing else
-                it.force[j] = (at.incoming[0][j] - at.incoming[1][j]) / it.mobility
+                closing = node.incoming[0][j] - node.incoming[1][j]
+                link.force[j] = closing / link.mobility
     return n
 
 
 def integrate(rate: Any, h: float, f: Any) -> None:
-    """Let f grow at this rate from its first point on, over a piece of duration h."""
+    """Set f to f[0] plus the integral of a rate, at the points of a piece of duration h."""
     for j in range(N):
-        s, stages = 0.0, STAGES[j]
+        s = 0.0
+        stages = STAGES[j]
         for m in range(N):
             s += stages[m] * rate[m + 1]
         f[j + 1] = f[0] + 0.5 * h * s
 
 
-def follow(link: Any, mass: Any, at: Any, h: float) -> None:
-    """Set what follows from the forces."""
-    for i in range(at.links - 1):
-        before, behind, body = (
-            link[at.first + i],
-            link[at.first + i + 1],
-            mass[at.mass + i],
-        )
+def update_motion(links: Any, masses: Any, node: Any, h: float) -> None:
+    """Set velocities, closing rates and overlaps, which follow from the forces."""
+    for i in range(node.links - 1):
+        before = links[node.first + i]
+        behind = links[node.first + i + 1]
+        body = masses[node.mass + i]
         for j in range(POINTS):
-            at.rate[j] = (before.force[j] - behind.force[j]) / body.mass
-        integrate(at.rate, h, body.speed)
-    for q in range(at.links):
-        it = link[at.first + q]
-        part = share(it) if deforms(it) else 0.0
+            node.rate[j] = (before.force[j] - behind.force[j]) / body.mass
+        integrate(node.rate, h, body.speed)
+    for q in range(node.links):
+        link = links[node.first + q]
+        share = 0.0
+        if overlap_changes(link):
+            share = elastic_share(link)
         for j in range(POINTS):
-            v = at.incoming[0][j] if q == 0 else mass[at.mass + q - 1].speed[j]
-            w = at.incoming[1][j] if q == at.links - 1 else mass[at.mass + q].speed[j]
-            it.closing[j], it.overlaps[j] = v - w, it.overlap
-            at.rate[j] = part * (v - w - it.mobility * it.force[j])
-        if part != 0:
-            integrate(at.rate, h, it.overlaps)
+            if q == 0:
+                v = node.incoming[0][j]
+            else:
+                v = masses[node.mass + q - 1].speed[j]
+            if q == node.links - 1:
+                w = node.incoming[1][j]
+            else:
+                w = masses[node.mass + q].speed[j]
+            link.closing[j] = v - w
+            link.overlaps[j] = link.overlap
+            node.rate[j] = share * (v - w - link.mobility * link.force[j])
+        if share != 0:
+            integrate(node.rate, h, link.overlaps)
 
 
-def linearise(it: Any, h: float, first: bool) -> float:
-    """Set F = base + by_overlap d + by_closing closing; return by how much forces miss the law.
+def linearise(link: Any, h: float, first: bool) -> float:
+    """Set the tangent F = base + by_overlap d + by_closing closing; return the relative residual.
 
-    At first it is taken where the overlap comes to if it goes on as it went before. The miss is
-    relative to the largest force, or to the round-off of the terms that cancel in it: a law with
-    damping has almost no force where bodies part almost as fast as it lets go.
+    In the first Newton step the tangent is taken at the extrapolated overlap d + d' u + d'' u^2/2,
+    u the time since the start of the piece. The residual is relative to the largest force, or to
+    the round-off of the terms that cancel in it: a law with damping has almost no force where
+    bodies part almost as fast as it lets go.
     """
-    missed = top = 0.0
+    residual = 0.0
+    largest = 0.0
     for j in range(1, POINTS):
-        d, closing, u = it.overlaps[j], it.closing[j], 0.5 * h * (X[j] + 1)
+        d = link.overlaps[j]
+        closing = link.closing[j]
         if first:
-            d = it.overlap + u * (it.rate + 0.5 * u * it.bend)
-        F, it.by_overlap[j], it.by_closing[j] = contact_laws.force(it, d, closing)
-        it.base[j] = F - it.by_overlap[j] * d - it.by_closing[j] * closing
-        missed = max(missed, abs(F - it.force[j]))
-        top = max(top, abs(F), CANCELLED * abs(it.base[j]))
-    return missed / top if top > 0 else 0.0
+            u = 0.5 * h * (X[j] + 1)
+            d = link.overlap + u * (link.rate + 0.5 * u * link.bend)
+        F, by_overlap, by_closing = contact_laws.force(link, d, closing)
+        link.by_overlap[j] = by_overlap
+        link.by_closing[j] = by_closing
+        link.base[j] = F - by_overlap * d - by_closing * closing
+        residual = max(residual, abs(F - link.force[j]))
+        largest = max(largest, abs(F), CANCELLATION_RTOL * abs(link.base[j]))
+    if largest > 0:
+        return residual / largest
+    return 0.0
 
 
-def set_equations(link: Any, mass: Any, at: Any, h: float, G: Any, n: int) -> None:
-    """Equations of the changes of forces after which they follow the linear laws."""
-    for q in range(at.links):
-        it = link[at.first + q]
-        if it.unknown == NONE:
+def set_equations(links: Any, masses: Any, node: Any, h: float, G: Any, n: int) -> None:
+    """Set the equations of a Newton step: its changes of forces fulfil the tangent laws."""
+    for q in range(node.links):
+        link = links[node.first + q]
+        if link.unknown == NONE:
             continue
-        for p in range(at.links):
-            column = link[at.first + p].unknown
+        for p in range(node.links):
+            column = links[node.first + p].unknown
             if column != NONE:
-                set_block(it, felt(mass, at, q, p), p == q, h, G, N * column)
+                change = closing_by_impulse(masses, node, q, p)
+                set_block(link, change, p == q, h, G, N * column)
         for j in range(N):
-            own = 0.0 if it.status == Status.REST else it.force[j + 1]
-            G[N * it.unknown + j][N * n] = (
-                it.base[j + 1]
-                + it.by_overlap[j + 1] * it.overlaps[j + 1]
-                + it.by_closing[j + 1] * it.closing[j + 1]
+            own = link.force[j + 1]
+            if link.status == Status.REST:
+                own = 0.0
+            G[N * link.unknown + j][N * n] = (
+                link.base[j + 1]
+                + link.by_overlap[j + 1] * link.overlaps[j + 1]
+                + link.by_closing[j + 1] * link.closing[j + 1]
                 - own
             )
 
 
-def felt(mass: Any, at: Any, q: int, p: int) -> float:
-    """Change of the closing of link q by the impulse of the force of link p."""
-    left = 1 / mass[at.mass + q - 1].mass if q > 0 else 0.0
-    right = 1 / mass[at.mass + q].mass if q < at.links - 1 else 0.0
+def closing_by_impulse(masses: Any, node: Any, q: int, p: int) -> float:
+    """Return the change of the closing rate of link q by a unit impulse in link p, 1/kg."""
+    left = 0.0
+    right = 0.0
+    if q > 0:
+        left = 1 / masses[node.mass + q - 1].mass
+    if q < node.links - 1:
+        right = 1 / masses[node.mass + q].mass
     if p == q:
         return -left - right
     if p == q - 1:
         return left
-    return right if p == q + 1 else 0.0
+    if p == q + 1:
+        return right
+    return 0.0
 
 
-def set_block(it: Any, felt: float, own: bool, h: float, G: Any, column: int) -> None:
-    """Set the 8 by 8 equations that couple the forces of two links, or one with itself."""
+def set_block(
+    link: Any, by_impulse: float, own: bool, h: float, G: Any, column: int
+) -> None:
+    """Set the N by N equations that couple the forces of two links, or one with itself.
+
+    `by_impulse` is the change of the closing rate of the link by a unit impulse of the other.
+    """
     half = 0.5 * h
-    by_closing, part = half * felt, half * share(it)
-    by_force = part * it.mobility if own else 0.0
-    same = 1.0 if own and it.status != Status.REST else 0.0
+    by_closing = half * by_impulse
+    share = half * elastic_share(link)
+    by_force = 0.0
+    identity = 0.0
+    if own:
+        by_force = share * link.mobility
+        if link.status != Status.REST:
+            identity = 1.0
+    coupled = N  # stages by which a mass between both links couples them
+    if by_impulse == 0:
+        coupled = 0
     for j in range(N):
-        line, stages, twice = G[N * it.unknown + j], STAGES[j], TWICE[j]
-        a = it.by_closing[j + 1] * by_closing - it.by_overlap[j + 1] * by_force
-        b = it.by_overlap[j + 1] * part * by_closing
+        row = G[N * link.unknown + j]
+        stages = STAGES[j]
+        twice = TWICE[j]
+        a = link.by_closing[j + 1] * by_closing - link.by_overlap[j + 1] * by_force
+        b = link.by_overlap[j + 1] * share * by_closing
         for m in range(N):
-            line[column + m] = -a * stages[m]
-        for m in range(N if felt != 0 else 0):
-            line[column + m] -= b * twice[m]
-        line[column + j] += same
+            row[column + m] = -a * stages[m]
+        for m in range(coupled):
+            row[column + m] -= b * twice[m]
+        row[column + j] += identity
 
 
 def take_step(
-    run: Any, link: Any, mass: Any, at: Any, h: float, G: Any, n: int
+    run: Any, links: Any, masses: Any, node: Any, h: float, G: Any, n: int
 ) -> None:
-    """Change the forces, and all that follows.
+    """Add the changes of a Newton step to the forces, and update the motion.
 
-    Where a link is stiffer than the piece is long, its overlap is a small difference of large
-    numbers, and follows from its force.
+    Where dF/dd times scale times h is above the force, the link is stiff: its overlap is a small
+    difference of large numbers. It is then computed from the force, as integrating the closing
+    rate would lose digits.
     """
-    for q in range(at.links):
-        it = link[at.first + q]
-        for j in range(N if it.unknown != NONE else 0):
-            it.force[j + 1] += G[N * it.unknown + j][N * n]
-    follow(link, mass, at, h)
-    for q in range(at.links):
-        it = link[at.first + q]
-        if it.unknown != NONE and deforms(it):
+    for q in range(node.links):
+        link = links[node.first + q]
+        stages = N
+        if link.unknown == NONE:
+            stages = 0
+        for j in range(stages):
+            link.force[j + 1] += G[N * link.unknown + j][N * n]
+    update_motion(links, masses, node, h)
+    for q in range(node.links):
+        link = links[node.first + q]
+        if link.unknown != NONE and overlap_changes(link):
             for j in range(1, POINTS):
-                if it.by_overlap[j] * run.scale * h > abs(it.force[j]):
-                    F = it.force[j] - it.base[j] - it.by_closing[j] * it.closing[j]
-                    it.overlaps[j] = F / it.by_overlap[j]
+                if link.by_overlap[j] * run.scale * h > abs(link.force[j]):
+                    damped = link.by_closing[j] * link.closing[j]
+                    elastic = link.force[j] - link.base[j] - damped
+                    link.overlaps[j] = elastic / link.by_overlap[j]
 
 
-def collocate(run: Any, link: Any, mass: Any, at: Any, h: float, G: Any) -> bool:
-    """Solve a node over a piece of duration h; return whether there is a solution.
+def collocate(run: Any, links: Any, masses: Any, node: Any, h: float, G: Any) -> bool:
+    """Solve a node over a piece of duration h; return whether Newton's method converged.
 
     Radau IIA is stiffly accurate: contacts far stiffer than the piece is long do no harm.
     """
-    n, worst, iterations = set_forces(link, at), 1.0, 0
-    follow(link, mass, at, h)
-    while n > 0 and worst >= QUADRATIC:
-        if iterations == ITERATIONS or not worst < 1e300:
+    links = borrowed(links)
+    masses = borrowed(masses)
+    G = borrowed(G)
+    n = set_forces(links, node)
+    residual = 1.0
+    steps = 0
+    update_motion(links, masses, node, h)
+    while n > 0 and residual >= RESIDUAL_RTOL:
+        if steps == MAX_NEWTON_STEPS or not residual < 1e300:
             return False
-        worst = 0.0
-        for q in range(at.links):
-            it = link[at.first + q]
-            if it.unknown != NONE:
-                missed = linearise(it, h, iterations == 0)
-                if contact_laws.is_nonlinear(it):
-                    worst = max(worst, 1.0 if iterations == 0 else missed)
-        set_equations(link, mass, at, h, G, n)
+        residual = 0.0
+        for q in range(node.links):
+            link = links[node.first + q]
+            if link.unknown != NONE:
+                missed = linearise(link, h, steps == 0)
+                if contact_laws.is_nonlinear(link):
+                    if steps == 0:
+                        missed = 1.0  # the first tangent was taken at an extrapolation
+                    residual = max(residual, missed)
+        set_equations(links, masses, node, h, G, n)
         series.eliminate(G, N * n, 2 * N)
-        take_step(run, link, mass, at, h, G, n)
-        iterations += 1
-    for q in range(at.links):
-        it = link[at.first + q]
-        if it.status == Status.REST:  # known at the stages alone
+        take_step(run, links, masses, node, h, G, n)
+        steps += 1
+    for q in range(node.links):
+        link = links[node.first + q]
+        if link.status == Status.REST:
+            # its force is known at the stages alone, and extrapolated to the start
             for j in range(N):
-                it.force[0] += START[j] * it.force[j + 1]
-        elif it.unknown != NONE:
-            it.force[0], it.by_overlap[0], it.by_closing[0] = contact_laws.force(
-                it, it.overlap, it.closing[0]
+                link.force[0] += START[j] * link.force[j + 1]
+        elif link.unknown != NONE:
+            force, by_overlap, by_closing = contact_laws.force(
+                link, link.overlap, link.closing[0]
             )
+            link.force[0] = force
+            link.by_overlap[0] = by_overlap
+            link.by_closing[0] = by_closing
     return True
 
 
-def forbid_pulling(link: Any, at: Any) -> None:
+def forbid_pulling(links: Any, node: Any) -> None:
     """Let no contact of a node pull, at any time in the piece, with the same impulse as before.
 
     Where a force falls to 0 its polynomial may swing below 0 by about the tolerance. With m > 0 at
     least as large as the swing, and J the integral of F over the piece of duration h,
     F := (F + m) J/(J + m h) is never negative and has the integral J.
     """
-    for q in range(at.links):
-        it = link[at.first + q]
-        top = series.largest(it.force)
-        least = series.smallest(it.force)
-        if it.status >= Status.PRESS and least < CLEAR_OF_ZERO * top:
-            series.coefficients(it.force, at.series)
-            swing = SWING_FACTOR * -series.minimum(at.series) + FORCE_ROUND_OFF * top
-            impulse = series.integral(it.force)
+    for q in range(node.links):
+        link = links[node.first + q]
+        largest = series.largest(link.force)
+        smallest = series.smallest(link.force)
+        if link.status >= Status.PRESS and smallest < POSITIVE_RTOL * largest:
+            series.coefficients(link.force, node.series)
+            deepest = -series.minimum(node.series)
+            swing = SWING_FACTOR * deepest + SWING_ROUND_OFF * largest
+            impulse = series.integral(link.force)
             if swing > 0:
                 share = 0.0
                 if impulse > 0:
                     share = impulse / (impulse + 2 * swing)
                 for j in range(POINTS):
-                    it.force[j] = max(0.0, (it.force[j] + swing) * share)
+                    link.force[j] = max(0.0, (link.force[j] + swing) * share)
 
 
-def set_leaving(link: Any, at: Any, side: int) -> None:
-    """What leaves a node: to the left a - 2 F/Z of its first link, to the right b + 2 F/Z."""
-    F, y = (
-        link[at.first + side * (at.links - 1)].force,
-        (4 * side - 2) * at.mobility[side],
-    )
-    came = at.incoming[side]
+def set_leaving(links: Any, node: Any, side: int) -> None:
+    """Set the wave that leaves a node.
+
+    To the left goes a - 2 F/Z with the force of the first link, to the right b + 2 F/Z with that
+    of the last.
+    """
+    link = links[node.first + side * (node.links - 1)]
+    velocity_by_force = (4 * side - 2) * node.mobility[side]
+    incoming = node.incoming[side]
     for j in range(POINTS):
-        at.leaving[j] = came[j] + y * F[j]
+        node.leaving[j] = incoming[j] + velocity_by_force * link.force[j]
 
 
-def roughness(link: Any, mass: Any, at: Any) -> float:
-    """The largest tail of what comes in and leaves, of velocities of masses, and of forces.
+def roughness(links: Any, masses: Any, node: Any) -> float:
+    """Return the truncation error of a piece, m/s: the largest tail of its series.
 
-    What comes in counts too, as it may cancel in what leaves.
+    The series are those of incoming and leaving waves, of velocities of masses, and of forces.
+    Incoming waves count too, as they may cancel in leaving ones.
     """
     worst = 0.0
     for side in range(2):
-        it = link[at.first + side * (at.links - 1)]
-        pushes = it.law == Law.PUSH_LEFT + side
-        worst = max(
-            worst, series.tail(at.incoming[side]) * (2 * it.ease if pushes else 1.0)
-        )
-        if at.mobility[side] > 0:
-            set_leaving(link, at, side)
-            worst = max(worst, series.tail(at.leaving))
-    for i in range(at.links - 1):
-        worst = max(worst, series.tail(mass[at.mass + i].speed))
-    for q in range(at.links if at.links > 1 else 0):
-        it = link[at.first + q]
-        if deforms(it):
-            worst = max(worst, FELT * it.ease * series.tail(it.force))
+        link = links[node.first + side * (node.links - 1)]
+        velocity = 1.0
+        if link.law == Law.PUSH_LEFT + side:
+            velocity = 2 * link.ease  # the input is a force, not a wave
+        worst = max(worst, series.tail(node.incoming[side]) * velocity)
+        if node.mobility[side] > 0:
+            set_leaving(links, node, side)
+            worst = max(worst, series.tail(node.leaving))
+    for i in range(node.links - 1):
+        worst = max(worst, series.tail(masses[node.mass + i].speed))
+    count = node.links
+    if count == 1:
+        count = 0  # the force between two rods is seen in the leaving waves
+    for q in range(count):
+        link = links[node.first + q]
+        if overlap_changes(link):
+            worst = max(worst, PIECE_PER_TRANSIT * link.ease * series.tail(link.force))
     return worst
 
 
-def remainder(link: Any, at: Any, integrated: bool) -> float:
-    """Estimate of the error of the waves of a piece, or of their integrals over it, m/s."""
+def remainder(links: Any, node: Any, integrated: bool) -> float:
+    """Return an estimate of the error of the waves of a piece, or of their integrals, m/s."""
     largest = 0.0
     for side in range(2):
-        largest = max(largest, series.remainder(at.incoming[side], integrated))
-        if at.mobility[side] > 0:
-            set_leaving(link, at, side)
-            largest = max(largest, series.remainder(at.leaving, integrated))
+        largest = max(largest, series.remainder(node.incoming[side], integrated))
+        if node.mobility[side] > 0:
+            set_leaving(links, node, side)
+            largest = max(largest, series.remainder(node.leaving, integrated))
     return largest
 
 
-def crossing(at: Any, j: int) -> float:
-    """Where a guard, given at the points, falls below 0: it is negative at point j, the first.
+def crossing(node: Any, j: int) -> float:
+    """Return the place at which an event function falls below 0, or -1 if it does so at once.
 
-    It is -1 if the guard does so at once.
+    `node.rate` has its values at the points; the first negative one is that at point j.
     """
-    series.coefficients(at.rate, at.series)
+    series.coefficients(node.rate, node.series)
     low = X[j - 1]
     zero = -1.0
-    if at.rate[j - 1] <= 0:
-        low += SOON * (X[j] - X[j - 1])
-    if series.value(at.series, low) > 0:
-        zero = series.first_zero(at.series, low, X[j])
+    if node.rate[j - 1] <= 0:
+        low += FIRST_RISE * (X[j] - X[j - 1])
+    if series.value(node.series, low) > 0:
+        zero = series.first_zero(node.series, low, X[j])
     elif j > 1:
         zero = X[j - 1]
     return zero
 
 
-def dip(at: Any, depth: float) -> float:
-    """Where a guard falls below 0 between two points; 2 if it does not, or by less than `depth`.
+def dip(node: Any, depth: float) -> float:
+    """Return the place at which an event function falls below 0 between two points.
 
-    A contact may close or let go for a shorter time than points are apart.
+    It is 2 if the function does not, or by less than `depth`. A contact may close or let go for a
+    shorter time than points are apart.
     """
     zero = 2.0
-    least = series.smallest(at.rate)
-    if least < CLEAR_OF_ZERO * series.largest(at.rate):
+    least = series.smallest(node.rate)
+    if least < POSITIVE_RTOL * series.largest(node.rate):
         j = 0
-        while at.rate[j] > least:
+        while node.rate[j] > least:
             j += 1
         low = X[max(j - 1, 0)]
-        series.coefficients(at.rate, at.series)
+        series.coefficients(node.rate, node.series)
         monotonic = False  # from the end of the piece at which it is lowest
         if j == 0:
-            monotonic = series.slope_at_end(at.series, -1.0) >= 0
+            monotonic = series.slope_at_end(node.series, -1.0) >= 0
         elif j == N:
-            monotonic = series.slope_at_end(at.series, 1.0) <= 0
+            monotonic = series.slope_at_end(node.series, 1.0) <= 0
         if not monotonic:
-            bottom = series.lowest(at.series, low, X[min(j + 1, N)])
-            if bottom > low and series.value(at.series, bottom) < -depth:
-                zero = series.first_zero(at.series, low, bottom)
+            bottom = series.lowest(node.series, low, X[min(j + 1, N)])
+            if bottom > low and series.value(node.series, bottom) < -depth:
+                zero = series.first_zero(node.series, low, bottom)
     return zero
 
 
-def next_event(run: Any, link: Any, at: Any, h: float) -> tuple[float, int, int]:
-    """First event of a piece: where, -1 if at once and 1 if none; in which link; its new status.
+def next_event(run: Any, links: Any, node: Any, h: float) -> tuple[float, int, int]:
+    """Return the first event of a piece: its place, its link, and the new status of the link.
 
-    Round-off at the first point decides nothing: what falls below 0 at a later point did so at once
-    if the series does not rise before.
+    The place is -1 if the event is at the start, and 1 if there is none. An event function that is
+    about 0 at the first point is not trusted there: if it is negative at a later point and does
+    not become positive in between, the event is at the start.
     """
-    where, which, status = 1.0, NONE, 0
+    where = 1.0
+    which = NONE
+    status = 0
     length = 0.01 * run.scale * h
-    for q in range(at.links):
-        it = link[at.first + q]
-        for i in range(contact_laws.guards(it)):
-            to = 0
+    for q in range(node.links):
+        link = links[node.first + q]
+        for i in range(contact_laws.guards(link)):
+            next_status = 0
             for j in range(POINTS):
-                g, to = contact_laws.guard(
-                    it,
+                value, next_status = contact_laws.guard(
+                    link,
                     i,
-                    it.overlaps[j],
-                    it.closing[j],
-                    it.force[j],
+                    link.overlaps[j],
+                    link.closing[j],
+                    link.force[j],
                     run.scale,
                     length,
                 )
-                at.rate[j] = g
-            overlap = contact_laws.follows_overlap(it, i)
+                node.rate[j] = value
+            overlap = contact_laws.follows_overlap(link, i)
             ignored = ROUND_OFF
-            if overlap and at.rate[N] > 0:
+            if overlap and node.rate[N] > 0:
                 # a force that starts softly is a polynomial that swings a little below 0
                 ignored = max(ignored, run.graze * run.shortest * run.tick / length)
             j = 1
-            while j < POINTS and at.rate[j] >= -ignored:
+            while j < POINTS and node.rate[j] >= -ignored:
                 j += 1
-            deep = max(ignored, run.tolerance / run.scale)
+            depth = max(ignored, run.tolerance / run.scale)
             zero = 2.0
-            if at.rate[0] < -deep and not overlap and it.status != Status.REST:
-                zero = -1.0  # for a shorter time than to the first point, perhaps
+            if node.rate[0] < -depth and not overlap and link.status != Status.REST:
+                zero = -1.0  # perhaps for a shorter time than to the first point
             elif j == POINTS:
-                zero = dip(at, deep)
+                zero = dip(node, depth)
             else:
-                zero = crossing(at, j)
+                zero = crossing(node, j)
             if zero > 1:
                 continue
             if which == NONE or zero < where:
-                where, which, status = zero, at.first + q, to
+                where = zero
+                which = node.first + q
+                status = next_status
     return where, which, status
 
 
-def restrict_piece(link: Any, mass: Any, at: Any, y: float) -> None:
-    """Restrict everything that is known of a piece to the part up to y."""
+def restrict_piece(links: Any, masses: Any, node: Any, y: float) -> None:
+    """Restrict all series of a piece to the part up to y."""
     for side in range(2):
-        series.restrict(at.incoming[side], y, at.series)
-    for q in range(at.links):
-        it = link[at.first + q]
-        series.restrict(it.force, y, at.series)
-        series.restrict(it.overlaps, y, at.series)
-        series.restrict(it.closing, y, at.series)
+        series.restrict(node.incoming[side], y, node.series)
+    for q in range(node.links):
+        link = links[node.first + q]
+        series.restrict(link.force, y, node.series)
+        series.restrict(link.overlaps, y, node.series)
+        series.restrict(link.closing, y, node.series)
         if q > 0:
-            series.restrict(mass[at.mass + q - 1].speed, y, at.series)
+            series.restrict(masses[node.mass + q - 1].speed, y, node.series)
