@@ -1,17 +1,13 @@
-"""The records of members that run one after the other, as lists or as arrays.
+"""What is wanted of runs, and the members that run one after the other on one state."""
 
-Plain Python runs on lists of objects, until machine code pays: then all goes on in
-arrays of records.
-"""
-
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from .. import kernels
+from ...progress import Report, no_report
+from ..batch import Batch
 from ..memory import require_memory
-from ..record_lists import as_objects, as_records, blank, lengthened
+from ..record_lists import blank
 from ..row import Array
 from .family_layout import FamilyLayout, make_state
 from .members import run_members
@@ -43,6 +39,7 @@ RECORD_TYPES = {
     "nodes": NODE,
     "lines": LINE,
     "log": FRONT,
+    "results": NODE_RESULT,
 }
 """Types of the records of a `State`, by its fields."""
 
@@ -65,7 +62,7 @@ class RunRequest(NamedTuple):
         run.perturb_rounding = int(self.perturb_rounding)
 
 
-class Batch:
+class FrontBatch(Batch[State]):
     """Members of a family that run one after the other on the same records.
 
     Parameters
@@ -74,20 +71,15 @@ class Batch:
     request : RunRequest
     is_compiled : bool
         Whether they run in machine code.
-
-    Attributes
-    ----------
-    state : State
-        In machine code of arrays, else of lists of objects.
     """
 
     def __init__(
         self, layout: FamilyLayout, request: RunRequest, *, is_compiled: bool
     ) -> None:
+        state = make_state(layout, INITIAL_LOG_ROWS, [])
+        request.store(state.runs[0])
+        super().__init__(run_members, state, RECORD_TYPES, is_compiled=False)
         self.layout = layout
-        self.is_compiled = False
-        self.state = make_state(layout, INITIAL_LOG_ROWS, [])
-        request.store(self.state.runs[0])
         self._result_buffer = np.empty((0, len(layout.closed_status)), NODE_RESULT)
         if is_compiled:
             self.to_arrays()
@@ -107,15 +99,24 @@ class Batch:
             rows = values.tolist()
         self.state = self.state._replace(values=rows, results=results)
 
-    def run(self) -> bool:
-        """Run the members; return whether all have ended, else the log must grow."""
-        kernel: Any = run_members
-        if self.is_compiled:
-            kernel = kernels.compiled(run_members)
-        return bool(kernel(self.state))
+    def run_to_end(self, report: Report = no_report) -> None:
+        """Run the members to their ends.
 
-    def grow_log(self) -> None:
-        """Make the log longer; TooLong if that takes too much memory."""
+        Raises
+        ------
+        TooLong
+            If the log of one of them takes too much memory.
+        """
+        while not self.run():
+            # An unfinished run is expected to take as long again as it has taken so far.
+            self.choose_form(len(self.state.log) * PLAIN_ROW_TIME)
+            run = self.progress
+            report(int(run.events), expected_events(run))
+            self._ask_for_log()
+            self.lengthen("log")
+
+    def _ask_for_log(self) -> None:
+        """Ask for the memory of a longer log; TooLong if that is too much."""
         rows = len(self.state.log)
         numbers = rows * NUMBERS_PER_LIST_ROW
         if self.is_compiled:
@@ -126,51 +127,17 @@ class Batch:
             f"a run of more than {rows} fronts",
             "lower the cap, or stop earlier (until)",
         )
-        self.state = self.state._replace(log=lengthened(self.state.log, FRONT))
-
-    def compile_if_long(self) -> None:
-        """Go on in machine code if the present member has taken long in plain Python."""
-        if self.is_compiled:
-            return
-        # An unfinished run is expected to take as long again as it has taken so far.
-        seconds = len(self.state.log) * PLAIN_ROW_TIME
-        if kernels.worth_compiling(seconds, run_members):
-            self.to_arrays()
-
-    def to_arrays(self) -> None:
-        """Go on in machine code."""
-        arrays: dict[str, Any] = {name: self.array(name) for name in RECORD_TYPES}
-        arrays["values"] = np.array(self.state.values, dtype=float)
-        arrays["queue"] = np.array(self.state.queue)
-        arrays["results"] = self.results()
-        self.state = State(**arrays)
-        self.is_compiled = True
-
-    def array(self, name: str) -> Any:
-        """The records of a field of the state as an array."""
-        records = getattr(self.state, name)
-        if self.is_compiled:
-            return records
-        return as_records(records, RECORD_TYPES[name])
-
-    def objects(self, name: str) -> list[Any]:
-        """The records of a field of the state as objects."""
-        records: Any = getattr(self.state, name)
-        if self.is_compiled:
-            return as_objects(records)
-        objects: list[Any] = records
-        return objects
-
-    def results(self) -> Any:
-        """Results of the members as an array, [member, node]."""
-        results: Any = self.state.results
-        if self.is_compiled:
-            return results
-        members: Sequence[Any] = results
-        return np.array([as_records(member, NODE_RESULT) for member in members])
 
     @property
     def progress(self) -> Run:
         """The record of the run."""
         run: Run = self.objects("runs")[0]
         return run
+
+
+def expected_events(run: Run) -> int | None:
+    """About how many events a run to a given time has; None where a proof ends it."""
+    if run.end_tick <= 0 or run.now <= 0:
+        return None
+    expected = int(run.events) * int(run.end_tick) // int(run.now)
+    return min(int(run.max_events), expected)

@@ -9,10 +9,10 @@ from ...progress import Report, no_report
 from .. import kernels
 from ..row import Array
 from ..run import Stopped
-from .batch import INITIAL_LOG_ROWS, PLAIN_ROW_TIME, Batch, RunRequest
+from .batch import INITIAL_LOG_ROWS, PLAIN_ROW_TIME, FrontBatch, RunRequest
 from .family_layout import FamilyLayout
 from .members import run_members
-from .records import NODE_RESULT, Run
+from .records import NODE_RESULT
 
 PLAIN_PAIR_TIME = 4e-7  # s, comparison of two durations in plain Python
 
@@ -31,7 +31,7 @@ def solve_one(
     layout: FamilyLayout,
     request: RunRequest,
     report: Report = no_report,
-) -> Batch:
+) -> FrontBatch:
     """Follow every front of a single collision.
 
     Without `until` the run ends one round trip of the longest body after the proof.
@@ -45,7 +45,7 @@ def solve_one(
 
     Returns
     -------
-    Batch
+    FrontBatch
         Its stop reason may be OVERFLOW, LONG or SHORT: `FrontRun` raises InvalidModel.
 
     Raises
@@ -56,24 +56,12 @@ def solve_one(
     # The tick rule compares all pairs of durations.
     tick_rule_time = (2 * layout.duration_count) ** 2 * PLAIN_PAIR_TIME
     is_compiled = kernels.worth_compiling(tick_rule_time, run_members)
-    batch = Batch(
+    batch = FrontBatch(
         layout, request._replace(run_past_proof=True), is_compiled=is_compiled
     )
     batch.load_members(np.array([layout.values], dtype=float))
-    while not batch.run():
-        batch.compile_if_long()
-        run = batch.progress
-        report(int(run.events), expected_events(run))
-        batch.grow_log()
+    batch.run_to_end(report)
     return batch
-
-
-def expected_events(run: Run) -> int | None:
-    """About how many events a run to a given time has; None where a proof ends it."""
-    if run.end_tick <= 0 or run.now <= 0:
-        return None
-    expected = int(run.events) * int(run.end_tick) // int(run.now)
-    return min(int(run.max_events), expected)
 
 
 # Families -----------------------------------------------------------------------------
@@ -121,7 +109,7 @@ def solve_many(
         columns[name, k] = np.empty(count, NODE_RESULT[name])
     member_time = INITIAL_LOG_ROWS * PLAIN_ROW_TIME  # s, in plain Python
     is_measured = False
-    batch = Batch(layout, request, is_compiled=False)
+    batch = FrontBatch(layout, request, is_compiled=False)
     first = 0
     size = FIRST_BLOCK_SIZE
     while first < count:
@@ -137,12 +125,10 @@ def solve_many(
             member_time * length, run_members, ahead=ahead
         )
         if is_compiled != batch.is_compiled:
-            batch = Batch(layout, request, is_compiled=is_compiled)
+            batch = FrontBatch(layout, request, is_compiled=is_compiled)
         batch.load_members(members.values_of(block))
-        while not batch.run():
-            batch.compile_if_long()
-            batch.grow_log()
-        results = batch.results()
+        batch.run_to_end()
+        results = batch.array("results")
         for (name, k), column in columns.items():
             column[block] = results[name][:, k]
         first = block.stop

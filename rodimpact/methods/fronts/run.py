@@ -7,7 +7,7 @@ from ...model.frozen import InvalidModel
 from ..abilities import has_external_drive
 from ..clock import Clock, clock_of, too_long, too_short
 from ..states import Stop
-from .batch import Batch
+from .batch import FrontBatch
 from .records import NONE, Line, Node, Segment
 
 REASONS: dict[int, str] = {
@@ -23,7 +23,7 @@ class FrontRun:
 
     Attributes
     ----------
-    batch : Batch
+    batch : FrontBatch
         As the kernel left it.
     layout : FamilyLayout
     clock : Clock
@@ -45,7 +45,7 @@ class FrontRun:
         When velocities overflow, or transit times are too far apart for one clock.
     """
 
-    def __init__(self, batch: Batch) -> None:
+    def __init__(self, batch: FrontBatch) -> None:
         self.batch = batch
         self.layout = batch.layout
         self.run = batch.progress

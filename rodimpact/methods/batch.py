@@ -1,0 +1,107 @@
+"""The state of a kernel, which members of a family use one after the other.
+
+Plain Python runs on lists of objects until machine code pays: then all goes on in arrays of
+records.
+"""
+
+from collections.abc import Mapping
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+
+from . import compiling, kernels
+from .compiling import Functions, Kernel
+from .record_lists import as_objects, as_records, lengthened
+
+StateT = TypeVar("StateT", bound=Any)
+"""A named tuple of lists of records, or of numbers."""
+
+
+class Batch(Generic[StateT]):
+    """A state, and the kernel that runs on it.
+
+    Parameters
+    ----------
+    kernel : function
+        It takes the state. All that it changes is in the state: called again, it goes on.
+    state : StateT
+        In machine code of arrays, else of lists of objects.
+    record_types : dict of str to dtype
+        Types of the records of the state, by field; its other fields are numbers.
+    is_compiled : bool
+        Whether the state is one for machine code.
+    user_laws : tuple of (int, function)
+        Functions of the user that the kernel calls.
+    """
+
+    def __init__(
+        self,
+        kernel: Kernel,
+        state: StateT,
+        record_types: Mapping[str, Any],
+        *,
+        is_compiled: bool,
+        user_laws: Functions = (),
+    ) -> None:
+        self.kernel = kernel
+        self.state = state
+        self.record_types = record_types
+        self.is_compiled = is_compiled
+        self.user_laws = user_laws
+
+    def run(self) -> Any:
+        """Run the kernel; return what it returns."""
+        kernel: Any = compiling.interpreted(self.kernel, self.user_laws)
+        if self.is_compiled:
+            kernel = compiling.compiled(self.kernel, self.user_laws)
+        return kernel(self.state)
+
+    def choose_form(self, seconds: float) -> None:
+        """Go on in machine code if that pays for so many seconds in plain Python, else in that."""
+        is_compiled = compiling.can_be(self.user_laws)
+        is_compiled = is_compiled and kernels.worth_compiling(seconds, self.kernel)
+        if is_compiled and not self.is_compiled:
+            self.to_arrays()
+        elif self.is_compiled and not is_compiled:
+            self.to_lists()
+
+    def to_arrays(self) -> None:
+        """Go on in machine code."""
+        arrays = {name: self.array(name) for name in self.state._fields}
+        self.state = type(self.state)(**arrays)
+        self.is_compiled = True
+
+    def to_lists(self) -> None:
+        """Go on in plain Python."""
+        lists = {name: self.objects(name) for name in self.state._fields}
+        self.state = type(self.state)(**lists)
+        self.is_compiled = False
+
+    def array(self, name: str) -> Any:
+        """A field of the state as an array."""
+        values: Any = getattr(self.state, name)
+        if self.is_compiled:
+            return values
+        if name not in self.record_types:
+            return np.array(values)
+        record = self.record_types[name]
+        if values and isinstance(values[0], list):
+            return np.array([as_records(objects, record) for objects in values])
+        return as_records(values, record)
+
+    def objects(self, name: str) -> list[Any]:
+        """A field of the state as a list: of numbers, or of objects for records."""
+        values: Any = getattr(self.state, name)
+        if self.is_compiled:
+            return as_objects(values)
+        objects: list[Any] = values
+        return objects
+
+    def lengthen(self, *names: str) -> None:
+        """Make room for more records in these fields."""
+        longer = {}
+        for name in names:
+            longer[name] = lengthened(
+                getattr(self.state, name), self.record_types[name]
+            )
+        self.state = self.state._replace(**longer)
