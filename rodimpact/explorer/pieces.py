@@ -21,7 +21,7 @@ from ..methods.pieces import accuracy, layout, march, reading
 from ..methods.pieces.accuracy import Ended, size_of
 from ..methods.pieces.layout import RunRequest
 from ..methods.pieces.method import RTOL
-from ..methods.pieces.records import NONE, PIECE, TURN
+from ..methods.pieces.records import NONE, PIECE, TURN, State
 from ..methods.pieces.series import N
 from ..methods.pieces.totals import (
     last_of,
@@ -132,8 +132,8 @@ def run_of(
     Returns
     -------
     dict
-        The `row`, its ``clock``, ``ended``, the records of `Ended`, ``mass`` and ``log``, the tick
-        ``now`` to which all is known; or a ``problem``, path and sentence.
+        The `row`, its ``clock``, ``ended``, the records of `Ended`, ``masses`` and ``log``, the
+        tick ``now`` to which all is known; or a ``problem``, path and sentence.
     """
     until = asked.until if asked.until >= 0 else None
     clock = clock_of(row, until)
@@ -146,37 +146,34 @@ def run_of(
         log[l].line = l
     wanted = RunRequest(until, tolerance, asked.max_events, keep)
     known = [(1, 0, 1) for _ in log]
-    runs, node, link, mass, line, part = layout.lay_out(
+    runs, nodes, links, masses, lines, parts = layout.lay_out(
         row, clock, wanted, known, outside
     )
-    run, turn = runs[0], blank(ROOM + march.FLIPS, TURN)
+    run = runs[0]
+    turns = blank(ROOM + march.FLIPS, TURN)
     log.extend(blank(ROOM, PIECE))
     if earlier is not None:
         accuracy.compare(earlier["ended"].run, run)
-    size = N * max([at.links for at in node])
-    matrix = [[0.0] * (size + 1) for _ in range(size)]
-    while (
-        march.follow(runs, node, link, mass, line, part, log, turn, matrix) == Stop.FULL
-    ):
+    unknowns = N * max([node.links for node in nodes])
+    matrix = [[0.0] * (unknowns + 1) for _ in range(unknowns)]
+    state = State(runs, nodes, links, masses, lines, parts, log, turns, matrix)
+    while march.follow(state) == Stop.FULL:
         if monotonic() > deadline:
             return {"problem": ("", TOO_MUCH_WORK)}
         log.extend(blank(LOG_GROWTH, PIECE))
-        turn.extend(blank(LOG_GROWTH, TURN))
+        turns.extend(blank(LOG_GROWTH, TURN))
     if run.stop == Stop.STUCK:
-        stuck = node[0]
-        for one in node:
-            if one.now < stuck.now:
-                stuck = one
+        stuck = nodes[march.earliest_node(nodes)]
         return {"problem": why_stuck(row, stuck, clock.tick * stuck.now)}
     return {
         "row": row,
         "clock": clock,
-        "ended": Ended(run, link, part),
-        "mass": mass,
+        "ended": Ended(run, links, parts),
+        "masses": masses,
         "log": log[: run.pieces],
-        "lines": len(line),
+        "lines": len(lines),
         "until": asked.until,
-        "now": min([run.end, *[at.now for at in node]]),
+        "now": min([run.end, *[node.now for node in nodes]]),
     }
 
 
@@ -300,7 +297,7 @@ def solved_by_pieces(
         "transits": clock.transits,
         "now": run["now"],
         "waves": waves,
-        "masses": [waves[mass.line] for mass in run["mass"]],
+        "masses": [waves[mass.line] for mass in run["masses"]],
         "springs": [
             (link[i], waves[link[i].kept + 1])
             for i in row.contact_link

@@ -23,7 +23,7 @@ from rodimpact.explorer.presets import presets
 from rodimpact.explorer.solved import scene_of
 from rodimpact.explorer.solver import CONSTANTS, KNOWN
 from rodimpact.explorer.tables import RULES, request_of, system_of
-from rodimpact.methods import record_lists, tick_rule
+from rodimpact.methods import tick_rule
 from rodimpact.methods.fronts import records as front_records
 from rodimpact.methods.fronts.family_layout import lay_out_family
 from rodimpact.methods.pieces import driver, finality, layout, march
@@ -230,16 +230,15 @@ KERNEL = march.follow
 
 
 def recorded(system, until):
-    """The records of a system on the clock of the page, as objects."""
-    records = driver.Members(
+    """The state of a system on the clock of the page, of lists of objects."""
+    members = driver.Members(
         build_row(system), layout.RunRequest(until, 1e-8, 400, True)
-    ).start()
-    for name in ("log", "turn"):
-        records[name] = np.concatenate([records[name]] * 4)
-    return {
-        name: x.tolist() if name == "matrix" else record_lists.as_objects(x)
-        for name, x in records.items()
-    }
+    )
+    members.batch.to_lists()
+    for _ in range(2):
+        members.batch.lengthen("log", "turns")
+    members.load()
+    return members.batch.state
 
 
 def tables(objects):
@@ -255,24 +254,27 @@ def test_the_kernel_of_characteristics_does_the_same_on_the_same_records(monkeyp
         for constant in CONSTANTS.keys() & vars(module).keys():
             monkeypatch.setattr(module, constant, CONSTANTS[constant])
     script = f"""{read("python.js")}\n{javascript([KERNEL], CONSTANTS)}
-    const answer = (all) => all.map((given) => (
-      {{ why: follow(...given), given: given.slice(0, -1) }}));"""
-    rows = [
+    const answer = (all) => all.map((state) => ({{ why: follow(state), state }}));"""
+    states = [
         recorded(random_network(seed, driven=driven), 0.7 if driven else None)
         for seed in range(16)
         for driven in [seed % 2 > 0]
     ]
-    pages = run(script, [[*map(tables, given.values())] for given in rows])
+    pages = run(
+        script,
+        [
+            {name: tables(values) for name, values in state._asdict().items()}
+            for state in states
+        ],
+    )
     assert {page["why"] for page in pages} == {Stop.FULL, Stop.DONE, Stop.CAP}
-    for seed, (given, page) in enumerate(zip(rows, pages, strict=True)):
-        arguments = [*given.values()]
-        assert page["why"] == KERNEL(*arguments)
-        for record, theirs, objects in zip(
-            given, page["given"], arguments, strict=False
-        ):
-            for i, (one, other) in enumerate(zip(theirs, tables(objects), strict=True)):
-                for key, value in other.items():
-                    assert one[key] == value, (seed, record, i, key)
+    for seed, (state, page) in enumerate(zip(states, pages, strict=True)):
+        assert page["why"] == KERNEL(state)
+        for name in set(state._fields) - {"matrix"}:
+            pairs = zip(page["state"][name], tables(getattr(state, name)), strict=True)
+            for i, (theirs, ours) in enumerate(pairs):
+                for key, value in ours.items():
+                    assert theirs[key] == value, (seed, name, i, key)
 
 
 # The solver

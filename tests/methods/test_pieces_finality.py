@@ -34,13 +34,12 @@ def stepped(rng, velocity, n=3):
 
 def surveyed(system):
     """The parts of a row at t = 0."""
-    r = Members(build_row(system), RunRequest(8.0, 1e-8, 10**6, keep=True)).start()
-    link, mass, line, log, part = (
-        record_lists.as_objects(r[name])
-        for name in ("link", "mass", "line", "log", "part")
-    )
-    finality.survey(link, mass, line, log, part, float(r["run"][0]["tick"]), 0)
-    return part
+    members = Members(build_row(system), RunRequest(8.0, 1e-8, 10**6, keep=True))
+    members.batch.to_lists()
+    members.load()
+    state = members.batch.state
+    finality.survey(state, 0)
+    return state.parts
 
 
 @pytest.mark.parametrize("seed", few_of(range(12), range(4)))

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from ...progress import Report, no_report
-from .. import compiling, kernels, record_lists
+from ..batch import Batch
 from ..memory import require_memory
+from ..record_lists import as_objects
 from ..row import Row
 from ..run import Stopped
 from ..states import Stop
@@ -18,19 +19,23 @@ from . import layout, march
 from .accuracy import Ended
 from .known import Known, as_family
 from .layout import RunRequest
-from .records import LINE, LINK, MASS, NEVER, NODE, PART, PIECE, RUN, TURN
+from .records import LINE, LINK, MASS, NEVER, NODE, PART, PIECE, RUN, TURN, Run, State
 from .rows import family_clock, own_laws
 from .series import N
 
-RECORDS = {
-    "run": RUN,
-    "node": NODE,
-    "link": LINK,
-    "mass": MASS,
-    "line": LINE,
-    "part": PART,
+RECORD_TYPES = {
+    "runs": RUN,
+    "nodes": NODE,
+    "links": LINK,
+    "masses": MASS,
+    "lines": LINE,
+    "parts": PART,
+    "log": PIECE,
+    "turns": TURN,
 }
-LISTS = {"log": PIECE, "turn": TURN}
+"""Types of the records of a `State`, by its fields."""
+MEMBER_FIELDS = ("runs", "nodes", "links", "masses", "lines", "parts")
+"""Fields of which every member has records of its own; the others it hands on to the next."""
 ROOM = 256
 """Rows of the log of pieces at first, besides two for each that is known at t = 0."""
 TURNS = 2048
@@ -52,7 +57,7 @@ COMPILED_STEPS = 100_000
 class Members:
     """Every member of a family on records, [member, i]; a single collision is a family of one.
 
-    They run one after the other, on their own records and one log.
+    They run one after the other on one `Batch`.
 
     Parameters
     ----------
@@ -62,7 +67,7 @@ class Members:
 
     Attributes
     ----------
-    run, node, link, mass, line, part : [member, i] array
+    runs, nodes, links, masses, lines, parts : [member, i] array
         Records; there is one run of each member.
     first : [member, piece] PIECE
         Pieces that are known at t = 0.
@@ -70,10 +75,6 @@ class Members:
         Largest miss of the pieces at t = 0, as of `Known`, relative to the velocity scale.
     carried : float
         Stated error of the run from whose state this one goes on, relative to the velocity scale.
-    own : tuple of (int, function)
-        Laws of the user, by link.
-    log, turn : array
-        Pieces and changes of contacts of the member that ran last, as many as its run says.
 
     Raises
     ------
@@ -84,7 +85,6 @@ class Members:
     def __init__(self, row: Row, request: RunRequest) -> None:
         self.row = row
         self.request = request
-        self.own = own_laws(row)
         self.clock, jumps = family_clock(row, request.until)
         known = Known(row, self.clock, jumps, request)
         laid = layout.lay_out(row, self.clock, request, known.lines, known.outside)
@@ -92,27 +92,39 @@ class Members:
         self.fit = known.fit
         self.carried = known.carried
         runs, nodes, links, masses, lines, parts = laid
-        self.run = as_family(runs, RUN, row)
-        self.node = as_family(nodes, NODE, row)
-        self.link = as_family(links, LINK, row)
-        self.mass = as_family(masses, MASS, row)
-        self.line = as_family(lines, LINE, row)
-        self.part = as_family(parts, PART, row)
-        self.log = np.zeros(ROOM + 2 * self.first.shape[1], PIECE)
-        self.turn = np.zeros(TURNS, TURN)
-        longest_chain = int(self.node["links"].max())
-        unknowns = N * longest_chain
-        self._matrix = np.zeros((unknowns, unknowns + 1))
+        self.runs = as_family(runs, RUN, row)
+        self.nodes = as_family(nodes, NODE, row)
+        self.links = as_family(links, LINK, row)
+        self.masses = as_family(masses, MASS, row)
+        self.lines = as_family(lines, LINE, row)
+        self.parts = as_family(parts, PART, row)
+        unknowns = N * int(self.nodes["links"].max())
+        arrays: dict[str, Any] = {name: self.records(name)[0] for name in MEMBER_FIELDS}
+        arrays["log"] = np.zeros(ROOM + 2 * self.first.shape[1], PIECE)
+        arrays["turns"] = np.zeros(TURNS, TURN)
+        arrays["matrix"] = np.zeros((unknowns, unknowns + 1))
+        state = State(**arrays)
+        self.batch = Batch[State](
+            march.follow,
+            state,
+            RECORD_TYPES,
+            is_compiled=True,
+            user_laws=own_laws(row),
+        )
 
-    def run_of(self, member: int) -> Any:
-        """The record of the run of a member, by names of its fields."""
-        return self.run[member].view(np.recarray)[0]
+    def records(self, name: str) -> Any:
+        """Records of all members of one kind, [member, i]."""
+        return getattr(self, name)
+
+    def state(self) -> Any:
+        """State of the member that ran last, as arrays."""
+        return State(*[self.batch.array(name) for name in State._fields])
 
     def ended(self, member: int) -> Ended:
         """Records of a member at the end of its run, as objects."""
-        runs = record_lists.as_objects(self.run[member])
-        links = record_lists.as_objects(self.link[member])
-        parts = record_lists.as_objects(self.part[member])
+        runs = as_objects(self.runs[member])
+        links = as_objects(self.links[member])
+        parts = as_objects(self.parts[member])
         return Ended(runs[0], links, parts)
 
     def run_all(
@@ -127,48 +139,82 @@ class Members:
                 raise Stopped
             self.go(m, report)
 
-    def records(self, member: int = 0) -> dict[str, Any]:
-        """Arrays of the records of a member, in the order of the kernel's arguments."""
-        records = {name: getattr(self, name)[member] for name in RECORDS}
-        records["log"] = self.log
-        records["turn"] = self.turn
-        records["matrix"] = self._matrix
-        return records
+    def load(self, member: int = 0) -> None:
+        """Take the records of a member, and its pieces at t = 0."""
+        batch = self.batch
+        own = {}
+        for name in MEMBER_FIELDS:
+            own[name] = self._in_form(self.records(name)[member])
+        batch.state = batch.state._replace(**own)
+        log: Any = batch.state.log
+        first = self._in_form(self.first[member])
+        log[: len(first)] = first
 
-    def start(self, member: int = 0) -> dict[str, Any]:
-        """Enter the pieces of a member at t = 0 in the log; return its records."""
-        self.log[: self.first.shape[1]] = self.first[member]
-        return self.records(member)
+    def _in_form(self, array: Any) -> Any:
+        """Records in the form of the batch: an array, or a list of objects."""
+        if self.batch.is_compiled:
+            return array
+        return as_objects(array)
+
+    def store(self, member: int) -> None:
+        """Put the records of the batch back to those of a member."""
+        for name in MEMBER_FIELDS:
+            self.records(name)[member] = self.batch.array(name)
 
     def go(self, member: int = 0, report: Report = no_report) -> None:
-        """Run a member to its end, in slices."""
-        self.start(member)
-        run = self.run_of(member)
-        limit = int(run.limit)
-        spent = MIN_RUN_TIME
+        """Run a member to its end, in slices, between which it may go on in machine code."""
+        batch = self.batch
+        batch.choose_form(MIN_RUN_TIME)
+        self.load(member)
+        limit = self.request.limit
+        steps = 0
         stop = Stop.CAP
-        while stop == Stop.CAP and run.steps < limit:
-            taken = int(run.steps)
-            fast = compiling.can_be(self.own)
-            fast = fast and kernels.worth_compiling(spent, march.follow)
-            steps = COMPILED_STEPS
-            if not fast:  # all records change their form each time
-                steps = max(PLAIN_STEPS, taken // 2)
-            run.limit = min(limit, taken + steps)
-            stop = self._slice(member, fast)
-            spent = (int(run.steps) - taken) * STEP_TIME
+        while stop == Stop.CAP and steps < limit:
+            slice_steps = COMPILED_STEPS
+            if not batch.is_compiled:
+                slice_steps = max(PLAIN_STEPS, steps // 2)
+            self._set_limit(min(limit, steps + slice_steps))
+            stop = self._run_slice()
+            run = batch.objects("runs")[0]
+            seconds = (run.steps - steps) * STEP_TIME
+            steps = run.steps
             if stop == Stop.CAP:
-                report(int(run.steps), self._expected_steps(member, limit))
-        run.limit = limit
+                report(steps, self._expected_steps(run))
+                batch.choose_form(seconds)
+        self._set_limit(limit)
+        self.store(member)
 
-    def _expected_steps(self, member: int, limit: int) -> int | None:
+    def _set_limit(self, limit: int) -> None:
+        """Set the largest number of steps of the run in the batch."""
+        runs: Any = self.batch.state.runs
+        if self.batch.is_compiled:
+            runs["limit"] = limit
+        else:
+            runs[0].limit = limit
+
+    def _expected_steps(self, run: Run) -> int | None:
         """Estimated number of steps of a run to a given time; None where a proof ends it."""
-        run = self.run_of(member)
-        reached = int(self.node[member]["now"].min())
+        reached = min(node.now for node in self.batch.objects("nodes"))
         if run.extra != NEVER or reached <= 0:
             return None
         expected = int(run.steps * (float(run.end) / reached)) + 1
-        return min(limit, expected)
+        return min(self.request.limit, expected)
+
+    def _run_slice(self) -> Stop:
+        """Run on up to the limit of the run, with longer logs as often as they are full."""
+        batch = self.batch
+        stop = Stop(batch.run())
+        while stop == Stop.FULL:
+            pieces = len(batch.state.log)
+            require_memory(
+                4 * pieces * PIECE.itemsize / 8,
+                "until",
+                f"a run of more than {pieces} pieces of waves",
+                self._remedy(),
+            )
+            batch.lengthen("log", "turns")
+            stop = Stop(batch.run())
+        return stop
 
     def _remedy(self) -> str:
         """Advice for a run of too many pieces."""
@@ -183,45 +229,3 @@ class Members:
             f"{shortest / longest:.1g} of the longest: make it longer, replace it by a rigid "
             "mass, or stop earlier"
         )
-
-    def _slice(self, member: int, fast: bool) -> Stop:
-        """Run on up to the limit of the run, on arrays of records or in plain Python."""
-        if fast:
-            return self._compiled_slice(member)
-        return self._plain_slice(member)
-
-    def _compiled_slice(self, member: int) -> Stop:
-        """Run on in machine code, which works on the records themselves."""
-        records = self.records(member)
-        stop = self._follow(compiling.compiled(march.follow, self.own), records)
-        self.log = records["log"]
-        self.turn = records["turn"]
-        return stop
-
-    def _plain_slice(self, member: int) -> Stop:
-        """Run on in plain Python, which works on lists of objects: they are copied back."""
-        lists = {}
-        for name, array in self.records(member).items():
-            lists[name] = record_lists.as_objects(array)
-        stop = self._follow(compiling.interpreted(march.follow, self.own), lists)
-        for name, kind in RECORDS.items():
-            getattr(self, name)[member] = record_lists.as_records(lists[name], kind)
-        self.log = record_lists.as_records(lists["log"], PIECE)
-        self.turn = record_lists.as_records(lists["turn"], TURN)
-        return stop
-
-    def _follow(self, follow: Any, records: dict[str, Any]) -> Stop:
-        """Call the kernel on these records, with longer logs as often as they are full."""
-        stop = Stop(follow(*records.values()))
-        while stop == Stop.FULL:
-            pieces = len(records["log"])
-            require_memory(
-                4 * pieces * PIECE.itemsize / 8,
-                "until",
-                f"a run of more than {pieces} pieces of waves",
-                self._remedy(),
-            )
-            for name, kind in LISTS.items():
-                records[name] = record_lists.lengthened(records[name], kind)
-            stop = Stop(follow(*records.values()))
-        return stop

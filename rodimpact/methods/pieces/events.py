@@ -1,13 +1,11 @@
 """What happens between pieces: contacts close, open, yield, and rigid bodies strike each other."""
 
-from typing import Any
-
 from .. import contact_laws
 from ..compiling import borrowed
 from ..link import Law
 from ..states import Status
 from . import lines, series
-from .records import NONE, SMOOTH
+from .records import NONE, SMOOTH, Link, Links, Masses, Node, Run, State, Turns
 from .series import N, X
 
 MAX_SWEEPS = 1000
@@ -25,20 +23,12 @@ RESTING_RTOL = 1e-8
 """Velocity over the velocity scale, below which rigid bodies part so slowly that they rest."""
 
 
-def happen(
-    run: Any,
-    links: Any,
-    masses: Any,
-    turns: Any,
-    node: Any,
-    tick: int,
-    i: int,
-    status: int,
-) -> None:
+def happen(state: State, node: Node, tick: int, i: int, status: int) -> None:
     """Change the status of link i, and set the order of the break that this makes."""
-    links = borrowed(links)
-    masses = borrowed(masses)
-    turns = borrowed(turns)
+    run = state.runs[0]
+    links = borrowed(state.links)
+    masses = borrowed(state.masses)
+    turns = borrowed(state.turns)
     link = links[i]
     old = link.status
     link.status = status
@@ -65,7 +55,7 @@ def happen(
         link.order = 0
 
 
-def closing_of(masses: Any, node: Any, q: int) -> float:
+def closing_of(masses: Masses, node: Node, q: int) -> float:
     """Return the closing velocity of rigid bodies at the start of the next piece."""
     if q == 0:
         before = node.incoming[0][0]
@@ -78,14 +68,14 @@ def closing_of(masses: Any, node: Any, q: int) -> float:
     return float(before - behind)
 
 
-def inverse_mass(masses: Any, node: Any, q: int) -> float:
+def inverse_mass(masses: Masses, node: Node, q: int) -> float:
     """Return 1/m of the body behind link q; 0 for a wall."""
     if q < 0 or q == node.links - 1:
         return 0.0
     return 1 / float(masses[node.mass + q].mass)
 
 
-def apply_impulse(masses: Any, node: Any, q: int, impulse: float) -> None:
+def apply_impulse(masses: Masses, node: Node, q: int, impulse: float) -> None:
     """Change the velocities of both bodies beside link q by an impulse in it."""
     if q > 0:
         before = inverse_mass(masses, node, q - 1)
@@ -96,7 +86,7 @@ def apply_impulse(masses: Any, node: Any, q: int, impulse: float) -> None:
 
 
 def resolve_impacts(
-    run: Any, links: Any, masses: Any, turns: Any, node: Any, tick: int, i: int
+    run: Run, links: Links, masses: Masses, turns: Turns, node: Node, tick: int, i: int
 ) -> None:
     """Let rigid bodies strike, all together that touch.
 
@@ -139,7 +129,7 @@ def resolve_impacts(
 
 
 def finish_impact(
-    run: Any, turns: Any, link: Any, i: int, tick: int, closing: float
+    run: Run, turns: Turns, link: Link, i: int, tick: int, closing: float
 ) -> None:
     """Log the impulse of an impact; bodies that do not part rest, as long as they are pressed."""
     struck = link.force[0] > 0
@@ -161,22 +151,14 @@ def finish_impact(
             link.apart = tick
 
 
-def record(
-    run: Any,
-    links: Any,
-    masses: Any,
-    all_lines: Any,
-    log: Any,
-    turns: Any,
-    node: Any,
-    ticks: int,
-) -> None:
+def record(state: State, node: Node, ticks: int) -> None:
     """Enter the effects of a piece on the links and masses of a node: states, totals, logs."""
+    run = state.runs[0]
     h = ticks * run.tick
     for q in range(node.links):
-        link = links[node.first + q]
+        link = state.links[node.first + q]
         if run.keep:
-            keep(run, all_lines, log, node, link, ticks)
+            keep(state, node, link, ticks)
         link.order = SMOOTH
         link.overlap = link.overlaps[N]
         link.rate = link.closing[N] - link.mobility * link.force[N]
@@ -200,18 +182,25 @@ def record(
                 start -= max(link.faint, 0)
                 link.pressed += node.now + ticks - start
         if link.law >= Law.RIGID and touch != link.touch:
-            log_contact_change(run, turns, link, node.first + q, start, touch)
+            log_contact_change(run, state.turns, link, node.first + q, start, touch)
         link.faint = faint_ticks(run, link, touch, ticks)
     for i in range(node.links - 1):
-        body = masses[node.mass + i]
+        body = state.masses[node.mass + i]
         if run.keep:
             lines.append(
-                run, all_lines, log, body.line, node.now, ticks, body.speed, node.series
+                run,
+                state.lines,
+                state.log,
+                body.line,
+                node.now,
+                ticks,
+                body.speed,
+                node.series,
             )
         body.speed[0] = body.speed[N]
 
 
-def presses(run: Any, link: Any, largest: float) -> bool:
+def presses(run: Run, link: Link, largest: float) -> bool:
     """Return whether a touching contact presses; `largest` is the largest force of the piece.
 
     A contact with a contact law must have an overlap too; others are decided by their force.
@@ -224,7 +213,7 @@ def presses(run: Any, link: Any, largest: float) -> bool:
     return largest * link.ease > run.graze
 
 
-def faint_ticks(run: Any, link: Any, touch: int, ticks: int) -> int:
+def faint_ticks(run: Run, link: Link, touch: int, ticks: int) -> int:
     """Return for how many ticks a compliant contact has been closed with a faint force.
 
     A force that starts smoothly is faint at first; once it presses, it has begun when the contact
@@ -243,7 +232,7 @@ def faint_ticks(run: Any, link: Any, touch: int, ticks: int) -> int:
 
 
 def log_contact_change(
-    run: Any, turns: Any, link: Any, i: int, tick: int, touch: int
+    run: Run, turns: Turns, link: Link, i: int, tick: int, touch: int
 ) -> None:
     """Log that a contact is touched, presses or is left."""
     if touch == Status.PRESS:
@@ -266,11 +255,14 @@ def log_contact_change(
     run.turns += 1
 
 
-def keep(run: Any, all_lines: Any, log: Any, node: Any, link: Any, ticks: int) -> None:
+def keep(state: State, node: Node, link: Link, ticks: int) -> None:
     """Keep the force of a link over a piece, its overlap, and the closing rate of one that yields.
 
     The lines that keep them follow each other from `link.kept` on.
     """
+    run = state.runs[0]
+    all_lines = state.lines
+    log = state.log
     now = node.now
     l = link.kept
     lines.append(run, all_lines, log, l, now, ticks, link.force, node.series)

@@ -4,13 +4,24 @@ A wall holds a group: its velocity is the mean, and the mass fraction beyond eve
 """
 
 import math
-from typing import Any
 
 from .. import finality_kernel as proof
 from ..link import Law
 from ..states import Status, Stop
 from . import lines
-from .records import NEVER, NONE, Part
+from .records import (
+    NEVER,
+    NONE,
+    GroupPart,
+    Lines,
+    Link,
+    Links,
+    Log,
+    Part,
+    Parts,
+    Run,
+    State,
+)
 from .series import N
 
 DASHPOT_FACTOR = 16.0
@@ -25,25 +36,25 @@ TRUNCATION_SHARE = 1e-3
 """Velocity over the tolerance of pieces, below which it may be their truncation error."""
 
 
-def look(
-    run: Any, links: Any, masses: Any, all_lines: Any, log: Any, parts: Any, tick: int
-) -> None:
+def look(state: State, tick: int) -> None:
     """Decide at a tick that every node has reached whether the run is over, or when to look again.
 
     `run.proved` is set with the proof; `run.check` is the tick of the next look.
     """
+    run = state.runs[0]
+    parts = state.parts
     if run.proved == NONE or run.held:  # joined bodies go on changing
-        for l in range(len(all_lines)):
-            if all_lines[l].head != NONE:
+        for l in range(len(state.lines)):
+            if state.lines[l].head != NONE:
                 if run.stop == Stop.CAP:
-                    lines.rewind(all_lines, log, l)
-                lines.move_on(all_lines, log, l, tick)
-        survey(links, masses, all_lines, log, parts, run.tick, tick)
+                    lines.rewind(state.lines, state.log, l)
+                lines.move_on(state.lines, state.log, l, tick)
+        survey(state, tick)
         if run.surveyed == NONE:
             for i in range(len(parts)):
                 parts[i].initial = parts[i].mean
         elif run.check < NEVER and run.stop == Stop.NONE and tick < run.end:
-            time = time_until_over(run, links, parts)
+            time = time_until_over(run, state.links, parts)
             ticks = int(min(time / run.tick, 0.5 * NEVER)) + 1
             run.check = tick + max(run.proof_interval, ticks)
             if time == 0:
@@ -55,7 +66,7 @@ def look(
         run.stop = Stop.DONE.value
 
 
-def time_until_over(run: Any, links: Any, parts: Any) -> float:
+def time_until_over(run: Run, links: Links, parts: Parts) -> float:
     """Return the time until it may be proved that the run is over, s, as bodies move now.
 
     It is 0 if no contact can close again, or nothing changes any more.
@@ -83,7 +94,9 @@ def time_until_over(run: Any, links: Any, parts: Any) -> float:
     return max(longest, run.tick)
 
 
-def time_until_apart(link: Any, left: Any, right: Any, slow: float) -> float:
+def time_until_apart(
+    link: Link, left: GroupPart, right: GroupPart, slow: float
+) -> float:
     """Return the time until a contact between two groups may be proved not to close again, s."""
     least = -math.inf
     if left.plain and right.plain:
@@ -95,27 +108,20 @@ def time_until_apart(link: Any, left: Any, right: Any, slow: float) -> float:
     )
 
 
-def is_quiet(link: Any, group: Any, slow: float) -> bool:
+def is_quiet(link: Link, group: GroupPart, slow: float) -> bool:
     """Return whether a group moves evenly, and the overlap of a contact with it is constant."""
     rate = link.closing[N] - link.mobility * link.force[N]
     return bool(group.high - group.low <= slow and abs(rate) <= slow)
 
 
-def bound(group: Any, slack: float) -> float:
+def bound(group: GroupPart, slack: float) -> float:
     """Return the largest deviation of an end of a group from the mean motion at any time, m."""
     return math.sqrt(2 * group.bound * slack)
 
 
-def survey(
-    links: Any,
-    masses: Any,
-    all_lines: Any,
-    log: Any,
-    parts: Any,
-    second: float,
-    tick: int,
-) -> None:
-    """Set the motion of all groups at a tick that every node has reached; `second` is s a tick."""
+def survey(state: State, tick: int) -> None:
+    """Set the motion of all groups at a tick that every node has reached."""
+    parts = state.parts
     for first in range(len(parts)):
         group = parts[first]
         last = first + group.parts
@@ -124,7 +130,7 @@ def survey(
         momentum = 0.0
         total = 0.0
         for k in range(first, last):
-            update_part(links, masses, all_lines, log, parts[k], 0.0, tick)
+            update_part(state, parts[k], 0.0, tick)
             momentum += parts[k].mass * parts[k].own
             total += parts[k].mass
         if total > 0:
@@ -132,7 +138,7 @@ def survey(
         group.speed = group.mean
         if group.held != NONE:
             # the group comes to the velocity that the line from outside carries
-            piece = log[all_lines[group.held].head]
+            piece = state.log[state.lines[group.held].head]
             y = 2 * (tick - piece.start) / (piece.stop - piece.start) - 1
             group.speed = lines.at(piece, y)
         off = group.mean - group.speed
@@ -140,32 +146,24 @@ def survey(
         group.low = group.speed
         group.high = group.speed
         for k in range(first, last):
-            update_part(links, masses, all_lines, log, parts[k], group.mean, tick)
+            update_part(state, parts[k], group.mean, tick)
             group.bound += parts[k].energy
-        set_ends(links, all_lines, log, parts, first, last, total, second)
+        set_ends(state, first, last, total)
 
 
-def update_part(
-    links: Any,
-    masses: Any,
-    all_lines: Any,
-    log: Any,
-    part: Any,
-    speed: float,
-    tick: int,
-) -> None:
+def update_part(state: State, part: GroupPart, speed: float, tick: int) -> None:
     """Set the mean velocity of a part, its energy about a velocity, and moments of its waves."""
     part.energy = 0.0
     if part.kind == Part.MASS:
-        part.own = masses[part.index].speed[0]
+        part.own = state.masses[part.index].speed[0]
         part.energy = part.mass * ((part.own - speed) * (part.own - speed)) / 2
     elif part.kind == Part.SEGMENT:
-        transit = all_lines[2 * part.index].delay
+        transit = state.lines[2 * part.index].delay
         squares = 0.0
         for way in range(2):
-            head = all_lines[2 * part.index + way].head
+            head = state.lines[2 * part.index + way].head
             whole, tilt, _, square = lines.moments(
-                log, head, tick - transit, transit, speed
+                state.log, head, tick - transit, transit, speed
             )
             part.wave[way] = whole
             part.tilt[way] = tilt
@@ -173,26 +171,19 @@ def update_part(
         part.own = speed + (part.wave[0] + part.wave[1]) / 4
         part.energy = part.mass * squares / 8
     elif part.kind == Part.JOINT:
-        joint = links[part.index]
+        joint = state.links[part.index]
         part.energy = joint.stiffness * (joint.overlap * joint.overlap) / 2
 
 
-def set_ends(
-    links: Any,
-    all_lines: Any,
-    log: Any,
-    parts: Any,
-    first: int,
-    last: int,
-    total: float,
-    second: float,
-) -> None:
+def set_ends(state: State, first: int, last: int, total: float) -> None:
     """Set the displacements of the ends of a group, and the bounds of their velocities.
 
     The end of a single segment can only take velocities of the waves in it, of their reflections,
     and of its holder. At the start and at the stop of a part the mass fractions beyond it are g and
     w, as seen from the left or the right end.
     """
+    second = state.runs[0].tick
+    parts = state.parts
     group = parts[first]
     held = group.held != NONE
     passed = 0.0
@@ -222,14 +213,14 @@ def set_ends(
             compliance = part.compliance
             if part.kind == Part.SEGMENT:
                 l = 2 * part.index + side
-                low, high = extremes(all_lines, log, l, group.low, group.high)
+                low, high = extremes(state.lines, state.log, l, group.low, group.high)
                 group.low = low
                 group.high = high
-                transit = second * all_lines[2 * part.index].delay
+                transit = second * state.lines[2 * part.index].delay
                 group.deviation[side] += sign * stretch(part, g, w) * transit
                 group.slack[side] += compliance * (g * g + g * w + w * w) / 3
             elif part.kind == Part.JOINT:
-                joint = links[part.index]
+                joint = state.links[part.index]
                 if compliance > 0:
                     group.deviation[side] -= sign * joint.overlap * g
                 else:
@@ -250,7 +241,7 @@ def set_ends(
     group.plain = alone or last - first == 1
 
 
-def stretch(part: Any, g: float, w: float) -> float:
+def stretch(part: GroupPart, g: float, w: float) -> float:
     """Return the integral of strain g dx over the transit time, with g linear from g to w.
 
     As dx is c dt, strain dx is (b - a)/2 dt. The wave that a sent last is at the left end now, the
@@ -262,7 +253,7 @@ def stretch(part: Any, g: float, w: float) -> float:
 
 
 def extremes(
-    all_lines: Any, log: Any, l: int, low: float, high: float
+    all_lines: Lines, log: Log, l: int, low: float, high: float
 ) -> tuple[float, float]:
     """Return bounds of the waves under way in a line, and of two velocities."""
     i = all_lines[l].head

@@ -1,24 +1,22 @@
 """Lines: what left one end arrives at the other a transit later, as a list of pieces in a log."""
 
-from typing import Any
-
 from ..compiling import borrowed
 from . import series
-from .records import HARD, NONE, SMOOTH
-from .series import POINTS, WEIGHTS, N, X
+from .records import HARD, NONE, SMOOTH, Lines, Log, Node, Piece, Run
+from .series import POINTS, WEIGHTS, MutableValues, N, Values, X
 
 EXACT = 1e-4
 """Jump of a wave over the tolerance, below which the wave counts as continuous."""
 
 
-def at(piece: Any, y: float) -> float:
+def at(piece: Piece, y: float) -> float:
     """Return the value of a piece at y, from -1 to 1; y beyond these is taken for round-off."""
     if piece.degree == 0:
         return piece.coefficient[0]
     return series.value(piece.coefficient, min(1.0, max(-1.0, y)))
 
 
-def move_on(lines: Any, log: Any, l: int, tick: int) -> None:
+def move_on(lines: Lines, log: Log, l: int, tick: int) -> None:
     """Let the head of a line be the piece that arrives at a tick, or the last one."""
     line = lines[l]
     while log[line.head].after != NONE and log[line.head].stop + line.delay <= tick:
@@ -27,7 +25,7 @@ def move_on(lines: Any, log: Any, l: int, tick: int) -> None:
             line.hard -= 1
 
 
-def rewind(lines: Any, log: Any, l: int) -> None:
+def rewind(lines: Lines, log: Log, l: int) -> None:
     """Let the head of a line be its first piece again: its readers may be at different ticks."""
     line = lines[l]
     line.head = line.first
@@ -39,12 +37,12 @@ def rewind(lines: Any, log: Any, l: int) -> None:
         i = log[i].after
 
 
-def known_until(lines: Any, log: Any, l: int) -> int:
+def known_until(lines: Lines, log: Log, l: int) -> int:
     """Return the tick until which the arriving wave is known."""
     return int(log[lines[l].tail].stop + lines[l].delay)
 
 
-def next_break(lines: Any, log: Any, l: int, tick: int, end: int) -> int:
+def next_break(lines: Lines, log: Log, l: int, tick: int, end: int) -> int:
     """Return the tick of the next hard break that arrives after a tick, or the end."""
     delay = lines[l].delay
     i = log[lines[l].head].after
@@ -55,7 +53,7 @@ def next_break(lines: Any, log: Any, l: int, tick: int, end: int) -> int:
     return end
 
 
-def order_at(lines: Any, log: Any, l: int, tick: int) -> int:
+def order_at(lines: Lines, log: Log, l: int, tick: int) -> int:
     """Return the order of the break that arrives at a tick; at t = 0 anything may jump."""
     if tick == 0:
         return 0
@@ -65,7 +63,9 @@ def order_at(lines: Any, log: Any, l: int, tick: int) -> int:
     return SMOOTH
 
 
-def sample(lines: Any, log: Any, l: int, tick: int, ticks: int, f: Any) -> None:
+def sample(
+    lines: Lines, log: Log, l: int, tick: int, ticks: int, f: MutableValues
+) -> None:
     """Set f to the arriving wave at the points of a piece; at its end to the limit from before."""
     begin = tick - lines[l].delay
     piece = log[lines[l].head]
@@ -86,7 +86,7 @@ def sample(lines: Any, log: Any, l: int, tick: int, ticks: int, f: Any) -> None:
 
 
 def moments(
-    log: Any, i: int, begin: int, ticks: int, speed: float
+    log: Log, i: int, begin: int, ticks: int, speed: float
 ) -> tuple[float, float, float, float]:
     """Return the moments of the wave, less a velocity, that a line sent over `ticks` from `begin`.
 
@@ -116,7 +116,9 @@ def moments(
     return whole, tilt, bend, square
 
 
-def project(lines: Any, log: Any, l: int, tick: int, ticks: int, f: Any) -> None:
+def project(
+    lines: Lines, log: Log, l: int, tick: int, ticks: int, f: MutableValues
+) -> None:
     """Set f to the parabola nearest to the arriving wave: same momentum, never more energy."""
     line = lines[l]
     begin = tick - line.delay
@@ -125,7 +127,14 @@ def project(lines: Any, log: Any, l: int, tick: int, ticks: int, f: Any) -> None
 
 
 def put(
-    run: Any, lines: Any, log: Any, l: int, tick: int, stop: int, degree: int, c: Any
+    run: Run,
+    lines: Lines,
+    log: Log,
+    l: int,
+    tick: int,
+    stop: int,
+    degree: int,
+    c: Values,
 ) -> int:
     """Append a piece to a line; return its place in the log.
 
@@ -158,7 +167,14 @@ def put(
 
 
 def append(
-    run: Any, lines: Any, log: Any, l: int, tick: int, ticks: int, f: Any, c: Any
+    run: Run,
+    lines: Lines,
+    log: Log,
+    l: int,
+    tick: int,
+    ticks: int,
+    f: Values,
+    c: MutableValues,
 ) -> int:
     """Append the piece with the values f at its points, as `put` does, with c as scratch."""
     lines = borrowed(lines)
@@ -174,7 +190,7 @@ def append(
 
 
 def send(
-    run: Any, lines: Any, log: Any, l: int, node: Any, ticks: int, order: int
+    run: Run, lines: Lines, log: Log, l: int, node: Node, ticks: int, order: int
 ) -> None:
     """Append the wave that leaves a node, with a break of this order.
 
@@ -191,7 +207,7 @@ def send(
         lines[l].hard += 1
 
 
-def classify_break(run: Any, lines: Any, log: Any, old: int, i: int) -> None:
+def classify_break(run: Run, lines: Lines, log: Log, old: int, i: int) -> None:
     """Classify the break between two pieces: it is hard if its jump is above tolerance.
 
     Its `order` is the lowest that theory allows; jumps of value, slope and curvature are measured
@@ -221,7 +237,7 @@ def classify_break(run: Any, lines: Any, log: Any, old: int, i: int) -> None:
         lines[new.line].hard += 1
 
 
-def reflect(run: Any, lines: Any, log: Any, node: Any) -> int:
+def reflect(run: Run, lines: Lines, log: Log, node: Node) -> int:
     """Send the arriving piece back from a free end, unchanged; return the tick of its end."""
     side = 0
     if node.mobility[1] > 0:

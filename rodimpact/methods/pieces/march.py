@@ -6,13 +6,12 @@ limit of what is known, inputs at the points of a piece, collocation, first even
 """
 
 import math
-from typing import Any
 
 from .. import contact_laws
 from ..compiling import borrowed
 from ..states import Status, Stop
 from . import events, finality, lines, nodes, series
-from .records import HARD, NEVER, NONE
+from .records import HARD, NEVER, NONE, Lines, Log, Node, Nodes, Run, State
 from .series import N
 
 FLIPS = 1000
@@ -23,17 +22,7 @@ ROWS_PER_LINK = 4
 """Rows of the log of pieces that a link may add in a step."""
 
 
-def follow(
-    runs: Any,
-    node: Any,
-    link: Any,
-    mass: Any,
-    line: Any,
-    part: Any,
-    log: Any,
-    turn: Any,
-    G: Any,
-) -> int:
+def follow(state: State) -> int:
     """Run to `run.end`, or to the proof that nothing meets any more and `run.extra` ticks more.
 
     All state is in the records: a run that has no room left goes on once it has more.
@@ -43,71 +32,65 @@ def follow(
     int
         A `Stop`.
     """
-    run = runs[0]
-    all_nodes = borrowed(node)
-    links = borrowed(link)
-    masses = borrowed(mass)
-    all_lines = borrowed(line)
-    parts = borrowed(part)
-    log = borrowed(log)
-    turns = borrowed(turn)
-    G = borrowed(G)
-    step_rows = 2 + ROWS_PER_LINK * len(links) + len(masses)
-    step_turns = len(links) + FLIPS
+    run = state.runs[0]
+    state = State(
+        borrowed(state.runs),
+        borrowed(state.nodes),
+        borrowed(state.links),
+        borrowed(state.masses),
+        borrowed(state.lines),
+        borrowed(state.parts),
+        borrowed(state.log),
+        borrowed(state.turns),
+        borrowed(state.matrix),
+    )
+    step_rows = 2 + ROWS_PER_LINK * len(state.links) + len(state.masses)
+    step_turns = len(state.links) + FLIPS
     run.stop = Stop.NONE.value
     while run.stop == Stop.NONE:
-        earliest = all_nodes[earliest_node(all_nodes)]
+        earliest = state.nodes[earliest_node(state.nodes)]
         due = run.surveyed == NONE or earliest.now >= min(run.end, run.check)
         if not due and run.steps >= run.limit:
             run.stop = Stop.CAP.value
         elif not due and (
-            run.pieces + step_rows > len(log) or run.turns + step_turns > len(turns)
+            run.pieces + step_rows > len(state.log)
+            or run.turns + step_turns > len(state.turns)
         ):
             run.stop = Stop.FULL.value
         if due or run.stop == Stop.CAP:
-            tick = min(earliest.now, run.end)
-            finality.look(run, links, masses, all_lines, log, parts, tick)
+            finality.look(state, min(earliest.now, run.end))
         elif run.stop == Stop.NONE:
             run.steps += 1
             if earliest.mirror:
-                earliest.now = lines.reflect(run, all_lines, log, earliest)
-            elif not advance(
-                run, all_nodes, links, masses, all_lines, log, turns, G, earliest
-            ):
+                earliest.now = lines.reflect(run, state.lines, state.log, earliest)
+            elif not advance(state, earliest):
                 run.stop = Stop.STUCK.value
     return int(run.stop)
 
 
-def earliest_node(all_nodes: Any) -> int:
+def earliest_node(nodes: Nodes) -> int:
     """Return the number of the node that is furthest behind."""
     k = 0
-    for i in range(1, len(all_nodes)):
-        if all_nodes[i].now < all_nodes[k].now:
+    for i in range(1, len(nodes)):
+        if nodes[i].now < nodes[k].now:
             k = i
     return k
 
 
-def advance(
-    run: Any,
-    all_nodes: Any,
-    links: Any,
-    masses: Any,
-    all_lines: Any,
-    log: Any,
-    turns: Any,
-    G: Any,
-    node: Any,
-) -> bool:
+def advance(state: State, node: Node) -> bool:
     """Take one step of a node; return whether there was a solution."""
+    run = state.runs[0]
+    links = state.links
+    masses = state.masses
+    all_lines = state.lines
+    log = state.log
     tick = node.now
     for side in range(2):
         lines.move_on(all_lines, log, node.source[side], tick)
     left = lines.order_at(all_lines, log, node.source[0], tick)
     right = lines.order_at(all_lines, log, node.source[1], tick)
-    end = horizon(run, all_lines, log, node, left <= HARD or right <= HARD)
-    full, worst, where, which, status = solve(
-        run, links, masses, all_lines, log, turns, node, end - tick, G
-    )
+    end = horizon(state, node, left <= HARD or right <= HARD)
+    full, worst, where, which, status = solve(state, node, end - tick)
     if full == 0:
         return False
     ticks = full
@@ -121,7 +104,7 @@ def advance(
         if ticks < full and node.rough:
             # means over the shorter time, or momentum would be lost
             take_inputs(all_lines, log, node, ticks)
-            nodes.collocate(run, links, masses, node, ticks * run.tick, G)
+            nodes.collocate(run, links, masses, node, ticks * run.tick, state.matrix)
         elif ticks < full:
             nodes.restrict_piece(links, masses, node, 2 * ticks / full - 1)
     # a piece is limited if something else than its truncation error sets its duration
@@ -134,8 +117,8 @@ def advance(
         error = nodes.remainder(links, node, which == NONE)
         run.shared = max(run.shared, ticks / run.shortest * error)
     nodes.forbid_pulling(links, node)
-    send_leaving(run, links, all_lines, log, node, ticks, left, right)
-    events.record(run, links, masses, all_lines, log, turns, node, ticks)
+    send_leaving(state, node, ticks, left, right)
+    events.record(state, node, ticks)
     if node.rough:
         run.rough += 1
         if run.first_rough == NONE:
@@ -143,12 +126,12 @@ def advance(
     if which != NONE:
         for side in range(2):
             node.incoming[side][0] = node.incoming[side][N]
-        events.happen(run, links, masses, turns, node, tick + ticks, which, status)
+        events.happen(state, node, tick + ticks, which, status)
         if status == Status.OPEN and run.check < NEVER:
             # the next look for a proof is at a tick that no node has passed
             run.check = tick + ticks
-            for i in range(len(all_nodes)):
-                run.check = max(run.check, all_nodes[i].now)
+            for i in range(len(state.nodes)):
+                run.check = max(run.check, state.nodes[i].now)
     node.now = tick + ticks
     growth = 4.0
     if worst > 0:
@@ -160,12 +143,15 @@ def advance(
     return True
 
 
-def horizon(run: Any, all_lines: Any, log: Any, node: Any, broken: bool) -> int:
+def horizon(state: State, node: Node, broken: bool) -> int:
     """Return the end of the next piece; set whether hard breaks are too dense there.
 
     Where more of them are under way than there are floors in a transit, they are not followed one
     by one: cost would grow without end.
     """
+    run = state.runs[0]
+    all_lines = state.lines
+    log = state.log
     tick = node.now
     left = node.source[0]
     right = node.source[1]
@@ -196,23 +182,13 @@ def horizon(run: Any, all_lines: Any, log: Any, node: Any, broken: bool) -> int:
     return end
 
 
-def is_dense(run: Any, all_lines: Any, log: Any, l: int, tick: int) -> bool:
+def is_dense(run: Run, all_lines: Lines, log: Log, l: int, tick: int) -> bool:
     """Return whether more hard breaks are under way in a line than the floor allows."""
     unread = lines.known_until(all_lines, log, l) - tick
     return bool(all_lines[l].hard * run.floor > 2 * max(unread, run.shortest))
 
 
-def solve(
-    run: Any,
-    links: Any,
-    masses: Any,
-    all_lines: Any,
-    log: Any,
-    turns: Any,
-    node: Any,
-    ticks: int,
-    G: Any,
-) -> tuple[int, float, float, int, int]:
+def solve(state: State, node: Node, ticks: int) -> tuple[int, float, float, int, int]:
     """Solve a node on a piece as long as it turns out smooth; events at its start come first.
 
     Returns
@@ -228,14 +204,17 @@ def solve(
     int
         The new status of the link.
     """
+    run = state.runs[0]
+    links = state.links
+    masses = state.masses
     flips = 0
     tried = ticks
     error_before = 0.0
     while True:
         h = ticks * run.tick
-        take_inputs(all_lines, log, node, ticks)
+        take_inputs(state.lines, state.log, node, ticks)
         worst = -1.0
-        if nodes.collocate(run, links, masses, node, h, G):
+        if nodes.collocate(run, links, masses, node, h, state.matrix):
             worst = nodes.roughness(links, masses, node)
         if worst >= 0 and (worst <= run.tolerance or node.rough or ticks <= SHORTEST):
             where, which, status = nodes.next_event(run, links, node, h)
@@ -249,7 +228,7 @@ def solve(
                 return ticks, worst, 1.0, NONE, 0
             if flips % (8 + node.links * node.links) == 0 and ticks > SHORTEST:
                 ticks = max(SHORTEST, ticks // 10)  # no status lasts as long: a graze
-            events.happen(run, links, masses, turns, node, node.now, which, status)
+            events.happen(state, node, node.now, which, status)
         elif ticks <= 1:
             return 0, worst, 1.0, NONE, 0
         else:
@@ -259,7 +238,7 @@ def solve(
             ticks = max(1, int(ticks * factor))
 
 
-def take_inputs(all_lines: Any, log: Any, node: Any, ticks: int) -> None:
+def take_inputs(all_lines: Lines, log: Log, node: Node, ticks: int) -> None:
     """Set the waves that come in from both sides over a piece."""
     all_lines = borrowed(all_lines)
     log = borrowed(log)
@@ -292,21 +271,14 @@ def shortening(
     return max(least, min(0.6, 0.8 * (tolerance / worst) ** (1 / power)))
 
 
-def send_leaving(
-    run: Any,
-    links: Any,
-    all_lines: Any,
-    log: Any,
-    node: Any,
-    ticks: int,
-    left: int,
-    right: int,
-) -> None:
+def send_leaving(state: State, node: Node, ticks: int, left: int, right: int) -> None:
     """Send the waves that leave a node, with the orders of their breaks.
 
     Each spring and mass of a chain makes breaks one order smoother. `left` and `right` are the
     orders of the breaks that arrive from both sides.
     """
+    run = state.runs[0]
+    links = state.links
     over = left
     back = right
     for q in range(node.links):
@@ -324,4 +296,4 @@ def send_leaving(
         if node.rough:
             series.flatten(node.leaving)
             order = 0
-        lines.send(run, all_lines, log, node.target[side], node, ticks, order)
+        lines.send(run, state.lines, state.log, node.target[side], node, ticks, order)

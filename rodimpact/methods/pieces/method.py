@@ -69,8 +69,8 @@ def solve(
         check_scales(row)
     fine = Members(row, RunRequest(until, tolerance_of(rtol), max_events, keep=True))
     fine.go(report=report)
-    if fine.run_of(0).stop == Stop.STUCK:
-        nodes = record_lists.as_objects(fine.node[0])
+    if fine.runs["stop"][0, 0] == Stop.STUCK:
+        nodes = record_lists.as_objects(fine.nodes[0])
         stuck = min(nodes, key=lambda node: node.now)
         seconds = float(fine.clock.tick * stuck.now)
         raise InvalidModel([totals.why_stuck(row, stuck, seconds)])
@@ -129,7 +129,7 @@ def solve_family(
     members = np.flatnonzero(~refused)
     fine = Members(row, RunRequest(until, tolerance, max_events, keep=False))
     fine.run_all(members, should_stop)
-    is_stuck = fine.run["stop"][:, 0] == Stop.STUCK
+    is_stuck = fine.runs["stop"][:, 0] == Stop.STUCK
     columns = _columns_of(fine, refused.ravel() | is_stuck)
     if "accuracy" in also:
         errors = stated_errors(fine, members, COARSER * tolerance, should_stop)
@@ -149,7 +149,7 @@ def stated_errors(
     Members run again at a coarser tolerance, and the results are compared. A member that takes the
     same steps again shows no difference: it runs at a still coarser one, up to `coarsest`.
     """
-    count = len(fine.run)
+    count = len(fine.runs)
     apart = np.zeros((count, len(runs.MEASURES)))
     alike = members
     tolerance = COARSER * fine.request.tolerance
@@ -157,7 +157,7 @@ def stated_errors(
         coarse = Members(
             fine.row, fine.request._replace(tolerance=tolerance, keep=False)
         )
-        compare(fine.run.view(np.recarray), coarse.run.view(np.recarray))
+        compare(fine.runs.view(np.recarray), coarse.runs.view(np.recarray))
         coarse.run_all(alike, stop, report)
         for m in alike:
             apart[m] = differences(fine.ended(m), coarse.ended(m))
@@ -183,13 +183,13 @@ def _result_of(one: Members, accuracy: dict[str, float], goal: float) -> Run:
     """The result of a single collision, a family of one that has run."""
     row = one.row
     until = one.request.until
-    records = one.records()
+    state = one.state()
     ended = one.ended(0)
     run = ended.run
     transits = [int(transit) for transit in one.clock.transits]
     clock = clock_of(row, transits, run.tick, scale=float(one.clock.scale))
     tick = clock.tick
-    end = min(int(records["node"]["now"].min()), run.end)
+    end = min(int(state.nodes["now"].min()), run.end)
     stopped_by = totals.why_stopped(run, until is not None)
     t_end = end * tick
     if until is not None and stopped_by == "until":
@@ -203,8 +203,8 @@ def _result_of(one: Members, accuracy: dict[str, float], goal: float) -> Run:
     status += totals.simplifications_text(run)
     status += _struck_together(row)
     status += rounding(clock.transit_error, clock.worst)
-    status += strain_warning(_largest_strain(row, records["log"][: run.pieces]))
-    signals = cache(partial(signals_of, row, clock, end, records))
+    status += strain_warning(_largest_strain(row, state.log[: run.pieces]))
+    signals = cache(partial(signals_of, row, clock, end, state))
     before, after = _body_velocities(one)
     vibration = _floats(vibration_of(one))
     return Run(
@@ -305,9 +305,9 @@ def _group_velocities(family: Members) -> tuple[list[Any], list[Any]]:
     The frame moves with `row.frame` at t = 0 and falls: its velocity is frame + g t.
     """
     row = family.row
-    parts = family.part
+    parts = family.parts
     shape = row.system.shape
-    run = family.run[:, 0].reshape(shape)
+    run = family.runs[:, 0].reshape(shape)
     frame_after = row.frame + row.system.gravity * run["surveyed"] * run["tick"]
     before = []
     after = []
@@ -321,7 +321,7 @@ def _group_velocities(family: Members) -> tuple[list[Any], list[Any]]:
 def vibration_of(family: Members) -> list[Any]:
     """Energy of each body about the velocity of its group, J, [body] by member."""
     row = family.row
-    parts = family.part
+    parts = family.parts
     kinds = parts["kind"][0].tolist()
     indices = parts["index"][0].tolist()
     part_energies = {}
@@ -343,7 +343,7 @@ def vibration_of(family: Members) -> list[Any]:
 def _columns_of(family: Members, refused: Any) -> Columns:
     """Columns of members that have run; nan where a member is refused."""
     row = family.row
-    run = family.run[:, 0]
+    run = family.runs[:, 0]
     zero_or_nan = np.where(refused, math.nan, 0.0)
     before, after = _body_velocities(family)
     final = (run["proved"] >= 0) & ~refused
@@ -361,7 +361,7 @@ def _columns_of(family: Members, refused: Any) -> Columns:
 
 def _contact_columns(family: Members, zero_or_nan: Any) -> dict[str, list[Any]]:
     """Totals of every contact in SI units, [contact] by member."""
-    tick = family.run[:, 0]["tick"]
+    tick = family.runs[:, 0]["tick"]
     contacts: dict[str, list[Any]] = {
         "impulse": [],
         "peak_force": [],
@@ -369,7 +369,7 @@ def _contact_columns(family: Members, zero_or_nan: Any) -> dict[str, list[Any]]:
         "episodes": [],
     }
     for i in family.row.contact_link:
-        link = family.link[:, i]
+        link = family.links[:, i]
         peak = np.where(link["law"] == Law.IMPACT, math.nan, link["peak"])
         contacts["impulse"].append(zero_or_nan + link["impulse"])
         contacts["peak_force"].append(zero_or_nan + peak)

@@ -7,15 +7,13 @@ where a rod's end counts with the wave that comes in. Forces that depend on this
 collocation (Radau IIA) and Newton's method.
 """
 
-from typing import Any
-
 from .. import contact_laws
 from ..compiling import borrowed
 from ..link import Law
 from ..states import Status
 from . import series
-from .records import NONE
-from .series import POINTS, STAGES, START, TWICE, N, X
+from .records import NONE, Link, Links, Masses, Node, Run
+from .series import POINTS, STAGES, START, TWICE, Matrix, MutableValues, N, Values, X
 
 MAX_NEWTON_STEPS = 30
 """Newton steps on one piece; a piece that needs more is shortened."""
@@ -46,7 +44,7 @@ FIRST_RISE = 1e-3
 """Part of the way to the next point at which an event function that starts at 0 shows its sign."""
 
 
-def overlap_changes(link: Any) -> bool:
+def overlap_changes(link: Link) -> bool:
     """Return whether the overlap of a link changes."""
     if link.status == Status.BOND:
         return bool(link.law == Law.JOINT)
@@ -56,14 +54,14 @@ def overlap_changes(link: Any) -> bool:
     )
 
 
-def elastic_share(link: Any) -> float:
+def elastic_share(link: Link) -> float:
     """Return the elastic part of the closing rate; a link that yields takes up the rest."""
     if link.status == Status.PLASTIC:
         return link.hardening_share
     return 1.0
 
 
-def set_forces(links: Any, node: Any) -> int:
+def set_forces(links: Links, node: Node) -> int:
     """Set the given forces, number the unknown ones and set them to 0; return their number."""
     n = 0
     for q in range(node.links):
@@ -88,7 +86,7 @@ def set_forces(links: Any, node: Any) -> int:
     return n
 
 
-def integrate(rate: Any, h: float, f: Any) -> None:
+def integrate(rate: Values, h: float, f: MutableValues) -> None:
     """Set f to f[0] plus the integral of a rate, at the points of a piece of duration h."""
     for j in range(N):
         s = 0.0
@@ -98,7 +96,7 @@ def integrate(rate: Any, h: float, f: Any) -> None:
         f[j + 1] = f[0] + 0.5 * h * s
 
 
-def update_motion(links: Any, masses: Any, node: Any, h: float) -> None:
+def update_motion(links: Links, masses: Masses, node: Node, h: float) -> None:
     """Set velocities, closing rates and overlaps, which follow from the forces."""
     for i in range(node.links - 1):
         before = links[node.first + i]
@@ -128,7 +126,7 @@ def update_motion(links: Any, masses: Any, node: Any, h: float) -> None:
             integrate(node.rate, h, link.overlaps)
 
 
-def linearise(link: Any, h: float, first: bool) -> float:
+def linearise(link: Link, h: float, first: bool) -> float:
     """Set the tangent F = base + by_overlap d + by_closing closing; return the relative residual.
 
     In the first Newton step the tangent is taken at the extrapolated overlap d + d' u + d'' u^2/2,
@@ -155,7 +153,9 @@ def linearise(link: Any, h: float, first: bool) -> float:
     return 0.0
 
 
-def set_equations(links: Any, masses: Any, node: Any, h: float, G: Any, n: int) -> None:
+def set_equations(
+    links: Links, masses: Masses, node: Node, h: float, G: Matrix, n: int
+) -> None:
     """Set the equations of a Newton step: its changes of forces fulfil the tangent laws."""
     for q in range(node.links):
         link = links[node.first + q]
@@ -178,7 +178,7 @@ def set_equations(links: Any, masses: Any, node: Any, h: float, G: Any, n: int) 
             )
 
 
-def closing_by_impulse(masses: Any, node: Any, q: int, p: int) -> float:
+def closing_by_impulse(masses: Masses, node: Node, q: int, p: int) -> float:
     """Return the change of the closing rate of link q by a unit impulse in link p, 1/kg."""
     left = 0.0
     right = 0.0
@@ -196,7 +196,7 @@ def closing_by_impulse(masses: Any, node: Any, q: int, p: int) -> float:
 
 
 def set_block(
-    link: Any, by_impulse: float, own: bool, h: float, G: Any, column: int
+    link: Link, by_impulse: float, own: bool, h: float, G: Matrix, column: int
 ) -> None:
     """Set the N by N equations that couple the forces of two links, or one with itself.
 
@@ -228,7 +228,7 @@ def set_block(
 
 
 def take_step(
-    run: Any, links: Any, masses: Any, node: Any, h: float, G: Any, n: int
+    run: Run, links: Links, masses: Masses, node: Node, h: float, G: Matrix, n: int
 ) -> None:
     """Add the changes of a Newton step to the forces, and update the motion.
 
@@ -254,7 +254,9 @@ def take_step(
                     link.overlaps[j] = elastic / link.by_overlap[j]
 
 
-def collocate(run: Any, links: Any, masses: Any, node: Any, h: float, G: Any) -> bool:
+def collocate(
+    run: Run, links: Links, masses: Masses, node: Node, h: float, G: Matrix
+) -> bool:
     """Solve a node over a piece of duration h; return whether Newton's method converged.
 
     Radau IIA is stiffly accurate: contacts far stiffer than the piece is long do no harm.
@@ -298,7 +300,7 @@ def collocate(run: Any, links: Any, masses: Any, node: Any, h: float, G: Any) ->
     return True
 
 
-def forbid_pulling(links: Any, node: Any) -> None:
+def forbid_pulling(links: Links, node: Node) -> None:
     """Let no contact of a node pull, at any time in the piece, with the same impulse as before.
 
     Where a force falls to 0 its polynomial may swing below 0 by about the tolerance. With m > 0 at
@@ -322,7 +324,7 @@ def forbid_pulling(links: Any, node: Any) -> None:
                     link.force[j] = max(0.0, (link.force[j] + swing) * share)
 
 
-def set_leaving(links: Any, node: Any, side: int) -> None:
+def set_leaving(links: Links, node: Node, side: int) -> None:
     """Set the wave that leaves a node.
 
     To the left goes a - 2 F/Z with the force of the first link, to the right b + 2 F/Z with that
@@ -335,7 +337,7 @@ def set_leaving(links: Any, node: Any, side: int) -> None:
         node.leaving[j] = incoming[j] + velocity_by_force * link.force[j]
 
 
-def roughness(links: Any, masses: Any, node: Any) -> float:
+def roughness(links: Links, masses: Masses, node: Node) -> float:
     """Return the truncation error of a piece, m/s: the largest tail of its series.
 
     The series are those of incoming and leaving waves, of velocities of masses, and of forces.
@@ -363,7 +365,7 @@ def roughness(links: Any, masses: Any, node: Any) -> float:
     return worst
 
 
-def remainder(links: Any, node: Any, integrated: bool) -> float:
+def remainder(links: Links, node: Node, integrated: bool) -> float:
     """Return an estimate of the error of the waves of a piece, or of their integrals, m/s."""
     largest = 0.0
     for side in range(2):
@@ -374,7 +376,7 @@ def remainder(links: Any, node: Any, integrated: bool) -> float:
     return largest
 
 
-def crossing(node: Any, j: int) -> float:
+def crossing(node: Node, j: int) -> float:
     """Return the place at which an event function falls below 0, or -1 if it does so at once.
 
     `node.rate` has its values at the points; the first negative one is that at point j.
@@ -391,7 +393,7 @@ def crossing(node: Any, j: int) -> float:
     return zero
 
 
-def dip(node: Any, depth: float) -> float:
+def dip(node: Node, depth: float) -> float:
     """Return the place at which an event function falls below 0 between two points.
 
     It is 2 if the function does not, or by less than `depth`. A contact may close or let go for a
@@ -417,7 +419,7 @@ def dip(node: Any, depth: float) -> float:
     return zero
 
 
-def next_event(run: Any, links: Any, node: Any, h: float) -> tuple[float, int, int]:
+def next_event(run: Run, links: Links, node: Node, h: float) -> tuple[float, int, int]:
     """Return the first event of a piece: its place, its link, and the new status of the link.
 
     The place is -1 if the event is at the start, and 1 if there is none. An event function that is
@@ -468,7 +470,7 @@ def next_event(run: Any, links: Any, node: Any, h: float) -> tuple[float, int, i
     return where, which, status
 
 
-def restrict_piece(links: Any, masses: Any, node: Any, y: float) -> None:
+def restrict_piece(links: Links, masses: Masses, node: Node, y: float) -> None:
     """Restrict all series of a piece to the part up to y."""
     for side in range(2):
         series.restrict(node.incoming[side], y, node.series)

@@ -6,21 +6,24 @@ overlap (below 0: the gap), `closing` the rate at which a link would close witho
 frame of the run, forces N.
 """
 
+from collections.abc import MutableSequence, Sequence
 from enum import IntEnum
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, NamedTuple, TypeAlias
 
 from .. import link
 from ..record_lists import dtype_of
-from .series import POINTS
+from .series import POINTS, Matrix
 
-Series: TypeAlias = Annotated[Any, ("f8", (POINTS,))]
+Series: TypeAlias = Annotated[MutableSequence[float], ("f8", (POINTS,))]
 """Values at the points of a piece, or coefficients of a Chebyshev series."""
 Tick: TypeAlias = Annotated[int, "i8"]
 """A time in ticks."""
-Sides: TypeAlias = Annotated[Any, ("f8", (2,))]
+Sides: TypeAlias = Annotated[MutableSequence[float], ("f8", (2,))]
 """A number for the left and one for the right side, end or wave."""
-SideLines: TypeAlias = Annotated[Any, ("i8", (2,))]
+SideLines: TypeAlias = Annotated[MutableSequence[int], ("i8", (2,))]
 """Numbers of the lines on the left and on the right."""
+SideSeries: TypeAlias = Annotated[Sequence[MutableSequence[float]], ("f8", (2, POINTS))]
+"""Values at the points of a piece, for the left and for the right side."""
 
 
 class Part(IntEnum):
@@ -76,7 +79,7 @@ class Node:
     mobility: Sides  # 1/Z of the rods, s/kg; 0 where there is none
 
     # Over the piece that is being solved, at its points
-    incoming: Annotated[Any, ("f8", (2, POINTS))]  # waves that arrive, m/s
+    incoming: SideSeries  # waves that arrive, m/s
     leaving: Series  # a wave that leaves, m/s
     rate: Series  # scratch: derivatives, or values of a guard
     series: Series  # scratch: coefficients
@@ -207,6 +210,29 @@ class Run:
     graze: (
         float  # velocity, m/s: a force that makes less in the shortest transit is none
     )
+
+
+Nodes: TypeAlias = Sequence[Node]
+Links: TypeAlias = Sequence[Link]
+Masses: TypeAlias = Sequence[Mass]
+Lines: TypeAlias = Sequence[Line]
+Parts: TypeAlias = Sequence[GroupPart]
+Log: TypeAlias = Sequence[Piece]
+Turns: TypeAlias = Sequence[Turn]
+
+
+class State(NamedTuple):
+    """All that the kernels read and change."""
+
+    runs: Sequence[Run]  # one Run; a sequence, since machine code changes arrays only
+    nodes: Nodes  # from left to right
+    links: Links  # node by node
+    masses: Masses
+    lines: Lines  # two a segment, those from outside, then those that keep what happens
+    parts: Parts  # group by group
+    log: Log  # pieces of all lines
+    turns: Turns
+    matrix: Matrix  # scratch: equations of a Newton step
 
 
 PIECE = dtype_of(Piece)

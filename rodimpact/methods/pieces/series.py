@@ -6,7 +6,8 @@ Ordinary Differential Equations II, section IV.5).
 """
 
 import math
-from typing import Any
+from collections.abc import MutableSequence, Sequence
+from typing import TypeAlias
 
 import numpy as np
 from numpy.polynomial import chebyshev, legendre
@@ -22,6 +23,12 @@ NEXT_INTEGRAL = 0.01
 THIRDS = 36
 """Steps to an extremum, each of which leaves two thirds of the width: 5e-7 of it at the end."""
 
+Values: TypeAlias = Sequence[float]
+"""Values at the points of a piece, or coefficients of a series."""
+MutableValues: TypeAlias = MutableSequence[float]
+"""The same, where a function sets them."""
+Matrix: TypeAlias = Sequence[MutableSequence[float]]
+
 _LAST = legendre.Legendre.basis(N - 1) - legendre.Legendre.basis(N)
 _RADAU = np.append(np.sort(_LAST.roots().real)[:-1], 1.0)
 _START_AND_STAGES = np.concatenate(([-1.0], _RADAU))
@@ -33,21 +40,21 @@ _INTEGRALS = [
 ]
 """Integrals from -1 on of the polynomials that are 1 at one stage and 0 at the others."""
 
-X: Any = _START_AND_STAGES.tolist()
+X: list[float] = _START_AND_STAGES.tolist()
 """Places of the points."""
-SERIES: Any = _VALUES_TO_SERIES.tolist()
+SERIES: list[list[float]] = _VALUES_TO_SERIES.tolist()
 """Matrix from values at the points to coefficients of the Chebyshev series."""
-STAGES: Any = [[float(each(y)) for each in _INTEGRALS] for y in _RADAU]
+STAGES: list[list[float]] = [[float(each(y)) for each in _INTEGRALS] for y in _RADAU]
 """Matrix from values at the stages to integrals from -1 to each of these."""
-TWICE: Any = (np.array(STAGES) @ np.array(STAGES)).tolist()
+TWICE: list[list[float]] = (np.array(STAGES) @ np.array(STAGES)).tolist()
 """Matrix from values at the stages to the integrals of these integrals."""
-START: Any = (_SERIES_AT_START @ _STAGES_TO_SERIES)[0].tolist()
+START: list[float] = (_SERIES_AT_START @ _STAGES_TO_SERIES)[0].tolist()
 """Weights of the stages in the value at the start, extrapolated."""
-WEIGHTS: Any = STAGES[N - 1][:]
+WEIGHTS: list[float] = STAGES[N - 1][:]
 """Weights of the stages in the integral over the piece; exact up to degree 2N - 2."""
 
 
-def value(c: Any, y: float) -> float:
+def value(c: Values, y: float) -> float:
     """Return the sum of the series c at y, by Clenshaw's recurrence."""
     b1 = 0.0
     b2 = 0.0
@@ -59,7 +66,7 @@ def value(c: Any, y: float) -> float:
     return y * b1 - b2 + c[0]
 
 
-def slope_at_end(c: Any, end: float) -> float:
+def slope_at_end(c: Values, end: float) -> float:
     """Return the derivative of the series c by y at an end of the piece, -1 or 1."""
     s = 0.0
     sign = end
@@ -69,7 +76,7 @@ def slope_at_end(c: Any, end: float) -> float:
     return s
 
 
-def coefficients(f: Any, c: Any) -> None:
+def coefficients(f: Values, c: MutableValues) -> None:
     """Set c to the series with the values f at the points."""
     for m in range(POINTS):
         row = SERIES[m]  # taken out of the inner loop: a view costs more than a product
@@ -79,7 +86,7 @@ def coefficients(f: Any, c: Any) -> None:
         c[m] = s
 
 
-def integral(f: Any) -> float:
+def integral(f: Values) -> float:
     """Return the integral over y from -1 to 1 of the polynomial with the values f at the points."""
     s = 0.0
     for j in range(N):
@@ -87,7 +94,7 @@ def integral(f: Any) -> float:
     return s
 
 
-def tail(f: Any) -> float:
+def tail(f: Values) -> float:
     """Return the size of the last two coefficients of the series with the values f at the points.
 
     It measures the truncation error.
@@ -102,7 +109,7 @@ def tail(f: Any) -> float:
     return abs(before) + abs(last)
 
 
-def remainder(f: Any, integrated: bool) -> float:
+def remainder(f: Values, integrated: bool) -> float:
     """Return an estimate of the error of a piece, against the function that it stands for.
 
     Coefficients fall by a factor r from degree to degree. The polynomial misses the next one, about
@@ -129,7 +136,7 @@ def remainder(f: Any, integrated: bool) -> float:
     return error
 
 
-def is_constant(f: Any) -> bool:
+def is_constant(f: Values) -> bool:
     """Return whether the values at all points are the same."""
     same = True
     for j in range(1, POINTS):
@@ -137,7 +144,7 @@ def is_constant(f: Any) -> bool:
     return bool(same)
 
 
-def restrict(f: Any, y: float, c: Any) -> None:
+def restrict(f: MutableValues, y: float, c: MutableValues) -> None:
     """Replace f by the values of the same polynomial at the points of the part up to y."""
     if is_constant(f):
         return
@@ -146,7 +153,7 @@ def restrict(f: Any, y: float, c: Any) -> None:
         f[j] = value(c, 0.5 * (y + 1) * (X[j] + 1) - 1)
 
 
-def first_zero(c: Any, low: float, high: float) -> float:
+def first_zero(c: Values, low: float, high: float) -> float:
     """Return the place between `low` and `high` at which the series c falls below 0, by bisection.
 
     It is 0 or more at `low`, and negative at `high`.
@@ -160,7 +167,7 @@ def first_zero(c: Any, low: float, high: float) -> float:
     return high
 
 
-def largest(f: Any) -> float:
+def largest(f: Values) -> float:
     """Return the largest of the values at the points."""
     most = f[0]
     for j in range(1, POINTS):
@@ -168,7 +175,7 @@ def largest(f: Any) -> float:
     return most
 
 
-def smallest(f: Any) -> float:
+def smallest(f: Values) -> float:
     """Return the smallest of the values at the points."""
     least = f[0]
     for j in range(1, POINTS):
@@ -176,7 +183,7 @@ def smallest(f: Any) -> float:
     return least
 
 
-def lowest(c: Any, low: float, high: float) -> float:
+def lowest(c: Values, low: float, high: float) -> float:
     """Return the place between two others at which the series c is lowest, if it has one there."""
     for _ in range(THIRDS):
         third = (high - low) / 3
@@ -187,7 +194,7 @@ def lowest(c: Any, low: float, high: float) -> float:
     return low
 
 
-def minimum(c: Any) -> float:
+def minimum(c: Values) -> float:
     """Return the smallest value of the series c, found between samples beside the smallest of them.
 
     A series that cannot be negative, by the sum of its coefficients, is not looked at further: its
@@ -212,7 +219,7 @@ def minimum(c: Any) -> float:
     return least
 
 
-def maximum(f: Any, c: Any, least: float) -> float:
+def maximum(f: Values, c: MutableValues, least: float) -> float:
     """Return the largest value of the polynomial with the values f at the points.
 
     It lies beside the largest of these values. A vertex beside the outermost points counts too: a
@@ -241,13 +248,13 @@ def maximum(f: Any, c: Any, least: float) -> float:
     return max(f[best], value(c, low))
 
 
-def set_parabola(f: Any, whole: float, tilt: float, bend: float) -> None:
+def set_parabola(f: MutableValues, whole: float, tilt: float, bend: float) -> None:
     """Set f to the parabola with these integrals times P0, P1 and P2 (Legendre)."""
     for j in range(POINTS):
         f[j] = 0.5 * whole + 1.5 * tilt * X[j] + 2.5 * bend * (1.5 * X[j] * X[j] - 0.5)
 
 
-def flatten(f: Any) -> None:
+def flatten(f: MutableValues) -> None:
     """Replace f by the parabola that is nearest to it in mean squares."""
     whole = 0.0
     tilt = 0.0
@@ -260,7 +267,7 @@ def flatten(f: Any) -> None:
     set_parabola(f, whole, tilt, bend)
 
 
-def eliminate(G: Any, n: int, band: int) -> None:
+def eliminate(G: Matrix, n: int, band: int) -> None:
     """Solve n equations by Gauss elimination in place; the right-hand side is column n of G.
 
     No coefficient is farther than `band` from the diagonal; pivoting fills as much again on the

@@ -17,7 +17,7 @@ from ..signals import Pieces
 NOTHING = Pieces([0], [0.0])
 
 
-def signals_of(row: Row, clock: Clock, end: int, records: dict[str, Any]) -> Signals:
+def signals_of(row: Row, clock: Clock, end: int, state: Any) -> Signals:
     """Signals of a run: all that it keeps of the motion.
 
     Parameters
@@ -26,26 +26,26 @@ def signals_of(row: Row, clock: Clock, end: int, records: dict[str, Any]) -> Sig
     clock : Clock
     end : int
         Last tick.
-    records : dict of str to array
-        Records of the run, by name.
+    state : State
+        Records of the run, as arrays.
     """
-    run = records["run"][0]
+    run = state.runs[0]
     bodies = row.system.bodies
-    lines = _lines(records["log"][: run["pieces"]], len(records["line"]))
-    turns = records["turn"][: run["turns"]]
+    lines = _lines(state.log[: run["pieces"]], len(state.lines))
+    turns = state.turns[: run["turns"]]
     fall = clock.gravity * clock.tick * np.array([0.0, end])
     frame = Pieces.through([0, end], clock.frame + fall)
-    masses = _masses(row, end, lines, frame, records, turns)
+    masses = _masses(row, end, lines, frame, state, turns)
     contacts: list[ContactSignal | None] = []
     for i in row.contact_link:
         contact = None  # a bond of rigid bodies
         if i >= 0:
             own_turns = turns[turns["link"] == i]
-            contact = _contact(records["link"][i], own_turns, lines, clock.tick)
+            contact = _contact(state.links[i], own_turns, lines, clock.tick)
         contacts.append(contact)
-    left = _with_blows(_outside(row, 0, lines, frame, records), bodies[0], contacts)
+    left = _with_blows(_outside(row, 0, lines, frame, state), bodies[0], contacts)
     right = _with_blows(
-        _outside(row, 1, lines, frame, records), bodies[-1], contacts[::-1]
+        _outside(row, 1, lines, frame, state), bodies[-1], contacts[::-1]
     )
 
     def inertia_force(body: int) -> Pieces:
@@ -75,7 +75,7 @@ def _masses(
     end: int,
     lines: list[Pieces],
     frame: Pieces,
-    records: dict[str, Any],
+    state: Any,
     turns: Any,
 ) -> dict[int, Pieces]:
     """Velocity of each rigid body in the frame, m/s.
@@ -91,7 +91,7 @@ def _masses(
             speed = float(row.boundaries[m - count][1])
             masses[body] = Pieces.through([0, end], np.full(2, speed)) - frame
         elif m >= 0:
-            velocity = lines[records["mass"]["line"][m]]
+            velocity = lines[state.masses["line"][m]]
             if starts_with_blow or end == 0:
                 before = float(row.mass_velocity[m]) - float(row.frame)
                 velocity = _at_once(velocity, 0, before)
@@ -178,24 +178,24 @@ def _at_once(signal: Pieces, tick: int, value: float) -> Pieces:
 
 
 def _outside(
-    row: Row, side: int, lines: list[Pieces], frame: Pieces, records: dict[str, Any]
+    row: Row, side: int, lines: list[Pieces], frame: Pieces, state: Any
 ) -> BoundaryAction | None:
     """Force on the left or right end of the row, and the velocity of that end."""
     kind, value = row.boundaries[side]
     if kind == "none":
         return None
-    node = records["node"][-side]
+    node = state.nodes[-side]
     if kind == "velocity" and isinstance(value, float):
         speed = Pieces([0], [value])
     elif kind == "velocity":
         speed = lines[node["source"][side]] + frame
     elif kind == "force" and node["links"] > 1:
-        speed = lines[records["mass"]["line"][-side]] + frame
+        speed = lines[state.masses["line"][-side]] + frame
     else:  # the end of a rod: half the sum of the waves that leave and arrive
         inner = 1 - side
         source = node["source"][inner]
-        arriving = lines[source].later(int(records["line"]["delay"][source]))
+        arriving = lines[source].later(int(state.lines["delay"][source]))
         leaving = lines[node["target"][inner]]
         speed = leaving.times(0.5) + arriving.times(0.5) + frame
-    push = lines[records["link"]["kept"][-side]]
+    push = lines[state.links["kept"][-side]]
     return BoundaryAction(row.boundary_name(side), push, speed)
